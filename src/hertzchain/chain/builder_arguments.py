@@ -49,20 +49,23 @@ def two_sizes(
     mass_ratio: float | None, radii: ArrayLike | None, diameters: ArrayLike | None
 ) -> Array:
     """Radii of the two kinds of beads of a dimer."""
-    if mass_ratio is not None or (radii is None) == (diameters is None):
+    sizes = {"mass_ratio": mass_ratio, "radii": radii, "diameters": diameters}
+    if len(given := [name for name, value in sizes.items() if value is not None]) > 1:
+        raise InputError(f"give only one of {' and '.join(given)} for a dimer")
+    if not given:
         raise InputError(
             "Chain.dimer needs a mass ratio, two radii or two diameters, such as "
             "Chain.dimer(diameters=['10 mm', '6 mm'], materials='steel-52100', beads=40)"
         )
-    what, given, factor = (
+    what, values, factor = (
         ("radius", radii, 1.0) if radii is not None else ("diameter", diameters, 0.5)
     )
-    sizes = factor * real_numbers(what, given, "bead", unit="m")
-    if sizes.shape not in ((), (1,), (2,)):
+    found = factor * real_numbers(what, values, "bead", unit="m")
+    if found.shape not in ((), (1,), (2,)):
         raise InputError(
-            f"a dimer has one or two sizes, got {sizes.size}; Chain.periodic repeats any cell"
+            f"a dimer has one or two sizes, got {found.size}; Chain.periodic repeats any cell"
         )
-    return np.resize(sizes, 2)
+    return np.resize(found, 2)
 
 
 def repeated_materials(

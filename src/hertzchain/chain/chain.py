@@ -323,6 +323,8 @@ class Chain(ChainFields):
         given = builder.radii_of_beads(radii, diameters, beads, None if one else len(named))
         kinds = tuple(map(material, named)) * (len(given) if one else 1)
         if velocity is not None:
+            if fields.get("velocities") is not None:
+                raise InputError("give only one of velocity (of bead 1) and velocities (of all)")
             fields["velocities"] = np.zeros(len(given))
             fields["velocities"][:1] = number("velocity", velocity, unit="m/s")
         return cls(given, units="SI", materials=kinds, **fields)
@@ -418,13 +420,18 @@ class Chain(ChainFields):
         Chain(21 beads of steel-316 and ptfe, diameters 10 mm and 6 mm in turn, impact at 1 m/s)
         """
         count = checked_beads(beads)
-        if radii is not None or diameters is not None or mass_ratio is None:
+        if mass_ratio is None or radii is not None or diameters is not None:
             sizes = builder.two_sizes(mass_ratio, radii, diameters)
             if materials is None:
                 return cls.from_radii(np.resize(sizes, count), **fields)
             kinds = builder.repeated_materials(materials, 2, count)
             return cls.from_materials(np.resize(sizes, count), kinds, **fields)
         ratio = number("mass ratio of a dimer", mass_ratio, unit=FRACTION, above=0.0)
+        if materials is not None:
+            raise InputError(
+                "a dimer of a mass ratio is a scaled chain without materials: omit them, or give "
+                "two radii or diameters instead of the mass ratio"
+            )
         check_keywords("Chain.dimer of a mass ratio", fields, builder.DIMER_FIELDS)
         masses = np.where(np.arange(count) % 2, ratio, 1.0)
         return cls(np.cbrt(masses), masses=masses, stiffness=np.ones(count - 1), **fields)

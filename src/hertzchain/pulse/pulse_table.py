@@ -242,6 +242,11 @@ class PulseTable(Columns):
             attrs={"method": "propagation"},
         )
 
+    def _repr_html_(self) -> str:
+        from ..notebook.tables import pulse_table_html
+
+        return pulse_table_html(self)
+
     def __repr__(self) -> str:
         failed = f", {len(self.reasons)} failed" if self.reasons else ""
         units = ", SI" if self.units == "SI" else ""

@@ -50,6 +50,9 @@ class Chain(ChainFields):
         m_k \ddot x_k = r_{k-1}(x_{k-1}-x_k)_+^{p} - r_k (x_k-x_{k+1})_+^{p},
         \qquad v_1(0) = m_1 = R_1 = 1 .
 
+    Two chains are equal (``==``) if all fields are equal and the same ones were given, and may be
+    keys of dictionaries.
+
     Attributes
     ----------
     radii : ndarray, shape (N,)

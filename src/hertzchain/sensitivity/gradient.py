@@ -71,7 +71,7 @@ class Gradient(Frozen):
     gradient: Mapping[str, Array] = field(repr=False)
     status: str
     steps: int
-    _accuracy: Accuracy = field(repr=False)
+    _accuracy: Accuracy = field(repr=False, compare=False)
     unit: str = field(default="", repr=False)
     units: Mapping[str, str] = field(default_factory=dict, repr=False)
     parameters: Mapping[str, Array] = field(default_factory=dict, repr=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from ..collision import Array
 from ..errors import InputError
-from ..validation.numbers import real_numbers
+from ..validation.keywords import check_keywords
+from ..validation.numbers import FRACTION, number, real_numbers
 from ..validation.objects import check_list
 from .fields import ChainFields
 from .input_checks import checked_beads
@@ -80,3 +81,24 @@ def repeated_materials(
             f"the cell has {size} beads, but {len(kinds)} materials; give one for each bead"
         )
     return (kinds * beads)[:beads]
+
+
+def velocities(beads: int, velocity: float | str, fields: Mapping[str, Any]) -> Array:
+    """Velocities of all beads, of which only the first one moves."""
+    if fields.get("velocities") is not None:
+        raise InputError("give only one of velocity (of bead 1) and velocities (of all)")
+    found = np.zeros(beads)
+    found[:1] = number("velocity", velocity, unit="m/s")
+    return found
+
+
+def dimer_masses(mass_ratio: float, beads: int, materials: Any, fields: Mapping[str, Any]) -> Array:
+    """Scaled masses of a dimer of a mass ratio, which has no materials."""
+    ratio = number("mass ratio of a dimer", mass_ratio, unit=FRACTION, above=0.0)
+    if materials is not None:
+        raise InputError(
+            "a dimer of a mass ratio is a scaled chain without materials: omit them, or give two "
+            "radii or diameters instead of the mass ratio"
+        )
+    check_keywords("Chain.dimer of a mass ratio", fields, DIMER_FIELDS)
+    return np.where(np.arange(beads) % 2, ratio, 1.0)

@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT
 from ..errors import InputError
-from ..validation.keywords import FIELD_ALIASES, check_keywords, checked_arguments, checked_fields
-from ..validation.numbers import FRACTION, number, plain_magnitude, real_numbers, whole_number
+from ..validation.keywords import FIELD_ALIASES, checked_arguments, checked_fields
+from ..validation.numbers import plain_magnitude, real_numbers, whole_number
 from ..validation.objects import check_list
 from . import builder_arguments as builder
 from . import contact_shapes, modifications, pieces, strikers
@@ -50,8 +50,7 @@ class Chain(ChainFields):
         m_k \ddot x_k = r_{k-1}(x_{k-1}-x_k)_+^{p} - r_k (x_k-x_{k+1})_+^{p},
         \qquad v_1(0) = m_1 = R_1 = 1 .
 
-    Two chains are equal (``==``) if all fields are equal and the same ones were given, and may be
-    keys of dictionaries.
+    Chains are equal (``==``) if all fields are equal and the same ones were given.
 
     Attributes
     ----------
@@ -326,10 +325,7 @@ class Chain(ChainFields):
         given = builder.radii_of_beads(radii, diameters, beads, None if one else len(named))
         kinds = tuple(map(material, named)) * (len(given) if one else 1)
         if velocity is not None:
-            if fields.get("velocities") is not None:
-                raise InputError("give only one of velocity (of bead 1) and velocities (of all)")
-            fields["velocities"] = np.zeros(len(given))
-            fields["velocities"][:1] = number("velocity", velocity, unit="m/s")
+            fields["velocities"] = builder.velocities(len(given), velocity, fields)
         return cls(given, units="SI", materials=kinds, **fields)
 
     @classmethod
@@ -424,19 +420,12 @@ class Chain(ChainFields):
         """
         count = checked_beads(beads)
         if mass_ratio is None or radii is not None or diameters is not None:
-            sizes = builder.two_sizes(mass_ratio, radii, diameters)
+            sizes = np.resize(builder.two_sizes(mass_ratio, radii, diameters), count)
             if materials is None:
-                return cls.from_radii(np.resize(sizes, count), **fields)
+                return cls.from_radii(sizes, **fields)
             kinds = builder.repeated_materials(materials, 2, count)
-            return cls.from_materials(np.resize(sizes, count), kinds, **fields)
-        ratio = number("mass ratio of a dimer", mass_ratio, unit=FRACTION, above=0.0)
-        if materials is not None:
-            raise InputError(
-                "a dimer of a mass ratio is a scaled chain without materials: omit them, or give "
-                "two radii or diameters instead of the mass ratio"
-            )
-        check_keywords("Chain.dimer of a mass ratio", fields, builder.DIMER_FIELDS)
-        masses = np.where(np.arange(count) % 2, ratio, 1.0)
+            return cls.from_materials(sizes, kinds, **fields)
+        masses = builder.dimer_masses(mass_ratio, count, materials, fields)
         return cls(np.cbrt(masses), masses=masses, stiffness=np.ones(count - 1), **fields)
 
     @cached_property

@@ -222,7 +222,8 @@ def gradient(
         ``"bead.largest_energy"`` at the largest forward velocity of a ``bead`` in the whole run;
         ``"final.velocity"`` or ``"final.position"`` of a ``bead`` at ``until``; or
         ``"energy."`` and ``kinetic``, ``forward``, ``backward``, ``contacts`` or ``walls``, the
-        energy at ``until``.  ``"pulse.velocity@90"`` includes the bead.
+        energy at ``until``.  ``"pulse.velocity@90"`` and
+        ``"velocity@last"`` include the bead.
     to : str or iterable of str
         Parameters: ``"radii"``, ``"masses"``, ``"stiffness"``, ``"gaps"``, ``"velocities"``,
         ``"young"``, ``"poisson"``, ``"density"`` (of each bead), ``"left_wall.stiffness"``,

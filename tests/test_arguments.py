@@ -269,7 +269,9 @@ def test_the_last_bead_of_a_gradient():
         assert found.value == hc.gradient(chain, usual).value
     with pytest.raises(hc.InputError, match="bead of 'velocity@end' must be a number or 'last'"):
         hc.gradient(chain, "velocity@end")
-    with pytest.raises(hc.InputError, match="unknown quantity 'velocty'.*did you mean 'pulse.velocity'"):
+    with pytest.raises(
+        hc.InputError, match="unknown quantity 'velocty'.*did you mean 'pulse.velocity'"
+    ):
         hc.gradient(chain, "velocty@3")
 
 

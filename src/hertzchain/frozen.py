@@ -26,9 +26,9 @@ class ShortDir:
 class Frozen(ShortDir):
     """Frozen dataclass with arrays: compared by its fields, and read-only also in copies.
 
-    Decorate it with ``eq=False``: comparing tuples of arrays fails.  Copies and unpickled arrays of
-    NumPy are writable, even if the original is read-only.  The
-    radii of a copied chain could then be changed without changing its masses.
+    Decorate it with ``eq=False``, because tuples of arrays cannot be compared.  Copies and
+    unpickled arrays of NumPy are writable, even if the original is read-only.  The radii of a
+    copied chain could then be changed without changing its masses.
     """
 
     def __eq__(self, other: object) -> bool:

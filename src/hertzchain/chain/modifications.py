@@ -88,6 +88,8 @@ def decorated(
 def with_defects(self: C, radii: Mapping[int, float], *, material: MaterialLike | None = None) -> C:
     """Return the chain with a few beads of another size or material.
 
+    A scaled chain keeps its units, also if bead 1 has another radius.
+
     Parameters
     ----------
     radii : mapping of int to float

@@ -14,8 +14,8 @@ from page_figures import PAGE_FIGURES
 
 import hertzchain as hc
 from hertzchain.evaluation.evaluate import scoreboard
-from hertzchain.paper.errata import errata_chains
 from hertzchain.paper.figures import draw_figure, figure_chains, reproduce_figure
+from hertzchain.paper.listed_errata import errata_chains
 from hertzchain.paper.reproduction import integrate_chains
 from hertzchain.paper.velocity_formulas import draw_formula_errors
 from hertzchain.plotting.designs import (

@@ -119,10 +119,9 @@ def teaching() -> Figure:
 
 def many_chains() -> Figure:
     """Momentum in random chains, and the sensitivity of a force to all radii."""
-    radii = np.exp(0.05 * np.random.default_rng(1).standard_normal((2000, 40)))
-    table = hc.propagate_many(radii)
-    momentum = (table.radii**3 * table.velocity)[:, 29]
-    same = hc.propagate(hc.Chain.uniform(40)).momentum[29]
+    equal = hc.Chain.uniform(40)
+    table = hc.propagate_many([equal.with_scatter(seed, relative=0.05) for seed in range(2000)])
+    momentum, same = table.momentum[:, 29], hc.propagate(equal).momentum[29]
     chain = hc.Chain.tapered("forward-linear", 0.005, beads=40)
     gradient = hc.local_rate_gradient(chain, "peak_force", bead=30)[1]
     with figure_style():

@@ -1,5 +1,6 @@
 """Messages about unknown and missing arguments of builders and functions."""
 
+import dataclasses
 import inspect
 
 import pytest
@@ -228,9 +229,56 @@ def test_strikers_keep_their_sizes_if_radii_scatter():
     assert (every.radii[:2] != 4e-3).all()
     assert every.radii[2:].tolist() == chain.radii[2:].tolist()
     scaled = hc.Chain.uniform(6).struck_by(radius=2.0).with_scatter(3, relative=0.05)
-    assert scaled.radii[:2].tolist() == [2.0, 1.0]
+    assert scaled.radii[0] == 2.0
+    assert (scaled.radii[1:] != 1.0).all()
     with pytest.raises(hc.InputError, match="changes the masses, .* first, then struck_by"):
         balls.struck_by(mass="1 g", radius="5 mm").with_scatter(3, relative=0.05)
+
+
+def test_other_words_for_functions_are_explained():
+    for word, meant in (("dispersion", "spectrum"), ("band_gap", "spectrum"), ("run", "simulate"),
+                        ("solve", "simulate"), ("force", "wall_force"), ("plot", "plot_pulses"),
+                        ("simulte", "simulate")):  # fmt: skip
+        with pytest.raises(AttributeError, match=f"no attribute '{word}'; did you mean '.*{meant}"):
+            getattr(hc, word)
+    with pytest.raises(AttributeError, match="xyzzy"):
+        _ = hc.xyzzy
+
+
+def test_completion_sees_the_fields_of_replace():
+    found = inspect.signature(hc.Chain.uniform(3).replace).parameters
+    fields = [each.name for each in dataclasses.fields(hc.Chain) if each.init]
+    assert list(found) == fields
+    assert {each.kind for each in found.values()} == {inspect.Parameter.KEYWORD_ONLY}
+    completer = pytest.importorskip("IPython.core.completer").IPCompleter(
+        namespace={"chain": hc.Chain.uniform(3)}, use_jedi=False
+    )
+    line = "chain.replace(right"
+    completer.text_until_cursor = line
+    matches = completer.python_func_kw_matches("right")
+    assert "right_wall=" in matches
+
+
+def test_the_last_bead_of_a_gradient():
+    chain = hc.Chain.uniform(6)
+    for name, usual in (("pulse.velocity@last", "pulse.velocity@6"),
+                        ("velocity@last", "pulse.velocity@6"),
+                        ("peak_force@last", "pulse.peak_force@5")):  # fmt: skip
+        found = hc.gradient(chain, name)
+        assert found.quantity == usual
+        assert found.value == hc.gradient(chain, usual).value
+    with pytest.raises(hc.InputError, match="bead of 'velocity@end' must be a number or 'last'"):
+        hc.gradient(chain, "velocity@end")
+    with pytest.raises(
+        hc.InputError, match="unknown quantity 'velocty'.*did you mean 'pulse.velocity'"
+    ):
+        hc.gradient(chain, "velocty@3")
+
+
+def test_one_quantity_in_a_plot():
+    pulse = hc.bca(hc.Chain.uniform(5))
+    with pytest.raises(hc.InputError, match="plot_pulses draws one quantity, .* once for each"):
+        hc.plot_pulses([pulse], ["velocity", "momentum"])
 
 
 def test_an_end_without_a_wall_has_no_force():

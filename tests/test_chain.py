@@ -97,7 +97,11 @@ def test_the_named_longest_forward_linear_chain_exists(rate):
         (lambda: Chain.tapered("backward-linear", True, beads=5), "must be a number, got True"),
         (lambda: Chain.tapered("backward-linear", 10**400, beads=5), "too large"),
         (lambda: Chain.tapered("uniform", 0.1, beads=5), "Chain.uniform"),
-        (lambda: Chain(np.array([2.0, 1.0])), "first of a scaled chain's radii must be 1, got 2"),
+        (lambda: Chain(np.array([0.01, 0.02])), "first radius of a scaled .* be 1, or .* got 0.01"),
+        (
+            lambda: Chain([0.01, 2.0, 1.0], strikers=1).replace(radii=[1.0, 60.0, 1.0]),
+            "first radius after the strikers .* got 60",
+        ),
         (lambda: Chain(np.ones(3), taper="backward-linear"), "requires rate; give rate"),
         (
             lambda: Chain(np.ones(3), taper="backward-linear", taper_parameters=[("rate", 0.1)]),

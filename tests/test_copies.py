@@ -10,9 +10,11 @@ import pytest
 
 import hertzchain as hc
 from hertzchain.fitting.loss_comparison import LossFit
+from hertzchain.frozen import Frozen
 from hertzchain.simulation.state import fingerprint
 from hertzchain.store import chain_as_toml as writer
 from hertzchain.store import chain_files
+from hertzchain.theory.wave_profile import WaveProfile
 
 WAYS_TO_COPY = {
     "copy": copy.copy,
@@ -218,3 +220,51 @@ def test_a_chain_that_cannot_be_written_is_rejected(monkeypatch):
     monkeypatch.setattr(writer, "ARRAYS", ("masses",))
     with pytest.raises(hc.InputError, match="cannot be written .* moves differently"):
         hc.chain_as_toml(chain)
+
+
+@pytest.mark.parametrize("way", WAYS_TO_COPY)
+def test_copies_are_equal_and_have_the_same_hash(everything, way):
+    compared = 0
+    for name, item in everything.items():
+        # Functions, such as those of a wave profile, are compared by identity.
+        frozen = isinstance(item, Frozen) and type(item).__eq__ is Frozen.__eq__
+        if frozen and not isinstance(item, WaveProfile):
+            again = WAYS_TO_COPY[way](item)
+            assert again == item, name
+            assert hash(again) == hash(item), name
+            compared += 1
+    assert compared > 5
+
+
+def test_chains_are_equal_if_all_fields_are():
+    chain = hc.Chain.uniform(5)
+    assert chain == hc.Chain.uniform(5)
+    assert {chain: 1}[hc.Chain.uniform(5)] == 1
+    wall, drive = hc.Wall(), hc.TableDrive([0.0, 1.0], [0.0, 2.0])
+    full = chain.replace(right_wall=wall, gaps=[0.0, -0.0, 0.1, 0.0], loss=hc.Restitution(0.9))
+    same = chain.replace(right_wall=hc.Wall(), gaps=[-0.0, 0.0, 0.1, 0.0], loss=hc.Restitution(0.9))
+    assert full == same
+    assert hash(full) == hash(same)
+    moved = chain.replace(drive=drive)
+    assert moved == chain.replace(drive=hc.TableDrive([0.0, 1.0], [0.0, 2.0]))
+    others = [
+        hc.Chain.uniform(6), hc.Chain.uniform(5, exponent=2.0), full, chain.replace(gravity=0.1),
+        chain.replace(masses=np.ones(5)), chain.replace(strikers=1), moved,
+        chain.replace(drive=hc.TableDrive([0.0, 1.0], [0.0, 3.0])), chain.replace(right_wall=wall),
+        hc.Chain.from_materials(1.0, "brass", beads=5), chain.replace(velocities=[2.0, 0, 0, 0, 0]),
+    ]  # fmt: skip
+    for i, one in enumerate(others):
+        assert one != chain
+        assert chain not in others
+        assert all(one != other for other in others[i + 1 :])
+    assert chain != "chain"
+
+
+def test_results_are_compared_by_their_values():
+    chain = hc.Chain.uniform(8)
+    assert hc.propagate(chain) == hc.propagate(hc.Chain.uniform(8))
+    assert hc.propagate(chain) != hc.bca(chain)
+    # Entries of chains that failed are NaN.
+    tables = [hc.propagate_many([[1.0, 1.0], [1.0, -1.0]]) for _ in range(2)]
+    assert tables[0] == tables[1]
+    assert tables[0] != hc.propagate_many([[1.0, 1.0], [1.0, 1.0]])

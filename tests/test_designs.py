@@ -323,7 +323,6 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     (outcome,) = trials.evaluate([np.full(9, 0.4)])
     chain = problem.space.chain_of(np.full(9, 0.4))
     radii = chain.radii * np.exp(0.02 * scatter._draws(3, 10))
-    radii[:, 0] = 1.0
     peaks = [hc.simulate(chain.replace(radii=each), times=0).wall_force().peak for each in radii]
     assert outcome.score == pytest.approx(np.mean(sorted(peaks)[-2:]), rel=1e-6)
     found = hc.design(problem, budget=1600)

@@ -140,19 +140,13 @@ def test_other_arguments_are_rejected(chain, options, message):
         hc.disorder(chain, **options)
 
 
-def test_scaled_lots_have_the_velocities_of_lots_in_si_units():
-    """The first bead is the unit: it deviates in SI units only, or the radii are divided by it."""
-    scaled = hc.Chain.uniform(30)
+def test_random_chains_have_the_spread_of_the_law():
+    """All beads deviate, in scaled chains, too; bead 1 adds 2.55 of the variance."""
     real = hc.Chain.from_materials(5e-3, "steel-316", beads=30, velocity=1e-3)
-    seeds = range(40)
-    own = hc.propagate_many([scaled.with_scatter(seed, relative=0.01) for seed in seeds]).velocity
-    lots = hc.propagate_many([real.with_scatter(seed, relative=0.01) for seed in seeds]).velocity
-    np.testing.assert_allclose(own, lots / 1e-3, rtol=1e-6)
-
-    def spread(chain):
-        samples = hc.Scatter(radius=0.01, samples=1000).sample(chain)
-        return np.log(hc.propagate_many(samples).velocity[:, 20]).std() / 0.01
-
-    # The law of disorder: 1.78 with the first bead; without it, 2.55 of the variance is missing.
-    assert spread(real) == pytest.approx(1.78, rel=0.1)
-    assert spread(scaled) == pytest.approx(np.sqrt(1.78**2 - 2.55), rel=0.1)
+    scaled = hc.Chain.uniform(30)
+    for chain in (scaled, real):
+        law = hc.disorder(chain, 0.01).velocity_spread[20] / 0.01
+        for beads, expected in ((None, law), ("2:", np.sqrt(law**2 - 2.55))):
+            samples = hc.Scatter(radius=0.01, samples=1000, beads=beads).sample(chain)
+            spread = np.log(hc.propagate_many(samples).velocity[:, 20]).std() / 0.01
+            assert spread == pytest.approx(expected, rel=0.1)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.paper.errata import errata, errata_chains
 from hertzchain.paper.figures import LAYOUTS, draw_figure, figure_csv, reproduce_figure
+from hertzchain.paper.listed_errata import errata, errata_chains
 from hertzchain.paper.published import Printed, published_figures
 from hertzchain.paper.reproduction import integrate_chains, items, reproduce
 from hertzchain.paper.tables import Entry, reproduce_table, table_chains

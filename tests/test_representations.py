@@ -8,6 +8,7 @@ import pytest
 import hertzchain as hc
 from hertzchain.chain.drives import SineBurst, StepDrive, TableDrive
 from hertzchain.evaluation import Case, paper_cases
+from hertzchain.paper import errata, reproduce, reproduce_figure, reproduce_table
 from hertzchain.representation import MAX_LINES, MAX_WIDTH, short
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.specification import read_specification
@@ -231,3 +232,57 @@ def test_one_limit_is_in_the_singular():
     found = hc.hertz_range(fast)
     assert len(found.violations) == 1
     assert "1 limit exceeded" in repr(found)
+
+
+@pytest.fixture(scope="module")
+def reproduced():
+    return reproduce(["table1", "table3", "figure1", "errata"])
+
+
+def test_results_of_the_paper(reproduced):
+    table, figure = reproduced.tables[0], reproduced.figures[0]
+    check(reproduced, ["2 tables, 1 figures", "entries agree", "17 errata"])
+    check(table, ["table1, momentum", f"{len(table.entries)} entries agree", "beads 5 to 80"])
+    check(figure, ["figure1", "3 curves", "holds"])
+    check(reproduced.errata[0], ["Eqs. (38)", "printed"])
+    frame = reproduced.to_dataframe()
+    assert len(frame) == sum(len(each.entries) for each in reproduced.tables)
+    assert frame.table.unique().tolist() == ["table1", "table3"]
+    difference = (frame.recomputed - frame.printed).abs()
+    assert difference[frame.verdict == "same digits"].max() < 0.51e-4
+    assert "printed" in table._repr_html_()
+    assert table.entries[0].printed.text in table._repr_html_()
+    assert "verdict" in dir(reproduced)
+    assert "holding_statements" not in dir(reproduced)
+
+
+def test_parts_of_the_paper_simulate_their_chains(reproduced):
+    assert reproduce_table("table3").entries == reproduced.tables[1].entries
+    statement = reproduce_figure("figure1").statement
+    assert statement.measured == reproduced.figures[0].statement.measured
+    assert errata()[3].place == reproduced.errata[3].place
+    assert callable(hc.paper.errata)
+    assert "pulses" in reproduce_figure.__doc__
+    for call in (reproduce_figure, reproduce_table):
+        with pytest.raises(hc.InputError, match="of the paper"):
+            call("table9")
+
+
+def test_tables_and_theories_have_views_in_notebooks():
+    chains = [hc.Chain.uniform(9).with_scatter(seed, relative=0.05) for seed in range(6)]
+    pulses = hc.propagate_many(chains)
+    walled = [chain.replace(right_wall=hc.Wall()) for chain in chains]
+    runs = hc.simulate_many(walled, keep=["wall_peak_force", "velocity"])
+    failed = hc.propagate_many([[1.0, -1.0]])
+    calibration = hc.calibrate("backward-linear", rates=(0.5,), beads=30, window=(5, 25))
+    for item, words in (
+        (pulses, ["<svg", "median", f"{np.median(pulses.velocity[:, -1]):.4g}"]),
+        (runs, ["<svg", "wall_peak_force", f"{runs['wall_peak_force'].max():.4g}"]),
+        (failed, ["failed"]),
+        (hc.solitary_wave(), ["<svg", "0.9074700784", "force of a contact"]),
+        (calibration, ["<svg", f"{calibration.worst_error:.2%}", "in the paper"]),
+    ):
+        page = item._repr_html_()
+        assert len(page) < 20_000
+        for word in words:
+            assert word in page, (type(item), word)

@@ -1,5 +1,7 @@
 """Spectra against closed forms, matrices assembled here, and ringing simulated by `simulate`."""
 
+import json
+
 import numpy as np
 import pytest
 from scipy.linalg import eig, expm
@@ -493,3 +495,66 @@ def test_a_chain_that_does_not_repeat_has_no_sound_speed():
     with pytest.raises(hc.InputError, match="no cell of any length repeats"):
         _ = found.sound_speed
     assert "sound speed" not in repr(found)
+
+
+def test_gaps_have_the_closed_form_of_diatomic_chains():
+    for ratio in (0.3, 0.9):
+        masses = np.where(np.arange(12) % 2, ratio, 1.0)
+        chain = hc.Chain.uniform(12).replace(
+            masses=masses, stiffness=np.ones(11), precompression=1.0, held_by="force"
+        )
+        found = hc.spectrum(chain)
+        (_, below), (above, end) = band_edges(other_mass=ratio, spring=1.5).reshape(2, 2) / (
+            2 * np.pi
+        )
+        np.testing.assert_allclose(found.gaps(), [[below, above], [end, np.inf]], rtol=1e-12)
+        gap = f"gap {below:g} .. {above:g}"
+        assert gap in " ".join(repr(found).split())
+        assert "Gaps without waves" in found._repr_html_()
+    equal = hc.spectrum(hc.Chain.uniform(12).replace(precompression=1.0, held_by="force"))
+    # Bands of a doubled cell touch.
+    for cell in (1, 2):
+        np.testing.assert_allclose(
+            equal.gaps(cell=cell), [[np.sqrt(6.0) / (2 * np.pi), np.inf]], rtol=1e-12
+        )
+    assert "gap" not in repr(equal)
+    assert "Gaps without" not in equal._repr_html_()
+
+
+def test_the_command_spectrum(run, tmp_path):
+    file = tmp_path / "crystal.toml"
+    file.write_text(
+        '[chain]\ncell = ["9.53 mm", "9.53 mm"]\ncells = 10\n'
+        'materials = ["silicon-nitride", "steel-52100"]\n'
+        'precompression = "20 N"\nheld_by = "force"\n'
+    )
+    picture = tmp_path / "bands.svg"
+    code, out, _ = run("spectrum", file, "--json", "--plot", picture)
+    assert code == 0
+    assert picture.stat().st_size > 1000
+    found = json.loads(out)
+    chain = hc.load_chain(file)
+    light, heavy = chain.masses[:2]
+    spring = 1.5 * chain.stiffness[0] ** (2 / 3) * 20.0 ** (1 / 3)
+    edges = [np.sqrt(2 * spring / m) / (2 * np.pi)
+             for m in (heavy, light, light * heavy / (light + heavy))]  # fmt: skip
+    assert found["gaps"][0] == pytest.approx(edges[:2], rel=1e-9)
+    assert found["gaps"][1] == [pytest.approx(edges[2], rel=1e-9), None]
+    assert np.ravel(found["bands"]) == pytest.approx([0.0, *edges], rel=1e-9)
+    speed = 4 * chain.radii[0] * np.sqrt(spring / (2 * (light + heavy)))
+    assert found["sound_speed"] == pytest.approx(speed, rel=1e-9)
+    assert len(found["frequencies"]) == 20
+    text = run("spectrum", file, "--all")[1]
+    assert f"no waves     {edges[0] / 1e3:.5g} to {edges[1] / 1e3:.5g} kHz" in text
+    assert "frequency [kHz]" in text
+    weaker = json.loads(run("spectrum", file, "--precompression", "0.3125 N", "--json")[1])
+    assert weaker["sound_speed"] == pytest.approx(speed / 2, rel=1e-9)
+    taper = ("spectrum", "--taper", "backward-linear", "--rate", 0.1, "--beads", 6)
+    assert "no bands" in run(*taper, "--precompression", 1)[1]
+    assert json.loads(run(*taper, "--precompression", 1, "--json")[1])["gaps"] is None
+    code, _, err = run(*taper)
+    assert code == 2
+    assert "no static force: give --precompression" in err
+    code, _, err = run("spectrum", file, "--precompression", "20")
+    assert code == 2
+    assert "has no unit" in err

@@ -150,9 +150,11 @@ def test_any_bead_and_any_part_can_vary():
     pulse = hc.propagate(hc.Chain.from_radii([1.0, 1.0, 0.5, 1.0]))
     np.testing.assert_array_equal(found.velocity.sel(radii_3=0.5)[0], pulse.velocity)
     seeds = swept({"taper": "uniform", "beads": 12, "with_scatter": {"relative": 0.01}},
-                  {"with_scatter": {"seed": [1, 2]}})  # fmt: skip
+                  {"with_scatter": {"seed": [1, 2]}}, keep=["velocity", "arrival"])  # fmt: skip
     scattered = hc.Chain.uniform(12).with_scatter(2, relative=0.01)
-    np.testing.assert_array_equal(seeds.velocity.sel(seed=2)[0], hc.propagate(scattered).velocity)
+    pulse = hc.propagate(scattered)
+    np.testing.assert_array_equal(seeds.velocity.sel(seed=2)[0], pulse.velocity)
+    np.testing.assert_array_equal(seeds.arrival.sel(seed=2)[0], pulse.arrival)
 
 
 def test_a_chain_and_arrays_are_welcome():

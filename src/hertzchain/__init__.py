@@ -15,14 +15,25 @@ __version__ = "0.1.0"
 # Names are listed in __init__.pyi and loaded on first use.
 _load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
+# Other words that users try.
+_OTHER_WORDS = {
+    "dispersion": "spectrum", "band_gap": "spectrum", "band_gaps": "spectrum", "bands": "spectrum",
+    "modes": "spectrum", "run": "simulate", "solve": "simulate", "integrate": "simulate",
+    "force": "simulate(chain).wall_force", "wall_force": "simulate(chain).wall_force",
+    "plot": "plot_pulses", "optimise": "design", "optimize": "design", "bead": "Chain",
+    "soliton": "solitary_wave", "sensitivity": "gradient", "monte_carlo": "distribution",
+    "ensemble": "simulate_many", "materials": "catalogue", "load": "load_chain",
+    "uniform": "Chain.uniform", "tapered": "Chain.tapered", "dimer": "Chain.dimer",
+}  # fmt: skip
+
 
 def __getattr__(name: str) -> object:
     if name not in __all__ and not name.startswith("_"):
         import difflib
 
-        lower = {each.lower(): each for each in __all__}
-        if near := difflib.get_close_matches(name.lower(), lower, n=1, cutoff=0.75):
+        known = {each.lower(): each for each in __all__} | _OTHER_WORDS
+        if near := difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.75):
             raise AttributeError(
-                f"module 'hertzchain' has no attribute {name!r}; did you mean {lower[near[0]]!r}?"
+                f"module 'hertzchain' has no attribute {name!r}; did you mean {known[near[0]]!r}?"
             )
     return _load(name)

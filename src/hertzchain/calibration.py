@@ -87,6 +87,11 @@ class Calibration:
         """Fitted constants, by name."""
         return {name: getattr(self.correction, name) for name in self.standard_errors}
 
+    def _repr_html_(self) -> str:
+        from .notebook.theories import calibration_html
+
+        return calibration_html(self)
+
     def __repr__(self) -> str:
         first, last = self.window
         return short(

@@ -1,8 +1,10 @@
-"""Objects that do not change: read-only arrays, also in copies, and results that are kept."""
+"""Objects that do not change: equality, read-only arrays in copies, and results that are kept."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
 from functools import wraps
 from typing import Any, ClassVar, TypeVar
 
@@ -22,17 +24,70 @@ class ShortDir:
 
 
 class Frozen(ShortDir):
-    """Keeps the arrays of a frozen dataclass read-only in copies and after unpickling.
+    """Frozen dataclass with arrays: compared by its fields, and read-only also in copies.
 
-    Copies and unpickled arrays of NumPy are writable, even if the original is read-only.  The
-    radii of a copied chain could then be changed without changing its masses.
+    Decorate it with ``eq=False``, because tuples of arrays cannot be compared.  Copies and
+    unpickled arrays of NumPy are writable, even if the original is read-only.  The radii of a
+    copied chain could then be changed without changing its masses.
     """
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(
+            _same(getattr(self, each.name), getattr(other, each.name))
+            for each in dataclasses.fields(self)  # type: ignore[arg-type]
+            if each.compare
+        )
+
+    def __hash__(self) -> int:
+        # Kept, because caches call it often; that of numbers is the same in all processes.
+        if "_hash" not in self.__dict__:
+            values = [
+                getattr(self, each.name)
+                for each in dataclasses.fields(self)  # type: ignore[arg-type]
+                if each.compare
+            ]
+            self.__dict__["_hash"] = hash(tuple(map(_number_of, values)))
+        found: int = self.__dict__["_hash"]
+        return found
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for value in state.values():
             if isinstance(value, np.ndarray):
                 value.setflags(write=False)
         self.__dict__.update(state)
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two values of a field are equal; NaN is equal to NaN."""
+    if one is other:
+        return True
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        if not (isinstance(one, np.ndarray) and isinstance(other, np.ndarray)):
+            return False
+        return np.array_equal(one, other, equal_nan=one.dtype.kind in "fc")
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
+    if isinstance(one, tuple | list) and isinstance(other, tuple | list):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if isinstance(one, float) and isinstance(other, float):
+        return one == other or (one != one and other != other)
+    return bool(one == other)
+
+
+def _number_of(value: Any) -> Any:
+    """A number that is equal for equal values of a field."""
+    if isinstance(value, np.ndarray):
+        if value.dtype.kind not in "biuf":
+            return value.shape
+        with np.errstate(all="ignore"):
+            return value.shape, _number_of(float(np.nansum(value)))
+    if isinstance(value, float):
+        return 0.0 if math.isnan(value) else value
+    return value if isinstance(value, int) else 0
 
 
 def once(function: Callable[[Given], Result]) -> Callable[[Given], Result]:

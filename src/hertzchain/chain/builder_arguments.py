@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from ..collision import Array
 from ..errors import InputError
-from ..validation.numbers import real_numbers
+from ..validation.keywords import check_keywords
+from ..validation.numbers import FRACTION, number, real_numbers
 from ..validation.objects import check_list
 from .fields import ChainFields
 from .input_checks import checked_beads
@@ -49,20 +50,23 @@ def two_sizes(
     mass_ratio: float | None, radii: ArrayLike | None, diameters: ArrayLike | None
 ) -> Array:
     """Radii of the two kinds of beads of a dimer."""
-    if mass_ratio is not None or (radii is None) == (diameters is None):
+    sizes = {"mass_ratio": mass_ratio, "radii": radii, "diameters": diameters}
+    if len(given := [name for name, value in sizes.items() if value is not None]) > 1:
+        raise InputError(f"give only one of {' and '.join(given)} for a dimer")
+    if not given:
         raise InputError(
             "Chain.dimer needs a mass ratio, two radii or two diameters, such as "
             "Chain.dimer(diameters=['10 mm', '6 mm'], materials='steel-52100', beads=40)"
         )
-    what, given, factor = (
+    what, values, factor = (
         ("radius", radii, 1.0) if radii is not None else ("diameter", diameters, 0.5)
     )
-    sizes = factor * real_numbers(what, given, "bead", unit="m")
-    if sizes.shape not in ((), (1,), (2,)):
+    found = factor * real_numbers(what, values, "bead", unit="m")
+    if found.shape not in ((), (1,), (2,)):
         raise InputError(
-            f"a dimer has one or two sizes, got {sizes.size}; Chain.periodic repeats any cell"
+            f"a dimer has one or two sizes, got {found.size}; Chain.periodic repeats any cell"
         )
-    return np.resize(sizes, 2)
+    return np.resize(found, 2)
 
 
 def repeated_materials(
@@ -77,3 +81,24 @@ def repeated_materials(
             f"the cell has {size} beads, but {len(kinds)} materials; give one for each bead"
         )
     return (kinds * beads)[:beads]
+
+
+def velocities(beads: int, velocity: float | str, fields: Mapping[str, Any]) -> Array:
+    """Velocities of all beads, of which only the first one moves."""
+    if fields.get("velocities") is not None:
+        raise InputError("give only one of velocity (of bead 1) and velocities (of all)")
+    found = np.zeros(beads)
+    found[:1] = number("velocity", velocity, unit="m/s")
+    return found
+
+
+def dimer_masses(mass_ratio: float, beads: int, materials: Any, fields: Mapping[str, Any]) -> Array:
+    """Scaled masses of a dimer of a mass ratio, which has no materials."""
+    ratio = number("mass ratio of a dimer", mass_ratio, unit=FRACTION, above=0.0)
+    if materials is not None:
+        raise InputError(
+            "a dimer of a mass ratio is a scaled chain without materials: omit them, or give two "
+            "radii or diameters instead of the mass ratio"
+        )
+    check_keywords("Chain.dimer of a mass ratio", fields, DIMER_FIELDS)
+    return np.where(np.arange(beads) % 2, ratio, 1.0)

@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT
 from ..errors import InputError
-from ..validation.keywords import FIELD_ALIASES, check_keywords, checked_arguments, checked_fields
-from ..validation.numbers import FRACTION, number, plain_magnitude, real_numbers, whole_number
+from ..validation.keywords import FIELD_ALIASES, checked_arguments, checked_fields
+from ..validation.numbers import plain_magnitude, real_numbers, whole_number
 from ..validation.objects import check_list
 from . import builder_arguments as builder
 from . import contact_shapes, modifications, pieces, strikers
@@ -50,10 +50,13 @@ class Chain(ChainFields):
         m_k \ddot x_k = r_{k-1}(x_{k-1}-x_k)_+^{p} - r_k (x_k-x_{k+1})_+^{p},
         \qquad v_1(0) = m_1 = R_1 = 1 .
 
+    Chains are equal (``==``) if all fields are equal and the same ones were given.
+
     Attributes
     ----------
     radii : ndarray, shape (N,)
-        Radii :math:`R_k` [scaled, or m]; the first scaled radius after the strikers is 1.
+        Radii :math:`R_k` [scaled, or m].  The builders of scaled chains use the first radius as
+        the unit; it differs from 1 if beads deviate from those of such a chain.
     exponent : float, array_like of shape (N - 1,), or mapping
         Exponent p of the contact force, > 1; 3/2 for spheres (Hertz).  One value for all
         contacts and walls, one per contact of two beads, or one per pair of materials, such as
@@ -322,8 +325,7 @@ class Chain(ChainFields):
         given = builder.radii_of_beads(radii, diameters, beads, None if one else len(named))
         kinds = tuple(map(material, named)) * (len(given) if one else 1)
         if velocity is not None:
-            fields["velocities"] = np.zeros(len(given))
-            fields["velocities"][:1] = number("velocity", velocity, unit="m/s")
+            fields["velocities"] = builder.velocities(len(given), velocity, fields)
         return cls(given, units="SI", materials=kinds, **fields)
 
     @classmethod
@@ -417,15 +419,13 @@ class Chain(ChainFields):
         Chain(21 beads of steel-316 and ptfe, diameters 10 mm and 6 mm in turn, impact at 1 m/s)
         """
         count = checked_beads(beads)
-        if radii is not None or diameters is not None or mass_ratio is None:
-            sizes = builder.two_sizes(mass_ratio, radii, diameters)
+        if mass_ratio is None or radii is not None or diameters is not None:
+            sizes = np.resize(builder.two_sizes(mass_ratio, radii, diameters), count)
             if materials is None:
-                return cls.from_radii(np.resize(sizes, count), **fields)
+                return cls.from_radii(sizes, **fields)
             kinds = builder.repeated_materials(materials, 2, count)
-            return cls.from_materials(np.resize(sizes, count), kinds, **fields)
-        ratio = number("mass ratio of a dimer", mass_ratio, unit=FRACTION, above=0.0)
-        check_keywords("Chain.dimer of a mass ratio", fields, builder.DIMER_FIELDS)
-        masses = np.where(np.arange(count) % 2, ratio, 1.0)
+            return cls.from_materials(sizes, kinds, **fields)
+        masses = builder.dimer_masses(mass_ratio, count, materials, fields)
         return cls(np.cbrt(masses), masses=masses, stiffness=np.ones(count - 1), **fields)
 
     @cached_property

@@ -14,7 +14,7 @@ from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, InputWarning, unknown_name_error, warn_user
 from ..frozen import Frozen
 from ..representation import short
-from ..validation.keywords import checked_methods
+from ..validation.keywords import checked_methods, show_fields
 from ..validation.numbers import (
     SCALED,
     number,
@@ -24,6 +24,7 @@ from ..validation.numbers import (
     whole_number,
 )
 from ..validation.objects import check_choice
+from . import input_checks
 from .boundary_checks import (
     HELD_BY,
     PARTS,
@@ -36,7 +37,6 @@ from .boundary_checks import (
 from .contact_groups import ContactGroup, group_contacts, loading_forces
 from .description import beads_description, cells_in_words, features_in_words, impact_in_words
 from .drives import Drive
-from .input_checks import checked_radii, positive_derived, scaled_radii, warn_large_radius
 from .laws import Loss
 from .mass_and_stiffness import contact_stiffness, sphere_masses, wall_stiffness
 from .materials import Material, material_per_bead
@@ -131,18 +131,14 @@ class ChainFields(Frozen):
 
     def _check_radii(self) -> None:
         radii = plain_magnitude("radius", self.radii, self._unit("m"))
-        checked = scaled_radii if self.scaled else checked_radii
+        checked = input_checks.scaled_radii if self.scaled else input_checks.checked_radii
         self._set("radii", _read_only(checked(radii)))
         strikers = whole_number("strikers", self.strikers, least=0, most=self.beads - 1)
         self._set("strikers", strikers)
-        if self.units == "scaled" and self.radii[strikers] != 1.0:
-            which = "after the strikers " if strikers else ""
-            raise InputError(
-                f"the first {which}of a scaled chain's radii must be 1, got "
-                f"{self.radii[strikers]:g}; Chain.from_radii accepts radii in any unit"
-            )
+        if self.units == "scaled":
+            input_checks.check_unit_of_length(float(self.radii[strikers]), strikers=strikers)
         if self.units == "SI":
-            warn_large_radius(self.radii)
+            input_checks.warn_large_radius(self.radii)
 
     def _check_taper(self) -> None:
         given = parameter_pairs(self.taper_parameters)
@@ -167,7 +163,7 @@ class ChainFields(Frozen):
                 "mass", self.masses, self.beads, "bead", unit=self._unit("kg"), above=0.0
             )
         else:
-            masses = positive_derived(
+            masses = input_checks.positive_derived(
                 "mass", "bead", sphere_masses(self.radii, self.materials, scaled=self.scaled)
             )
         self._set("masses", masses)
@@ -179,7 +175,7 @@ class ChainFields(Frozen):
         else:
             p = np.atleast_1d(self.exponents)
             values = contact_stiffness(self.radii, self.materials, p, scaled=self.scaled)
-            stiffness = positive_derived("stiffness", "contact", values)
+            stiffness = input_checks.positive_derived("stiffness", "contact", values)
         self._set("stiffness", stiffness)
 
     def _check_start(self) -> None:
@@ -447,3 +443,6 @@ class ChainFields(Frozen):
 def _read_only(values: Array) -> Array:
     values.setflags(write=False)
     return values
+
+
+show_fields(ChainFields, "replace")

@@ -21,6 +21,8 @@ MAX_EXPONENT: Final = 50.0
 # in millimetres; so do limits above this multiple of the largest bead.
 LARGE_RADIUS: Final = 1.0
 LARGE_RATIO: Final = 100.0
+# First radius of a scaled chain; radii in metres are below, and would give wrong times.
+FIRST_RADIUS: Final = (0.02, 50.0)
 
 
 def _require_two_beads(count: object) -> None:
@@ -73,7 +75,7 @@ def checked_radii(radii: ArrayLike) -> Array:
 
 
 def scaled_radii(radii: ArrayLike) -> Array:
-    """Check radii in units of the first one, whose cubes must be representable; return a copy."""
+    """Check radii of a scaled chain, whose cubes must be representable; return a copy."""
     values = real_numbers("radius", radii, "bead")
     # Most chains are far from the limits; the rest is for the messages.
     if values.ndim == 1 and values.size > 1 and values.min() > 1e-100 and values.max() < 1e100:
@@ -90,6 +92,18 @@ def scaled_radii(radii: ArrayLike) -> Array:
                 "represented for ratios from 1e-102 to 1e102, so use fewer beads or a weaker taper"
             )
     return checked_radii(values)
+
+
+def check_unit_of_length(first: float, *, strikers: int) -> None:
+    """Raise `InputError` if the first radius of a scaled chain is probably in metres."""
+    low, high = FIRST_RADIUS
+    if not low <= first <= high:
+        which = " after the strikers" if strikers else ""
+        raise InputError(
+            f"the first radius{which} of a scaled chain must be 1, or from {low:g} to {high:g} if "
+            f"another bead is the unit of length, got {first:g}; Chain.from_radii accepts radii in "
+            "any unit"
+        )
 
 
 def positive_derived(what: str, place: str, values: Array) -> Array:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import math
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -20,21 +18,16 @@ from .input_checks import checked_beads
 from .laws import Loss
 from .materials import Material, MaterialLike
 from .materials import material as material_named
-from .places import places_from
+from .random_radii import (
+    check_grade,
+    check_scatter,
+    random_draws,
+    relative_scatter,
+    with_random_radii,
+)
 
 C = TypeVar("C", bound=ChainFields)
 
-# Largest standard deviation of the logarithm of the radius.
-MAX_SCATTER: Final = 0.3
-
-# Variation of ball lot diameter V_DwL by grade [m], from ISO 3290-1:2014 for steel balls: the
-# difference between the mean diameters of the largest and the smallest ball of a lot.
-BALL_GRADES: Final = MappingProxyType(
-    {
-        3: 0.13e-6, 5: 0.25e-6, 10: 0.5e-6, 16: 0.8e-6, 20: 1e-6, 24: 1.2e-6, 28: 1.4e-6,
-        40: 2e-6, 60: 3e-6, 100: 5e-6, 200: 10e-6,
-    }
-)  # fmt: skip
 # Features that are set separately for each bead or contact.
 PER_BEAD_FEATURES: Final = ("masses", "stiffness", "gaps", "velocities", "strikers")
 
@@ -95,6 +88,8 @@ def decorated(
 def with_defects(self: C, radii: Mapping[int, float], *, material: MaterialLike | None = None) -> C:
     """Return the chain with a few beads of another size or material.
 
+    A scaled chain keeps its units, also if bead 1 has another radius.
+
     Parameters
     ----------
     radii : mapping of int to float
@@ -139,15 +134,15 @@ def with_scatter(
     grade: int | None = None,
     beads: Any = None,
 ) -> C:
-    """Return the chain with random deviations of the radii, like those of real balls.
+    r"""Return the chain with random deviations of the radii, like those of real balls.
 
-    Strikers keep their sizes.  Without strikers, bead 1 often is the projectile, whose size
-    changes the impact itself: ``beads="2:"`` keeps it.
+    The radius of bead k is :math:`R_k e^{\sigma z_k}` with a standard normal :math:`z_k`, or, for
+    a grade, uniformly distributed within its tolerance.  A scaled chain stays in the units of the
+    chain without deviations, so its first radius is no longer 1: all results of random chains
+    have the same units.
 
-    In scaled variables the radii are divided by that of bead 1, the unit of length.  Velocities
-    are those of a lot, but times, forces and momenta are in units of each chain's own first bead;
-    for their spread, use a chain in SI units.  After strikers, the first bead is the unit and
-    keeps its size.
+    Strikers keep their sizes.  If the chain has none, bead 1 is the projectile, whose size
+    changes the impact itself; ``beads="2:"`` keeps it.
 
     Parameters
     ----------
@@ -167,32 +162,27 @@ def with_scatter(
     ------
     InputError
         If not exactly one of ``relative`` and ``grade`` is given, the grade does not exist, or
-        masses, gaps or velocities of this chain are set per bead.
+        the chain has given masses or stiffness, which do not follow from its radii.
 
     Examples
     --------
     >>> import hertzchain as hc
     >>> hc.Chain.uniform(4).with_scatter(1, relative=0.1).radii.round(3)
-    array([1.   , 1.049, 0.998, 0.848])
+    array([1.035, 1.086, 1.034, 0.878])
     >>> hc.Chain.uniform(4).with_scatter(1, relative=0.1, beads="3:").radii.round(3)
     array([1.   , 1.   , 1.034, 0.878])
     """
-    if grade is not None and self.units != "SI":
-        raise InputError(
-            "ball grades are tolerances in micrometres; use Chain.from_materials, or relative"
-        )
+    if (relative is None) == (grade is None):
+        raise InputError("give either a relative scatter or a ball grade")
+    if relative is not None:
+        relative = relative_scatter("relative scatter", relative, least=0.0)
+    else:
+        check_grade(grade)
     if not isinstance(seed, np.random.Generator):
         seed = whole_number("seed of a scatter", seed, least=0)
-    chance = np.random.default_rng(seed)
-    row = _scatter(self.radii, chance, relative=relative, grade=grade)
-    deviate: Any = range(self.strikers, self.beads)
-    if beads is not None:
-        deviate = places_from(beads, self.beads, "bead")
-    kept = np.delete(np.arange(self.beads), deviate)
-    row[kept] = self.radii[kept]
-    if self.strikers:
-        return _scattered_after_strikers(self, row)
-    return _with_beads(self, "with_scatter", row, self.materials)
+    check_scatter(self, grade, beads)
+    draws = random_draws(np.random.default_rng(seed), (1, self.beads), grade)
+    return with_random_radii(self, draws, relative, grade, beads)[0]
 
 
 def with_one_loss(chain: C, loss: Loss | None) -> C:
@@ -202,26 +192,6 @@ def with_one_loss(chain: C, loss: Loss | None) -> C:
         if (wall := getattr(chain, end)) is not None:
             changes[end] = dataclasses.replace(wall, loss=None)
     return chain.replace(**changes)
-
-
-def _scattered_after_strikers(chain: C, radii: Array) -> C:
-    """Replace the radii of a chain with strikers, whose other features stay."""
-    own = [name for name in ("masses", "stiffness") if name in chain.given]
-    if own:
-        raise InputError(
-            f"a scatter of radii changes the {' and '.join(own)}, which the strikers or the chain "
-            "give; call with_scatter first, then struck_by"
-        )
-    if chain.units == "scaled":
-        radii[chain.strikers] = 1.0
-    return chain.replace(radii=radii)
-
-
-def relative_scatter(
-    what: str, value: object, *, above: float = -math.inf, least: float = -math.inf
-) -> float:
-    """Check a standard deviation of the logarithm of the radius."""
-    return number(what, value, unit=FRACTION, above=above, least=least, most=MAX_SCATTER)
 
 
 def _with_beads(chain: C, method: str, radii: Array, materials: tuple[Material, ...] | None) -> C:
@@ -236,9 +206,6 @@ def _with_beads(chain: C, method: str, radii: Array, materials: tuple[Material, 
             f"ones; call {method} first, then set {names}"
         )
     changes: dict[str, Any] = {"radii": radii, "materials": materials}
-    if chain.units == "scaled":
-        with np.errstate(over="ignore", under="ignore"):
-            changes["radii"] = radii / radii[0]
     changes["velocities"] = changes["gaps"] = None
     if "velocities" in chain.given:
         changes["velocities"] = np.zeros(len(radii))
@@ -273,31 +240,3 @@ def _insert_radii(
     row[large] = radii
     row[np.delete(np.arange(len(row)), large)] = np.repeat(small, between)
     return row
-
-
-def _scatter(
-    radii: Array, rng: np.random.Generator, *, relative: float | None, grade: int | None
-) -> Array:
-    """Add random deviations to radii."""
-    if (relative is None) == (grade is None):
-        raise InputError("give either a relative scatter or a ball grade")
-    if relative is not None:
-        spread = relative_scatter("relative scatter", relative, least=0.0)
-        return deviating_radii(radii, rng.standard_normal(len(radii)), spread, None)
-    if type(grade) is not int or grade not in BALL_GRADES:
-        known = ", ".join(map(str, BALL_GRADES))
-        raise InputError(f"ISO 3290-1 has no ball grade {short_repr(grade)}; choose from {known}")
-    if 0.25 * BALL_GRADES[grade] >= radii.min():
-        raise InputError(
-            f"a radius of {radii.min():g} m is too small for the deviations of grade {grade}"
-        )
-    return deviating_radii(radii, rng.uniform(-1.0, 1.0, len(radii)), None, grade)
-
-
-def deviating_radii(radii: Array, draws: Array, relative: float | None, grade: int | None) -> Array:
-    """Radii with normal deviations of the logarithm, or those of a grade, from -1 to 1."""
-    if relative is not None:
-        return np.asarray(radii * np.exp(relative * draws))
-    assert grade is not None
-    # The grade limits the variation of diameters, which is four times the largest deviation.
-    return np.asarray(radii + 0.25 * BALL_GRADES[grade] * draws)

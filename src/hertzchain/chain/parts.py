@@ -8,7 +8,7 @@ from ..frozen import Frozen
 from ..validation.numbers import has_unit
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Part(Frozen):
     """A part of a chain.
 

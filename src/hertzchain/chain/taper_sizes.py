@@ -112,6 +112,11 @@ def taper_of_sizes(
                 f"{' or '.join(SHAPES[taper])}"
             )
         kind = taper_named(taper)
+        if not si and sizes.first_radius(unit) is not None:
+            raise InputError(
+                "the first bead is the unit of a scaled taper with a rate: omit its size, or give "
+                "materials"
+            )
         given = parameters if rate is None else {"rate": rate, **parameters}
         values = kind.parameters(given, beads)
         return kind.name, values, kind.radii_of(beads, values), first

@@ -27,6 +27,7 @@ from . import (
     scoreboard,
     sensitivity,
     simulate,
+    spectrum,
     sweep,
     verify,
     warm_up,
@@ -37,7 +38,7 @@ from .wording import on_command_line
 
 GROUPS: Final = {
     "See": (app.app,),
-    "Simulate and predict": (simulate.simulate, pulse.pulse),
+    "Simulate and predict": (simulate.simulate, pulse.pulse, spectrum.spectrum),
     "Design": (design.design, sensitivity.sensitivity, scatter.scatter),
     "Measured traces": (compare.compare, fit.fit),
     "Sweeps": (sweep.sweep,),

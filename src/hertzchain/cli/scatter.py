@@ -26,7 +26,10 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 )
 @click.option("--grade", type=int, help="Grade of the balls by ISO 3290-1 instead, 3 to 200.")
 @click.option(
-    "--only", "some", metavar="BEADS", help="Beads that deviate, such as 2:.  [default: all]"
+    "--only",
+    "some",
+    metavar="BEADS",
+    help="Beads that deviate, such as 2:.  [default: all but strikers]",
 )
 @click.option("--chains", "count", type=int, default=300, show_default=True, help="Random chains.")
 @click.option("--seed", type=int, default=1, show_default=True, help="Seed of the random radii.")
@@ -40,8 +43,8 @@ def scatter(
     """Show how a quantity varies if radii scatter.
 
     Many chains with random radii are simulated, and the distribution of the quantity is printed.
-    All chains have the materials, walls and impact of the given one.  Bead 1 often is the
-    projectile, whose deviation changes the impact itself: --only 2: omits it.
+    All chains have the materials, walls and impact of the given one.  If there is no striker, bead
+    1 is the projectile; with --only 2: it keeps its radius, and with it the momentum of the impact.
 
     \b
     Examples:
@@ -74,7 +77,7 @@ def scatter(
 
 def _part(text: str) -> float:
     """A scatter, which need not be a percentage."""
-    from ..chain.modifications import relative_scatter
+    from ..chain.random_radii import relative_scatter
 
     return relative_scatter("--relative", as_typed(text), above=0.0)
 

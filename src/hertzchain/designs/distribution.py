@@ -163,8 +163,11 @@ def distribution(
 
     The radius of bead k is :math:`R_k e^{\sigma z_k}` with a standard normal :math:`z_k`, or, for
     a grade of ISO 3290-1, uniformly distributed within its tolerance.  Materials, walls and the
-    impact are those of the given chain; masses and contacts follow from the radii.  Bead 1 often
-    is the projectile, whose deviation changes the impact itself: ``beads="2:"`` omits it.
+    impact are those of the given chain; masses and contacts follow from the radii.  Strikers do
+    not deviate.  Without strikers, bead 1 is the projectile: if its radius deviates, so do the
+    momentum and energy of the impact.  To study the other beads only, use ``beads="2:"``.
+
+    Values of a scaled chain are in the units of the chain without deviations.
 
     Parameters
     ----------
@@ -209,7 +212,7 @@ def distribution(
     >>> chain = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
     >>> found = hc.distribution(chain, "wall_force.peak", hc.Scatter(radius=0.01, samples=100))
     >>> f"{found.nominal:.3f}, {found.mean:.3f} +- {found.standard_deviation:.3f}"
-    '1.244, 1.243 +- 0.007'
+    '1.244, 1.241 +- 0.028'
     """
     check_type("chain", chain, Chain)
     deviations = scatter_from(scatter)

@@ -10,8 +10,13 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.modifications import BALL_GRADES, deviating_radii, relative_scatter
-from ..chain.places import places_from
+from ..chain.random_radii import (
+    BALL_GRADES,
+    check_scatter,
+    random_draws,
+    relative_scatter,
+    with_random_radii,
+)
 from ..collision import Array
 from ..errors import InputError, short_repr
 from ..validation.keywords import checked_fields, checked_methods
@@ -25,11 +30,10 @@ _CVAR: Final = re.compile(r"cvar(\d\d?)")
 @checked_methods
 @dataclass(frozen=True)
 class Scatter:
-    r"""Random deviations of the radii of all beads, and how a measure is summarised.
+    r"""Random deviations of the radii, and how a measure is summarised.
 
-    In a scaled chain, the bead of radius 1 is the unit of length and does not deviate, so that
-    all samples have the same units.  If it scatters, too, velocities of equal beads scatter more
-    than twice as much (`hertzchain.disorder`): for such lots, use a chain in SI units.
+    The deviations are those of `Chain.with_scatter`: all beads but the strikers deviate, and
+    samples of a scaled chain are in the units of the chain without deviations.
 
     Attributes
     ----------
@@ -42,8 +46,8 @@ class Scatter:
     samples : int
         Number of samples, the same for all trial designs.
     beads : str or list of int, optional
-        Beads that deviate, such as ``"2:"``; all by default, in SI units with the projectile
-        (bead 1).
+        Beads that deviate, such as ``"2:"``, which keeps a projectile; by default all but the
+        strikers.
 
     Examples
     --------
@@ -115,33 +119,18 @@ class Scatter:
 
     def _check(self, chain: Chain) -> None:
         """Raise `InputError` if a chain cannot have the scatter."""
-        if self.grade is not None and chain.units != "SI":
-            raise InputError("ball grades are tolerances in micrometres: use Chain.from_materials")
-        if self.beads is not None:
-            places_from(self.beads, chain.beads, "bead")
-        if own := sorted({"masses", "stiffness"} & set(chain.given)):
-            raise InputError(
-                f"a scatter of radii changes {' and '.join(own)}, which this chain gives: omit them"
-            )
+        check_scatter(chain, self.grade, self.beads)
 
     def _draws(self, seed: int, beads: int, samples: int | None = None) -> Array:
-        """Random numbers, shape (samples, beads): normal, or uniform from -1 to 1 for a grade."""
-        rng, shape = np.random.default_rng(seed), (samples or self.samples, beads)
-        return rng.standard_normal(shape) if self.grade is None else rng.uniform(-1.0, 1.0, shape)
+        """Random numbers, shape (samples, beads)."""
+        shape = (samples or self.samples, beads)
+        return random_draws(np.random.default_rng(seed), shape, self.grade)
 
     def _chains(self, chain: Chain, draws: Array) -> list[Chain]:
-        """The chain with deviations; the unit of length of a scaled chain has none."""
-        found, draws = [], draws[:, : chain.beads].copy()
-        if self.beads is not None:
-            fixed = np.ones(chain.beads, bool)
-            fixed[places_from(self.beads, chain.beads, "bead")] = False
-            draws[:, fixed] = 0.0
-        for draw in draws:
-            radii = deviating_radii(chain.radii, draw, self.radius, self.grade)
-            if chain.units == "scaled":
-                radii[chain.strikers] = 1.0
-            found.append(chain.replace(radii=radii))
-        return found
+        """The chain with deviations; a shorter chain has the first draws of each row."""
+        return with_random_radii(
+            chain, draws[:, : chain.beads], self.radius, self.grade, self.beads
+        )
 
     def _worst(self, values: Array, sign: float) -> Any:
         """Indices of the samples that count, for values of which large (sign 1) are bad."""

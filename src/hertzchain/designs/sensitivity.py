@@ -51,8 +51,6 @@ def changes_at_kink(chain: Chain, found: Gradient, by: str) -> tuple[Array, Arra
         return measured(chains, [PEAK], rtol=RTOL).values[:, 0]
 
     up, down = np.expm1(_changes_of_logarithm(peaks, chain, by, (1.01, 0.99)))
-    if chain.scaled and by == "radii":
-        up[chain.strikers], down[chain.strikers] = np.array([1, -1]) * expected[chain.strikers]
     differences = np.maximum(np.abs(up - expected), np.abs(down + expected))
     # Chains without a complete peak have no changes.
     largest = np.nanmax(differences, initial=0.0)
@@ -77,10 +75,10 @@ def _changes_of_logarithm(
 ) -> Array:
     """Changes of the logarithm of a value, shape (2, N), if one entry of a field has each factor.
 
-    They are 0 for the first radius of a scaled chain, which is the unit of length, and for zeros.
+    They are 0 for zeros.
     """
-    own, unit = getattr(chain, field), chain.scaled and field == "radii"
-    places = [k for k in np.flatnonzero(own) if not (unit and k == chain.strikers)]
+    own = getattr(chain, field)
+    places = np.flatnonzero(own)
     chains = [chain]
     for factor in factors:
         for k in places:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
 from typing import Final
 
@@ -59,6 +59,10 @@ class Model:
     simulator: Simulator
     reference: float
     _sampled: dict[tuple[object, ...], Array] = field(default_factory=dict, init=False, repr=False)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Fields without cached chains, which copies build again."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
 
     def values(self, variables: Array, shot: int = 0) -> dict[Name, float]:
         """Values of the parameters from variables in the units of the motion of a shot."""

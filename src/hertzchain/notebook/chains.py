@@ -28,7 +28,8 @@ def chain_html(chain: Chain) -> str:
         parts.append(legend(zip(kinds, COLOURS, strict=False)))
     parts.append(numbers(_numbers(chain)))
     if chain.units == "scaled":
-        parts.append(note("Scaled variables: in units of the first radius and the impact."))
+        first = "the first" if chain.radii[chain.strikers] == 1.0 else "a"
+        parts.append(note(f"Scaled variables: in units of {first} radius and the impact."))
     return page("Chain", chain.description, *parts)
 
 

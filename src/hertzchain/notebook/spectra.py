@@ -42,16 +42,22 @@ def spectrum_html(spectrum: Spectrum) -> str:
         )
         if len(edges) <= MAX_BANDS:
             parts.append(note(f"Bands of an infinite chain with the same cell: {bands}."))
+        gaps = spectrum.gaps()[:-1]
+        if 0 < len(gaps) <= MAX_BANDS:
+            between = ", ".join(
+                " to ".join(engineering(edge, "Hz", units) for edge in gap) for gap in gaps
+            )
+            parts.append(note(f"Gaps without waves: {between}; and above the highest band."))
     return page("Spectrum", spectrum.chain.description, *parts)
 
 
 def _gaps(spectrum: Spectrum) -> tuple[Array, Array]:
     """Lower and upper ends of the gaps between bands."""
     try:
-        edges = spectrum.band_edges()
+        low, high = spectrum.gaps()[:-1].T
     except InputError:
         return np.zeros(0), np.zeros(0)
-    return edges[:-1, 1], edges[1:, 0]
+    return low, high
 
 
 def _split(found: Array, low: Array, high: Array) -> tuple[Array, Array]:

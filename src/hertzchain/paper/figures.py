@@ -18,11 +18,13 @@ from ..chain.tapers import rate_symbol
 from ..collision import Array
 from ..plotting.style import figure_style, label_right_ends
 from ..pulse.pulse import Pulse
+from ..representation import short
 from ..theory.bca import bca, forward_linear_momentum_slope
 from ..theory.modified_bca import modified_bca
 from ..validation.keywords import checked_arguments
+from ..validation.objects import check_choice
 from .published import FigureQuantity, PublishedFigure, published_figures
-from .tables import Pulses
+from .simulated_chains import Pulses, integrate_chains
 
 # Last bead in the figures; chains have 100 beads, and the last ten are affected by the free end.
 LAST_BEAD: Final = 90
@@ -84,6 +86,13 @@ class Figure:
     published: PublishedFigure
     curves: tuple[Curve, ...]
     statement: Statement
+
+    def __repr__(self) -> str:
+        outcome = "holds" if self.statement.holds else "does not hold"
+        return short(
+            "Figure", f"{self.published.name}, {self.published.quantity} of {self.published.taper}",
+            f"{len(self.curves)} curves", f"the statement {outcome}: {self.statement.claim}",
+        )  # fmt: skip
 
     @property
     def order_as_captioned(self) -> bool:
@@ -149,9 +158,38 @@ def figure_chains(name: str) -> set[tuple[str, float]]:
 
 
 @checked_arguments("reproduce_figure")
-def reproduce_figure(name: str, pulses: Pulses) -> Figure:
-    """Collect the data of one figure and check its statement."""
-    published = published_figures()[name]
+def reproduce_figure(name: str, pulses: Pulses | None = None) -> Figure:
+    """Collect the data of one figure and check the statement of the paper about it.
+
+    Parameters
+    ----------
+    name : str
+        ``"figure1"``, ``"figure2"``, ...
+    pulses : mapping of (str, float) to Pulse, optional
+        Simulated pulses by taper and rate, such as ``Reproduction.pulses``.  By default, the chains
+        of the figure are simulated.
+
+    Returns
+    -------
+    Figure
+        Its ``curves`` have the simulation and the theory of each rate, and its ``statement`` the
+        numbers that were checked.  `draw_figure` draws it.
+
+    Raises
+    ------
+    InputError
+        If there is no such figure.
+
+    Examples
+    --------
+    >>> from hertzchain.paper import reproduce_figure
+    >>> reproduce_figure("figure1").statement.holds
+    True
+    """
+    figures = published_figures()
+    published = figures[check_choice("figure of the paper", name, figures)]
+    if pulses is None:
+        pulses = integrate_chains(figure_chains(name))
     modified = LAYOUTS[published.number].theory == "modified BCA"
     curves = []
     for rate in published.rates:

@@ -5,31 +5,65 @@ from __future__ import annotations
 import functools
 import threading
 import time
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from ..calibration import BEADS, Window, beads_in_window
-from ..chain.chain import Chain
 from ..errors import InputError, unknown_name_error
 from ..evaluation.evaluate import scoreboard
 from ..evaluation.scoreboard import Scoreboard, percentage
-from ..pulse.pulse import Pulse
-from ..simulation.simulate import DEFAULT_RTOL, simulate
+from ..frozen import ShortDir
+from ..notebook.drawing import note, numbers, page
+from ..representation import short
+from ..simulation.simulate import DEFAULT_RTOL
 from ..validation.keywords import checked_arguments
 from ..validation.objects import Progress
 from ..verification.verify import Verdict, verify
-from .errata import Erratum, errata, errata_chains
 from .figures import Figure, figure_chains, reproduce_figure
+from .listed_errata import Erratum, errata, errata_chains
 from .published import Fit, published_figures, published_tables
-from .tables import WINDOWS, Pulses, Table, reproduce_table, table_chains
+from .simulated_chains import Pulses, integrate_chains
+from .tables import WINDOWS, Table, reproduce_table, table_chains
 from .velocity_formulas import printed_and_corrected_errors
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False)
-class Reproduction:
-    """Result of recomputing the paper, or the requested parts."""
+class Reproduction(ShortDir):
+    """Result of recomputing the paper, or the requested parts.
+
+    Attributes
+    ----------
+    tables : tuple of Table
+        The recomputed tables.
+    figures : tuple of Figure
+        The recomputed figures, with the statement that was checked.
+    errata : tuple of Erratum
+        Contradictions within the paper, with evidence.
+    pulses : mapping of (str, float) to Pulse
+        Simulated pulses by taper and rate.
+    energy_drift, momentum_drift : float
+        Largest relative drift of a simulation.
+    seconds : float
+        Time of the computation.
+    rtol : float
+        Tolerance of the simulations.
+    beads : int
+        Number of beads of each chain.
+    windows : mapping
+        First and last bead of the fits.
+    scoreboard : Scoreboard or None
+        Comparison of the theories.
+    verification : tuple of Verdict
+        Exact and published values beyond the paper.
+    """
+
+    _omitted = ("entries", "agreeing_entries", "holding_statements", "rtol", "beads", "windows")
 
     tables: tuple[Table, ...]
     figures: tuple[Figure, ...]
@@ -65,6 +99,39 @@ class Reproduction:
         all_entries = self.agreeing_entries == self.entries
         all_known = all(verdict.agrees for verdict in self.verification)
         return all_entries and all_known and self.holding_statements == len(self.figures)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Entries of all tables, one row each, as `Table.to_dataframe`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With a further column ``table``.
+
+        Examples
+        --------
+        >>> from hertzchain.paper import reproduce
+        >>> reproduce(["table1"]).to_dataframe().table.unique().tolist()
+        ['table1']
+        """
+        import pandas as pd
+
+        frames = [each.to_dataframe().assign(table=each.published.name) for each in self.tables]
+        return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
+
+    def __repr__(self) -> str:
+        known = sum(verdict.agrees for verdict in self.verification)
+        return short(
+            "Reproduction", f"{len(self.tables)} tables, {len(self.figures)} figures",
+            f"{self.agreeing_entries} of {self.entries} entries agree" if self.tables else "",
+            f"{self.holding_statements} figures pass their checks" if self.figures else "",
+            f"{len(self.errata)} errata" if self.errata else "",
+            f"{known} of {len(self.verification)} known values" if self.verification else "",
+            f"{self.seconds:.1f} s",
+        )  # fmt: skip
+
+    def _repr_html_(self) -> str:
+        return _reproduction_html(self)
 
     @functools.cached_property
     def verdict(self) -> str:
@@ -111,6 +178,20 @@ class Reproduction:
         return tuple(parts)
 
 
+def _reproduction_html(found: Reproduction) -> str:
+    """Outcome of each part."""
+    sentences = [
+        note(sentence if good else f"{sentence} This is outside the tolerance.")
+        for _, sentence, good in found.summary
+    ]
+    shown = {
+        "chains": f"{len(found.pulses)} of {found.beads} beads",
+        "drift of the energy": f"{found.energy_drift:.0e}",
+        "time": f"{found.seconds:.1f} s",
+    }
+    return page("Reproduction", "of the paper", *sentences, numbers(shown))
+
+
 def checked_parts(only: Collection[str] | None) -> set[str]:
     """Check that all requested parts of a reproduction exist."""
     parts = set(items() if only is None else only)
@@ -131,7 +212,33 @@ def reproduce(
     windows: Mapping[Fit, Window] | None = None,
     progress: Progress | None = None,
 ) -> Reproduction:
-    """Simulate the paper's chains and compare its tables, figures and formulas with them."""
+    """Simulate the paper's chains and compare its tables, figures and formulas with them.
+
+    Parameters
+    ----------
+    only : collection of str, optional
+        Parts, such as ``["table1", "figure3", "errata"]``; all by default.  An unknown name
+        raises an error that lists them.
+    windows : mapping, optional
+        First and last bead of the ``"exponential"`` and ``"linear"`` fits of the tables.
+    progress : callable, optional
+        Called as ``progress(chains_done, chains)``.
+
+    Returns
+    -------
+    Reproduction
+
+    Raises
+    ------
+    InputError
+        If a part or fit does not exist, or a window is not within the chain.
+
+    Examples
+    --------
+    >>> from hertzchain.paper import reproduce
+    >>> reproduce(["table3"]).within_tolerance
+    True
+    """
     started = time.perf_counter()
     parts = checked_parts(only)
     used: dict[Fit, Window] = {**WINDOWS}
@@ -182,26 +289,6 @@ def _verifying(wanted: bool) -> Iterator[Future[list[Verdict]]]:
         except BaseException:
             stopped.set()
             raise
-
-
-def integrate_chains(
-    chains: Iterable[tuple[str, float]],
-    *,
-    beads: int = BEADS,
-    progress: Progress | None = None,
-    drifts: list[tuple[float, float]] | None = None,
-) -> dict[tuple[str, float], Pulse]:
-    """Simulate tapered chains with `simulate`, which integrates all beads."""
-    ordered = sorted(chains)
-    pulses = {}
-    for done, (taper, rate) in enumerate(ordered, start=1):
-        run = simulate(Chain.tapered(taper, rate, beads=beads), times=0, rtol=DEFAULT_RTOL)
-        pulses[taper, rate] = run.pulse()
-        if drifts is not None:
-            drifts.append((run.energy_drift, run.momentum_drift))
-        if progress is not None:
-            progress(done, len(ordered))
-    return pulses
 
 
 def _best_theory(board: Scoreboard) -> str:

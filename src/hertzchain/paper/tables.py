@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
 from ..calibration import Window, beads_in_window, fit_line
+from ..notebook.drawing import numbers, page
+from ..notebook.drawing import table as table_of
 from ..pulse.pulse import Pulse
+from ..representation import short
 from ..theory.bca import exponential_rates, forward_linear_momentum_slope
 from ..validation.keywords import checked_arguments
+from ..validation.objects import check_choice
 from .published import Fit, Printed, PublishedTable, published_tables
+from .simulated_chains import Pulses, integrate_chains
 
-Pulses = Mapping[tuple[str, float], Pulse]
+if TYPE_CHECKING:
+    import pandas as pd
+
 Column = Literal["BCA", "numerical"]
 
 # The paper does not state the beads used in its fits; these windows were found by search.  The
@@ -80,7 +86,17 @@ class Entry:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of the paper with recomputed entries."""
+    """A table of the paper with recomputed entries.
+
+    Attributes
+    ----------
+    published : PublishedTable
+        The printed table.
+    window : tuple of int
+        First and last bead of the fits.
+    entries : tuple of Entry
+        Numbers as printed and recomputed.
+    """
 
     published: PublishedTable
     window: Window
@@ -91,6 +107,60 @@ class Table:
         """Number of entries that agree."""
         return sum(entry.agrees for entry in self.entries)
 
+    def to_dataframe(self) -> pd.DataFrame:
+        """Entries, one row each.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``taper``, ``rate``, ``column``, ``printed``, ``recomputed``, ``units`` (the
+            difference in units of the last printed digit) and ``verdict``.
+
+        Examples
+        --------
+        >>> from hertzchain.paper import reproduce_table
+        >>> frame = reproduce_table("table3").to_dataframe()
+        >>> frame.loc[0, ["taper", "column"]].tolist(), len(frame)
+        (['forward-linear', 'BCA'], 20)
+        """
+        import pandas as pd
+
+        rows = [
+            {"taper": each.taper, "rate": each.rate, "column": each.column,
+             "printed": each.printed.value, "recomputed": each.ours, "units": each.units,
+             "verdict": each.verdict}
+            for each in self.entries
+        ]  # fmt: skip
+        return pd.DataFrame(rows)
+
+    def __repr__(self) -> str:
+        first, last = self.window
+        return short(
+            "Table", f"{self.published.name}, {self.published.quantity}",
+            f"{self.agreeing} of {len(self.entries)} entries agree with the paper",
+            f"fitted to beads {first} to {last}",
+        )  # fmt: skip
+
+    def _repr_html_(self) -> str:
+        return _table_html(self)
+
+
+def _table_html(found: Table) -> str:
+    """Entries as printed and recomputed, one row per rate and taper."""
+    rows = [
+        (entry.taper, f"{entry.rate:g}", entry.column, entry.printed.text,
+         f"{entry.ours:.{entry.printed.decimals}f}", entry.verdict)
+        for entry in found.entries
+    ]  # fmt: skip
+    first, last = found.window
+    head = ("taper", "rate", "column", "printed", "recomputed", "")
+    return page(
+        "Table", f"{found.published.place}: {found.published.caption}",
+        numbers({"entries that agree": f"{found.agreeing} of {len(found.entries)}",
+                 "fitted to beads": f"{first} to {last}"}),
+        table_of(head, rows, numeric=True),
+    )  # fmt: skip
+
 
 def table_chains(name: str) -> set[tuple[str, float]]:
     """Chains whose simulation a table requires."""
@@ -99,14 +169,37 @@ def table_chains(name: str) -> set[tuple[str, float]]:
 
 
 @checked_arguments("reproduce_table")
-def reproduce_table(name: str, pulses: Pulses, window: Window | None = None) -> Table:
+def reproduce_table(name: str, pulses: Pulses | None = None, window: Window | None = None) -> Table:
     """Recompute one table.
 
     The column "numerical" is the slope of a line fitted by least squares to ln P_k or ln E_k
     (tables 1 and 2) or P_k (table 3) over the beads of the window.  The column "BCA" is the
     closed form of Eqs. (16), (18), (26) and (27), or the slope of Eq. (24).
+
+    Parameters
+    ----------
+    name : str
+        ``"table1"``, ``"table2"`` or ``"table3"``.
+    pulses : mapping of (str, float) to Pulse, optional
+        Simulated pulses by taper and rate, such as ``Reproduction.pulses``.  By default, the chains
+        of the table are simulated.
+    window : tuple of int, optional
+        First and last bead of the fits.
+
+    Raises
+    ------
+    InputError
+        If there is no such table.
+
+    Examples
+    --------
+    >>> from hertzchain.paper import reproduce_table
+    >>> reproduce_table("table3").agreeing
+    20
     """
-    published = published_tables()[name]
+    published = published_tables()[check_choice("table of the paper", name, published_tables())]
+    if pulses is None:
+        pulses = integrate_chains(table_chains(name))
     used = window or WINDOWS[published.fit]
     entries = []
     for column in published.columns:

@@ -21,7 +21,7 @@ from ..theory.modified_bca import (
     printed_velocity,
 )
 from .published import published_correction, published_ratio
-from .tables import Pulses
+from .simulated_chains import Pulses
 
 Formula = Callable[[Pulse], Array]
 

@@ -51,7 +51,7 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     1
     """
     require_chain("plot_chain", chain)
-    factor, unit = (1e3, "mm") if chain.units == "SI" else (1.0, "$R_1$")
+    factor, unit = _unit_of_length(chain)
     radii = factor * chain.radii
     centres = bead_centres(chain) * factor
     with figure_style():
@@ -70,6 +70,13 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
         set_title(axes, chain_title(chain))
         material_legend([chain], axes, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return axes
+
+
+def _unit_of_length(chain: Chain) -> tuple[float, str]:
+    """Factor of radii in figures, and its unit."""
+    if chain.units == "SI":
+        return 1e3, "mm"
+    return 1.0, "$R_1$" if chain.radii[chain.strikers] == 1.0 else "scaled"
 
 
 def mark_strikers(chain: Chain, factor: float, axes: Axes) -> None:
@@ -143,13 +150,13 @@ def material_legend(chains: Sequence[Chain], axes: Axes, **options: Any) -> None
 
 def scale_bar(chain: Chain, axes: Axes) -> None:
     """Draw a bar with its length below the chain, for axes that are switched off."""
-    factor, unit = (1e3, " mm") if chain.units == "SI" else (1.0, " $R_1$")
+    factor, unit = _unit_of_length(chain)
     largest = factor * chain.radii.max()
     power = 10.0 ** np.floor(np.log10(2.0 * largest))
     length = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= 2.0 * largest)
     begin, height = factor * bead_centres(chain)[0] - factor * chain.radii[0], -1.35 * largest
     axes.plot([begin, begin + length], [height] * 2, color="black", linewidth=2.0,
               solid_capstyle="butt")  # fmt: skip
-    axes.annotate(f"{length:g}{unit}", (begin + length, height), xytext=(4, 0),
+    axes.annotate(f"{length:g} {unit}", (begin + length, height), xytext=(4, 0),
                   textcoords="offset points", va="center", fontsize=8)  # fmt: skip
     axes.set_ylim(bottom=1.4 * height)

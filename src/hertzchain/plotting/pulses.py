@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ..collision import Array
-from ..errors import InputError
+from ..errors import InputError, short_repr
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
 from ..validation.keywords import checked_arguments
@@ -128,6 +128,11 @@ def _checked(pulses: Sequence[Pulse], quantity: str) -> list[Pulse]:
         raise InputError("plot_pulses requires at least one pulse")
     for pulse in checked:
         check_type("pulse", pulse, Pulse, "propagate and the theories return one")
+    if not isinstance(quantity, str):
+        raise InputError(
+            f"plot_pulses draws one quantity, such as 'velocity', got {short_repr(quantity)}; call "
+            "it once for each, with ax=... to draw into the same figure"
+        )
     check_choice("quantity", quantity, QUANTITIES)
     missing = [pulse.method for pulse in checked if pulse.column(quantity) is None]
     if missing:

@@ -30,8 +30,6 @@ ROOM: Final = 1.25
 ROOM_FOR_LEGEND: Final = 1.4
 # Width of axes [inch] for a legend in one row.
 WIDE: Final = 4.4
-# Gaps narrower than this fraction of the highest frequency are bands that touch.
-TOUCHING: Final = 1e-6
 # Range of the amplitudes that are drawn.
 DECADES: Final = 8.0
 
@@ -61,7 +59,8 @@ def plot_spectrum(
             top = spectrum.frequencies.max()
         room = ROOM if edges is None else ROOM_FOR_LEGEND
         axes.set_ylim(0.0, factor * room * top)
-        _shade(axes.axhspan, edges, factor, room * top)
+        gaps = None if edges is None else spectrum.gaps(cell=cell)
+        _shade(axes.axhspan, gaps, factor, room * top)
         if edges is not None:
             # Branches may be anywhere below the top of the highest band.
             wide = axes.get_window_extent().width / axes.figure.dpi > WIDE
@@ -99,8 +98,8 @@ def plot_transfer(
         if len(known):
             axes.set_ylim(max(known.min(), 10.0**-DECADES * known.max()), 3.0 * known.max())
         axes.set_xlim(factor * shown[0], factor * shown[-1])
-        edges = _edges(spectrum, None, required=False)
-        _shade(axes.axvspan, edges, factor, shown[-1])
+        gaps = None if _edges(spectrum, None, required=False) is None else spectrum.gaps()
+        _shade(axes.axvspan, gaps, factor, shown[-1])
         axes.set_xlabel(label)
         axes.set_ylabel(f"force in contact {contact} per {drive}{unit}")
         place = f"the {at}" if isinstance(at, str) else f"bead {at}"
@@ -114,14 +113,13 @@ def frequency_axis(chain: Chain) -> tuple[float, str]:
     return (1e-3, "frequency [kHz]") if chain.units == "SI" else (1.0, "frequency $f$")
 
 
-def _shade(span: Callable[..., Any], edges: Array | None, factor: float, end: float) -> None:
+def _shade(span: Callable[..., Any], gaps: Array | None, factor: float, end: float) -> None:
     """Shade the frequency ranges without plane waves, up to an end."""
-    if edges is None:
+    if gaps is None:
         return
-    lower, upper = np.append(edges[1:, 0], np.inf), edges[:, 1]
     label = "no plane waves"
-    for low, high in zip(upper, np.minimum(lower, end), strict=True):
-        if high - low > TOUCHING * upper[-1]:
+    for low, high in np.minimum(gaps, end):
+        if high > low:
             span(factor * low, factor * high, color="0.9", linewidth=0.0, label=label)
             label = ""
 

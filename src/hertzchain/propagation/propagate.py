@@ -130,7 +130,8 @@ def propagate_many(
     ----------
     chains : iterable of Chain or array_like, or array_like of shape (C, N)
         Chains as for `propagate`, or rows of radii in any unit, each starting with the struck
-        bead.  Rows may differ in length.
+        bead.  Rows may differ in length.  Results of a row are in units of its first bead; for
+        random chains in the same units, use `Chain.with_scatter`.
     rtol : float
         Relative tolerance, as for `propagate`.
     threads : int, optional

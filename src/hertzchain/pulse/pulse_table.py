@@ -38,7 +38,8 @@ class PulseTable(Columns):
     Attributes
     ----------
     radii : ndarray, shape (C, N)
-        Radii, in units of each chain's first [scaled, or m].
+        Radii [scaled, or m].  Rows of radii are divided by their first, and their times, momenta,
+        energies and forces are in units of the first bead of each row.
     beads : ndarray of int, shape (C,)
         Number of beads of each chain.
     exponents : ndarray, shape (C,)
@@ -240,6 +241,11 @@ class PulseTable(Columns):
             },
             attrs={"method": "propagation"},
         )
+
+    def _repr_html_(self) -> str:
+        from ..notebook.tables import pulse_table_html
+
+        return pulse_table_html(self)
 
     def __repr__(self) -> str:
         failed = f", {len(self.reasons)} failed" if self.reasons else ""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from ..simulation.simulate import default_step_limit
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_list
-from .accuracy import relative_error
+from .accuracy import TIGHTER, Accuracy, SecondRun, least_error
 from .dependence import Reader
 from .equation import Equation, equation_of
 from .gauges import Missing
@@ -53,8 +54,6 @@ class Gradient(Frozen):
         Value [scaled, or SI]; NaN if the quantity does not exist in the run.
     gradient : mapping of str to ndarray
         Derivatives with respect to the parameters in ``to``, each of the shape of the parameter.
-    error : float
-        Estimated relative error of the derivatives, in units of the largest of an array.
     status : str
         ``"complete"``, or why the quantity is incomplete or does not exist.
     steps : int
@@ -70,9 +69,9 @@ class Gradient(Frozen):
     quantity: str
     value: float
     gradient: Mapping[str, Array] = field(repr=False)
-    error: float
     status: str
     steps: int
+    _accuracy: Accuracy = field(repr=False, compare=False)
     unit: str = field(default="", repr=False)
     units: Mapping[str, str] = field(default_factory=dict, repr=False)
     parameters: Mapping[str, Array] = field(default_factory=dict, repr=False)
@@ -81,6 +80,16 @@ class Gradient(Frozen):
         super().__setstate__(state)
         for values in (*self.gradient.values(), *self.parameters.values()):
             values.setflags(write=False)
+
+    @cached_property
+    def error(self) -> float:
+        """Estimated relative error of the derivatives, in units of the largest of an array.
+
+        It is five times the difference to a second gradient, with a tenth of the tolerance and a
+        wider window, which is computed when the attribute is first read.  With damping, it is
+        at least an estimate that follows from the tolerance.
+        """
+        return self._accuracy.relative_error(self.gradient)
 
     def __iter__(self) -> Iterator[float | Mapping[str, Array]]:
         return iter((self.value, self.gradient))
@@ -213,7 +222,8 @@ def gradient(
         ``"bead.largest_energy"`` at the largest forward velocity of a ``bead`` in the whole run;
         ``"final.velocity"`` or ``"final.position"`` of a ``bead`` at ``until``; or
         ``"energy."`` and ``kinetic``, ``forward``, ``backward``, ``contacts`` or ``walls``, the
-        energy at ``until``.  ``"pulse.velocity@90"`` includes the bead.
+        energy at ``until``.  ``"pulse.velocity@90"`` and
+        ``"velocity@last"`` include the bead.
     to : str or iterable of str
         Parameters: ``"radii"``, ``"masses"``, ``"stiffness"``, ``"gaps"``, ``"velocities"``,
         ``"young"``, ``"poisson"``, ``"density"`` (of each bead), ``"left_wall.stiffness"``,
@@ -308,10 +318,12 @@ def gradients(
     wall_force.peak 1.244 (10,)
     pulse.arrival@10 10.91 (10,)
     """
+    quantities = check_list("quantities", quantities, "names of quantities")
     reader, names, rtol, parameters = _recorded(
         chain, quantities, to=to, bead=bead, until=until, rtol=rtol, max_steps=max_steps
     )
-    found = [each for name in names for each in _read(reader, name, parameters, rtol)]
+    second = SecondRun(partial(_slopes_again, chain, quantities, parameters, bead, until, rtol))
+    found = _read(reader, names, parameters, rtol, second)
     for each in found:
         if each.status != "complete":
             warn_user(f"{each.quantity}: {each.status}", IncompleteWarning)
@@ -343,6 +355,7 @@ def _recorded(
     until: float | None = None,
     rtol: float | None = None,
     max_steps: int | None = None,
+    other: bool = False,
 ) -> tuple[Reader, list[Name], float, tuple[str, ...]]:
     """Integrate a chain; returns the reader, checked names, the tolerance, and the parameters."""
     equation = equation_of(chain)
@@ -360,7 +373,9 @@ def _recorded(
     ending = Ending(equation, names, targets)
     pulses_only = all(name.group == "pulse" for name in names)
     of_pulse = pulses_only and until is None
-    record = follow_pulse(equation, targets.array(), rtol or WINDOW_RTOL) if of_pulse else None
+    record = None
+    if of_pulse:
+        record = follow_pulse(equation, targets.array(), rtol or WINDOW_RTOL, other=other)
     if record is not None:
         rtol = rtol or WINDOW_RTOL
     else:
@@ -374,32 +389,53 @@ def _recorded(
     return Reader(record, ending, until), names, rtol, parameters
 
 
-def _read(reader: Reader, name: Name, to: tuple[str, ...], rtol: float) -> list[Gradient]:
+def _slopes_again(
+    chain: Chain, quantities: Sequence[str], to: tuple[str, ...], bead: int | None,
+    until: float | None, rtol: float,
+) -> list[dict[str, Array]]:  # fmt: skip
+    """Derivatives at a smaller tolerance, with other settings of a window.
+
+    At the smallest tolerance, a larger one is used.
+    """
+    factor = TIGHTER if TIGHTER * rtol >= MIN_RTOL else 1.0 / TIGHTER
+    reader, names, *_ = _recorded(
+        chain, quantities, to=to, bead=bead, until=until, rtol=factor * rtol, other=True
+    )
+    return [slopes for name in names for _, _, slopes, _ in _derivatives(reader, name, to)]
+
+
+def _derivatives(
+    reader: Reader, name: Name, to: tuple[str, ...]
+) -> list[tuple[str, float, dict[str, Array], str]]:
+    """Name, value, derivatives and status of a quantity; `wall_force.maxima` has several."""
     equation: Equation = reader.record.equation
-    steps, chain = reader.record.steps, equation.chain
-    unit = unit_of_quantity(chain, name)
-    units = {key: per_unit(unit, unit_of_parameter(chain, key)) for key in to}
-    own = {key: value_of_parameter(chain, key) for key in to}
     try:
         read = reader.read(name)
     except Missing as missing:
         nothing = {key: _nan_like(equation, key) for key in to}
-        return [
-            Gradient(str(name), math.nan, nothing, math.nan, str(missing), steps, unit, units, own)
-        ]
+        return [(str(name), math.nan, nothing, str(missing))]
     out = []
     for each, dependence, note in read:
-        slopes = sweep(reader.record, dependence)
-        arrays = by_fields(equation, slopes, to)
+        arrays = by_fields(equation, sweep(reader.record, dependence), to)
         for values in arrays.values():
             values.setflags(write=False)
-        status = note or "complete"
-        found = Gradient(
-            str(each), dependence.value, arrays,
-            relative_error(equation, rtol, each, in_window=reader.record.moves), status, steps,
-            unit, units, own,
-        )  # fmt: skip
-        out.append(found)
+        out.append((str(each), dependence.value, arrays, note or "complete"))
+    return out
+
+
+def _read(
+    reader: Reader, names: Iterable[Name], to: tuple[str, ...], rtol: float, second: SecondRun
+) -> list[Gradient]:
+    equation: Equation = reader.record.equation
+    steps, chain, least = reader.record.steps, equation.chain, least_error(equation, rtol)
+    own = {key: value_of_parameter(chain, key) for key in to}
+    read = [(name, each) for name in names for each in _derivatives(reader, name, to)]
+    out = []
+    for index, (name, (label, value, arrays, status)) in enumerate(read):
+        unit = unit_of_quantity(chain, name)
+        units = {key: per_unit(unit, unit_of_parameter(chain, key)) for key in to}
+        accuracy = Accuracy(least, second, index, len(read))
+        out.append(Gradient(label, value, arrays, status, steps, accuracy, unit, units, own))
     return out
 
 

@@ -62,10 +62,14 @@ def parse(chain: Chain, given: object, bead: int | None, until: float | None) ->
     """A quantity of a chain; raises `InputError` if the chain does not have it."""
     text, at, number = given.partition("@") if isinstance(given, str) else (given, "", "")
     text = f"pulse.{text}" if text in PULSE else text
-    if text not in KNOWN or (at and not number.isdigit()):
-        raise unknown_name_error("quantity", given, KNOWN)
+    if text not in KNOWN:
+        raise unknown_name_error("quantity", text, KNOWN)
     group, item = str(text).split(".")
-    at_bead = int(number) if at else bead
+    most = QUANTITIES[item].count(chain.beads) if group == "pulse" else chain.beads
+    if at and not (number.isdigit() or number == "last"):
+        raise InputError(f"the bead of {given!r} must be a number or 'last'")
+    last = most if number == "last" else bead
+    at_bead = int(number) if number.isdigit() else last
     if group in ("wall_force", "left_wall_force"):
         side = "right" if group == "wall_force" else "left"
         if getattr(chain, f"{side}_wall") is None:
@@ -77,7 +81,6 @@ def parse(chain: Chain, given: object, bead: int | None, until: float | None) ->
     elif group in ("pulse", "sensor", "final", "bead"):
         if at_bead is None:
             raise InputError(f"{text} belongs to a bead; give bead, or '{text}@{chain.beads}'")
-        most = QUANTITIES[item].count(chain.beads) if group == "pulse" else chain.beads
         at_bead = whole_number(f"bead of {text}", at_bead, least=1, most=most)
     else:
         at_bead = None

@@ -14,14 +14,21 @@ from .record import Block, Record, load_rows
 # stiffness of neighbours differ by at most a factor exp(SMOOTH).
 SETTINGS: Final = (8.0, 4.0, 5.0, 3.0, 0.1, 1e-9, 0.5, 1e-5)
 SMOOTH: Final = 0.4
+# More beads behind open contacts, and no releases: steps become short before contacts open.
+OTHER_SETTINGS: Final = (9.0, 7.0, 5.0, *SETTINGS[3:6], 0.0, SETTINGS[7])
 # Pulses of smaller exponents are longer.
 NARROW: Final = 1.4
 # Steps per bead, and at the impact; if more are needed, the window is not used.
 PER_BEAD, MORE = 24, 256
 
 
-def follow_pulse(equation: Equation, targets: Array, rtol: float) -> Record | None:
-    """Integrate until all events are found; `None` if the window is not large enough."""
+def follow_pulse(
+    equation: Equation, targets: Array, rtol: float, *, other: bool = False
+) -> Record | None:
+    """Integrate until all events are found; `None` if the window is not large enough.
+
+    Another run, with ``OTHER_SETTINGS``, shows the errors of these settings.
+    """
     from ..kernels import adjoint_layout as layout
     from ..kernels import adjoint_window
 
@@ -40,9 +47,10 @@ def follow_pulse(equation: Equation, targets: Array, rtol: float) -> Record | No
     lengths, windows = np.empty(size), np.empty((size, 2), np.int64)
     kept = np.empty((size + 1, equation.stages, contacts))
     releases = np.empty((2 * beads, layout.RELEASE))
+    settings = np.array(OTHER_SETTINGS if other else SETTINGS)
     status = kernel.follow(
-        rows, events, beads, clock, counts, rtol, 2 * size, np.array(SETTINGS), equation.hertz,
-        targets, found, located, np.empty((0, 2)), lengths, windows, kept, releases, room,
+        rows, events, beads, clock, counts, rtol, 2 * size, settings, equation.hertz, targets,
+        found, located, np.empty((0, 2)), lengths, windows, kept, releases, room,
     )  # fmt: skip
     if status != layout.ALL_FOUND:
         return None

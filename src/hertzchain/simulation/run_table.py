@@ -229,6 +229,11 @@ class RunTable(Frozen):
         found["reason"] = [self.reasons.get(i, "") for i in range(len(self))]
         return pd.DataFrame(found, index=pd.RangeIndex(len(self), name="chain"))
 
+    def _repr_html_(self) -> str:
+        from ..notebook.tables import run_table_html
+
+        return run_table_html(self)
+
     def __repr__(self) -> str:
         longest = int(self.beads.max(initial=0))
         failed = f", {len(self.reasons)} failed" if self.reasons else ""

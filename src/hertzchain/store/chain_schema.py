@@ -20,7 +20,7 @@ from ..chain.input_checks import MAX_EXPONENT
 from ..chain.laws import LAWS
 from ..chain.laws.base import Parameter
 from ..chain.materials import MAX_DENSITY, MIN_DENSITY
-from ..chain.modifications import MAX_SCATTER
+from ..chain.random_radii import MAX_SCATTER
 from ..chain.taper_sizes import SHAPES
 from ..chain.tapers import PARAMETERS, TAPERS, parameter_description
 from ..errors import InputError
@@ -138,7 +138,7 @@ _SCATTER: Final = (
         most=MAX_SCATTER,
     ),
     Key("grade", "integer", "ball grade of ISO 3290-1, instead of relative"),
-    Key("beads", "text", "beads that deviate, such as 2:; all if omitted"),
+    Key("beads", "text", "beads that deviate, such as 2:; all but the strikers if omitted"),
 )
 _STRUCK_BY: Final = (
     _number("velocity", "velocity of the strikers", "velocity", default=1.0),

@@ -24,7 +24,9 @@ def compact_beads(chain: Chain, names: Sequence[str]) -> dict[str, Any]:
 
     Radii that the keys give are those of the chain, bit for bit.
     """
-    if chain.units == "scaled" and (chain.taper is not None or chain.strikers):
+    if chain.units == "scaled" and (
+        chain.taper is not None or chain.strikers or chain.radii[0] != 1.0
+    ):
         return listed_beads(chain, names)
     for entries in (_equal(chain, names), _periodic(chain, names), _tapered(chain, names)):
         if entries is not None:
@@ -49,7 +51,12 @@ def listed_beads(chain: Chain, names: Sequence[str]) -> dict[str, Any]:
     if chain.units == "scaled" and chain.taper is not None:
         parameters: Mapping[str, float] = dict(chain.taper_parameters)
         return {"taper": chain.taper, **parameters, "beads": chain.beads}
-    return {"radii": chain.radii.tolist(), **_materials(names)}
+    radii = chain.radii.tolist()
+    if chain.units == "scaled" and not chain.strikers and radii[0] != 1.0:
+        # A list would be divided by its first radius.
+        first = {"bead": 1, "radius": radii[0]}
+        return {"radii": [1.0, *radii[1:]], "with_defects": [first]}
+    return {"radii": radii, **_materials(names)}
 
 
 def _equal(chain: Chain, names: Sequence[str]) -> dict[str, Any] | None:

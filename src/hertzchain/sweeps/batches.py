@@ -202,7 +202,9 @@ class _Batch:
         chain = self.chain(row)
         if chain.features:
             return None
-        return chain.radii if chain.exponents == HERTZ_EXPONENT else chain
+        # Rows of radii are divided by their first.
+        plain = chain.exponents == HERTZ_EXPONENT and chain.radii[0] == 1.0
+        return chain.radii if plain else chain
 
     def one_by_one(self, place: int, method: str) -> None:
         """Apply a method to one chain after the other."""

@@ -120,7 +120,7 @@ def piecewise_local_rate(chain: Chain) -> Pulse:
     if not jumps:
         return dataclasses.replace(local_rate(chain), method=METHOD.removeprefix("the "))
     radii = chain.radii * np.exp(-sizes)
-    nominal = local_rate(Chain.from_radii(radii, exponent=chain.exponents))
+    nominal = local_rate(Chain(radii, chain.exponents))
     return _joined(chain, nominal, jumps, sizes)
 
 

@@ -196,6 +196,11 @@ class SolitaryWave:
         r"""Mean kinetic fraction of the energy, (p + 1)/(p + 3) by the virial theorem."""
         return (self.exponent + 1.0) / (self.exponent + 3.0)
 
+    def _repr_html_(self) -> str:
+        from ..notebook.theories import solitary_wave_html
+
+        return solitary_wave_html(self)
+
     def __repr__(self) -> str:
         return f"SolitaryWave(p = {self.exponent:g}, C = {self.speed_constant:.10f})"
 

@@ -25,11 +25,10 @@ from ..chain.feature_support import require_chain
 from ..chain.hertz_range import warn_outside_static
 from ..collision import Array
 from ..errors import InputError
-from ..frozen import Frozen
 from ..representation import measure, short
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import bounded_numbers, whole_number
-from .bands import plane_waves, repeating_cell, slow_wave_speed
+from .band_structure import BandStructure
 from .eigenmodes import eigenmodes
 from .linear_contacts import LinearContacts, linear_contacts
 from .response import Complex, Response, WallName, driven_place
@@ -40,7 +39,7 @@ if TYPE_CHECKING:
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class Spectrum(Frozen):
+class Spectrum(BandStructure):
     r"""Small oscillations of a chain, as returned by `spectrum`.
 
     Frequencies are in cycles per unit time, like those of drives (Hz for a chain in SI units).
@@ -99,33 +98,6 @@ class Spectrum(Frozen):
         """
         size = np.abs(self.eigenvalues)
         return np.divide(self.decay_rates, size, out=np.zeros(len(size)), where=size > 0.0)
-
-    @property
-    def sound_speed(self) -> float:
-        r"""Speed of long waves in an infinite chain with the same cell [R_1 per unit time, or m/s].
-
-        .. math:: c_0 = L \left(\sum_k m_k \sum_k \frac1{K_k}\right)^{-1/2}
-
-        with the length L, the masses and the springs of a cell; :math:`2R\sqrt{K/m}` for equal
-        beads.  Shorter waves are slower: the front of a weak pulse has this speed, its crests lag.
-
-        Raises
-        ------
-        InputError
-            If masses or springs do not repeat, as for `bands`.
-
-        Examples
-        --------
-        Steel balls of 10 mm diameter under 1 N, and under 64 N:
-
-        >>> import hertzchain as hc
-        >>> balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
-        >>> held = [balls.replace(precompression=f, held_by="force") for f in (1.0, 64.0)]
-        >>> [round(hc.spectrum(each).sound_speed, 1) for each in held]
-        [374.5, 749.1]
-        """
-        cell = repeating_cell(self.contacts, None, self.chain.description)
-        return slow_wave_speed(self.contacts, self.chain.centre_distances[:cell])
 
     def transfer(
         self,
@@ -230,74 +202,6 @@ class Spectrum(Frozen):
         c = whole_number("contact", contact, least=0, most=self.chain.beads)
         return response.force(c, drive, driven_place(response, drive, at))
 
-    def bands(self, phase: ArrayLike, *, cell: int | None = None) -> Array:
-        r"""Frequencies of plane waves in an infinite chain with the same cell.
-
-        From one cell to the next, a wave of phase q changes by the factor :math:`e^{iq}`.  Losses
-        are neglected.
-
-        Parameters
-        ----------
-        phase : array_like
-            Phase q from cell to cell [radians].
-        cell : int, optional
-            Number of beads per cell.  The default is the smallest cell that repeats.
-
-        Returns
-        -------
-        ndarray, shape (..., cell)
-            Frequencies of all bands in ascending order [cycles per unit time, or Hz].
-
-        Raises
-        ------
-        InputError
-            If masses or springs do not repeat (for example under gravity), or the chain is
-            shorter than two cells.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> import numpy as np
-        >>> held = hc.Chain.uniform(9).replace(precompression=1.0, held_by="force")
-        >>> hc.spectrum(held).bands(np.pi).round(6)  # sqrt(6)/2 pi
-        array([0.389848])
-        """
-        size = repeating_cell(self.contacts, cell, self.chain.description)
-        return plane_waves(self.contacts, size, bounded_numbers("phase", phase))
-
-    def band_edges(self, *, cell: int | None = None) -> Array:
-        """Edges of the frequency bands of an infinite chain with the same cell.
-
-        Parameters
-        ----------
-        cell : int, optional
-            As for `bands`.
-
-        Returns
-        -------
-        ndarray, shape (cell, 2)
-            Lower and upper edge of each band [cycles per unit time, or Hz].  Waves do not
-            propagate at frequencies between the bands or above the last one.
-
-        Raises
-        ------
-        InputError
-            As for `bands`.
-
-        Examples
-        --------
-        Alternating aluminium and steel balls under 1 N have two bands, given here in kHz:
-
-        >>> import hertzchain as hc
-        >>> pair = hc.Chain.periodic([9.5e-3] * 2, cells=20,
-        ...                          materials=["aluminium", "steel-316"])
-        >>> held = pair.replace(precompression=1.0, held_by="force")
-        >>> (hc.spectrum(held).band_edges() / 1e3).round(2)
-        array([[0.  , 2.82],
-               [4.85, 5.61]])
-        """
-        return np.sort(self.bands([0.0, math.pi], cell=cell), axis=0).T.copy()
-
     def plot(
         self, kind: str | None = None, *, cell: int | None = None, ax: Axes | None = None
     ) -> Axes:
@@ -387,6 +291,8 @@ class Spectrum(Frozen):
         about = f"{len(f)} modes, {f[0]:g} .. {f[-1]:g}{unit}"
         with suppress(InputError):
             about += f", sound speed {measure(self.sound_speed, 'm/s', self.chain.units)}"
+            gaps = [f"{low:g} .. {high:g}" for low, high in self.gaps()[:-1]]
+            about += f", gap{'s' * (len(gaps) > 1)} {' and '.join(gaps)}{unit}" if gaps else ""
         return short("Spectrum", about, self.chain.description)
 
     def _repr_html_(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
 import functools
 import inspect
@@ -129,6 +130,19 @@ def checked_fields(cls: type[R]) -> type[R]:
 
     cls.__init__ = checked  # type: ignore[assignment]
     return cls
+
+
+def show_fields(cls: type[Any], method: str) -> None:
+    """Give a method of ``**changes`` a signature with all fields, for help and completion."""
+    parameters = [inspect.Parameter("self", inspect.Parameter.POSITIONAL_OR_KEYWORD)]
+    parameters += [
+        inspect.Parameter(each.name, inspect.Parameter.KEYWORD_ONLY, default=...,
+                          annotation=each.type)
+        for each in dataclasses.fields(cls) if each.init
+    ]  # fmt: skip
+    function = getattr(cls, method)
+    returned = inspect.signature(function).return_annotation
+    function.__signature__ = inspect.Signature(parameters, return_annotation=returned)
 
 
 def check_keywords(label: str, given: Iterable[str], known: Iterable[str]) -> None:

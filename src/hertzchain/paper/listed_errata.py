@@ -15,18 +15,20 @@ from ..calibration import RATES
 from ..chain.chain import Chain
 from ..chain.tapers import rate_symbol
 from ..propagation.propagate import propagate
+from ..representation import short
 from ..theory.bca import (
     backward_linear_prefactor,
     bca,
     exponential_rates,
     forward_linear_momentum_slope,
 )
+from ..validation.keywords import checked_arguments
 from .published import (
     published_correction,
     published_figures,
     published_tables,
 )
-from .tables import Pulses
+from .simulated_chains import Pulses, integrate_chains
 from .velocity_formulas import (
     EXACT_PRODUCT,
     WITH_PREFACTOR,
@@ -61,14 +63,33 @@ class Erratum:
     evidence: tuple[tuple[str, str], ...]
     inference: bool = False
 
+    def __repr__(self) -> str:
+        return short("Erratum", self.place, f"printed {self.printed}", self.follows)
+
 
 def errata_chains() -> set[tuple[str, float]]:
     """Chains whose simulation `errata` requires."""
     return {(taper, rate) for taper, rates in RATES.items() for rate in rates}
 
 
-def errata(pulses: Pulses) -> list[Erratum]:
-    """All errata of the paper, with evidence."""
+@checked_arguments("errata")
+def errata(pulses: Pulses | None = None) -> list[Erratum]:
+    """All errata of the paper, with evidence.
+
+    Parameters
+    ----------
+    pulses : mapping of (str, float) to Pulse, optional
+        Simulated pulses by taper and rate, such as ``Reproduction.pulses``.  By default, the chains
+        of `errata_chains` are simulated.
+
+    Examples
+    --------
+    >>> from hertzchain.paper import errata
+    >>> errata()[0].place
+    'Eqs. (38), (39), (42): backward exponential velocity'
+    """
+    if pulses is None:
+        pulses = integrate_chains(errata_chains())
     return [
         *_velocity_formulas_misprinted(pulses),
         _ratio_upside_down(pulses),

@@ -1,0 +1,101 @@
+"""Random deviations of radii, for `Chain.with_scatter` and `hertzchain.Scatter`.
+
+The deviation of a bead multiplies its radius, or adds to it for a ball grade, whatever the units of
+the chain: radii of a scaled chain stay in units of the chain without deviations.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from types import MappingProxyType
+from typing import Any, Final, TypeVar
+
+import numpy as np
+
+from ..collision import Array
+from ..errors import InputError, short_repr
+from ..validation.numbers import FRACTION, number
+from .fields import ChainFields
+from .places import places_from
+
+C = TypeVar("C", bound=ChainFields)
+
+# Largest standard deviation of the logarithm of the radius.
+MAX_SCATTER: Final = 0.3
+
+# Variation of ball lot diameter V_DwL by grade [m], from ISO 3290-1:2014 for steel balls: the
+# difference between the mean diameters of the largest and the smallest ball of a lot.
+BALL_GRADES: Final = MappingProxyType(
+    {
+        3: 0.13e-6, 5: 0.25e-6, 10: 0.5e-6, 16: 0.8e-6, 20: 1e-6, 24: 1.2e-6, 28: 1.4e-6,
+        40: 2e-6, 60: 3e-6, 100: 5e-6, 200: 10e-6,
+    }
+)  # fmt: skip
+
+
+def relative_scatter(
+    what: str, value: object, *, above: float = -math.inf, least: float = -math.inf
+) -> float:
+    """Check a standard deviation of the logarithm of the radius."""
+    return number(what, value, unit=FRACTION, above=above, least=least, most=MAX_SCATTER)
+
+
+def check_grade(grade: object) -> None:
+    """Raise `InputError` unless it is a ball grade."""
+    if type(grade) is not int or grade not in BALL_GRADES:
+        known = ", ".join(map(str, BALL_GRADES))
+        raise InputError(f"ISO 3290-1 has no ball grade {short_repr(grade)}; choose from {known}")
+
+
+def check_scatter(chain: ChainFields, grade: int | None, beads: Any) -> None:
+    """Raise `InputError` if the radii of a chain cannot deviate."""
+    if beads is not None:
+        places_from(beads, chain.beads, "bead")
+    if own := sorted({"masses", "stiffness"} & set(chain.given)):
+        raise InputError(
+            f"a scatter of radii changes the {' and '.join(own)}, which this chain or its strikers "
+            "give: omit them, or call with_scatter first, then struck_by"
+        )
+    if grade is None:
+        return
+    if chain.units != "SI":
+        raise InputError(
+            "ball grades are tolerances in micrometres; use Chain.from_materials, or relative"
+        )
+    if 0.25 * BALL_GRADES[grade] >= chain.radii.min():
+        raise InputError(
+            f"a radius of {chain.radii.min():g} m is too small for the deviations of grade {grade}"
+        )
+
+
+def random_draws(
+    rng: np.random.Generator, shape: int | tuple[int, int], grade: int | None
+) -> Array:
+    """Random numbers: normal, or uniform from -1 to 1 for a grade."""
+    return rng.standard_normal(shape) if grade is None else rng.uniform(-1.0, 1.0, shape)
+
+
+def deviating_radii(
+    chain: ChainFields, draws: Array, relative: float | None, grade: int | None, beads: Any
+) -> Array:
+    """Radii with the deviations of random draws, shape (..., N), of the beads that deviate."""
+    deviate: Sequence[int] | Array = range(chain.strikers, chain.beads)
+    if beads is not None:
+        deviate = places_from(beads, chain.beads, "bead")
+    radii = np.broadcast_to(chain.radii, draws.shape).copy()
+    if relative is not None:
+        radii[..., deviate] *= np.exp(relative * draws[..., deviate])
+    else:
+        assert grade is not None
+        # The grade limits the variation of diameters, which is four times the largest deviation.
+        radii[..., deviate] += 0.25 * BALL_GRADES[grade] * draws[..., deviate]
+    return radii
+
+
+def with_random_radii(
+    chain: C, draws: Array, relative: float | None, grade: int | None, beads: Any
+) -> list[C]:
+    """One chain for each row of draws; masses and contacts follow from its radii."""
+    rows = deviating_radii(chain, draws, relative, grade, beads)
+    return [chain.replace(radii=radii) for radii in rows]

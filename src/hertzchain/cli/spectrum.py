@@ -1,0 +1,124 @@
+"""The command `spectrum`: frequencies, bands and gaps of a precompressed chain."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .chain_options import ChainOptions, chain_from, chain_options
+from .options import as_typed, figure_option, json_option
+from .output import save_figure, show_json
+
+if TYPE_CHECKING:
+    from ..chain.chain import Chain
+    from ..theory.spectrum import Spectrum
+
+
+@click.command()
+@chain_options
+@click.option(
+    "--precompression", metavar="FORCE",
+    help="Static force on every contact, such as '20 N'.  [default: that of FILE]",
+)  # fmt: skip
+@click.option("--all", "every_mode", is_flag=True, help="List the frequencies of all modes.")
+@json_option()
+@figure_option("Plot the bands, or the modes, to FILE.")
+def spectrum(
+    options: ChainOptions, precompression: str | None, every_mode: bool, as_json: bool,
+    plot: Path | None,
+) -> None:  # fmt: skip
+    """Show frequencies, bands and gaps of a precompressed chain.
+
+    A chain whose contacts carry a static force transmits sound.  If its beads repeat a cell, the
+    frequency bands of an infinite chain with this cell, the gaps between them and the speed of
+    long waves are printed; in the gaps no waves propagate.
+
+    \b
+    Examples:
+      hertzchain spectrum --material steel-316 --diameter "19 mm" --beads 20 \\
+          --precompression "20 N"
+      hertzchain spectrum crystal.toml --plot bands.png
+    """
+    import hertzchain
+
+    found = hertzchain.spectrum(_compressed(chain_from(options), precompression))
+    if plot is not None:
+        save_figure(found.plot(), plot)
+    if as_json:
+        show_json(_document(found))
+    else:
+        click.echo(_table(found, every_mode=every_mode))
+
+
+def _compressed(chain: Chain, force: str | None) -> Chain:
+    """The chain under a static force; free ends are then held by this force."""
+    if force is None:
+        if chain.precompression == 0.0 and chain.gravity == 0.0:
+            raise click.UsageError(
+                "the contacts of this chain carry no static force: give --precompression, such as "
+                "'20 N', or precompression in the chain file"
+            )
+        return chain
+    given = as_typed(force)
+    if isinstance(given, float) and not chain.scaled:
+        raise click.UsageError(f"--precompression {force} has no unit; write '{force.strip()} N'")
+    walls = chain.left_wall is not None and chain.right_wall is not None
+    return chain.replace(precompression=given, held_by="walls" if walls else "force")
+
+
+def _bands(found: Spectrum) -> tuple[Any, Any, float | None]:
+    """Edges of the bands, gaps and sound speed, if the chain repeats a cell."""
+    from ..errors import InputError
+
+    with suppress(InputError):
+        return found.band_edges().tolist(), found.gaps().tolist(), found.sound_speed
+    return None, None, None
+
+
+def _document(found: Spectrum) -> dict[str, Any]:
+    from ..store import results
+
+    bands, gaps, speed = _bands(found)
+    if gaps is not None:
+        gaps = [[low, high if math.isfinite(high) else None] for low, high in gaps]
+    return {
+        "schema_version": results.SCHEMA_VERSION,
+        "units": found.chain.units,
+        "frequencies": found.frequencies.tolist(),
+        "decay_rates": found.decay_rates.tolist(),
+        "bands": bands,
+        "gaps": gaps,
+        "sound_speed": speed,
+    }
+
+
+def _table(found: Spectrum, *, every_mode: bool) -> str:
+    from ..representation import measure
+
+    bands, gaps, speed = _bands(found)
+    units, factor, unit = found.chain.units, 1.0, ""
+    if units == "SI":
+        factor, unit = 1e-3, " kHz"
+
+    def shown(low: float, high: float) -> str:
+        if math.isinf(high):
+            return f"above {factor * low:.5g}{unit}"
+        return f"{factor * low:.5g} to {factor * high:.5g}{unit}"
+
+    f = found.frequencies
+    lines = [found.chain.description, f"  {len(f)} modes     {shown(f[0], f[-1])}"]
+    if bands is None:
+        lines.append("  no bands: masses or springs do not repeat")
+    else:
+        lines += [f"  band {i}       {shown(*band)}" for i, band in enumerate(bands, 1)]
+        lines += [f"  no waves     {shown(*gap)}" for gap in gaps]
+        lines.append(f"  sound speed  {measure(speed or 0.0, 'm/s', units)}")
+    if every_mode:
+        heading = "frequency [kHz]" if unit else "frequency"
+        lines.append(f"{'mode':>6}{heading:>18}")
+        lines += [f"{j:>6}{factor * each:>18.6g}" for j, each in enumerate(f, 1)]
+    return "\n".join(lines)

@@ -1,0 +1,100 @@
+"""HTML representations of tables of pulses and runs: distribution over the chains."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+
+from ..collision import Array
+from ..pulse.pulse_table import PulseTable
+from ..pulse.quantities import QUANTITIES
+from ..simulation.ensemble_columns import KEPT
+from ..simulation.run_table import RunTable
+from .drawing import (
+    COLOURS,
+    Curve,
+    axis_unit,
+    chart,
+    engineering,
+    legend,
+    note,
+    numbers,
+    page,
+    table,
+)
+
+# Part of the chains in the band around the median.
+PERCENTILES = (5.0, 50.0, 95.0)
+SHOWN = ("velocity", "momentum", "arrival", "peak_force")
+
+
+def pulse_table_html(pulses: PulseTable) -> str:
+    """Median of the velocity along the chains with a band, and values of the last beads."""
+    units, columns = pulses.units, pulses.columns()
+    failed = len(pulses.reasons)
+    shown = {"chains": f"{len(pulses)}", "failed": f"{failed}"}
+    if len(pulses) == failed:
+        return page("PulseTable", "", numbers(shown))
+    low, middle, high = _percentiles(pulses.velocity)
+    factor, unit = axis_unit(high, "m/s", units)
+    place = np.arange(1.0, len(middle) + 1.0)
+    curves = [
+        Curve(place, factor * high, "5% to 95%", COLOURS[5], base=factor * low),
+        Curve(place, factor * middle, "median", COLOURS[0]),
+    ]
+    figure = chart(curves, "bead k", f"velocity{unit}", whole=True)
+    rows = []
+    for name in SHOWN:
+        if name in columns:
+            known = [row[np.isfinite(row)] for row in columns[name]]
+            last = np.array([row[-1] for row in known if len(row)])
+            rows.append((f"{name}, last", *_summary(last, QUANTITIES[name].unit, units)))
+    head = ("quantity", "smallest", "median", "largest")
+    return page(
+        "PulseTable", f"{len(pulses)} chains of up to {len(middle)} beads",
+        legend([("5% to 95% of the chains", COLOURS[5]), ("median", COLOURS[0])]),
+        figure, numbers(shown), table(head, rows, numeric=True),
+    )  # fmt: skip
+
+
+def run_table_html(runs: RunTable) -> str:
+    """Smallest, median and largest value of each kept quantity."""
+    rows = []
+    for name, values in runs.columns.items():
+        known = values[np.isfinite(values)]
+        where = "" if values.ndim == 1 else ", all places"
+        if len(known):
+            rows.append((f"{name}{where}", *_summary(known, KEPT[name].unit, runs.units)))
+        else:
+            rows.append((name, "none", "", ""))
+    shown = {
+        "chains": f"{len(runs)}",
+        "failed": f"{len(runs.reasons)}",
+        "incomplete": f"{int((~runs.complete).sum())}",
+    }
+    parts = [numbers(shown)]
+    first = next((name for name, values in runs.columns.items() if values.ndim == 1), "")
+    if first and np.isfinite(runs[first]).sum() > 1:
+        values = np.sort(runs[first][np.isfinite(runs[first])])
+        factor, unit = axis_unit(values, KEPT[first].unit, runs.units)
+        part = 100.0 * (np.arange(len(values)) + 0.5) / len(values)
+        label = f"{first}{unit}"
+        parts.insert(0, chart([Curve(part, factor * values)], "chains with less [%]", label))
+    parts.append(table(("quantity", "smallest", "median", "largest"), rows, numeric=True))
+    if runs._range_note:
+        parts.append(note(f"{runs._range_note}."))
+    return page("RunTable", f"{len(runs)} chains", *parts)
+
+
+def _percentiles(values: Array) -> Array:
+    with warnings.catch_warnings():
+        # Beads that only failed chains have.
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return np.nanpercentile(values, PERCENTILES, axis=0)
+
+
+def _summary(values: Array, unit: str, units: str) -> tuple[str, ...]:
+    found = (values.min(), float(np.median(values)), values.max())
+    own = "" if unit == "1" else unit
+    return tuple(engineering(each, own, units if own else "scaled") for each in found)

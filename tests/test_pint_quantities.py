@@ -16,7 +16,7 @@ UNIT = pint.UnitRegistry()
 def test_a_chain_described_in_everyday_units():
     radii = np.array([5.0, 4.0]) * UNIT.mm
     chain = hc.Chain.from_materials(
-        radii, "brass", velocity=120 * UNIT.cm / UNIT.s, gaps=[2 * UNIT.um],
+        radii, "brass", gaps=[2 * UNIT.um],
         gravity=981 * UNIT.cm / UNIT.s**2, right_wall=hc.Wall(gap=0.1 * UNIT.mm),
         loss=hc.Viscoelastic(3 * UNIT.us),
         drive=hc.SineBurst(2 * UNIT.kN, 5 * UNIT.kHz),

@@ -218,3 +218,23 @@ def test_impossible_beads_are_rejected(build, said):
 def test_a_seed_that_is_none(seed):
     with pytest.raises(hc.InputError, match="seed of a scatter"):
         hc.Chain.uniform(5).with_scatter(seed, relative=0.1)
+
+
+def test_builders_accept_the_fields_of_a_chain():
+    wall = hc.Wall()
+    sizes = {"first": "10 mm", "last": "5 mm", "beads": 4, "materials": "brass"}
+    for built, plain in (
+        (hc.Chain.uniform(4, right_wall=wall), hc.Chain.uniform(4).replace(right_wall=wall)),
+        (hc.Chain.from_radii([2, 1, 1], gravity=0.1),
+         hc.Chain.from_radii([2, 1, 1]).replace(gravity=0.1)),
+        (hc.Chain.tapered("forward-linear", 0.1, beads=4, right_wall=wall),
+         hc.Chain.tapered("forward-linear", 0.1, beads=4).replace(right_wall=wall)),
+        (hc.Chain.tapered(**sizes, velocity=0.2, right_wall=wall),
+         hc.Chain.tapered(**sizes, velocity=0.2).replace(right_wall=wall)),
+        (hc.Chain.periodic([2, 1], cells=2, right_wall=wall),
+         hc.Chain.periodic([2, 1], cells=2).replace(right_wall=wall)),
+    ):  # fmt: skip
+        assert built.right_wall == plain.right_wall
+        np.testing.assert_array_equal(built.contact_stiffness, plain.contact_stiffness)
+        assert (built.exponent, built.gravity) == (plain.exponent, plain.gravity)
+        assert repr(built) == repr(plain)

@@ -18,11 +18,12 @@ from .fields import ChainFields
 from .input_checks import checked_beads
 from .materials import Material, MaterialLike
 
-# Fields that builders pass on to a chain, and those of a dimer of a mass ratio.
+# Fields that builders pass on to a chain, those of a taper, and those of a dimer of a mass ratio.
 OTHER_FIELDS: Final = tuple(
     item.name for item in dataclasses.fields(ChainFields)
     if item.init and item.name not in ("radii", "units", "materials")
 )  # fmt: skip
+TAPER_FIELDS: Final = tuple(name for name in OTHER_FIELDS if not name.startswith("taper"))
 DIMER_FIELDS: Final = tuple(
     name for name in OTHER_FIELDS if name not in ("masses", "stiffness", "taper")
 )

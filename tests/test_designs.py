@@ -635,8 +635,9 @@ def test_forces_that_differ_much_have_their_own_panels():
         panels = figure.axes[first : first + 2]
         tops = [float(line.get_ydata().max()) for axes in panels for line in axes.lines]
         assert tops == pytest.approx([initial, result.value], rel=1e-3)
-        for axes, top in zip(panels, tops, strict=True):
-            assert top < axes.get_ylim()[1] < 1.2 * top
+        # The heights of both curves can be compared.
+        for axes in panels:
+            assert initial < axes.get_ylim()[1] < 1.2 * initial
     assert len(result.plot("forces", ax=plt.figure().add_subplot()).lines) == 2
 
 

@@ -60,6 +60,10 @@ class Model:
     reference: float
     _sampled: dict[tuple[object, ...], Array] = field(default_factory=dict, init=False, repr=False)
 
+    def __getstate__(self) -> dict[str, object]:
+        # Functions with a cache cannot be pickled; copies begin with empty caches.
+        return {name: value for name, value in vars(self).items() if "_cached" not in name}
+
     def values(self, variables: Array, shot: int = 0) -> dict[Name, float]:
         """Values of the parameters from variables in the units of the motion of a shot."""
         given: dict[Name, float] = {}

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels.wall_rule import HELD
 from ..representation import counted, measure, short
+from ..validation.keywords import checked_methods
+from .force_table import force_dataframe
 from .wall_bound import motion_can_escape
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = ("left", "right")
@@ -18,6 +23,7 @@ SIDES: Final[tuple[Side, ...]] = ("left", "right")
 MARGIN: Final = 0.02
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class WallForce:
     """The force on one wall.
@@ -128,6 +134,25 @@ class WallForce:
             "WallForce", f"{self.side} wall", "peak not complete", largest, self.reason, impulse,
             touches,
         )  # fmt: skip
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per saved time.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``time``; the column ``force``.  ``attrs["units"]`` has their units ("1":
+            scaled).
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(9).replace(right_wall=hc.Wall())
+        >>> table = hc.simulate(chain, until=30.0, times=11).wall_force().to_dataframe()
+        >>> len(table), table.attrs["units"]["force"]
+        (11, '1')
+        """
+        return force_dataframe(self.times, self.force, self.units)
 
     def _repr_html_(self) -> str:
         from ..notebook.runs import wall_force_html

@@ -760,3 +760,46 @@ def test_limits_of_the_model_are_stated_once_for_the_result(recwarn):
 def test_sizes_in_inches_are_stated(diameter, inch):
     ball = Ball(diameter, hc.material("steel-52100"))
     assert f"({inch} in)" in str(ball) if inch else "in" not in str(ball)
+
+
+STEEL = hc.Chain.from_materials("5 mm", "steel-52100", beads=6, velocity="0.1 m/s").replace(
+    right_wall=hc.Wall()
+)
+
+
+@pytest.mark.parametrize("limit", ["<= 100", "< 0.1", ">= 1e-2"])
+def test_limits_without_a_unit_are_rejected(limit):
+    vary = [hc.vary.radii("3 mm", "5 mm")]
+    with pytest.raises(hc.InputError, match=f"length needs a unit, such as '{limit} mm'"):
+        hc.Design(STEEL, minimise="wall_force.peak", vary=vary, subject_to={"length": limit})
+
+
+def test_strict_and_weak_limits_are_the_same():
+    problems = [
+        hc.Design(
+            STEEL, minimise="wall_force.peak", vary=[hc.vary.radii("3 mm", "5 mm")],
+            subject_to={"length": f"{sign} 50 mm"},
+        )
+        for sign in ("<", "<=")
+    ]  # fmt: skip
+    strict, weak = (problem.requirements for problem in problems)
+    assert strict == weak
+    with pytest.raises(hc.InputError, match="got '== 50 mm'.*'<= 50 mm', '>= 50 mm'"):
+        hc.Design(
+            STEEL, minimise="wall_force.peak", vary=[hc.vary.radii("3 mm", "5 mm")],
+            subject_to={"length": "== 50 mm"},
+        )
+
+
+def test_a_design_with_all_choices_states_the_search_and_units_of_scatter():
+    scatter = hc.Scatter(radius=0.001, samples=4)
+    problem = hc.Design(
+        STEEL, minimise="wall_force.peak", scatter=scatter,
+        vary=[hc.vary.balls("bearing-balls", diameters=["6 mm", "7 mm"], beads="5:")],
+    )  # fmt: skip
+    result = hc.design(problem, method="enumerate", seed=1)
+    count = int(problem.space.count)
+    assert f"best of all {count} simulated choices" in repr(result)
+    lines = [line for line in result.summary().splitlines() if "with scatter" in line]
+    assert len(lines) == 3
+    assert all(line.endswith(" N") for line in lines)

@@ -861,3 +861,21 @@ def test_a_sweep_until_a_time_with_a_unit():
         for until in ("0.2 ms", 2e-4)
     ]  # fmt: skip
     assert peaks[0] == peaks[1] > 0.0
+
+
+def test_estimates_consider_points_that_take_longer(monkeypatch):
+    """The times of chains with 10 and 80 beads alternate; every second batch has long ones."""
+    from hertzchain.sweeps import sweep as sweep_module
+
+    spec = {"chain": {"taper": "forward-linear"}, "sweep": {"at": "last", "batch": 4},
+            "axes": {"rate": {"linspace": [0.001, 0.01, 25]},
+                     "beads": [8, 9, 10, 11, 80, 82, 84, 86]}}  # fmt: skip
+
+    def time_of(plan, batch):
+        return sum(1e-3 * plan.chain(index).beads for index in plan.indices(batch))
+
+    monkeypatch.setattr(sweep_module, "_time_batch", time_of)
+    expected = 25 * 1e-3 * (8 + 9 + 10 + 11 + 80 + 82 + 84 + 86)
+    monkeypatch.setattr(sweep_module, "SAMPLE_SECONDS", 0.2 * expected)
+    found = sweep_module.estimate(spec, workers=1).seconds
+    assert found == pytest.approx(expected, rel=0.15)

@@ -216,7 +216,8 @@ def _beads(chain: Chain, sensors: tuple[str, ...], forces: Path | None) -> list[
     from ..chain.bead_names import bead_number, wall_number
 
     beads = [
-        bead_number(chain, int(each) if each.strip().isdecimal() else each, "--sensor")
+        bead_number(chain, int(each) if each.strip().isdecimal() else each, "--sensor",
+                    walls=True)  # fmt: skip
         for each in sensors
         if wall_number(chain, each) is None
     ]

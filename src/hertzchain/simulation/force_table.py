@@ -92,6 +92,6 @@ def _column_name(run: Trajectory, place: int | str) -> str:
     """Name of a column for `load_traces`: ``wall``, ``left wall``, ``ball 6`` or ``bead 7``."""
     if (wall := wall_number(run.chain, place)) is not None:
         return "left wall" if wall == 0 else "wall"
-    bead = bead_number(run.chain, place, "sensor")
+    bead = bead_number(run.chain, place, "sensor", walls=True)
     ball = bead - run.chain.strikers
     return f"ball {ball}" if run.chain.strikers and ball > 0 else f"bead {bead}"

@@ -234,8 +234,11 @@ def _reason(
 ) -> str:
     """Why the peak on a wall is not complete, in words."""
     if bound > peak:
-        way = "can still reach" if proven else "moves towards"
-        moving = f"an energy of {measure(energy, 'J', chain.units)} {way} the wall"
+        way = "can still reach" if proven else "is still travelling towards"
+        joule = measure(1e6 * energy, "uJ") if 0.0 < energy < 1e-3 else measure(energy, "J")
+        if chain.units != "SI":
+            joule = f"an energy of {energy:.4g}"
+        moving = f"{joule} {way} the wall"
         return f"up to {measure(bound, 'N', chain.units)} may follow, because {moving}"
     if not since:
         return f"the wall is still loaded with {measure(force, 'N', chain.units)}"

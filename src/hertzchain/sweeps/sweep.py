@@ -33,14 +33,15 @@ from .dataset import (
 from .dispatch import results_of
 from .executors import local_pool, workers_of
 from .plan import Plan, check_plan
-from .specification import read_specification, specification_from_json
+from .specification import Specification, read_specification, specification_from_json
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-# A whole batch is timed for an estimate if it is expected to take at most this many seconds.
-SAMPLE_SECONDS: Final = 5.0
+# For an estimate, batches of about the second time are computed for the first one [s].
+SAMPLE_SECONDS, BATCH_SECONDS = 5.0, 0.2
+GOLDEN: Final = 0.5 * (5.0**0.5 - 1.0)
 # Fraction of the free disk or memory that a sweep may use.
 USABLE_PART: Final = 0.95
 
@@ -204,16 +205,30 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     plan = Plan(spec)
     check_plan(plan, _heading(specification))
     size = bytes_of(plan)
-    # The first point compiles the kernels; another point is timed, and a whole batch if it is fast.
+    # The first point compiles the kernels.
     alone = Plan(replace(spec, batch=1))
     _time_batch(alone, 0)
     each = _time_batch(alone, alone.batches // 2)
-    batch = plan.batches // 2
-    size_of_batch = sum(1 for _ in plan.indices(batch))
-    if each * size_of_batch < SAMPLE_SECONDS:
-        each = _time_batch(plan, batch) / size_of_batch
-    seconds = each * plan.points / count
+    seconds = _mean_time(spec, plan, each) * plan.points / count
     return Estimate(plan.points, plan.batches, size, seconds)
+
+
+def _mean_time(spec: Specification, plan: Plan, each: float) -> float:
+    """Mean time of a point, from small batches that are spread over the whole grid.
+
+    Points at the ends of axes, such as long chains, may take ten times as long as others.  The
+    golden section avoids that all samples have the same place along the last axes.
+    """
+    most = sum(1 for _ in plan.indices(0))
+    small = Plan(replace(spec, batch=max(1, min(most, int(BATCH_SECONDS / max(each, 1e-9))))))
+    spent, points = 0.0, 0
+    for i in range(small.batches):
+        if spent >= SAMPLE_SECONDS:
+            break
+        batch = int(small.batches * ((0.5 + i * GOLDEN) % 1.0))
+        spent += _time_batch(small, batch)
+        points += sum(1 for _ in small.indices(batch))
+    return spent / points
 
 
 @checked_arguments("merge_sweeps")

@@ -148,3 +148,16 @@ def test_simulate_states_the_peak_with_contacts_that_yield(run):
     assert stated < 0.7 * elastic["walls"][0]["peak"]
     slow = run(*command[:-3], "0.01 m/s", "--wall", "same").stdout
     assert "contacts that yield" not in slow
+
+
+@pytest.mark.parametrize(("option", "advice"), [
+    (("--until", "1e-4"), "write, for example, --until '100 us'"),
+    (("--step", "2e-9"), "write, for example, --step '0.002 us'"),
+    (("--speed", "1"), "write, for example, --speed '1 m/s'"),
+])  # fmt: skip
+def test_quantities_of_options_need_units(run, option, advice):
+    balls = ("simulate", *BALLS, "--method", "symplectic")
+    code, _, err = run(*balls, *option)
+    assert (code, advice in err) == (2, True)
+    code, _, err = run("simulate", "--beads", 8, "--until", "5ms")
+    assert code == 2

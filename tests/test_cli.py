@@ -506,7 +506,7 @@ velocity = 0.2
 def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     file, picture = tmp_path / "experiment.toml", tmp_path / "forces.svg"
     file.write_text(EXPERIMENT)
-    command = ("simulate", file, "--until", "3e-4", "--times", "101", "--sensor", "2")
+    command = ("simulate", file, "--until", "300 us", "--times", "101", "--sensor", "2")
     code, out, err = run(*command, "--sensor", "3", "--plot", picture)
     assert (code, err) == (0, "")
     felt = hertzchain.simulate(hertzchain.load_chain(file), until=3e-4, times=101)
@@ -552,7 +552,7 @@ def test_simulate_says_what_a_wall_has_not_felt(run, tmp_path):
     told = "Warning: the peak of the force on the right wall is not complete"
     with warnings.catch_warnings():
         warnings.simplefilter("always", hertzchain.IncompleteWarning)
-        for until in ("9e-5", "6e-5"):
+        for until in ("90us", "60us"):
             command = ("simulate", file, "--until", until)
             code, early, err = run(*command, "--plot", tmp_path / "map.svg")
             assert (code, err.count(told)) == (0, 1)
@@ -561,7 +561,7 @@ def test_simulate_says_what_a_wall_has_not_felt(run, tmp_path):
         assert document["walls"][0]["peak"] is None
         assert document["walls"][0]["complete"] is False
         file.write_text(EXPERIMENT + "gap = 0.1\n")
-        assert "right wall: not reached" in run("simulate", file, "--until", "1e-5")[1]
+        assert "right wall: not reached" in run("simulate", file, "--until", "10 us")[1]
     assert json.loads(run("simulate", "--beads", 3, "--json")[1])["walls"] == []
 
 

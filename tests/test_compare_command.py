@@ -93,7 +93,9 @@ def test_mistakes_of_compare_are_explained(run, files):
     assert "the file has 2 shots: add --shot" in err
     assert run("compare", files / "two.csv", files / "row.toml", *PLACES, "--shot", 2)[0] == 0
     assert run("compare", files / "two.csv", files / "row.toml", *PLACES, "--shot", 3)[0] == 2
-    code, _, err = run("compare", files / "one.csv", files / "row.toml", *PLACES, "--until", "1e-4")
+    code, _, err = run(
+        "compare", files / "one.csv", files / "row.toml", *PLACES, "--until", "100us"
+    )
     assert code == 2
     assert "for example with --until '" in err
     assert run("compare", files / "row.toml", files / "one.csv")[0] == 2

@@ -786,7 +786,9 @@ def test_strict_and_weak_limits_are_the_same():
     assert strict == weak
     with pytest.raises(hc.InputError, match="got '== 50 mm'.*'<= 50 mm', '>= 50 mm'"):
         hc.Design(
-            STEEL, minimise="wall_force.peak", vary=[hc.vary.radii("3 mm", "5 mm")],
+            STEEL,
+            minimise="wall_force.peak",
+            vary=[hc.vary.radii("3 mm", "5 mm")],
             subject_to={"length": "== 50 mm"},
         )
 

@@ -260,7 +260,7 @@ BAD = [
      "sweep.methods\\[1\\]: propagate does not support gravity"),
     ({"chain": {"file": "beads.csv"}}, "chain: .*beads.csv"),
     ({"points": [{"rate": 1}]}, "points: there are also axes"),
-    ({"chain": {"radii": [1.0, 1.0], "masses": [1.0, 1.0], "stiffness": 1.0},
+    ({"chain": {"radii": [0.1, 0.1], "masses": [1.0, 1.0], "stiffness": 1.0},
       "axes": {"units": ["SI", "scaled"]}}, "some chains are in SI units, others scaled"),
     ({"method": {"max_steps": 2.5}, "sweep": {"methods": ["simulate"]}},
      "method.max_steps: max_steps must be a whole number of at least 1, got 2.5"),

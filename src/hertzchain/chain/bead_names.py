@@ -12,9 +12,7 @@ from .chain import Chain
 NAME: Final = re.compile(r"(ball|bead) +([0-9]{1,9})")
 
 
-def bead_number(
-    chain: Chain, bead: int | str, what: str = "bead", *, walls: bool = False
-) -> int:
+def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: bool = False) -> int:
     """Number of a bead, strikers included, from that number or a name such as ``"ball 11"``."""
     if not isinstance(bead, str):
         return whole_number(what, bead, least=1, most=chain.beads)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from .options import as_typed, figure_option, json_option, sensors_from, sensors_option
+from .options import figure_option, json_option, seconds_from, sensors_from, sensors_option
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .wording import on_command_line
@@ -67,7 +67,7 @@ def compare(
     times = data.shots[0].times
     end = float(times[-1] - times[0])
     if until is not None:
-        end = number("--until", as_typed(until), unit="s", above=0.0)
+        end = number("--until", seconds_from("--until", until), above=0.0)
     _check_unit_of_times(described, data, end)
     with progress_bar("beads passed") as progress:
         run = hertzchain.simulate(
@@ -75,7 +75,7 @@ def compare(
         )
     offset = None
     if time_offset is not None:
-        offset = number("--time-offset", as_typed(time_offset), unit="s")
+        offset = seconds_from("--time-offset", time_offset)
     found = run.compare(data, time_offset=offset)
     if plot is not None:
         save_figure(found.plot().axes[0], plot)

@@ -29,7 +29,7 @@ USUAL_TIMES: Final = 400
 @click.option(
     "--until",
     metavar="TIME",
-    help="Stop time, such as 2e-3 or, in SI units, 2ms.  [default: when the peak force on the "
+    help="Stop time, such as 60 or, in SI units, 2ms.  [default: when the peak force on the "
     "right wall is complete, at most 10 transits of the pulse, or more if the wall is soft; "
     "without a right wall, when the pulse has left the chain]",
 )
@@ -139,11 +139,11 @@ def simulate(
       hertzchain simulate --taper forward-exponential --rate 0.05 --beads 60 --plot run.png
       hertzchain simulate --material steel-52100 --diameter "20 mm:5 mm" --beads 40 \\
           --speed "0.1 m/s" --wall same --animate impact.gif
-      hertzchain simulate experiment.toml --until 7e-4 --budget
+      hertzchain simulate experiment.toml --until 700us --budget
       hertzchain simulate experiment.toml --until 700us --sensor "ball 5" --plot forces.png
       hertzchain simulate experiment.toml --sensor "ball 5" --forces forces.csv
       hertzchain simulate equal.toml tapered.toml --plot comparison.png
-      hertzchain simulate experiment.toml --until 10 --times 100000 --stream long
+      hertzchain simulate experiment.toml --until 10s --times 100000 --stream long
       hertzchain simulate --beads 50 --until 60 --times 600 --waves --horizon
     """
     from ..simulation.sensor_force import MANY_TIMES
@@ -216,8 +216,9 @@ def _beads(chain: Chain, sensors: tuple[str, ...], forces: Path | None) -> list[
     from ..chain.bead_names import bead_number, wall_number
 
     beads = [
-        bead_number(chain, int(each) if each.strip().isdecimal() else each, "--sensor",
-                    walls=True)  # fmt: skip
+        bead_number(
+            chain, int(each) if each.strip().isdecimal() else each, "--sensor", walls=True
+        )  # fmt: skip
         for each in sensors
         if wall_number(chain, each) is None
     ]

@@ -101,8 +101,10 @@ def search_in_words(result: DesignResult) -> str:
     if (choices := _choices(result)) is None:
         return f"best of {counted(len(result.finals), 'start')}"
     done, count = choices
-    return f"best of all {counted(count, 'simulated choice')}" if done >= count else (
-        f"best of {done} of {count} choices"
+    return (
+        f"best of all {counted(count, 'simulated choice')}"
+        if done >= count
+        else (f"best of {done} of {count} choices")
     )
 
 

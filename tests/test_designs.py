@@ -797,7 +797,7 @@ def test_a_design_with_all_choices_states_the_search_and_units_of_scatter():
     scatter = hc.Scatter(radius=0.001, samples=4)
     problem = hc.Design(
         STEEL, minimise="wall_force.peak", scatter=scatter,
-        vary=[hc.vary.balls("bearing-balls", diameters=["6 mm", "7 mm"], beads="5:")],
+        vary=[hc.vary.balls("bearing-balls", diameters=["5 mm", "6 mm"], beads="5:")],
     )  # fmt: skip
     result = hc.design(problem, method="enumerate", seed=1)
     count = int(problem.space.count)

@@ -879,3 +879,16 @@ def test_estimates_consider_points_that_take_longer(monkeypatch):
     monkeypatch.setattr(sweep_module, "SAMPLE_SECONDS", 0.2 * expected)
     found = sweep_module.estimate(spec, workers=1).seconds
     assert found == pytest.approx(expected, rel=0.15)
+
+
+def test_short_times_are_plotted_in_microseconds():
+    spec = {"chain": {"diameters": "10 mm", "materials": "steel-52100", "right_wall": {},
+                      "velocity": "0.1 m/s"},
+            "axes": {"beads": [5, 8]}, "sweep": {"methods": ["simulate"],
+                                                 "keep": ["wall_duration"]}}  # fmt: skip
+    found = hc.sweep(spec)
+    axes = plot_sweep(found)
+    assert axes.get_ylabel().endswith("[µs]")
+    expected = 1e6 * found.wall_duration.squeeze().values
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), expected)
+    assert 10.0 < expected.min() < 100.0

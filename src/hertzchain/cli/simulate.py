@@ -215,13 +215,9 @@ def _beads(chain: Chain, sensors: tuple[str, ...], forces: Path | None) -> list[
     """
     from ..chain.bead_names import bead_number, wall_number
 
-    beads = [
-        bead_number(
-            chain, int(each) if each.strip().isdecimal() else each, "--sensor", walls=True
-        )  # fmt: skip
-        for each in sensors
-        if wall_number(chain, each) is None
-    ]
+    inside = [each for each in sensors if wall_number(chain, each) is None]
+    places = [int(each) if each.strip().isdecimal() else each for each in inside]
+    beads = [bead_number(chain, each, "--sensor", walls=True) for each in places]
     if forces is not None and not _places(chain, beads):
         raise click.UsageError("--forces requires a force: add --sensor BEAD or --wall MATERIAL")
     return beads

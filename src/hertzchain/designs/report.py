@@ -97,7 +97,7 @@ def _first_upper(text: str) -> str:
 
 
 def search_in_words(result: DesignResult) -> str:
-    """Of what the design is the best."""
+    """The choices or starts of which the design is the best."""
     if (choices := _choices(result)) is None:
         return f"best of {counted(len(result.finals), 'start')}"
     done, count = choices

@@ -332,3 +332,8 @@ class DesignResult:
             f"{self.runs} simulations",
             "outside Hertz's range" if limits is not None and limits.violations else "",
         )
+
+    def _repr_html_(self) -> str:
+        from ..notebook.designs import design_html
+
+        return design_html(self)

@@ -865,7 +865,7 @@ def test_a_sweep_until_a_time_with_a_unit():
 
 def test_estimates_consider_points_that_take_longer(monkeypatch):
     """The times of chains with 10 and 80 beads alternate; every second batch has long ones."""
-    from hertzchain.sweeps import sweep as sweep_module
+    from hertzchain.sweeps import timing
 
     spec = {"chain": {"taper": "forward-linear"}, "sweep": {"at": "last", "batch": 4},
             "axes": {"rate": {"linspace": [0.001, 0.01, 25]},
@@ -874,10 +874,10 @@ def test_estimates_consider_points_that_take_longer(monkeypatch):
     def time_of(plan, batch):
         return sum(1e-3 * plan.chain(index).beads for index in plan.indices(batch))
 
-    monkeypatch.setattr(sweep_module, "_time_batch", time_of)
+    monkeypatch.setattr(timing, "time_of_batch", time_of)
     expected = 25 * 1e-3 * (8 + 9 + 10 + 11 + 80 + 82 + 84 + 86)
-    monkeypatch.setattr(sweep_module, "SAMPLE_SECONDS", 0.2 * expected)
-    found = sweep_module.estimate(spec, workers=1).seconds
+    monkeypatch.setattr(timing, "SAMPLE_SECONDS", 0.2 * expected)
+    found = estimate(spec, workers=1).seconds
     assert found == pytest.approx(expected, rel=0.15)
 
 

@@ -6,11 +6,10 @@ import json
 import math
 import os
 import shutil
-import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack, closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -21,7 +20,6 @@ from ..validation.keywords import checked_arguments
 from ..validation.memory import check_memory
 from ..validation.numbers import whole_number, worker_count
 from ..validation.objects import Progress, callback, check_bool, check_list, check_type, file_path
-from .batches import run_planned
 from .dataset import (
     MemoryStore,
     attributes_of,
@@ -33,15 +31,13 @@ from .dataset import (
 from .dispatch import results_of
 from .executors import local_pool, workers_of
 from .plan import Plan, check_plan
-from .specification import Specification, read_specification, specification_from_json
+from .specification import read_specification, specification_from_json
+from .timing import time_per_point
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-# For an estimate, batches of about the second time are computed for the first one [s].
-SAMPLE_SECONDS, BATCH_SECONDS = 5.0, 0.2
-GOLDEN: Final = 0.5 * (5.0**0.5 - 1.0)
 # Fraction of the free disk or memory that a sweep may use.
 USABLE_PART: Final = 0.95
 
@@ -205,30 +201,8 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     plan = Plan(spec)
     check_plan(plan, _heading(specification))
     size = bytes_of(plan)
-    # The first point compiles the kernels.
-    alone = Plan(replace(spec, batch=1))
-    _time_batch(alone, 0)
-    each = _time_batch(alone, alone.batches // 2)
-    seconds = _mean_time(spec, plan, each) * plan.points / count
+    seconds = time_per_point(spec) * plan.points / count
     return Estimate(plan.points, plan.batches, size, seconds)
-
-
-def _mean_time(spec: Specification, plan: Plan, each: float) -> float:
-    """Mean time of a point, from small batches that are spread over the whole grid.
-
-    Points at the ends of axes, such as long chains, may take ten times as long as others.  The
-    golden section avoids that all samples have the same place along the last axes.
-    """
-    most = sum(1 for _ in plan.indices(0))
-    small = Plan(replace(spec, batch=max(1, min(most, int(BATCH_SECONDS / max(each, 1e-9))))))
-    spent, points = 0.0, 0
-    for i in range(small.batches):
-        if spent >= SAMPLE_SECONDS:
-            break
-        batch = int(small.batches * ((0.5 + i * GOLDEN) % 1.0))
-        spent += _time_batch(small, batch)
-        points += sum(1 for _ in small.indices(batch))
-    return spent / points
 
 
 @checked_arguments("merge_sweeps")
@@ -446,12 +420,6 @@ def _reporter(
             progress(total - left, total)
 
     return report
-
-
-def _time_batch(plan: Plan, batch: int) -> float:
-    begun = time.perf_counter()
-    run_planned(plan, batch, lambda: False)
-    return time.perf_counter() - begun
 
 
 def _heading(given: Any) -> str:

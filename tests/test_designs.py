@@ -805,3 +805,15 @@ def test_a_design_with_all_choices_states_the_search_and_units_of_scatter():
     lines = [line for line in result.summary().splitlines() if "with scatter" in line]
     assert len(lines) == 3
     assert all(line.endswith(" N") for line in lines)
+
+
+def test_a_design_without_a_trial_that_meets_the_constraints_is_drawn():
+    problem = hc.Design(
+        STEEL, minimise="wall_force.peak", subject_to={"wall_force.peak": "<= 1 mN"},
+        vary=[hc.vary.balls("bearing-balls", materials=["steel-52100"],
+                            diameters=["5 mm", "6 mm"], beads="5:")],
+    )  # fmt: skip
+    result = hc.design(problem, method="enumerate")
+    assert not result.met
+    texts = [text.get_text() for axes in result.plot().axes for text in axes.texts]
+    assert "no trial met the constraints" in texts

@@ -126,6 +126,11 @@ def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes = get_axes(ax)
         runs, scores = result.history.T
         values = result._sign * scores
+        if not len(runs):
+            axes.text(0.5, 0.5, "no trial met the constraints", ha="center",
+                      transform=axes.transAxes)  # fmt: skip
+            axes.set_axis_off()
+            return axes
         axes.step([*runs, result.runs], [*values, *values[-1:]], where="post", color=COLOURS[1])
         axes.set_xscale("log")
         label_log_axis(axes.xaxis)

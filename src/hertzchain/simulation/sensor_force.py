@@ -99,10 +99,10 @@ class SensorForce:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> run = hc.simulate(hc.Chain.uniform(9), until=30.0, times=11)
+        >>> run = hc.simulate(hc.Chain.uniform(9), until=30.0, times=1001)
         >>> table = run.sensor_force(5).to_dataframe()
         >>> len(table), table.attrs["units"]["force"]
-        (11, '1')
+        (1001, '1')
         """
         return force_dataframe(self.times, self.force, self.units)
 

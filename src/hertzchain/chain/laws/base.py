@@ -243,7 +243,7 @@ class Loss(Part):
         >>> balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=2)
         >>> law = hc.Viscoelastic("0.8 us")
         >>> round(law.restitution("0.1 m/s", chain=balls), 4)
-        0.9371
+        0.9128
 
         In scaled variables:
 

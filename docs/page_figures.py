@@ -290,7 +290,7 @@ def design_protector() -> Figure:
         chain, minimise="wall_force.peak", vary=[balls], subject_to={"length": "<= 60 mm"}
     )
     found = hc.design(problem)
-    equal = found.references["best of 2 with equal balls"].chain
+    equal = found.references["best row of equal balls (of 2 tried)"].chain
     with figure_style(), warnings.catch_warnings():
         warnings.simplefilter("ignore", hc.ModelRangeWarning)
         # Single beads bounce after the last maximum that is drawn.

@@ -467,6 +467,24 @@ def test_numbers_are_stored_with_their_unit(page):
     assert chain_of(page.document()).velocities[0] == 0.1
 
 
+def test_lists_have_units_and_a_panel_without_curves_is_hidden(page, tmp_path):
+    path = tmp_path / "chain.toml"
+    path.write_text(
+        "[chain]\nradii = [0.006, 0.01, 0.0025]\nmaterials = 'steel-52100'\n[chain.right_wall]\n"
+    )
+    assert page.tab.locator("#h-error").is_visible()
+    open_file(page, path)
+    radii = "[id='c-chain.radii']"
+    assert page.tab.input_value(radii) == "6 mm, 10 mm, 2.5 mm"
+    assert page.tab.get_attribute(radii, "title") == "6 mm, 10 mm, 2.5 mm"
+    # No theory supports a wall.
+    assert not page.tab.locator("#h-error").is_visible()
+    page.tab.fill(radii, "5, 0.8 cm, 3 mm")
+    page.tab.keyboard.press("Tab")
+    page.settle()
+    assert chain_of(page.document()).radii == pytest.approx([5e-3, 8e-3, 3e-3])
+
+
 def test_percentages_and_fractions_of_inches_can_be_entered(page):
     page.tab.fill("[id='c-chain.rate']", "4%")
     page.tab.keyboard.press("Tab")

@@ -123,7 +123,7 @@ def test_strikers_of_files_are_not_doubled(run, file):
 @pytest.mark.filterwarnings("always::UserWarning")
 def test_messages_have_the_words_of_the_command_line(run):
     err = run("simulate", *BALLS).stderr
-    assert "use the loss law elastic-plastic\n" in err
+    assert "or add --loss elastic-plastic\n" in err
     err = run(
         "simulate", *BALLS, "--wall", "same", "--speed", "0.1 m/s", "--until", "200 us"
     ).stderr
@@ -132,3 +132,32 @@ def test_messages_have_the_words_of_the_command_line(run):
     err = run("simulate", "--beads", 20, "--max-steps", 20).stderr
     assert "raise --max-steps" in err
     assert not re.search(r"ElasticPlastic|largest_so_far|[^-]max_steps", err)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_simulate_states_the_peak_with_contacts_that_yield(run):
+    command = ("simulate", "--material", "steel-52100", "--diameter", "20 mm:5 mm", "--beads", 12,
+               "--speed", "1 m/s", "--wall", "same")  # fmt: skip
+    out = run(*command).stdout
+    stated = float(re.search(r"peak with contacts that yield: ([0-9.]+) N", out)[1])
+    yielding = json.loads(run(*command, "--loss", "elastic-plastic", "--json").stdout)
+    assert stated == pytest.approx(yielding["walls"][0]["peak"], rel=1e-4)
+    assert yielding["peak_with_yielding_contacts"] is None
+    elastic = json.loads(run(*command, "--json").stdout)
+    assert elastic["peak_with_yielding_contacts"] == pytest.approx(stated, rel=1e-4)
+    assert stated < 0.7 * elastic["walls"][0]["peak"]
+    slow = run(*command[:-3], "0.01 m/s", "--wall", "same").stdout
+    assert "contacts that yield" not in slow
+
+
+@pytest.mark.parametrize(("option", "advice"), [
+    (("--until", "1e-4"), "write, for example, --until '100 us'"),
+    (("--step", "2e-9"), "write, for example, --step '0.002 us'"),
+    (("--speed", "1"), "write, for example, --speed '1 m/s'"),
+])  # fmt: skip
+def test_quantities_of_options_need_units(run, option, advice):
+    balls = ("simulate", *BALLS, "--method", "symplectic")
+    code, _, err = run(*balls, *option)
+    assert (code, advice in err) == (2, True)
+    code, _, err = run("simulate", "--beads", 8, "--until", "5ms")
+    assert code == 2

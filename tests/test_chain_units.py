@@ -147,7 +147,7 @@ def test_the_limits_of_hertz_are_checked_where_the_user_called():
         with pytest.warns(ModelRangeWarning) as caught:
             call()
         assert {warning.filename for warning in caught} == {__file__}
-        assert "pressure / yield" in str(caught[-1].message)
+        assert "pressure / yield" in str(caught[0].message)
     with pytest.warns(ModelRangeWarning, match="2 of 2 chains exceed .* chain 0, ") as caught:
         hc.propagate_many([fast, fast])
     assert [warning.filename for warning in caught] == [__file__]

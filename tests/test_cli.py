@@ -120,6 +120,30 @@ def test_simulate(run, tmp_path):
     assert document["energy_drift"] < 1e-10
 
 
+def test_simulate_saves_forces_and_describes_its_chain(run, tmp_path):
+    balls = hertzchain.Chain.from_materials("5 mm", "steel-52100", beads=16)
+    chain = balls.struck_by(velocity=0.005).replace(
+        loss=hertzchain.Restitution(0.96), right_wall=hertzchain.Wall.of("brass")
+    )
+    (tmp_path / "chain.toml").write_text(hertzchain.chain_as_toml(chain))
+    forces = tmp_path / "forces.csv"
+    options = ("--sensor", "ball 10", "--forces", forces, "--json")
+    code, out, _ = run("simulate", tmp_path / "chain.toml", *options)
+    assert code == 0
+    names = hertzchain.load_traces(forces).names
+    assert names == ("ball 10", "wall")
+    document = json.loads(out)
+    assert document["hertzchain_version"] == hertzchain.__version__
+    assert document["impact_velocity"] == 0.005
+    assert document["walls"][0]["material"] == "brass"
+    assert document["chain_file"]["chain"]["loss"]["coefficient"] == 0.96
+    assert hertzchain.load_traces(forces).shots[0].signals[1].values.max() == pytest.approx(
+        document["walls"][0]["peak"], rel=1e-3
+    )
+    code, _, err = run("simulate", "--beads", 5, "--forces", forces)
+    assert (code, "--forces requires a force: add --sensor" in err) == (2, True)
+
+
 def test_an_interrupted_stream_resumes_when_repeated(run, tmp_path, monkeypatch):
     saved = []
 
@@ -482,7 +506,7 @@ velocity = 0.2
 def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     file, picture = tmp_path / "experiment.toml", tmp_path / "forces.svg"
     file.write_text(EXPERIMENT)
-    command = ("simulate", file, "--until", "3e-4", "--times", "101", "--sensor", "2")
+    command = ("simulate", file, "--until", "300 us", "--times", "101", "--sensor", "2")
     code, out, err = run(*command, "--sensor", "3", "--plot", picture)
     assert (code, err) == (0, "")
     felt = hertzchain.simulate(hertzchain.load_chain(file), until=3e-4, times=101)
@@ -499,6 +523,7 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     drawn = picture.read_text()
     assert all(f"<!-- {name} -->" in drawn for name in ("bead 2", "bead 3", "right wall"))
     document = json.loads(run(*command, "--json")[1])
+    assert document["walls"][0].pop("material") == "steel-52100"
     for name, value in document["walls"][0].items():
         assert value == getattr(wall, name)
     assert {"peak", "complete", "largest_so_far", "bound", "duration"} < document["walls"][0].keys()
@@ -527,7 +552,7 @@ def test_simulate_says_what_a_wall_has_not_felt(run, tmp_path):
     told = "Warning: the peak of the force on the right wall is not complete"
     with warnings.catch_warnings():
         warnings.simplefilter("always", hertzchain.IncompleteWarning)
-        for until in ("9e-5", "6e-5"):
+        for until in ("90us", "60us"):
             command = ("simulate", file, "--until", until)
             code, early, err = run(*command, "--plot", tmp_path / "map.svg")
             assert (code, err.count(told)) == (0, 1)
@@ -536,7 +561,7 @@ def test_simulate_says_what_a_wall_has_not_felt(run, tmp_path):
         assert document["walls"][0]["peak"] is None
         assert document["walls"][0]["complete"] is False
         file.write_text(EXPERIMENT + "gap = 0.1\n")
-        assert "right wall: not reached" in run("simulate", file, "--until", "1e-5")[1]
+        assert "right wall: not reached" in run("simulate", file, "--until", "10 us")[1]
     assert json.loads(run("simulate", "--beads", 3, "--json")[1])["walls"] == []
 
 
@@ -750,6 +775,10 @@ def test_sensitivity_to_larger_and_smaller_beads_at_the_kink_of_a_peak(run, tmp_
     change = peaks[1:] / peaks[0] - 1.0
     np.testing.assert_allclose(found["change_if_larger"], change[:15], rtol=0.0, atol=1e-6)
     np.testing.assert_allclose(found["change_if_smaller"], change[15:], rtol=0.0, atol=1e-6)
+    # The figure shows the same changes, of both signs.
+    picture = tmp_path / "changes.svg"
+    assert run("sensitivity", file, "--plot", picture)[0] == 0
+    assert all(f"<!-- {label} -->" in picture.read_text() for label in ("+1%", "\N{MINUS SIGN}1%"))
     # The derivatives alone would be wrong by more than 5%.
     assert np.abs(0.01 * np.array(found["relative"]) - change[:15]).max() > 0.05
 

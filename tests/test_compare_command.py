@@ -53,6 +53,15 @@ def test_compare_prints_the_comparison_of_the_library(run, files):
     assert (files / "compared.svg").stat().st_size > 10_000
 
 
+@pytest.mark.parametrize("unit", ["ms", "s", "ns"])
+def test_times_in_another_unit_are_rejected(run, files, unit):
+    text = (files / "one.csv").read_text().replace("Time (us)", f"Time ({unit})")
+    (files / "other.csv").write_text(text)
+    code, out, err = run("compare", files / "other.csv", files / "row.toml", *PLACES)
+    assert (code, out) == (2, "")
+    assert "check the unit of the times of the data" in err
+
+
 def test_times_of_compare_have_units(run, files):
     code, out, _ = run("compare", files / "one.csv", files / "row.toml", *PLACES, "--json",
                        "--time-offset", "70 us", "--until", "0.5 ms")  # fmt: skip
@@ -84,7 +93,9 @@ def test_mistakes_of_compare_are_explained(run, files):
     assert "the file has 2 shots: add --shot" in err
     assert run("compare", files / "two.csv", files / "row.toml", *PLACES, "--shot", 2)[0] == 0
     assert run("compare", files / "two.csv", files / "row.toml", *PLACES, "--shot", 3)[0] == 2
-    code, _, err = run("compare", files / "one.csv", files / "row.toml", *PLACES, "--until", "1e-4")
+    code, _, err = run(
+        "compare", files / "one.csv", files / "row.toml", *PLACES, "--until", "100us"
+    )
     assert code == 2
     assert "for example with --until '" in err
     assert run("compare", files / "row.toml", files / "one.csv")[0] == 2

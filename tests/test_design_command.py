@@ -214,7 +214,7 @@ STEEL = hc.Chain.from_materials(5e-3, "steel-304", beads=6, velocity=1.0)
         ({"minimise": {"length": 0.0}}, "all weights of the objective are 0"),
         ({"minimise": "price"}, "price needs balls of a catalogue"),
         ({"minimise": "yield_ratio"}, "needs a chain with materials"),
-        ({"subject_to": {"length": "< 3"}}, "must look like '<= 5'"),
+        ({"subject_to": {"length": "= 3"}}, "must look like '<= 5'"),
         ({"subject_to": {"length": "== 3"}}, "give both: ['<= 3', '>= 3']"),
         ({"subject_to": {"length": 3}}, "give both: ['<= 5', '>= 5']"),
         ({"subject_to": {"length": ["<= 3", ">= 4"]}}, "exclude each other"),

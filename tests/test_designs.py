@@ -634,8 +634,9 @@ def test_forces_that_differ_much_have_their_own_panels():
         panels = figure.axes[first : first + 2]
         tops = [float(line.get_ydata().max()) for axes in panels for line in axes.lines]
         assert tops == pytest.approx([initial, result.value], rel=1e-3)
-        for axes, top in zip(panels, tops, strict=True):
-            assert top < axes.get_ylim()[1] < 1.2 * top
+        # The heights of both curves can be compared.
+        for axes in panels:
+            assert initial < axes.get_ylim()[1] < 1.2 * initial
     assert len(result.plot("forces", ax=plt.figure().add_subplot()).lines) == 2
 
 
@@ -758,3 +759,60 @@ def test_limits_of_the_model_are_stated_once_for_the_result(recwarn):
 def test_sizes_in_inches_are_stated(diameter, inch):
     ball = Ball(diameter, hc.material("steel-52100"))
     assert f"({inch} in)" in str(ball) if inch else "in" not in str(ball)
+
+
+STEEL = hc.Chain.from_materials("5 mm", "steel-52100", beads=6, velocity="0.1 m/s").replace(
+    right_wall=hc.Wall()
+)
+
+
+@pytest.mark.parametrize("limit", ["<= 100", "< 0.1", ">= 1e-2"])
+def test_limits_without_a_unit_are_rejected(limit):
+    vary = [hc.vary.radii("3 mm", "5 mm")]
+    with pytest.raises(hc.InputError, match=f"length needs a unit, such as '{limit} mm'"):
+        hc.Design(STEEL, minimise="wall_force.peak", vary=vary, subject_to={"length": limit})
+
+
+def test_strict_and_weak_limits_are_the_same():
+    problems = [
+        hc.Design(
+            STEEL, minimise="wall_force.peak", vary=[hc.vary.radii("3 mm", "5 mm")],
+            subject_to={"length": f"{sign} 50 mm"},
+        )
+        for sign in ("<", "<=")
+    ]  # fmt: skip
+    strict, weak = (problem.requirements for problem in problems)
+    assert strict == weak
+    with pytest.raises(hc.InputError, match="got '== 50 mm'.*'<= 50 mm', '>= 50 mm'"):
+        hc.Design(
+            STEEL,
+            minimise="wall_force.peak",
+            vary=[hc.vary.radii("3 mm", "5 mm")],
+            subject_to={"length": "== 50 mm"},
+        )
+
+
+def test_a_design_with_all_choices_states_the_search_and_units_of_scatter():
+    scatter = hc.Scatter(radius=0.001, samples=4)
+    problem = hc.Design(
+        STEEL, minimise="wall_force.peak", scatter=scatter,
+        vary=[hc.vary.balls("bearing-balls", diameters=["5 mm", "6 mm"], beads="5:")],
+    )  # fmt: skip
+    result = hc.design(problem, method="enumerate", seed=1)
+    count = int(problem.space.count)
+    assert f"best of all {count} simulated choices" in repr(result)
+    lines = [line for line in result.summary().splitlines() if "with scatter" in line]
+    assert len(lines) == 3
+    assert all(line.endswith(" N") for line in lines)
+
+
+def test_a_design_without_a_trial_that_meets_the_constraints_is_drawn():
+    problem = hc.Design(
+        STEEL, minimise="wall_force.peak", subject_to={"wall_force.peak": "<= 1 mN"},
+        vary=[hc.vary.balls("bearing-balls", materials=["steel-52100"],
+                            diameters=["5 mm", "6 mm"], beads="5:")],
+    )  # fmt: skip
+    result = hc.design(problem, method="enumerate")
+    assert not result.met
+    texts = [text.get_text() for axes in result.plot().axes for text in axes.texts]
+    assert "no trial met the constraints" in texts

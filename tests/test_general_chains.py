@@ -472,8 +472,8 @@ def test_a_run_out_of_the_range_of_hertz_warns_once():
         hc.simulate(hc.Chain.from_materials(5e-3, "aluminium", beads=5, velocity=200.0))
     said = [str(each.message) for each in caught]
     assert len(said) == 3
-    assert said[0].startswith("overlap / radius is")
-    assert said[1].startswith("pressure / yield is")
+    assert said[0].startswith("pressure / yield is")
+    assert said[1].startswith("overlap / radius is")
     assert said[2].startswith("speed / sound is")
 
 

@@ -265,6 +265,7 @@ def public_calls(folder):
         "Wall.rigid": tried(hc.Wall.rigid, gap=0.0),
         "Run.save": tried(run.save, path=folder / "a.csv"),
         "Run.animate": tried(run.animate, path=folder / "a.gif"),
+        "Run.save_forces": tried(run.save_forces, path=folder / "f.csv", sensors=[1]),
         "save_run": tried(hc.save_run, run=run, path=folder / "a.nc"),
         "export_sweep": tried(
             hc.export_sweep, dataset=hc.open_sweep(folder / "sweep"), path=folder / "a.csv"

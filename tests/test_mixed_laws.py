@@ -538,6 +538,52 @@ def test_restitution_of_the_weakest_losses(gamma):
     assert 1.0 - found == pytest.approx(lost, rel=2e-8 + 10.0 * lost, abs=3e-16)
 
 
+@pytest.mark.parametrize(("speed", "expected"), [
+    # Integrated with SciPy: a steel ball of 10 mm diameter on a steel plate, A = 0.8 us.
+    (0.3132091952673165, 0.9051522960), (0.5424942396007537, 0.8949388647),
+    (0.7672027111526654, 0.8879860567),
+])  # fmt: skip
+def test_restitution_of_a_contact_of_a_chain(speed, expected):
+    balls = Chain.from_materials("5 mm", "steel-52100", beads=2, right_wall=Wall())
+    for law in (hc.Viscoelastic("0.8 us"), hc.Viscoelastic(0.8e-6)):
+        for given in (speed, f"{speed!r} m/s"):
+            assert law.restitution(given, chain=balls, contact=2) == pytest.approx(
+                expected, abs=1e-8
+            )
+    mass, k = float(balls.masses[1]), float(balls.contact_stiffness[2])
+    assert law.restitution(speed, reduced_mass=f"{1e3 * mass!r} g", stiffness=k) == pytest.approx(
+        expected, abs=1e-8
+    )
+
+
+def test_restitution_of_elastic_plastic_contacts_of_a_chain():
+    balls = Chain.from_materials("5 mm", "steel-52100", beads=2, loss=hc.ElasticPlastic())
+    run = hc.simulate(balls.replace(velocities=[0.8, 0.0]), until=5e-4)
+    closing = run.velocities[-1, 1] - run.velocities[-1, 0]
+    law = hc.ElasticPlastic()
+    assert law.restitution(0.8, chain=balls) == pytest.approx(closing / 0.8, rel=1e-6)
+    assert law.restitution(0.8, chain=balls) < 0.99
+    assert law.restitution(0.2, chain=balls) == 1.0
+
+
+@pytest.mark.parametrize(("law", "options", "said"), [
+    (hc.Viscoelastic("0.8 us"), {}, "units \\(time\\) depends on the bodies"),
+    (hc.Viscoelastic("0.8 us"), {"stiffness": 1e9}, "depends on the bodies"),
+    (hc.Viscoelastic(0.1), {"reduced_mass": "4 g"}, "give both reduced_mass and stiffness"),
+    (hc.Viscoelastic(0.1), {"chain": Chain.uniform(3), "contact": 0}, "this end .* is free"),
+    (hc.Viscoelastic(0.1), {"chain": Chain.uniform(3), "stiffness": 1.0}, "not both"),
+    (hc.Viscoelastic(0.1), {"chain": 3}, "chain must be a Chain, got 3"),
+])  # fmt: skip
+def test_restitution_without_the_bodies_is_refused(law, options, said):
+    with pytest.raises(InputError, match=said):
+        law.restitution(0.1, **options)
+
+
+def test_restitution_of_a_law_in_si_units_without_bodies_warns():
+    with pytest.warns(hc.InputWarning, match="in scaled variables"):
+        hc.Viscoelastic(0.8e-6).restitution(0.1)
+
+
 def test_restitution_beyond_floating_point_numbers_is_refused():
     with pytest.raises(hc.InputError, match="outside the range of floating-point numbers"):
         hc.Dashpot(1.0).restitution(1e200, reduced_mass=1e300)

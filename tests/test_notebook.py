@@ -307,3 +307,29 @@ def test_no_plotting_library_is_loaded():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_walls_have_numbers():
+    assert "material steel-304" in parsed(hc.Wall.of("steel-304", gap="10 um"))[1]
+    assert "gap 10 µm" in parsed(hc.Wall.of("steel-304", gap="10 um"))[1]
+    assert "stiffness 2e+06" in parsed(hc.Wall("2 kN/mm", exponent=1))[1]
+    text = parsed(hc.Wall(loss=hc.Restitution(0.9)))[1]
+    assert "material that of the bead" in text
+    assert "coefficient=0.9" in text
+
+
+def test_designs_have_a_value_a_search_and_a_list_of_parts():
+    chain = balls(6, "SI").replace(right_wall=hc.Wall())
+    problem = hc.Design(
+        chain, minimise="wall_force.peak", subject_to={"length": "<= 1 m"},
+        vary=[hc.vary.balls("bearing-balls", materials=["steel-52100"], diameters=["5 mm", "6 mm"],
+                            beads="5:")],
+    )  # fmt: skip
+    result = hc.design(problem, method="enumerate")
+    root, text = parsed(result)
+    assert f"value {result.value:.4g} N" in text
+    assert "best of all 4 simulated choices" in text
+    assert "length <= 1 m" in text
+    cells = [cell.text for cell in root.findall(".//td")]
+    for count, ball in result.parts:
+        assert cells[cells.index(ball) - 1] == str(count)

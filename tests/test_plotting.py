@@ -525,3 +525,15 @@ def test_maps_show_the_boundaries_of_sections():
                   hc.Chain.dimer(diameters=["10 mm", "6 mm"], materials=["brass", "ptfe"], beads=9,
                                  velocity=1e-3)):  # fmt: skip
         assert section_ends(plain) == []
+
+
+def test_forces_of_one_place_are_drawn_without_a_list():
+    run = hc.simulate(hc.Chain.uniform(8).replace(right_wall=hc.Wall()))
+    for place, label in (("wall", "right wall"), (3, "bead 3"), ("bead 4", "bead 4")):
+        axes = run.plot_forces(place)
+        assert [text.get_text() for text in axes.get_legend().get_texts()] == [label]
+    with pytest.raises(hc.InputError, match=r"beads or walls, such as \[3, 'ball 6', 'wall'\]"):
+        run.plot_forces(3.5)
+    for call in (run.sensor, lambda bead: run.plot_forces([bead])):
+        with pytest.raises(hc.InputError, match="or 'wall', got 'peak'"):
+            call("peak")

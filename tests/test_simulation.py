@@ -36,6 +36,16 @@ def test_collisions_whose_contact_still_acts_say_so(loss):
     assert abs(rebound[0] - final) > 1e-7
 
 
+def test_closed_contacts_do_not_depend_on_the_saved_times():
+    chain = hc.Chain.tapered(
+        first_diameter="20 mm", last_diameter="5 mm", beads=40, materials="steel-52100",
+        velocity="1 cm/s",
+    ).replace(right_wall=hc.Wall())  # fmt: skip
+    found = [hc.simulate(chain, times=times).closed_contacts for times in (50, 400, 4000)]
+    assert len(found[0]) > 5
+    assert all(each.tolist() == found[0].tolist() for each in found)
+
+
 def test_closed_contacts_are_those_with_overlaps_at_the_end():
     run = hc.simulate(hc.Chain.tapered("forward-exponential", 0.05, beads=20))
     end = hc.simulate(run.chain, until=run.end_time, times=2)

@@ -95,6 +95,63 @@ def test_saved_runs_can_be_read_again(tmp_path):
     table = np.genfromtxt(tmp_path / "run.csv", delimiter=",", names=True)
     np.testing.assert_allclose(table["velocity"], run.velocities.ravel(), rtol=1e-11)
     assert table["bead"][5] == 6
+    np.testing.assert_allclose(table["force"], run.forces[:, 1:].ravel(), rtol=1e-11, atol=1e-300)
+
+
+def test_csv_files_of_runs_have_units_and_the_force_on_a_left_wall(tmp_path):
+    chain = hc.Chain.from_materials("10 mm", "steel-52100", beads=3, velocity="0.1 m/s")
+    struck = chain.replace(velocities=[0.0, 0.0, -0.1], left_wall=hc.Wall())
+    run = hc.simulate(struck, until=2e-4, times=200)
+    run.save(tmp_path / "run.csv")
+    header, *rows = csv.reader((tmp_path / "run.csv").read_text().splitlines())
+    assert header == ["time [s]", "bead", "position [m]", "velocity [m/s]", "force [N]"]
+    walls = [row for row in rows if row[1] == "0"]
+    assert {(row[2], row[3]) for row in walls} == {("", "")}
+    forces = [float(row[4]) for row in walls]
+    np.testing.assert_allclose(forces, run.wall_force("left").force, rtol=1e-11)
+    assert max(forces) > 1.0
+
+
+def test_saved_forces_are_traces(tmp_path):
+    chain = hc.Chain.from_materials("5 mm", "steel-52100", beads=20).struck_by(velocity="0.2 m/s")
+    run = hc.simulate(chain.replace(right_wall=hc.Wall()), times=2000)
+    run.save_forces(tmp_path / "forces.csv", ["ball 12", 1, "wall"])
+    with pytest.raises(hc.InputError, match="cannot be estimated"):
+        hc.load_traces(tmp_path / "forces.csv")
+    traces = hc.load_traces(tmp_path / "forces.csv", sensors=["ball 12", "wall"])
+    (shot,) = traces.shots
+    np.testing.assert_allclose(shot.times, run.times, rtol=1e-11)
+    for signal, expected in zip(shot.signals, (run.sensor(13), run.forces[:, -1]), strict=True):
+        assert np.abs(signal.values - expected).max() < 1e-6 * run.forces[:, -1].max()
+    assert max(run.compare(traces).differences.values()) < 1e-3
+    run.save_forces(tmp_path / "wall.csv")
+    assert (tmp_path / "wall.csv").read_text().startswith("time [us],wall [N]\n")
+
+
+@pytest.mark.parametrize(
+    ("sensors", "file", "said"),
+    [
+        (None, "a.csv", "the chain has no wall; give sensors"),
+        ([3], "a.txt", "must end in .csv"),
+        ([3, "bead 3"], "a.csv", "name 'bead 3' twice"),
+        ([9], "a.csv", "from 1 to 5"),
+    ],
+)
+def test_forces_that_cannot_be_saved(tmp_path, sensors, file, said):
+    run = hc.simulate(hc.Chain.uniform(5), times=20)
+    with pytest.raises(hc.InputError, match=said):
+        run.save_forces(tmp_path / file, sensors)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_forces_of_walls_and_sensors_are_tables():
+    chain = hc.Chain.from_materials("5 mm", "steel-52100", beads=6, velocity="0.2 m/s")
+    run = hc.simulate(chain.replace(right_wall=hc.Wall()), times=300)
+    for found in (run.wall_force(), run.sensor_force(4)):
+        table = found.to_dataframe()
+        np.testing.assert_array_equal(table["force"], found.force)
+        np.testing.assert_array_equal(table.index, run.times)
+        assert table.attrs["units"] == {"time": "s", "force": "N"}
 
 
 def test_files_are_written_whole_or_not_at_all(tmp_path):

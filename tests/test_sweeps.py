@@ -262,7 +262,7 @@ BAD = [
      "sweep.methods\\[1\\]: propagate does not support gravity"),
     ({"chain": {"file": "beads.csv"}}, "chain: .*beads.csv"),
     ({"points": [{"rate": 1}]}, "points: there are also axes"),
-    ({"chain": {"radii": [1.0, 1.0], "masses": [1.0, 1.0], "stiffness": 1.0},
+    ({"chain": {"radii": [0.1, 0.1], "masses": [1.0, 1.0], "stiffness": 1.0},
       "axes": {"units": ["SI", "scaled"]}}, "some chains are in SI units, others scaled"),
     ({"method": {"max_steps": 2.5}, "sweep": {"methods": ["simulate"]}},
      "method.max_steps: max_steps must be a whole number of at least 1, got 2.5"),
@@ -863,3 +863,34 @@ def test_a_sweep_until_a_time_with_a_unit():
         for until in ("0.2 ms", 2e-4)
     ]  # fmt: skip
     assert peaks[0] == peaks[1] > 0.0
+
+
+def test_estimates_consider_points_that_take_longer(monkeypatch):
+    """The times of chains with 10 and 80 beads alternate; every second batch has long ones."""
+    from hertzchain.sweeps import timing
+
+    spec = {"chain": {"taper": "forward-linear"}, "sweep": {"at": "last", "batch": 4},
+            "axes": {"rate": {"linspace": [0.001, 0.01, 25]},
+                     "beads": [8, 9, 10, 11, 80, 82, 84, 86]}}  # fmt: skip
+
+    def time_of(plan, batch):
+        return sum(1e-3 * plan.chain(index).beads for index in plan.indices(batch))
+
+    monkeypatch.setattr(timing, "time_of_batch", time_of)
+    expected = 25 * 1e-3 * (8 + 9 + 10 + 11 + 80 + 82 + 84 + 86)
+    monkeypatch.setattr(timing, "SAMPLE_SECONDS", 0.2 * expected)
+    found = estimate(spec, workers=1).seconds
+    assert found == pytest.approx(expected, rel=0.15)
+
+
+def test_short_times_are_plotted_in_microseconds():
+    spec = {"chain": {"diameters": "10 mm", "materials": "steel-52100", "right_wall": {},
+                      "velocity": "0.1 m/s"},
+            "axes": {"beads": [5, 8]}, "sweep": {"methods": ["simulate"],
+                                                 "keep": ["wall_duration"]}}  # fmt: skip
+    found = hc.sweep(spec)
+    axes = plot_sweep(found)
+    assert axes.get_ylabel().endswith("[µs]")
+    expected = 1e6 * found.wall_duration.squeeze().values
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), expected)
+    assert 10.0 < expected.min() < 100.0

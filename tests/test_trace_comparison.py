@@ -2,6 +2,7 @@
 
 import re
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -106,6 +107,31 @@ def test_peaks_in_another_unit_are_noted(factor):
 def test_opposite_signs_are_noted():
     with pytest.warns(hc.InputWarning, match="check the polarity"):
         simulated(7e-4).compare(traces(["wall"], factor=-1.0), time_offset=END)
+
+
+def test_opposite_signs_do_not_change_the_time_offset():
+    right = simulated(7e-4).compare(traces(["ball 5", "wall"]))
+    with pytest.warns(hc.InputWarning, match="polarity of the sensor and of its amplifier"):
+        turned = simulated(7e-4).compare(traces(["ball 5", "wall"], factor=-1.0))
+    assert turned.time_offset == pytest.approx(right.time_offset, abs=SPACING)
+    assert [each.measured_peak for each in turned.sensors] == pytest.approx(
+        [-each.measured_peak for each in right.sensors]
+    )
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.InputWarning")
+def test_times_in_another_unit_are_rejected_if_the_pulse_is_not_resolved():
+    # The saved times of this run are 0.4 ms apart, the pulse lasts 40 us.
+    slow = traces(["wall"], time=1e3)
+    with pytest.raises(hc.InputError, match="check the unit of the times"):
+        simulated(float(np.ptp(slow.shots[0].times))).compare(slow)
+
+
+def test_long_times_do_not_run_together():
+    sensor = simulated(7e-4).compare(traces(["wall"])).sensors[0]
+    row = replace(sensor, measured_arrival=0.19882294, simulated_arrival=0.30826286).row
+    rest = f"{100 * sensor.residual:.1f}"
+    assert row.split("%")[1].split() == ["198.82", "ms", "308.26", "ms", "+109.44", "ms", rest]
 
 
 def test_a_run_that_ends_before_the_record_says_so():

@@ -1,5 +1,6 @@
 """Whether the largest force on a wall is complete, and how runs therefore end."""
 
+import re
 import warnings
 
 import numpy as np
@@ -196,7 +197,7 @@ def test_the_largest_force_behind_a_rubber_bead_follows_much_later():
     chain = chain.struck_by(velocity="0.2 m/s").replace(right_wall=WALL)
     early = hc.simulate(chain, until=7.5e-3, times=0)._wall_force("right")
     assert not early.complete
-    assert "can still reach the wall" in early.reason
+    assert re.search(r"because \d+\.\d+ uJ can still reach the wall", early.reason)
     assert hc.simulate(chain, times=0)._complete[1] == 0.0
     late = hc.simulate(chain, until=30e-3, times=0).wall_force()
     near = late.peak_time + np.linspace(-1e-5, 1e-5, 101)

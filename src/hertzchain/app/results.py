@@ -217,9 +217,10 @@ def limited(stop: Stop) -> Callable[..., None]:
 def motion(
     chain: Chain, exact: Pulse | None, request: Request, progress: Callable[..., None]
 ) -> tuple[Run, Run, list[Warning]]:
-    """The run that is shown, and the same run continued until the peak on the wall is complete.
+    """The run that is shown, and the same run continued until the impact on the wall has ended.
 
-    The run that is shown includes this peak.  Drafts are not continued.  The warnings are those of
+    If the impact ends, the run that is shown includes it, as that of `simulate` without ``until``;
+    otherwise it includes the largest force.  Drafts are not continued.  The warnings are those of
     the longest run: earlier ones state smaller overlaps.
     """
     options: dict[str, Any] = {"rtol": request.rtol, "check": False, "progress": progress}
@@ -229,7 +230,7 @@ def motion(
         run = simulate(chain, times=times, **options)
     if request.draft or chain.right_wall is None or not run.success:
         return run, run, warned
-    if run._wall_force("right").complete:
+    if run._wall_force("right").complete_since is not None:
         return run, run, warned
     try:
         with record_warnings() as of_whole:
@@ -237,7 +238,10 @@ def motion(
     except (InputError, SimulationError):
         # Nothing ends this run, for example because its drive does not end, or it takes too long.
         return run, run, warned
-    later = END_AFTER_PEAK * whole._wall_force("right").largest_so_far_time
+    wall = whole._wall_force("right")
+    later = END_AFTER_PEAK * wall.largest_so_far_time
+    if wall.complete_since is not None:
+        later = max(later, whole.end_time)
     if later > times[-1]:
         with record_warnings():
             times = saved_times(chain, exact, request.frames, request.clock, progress, later)

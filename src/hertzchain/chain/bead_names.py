@@ -12,15 +12,16 @@ from .chain import Chain
 NAME: Final = re.compile(r"(ball|bead) +([0-9]{1,9})")
 
 
-def bead_number(chain: Chain, bead: int | str, what: str = "bead") -> int:
+def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: bool = False) -> int:
     """Number of a bead, strikers included, from that number or a name such as ``"ball 11"``."""
     if not isinstance(bead, str):
         return whole_number(what, bead, least=1, most=chain.beads)
     found = NAME.fullmatch(" ".join(bead.lower().split()))
     if found is None:
+        wall = ", or 'wall'" if walls else ""
         raise InputError(
             f"{what} must be a whole number or a name such as 'ball 11' (without the strikers) or "
-            f"'bead 12' (with them), got {short_repr(bead)}"
+            f"'bead 12' (with them){wall}, got {short_repr(bead)}"
         )
     return numbered_bead(chain, found[1], int(found[2]))
 

@@ -104,15 +104,8 @@ class HertzRange:
 
     @property
     def violations(self) -> tuple[str, ...]:
-        """One sentence for each limit that is exceeded."""
+        """One sentence for each limit that is exceeded; yield comes first."""
         found = []
-        at = int(np.argmax(self.overlap_ratio))
-        if (ratio := self.overlap_ratio[at]) > MAX_OVERLAP_RATIO:
-            advice = self._advice(ratio, self.static_overlap_ratio, MAX_OVERLAP_RATIO, 2)
-            found.append(
-                f"overlap / radius is {ratio:.2g} at {_place(at, self)} "
-                f"(limit {MAX_OVERLAP_RATIO:g} of Hertz's law){self._basis(at)}; {advice}"
-            )
         at = int(np.argmax(self.yield_ratio))
         if (ratio := self.yield_ratio[at]) > 1.0:
             others = int(np.count_nonzero(self.yield_ratio > 1.0)) - 1
@@ -123,6 +116,13 @@ class HertzRange:
                 f"of Hertz's law){self._basis(at)}; "
                 f"{self._advice(ratio, self.static_yield_ratio, 1.0, digits)} or "
                 f"use loss=ElasticPlastic({'yield_overlap=...' if self.given[at] else ''})"
+            )
+        at = int(np.argmax(self.overlap_ratio))
+        if (ratio := self.overlap_ratio[at]) > MAX_OVERLAP_RATIO:
+            advice = self._advice(ratio, self.static_overlap_ratio, MAX_OVERLAP_RATIO, 2)
+            found.append(
+                f"overlap / radius is {ratio:.2g} at {_place(at, self)} "
+                f"(limit {MAX_OVERLAP_RATIO:g} of Hertz's law){self._basis(at)}; {advice}"
             )
         if self.speed_ratio > MAX_SPEED_RATIO:
             found.append(

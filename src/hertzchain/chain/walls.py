@@ -107,6 +107,11 @@ class Wall(Part):
                 f"{short_repr(self.loss)}; Elastic() has no loss"
             )
 
+    def _repr_html_(self) -> str:
+        from ..notebook.chains import wall_html
+
+        return wall_html(self)
+
     @classmethod
     @checked_arguments("Wall.of")
     def of(cls, name: MaterialLike, *, gap: float = 0.0) -> Wall:

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from .options import as_typed, figure_option, json_option, sensors_from, sensors_option
+from .options import figure_option, json_option, seconds_from, sensors_from, sensors_option
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .wording import on_command_line
 
 if TYPE_CHECKING:
+    from ..chain.chain import Chain
     from ..fitting.trace_comparison import TraceComparison
     from ..fitting.traces import Traces
 
 # Least number of saved times; signals are interpolated between them.
 MIN_TIMES: Final = 4000
+# A record of more than the first number of transits is first compared with a run of the second,
+# which has at least this number of saved times per bead.
+MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 
 
 @click.command()
@@ -62,14 +67,15 @@ def compare(
     times = data.shots[0].times
     end = float(times[-1] - times[0])
     if until is not None:
-        end = number("--until", as_typed(until), unit="s", above=0.0)
+        end = number("--until", seconds_from("--until", until), above=0.0)
+    _check_unit_of_times(described, data, end)
     with progress_bar("beads passed") as progress:
         run = hertzchain.simulate(
             described, until=end, times=max(MIN_TIMES, len(times)), progress=progress
         )
     offset = None
     if time_offset is not None:
-        offset = number("--time-offset", as_typed(time_offset), unit="s")
+        offset = seconds_from("--time-offset", time_offset)
     found = run.compare(data, time_offset=offset)
     if plot is not None:
         save_figure(found.plot().axes[0], plot)
@@ -77,6 +83,26 @@ def compare(
         show_json(_as_dict(found))
     else:
         click.echo(f"{described.description}\n{on_command_line(found.summary())}")
+
+
+def _check_unit_of_times(chain: Chain, data: Traces, end: float) -> None:
+    """Check a record that lasts for very many transits of the pulse with a shorter run.
+
+    The saved times of the whole run would be too far apart to resolve its pulse.
+    """
+    import hertzchain
+
+    from ..fitting.trace_comparison import check_unit_of_times
+    from ..simulation.time_scales import transit_times
+
+    transit = float(transit_times(chain).sum())
+    if end < MANY_TRANSITS * transit:
+        return
+    times = max(MIN_TIMES, TIMES_PER_BEAD * chain.beads)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the whole run issues the same warnings
+        run = hertzchain.simulate(chain, until=FEW_TRANSITS * transit, times=times)
+    check_unit_of_times(run, data)
 
 
 def _one_shot(traces: Traces, shot: int | None) -> Traces:

@@ -71,7 +71,7 @@ def design(
     target = Path(f"{file.stem}.design") if store is None else store
     unit = "simulations" if _counts(options.get("budget")) else "seconds"
     resume = f"trials are in {target}; run the same command again to resume"
-    with progress_bar(unit) as progress, exit_soon(resume):
+    with progress_bar(unit, rate=unit == "simulations") as progress, exit_soon(resume):
         result = hertzchain.design(
             problem, store=target, threads=threads, progress=progress, **options
         )

@@ -66,7 +66,22 @@ def time_from(option: str, text: str | None, chain: Chain) -> float | None:
 
     if text is None:
         return None
-    return number(option, as_typed(text), unit="s" if chain.units == "SI" else SCALED)
+    if chain.units == "SI":
+        return seconds_from(option, text)
+    return number(option, as_typed(text), unit=SCALED)
+
+
+def seconds_from(option: str, text: str) -> float:
+    """Parse a time with its unit, without which it could be meant in any, as lengths could."""
+    from ..representation import measure
+    from ..validation.numbers import number
+
+    value = as_typed(text)
+    if isinstance(value, float) and value:
+        raise click.UsageError(
+            f"{option} {text} has no unit; write, for example, {option} '{measure(value, 's')}'"
+        )
+    return number(option, value, unit="s")
 
 
 def window_from(option: str, text: str) -> tuple[int, int]:

@@ -10,21 +10,23 @@ import click
 
 from .output import show_table
 from .wording import on_command_line
+from .yielding import peak_with_yielding_contacts
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
     from ..simulation.run import Run
     from ..simulation.sensor_force import SensorForce
-    from ..simulation.wall_force import WallForce
+    from ..simulation.wall_force import Side, WallForce
 
 
 def run_as_dict(run: Run, beads: Sequence[int], *, waves: bool) -> dict[str, object]:
     """Summary of a run as a JSON document."""
-    from ..store import results
+    from ..store.results import document_of
     from .wave_tables import horizon_as_dict, waves_as_list
 
+    described = document_of(run.chain)
     document: dict[str, object] = {
-        "schema_version": results.SCHEMA_VERSION,
+        **{name: described.pop(name) for name in ("schema_version", "hertzchain_version")},
         "status": run.status,
         "message": run.message,
         "end_time": run.end_time,
@@ -34,18 +36,23 @@ def run_as_dict(run: Run, beads: Sequence[int], *, waves: bool) -> dict[str, obj
         "momentum_drift": run.momentum_drift,
         "saved_times": len(run.times),
         "closed_contacts": run.closed_contacts.tolist(),
-        "walls": [*map(_numbers, _walls(run))],
+        "impact_velocity": float(run.chain.velocities.max()),
+        "walls": [
+            {"material": _material(run.chain, wall.side)} | _numbers(wall) for wall in _walls(run)
+        ],
+        "peak_with_yielding_contacts": peak_with_yielding_contacts(run),
         "sensors": [_numbers(run.sensor_force(bead)) for bead in beads],
     }
     if run.known_horizon is not None:
         document["horizon"] = horizon_as_dict(run.known_horizon)
     if waves:
         document["waves"] = waves_as_list(run.waves())
-    return document | {"chain": results.chain_as_dict(run.chain)}
+    return document | described
 
 
 def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None:
     """Print the summary of a run, with a hint at --horizon if it is long and ``hint`` is true."""
+    from ..representation import measure
     from ..simulation.run_message import LONG_RUN, transits_between_walls
     from .wave_tables import wave_table
 
@@ -56,6 +63,9 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None
         click.echo(f"{run._unfinished}; to see the velocities after the impact, give --until")
     for wall in _walls(run):
         click.echo(_wall_lines(wall))
+    if (peak := peak_with_yielding_contacts(run)) is not None:
+        shown = measure(peak, "N", run.chain.units, 5)
+        click.echo(f"  peak with contacts that yield: {shown} (--loss elastic-plastic)")
     for bead in beads:
         click.echo(_sensor_line(run, bead))
     transits = transits_between_walls(run.chain, run.end_time)
@@ -82,6 +92,18 @@ def _walls(run: Run) -> list[WallForce]:
     from ..simulation.wall_force import walls_of
 
     return [run.wall_force(side) for side in walls_of(run.chain)]
+
+
+def _material(chain: Chain, side: Side) -> str | None:
+    """Name of the material of a wall, if it is known; a stiffness hides that of the bead."""
+    from ..chain.walls import material_of_wall
+
+    wall = chain.left_wall if side == "left" else chain.right_wall
+    if wall is None or wall.material is not None:
+        return None if wall is None or wall.material is None else wall.material.name
+    if wall.stiffness is not None or chain.materials is None:
+        return None
+    return material_of_wall(wall, chain.materials[0 if side == "left" else -1]).name
 
 
 def _is_nan(value: object) -> bool:

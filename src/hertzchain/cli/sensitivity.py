@@ -66,7 +66,9 @@ def sensitivity(
     found = hertzchain.gradient(chain, name, to=by)
     changes = changes_at_kink(chain, found, by)
     if plot is not None:
-        save_figure(found.plot(by), plot)
+        from ..plotting.gradients import plot_gradient
+
+        save_figure(plot_gradient(found, by, changes=changes), plot)
     if as_json:
         from ..store import results
 

@@ -29,7 +29,7 @@ USUAL_TIMES: Final = 400
 @click.option(
     "--until",
     metavar="TIME",
-    help="Stop time, such as 2e-3 or, in SI units, 2ms.  [default: when the peak force on the "
+    help="Stop time, such as 60 or, in SI units, 2ms.  [default: when the peak force on the "
     "right wall is complete, at most 10 transits of the pulse, or more if the wall is soft; "
     "without a right wall, when the pulse has left the chain]",
 )
@@ -37,8 +37,8 @@ USUAL_TIMES: Final = 400
     "--times",
     type=int,
     help="Number of saved times; without --until, whose value is the end, at most this number and "
-    "usually more than half of it.  [default: 400; with --sensor, --animate or several files, "
-    "and without --out, 4000]",
+    "usually more than half of it.  [default: 400; with --sensor, --forces, --animate or "
+    "several files, and without --out, 4000]",
 )
 @click.option(
     "--rtol",
@@ -64,6 +64,12 @@ USUAL_TIMES: Final = 400
     type=click.Path(path_type=Path),
     metavar="FILE",
     help="Save the trajectories to FILE (.nc or .csv).",
+)
+@click.option(
+    "--forces",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Save the forces on walls and, with --sensor, in sensors over time to FILE (.csv).",
 )
 @figure_option(
     "Plot velocities or, with --sensor, forces to FILE; of several "
@@ -109,8 +115,9 @@ USUAL_TIMES: Final = 400
 def simulate(
     options: ChainOptions, until: str | None, times: int | None, rtol: float, method: str,
     step: str | None, drift: float | None, max_steps: int | None, out: Path | None,
-    plot: Path | None, animation: Path | None, magnify: float | None, sensors: tuple[str, ...],
-    stream: Path | None, budget: bool, waves: bool, horizon: bool, as_json: bool,
+    forces: Path | None, plot: Path | None, animation: Path | None, magnify: float | None,
+    sensors: tuple[str, ...], stream: Path | None, budget: bool, waves: bool, horizon: bool,
+    as_json: bool,
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
@@ -132,38 +139,39 @@ def simulate(
       hertzchain simulate --taper forward-exponential --rate 0.05 --beads 60 --plot run.png
       hertzchain simulate --material steel-52100 --diameter "20 mm:5 mm" --beads 40 \\
           --speed "0.1 m/s" --wall same --animate impact.gif
-      hertzchain simulate experiment.toml --until 7e-4 --budget
+      hertzchain simulate experiment.toml --until 700us --budget
       hertzchain simulate experiment.toml --until 700us --sensor "ball 5" --plot forces.png
+      hertzchain simulate experiment.toml --sensor "ball 5" --forces forces.csv
       hertzchain simulate equal.toml tapered.toml --plot comparison.png
-      hertzchain simulate experiment.toml --until 10 --times 100000 --stream long
+      hertzchain simulate experiment.toml --until 10s --times 100000 --stream long
       hertzchain simulate --beads 50 --until 60 --times 600 --waves --horizon
     """
     from ..simulation.sensor_force import MANY_TIMES
 
     check_writable(animation, "--animate", (".gif", ".mp4"))
     check_writable(out, "--out", (".nc", ".csv"))
+    check_writable(forces, "--forces", (".csv",))
     if magnify is not None and animation is None:
         raise click.UsageError("--magnify requires --animate")
     if budget and as_json:
         raise click.UsageError("--budget and --json cannot be combined")
     if times is None:
-        fine = out is None and (sensors or animation or len(options.files) > 1)
+        fine = out is None and (sensors or forces or animation or len(options.files) > 1)
         times = MANY_TIMES if fine else USUAL_TIMES
-    if times < 2 and (out or plot or animation or sensors or stream or budget or waves or horizon):
-        raise click.UsageError(
-            "--out, --plot, --animate, --sensor, --stream, --budget, --waves and --horizon require "
-            f"saved times: --times {times} is too few"
-        )
+    _check_times(
+        times, out=out, forces=forces, plot=plot, animate=animation, sensor=sensors,
+        stream=stream, budget=budget, waves=waves, horizon=horizon,
+    )  # fmt: skip
     if stream is not None:
         check_stream_options(
-            out=out, plot=plot, animate=animation, sensor=sensors, budget=budget, waves=waves,
-            horizon=horizon, max_steps=max_steps,
+            out=out, forces=forces, plot=plot, animate=animation, sensor=sensors, budget=budget,
+            waves=waves, horizon=horizon, max_steps=max_steps,
             method=method if method != "adaptive" else None, step=step, drift=drift,
         )  # fmt: skip
     chains = chains_from(options)
-    if len(chains) > 1 and (out or animation or stream):
-        raise click.UsageError("--out, --animate and --stream require one chain FILE")
-    beads = {name: _beads(chain, sensors) for name, chain in chains.items()}
+    if len(chains) > 1 and (out or forces or animation or stream):
+        raise click.UsageError("--out, --forces, --animate and --stream require one chain FILE")
+    beads = {name: _beads(chain, sensors, forces) for name, chain in chains.items()}
     if stream is not None:
         (chain,) = chains.values()
         end = time_from("--until", until, chain)
@@ -174,12 +182,8 @@ def simulate(
     runs = {
         name: _run(chain, until, step, settings, horizon=horizon) for name, chain in chains.items()
     }
-    for run in runs.values():
-        if out is not None:
-            run.save(out)
-        if animation is not None:
-            with progress_bar("frames") as progress:
-                run.animate(animation, magnify=magnify, progress=progress)
+    for name, run in runs.items():
+        _save(run, beads[name], out, forces, animation, magnify)
     if plot is not None:
         _save_plot(runs, beads, plot, forces=bool(sensors))
     if as_json:
@@ -194,18 +198,36 @@ def simulate(
                 click.echo(run.budget())
 
 
-def _beads(chain: Chain, sensors: tuple[str, ...]) -> list[int]:
+def _check_times(times: int, **options: object) -> None:
+    """Raise `click.UsageError` if an option requires more saved times."""
+    names = [f"--{name}" for name in options]
+    if times < 2 and any(options.values()):
+        raise click.UsageError(
+            f"{', '.join(names[:-1])} and {names[-1]} require saved times: --times {times} is too "
+            "few"
+        )
+
+
+def _beads(chain: Chain, sensors: tuple[str, ...], forces: Path | None) -> list[int]:
     """Numbers of the beads with sensors, from numbers or names such as ``ball 11``.
 
     Walls are omitted, because their forces are always reported.
     """
     from ..chain.bead_names import bead_number, wall_number
 
-    return [
-        bead_number(chain, int(each) if each.strip().isdecimal() else each, "--sensor")
-        for each in sensors
-        if wall_number(chain, each) is None
-    ]
+    inside = [each for each in sensors if wall_number(chain, each) is None]
+    places = [int(each) if each.strip().isdecimal() else each for each in inside]
+    beads = [bead_number(chain, each, "--sensor", walls=True) for each in places]
+    if forces is not None and not _places(chain, beads):
+        raise click.UsageError("--forces requires a force: add --sensor BEAD or --wall MATERIAL")
+    return beads
+
+
+def _places(chain: Chain, beads: list[int]) -> list[int | str]:
+    """Sensors and walls of a chain, for a table of forces."""
+    from ..simulation.wall_force import walls_of
+
+    return [*beads, *(f"{side} wall" for side in walls_of(chain))]
 
 
 def _run(
@@ -223,10 +245,24 @@ def _run(
     return run
 
 
+def _save(
+    run: Run, beads: list[int], out: Path | None, forces: Path | None, animation: Path | None,
+    magnify: float | None,
+) -> None:  # fmt: skip
+    """Write the files of a run other than plots."""
+    if out is not None:
+        run.save(out)
+    if forces is not None:
+        run.save_forces(forces, _places(run.chain, beads))
+    if animation is not None:
+        with progress_bar("frames") as progress:
+            run.animate(animation, magnify=magnify, progress=progress)
+
+
 def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str, object]:
-    version = {"schema_version": found[0].pop("schema_version")}
-    for each in found[1:]:
-        del each["schema_version"]
+    names = ("schema_version", "hertzchain_version")
+    version = {name: found[0][name] for name in names}
+    found = [{name: each[name] for name in each if name not in names} for each in found]
     named = [{"name": name} | each for name, each in zip(runs, found, strict=True)]
     return version | {"runs": named}
 

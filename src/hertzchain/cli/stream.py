@@ -41,7 +41,7 @@ def stream_into(
         raise
     files, end = len(stored.files), float(moments[-1])
     if as_json:
-        document = {"schema_version": results.SCHEMA_VERSION, "chain": results.chain_as_dict(chain)}
+        document = results.document_of(chain)
         document |= {"folder": str(folder), "files": files, "saved_times": times, "end_time": end}
         show_json(document)
         return

@@ -146,9 +146,17 @@ def export(store: Path, file: Path, skip_damaged: bool) -> None:
     import hertzchain
 
     from ..store.sweep_export import ENDINGS, export_sweep
+    from ..store.sweep_store import SweepStore
 
     check_writable(file, "FILE", ENDINGS)
     export_sweep(hertzchain.open_sweep(store, skip_damaged=skip_damaged), file)
+    counts = SweepStore(store, skip_damaged=skip_damaged).counts()
+    if counts["missing"]:
+        click.echo(
+            f"Warning: {counts['missing']} of {sum(counts.values())} points are missing; run the "
+            "specification again with this store",
+            err=True,
+        )
     click.echo(file)
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from typing import Final
 
+import click
+
 # Python expressions in messages, and what to write on the command line or in a chain file instead.
 WORDINGS: Final = (
-    (r"loss=ElasticPlastic\(\)", "the loss law elastic-plastic"),
-    (r"loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
-     "the loss law elastic-plastic with a yield_overlap"),
+    (r"\buse loss=ElasticPlastic\(\)", "use loss = {law = 'elastic-plastic'} in the chain file"),
+    (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
+     "use loss = {law = 'elastic-plastic', yield_overlap = ...} in the chain file"),
     (r"\bloss=None\b", "no loss"),
     (r"\buse largest_so_far\b", "use the largest force so far"),
     (r"\buntil='([^']*)'", r"--until '\1'"),
@@ -19,9 +21,17 @@ WORDINGS: Final = (
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),
 )  # fmt: skip
 
+# ... and with commands that have an option for it.
+OPTIONS: Final = {
+    "loss": ((r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),),
+}
+
 
 def on_command_line(message: str) -> str:
     """The message without Python expressions for which the command line has other words."""
-    for expression, words in WORDINGS:
+    context = click.get_current_context(silent=True)
+    own = () if context is None else context.params
+    chosen = [pair for option, pairs in OPTIONS.items() if option in own for pair in pairs]
+    for expression, words in (*chosen, *WORDINGS):
         message = re.sub(expression, words, message)
     return message

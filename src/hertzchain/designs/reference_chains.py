@@ -24,11 +24,11 @@ def reference_points(problem: Design) -> dict[str, list[Any]]:
     if isinstance(space, BallSpace):
         if space.order:
             return {"given order": [space.start]}
-        return {"equal balls": _equal_balls(space)}
+        return {"row of equal balls": _equal_balls(space)}
     levels = np.linspace(0.0, 1.0, ENDS)
     equal = [space.taper(level, level) for level in levels]
     tapers = [space.taper(one, other) for one in levels for other in levels if one != other]
-    found = {"equal sizes": equal}
+    found = {"chain of equal sizes": equal}
     if not _single(space):
         found["taper"] = tapers
     return found
@@ -72,7 +72,7 @@ def evaluated_references(trials: Trials) -> dict[str, Outcome]:
                 outcomes += trials.evaluate(group[first : first + batch])
         if outcomes:
             count = len(outcomes)
-            found[f"best of {count} with {name}" if len(group) > 1 else name] = min(
+            found[f"best {name} (of {count} tried)" if len(group) > 1 else name] = min(
                 outcomes, key=lambda each: each.rank
             )
     return found

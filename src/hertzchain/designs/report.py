@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..representation import counted
+from ..representation import counted, measure
 from ..validation.json_types import finite
 from .ball_choice import BallSpace
 from .measures import Measure
@@ -38,7 +38,9 @@ def summary(result: DesignResult) -> str:
     lines += [_requirement(result, i) for i in range(len(problem.requirements))]
     lines += [f"  bound: {bound}" for bound in result.bounds]
     for name, value in result.verified.scattered.items():
-        lines.append(f"  with scatter, 400 new samples: {name} {value:.4g}")
+        unit = next((m.unit for m in problem.measures if name.endswith(f" of {m}")), "1")
+        shown = measure(value, unit, "scaled" if unit == "1" else result.chain.units)
+        lines.append(f"  with scatter, 400 new samples: {name} {shown}")
     if result.parts:
         lines.append("parts:")
         lines += [f"  {count} x {name}" for count, name in result.parts]
@@ -70,11 +72,11 @@ def _heading(result: DesignResult) -> list[str]:
     if limits is None:
         kept = ""
     elif limits.violations:
-        kept = "; the range of Hertz's law was NOT kept (see the notes)"
+        kept = "; contacts left the range of Hertz's law (see the notes)"
     else:
-        kept = "; the range of Hertz's law was kept"
+        kept = "; all contacts stayed within the range of Hertz's law"
     lines = [first, f"  verified: the integration was repeated at rtol {found.rtol:g}{kept}"]
-    if found.yielding:
+    if found.yielding and math.isfinite(result._objective(found.yielding)):
         lines.append(f"  the same chain with contacts that yield, loss=ElasticPlastic(): "
                      f"{_yielding_value(result, found)}")  # fmt: skip
     return lines
@@ -85,19 +87,41 @@ def _yielding_value(result: DesignResult, found: Verified) -> str:
 
 
 def _yielding(result: DesignResult, found: Verified) -> str:
-    return f" ({_yielding_value(result, found)} with contacts that yield)" if found.yielding else ""
+    if not found.yielding or not math.isfinite(result._objective(found.yielding)):
+        return ""
+    return f" ({_yielding_value(result, found)} with contacts that yield)"
 
 
 def _first_upper(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
+def search_in_words(result: DesignResult) -> str:
+    """The choices or starts of which the design is the best."""
+    if (choices := _choices(result)) is None:
+        return f"best of {counted(len(result.finals), 'start')}"
+    done, count = choices
+    return (
+        f"best of all {counted(count, 'simulated choice')}"
+        if done >= count
+        else (f"best of {done} of {count} choices")
+    )
+
+
+def _choices(result: DesignResult) -> tuple[int, int] | None:
+    """Numbers of simulated and of all choices of an enumeration."""
+    if not isinstance(result.problem.space, BallSpace) or result.method != "enumerate":
+        return None
+    scatter = result.problem.scatter
+    done = result.runs // (1 if scatter is None else scatter.samples)
+    return done, int(result.problem.space.count)
+
+
 def _starts(result: DesignResult) -> list[str]:
-    if isinstance(result.problem.space, BallSpace) and result.method == "enumerate":
-        scatter, count = result.problem.scatter, int(result.problem.space.count)
-        done = result.runs // (1 if scatter is None else scatter.samples)
+    if (choices := _choices(result)) is not None:
+        done, count = choices
         if done >= count:
-            return [f"best of all {counted(count, 'simulated choice')}"]
+            return [search_in_words(result)]
         return [f"best of {done} of {count} choices: the budget was used up; give a larger budget, "
                 "or omit method"]  # fmt: skip
     work = counted(result.runs, "simulation")

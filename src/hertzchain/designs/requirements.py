@@ -17,8 +17,11 @@ from ..units import converted
 from ..validation.numbers import number
 from .measures import Measure, parse_measure
 
-_FORM: Final = re.compile(r"\s*(<=|>=|≤|≥)\s*(\S.*?)\s*")
+_FORM: Final = re.compile(r"\s*(<=|>=|≤|≥|<|>)\s*([^\s<>=].*?)\s*")
 _NUMBER: Final = re.compile(r"[-+]?[\d.]+([eE][-+]?\d+)?\s*")
+_PLAIN: Final = re.compile(r"[-+]?[\d.]+([eE][-+]?\d+)?")
+# Units that examples in messages use instead of SI units.
+_USUAL: Final = {"m": "mm", "s": "us"}
 # Relative violation that is regarded as rounding of the simulation.
 TOLERANCE: Final = 1e-6
 
@@ -70,16 +73,25 @@ def requirements_from(given: object, chain: Chain) -> tuple[Requirement, ...]:
 def _requirement(measure: Measure, text: object, chain: Chain) -> Requirement:
     form = _FORM.fullmatch(text) if isinstance(text, str) else None
     if form is None:
-        fixed = text.strip("= ") if isinstance(text, str) else "5"
+        fixed = text.strip("=<> ") if isinstance(text, str) else ""
         raise InputError(
             f"the constraint on {measure} must look like '<= 5' or '>= 5', got {short_repr(text)}; "
-            f"for a fixed value, give both: ['<= {fixed}', '>= {fixed}']"
+            f"for a fixed value, give both: ['<= {fixed or 5}', '>= {fixed or 5}']"
         )
-    sign = 1 if form[1] in ("<=", "≤") else -1
+    if _PLAIN.fullmatch(form[2]) and measure.unit != "1" and not chain.scaled:
+        raise InputError(
+            f"the constraint on {measure} needs a unit, such as '{form[1]} {form[2]} "
+            f"{_usual_unit(measure)}', got {text!r}"
+        )
+    sign = 1 if form[1] in ("<=", "≤", "<") else -1
     limit = limit_from(str(measure), form[2], measure, chain)
     return Requirement(
         measure, limit, sign, chain.units, form[2].lstrip("+-.0123456789eE ").strip()
     )
+
+
+def _usual_unit(measure: Measure) -> str:
+    return _USUAL.get(measure.unit, measure.unit)
 
 
 def limit_from(what: str, text: Any, measure: Measure, chain: Chain) -> float:

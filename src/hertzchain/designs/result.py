@@ -12,7 +12,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
-from ..representation import counted, measure, short
+from ..representation import measure, short
 from ..validation.keywords import checked_methods
 from ..validation.objects import check_choice, check_type
 from .ball_choice import BallSpace
@@ -320,13 +320,20 @@ class DesignResult:
         return isinstance(self.problem.space, BallSpace)
 
     def __repr__(self) -> str:
+        from .report import search_in_words
+
         state = "constraints met" if self.met else "constraints NOT met"
         limits = self.verified.hertz_range
         return short(
             "DesignResult",
             f"{self.problem.objective}: {self._shown(self.value)}",
-            f"best of {counted(len(self.finals), 'start')}",
+            search_in_words(self),
             state if self.problem.requirements else "",
             f"{self.runs} simulations",
             "outside Hertz's range" if limits is not None and limits.violations else "",
         )
+
+    def _repr_html_(self) -> str:
+        from ..notebook.designs import design_html
+
+        return design_html(self)

@@ -16,6 +16,8 @@ from .traces import Shot, Signal, Traces
 # Ratios of amplitudes that suggest another prefix of a unit, and their tolerance (a factor).
 PREFIXES: Final = (1e-6, 1e-3, 1e3, 1e6)
 TOLERANCE: Final = 3.0
+# Advice for signals of the opposite sign.
+POLARITY: Final = "check the polarity of the sensor and of its amplifier"
 # A signal has arrived at this fraction of its largest value; arrivals that differ by less than this
 # number of samples have no order.
 ARRIVED, SAME_TIME = 0.5, 3
@@ -53,7 +55,7 @@ def _signs(traces: Traces, ratios: Mapping[str, float]) -> Iterator[Misread]:
     if turned:
         yield Misread(
             f"the opposite sign of {listed(turned)}",
-            "check the polarity of the sensor and of its amplifier",
+            POLARITY,
             _scaled(traces, dict.fromkeys(turned, -1.0)),
         )
 
@@ -103,6 +105,11 @@ def _seen(signal: Signal) -> Array:
 def level_of(signal: Signal) -> float:
     """Level of a signal before the pulse; 0 if it is not known."""
     return signal.level if np.isfinite(signal.level) else 0.0
+
+
+def polarity_of(signal: Signal) -> float:
+    """-1 for a force whose largest value is negative, which contacts cannot exert; otherwise 1."""
+    return -1.0 if signal.place.quantity == "force" and extreme(_seen(signal)) < 0.0 else 1.0
 
 
 def extreme(values: Array) -> float:

@@ -273,7 +273,7 @@ class FitResult:
     def verdict(self) -> str:
         """Whether the model describes the data, in a sentence."""
         if not self.converged:
-            return f"{self.goodness}: the fit did not converge: {self.reason}{NO_ERRORS}"
+            return f"{self.goodness}: the fit has {self.reason}{NO_ERRORS}"
         return f"{self.goodness}{self.goodness.verdict}"
 
     @property

@@ -13,7 +13,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..representation import measure
 from ..simulation.run import Run
-from .misread_columns import PREFIXES, TOLERANCE, extreme, level_of
+from .misread_columns import POLARITY, PREFIXES, TOLERANCE, extreme, level_of
 from .traces import Shot, Signal
 
 # A signal has arrived at this fraction of its peak, where its width is measured, too.
@@ -29,6 +29,11 @@ CONTAINED: Final = 0.3
 COMPLETE: Final = 0.995
 # Ratio of peaks that is noted, and multiple of the noise below which data have no pulse.
 NOTED, ABOVE_NOISE = 3.0, 6.0
+# Times [s] from which they are shown in ms, and in s.
+MILLISECONDS, SECONDS = 0.01, 10.0
+# A simulated pulse shorter than this number of steps between saved times is not resolved; the
+# measured one is then too long for the unit of its times if it lasts this many times as long.
+RESOLVED, TOO_LONG = 3.0, 30.0
 # Arrivals that differ by less than this number of samples have no order.
 SAME_TIME: Final = 3
 
@@ -100,11 +105,15 @@ class SensorComparison:
 
 
 def _time(value: float, sign: str = "") -> str:
-    return f"{1e6 * value:{sign}.2f} us" if np.isfinite(value) else "-"
+    if not np.isfinite(value):
+        return "-"
+    if abs(value) < MILLISECONDS:
+        return f"{1e6 * value:{sign}.2f} us"
+    return f"{1e3 * value:{sign}.2f} ms" if abs(value) < SECONDS else f"{value:{sign}.2f} s"
 
 
 def _aligned(name: str, *cells: str) -> str:
-    return f"  {name:<15}" + "".join(f"{cell:>12}" for cell in cells)
+    return f"  {name:<15}" + "".join(f" {cell:>11}" for cell in cells)
 
 
 HEADING: Final = _aligned(
@@ -170,19 +179,34 @@ def check_arrivals(run: Run, shot: Shot, columns: Sequence[Array], grid: Array) 
         rising = np.argmax(np.abs(own)) >= len(own) - 2
         if here <= NOTHING * needed or (rising and here < ARRIVING * needed):
             raise InputError(_too_short(run, shot, signal, here, measured))
-        lasting = _width(shot.times[signal.valid], seen) / max(_width(grid, own), grid[1] - grid[0])
-        for prefix in PREFIXES:
-            if 1.0 / TOLERANCE < lasting / prefix < TOLERANCE:
-                raise InputError(
-                    f"the measured pulse of {signal.name} lasts {lasting:.3g} times as long as the "
-                    "simulated one; check the unit of the times of the data, such as 'time [us]'"
-                )
+    check_durations(shot, columns, grid)
+
+
+def check_durations(shot: Shot, columns: Sequence[Array], grid: Array) -> None:
+    """Raise `InputError` if a measured pulse has another duration than the simulated one."""
+    spacing = float(grid[1] - grid[0])
+    for signal, column in zip(shot.signals, columns, strict=True):
+        own, seen = column - column[0], (signal.values - level_of(signal))[signal.valid]
+        if not own.any():
+            continue
+        width = _width(grid, own)
+        lasting = _width(shot.times[signal.valid], seen) / max(width, spacing)
+        unresolved = width < RESOLVED * spacing and lasting > TOO_LONG
+        if unresolved or any(1.0 / TOLERANCE < lasting / each < TOLERANCE for each in PREFIXES):
+            least = "at least " if unresolved else ""
+            raise InputError(
+                f"the measured pulse of {signal.name} lasts {least}{lasting:.3g} times as long as "
+                "the simulated one; check the unit of the times of the data, such as 'time [us]'"
+            )
 
 
 def _too_short(run: Run, shot: Shot, signal: Signal, here: float, measured: float) -> str:
     unit = "N" if signal.place.quantity == "force" else "m/s"
     end, record = float(run.times[-1]), float(shot.times[-1] - shot.times[0])
-    advice = "check the place of the sensor and the chain"
+    advice = (
+        "check the unit of the times of the data, such as 'time [us]', the place of the sensor, "
+        "and the chain"
+    )
     if end < record:
         advice = (
             f"simulate for longer, for example with until={measure(record, 's')!r}, the duration "
@@ -220,7 +244,7 @@ def unit_notes(sensors: Sequence[SensorComparison]) -> list[str]:
             continue
         problem = f"the measured peak of {each.name} is {ratio:.3g} times the simulated one"
         if ratio < 0.0:
-            notes.append(f"{problem}: check the polarity of the sensor")
+            notes.append(f"{problem}: {POLARITY}")
         elif any(1.0 / TOLERANCE < ratio / prefix < TOLERANCE for prefix in PREFIXES):
             notes.append(f"{problem}: check the unit in the header of this column")
         else:

@@ -17,12 +17,13 @@ from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_type
 from .coupling import coupling_notes, resolved_coupling, static_force
-from .misread_columns import level_of
+from .misread_columns import level_of, polarity_of
 from .sensor_comparison import (
     HEADING,
     SensorComparison,
     check_arrivals,
     check_contained,
+    check_durations,
     compared_sensor,
     order_notes,
     pulse_notes,
@@ -30,7 +31,7 @@ from .sensor_comparison import (
     unit_notes,
 )
 from .sensors import sampled
-from .traces import Signal, Traces
+from .traces import Shot, Signal, Traces
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -183,8 +184,7 @@ def compare_traces(
     _require_comparable(run, traces)
     traces = resolved_coupling(traces, [run.chain])
     shot = traces.shots[0]
-    grid = np.linspace(run.times[0], run.times[-1], len(run.times))
-    columns = [np.interp(grid, run.times, _signal_of(run, signal)) for signal in shot.signals]
+    grid, columns = _columns(run, shot)
     check_arrivals(run, shot, columns, grid)
     spacing = float(grid[1] - grid[0])
     given = time_offset is not None
@@ -207,6 +207,20 @@ def compare_traces(
         *coupling_notes(traces, [run.chain]),
     )
     return replace(found, notes=notes)
+
+
+def check_unit_of_times(run: Run, traces: Traces) -> None:
+    """Raise `InputError` if measured pulses last much longer or shorter than those of a run."""
+    _require_comparable(run, traces)
+    shot = resolved_coupling(traces, [run.chain]).shots[0]
+    grid, columns = _columns(run, shot)
+    check_durations(shot, columns, grid)
+
+
+def _columns(run: Run, shot: Shot) -> tuple[Array, list[Array]]:
+    """Evenly spaced times, and the simulated signals at them."""
+    grid = np.linspace(run.times[0], run.times[-1], len(run.times))
+    return grid, [np.interp(grid, run.times, _signal_of(run, each)) for each in shot.signals]
 
 
 def _require_comparable(run: Run, traces: Traces) -> None:
@@ -264,14 +278,14 @@ def _signal_of(run: Run, signal: Signal) -> Array:
 
 
 def _best_offset(shot, columns: list[Array], spacing: float) -> float:  # type: ignore[no-untyped-def]
-    """Time offset of the largest cross-correlation."""
+    """Time offset of the largest cross-correlation; forces of the wrong sign are reversed."""
     from scipy.signal import correlate
 
     total: Array | float = 0.0
     count = int((shot.times[-1] - shot.times[0]) / spacing) + 1
     grid = shot.times[0] + spacing * np.arange(count)
     for signal, column in zip(shot.signals, columns, strict=True):
-        values = signal.values[signal.valid] - level_of(signal)
+        values = polarity_of(signal) * (signal.values[signal.valid] - level_of(signal))
         seen, own = np.interp(grid, shot.times[signal.valid], values), column - column[0]
         total = total + correlate(seen, own) / (np.std(seen) * np.linalg.norm(own))
     best = int(np.argmax(total)) - (len(columns[0]) - 1)

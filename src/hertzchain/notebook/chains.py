@@ -8,8 +8,9 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.hertz_range import MAX_OVERLAP_RATIO, MAX_SPEED_RATIO, HertzRange
-from ..chain.materials import Material
+from ..chain.materials import RIGID, Material
 from ..chain.scales import Scales
+from ..chain.walls import Wall
 from ..collision import Array
 from .drawing import COLOURS, WIDTH, engineering, legend, note, numbers, page, svg, table
 
@@ -133,6 +134,20 @@ def material_html(material: Material) -> str:
     source = [note(f"Source: {material.source}.")] if material.source else []
     known = {name: value for name, value in found.items() if value}
     return page("Material", material.name, numbers(known), *source)
+
+
+def wall_html(wall: Wall) -> str:
+    """Material, stiffness, gap, exponent and loss of a wall."""
+    real = "gap" in wall.with_units or wall.material not in (None, RIGID)
+    kind = "that of the bead" if wall.material is None else wall.material.name
+    found = {
+        "material": kind if wall.stiffness is None else "",
+        "stiffness": "" if wall.stiffness is None else f"{wall.stiffness:g}",
+        "gap": engineering(wall.gap, "m", "SI" if real else "scaled") if wall.gap else "0",
+        "exponent": "that of the chain" if wall.exponent is None else f"{wall.exponent:g}",
+        "loss": "that of the chain" if wall.loss is None else repr(wall.loss),
+    }
+    return page("Wall", "", numbers({name: value for name, value in found.items() if value}))
 
 
 def scales_html(scales: Scales) -> str:

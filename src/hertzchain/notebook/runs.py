@@ -11,7 +11,7 @@ import numpy as np
 from ..simulation.budget import COLOURS as LOCATION_COLOURS
 from ..simulation.budget import Budget
 from ..simulation.run import Run
-from ..simulation.sensor_force import SensorForce
+from ..simulation.sensor_force import SHOWN, SensorForce
 from ..simulation.wall_force import WallForce
 from .drawing import (
     COLOURS,
@@ -165,7 +165,7 @@ def sensor_force_html(sensor: SensorForce) -> str:
         marks = [] if math.isnan(sensor.first_maximum) else [Mark(*first, "first maximum")]
         curve = Curve(slow * sensor.times, strong * sensor.force)
         parts.insert(0, chart([curve], f"time{second}", f"force{newton}", marks=marks))
-    if sensor.error > 0.0:
-        error = engineering(sensor.error, "N", units)
+    if sensor.error > SHOWN * abs(sensor.largest_so_far):
+        error = engineering(float(f"{sensor.error:.1e}"), "N", units)
         parts.append(note(f"The maxima have errors of at most {error}."))
     return page("SensorForce", f"bead {sensor.bead}", *parts)

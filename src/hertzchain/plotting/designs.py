@@ -14,14 +14,15 @@ from matplotlib.gridspec import GridSpecBase
 from ..designs.curves import Curve, initial_and_final
 from ..errors import InputError
 from .chains import bead_centres, draw_beads, material_legend
+from .gradients import bars_of_changes
 from .style import COLOURS, MUCH, differ_much, figure_style, get_axes, label_log_axis, time_axis
 from .widths import figure_size
 
 if TYPE_CHECKING:
     from ..designs.result import DesignResult
 
-# Sum of the changes for +1% and -1%, relative to their difference, below which one suffices.
-MIRRORED: Final = 0.05
+# Part of the larger force at which the smaller one is visible on the same axis.
+VISIBLE: Final = 0.03
 
 
 def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
@@ -92,13 +93,15 @@ def _differ(result: DesignResult, lines: Sequence[_Line]) -> bool:
 
 
 def _draw_panels(result: DesignResult, lines: Sequence[_Line], grid: GridSpecBase) -> Axes:
-    """Draw each line in its own panel; the first is returned."""
-    panels = [grid.figure.add_subplot(part) for part in grid]  # type: ignore[attr-defined]
+    """Draw each line in its own panel, with a common axis of forces if both remain visible."""
+    first: Axes = grid.figure.add_subplot(grid[0])  # type: ignore[attr-defined]
+    tops = [float(each.curve.y.max()) for each in lines]
+    common = first if min(tops) > VISIBLE * max(tops) else None
+    panels = [first, grid.figure.add_subplot(grid[1], sharey=common)]  # type: ignore[attr-defined]
     for line, axes in zip(lines, panels, strict=True):
         _draw_lines(result, [line._replace(label=f"force on the wall, {line.label}")], axes)
         # Panels are low.
         axes.set_ylabel("force [N]" if result.chain.units == "SI" else "force $F$")
-    first: Axes = panels[0]
     return first
 
 
@@ -123,6 +126,11 @@ def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes = get_axes(ax)
         runs, scores = result.history.T
         values = result._sign * scores
+        if not len(runs):
+            axes.text(0.5, 0.5, "no trial met the constraints", ha="center",
+                      transform=axes.transAxes)  # fmt: skip
+            axes.set_axis_off()
+            return axes
         axes.step([*runs, result.runs], [*values, *values[-1:]], where="post", color=COLOURS[1])
         axes.set_xscale("log")
         label_log_axis(axes.xaxis)
@@ -138,20 +146,9 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     """
     with figure_style():
         axes = get_axes(ax)
-        larger, smaller = (100.0 * each for each in result.changes)
-        beads = np.arange(1, len(larger) + 1)
-        axes.axhline(0.0, color="black", linewidth=0.8)
+        both = bars_of_changes(axes, *result.changes)
         axes.set_xlabel("bead $k$")
-        if np.abs(larger + smaller).max() < MIRRORED * np.abs(larger - smaller).max():
-            axes.bar(beads, larger, 0.7, color=COLOURS[3])
-            axes.set_ylabel("change [%] if $R_k$ grows by 1%")
-            return axes
-        for shift, values, colour, label in (
-            (-0.2, larger, COLOURS[3], "+1%"), (0.2, smaller, COLOURS[1], "\N{MINUS SIGN}1%"),
-        ):  # fmt: skip
-            axes.bar(beads + shift, values, 0.4, color=colour, label=label)
-        axes.set_ylabel("change [%] if $R_k$ changes by 1%")
-        axes.legend()
+        axes.set_ylabel(f"change [%] if $R_k$ {'changes' if both else 'grows'} by 1%")
     return axes
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from ..collision import Array
 from ..designs.measures import parse_measure
 from ..errors import InputError
 from .style import COLOURS, figure_style, get_axes, set_title
@@ -17,22 +18,53 @@ if TYPE_CHECKING:
 
 NOUNS: Final = {"radii": "the radius", "masses": "the mass", "velocities": "the velocity",
                 "young": "Young's modulus"}  # fmt: skip
+# Sum of the changes for +1% and -1%, relative to their difference, below which one suffices.
+MIRRORED: Final = 0.05
 
 
-def plot_gradient(found: Gradient, name: str = "radii", *, ax: Axes | None = None) -> Axes:
-    """Plot by how many percent a quantity changes if a parameter of each bead grows by 1%."""
+def plot_gradient(
+    found: Gradient, name: str = "radii", *, changes: tuple[Array, Array] | None = None,
+    ax: Axes | None = None,
+) -> Axes:  # fmt: skip
+    """Plot by how many percent a quantity changes if a parameter of each bead grows by 1%.
+
+    ``changes`` are simulated relative changes for +1% and -1%, which replace misleading
+    derivatives.
+    """
     relative = found.relative(name)
     if relative.ndim != 1:
         raise InputError(f"{name} has one value only, which is not plotted; use relative({name!r})")
     with figure_style():
         axes = get_axes(ax)
-        axes.bar(np.arange(1, 1 + len(relative)), relative, color=COLOURS[1])
-        axes.axhline(0.0, color="black", linewidth=0.8)
+        if changes is None:
+            axes.bar(np.arange(1, 1 + len(relative)), relative, color=COLOURS[1])
+            axes.axhline(0.0, color="black", linewidth=0.8)
+        else:
+            bars_of_changes(axes, *changes)
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.set_xlabel("contact $k$" if name in ("stiffness", "gaps") else "bead $k$")
         axes.set_ylabel("relative change [%]")
         set_title(axes, f"{_label(found.quantity)}: change per 1% of {NOUNS.get(name, name)}")
     return axes
+
+
+def bars_of_changes(axes: Axes, larger: Array, smaller: Array) -> bool:
+    """Draw relative changes for +1% and -1% in percent; the first suffice if they are mirrored.
+
+    Returns whether both are drawn.
+    """
+    larger, smaller = 100.0 * larger, 100.0 * smaller
+    beads = np.arange(1, len(larger) + 1)
+    axes.axhline(0.0, color="black", linewidth=0.8)
+    if np.nanmax(np.abs(larger + smaller)) < MIRRORED * np.nanmax(np.abs(larger - smaller)):
+        axes.bar(beads, larger, 0.7, color=COLOURS[3])
+        return False
+    for shift, values, colour, label in (
+        (-0.2, larger, COLOURS[3], "+1%"), (0.2, smaller, COLOURS[1], "\N{MINUS SIGN}1%"),
+    ):  # fmt: skip
+        axes.bar(beads + shift, values, 0.4, color=colour, label=label)
+    axes.legend()
+    return True
 
 
 def _label(quantity: str) -> str:

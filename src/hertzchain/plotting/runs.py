@@ -171,7 +171,9 @@ def plot_forces(
     """
     check_times(run)
     name = "" if isinstance(label, str) and not label else text("label", label)
-    given = check_list("beads", beads, "bead numbers")
+    if isinstance(beads, int | np.integer | str):
+        beads = [beads]
+    given = check_list("beads", beads, "beads or walls, such as [3, 'ball 6', 'wall']")
     if not given:
         raise InputError("beads must contain at least one bead number, such as [3, 6]")
     curves = [force_curve(run, each) for each in given]
@@ -255,7 +257,7 @@ def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
         largest = wall.largest_so_far_time, wall.largest_so_far
         times, force = _with_points(wall.times, wall.force, [largest])
         return times, force, f"{wall.side} wall", not wall.complete
-    number = bead_number(run.chain, bead)
+    number = bead_number(run.chain, bead, walls=True)
     sensor = sensor_maxima(run, number)
     maxima = [(sensor.first_maximum_time, sensor.first_maximum),
               (sensor.largest_so_far_time, sensor.largest_so_far)]  # fmt: skip

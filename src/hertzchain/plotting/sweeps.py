@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ..errors import IncompleteWarning, InputError, unknown_name_error, warn_user
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
-from ..representation import counted
+from ..representation import MICROSECONDS, MILLISECONDS, counted
 from ..store.sweep_export import check_sweep
 from ..store.sweep_store import FAILED, MISSING
 from ..units import PERCENT
@@ -121,6 +121,8 @@ def plot_sweep(
         raise InputError(_undrawable(drawn, at))
     _check_done(dataset, at)
     _check_values(drawn)
+    drawn, factor = _in_short_times(drawn)
+    levels = [factor * level for level in levels]
     by = "approach" if len(along) == 1 else None if levels else _short_axis(drawn)
     with figure_style():
         axes = ax if ax is not None else plt.subplots()[1]
@@ -139,6 +141,17 @@ def plot_sweep(
         caption += [f"{unknown} points not complete"] * bool(unknown)
         set_title(axes, "; ".join(part for part in caption if part))
     return axes
+
+
+def _in_short_times(drawn: xr.DataArray) -> tuple[xr.DataArray, float]:
+    """Times in us or ms instead of s, and the factor."""
+    if drawn.attrs.get("units") != "s":
+        return drawn, 1.0
+    largest = float(np.nanmax(np.abs(drawn.values), initial=0.0))
+    if not 0.0 < largest < MILLISECONDS:
+        return drawn, 1.0
+    factor, unit = (1e6, "µs") if largest < MICROSECONDS else (1e3, "ms")
+    return (factor * drawn).assign_attrs({**drawn.attrs, "units": unit}), factor
 
 
 def _selected(dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any]) -> xr.DataArray:

@@ -16,6 +16,7 @@ from ..validation.objects import Progress, check_choice
 from .budget import Budget, budget_of
 from .energy_flux import energy_flux_of
 from .find_waves import find_waves
+from .force_table import save_forces_of
 from .fronts import fronts_of
 from .leading_pulse import LeadingPulse, leading_pulse_of
 from .pulse_width import pulse_width_of
@@ -92,6 +93,7 @@ class Run(Trajectory):
     energy_flux = energy_flux_of
     velocity_peaks = velocity_peaks_of
     pulse_width = pulse_width_of
+    save_forces = save_forces_of
 
     def pulse(self) -> Pulse:
         """The leading pulse: first velocity maxima, arrivals and largest overlaps.
@@ -285,6 +287,7 @@ class Run(Trajectory):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Save the trajectories: ``.nc`` (netCDF) or ``.csv``, by the file's extension.
 
+        `save_forces` saves forces on walls and in sensors, one row per time.
         `hertzchain.save_state` saves ``run.state``, from which a longer run resumes.
 
         Parameters

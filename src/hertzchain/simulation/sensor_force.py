@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,8 +12,13 @@ from ..chain.bead_names import bead_number, wall_number
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, warn_user
 from ..representation import measure, short, with_error
+from ..validation.keywords import checked_methods
+from .force_table import force_dataframe
 from .sensor_curve import maximum_near
 from .trajectory import Trajectory
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 # The first maximum is above this fraction of the largest force, and the force falls by the second
 # fraction of the maximum before it rises again; both are counted from the force at rest.
@@ -25,6 +31,7 @@ COARSE = 1e-2
 SHOWN = 1e-4
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class SensorForce:
     """The force in a sensor embedded in a bead, :math:`(F_{k-1} + F_k)/2`.
@@ -79,6 +86,25 @@ class SensorForce:
             first = "none yet"
         facts = f"first maximum {first}", f"largest so far {largest}"
         return short("SensorForce", f"bead {self.bead}", *facts)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per saved time.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``time``; the column ``force``.  ``attrs["units"]`` has their units ("1":
+            scaled).
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> run = hc.simulate(hc.Chain.uniform(9), until=30.0, times=1001)
+        >>> table = run.sensor_force(5).to_dataframe()
+        >>> len(table), table.attrs["units"]["force"]
+        (1001, '1')
+        """
+        return force_dataframe(self.times, self.force, self.units)
 
     def _repr_html_(self) -> str:
         from ..notebook.runs import sensor_force_html

@@ -141,8 +141,8 @@ class Trajectory(ShortDir):
         end = self.state.arrays["y"][np.newaxis, : self.chain.beads]
         overlaps = overlaps_of(self.chain, np.array([self.end_time]), end)[0, 1:-1]
         closed = overlaps > OPEN * self.largest_overlaps[1:-1]
-        if len(self.times):
-            # Contacts that do not attract are released before their overlap vanishes.
+        if self._forces is not None and len(self.times) and self.times[-1] == self.end_time:
+            # Contacts with losses that do not attract are released before their overlap vanishes.
             closed &= self.forces[-1, 1:-1] != 0.0
         return np.flatnonzero(closed) + 1
 
@@ -331,7 +331,7 @@ class Trajectory(ShortDir):
         """
         if (wall := wall_number(self.chain, bead)) is not None:
             return self.forces[:, 0 if wall == 0 else -1]
-        k = bead_number(self.chain, bead)
+        k = bead_number(self.chain, bead, walls=True)
         return 0.5 * (self.forces[:, k - 1] + self.forces[:, k])
 
     def open_contacts(self) -> Array:

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels.wall_rule import HELD
 from ..representation import counted, measure, short
+from ..validation.keywords import checked_methods
+from .force_table import force_dataframe
 from .wall_bound import motion_can_escape
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = ("left", "right")
@@ -18,6 +23,7 @@ SIDES: Final[tuple[Side, ...]] = ("left", "right")
 MARGIN: Final = 0.02
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class WallForce:
     """The force on one wall.
@@ -130,6 +136,25 @@ class WallForce:
             touches,
         )  # fmt: skip
 
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per saved time.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``time``; the column ``force``.  ``attrs["units"]`` has their units ("1":
+            scaled).
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(9).replace(right_wall=hc.Wall())
+        >>> table = hc.simulate(chain, until=30.0, times=11).wall_force().to_dataframe()
+        >>> len(table), table.attrs["units"]["force"]
+        (11, '1')
+        """
+        return force_dataframe(self.times, self.force, self.units)
+
     def _repr_html_(self) -> str:
         from ..notebook.runs import wall_force_html
 
@@ -210,8 +235,11 @@ def _reason(
 ) -> str:
     """Why the peak on a wall is not complete, in words."""
     if bound > peak:
-        way = "can still reach" if proven else "moves towards"
-        moving = f"an energy of {measure(energy, 'J', chain.units)} {way} the wall"
+        way = "can still reach" if proven else "is still travelling towards"
+        joule = measure(1e6 * energy, "uJ") if 0.0 < energy < 1e-3 else measure(energy, "J")
+        if chain.units != "SI":
+            joule = f"an energy of {energy:.4g}"
+        moving = f"{joule} {way} the wall"
         return f"up to {measure(bound, 'N', chain.units)} may follow, because {moving}"
     if not since:
         return f"the wall is still loaded with {measure(force, 'N', chain.units)}"

@@ -8,6 +8,7 @@ import io
 import json
 import math
 import os
+import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
@@ -19,14 +20,18 @@ from ..chain.feature_support import require_chain
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.pulse import Pulse
+from ..pulse.quantities import RUN_QUANTITIES, TIME
 from ..simulation.checked_state import check_state
 from ..simulation.run import Run
 from ..simulation.state import State, fingerprint
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_type, file_path
+from .chain_as_toml import chain_as_toml
 from .writing import write_bytes
 
 SCHEMA_VERSION: Final = 1
+# Digits of the largest force in files of forces.
+DIGITS: Final = 8
 
 
 def pulses_as_json(pulses: Sequence[Pulse]) -> str:
@@ -94,6 +99,16 @@ def chain_as_dict(chain: Chain) -> dict[str, Any]:
     }
 
 
+def document_of(chain: Chain) -> dict[str, Any]:
+    """The versions, and the chain as arrays and as the tables of a chain file, for JSON."""
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "hertzchain_version": __version__,
+        "chain": chain_as_dict(chain),
+        "chain_file": tomllib.loads(chain_as_toml(chain)),
+    }
+
+
 def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
     """Convert pulses to CSV text with one row per method and bead.
 
@@ -133,6 +148,9 @@ def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
 @checked_arguments("save_run")
 def save_run(run: Run, path: str | os.PathLike[str]) -> None:
     """Save the trajectories of a run as ``.nc`` (netCDF) or ``.csv``, by the file's extension.
+
+    A CSV file has one row per saved time and bead.  The force of contact k, on bead k + 1 or the
+    right wall, is in the row of bead k; a left wall has rows of bead 0.
 
     Parameters
     ----------
@@ -272,11 +290,46 @@ def _state_digest(about: Mapping[str, str], arrays: Mapping[str, Array]) -> str:
 
 
 def _run_as_csv(run: Run) -> str:
-    time, bead = np.meshgrid(run.times, np.arange(1, run.chain.beads + 1), indexing="ij")
-    table = np.column_stack(
-        [time.ravel(), bead.ravel(), run.positions.ravel(), run.velocities.ravel()]
-    )
+    """Table of a run: one row per saved time and bead, with the force on the next bead or wall."""
+    beads = np.arange(1, run.chain.beads + 1)
+    columns = [run.positions, run.velocities, run.forces[:, 1:]]
+    if run.chain.left_wall is not None:
+        # Bead 0 is the wall; its motion is not recorded.
+        nothing = np.full((len(run.times), 1), np.nan)
+        beads = np.insert(beads, 0, 0)
+        columns = [np.hstack((nothing, each)) for each in columns[:2]] + [run.forces]
+    names = ("time", "position", "velocity", "force")
+    time, position, velocity, force = (_header(name, run.chain.units) for name in names)
     lines = io.StringIO()
-    lines.write("time,bead,position,velocity\n")
-    np.savetxt(lines, table, fmt=("%.12g", "%d", "%.12g", "%.12g"), delimiter=",")
-    return lines.getvalue()
+    lines.write(f"{time},bead,{position},{velocity},{force}\n")
+    times, numbers = np.meshgrid(run.times, beads, indexing="ij")
+    table = np.column_stack([each.ravel() for each in (times, numbers, *columns)])
+    np.savetxt(lines, table, fmt=("%.12g", "%d", "%.12g", "%.12g", "%.12g"), delimiter=",")
+    return lines.getvalue().replace("nan", "")
+
+
+def _header(name: str, units: str) -> str:
+    """Header of a column, with a unit in SI units, such as ``velocity [m/s]``."""
+    unit = {"time": TIME, **RUN_QUANTITIES}[name].unit_in(units)
+    return name if unit == "1" else f"{name} [{unit}]"
+
+
+def write_forces(
+    times: Array, columns: Mapping[str, Array], units: str, path: str | os.PathLike[str]
+) -> None:
+    """Write forces over time as CSV; `hertzchain.Run.save_forces` documents it."""
+    target = file_path("file of forces", path)
+    if target.suffix != ".csv":
+        raise InputError(f"the name of a file of forces must end in .csv, got {target.name!r}")
+    largest = max(float(np.abs(each).max()) for each in columns.values())
+    # Rounded forces have a step, from which load_traces determines their uncertainty.
+    decimals = DIGITS - 1 - math.floor(math.log10(largest)) if largest > 0.0 else 0
+    forces = [np.round(each, decimals) + 0.0 for each in columns.values()]
+    si = units == "SI"
+    headers = ["time [us]" if si else "time", *(f"{name} [N]" if si else name for name in columns)]
+    lines = io.StringIO()
+    lines.write(",".join(headers) + "\n")
+    table = np.column_stack([1e6 * times if si else times, *forces])
+    fmt = ["%.12g", *[f"%.{max(decimals, 0)}f"] * len(forces)]
+    np.savetxt(lines, table, fmt=fmt, delimiter=",")
+    write_bytes(target, lines.getvalue().encode())

@@ -6,11 +6,10 @@ import json
 import math
 import os
 import shutil
-import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack, closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -21,7 +20,6 @@ from ..validation.keywords import checked_arguments
 from ..validation.memory import check_memory
 from ..validation.numbers import whole_number, worker_count
 from ..validation.objects import Progress, callback, check_bool, check_list, check_type, file_path
-from .batches import run_planned
 from .dataset import (
     MemoryStore,
     attributes_of,
@@ -34,13 +32,12 @@ from .dispatch import results_of
 from .executors import local_pool, workers_of
 from .plan import Plan, check_plan
 from .specification import read_specification, specification_from_json
+from .timing import time_per_point
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-# A whole batch is timed for an estimate if it is expected to take at most this many seconds.
-SAMPLE_SECONDS: Final = 5.0
 # Fraction of the free disk or memory that a sweep may use.
 USABLE_PART: Final = 0.95
 
@@ -204,15 +201,7 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     plan = Plan(spec)
     check_plan(plan, _heading(specification))
     size = bytes_of(plan)
-    # The first point compiles the kernels; another point is timed, and a whole batch if it is fast.
-    alone = Plan(replace(spec, batch=1))
-    _time_batch(alone, 0)
-    each = _time_batch(alone, alone.batches // 2)
-    batch = plan.batches // 2
-    size_of_batch = sum(1 for _ in plan.indices(batch))
-    if each * size_of_batch < SAMPLE_SECONDS:
-        each = _time_batch(plan, batch) / size_of_batch
-    seconds = each * plan.points / count
+    seconds = time_per_point(spec) * plan.points / count
     return Estimate(plan.points, plan.batches, size, seconds)
 
 
@@ -431,12 +420,6 @@ def _reporter(
             progress(total - left, total)
 
     return report
-
-
-def _time_batch(plan: Plan, batch: int) -> float:
-    begun = time.perf_counter()
-    run_planned(plan, batch, lambda: False)
-    return time.perf_counter() - begun
 
 
 def _heading(given: Any) -> str:

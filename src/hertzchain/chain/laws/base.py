@@ -17,11 +17,11 @@ from typing import Any, ClassVar, Final
 import numpy as np
 
 from ...collision import Array, collision_overlap, compression_time
-from ...errors import InputError
+from ...errors import InputError, InputWarning, short_repr, warn_user
 from ...kernels.law_kinds import LawRow
 from ...units import UNITS
 from ...validation.keywords import checked_arguments
-from ...validation.numbers import FRACTION, number
+from ...validation.numbers import FRACTION, SCALED, has_unit, number, whole_number
 from ...validation.objects import check_bool
 from ..input_checks import checked_exponent
 from ..parts import Part
@@ -31,6 +31,8 @@ from ..scales import Scale, scale
 LAWS: Final[dict[str, type[Loss]]] = {}
 # Speeds after a collision below this fraction of the speed before it are taken to be zero.
 NO_SPEED: Final = 1e-14
+# Restitution above which the parameters of a law are probably in other units.
+ALMOST_ONE: Final = 1.0 - 1e-5
 # Units of dimensions in scaled variables, in which pressures are not defined.
 SCALED_UNITS: Final[Mapping[str, str]] = MappingProxyType(
     {"time": "time", "length": "length", "damping": "force/velocity"}
@@ -195,8 +197,8 @@ class Loss(Part):
 
     @checked_arguments("restitution")
     def restitution(
-        self, speed: float, *, reduced_mass: float = 0.5, stiffness: float = 1.0,
-        exponent: float = 1.5,
+        self, speed: float, *, chain: Any = None, contact: int = 1,
+        reduced_mass: float | None = None, stiffness: float | None = None, exponent: float = 1.5,
     ) -> float:  # fmt: skip
         r"""Coefficient of restitution of a collision of two beads.
 
@@ -207,33 +209,80 @@ class Loss(Part):
         ----------
         speed : float
             Relative speed before the collision, > 0 [scaled, or m/s].
-        reduced_mass : float
-            :math:`\mu = m_1 m_2/(m_1 + m_2)` [scaled, or kg].
-        stiffness : float
-            Stiffness of the contact [scaled, or N/m^p].
+        chain : Chain, optional
+            Chain whose beads collide; reduced mass, stiffness, exponent and, for
+            ``ElasticPlastic()``, the pressure at yield are those of one of its contacts.
+        contact : int
+            Number of this contact: k is that of beads k and k + 1, N that with the right wall.
+        reduced_mass : float, optional
+            :math:`\mu = m_1 m_2/(m_1 + m_2)`, the mass of the bead for a wall [scaled, or kg]; by
+            default 0.5, that of equal scaled beads.
+        stiffness : float, optional
+            Stiffness of the contact [scaled, or N/m^p]; by default 1, that of equal scaled beads.
         exponent : float
             Exponent p of the contact force, 1 < p <= 50.
 
         Raises
         ------
         InputError
-            For a number out of its range, or a law whose parameters follow from materials, such as
-            ``ElasticPlastic()`` without a ``yield_overlap``.
+            For a number out of its range, for units without a chain in SI units or reduced mass and
+            stiffness, or for a law whose parameters follow from materials, such as
+            ``ElasticPlastic()`` without a ``yield_overlap``, without a chain.
+
+        Warns
+        -----
+        InputWarning
+            If the law loses almost nothing in scaled variables, because its parameters are probably
+            in SI units.
 
         Examples
         --------
+        Two steel balls of 10 mm diameter:
+
         >>> import hertzchain as hc
+        >>> balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=2)
+        >>> law = hc.Viscoelastic("0.8 us")
+        >>> round(law.restitution("0.1 m/s", chain=balls), 4)
+        0.9128
+
+        In scaled variables:
+
         >>> hc.WaltonBraun(0.81).restitution(speed=1.0)
         0.9
         >>> round(hc.Dashpot(0.1).restitution(speed=1.0), 4)
         0.7562
         """
-        contacts = ContactArrays(
-            checked_exponent(exponent),
-            np.array([number("stiffness", stiffness, above=0.0)]),
-            np.array([number("reduced mass", reduced_mass, above=0.0)]),
-        )
-        return self._restitution(number("speed", speed, above=0.0), contacts)
+        if chain is not None:
+            if reduced_mass is not None or stiffness is not None:
+                raise InputError(
+                    "give restitution a chain, or reduced_mass and stiffness, not both"
+                )
+            contacts, si = _contact_of(chain, contact), chain.units == "SI"
+        else:
+            si = reduced_mass is not None and stiffness is not None
+            contacts = _contact_with(reduced_mass, stiffness, exponent, si=si)
+        if self.with_units and not si:
+            raise InputError(
+                f"the restitution of a law with units ({', '.join(sorted(self.with_units))}) "
+                "depends on the bodies: give chain=..., or reduced_mass and stiffness"
+            )
+        before = number("speed", speed, unit="m/s" if si else SCALED, above=0.0)
+        found = self.resolved(contacts)[0]._restitution(before, contacts)
+        if chain is None and reduced_mass is None and stiffness is None:
+            self._warn_without_loss(found)
+        return found
+
+    def _warn_without_loss(self, restitution: float) -> None:
+        """Warn about parameters that are hardly losses in scaled variables."""
+        small = [name for name, each in self.parameters().items()
+                 if each.dimension and getattr(self, name)]  # fmt: skip
+        if small and restitution > ALMOST_ONE and not self.yields:
+            warn_user(
+                f"{self!r} loses almost nothing in scaled variables, where the reduced mass is 0.5 "
+                "and the stiffness 1: for SI units, give restitution chain=..., or reduced_mass "
+                "and stiffness",
+                InputWarning,
+            )
 
     def _restitution(self, speed: float, contacts: ContactArrays) -> float:
         """Integrate the collision, in units of the elastic one."""
@@ -276,6 +325,37 @@ class Loss(Part):
         # A small loss is computed from the work: in the speed, it would be lost to rounding.
         lost = 2.0 * damping * work + max(overlap, 0.0) ** (p + 1.0)
         return math.sqrt(1.0 - lost) if lost < 0.5 else max(0.0, -closing)
+
+
+def _contact_of(chain: Any, contact: int) -> ContactArrays:
+    """Properties of one contact of a chain, from 0 (left wall) to N (right wall)."""
+    groups = getattr(chain, "contact_groups", None)
+    if groups is None:
+        raise InputError(f"chain must be a Chain, got {short_repr(chain)}")
+    k = whole_number("contact", contact, least=0, most=chain.beads)
+    group = next(each for each in groups if k in each.index)
+    found: ContactArrays = group.contacts.only(np.flatnonzero(group.index == k))
+    if not found.stiffness[0]:
+        raise InputError(f"contact {k} has no restitution: this end of the chain is free")
+    return found
+
+
+def _contact_with(
+    reduced_mass: float | None, stiffness: float | None, exponent: float, *, si: bool
+) -> ContactArrays:
+    """A contact with given properties; by default, that of equal scaled beads."""
+    p = checked_exponent(exponent)
+    for name, value in (("reduced_mass", reduced_mass), ("stiffness", stiffness)):
+        if has_unit(value) and not si:
+            raise InputError(
+                f"{name} has a unit ({value!r}): give both reduced_mass and stiffness in SI units"
+            )
+    units = {1.0: "N/m", 1.5: "N/m**1.5"}
+    mass = number("reduced mass", 0.5 if reduced_mass is None else reduced_mass,
+                  unit="kg" if si else SCALED, above=0.0)  # fmt: skip
+    k = number("stiffness", 1.0 if stiffness is None else stiffness,
+               unit=units.get(p) if si else SCALED, above=0.0)  # fmt: skip
+    return ContactArrays(p, np.array([k]), np.array([mass]))
 
 
 def _stops(damping: float, speed_power: float) -> bool:

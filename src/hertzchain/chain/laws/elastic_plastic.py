@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -104,17 +104,24 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
 
     @checked_arguments("restitution")
     def restitution(
-        self, speed: float, *, reduced_mass: float = 0.5, stiffness: float = 1.0,
+        self, speed: float, *, chain: Any = None, contact: int = 1,
+        reduced_mass: float | None = None, stiffness: float | None = None,
         exponent: float = HERTZ_EXPONENT,
     ) -> float:  # fmt: skip
-        if self.yield_overlap is None:
+        if self.yield_overlap is None and chain is None:
             raise InputError(
                 "the restitution of ElasticPlastic depends on the overlap at yield, which follows "
-                "from materials and radii that this method does not have: use "
+                "from materials and radii: give chain=..., or use "
                 "ElasticPlastic(yield_overlap=...).restitution(speed, ...)"
             )
-        given = {"reduced_mass": reduced_mass, "stiffness": stiffness, "exponent": exponent}
-        return super().restitution(speed, **given)
+        return super().restitution(
+            speed,
+            chain=chain,
+            contact=contact,
+            reduced_mass=reduced_mass,
+            stiffness=stiffness,
+            exponent=exponent,
+        )
 
     restitution.__doc__ = Loss.restitution.__doc__
 

@@ -1,5 +1,5 @@
 // @ts-check
-/** Line charts and stacked areas as SVG: sharp at any zoom, readable by assistive software. */
+/** Line charts and stacked areas as SVG. */
 
 import { percent, powers, short, ticks } from "./numbers.js";
 
@@ -132,7 +132,7 @@ export class Chart {
     for (let i = 0; i < y.length; i++) {
       const good = Number.isFinite(y[i]) && (!this.log || (y[i] >= this.y[0] && y[i] <= this.y[1]));
       if (good) parts.push(`${on ? "L" : "M"}${this.px(x[i]).toFixed(1)} ${this.py(y[i]).toFixed(1)}`);
-      // Values of the large beads of a decorated chain are joined across the small ones.
+      // Large beads of decorated chains are joined.
       on = good || (on && each.name === "effective-chain");
     }
     if (!base) return svg("path", { class: `line ${each.name}`, d: parts.join("") });

@@ -25,7 +25,7 @@ export function readColours() {
     return probe.getImageData(0, 0, 1, 1).data;
   };
   const resolver = document.createElement("i");
-  // Colours carry meaning here, also where the system replaces those of the page.
+  // Colours carry meaning, also in forced colours.
   resolver.style.setProperty("forced-color-adjust", "none");
   document.body.append(resolver);
   const own = (/** @type {string} */ name) => {
@@ -37,7 +37,7 @@ export function readColours() {
   resolver.remove();
   for (let i = 0; i < 512; i++) {
     const x = Math.abs(i - 256) / 256, side = i < 256 ? [ends[2], ends[1], ends[0]] : [ends[2], ends[3], ends[4]];
-    // Half of the scale of colours is used for the smallest third of the values.
+    // Half of the colours show the smallest third of the values.
     const u = Math.min(1, x) ** 0.7 * 2, k = u < 1 ? 0 : 1, v = u - k;
     const c = [0, 1, 2].map((n) => Math.round(side[k][n] * (1 - v) + side[k + 1][n] * v));
     PIXELS[i] = (255 << 24) | (c[2] << 16) | (c[1] << 8) | c[0];

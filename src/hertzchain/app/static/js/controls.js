@@ -1,5 +1,5 @@
 // @ts-check
-/** Controls of a chain file, generated from its schema: a new law or taper appears by itself. */
+/** Controls of a chain file, generated from its schema. */
 
 import { FACTORS, SHOWN, STEPS, entered, metres, parsed, plain, positionOf, rangeOf, valueAt, valued } from "./numbers.js";
 import { at, changed, listed } from "./state.js";
@@ -363,13 +363,15 @@ export class Controls {
     return make("div", { className: "row", title: key.description }, make("label", { for: id }, label), make("span", { className: "value" }, clear, box, unit), slider);
   }
 
-  /** A list, or one value for all. @param {Path} place @param {any} key @param {string} label */
+  /** A list or one value. @param {Path} place @param {any} key @param {string} label */
   listField(place, key, label) {
     const box = make("input", { type: "text", id: `c-${place.join(".")}`, placeholder: key.default ?? (key.per ? `one per ${key.per}` : ""), spellcheck: false });
-    box.onchange = () => this.put(place, listOf(box.value, key));
+    const own = (/** @type {any} */ each) => typeof each === "number" ? valued(each, this.unitOf(key)) : each;
+    const shown = (/** @type {any} */ each) => { const { number, unit } = parsed(each, this.unitOf(key, each)); return number === null ? each : `${plain(number)} ${unit}`.trim(); };
+    box.onchange = () => { const given = listOf(box.value, key); this.put(place, Array.isArray(given) ? given.map(own) : own(given)); };
     this.updates.push(() => {
       const value = at(this.document, place);
-      if (document.activeElement !== box) box.value = value === undefined ? "" : Array.isArray(value) ? value.join(", ") : String(value);
+      if (document.activeElement !== box) box.title = box.value = listed(value).map(key.kind === "number" ? shown : String).join(", ");
     });
     return make("div", { className: "row wide", title: key.description }, make("label", { for: box.id }, label), box);
   }

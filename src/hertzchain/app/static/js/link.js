@@ -5,7 +5,7 @@ import { OfflineError, host } from "./host.js";
 
 /** Milliseconds after which a request that has not been answered is replaced. */
 const PATIENCE = 250;
-/** Milliseconds between maps during a drag: in between, the leading pulse has precedence. */
+/** Milliseconds between maps during a drag. */
 const BETWEEN_MAPS = 120;
 
 /** @typedef {{number: number, draft: boolean, sent: number, input: number}} Sent */
@@ -36,7 +36,7 @@ export class Link {
   ask(request) {
     this.waiting = request;
     clearTimeout(this.retry);
-    // The next request waits for a draft, which is short: each drag shows results.
+    // Requests wait for drafts, which are short.
     const patient = this.current?.draft && performance.now() - this.current.sent < PATIENCE;
     if (!patient) this.send();
     else {

@@ -1,5 +1,5 @@
 // @ts-check
-/** Space-time map: beads across, time upwards, colour for velocity or force. */
+/** Space-time map: beads across, time upwards. */
 
 import { COLOURS, PIXELS, penOf } from "./colour.js";
 import { placeAt, short, ticks, timeAt } from "./numbers.js";
@@ -33,7 +33,7 @@ export class SpaceTime {
     return Math.max(1, this.canvas.clientHeight - TOP - BOTTOM);
   }
 
-  /** Colours of all beads at equally spaced times, drawn once. @param {import("./stage.js").Motion} motion
+  /** Paint all beads. @param {import("./stage.js").Motion} motion
    * @param {"velocities" | "forces"} what @param {string} scale "bead" or "all" */
   paint(motion, what, scale) {
     this.motion = motion;
@@ -58,7 +58,7 @@ export class SpaceTime {
   draw(now, bead, axis) {
     const { pen, H } = penOf(this.canvas), { motion, wide, high } = this;
     if (!motion) return;
-    pen.imageSmoothingEnabled = this.image.width > wide || this.image.height > high;
+    pen.imageSmoothingEnabled = this.image.width > wide / 8;
     pen.drawImage(this.image, LEFT, TOP, wide, high);
     pen.font = "11px system-ui, sans-serif";
     pen.fillStyle = COLOURS.soft;

@@ -1,5 +1,5 @@
 // @ts-check
-/** Numbers as text, ticks of axes, units, and the scale of sliders.  Pure functions. */
+/** Numbers as text, ticks, units, and sliders.  Pure functions. */
 
 /** @typedef {{low: number, high: number, log: boolean, integer: boolean, zero: boolean}} Range */
 

@@ -26,7 +26,7 @@ export class Results {
     if (kind === "beads") {
       this.beads = part;
       this.problem = "";
-      // Results of a chain with another number of beads cannot be shown together with this one.
+      // Results of another number of beads cannot be shown.
       if (this.motion && this.motion.beads !== header.beads) this.motion = null;
       if (this.exact("velocity") && this.exact("velocity").length !== header.beads) this.pulse = START();
     }

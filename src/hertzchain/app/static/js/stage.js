@@ -121,7 +121,7 @@ export class Stage {
     }
     if (!drag.moved && Math.hypot(x - drag.x, y - drag.y) < 3) return;
     drag.moved = true;
-    // Distances from where the centre was when the drag began: the bead cannot run away.
+    // Distances from the centre at the start of the drag.
     const centre = (this.centres[drag.bead] - drag.look.x) * drag.look.scale;
     const factor = Math.min(MOST, Math.max(LEAST, Math.hypot(x - centre, y - this.middle) / drag.reach));
     this.on.resize(drag.bead + 1, drag.radius * factor, true);

@@ -1,5 +1,5 @@
 // @ts-check
-/** What the page shows: chain files, the state of the views, undo, and links.  Pure functions. */
+/** Chain files, state of the views, undo, and links.  Pure functions. */
 
 /** @typedef {Record<string, any>} Document a chain file as JSON: `chain` and, perhaps, `materials` */
 /** @typedef {"A" | "B"} Slot */

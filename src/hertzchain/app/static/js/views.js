@@ -80,7 +80,8 @@ export class Views {
   /** @param {State} state @param {Results} own @param {Results | null} other @param {string[]} shown */
   drawErrors(state, own, other, shown) {
     const { quantity, hidden } = state.view, exact = own.exact(quantity);
-    const label = "error relative to the simulation";
+    const card = $("h-error").closest("section");
+    card.hidden = false;
     if (state.view.errors === "difference") {
       const late = [own, other].find((each) => each && !each.pulse.header);
       if (!other || late) replace($("legend-error"), []);
@@ -95,8 +96,9 @@ export class Views {
     const estimate = quantity === "velocity" ? own.theory("local-rate", "velocity_error") : undefined;
     if (exact && estimate && !hidden.includes("local-rate")) series.push({ ...line("estimate", "estimate of the local-rate law", estimate, 100) });
     replace($("legend-error"), series.at(-1)?.name === "estimate" ? [key("estimate", "error estimated by the law")] : []);
-    const message = series.length ? "" : !own.pulse.header ? this.reason(own, quantity) : shown.length ? "The simulation has no values to compare with." : "None of the theories shown supports this chain.";
-    this.error.draw(series, { xLabel: "bead k", yLabel: label, log: true, percent: true, message, most: 1000 }, `Errors of the theories: ${summary(series)}`);
+    card.hidden = !series.length && !other && !!own.pulse.header;
+    const message = series.length ? "" : !own.pulse.header ? this.reason(own, quantity) : shown.length ? "No values to compare with." : "None of the theories shown supports this chain.";
+    this.error.draw(series, { xLabel: "bead k", yLabel: "error relative to the simulation", log: true, percent: true, message, most: 1000 }, `Errors of the theories: ${summary(series)}`);
   }
 
   /** Buttons that show and hide curves, and notes.

@@ -1,0 +1,38 @@
+"""The peak on the right wall with contacts that yield, beside that of elastic contacts."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from ..simulation.run import Run
+
+# Largest number of beads for which the second run, of contacts with kinks, takes about a second.
+MAX_BEADS: Final = 100
+
+
+def peak_with_yielding_contacts(run: Run) -> float | None:
+    """Largest force on the right wall of an elastic run that yields; `None` if it is not known."""
+    from ..chain.hertz_range import hertz_range
+    from ..chain.laws.elastic_plastic import ElasticPlastic
+    from ..errors import InputError
+    from ..simulation.simulate_many import simulate_many
+
+    chain = run.chain
+    if chain.materials is None or chain.units != "SI" or not chain.lossless:
+        return None
+    if chain.right_wall is None or chain.beads > MAX_BEADS or run.status != "wall force complete":
+        return None
+    if hertz_range(chain, run.largest_overlaps).yield_ratio.max() <= 1.0:
+        return None
+    try:
+        dented = chain.replace(loss=ElasticPlastic())
+    except InputError:
+        return None
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # those of the elastic run are shown
+        table = simulate_many([dented], keep=["wall_peak_force"])
+    peak = float(table["wall_peak_force"][0])
+    return None if table.reasons or math.isnan(peak) else peak

@@ -16,6 +16,7 @@ SLOW_PARTS, PARTS = 4, 16
 # Contacts from which on the state of the recursion counts, and from which on the pulse has
 # forgotten the impact.  The first contacts have functions of their own, which are more accurate.
 RECURSIVE, SETTLED = 12, 24
+# Large changes there have errors of higher order.
 FIRST, MORE_ACCURATE, LARGE_START = 4, 0.05, 600.0
 # Part of the square of an early error that strong backward tapers keep.
 PERSISTENT = 0.06
@@ -135,9 +136,10 @@ def overlap(contacts, contact, mean_size, mean):
 # parts: (followed, 16), result.  With the size a of fast changes, the slow rate q, its change b,
 #   and weights that decrease in strong backward tapers: one; the largest error of an exponential
 #   chain; the doubts; sums of bounded a^3 and of a^2 |q|, root of the sum of a^2 b^2; the sum of
-#   a^2 + b^2 fading along the chain, with `size_ahead`, and the same in steep forward tapers;
-#   b^2, a^2 and `overlap` near the free end; `lost_maximum` and waves that overtake the pulse;
-#   the sum of squares of alternating b that strong backward tapers leave to the slow rates
+#   a^2 + b^2 fading along the chain, with `size_ahead` and `curvatures`, and the same in steep
+#   forward tapers; b^2, a^2 and `overlap` near the free end; `lost_maximum` and waves that overtake
+#   the pulse; the sum of squares of alternating b that strong backward tapers leave to the slow
+#   rates.  Nearly all of a^2 is omitted where rates alternate
 @compiled
 def write_parts(contacts, slow, fast, doubts, regular, parts):
     """Write the terms of the estimated error of the velocity behind each contact."""

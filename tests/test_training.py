@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial.chebyshev import chebval
 from training import (
+    alternation,
     error_fit,
     estimate_chains,
     last_fit,
@@ -74,7 +75,8 @@ def test_tables_of_single_changes_come_back(monkeypatch, exponent):
     place = 40
     monkeypatch.setattr(responses, "PLACES", functions.fast.places[place : place + 1])
     found = responses.measure(exponent)["single"].reshape(18, 48)
-    table = functions.fast.single[:, place, 3]
+    by_state = functions.fast.first[:, place, 3].reshape(18, 3, -1)
+    table = by_state[..., : len(range(-BEHIND, AHEAD + 1))].reshape(18, -1)
     np.testing.assert_allclose(found, table, rtol=0.0, atol=STEPS["single"])
 
 
@@ -185,6 +187,8 @@ def test_tables_are_read_as_they_were_written(tmp_path):
         "second": random.normal(size=(len(second_degree.KNOTS) + 2, 84)),
         "last_knots": last_fit.KNOTS,
         "last": 100.0 * random.normal(size=(len(last_fit.KNOTS) + 2, 84)),
+        "bases": alternation.BASES,
+        "alternating": random.normal(size=(len(alternation.BASES), 18, 36)),
     }
     error = np.geomspace(1e-5, 5.0, 16)
     write_tables(tmp_path / "p3", anchors, response)
@@ -199,11 +203,14 @@ def test_tables_are_read_as_they_were_written(tmp_path):
     # Values between nodes that are close together: the anchors are written with nine decimals.
     np.testing.assert_allclose(read.anchors[:, :, 9:], expected.anchors[:, :, 9:], atol=2e-9)
     np.testing.assert_allclose(read.response, expected.response, rtol=1e-3, atol=1e-1)
-    for name in ("single", "second", "last"):
-        # The last coefficients are values.
-        found, true = getattr(read.fast, name), getattr(expected.fast, name)
-        step = STEPS[name]
-        np.testing.assert_allclose(found[..., 3, :], true[..., 3, :], rtol=0.0, atol=step)
+    # The last coefficients are values.  Those of `first` are sixteen responses, and others that are
+    # calculated from them.
+    for name in ("first", "second", "last", "alternating"):
+        found, true = (getattr(of.fast, name)[..., 3, :] for of in (read, expected))
+        if name == "first":
+            found, true = (each.reshape(-1, 3, 36)[..., :16] for each in (found, true))
+        step = STEPS["single" if name == "first" else name]
+        np.testing.assert_allclose(found, true, rtol=0.0, atol=step)
 
 
 @pytest.mark.parametrize("axis", [0, 1])
@@ -225,8 +232,8 @@ def test_responses_between_the_ends_are_those_of_the_simulation():
         true = (found[0] - found[1]) / (2.0 * size)
         place = np.searchsorted(functions.fast.places, rate) - 1
         x = rate - functions.fast.places[place]
-        single = np.array([x**3, x**2, x, 1.0]) @ functions.fast.single[EARLY, place]
-        expected = single.reshape(3, -1)
+        first = np.array([x**3, x**2, x, 1.0]) @ functions.fast.first[EARLY, place]
+        expected = first.reshape(3, -1)
         for i, offset in enumerate(range(-BEHIND, AHEAD + 1)):
             np.testing.assert_allclose(expected[:, i], true[odd - offset], atol=3e-4)
 
@@ -245,6 +252,25 @@ def test_the_law_is_exact_in_first_order_within_the_chain():
         by_law = (first - second) / (2.0 * size)
         # Measured: 0.0013, up to 0.02 without the completed first order.
         np.testing.assert_allclose(by_law[8:70], true[8:70], atol=3e-3)
+
+
+@pytest.mark.parametrize("exponent", [1.5, 2.0])
+@pytest.mark.parametrize(("base", "amplitude"), [(0.005, 0.055), (-0.025, 0.085), (0.052, 0.035)])
+def test_the_effect_of_alternation_is_that_of_the_simulation(exponent, base, amplitude):
+    """Chains between the bases and amplitudes of the table, at the settled pulse and both ends."""
+    functions = universal_functions(exponent)
+    rates = [alternation.alternating_rates(base, sign * amplitude) for sign in (1.0, -1.0)]
+    nothing = functions.fast._replace(bases=np.zeros(0), alternating=np.zeros((0, 0, 4, 0)))
+    without = dataclasses.replace(functions, fast=nothing)
+    for row, true in zip(rates, training_chains.states_of(rates, exponent), strict=True):
+        radii = np.exp(np.append(0.0, np.cumsum(row)))
+        chain = hc.Chain.from_radii(radii, exponent=exponent)
+        error = (solve(chain, functions).states - true)[:, 0]
+        before = (solve(chain, without).states - true)[:, 0]
+        # Measured: at most 0.04, 0.03 and 0.17.
+        for part, must in ((slice(40, 60), 0.1), (slice(12), 0.1), (slice(-5, None), 0.4)):
+            total = np.abs(np.cumsum(error[part])).max()
+            assert total < must * np.abs(np.cumsum(before[part])).max()
 
 
 def test_responses_add_up_to_the_change_of_an_exponential_chain():

@@ -36,6 +36,7 @@ TOGETHER = 100
 TAIL, OUTSIDE = 0.006, 3.0
 # Fast changes with a strong loss are rare among these chains: the terms of changes are enlarged.
 SAFETY = np.array([1.0, 1.3, 1.3, 1.3])
+COVERED = 0.975
 # The law that has the response of the one before.
 WITHOUT_PULL = "restitution without pull"
 
@@ -116,7 +117,7 @@ def parts_and_errors(name, table, samples):
 def estimate(name, table, samples):
     """Constants of the estimated error, from chains that were not used for the response."""
     part, error = parts_and_errors(name, table, samples)
-    constants = np.append(SAFETY * quantile_fit(part[:, :-2], error), (TAIL, OUTSIDE))
+    constants = np.append(SAFETY * quantile_fit(part[:, :-2], error, COVERED), (TAIL, OUTSIDE))
     estimated = part @ constants
     covered, ratio = np.mean(error <= estimated), np.median(estimated / error)
     print(

@@ -29,7 +29,7 @@ from hertzchain.theory.exponents import (
 )
 from hertzchain.theory.universal_functions import INPUTS, functions_of
 
-from .error_fit import FITTED, JAGGED, SAFETY, quantile_fit, terms_and_errors
+from .error_fit import BALANCE, FITTED, quantile_fit, terms_and_errors
 from .estimate_chains import estimate_chains
 from .train import Effort, fast_changes, simulated, slow_tables
 
@@ -43,8 +43,10 @@ TRIED: Final = 160
 HELD_OUT: Final = 8
 # Fewer chains of each exponent require more caution, above all about changes in strong backward
 # tapers, where the response to slow changes is less accurate, and at the free end.
-CAUTION: Final = 1.3 * SAFETY
-CAUTION[5], CAUTION[11], CAUTION[12] = 4.0, 2.6, 2.6
+CAUTION: Final = 1.5 * BALANCE
+CAUTION[5], CAUTION[11], CAUTION[12] = 4.5, 3.0, 3.5
+# Constant of the last term, for the largest exponents.
+JAGGED: Final = 1.0
 # Share of the beads below which a term is too rare for a fit.
 RARE: Final = 0.01
 

@@ -11,7 +11,13 @@ import numpy as np
 from hertzchain import __version__
 from hertzchain.collision import Array
 from hertzchain.theory.packed_tables import STEPS, pack
-from hertzchain.theory.universal_functions import FAST_VALUES, STAGES, STATE, TERMS
+from hertzchain.theory.universal_functions import (
+    FAST_ARGUMENTS,
+    FAST_VALUES,
+    STAGES,
+    STATE,
+    TERMS,
+)
 
 from .response_fit import KNOTS, Anchors
 from .training_chains import NODES, RTOLS
@@ -56,7 +62,7 @@ def write_fast(folder: Path, measured: dict[str, Array]) -> None:
     """Write the tables of fast changes of an exponent."""
     np.savez_compressed(
         folder / "fast.npz",
-        **{name: measured[name] for name in ("places", "knots", "last_knots")},
+        **{name: measured[name] for name in FAST_ARGUMENTS},
         **{name: pack(measured[name], STEPS[name], 0) for name in FAST_VALUES},
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,9 +22,11 @@ from hertzchain.theory.universal_functions import (
     WITHIN,
     UniversalFunctions,
     assemble,
+    fast_tables,
     read_response,
 )  # fmt: skip
 
+from .alternation import BASES, coefficients
 from .error_fit import error_constants
 from .estimate_chains import estimate_chains
 from .last_fit import KNOTS as LAST_KNOTS
@@ -236,10 +239,13 @@ def train(exponent: float, folder: Path, report: Callable[[str], None]) -> None:
     folder = folder / f"p{exponent:g}"
     slow = slow_tables(exponent, 1.0, FULL, report)
     found, measured, functions = fast_changes(exponent, slow, 1.0, FULL, report)
+    report("alternating rates")
+    measured |= {"bases": BASES, "alternating": coefficients(functions)}
     write_tables(folder, slow.anchors, found)
     write_fast(folder, measured)
     report("error estimate")
-    train_error(functions, folder)
+    fast = fast_tables(exponent, functions.tables, **measured)
+    train_error(dataclasses.replace(functions, fast=fast), folder)
 
 
 def train_error(functions: UniversalFunctions, folder: Path) -> None:

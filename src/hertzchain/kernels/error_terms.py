@@ -16,9 +16,20 @@ SLOW_PARTS, PARTS = 4, 16
 # Contacts from which on the state of the recursion counts, and from which on the pulse has
 # forgotten the impact.  The first contacts have functions of their own, which are more accurate.
 RECURSIVE, SETTLED = 12, 24
-FIRST, MORE_ACCURATE = 4, 0.05
+# Large changes there have errors of higher order.
+FIRST, MORE_ACCURATE, LARGE_START = 4, 0.05, 600.0
+# Part of the square of an early error that strong backward tapers keep.
+PERSISTENT = 0.06
+# First contacts, whose slow rates follow the rates closely, and whose products of fast changes are
+# those within the chain, but should not be: there, squares of the curvature of the rates count.
+EARLY, UNKNOWN = 6, 0.45
+# Part of alternating fast changes that is not in doubt, and weights of changes of this part, as the
+# effect is known where the rates have alternated for some contacts, and of those of the slow rate.
+EXACT, TRANSITION, CHANGING = 0.995, 2.0, 1.5
 # Decay per contact of errors that do not accumulate, and weight of changes out of sight.
-FADING, OF_AHEAD = 0.75, 0.2
+FADING, OF_AHEAD, OF_NEXT = 0.75, 0.4, 0.5
+# Weight of the third power of a change of the rate at the last contact.
+STEEP_END = 1200.0
 # Rates below which a pulse leaves a train of waves behind, and above which these overtake it.
 TRAIN, CATCHING = -0.13, -0.05
 
@@ -40,6 +51,39 @@ def slow_weight(rate):
     """Weight of deviations: near the rate 0, the first order is smoothed, beyond it is exact."""
     ratio = (max(rate, 0.0) / 0.075) ** 4
     return (1.0 + 0.15 * steepness(rate) ** 2) / (1.0 + ratio * ratio)
+
+
+@compiled
+def rate_of(contact, slow, fast):
+    """Sum of both parts of a rate."""
+    return slow[contact] + fast[BEHIND + contact]
+
+
+@compiled
+def curvatures(contact, slow, fast):
+    """Sum of squares of the second differences of the rates that affect an early contact."""
+    total = 0.0
+    for k in range(max(contact, 1), min(contact + HALF, len(slow) - 1)):
+        change = rate_of(k - 1, slow, fast) - 2.0 * rate_of(k, slow, fast)
+        total += (change + rate_of(k + 1, slow, fast)) ** 2
+    return total
+
+
+@compiled
+def change_of_base(contact, slow, fast):
+    """Change per contact of a rate about which the rates alternate."""
+    if contact < 2:
+        return 0.0
+    return 0.5 * (rate_of(contact, slow, fast) - rate_of(contact - 2, slow, fast))
+
+
+@compiled
+def start_size(rate, square):
+    """Size of slow changes at the first contacts, from their square."""
+    # Forward tapers remember them longer.
+    forward = 1.0 + (max(-rate, 0.0) / 0.04) ** 2
+    remembered = PERSISTENT + (1.0 - PERSISTENT) * memory(rate, 0.12)
+    return square * (1.0 + LARGE_START * square) * forward * remembered
 
 
 @compiled
@@ -88,35 +132,47 @@ def overlap(contacts, contact, mean_size, mean):
 
 
 # doubts: (followed, 4), of `hertzchain.kernels.local_rate.forward`
+# regular: (followed, 2), of `hertzchain.kernels.alternation.add_alternation`
 # parts: (followed, 16), result.  With the size a of fast changes, the slow rate q, its change b,
 #   and weights that decrease in strong backward tapers: one; the largest error of an exponential
 #   chain; the doubts; sums of bounded a^3 and of a^2 |q|, root of the sum of a^2 b^2; the sum of
-#   a^2 + b^2 fading along the chain, with `size_ahead`, and the same in steep forward tapers;
-#   b^2, a^2 and `overlap` near the free end; `lost_maximum` and waves that overtake the pulse;
-#   the sum of squares of alternating b that strong backward tapers leave to the slow rates
+#   a^2 + b^2 fading along the chain, with `size_ahead` and `curvatures`, and the same in steep
+#   forward tapers; b^2, a^2 and `overlap` near the free end; `lost_maximum` and waves that overtake
+#   the pulse; the sum of squares of alternating b that strong backward tapers leave to the slow
+#   rates.  Nearly all of a^2 is omitted where rates alternate
 @compiled
-def write_parts(contacts, slow, fast, doubts, parts):
+def write_parts(contacts, slow, fast, doubts, regular, parts):
     """Write the terms of the estimated error of the velocity behind each contact."""
     exponential, third, tapered, mixed, faded, steep = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     train, overtaken, mean, mean_size, weight = 0.0, 0.0, 0.0, 0.0, 0.0
-    before, jagged = 0.0, 0.0
+    before, jagged, slope = 0.0, 0.0, 0.0
     for k in range(len(parts)):
-        q, size = slow[k], size_of(fast[k : k + TAPS])
+        q, all_of_it = slow[k], size_of(fast[k : k + TAPS])
+        doubted = 1.0 - EXACT * regular[k, 0]
+        size = doubted * all_of_it
         step = slow[k] - slow[k - 1] if k > 0 else 0.0
-        forgotten = memory(q, 0.1)
+        forgotten = memory(q, 0.2)
         exponential = max(exponential, of_exponential(k, q))
         third += size * np.sqrt(size) / (1.0 + size / LARGE)
         # Errors of the attenuation by periodic changes have the same sign at all contacts.
         remembered = memory(q, BACKWARD)
-        tapered += size * abs(q) * remembered
+        tapered += size * abs(q) * memory(q, 0.11)
         jagged += (1.0 - remembered) * max(-step * before, 0.0)
         before = step
-        mixed += size * step * step * forgotten
-        both = size + step * step * (MORE_ACCURATE if k < FIRST else 1.0)
+        transition = TRANSITION * (regular[k, 1] - regular[k - 1, 1]) if k > 0 else 0.0
+        changing = CHANGING * change_of_base(k, slow, fast)
+        of_regular = transition * transition + (all_of_it - size) * changing * changing
+        mixed += (size * step * step * doubted + of_regular) * forgotten
+        next_step = slow[k + 1] - q if k + 1 < len(slow) else 0.0
+        steps = step * step + OF_NEXT * next_step * next_step
+        both = size + doubted * steps * (MORE_ACCURATE if k < FIRST else 1.0)
+        if k < EARLY:
+            both += UNKNOWN * doubted * curvatures(k, slow, fast)
         doubtful = (max(-0.11 - q, 0.0) / 0.01) ** 2
-        ahead = OF_AHEAD * size_ahead(k, fast)
+        ahead = OF_AHEAD * doubted * size_ahead(k, fast)
         faded = FADING * faded + both * forgotten
         steep = FADING * steep + both * doubtful
+        slope = FADING * slope + (1.0 - FADING) * step
         mean, mean_size = FADING * mean + q, FADING * mean_size + abs(q)
         weight = FADING * weight + 1.0
         train = train_behind(q, train)
@@ -131,6 +187,8 @@ def write_parts(contacts, slow, fast, doubts, parts):
         parts[k, 6], parts[k, 7], parts[k, 8] = third, tapered, np.sqrt(mixed)
         parts[k, 9], parts[k, 10] = faded + ahead * forgotten, steep + ahead * doubtful
         parts[k, 11] = step * step * kinks if at_end else 0.0
+        if k == contacts - 1:
+            parts[k, 11] += STEEP_END * abs(slope) ** 3
         parts[k, 12] = size if at_end else 0.0
         parts[k, 13] = overlap(contacts, k, mean_size / weight, mean / weight)
         parts[k, 14], parts[k, 15] = lost_maximum(contacts, k, slow) + overtaken, jagged

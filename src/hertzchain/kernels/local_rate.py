@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .error_terms import FIRST, MORE_ACCURATE, RECURSIVE, SETTLED, slow_weight
+from .error_terms import FIRST, MORE_ACCURATE, RECURSIVE, SETTLED, slow_weight, start_size
 from .fast_changes import (
     STATES,
     combine,
@@ -27,7 +27,7 @@ from .fast_changes import (
     dot,
     entry_point,
     interval_of,
-    polynomials,
+    three_sums,
 )
 
 # Contacts with separate functions after the impact.
@@ -91,11 +91,12 @@ def write_terms(inputs, terms):
 
 
 @compiled
-def second_degree(coefficients, terms):
+def second_degree(pieces, x, terms):
     """Size of the contribution of products of two inputs to the growth."""
     size = 0.0
     for n in range(INPUTS, TERMS):
-        size += abs(coefficients[n] * terms[n])
+        value = ((pieces[0, n] * x + pieces[1, n]) * x + pieces[2, n]) * x + pieces[3, n]
+        size += abs(value * terms[n])
     return size
 
 
@@ -133,7 +134,7 @@ def forward(
     rates, followed, nodes, anchors, knots, response, work, states, deviations, slopes, doubts
 ):  # fmt: skip
     """Compute states of contacts; returns the first that diverges, or else ``followed``."""
-    terms, coefficients, inputs, value, slope = parts_of(work)
+    terms, _, inputs, value, slope = parts_of(work)
     terms[TERMS] = 0.0
     start, impact, others, third = 0.0, 0.0, 0.0, 0.0
     node, interval = 0, 0
@@ -150,13 +151,12 @@ def forward(
         write_terms(inputs, terms)
         node = anchor(rates[k], anchors[stage], nodes, node, value, slope)
         interval, distance = interval_of(rates[k], knots, interval)
-        polynomials(response[stage, interval], distance, coefficients)
-        away = False
+        pieces, away = response[stage, interval], False
+        changes = three_sums(pieces, distance, terms)
         for i in range(STATES):
-            change = dot(coefficients[i * ROW : (i + 1) * ROW], terms)
-            states[k, i], deviations[k, i] = value[i] + change, change
+            states[k, i], deviations[k, i] = value[i] + changes[i], changes[i]
             slopes[k, i, 0] = slopes[k, i, 1] = slope[i]
-            if not abs(change) < FARTHEST:
+            if not abs(changes[i]) < FARTHEST:
                 away = True
         of_state, of_rates = 0.0, 0.0
         for i in range(STATES):
@@ -165,10 +165,10 @@ def forward(
             of_rates += inputs[i] * inputs[i]
         if k < RECURSIVE:
             # The state after the impact is known, and only changes of the rate are in doubt.
-            start += of_rates
+            start += start_size(rates[k], of_rates)
         else:
             weight = slow_weight(rates[k]) ** 2
-            third += (of_state + of_rates) * second_degree(coefficients, terms) ** 2
+            third += (of_state + of_rates) * second_degree(pieces, distance, terms) ** 2
             others += of_rates * weight
             if k < SETTLED:
                 impact += of_state * weight

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .alternation import WORK as ALTERNATION_WORK
+from .alternation import add_alternation, from_alternation
 from .error_terms import PARTS, SLOW_PARTS, write_parts
 from .fast_changes import (
     AHEAD,
@@ -23,6 +25,7 @@ from .last_contact import add_last, from_last
 from .local_rate import WORK as SLOW_WORK
 from .local_rate import backward, forward
 
+LONGEST_WORK = max(WORK, SLOW_WORK, ALTERNATION_WORK)
 # Largest estimated error of a logarithm, so that its exponential is finite.
 LARGEST_ERROR = 50.0
 # Below this value, e^x - 1 is evaluated as a polynomial.
@@ -85,20 +88,22 @@ def divide(rates, followed):
     return slow, fast
 
 
+# rates, slow, fast: of the chain, and results of `divide`
 # slow_tables: nodes, anchors, knots and response, for `forward`; fast_tables: for `add_response`
 # states: (followed, 3), result; deviations, slopes: see `forward`
 # parts: (followed, 16), result, see `write_parts`
 @allocating
 def evaluate(
-    contacts, slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
+    rates, slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
 ):  # fmt: skip
     """Compute states of contacts.
 
     Returns the first that diverges and the first at which products of fast changes are
-    meaningless, or else their number.
+    meaningless, or else their number, and whether rates alternate.
     """
     nodes, anchors, knots, response = slow_tables
-    doubts, work = np.empty((len(states), SLOW_PARTS)), np.empty(max(WORK, SLOW_WORK))
+    doubts, work = np.empty((len(states), SLOW_PARTS)), np.empty(LONGEST_WORK)
+    contacts, regular = len(rates), np.empty((len(states), 2))
     lost = forward(
         slow, len(states), nodes, anchors, knots, response, work, states, deviations, slopes, doubts
     )
@@ -107,8 +112,10 @@ def evaluate(
     sound = add_response(contacts, slow, fast, steps, fast_tables, work, states)
     if len(states) == contacts:
         add_last(slow, fast, fast_tables, states)
-    write_parts(contacts, slow, fast, doubts, parts)
-    return min(lost, sound), sound
+    differences = np.empty(contacts)
+    alternating = add_alternation(rates, fast_tables, differences, work, states, regular)
+    write_parts(contacts, slow, fast, doubts, regular, parts)
+    return min(lost, sound), sound, alternating
 
 
 @compiled
@@ -139,8 +146,8 @@ def pulse(
     slow, fast = divide(rates, contacts)
     states, parts = np.empty((contacts, STATES)), np.empty((contacts, PARTS))
     deviations, slopes = np.empty((contacts, STATES)), np.empty((contacts, STATES, 2))
-    lost, _ = evaluate(
-        contacts, slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
+    lost, _, _ = evaluate(
+        rates, slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
     )
     velocity, error, arrival = by_bead[0], by_bead[1], by_bead[2]
     residence, overlap = by_contact[0], by_contact[1]
@@ -172,8 +179,8 @@ def gradient(
     slow, fast = divide(rates, followed)
     states, parts = np.empty((followed, STATES)), np.empty((followed, PARTS))
     deviations, slopes = np.empty((followed, STATES)), np.empty((followed, STATES, 2))
-    lost, sound = evaluate(
-        len(rates), slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
+    lost, sound, alternating = evaluate(
+        rates, slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
     )
     weights = np.empty(end - begin)
     log_velocity = states[:begin, 0].sum()
@@ -187,13 +194,16 @@ def gradient(
     seeds, to_rates = np.zeros((followed, STATES)), np.zeros(len(rates))
     seed_states(radii, begin, weights / total, powers, seeds, found)
     to_slow, to_fast = np.zeros(len(slow)), np.zeros(len(fast))
-    work, steps, to_steps = np.empty(max(WORK, SLOW_WORK)), np.empty(len(fast)), np.empty(len(fast))
+    work, steps, to_steps = np.empty(LONGEST_WORK), np.empty(len(fast)), np.empty(len(fast))
     write_steps(slow, steps)
     from_response(
         len(rates), slow, fast, steps, fast_tables, seeds, work, sound, to_slow, to_fast, to_steps
     )
     if followed == len(rates):
         from_last(slow, fast, fast_tables, seeds[-1], to_slow, to_fast)
+    if alternating:
+        differences, to_differences = np.empty(len(rates)), np.empty(len(rates))
+        from_alternation(rates, fast_tables, differences, work, seeds, to_differences, to_rates)
     _, _, knots, response = slow_tables
     backward(slow, knots, response, deviations, slopes, seeds, work, to_slow)
     from_smooth(rates, to_slow, to_fast, slow, to_rates)

@@ -62,19 +62,20 @@ def local_rate(chain: Chain) -> Pulse:
     :math:`z^*(s)`.  The rates are divided into a slow part q, a local cubic polynomial, and the
     rest e.  The inputs x are the deviation of the previous state (without :math:`\Delta z`) from
     its :math:`z^*` and the differences between the slow rates :math:`q_{k-2} \dots q_{k+2}`, and
-    :math:`\Delta z` is the response to e, up to second order, and to the free end.  The law is not
-    in the paper; it is derived in the explanation "The local-rate law".
+    :math:`\Delta z` is the response to e, up to second order or, if the rates alternate, for finite
+    amplitudes, and to the free end.  The law is not in the paper; it is derived in the explanation
+    "The local-rate law".
 
     Parameters
     ----------
     chain : Chain
         A chain of at least nine beads, struck by its first bead or by another body
         (`Chain.struck_by`).  The ratio of neighbouring radii may be from 0.85 to 3.  Radii may
-        also scatter or alternate from bead to bead, by up to about 1%.  Chains struck by their
-        first bead may lose energy by `Restitution` from 0.9, `UnloadingRatio` up to 0.1, or
-        `Viscoelastic` up to :math:`A (k/m)^{2/5} v^{1/5} = 0.06` at any bead.
-        The exponent of the contact force may be from 1.25 to 3; below 1.6, the smallest ratio is
-        larger, 0.95 for the exponent 1.25.
+        also scatter from bead to bead by up to about 1%, or alternate by up to about 10% (for
+        the exponents 3/2 and 2; 1% for others).  Chains struck by their first bead may lose
+        energy by `Restitution` from 0.9, `UnloadingRatio` up to 0.1, or `Viscoelastic` up to
+        :math:`A (k/m)^{2/5} v^{1/5} = 0.06` at any bead.  The exponent of the contact force may
+        be from 1.25 to 3; below 1.6, the smallest ratio is larger, 0.95 for the exponent 1.25.
 
     Returns
     -------
@@ -96,8 +97,8 @@ def local_rate(chain: Chain) -> Pulse:
     Notes
     -----
     All columns include the effect of a loss, which is derived in "Losses in the local-rate law".
-    The estimated error was calibrated to exceed 97.5% of the errors on random chains that were not
-    used in the fit; it is not an upper bound.  Errors within one chain are correlated: in a taper
+    The estimated error was calibrated to exceed 95% or more of the errors in each class of random
+    chains; it is not an upper bound.  Errors within one chain are correlated: in a taper
     of constant rate, most beads may exceed the estimate, by up to twice.  Where it exceeds 0.5%,
     use `propagate`.
 
@@ -165,8 +166,8 @@ def local_rate_gradient(
     The derivatives of the law are computed by the adjoint method, to rounding errors.  They
     differ from those of the simulated pulse by 0.1 to 1% of the largest one in smooth tapers, and
     by up to 2.5% if radii scatter by 0.3%; see `gradient` for derivatives of the simulation.
-    They depend only on the chain up to seven beads ahead of the bead.  The units are kept fixed
-    when :math:`R_1` is varied: the impact velocity is 1 and masses are :math:`R^3`.
+    They depend only on the chain up to seven beads ahead of the bead, or up to bead 11.  The units
+    are kept fixed when :math:`R_1` is varied: the impact velocity is 1 and masses are :math:`R^3`.
 
     Parameters
     ----------
@@ -289,8 +290,8 @@ def solve(chain: Chain, functions: UniversalFunctions) -> Solution:
     states, parts = np.empty((contacts, 3)), np.empty((contacts, error_terms.PARTS))
     # These are needed only for the gradient.
     deviations, slopes = np.empty((contacts, 3)), np.empty((contacts, 3, 2))
-    lost, _ = kernel.evaluate(
-        contacts, slow, fast, functions.tables, functions.fast, states, deviations, slopes, parts
+    lost, _, _ = kernel.evaluate(
+        rates, slow, fast, functions.tables, functions.fast, states, deviations, slopes, parts
     )
     return Solution(rates, slow, states, parts, lost)
 

@@ -58,7 +58,10 @@ INPUTS: Final = (
 PAIRS: Final = tuple(combinations_with_replacement(range(len(INPUTS)), 2))
 TERMS: Final = INPUTS + tuple(f"({INPUTS[i]})({INPUTS[j]})" for i, j in PAIRS)
 # Tables of fast changes, as functions of the rate.
-FAST_VALUES: Final = ("single", "early", "end", "end_slopes", "second", "last")
+FAST_VALUES: Final = ("single", "early", "end", "end_slopes", "second", "last", "alternating")
+# Arguments of the tables of fast changes.
+FAST_ARGUMENTS: Final = ("places", "knots", "last_knots", "bases")
+NOTHING: Final = np.zeros(0)
 # Number of coefficients of the last contact.
 LAST: Final = 84
 MIN_BEADS: Final = 9
@@ -72,12 +75,12 @@ class FastTables(NamedTuple):
     Attributes
     ----------
     places : ndarray, shape (n + 1,)
-        Ends of the intervals of ``single`` and ``rest``.
-    single : ndarray, shape (18, n, 4, 48)
-        Response G of each stage (twelve after the impact, within, five before the free end):
-        coefficients of the powers 3 to 0, each for the three components at sixteen offsets.
-    rest : ndarray, shape (18, n, 4, 51)
-        State on an exponential chain and response H to slow rates, less those of the recursion.
+        Ends of the intervals of ``first``.
+    first : ndarray, shape (18, n, 4, 108)
+        First order of each stage (twelve after the impact, within, five before the free end):
+        coefficients of the powers 3 to 0, each for the three components.  Of each component, these
+        are the responses G to fast changes and H to steps of the slow rates, at sixteen offsets,
+        the state on an exponential chain, less that of the recursion, as is H, and three zeros.
     knots : ndarray, shape (K + 1,)
         Ends of the intervals of ``second``.
     second : ndarray, shape (K, 4, 84)
@@ -88,16 +91,22 @@ class FastTables(NamedTuple):
         Coefficients B of the last contact, see `hertzchain.kernels.last_contact`.
     steady : float
         Constant c of the factor of these products, see `hertzchain.theory.exponents.steady_gain`.
+    bases : ndarray, shape (B + 1,)
+        Ends of the intervals of ``alternating``; empty if there is no such table.
+    alternating : ndarray, shape (18, B, 4, 36)
+        Coefficients of powers of the amplitude of alternating rates, for each stage and component,
+        see `hertzchain.kernels.alternation`.
     """
 
     places: Array
-    single: Array
-    rest: Array
+    first: Array
     knots: Array
     second: Array
     last_knots: Array
     last: Array
     steady: float
+    bases: Array
+    alternating: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,15 +241,16 @@ def assemble(
 def fast_tables(
     exponent: float, slow: tuple[Array, Array, Array, Array], places: Array, single: Array,
     end: Array, end_slopes: Array, knots: Array, second: Array, last_knots: Array, last: Array,
-    early: Array | None = None,
+    early: Array | None = None, bases: Array = NOTHING, alternating: Array = NOTHING,
 ) -> FastTables:  # fmt: skip
     """Build the tables of fast changes, and of the first order that the recursion misses.
 
     Values at the places are ``single`` (n + 1, 18, 48), ``early`` (n + 1, 12, 3), the states of
     the first contacts on exponential chains, ``end`` (n + 1, 5, 51), and ``end_slopes``,
     the derivatives of those of exponential chains, (n + 1, 5, 3).  ``second`` (K + 3, 84) and
-    ``last`` (L + 3, 84) are coefficients of B-splines.  Without ``early``, the tables belong to a
-    recursion whose first order is not completed.
+    ``last`` (L + 3, 84) are coefficients of B-splines, ``alternating`` (B + 1, 18, 36) values at
+    the bases.  Without ``early``, the tables belong to a recursion whose first order is not
+    completed.
     """
     from scipy.interpolate import Akima1DInterpolator, CubicHermiteSpline, CubicSpline
 
@@ -264,13 +274,37 @@ def fast_tables(
     rest = np.concatenate([rest, rest[-1] + np.transpose(of_end, (2, 1, 0, 3))])
     return FastTables(
         places=places,
-        single=np.ascontiguousarray(np.transpose(pieces, (2, 1, 0, 3))),
-        rest=np.ascontiguousarray(rest),
+        first=_first_order(np.transpose(pieces, (2, 1, 0, 3)), rest),
         knots=knots,
         second=np.ascontiguousarray(cubic_pieces(knots, second)),
         last_knots=last_knots,
         last=np.ascontiguousarray(cubic_pieces(last_knots, last)),
         steady=exponents.steady_gain(exponent),
+        bases=bases,
+        alternating=_alternating(bases, alternating),
+    )
+
+
+def _first_order(single: Array, rest: Array) -> Array:
+    """Responses to fast changes and slow steps side by side, and missing states."""
+    from ..kernels.fast_changes import COLUMNS
+
+    by_state = [each.reshape(*each.shape[:3], len(STATE), -1) for each in (single, rest)]
+    taps = by_state[0].shape[-1]
+    found = np.zeros((*by_state[0].shape[:-1], COLUMNS))
+    found[..., :taps], found[..., taps : 2 * taps] = by_state[0], by_state[1][..., 1:]
+    found[..., 2 * taps] = by_state[1][..., 0]
+    return found.reshape(*single.shape[:3], -1)
+
+
+def _alternating(bases: Array, values: Array) -> Array:
+    """Cubic polynomials, (stages, intervals, 4, 36), of the effect of alternating rates."""
+    from scipy.interpolate import CubicSpline
+
+    if not len(bases):
+        return np.zeros((0, 0, 4, 0))
+    return np.ascontiguousarray(
+        np.transpose(CubicSpline(bases, values, bc_type="clamped").c, (2, 1, 0, 3))
     )
 
 
@@ -319,10 +353,10 @@ def read_tables(folder: Path, exponent: float) -> UniversalFunctions:
     knots, coefficients = read_response(folder / "response.csv")
     with np.load(folder / "fast.npz") as stored:
         of = {name: unpack(stored[name], STEPS[name], 0) for name in FAST_VALUES}
-        places = {name: stored[name] for name in ("places", "knots", "last_knots")}
+        arguments = {name: stored[name] for name in FAST_ARGUMENTS}
     first, others = _numbers(folder / "error.csv")
     error = np.concatenate([first, others[0]])
-    return assemble(exponent, nodes, values, knots, coefficients, of | places, error)
+    return assemble(exponent, nodes, values, knots, coefficients, of | arguments, error)
 
 
 def _rows(file: Path) -> Iterator[list[str]]:

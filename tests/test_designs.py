@@ -761,7 +761,7 @@ def test_sizes_in_inches_are_stated(diameter, inch):
     assert f"({inch} in)" in str(ball) if inch else "in" not in str(ball)
 
 
-STEEL = hc.Chain.from_materials("5 mm", "steel-52100", beads=6, velocity="0.1 m/s").replace(
+WALLED_STEEL = hc.Chain.from_materials("5 mm", "steel-52100", beads=6, velocity="0.1 m/s").replace(
     right_wall=hc.Wall()
 )
 
@@ -770,13 +770,13 @@ STEEL = hc.Chain.from_materials("5 mm", "steel-52100", beads=6, velocity="0.1 m/
 def test_limits_without_a_unit_are_rejected(limit):
     vary = [hc.vary.radii("3 mm", "5 mm")]
     with pytest.raises(hc.InputError, match=f"length needs a unit, such as '{limit} mm'"):
-        hc.Design(STEEL, minimise="wall_force.peak", vary=vary, subject_to={"length": limit})
+        hc.Design(WALLED_STEEL, minimise="wall_force.peak", vary=vary, subject_to={"length": limit})
 
 
 def test_strict_and_weak_limits_are_the_same():
     problems = [
         hc.Design(
-            STEEL, minimise="wall_force.peak", vary=[hc.vary.radii("3 mm", "5 mm")],
+            WALLED_STEEL, minimise="wall_force.peak", vary=[hc.vary.radii("3 mm", "5 mm")],
             subject_to={"length": f"{sign} 50 mm"},
         )
         for sign in ("<", "<=")
@@ -785,7 +785,7 @@ def test_strict_and_weak_limits_are_the_same():
     assert strict == weak
     with pytest.raises(hc.InputError, match="got '== 50 mm'.*'<= 50 mm', '>= 50 mm'"):
         hc.Design(
-            STEEL,
+            WALLED_STEEL,
             minimise="wall_force.peak",
             vary=[hc.vary.radii("3 mm", "5 mm")],
             subject_to={"length": "== 50 mm"},
@@ -795,7 +795,7 @@ def test_strict_and_weak_limits_are_the_same():
 def test_a_design_with_all_choices_states_the_search_and_units_of_scatter():
     scatter = hc.Scatter(radius=0.001, samples=4)
     problem = hc.Design(
-        STEEL, minimise="wall_force.peak", scatter=scatter,
+        WALLED_STEEL, minimise="wall_force.peak", scatter=scatter,
         vary=[hc.vary.balls("bearing-balls", diameters=["5 mm", "6 mm"], beads="5:")],
     )  # fmt: skip
     result = hc.design(problem, method="enumerate", seed=1)
@@ -808,7 +808,7 @@ def test_a_design_with_all_choices_states_the_search_and_units_of_scatter():
 
 def test_a_design_without_a_trial_that_meets_the_constraints_is_drawn():
     problem = hc.Design(
-        STEEL, minimise="wall_force.peak", subject_to={"wall_force.peak": "<= 1 mN"},
+        WALLED_STEEL, minimise="wall_force.peak", subject_to={"wall_force.peak": "<= 1 mN"},
         vary=[hc.vary.balls("bearing-balls", materials=["steel-52100"],
                             diameters=["5 mm", "6 mm"], beads="5:")],
     )  # fmt: skip

@@ -77,7 +77,7 @@ def test_the_papers_chains_come_back_from_si():
 
 def test_there_and_back_is_the_same_chain():
     chain = Chain.from_materials(
-        [5e-3, 3e-3, 4e-3], ["brass", "ptfe", "glass"], velocity=2.0, gaps=[1e-6, 0.0],
+        [5e-3, 3e-3, 4e-3], ["brass", "ptfe", "glass"], gaps=[1e-6, 0.0],
         gravity=9.81, left_wall=Wall.of("steel-304", gap=1e-3), loss=hc.Dashpot(3.0),
         drive=hc.TableDrive([0.0, 1e-3], [0.0, 5.0]), velocities=[2.0, -1.0, 0.0],
     )  # fmt: skip

@@ -216,7 +216,7 @@ class Chain(ChainFields):
         return cls(radii, taper=kind, taper_parameters=tuple(values.items()), **fields)
 
     @classmethod
-    @checked_arguments("Chain.uniform", builder.OTHER_FIELDS, FIELD_ALIASES)
+    @checked_arguments("Chain.uniform", builder.OTHER_FIELDS)
     def uniform(cls, beads: int, **fields: Any) -> Chain:
         """A chain of equal beads, in which an impact becomes a solitary wave.
 
@@ -241,7 +241,7 @@ class Chain(ChainFields):
         return cls(np.ones(checked_beads(beads)), **fields)
 
     @classmethod
-    @checked_arguments("Chain.from_radii", builder.OTHER_FIELDS, FIELD_ALIASES)
+    @checked_arguments("Chain.from_radii", builder.OTHER_FIELDS)
     def from_radii(cls, radii: ArrayLike, **fields: Any) -> Chain:
         """A chain of spheres of one material with arbitrary radii.
 

@@ -19,7 +19,7 @@ BYTES_PER_BEAD: Final = 400
 MAX_EXPONENT: Final = 50.0
 # SI radii above this value [m], and limits from it on, cause a warning, because they are probably
 # in millimetres; so do limits above this multiple of the largest bead.
-LARGE_RADIUS: Final = 0.9
+LARGE_RADIUS: Final = 1.0
 LARGE_RATIO: Final = 100.0
 # First radius of a scaled chain; radii in metres are below, and would give wrong times.
 FIRST_RADIUS: Final = (0.02, 50.0)

@@ -14,6 +14,7 @@ from matplotlib.gridspec import GridSpecBase
 from ..designs.curves import Curve, initial_and_final
 from ..errors import InputError
 from .chains import bead_centres, draw_beads, material_legend
+from .legends import place_legend
 from .style import COLOURS, MUCH, differ_much, figure_style, get_axes, label_log_axis, time_axis
 from .widths import figure_size
 
@@ -113,7 +114,7 @@ def _draw_lines(result: DesignResult, lines: Sequence[_Line], axes: Axes) -> Axe
     name, unit = ("force on the wall", " [N]") if walled else ("velocity $v_k$", " [m/s]")
     axes.set_ylabel(name + (unit if si else ""))
     axes.margins(x=0.0)
-    axes.legend()
+    place_legend(axes)
     return axes
 
 
@@ -151,7 +152,7 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         ):  # fmt: skip
             axes.bar(beads + shift, values, 0.4, color=colour, label=label)
         axes.set_ylabel("change [%] if $R_k$ changes by 1%")
-        axes.legend()
+        place_legend(axes, own=ax is None)
     return axes
 
 

@@ -150,3 +150,32 @@ def test_random_chains_have_the_spread_of_the_law():
             samples = hc.Scatter(radius=0.01, samples=1000, beads=beads).sample(chain)
             spread = np.log(hc.propagate_many(samples).velocity[:, 20]).std() / 0.01
             assert spread == pytest.approx(expected, rel=0.1)
+
+
+@pytest.mark.parametrize("quantity", ["velocity", "arrival", "peak_force"])
+def test_plots_show_the_spread_as_a_band(quantity):
+    pulse = hc.disorder(hc.Chain.uniform(40), scatter=0.02)
+    values, spread = pulse.columns()[quantity], pulse.columns()[f"{quantity}_spread"]
+    axes = pulse.plot(quantity)
+    assert "one standard deviation of lots" in axes.get_legend_handles_labels()[1]
+    (corners,) = (path.vertices for path in axes.collections[0].get_paths())
+    # The last bead leaves the free end: its band is a bar of its own.
+    joined = len(values) - (quantity == "velocity")
+    for k in range(joined):
+        band = corners[corners[:, 0] == k + 1, 1]
+        expected = values[k] * np.exp([-spread[k], spread[k]])
+        np.testing.assert_allclose([band.min(), band.max()], expected, rtol=1e-14)
+    if quantity == "velocity":
+        ((low, high),) = axes.collections[1].get_segments()
+        np.testing.assert_allclose(
+            [low[1], high[1]], values[-1] * np.exp([-spread[-1], spread[-1]])
+        )
+        assert low[0] == high[0] == 40
+
+
+def test_plots_have_no_band_where_the_spread_is_not_known():
+    pulse = hc.disorder(hc.Chain.uniform(40), scatter=0.02)
+    assert not pulse.plot("momentum").collections
+    assert not hc.local_rate(pulse.chain).plot("velocity").collections
+    axes = hc.plot_pulses([pulse], legend=False)
+    assert axes.get_legend() is None

@@ -271,7 +271,12 @@ def public_calls(folder):
             hc.export_sweep, dataset=hc.open_sweep(folder / "sweep"), path=folder / "a.csv"
         ),
         "plot_pulses": tried(
-            hc.plot_pulses, pulses=[pulse], quantity="velocity", log=False, ax=None
+            hc.plot_pulses,
+            pulses=[pulse],
+            quantity="velocity",
+            log=False,
+            legend=True,
+            ax=None,
         ),
         "plot_sweep": tried(
             hc.plot_sweep,

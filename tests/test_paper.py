@@ -2,12 +2,13 @@ import tomllib
 from importlib import resources
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 import hertzchain as hc
 from hertzchain.paper.figures import LAYOUTS, draw_figure, figure_csv, reproduce_figure
-from hertzchain.paper.listed_errata import errata, errata_chains
+from hertzchain.paper.listed_errata import CONCERNED, errata, errata_chains
 from hertzchain.paper.published import Printed, published_figures
 from hertzchain.paper.reproduction import integrate_chains, items, reproduce
 from hertzchain.paper.tables import Entry, reproduce_table, table_chains
@@ -130,13 +131,62 @@ def test_errors_of_the_formulas_as_printed_and_corrected():
     assert max(worst("forward-linear", "as printed")) == pytest.approx(0.97, abs=0.01)
     assert max(worst("forward-linear", "with the exponent -3/2 of Eq. (22)")) < 0.10
     places = [erratum.place for erratum in errata(pulses)]
-    assert len(places) == len(set(places)) == 17
+    assert len(places) == len(set(places)) == 19
+
+
+def test_errata_name_the_tables_and_figures_that_they_concern(reproduction):
+    named = {name for erratum in reproduction.errata for name in erratum.concerns}
+    assert named == CONCERNED <= set(items())
+    for name in sorted(CONCERNED):
+        assert reproduce([name]).errata, name
+        number = name.removeprefix("figure")
+        captions = [e for e in reproduction.errata if e.place == f"Caption of Fig. {number}"]
+        assert all(name in erratum.concerns for erratum in captions)
+
+
+def test_the_last_errata_hold(reproduction):
+    slope, wall = reproduction.errata[-2:]
+    (slopes, rates) = (
+        [float(number) for number in value.split(" to ")] for _, value in slope.evidence
+    )
+    # The velocity of the BCA is 1.467 times that of the simulation in equal beads.
+    assert min(slopes) > 1.4
+    assert rates == pytest.approx([1.0, 1.0], abs=0.07)
+    # Newton's third law: the beads have the momentum 1 before the impact on the wall.
+    chain = hc.Chain.uniform(40).replace(right_wall=hc.Wall.rigid())
+    run = hc.simulate(chain, until=120.0, times=2)
+    lost = 1.0 - float(run.velocities[-1] @ chain.masses)
+    incident = float(wall.evidence[0][1])
+    assert incident == pytest.approx(2.0, abs=0.1)
+    assert lost > 2.0
+
+
+def test_recalibrated_constants_are_named(reproduction):
+    for figure in reproduction.figures:
+        named = figure.published.number in (10, 12, 13, 14)
+        (legend,) = [axes.get_legend() for axes in draw_figure(figure).axes]
+        texts = " ".join(text.get_text() for text in legend.get_texts())
+        header = figure_csv(figure).splitlines()[0]
+        for text in (texts, header, figure.statement.claim.partition(",")[0]):
+            assert ("recalibrated" in text) is named
+        if figure.published.number == 14:
+            # The largest errors of the printed formula are those of the errata.
+            assert "as printed, its largest error is 24% to 26%" in figure.statement.claim
+        plt.close("all")
+    assert "figures 10, 12, 13 and 14, the constants" in reproduction.verdict
+    assert "in figure 14, the constants" in reproduce(["figure14"]).verdict
 
 
 def test_parts_can_be_asked_for():
     part = reproduce(["table3", "figure6"])
     assert ([t.published.name for t in part.tables], len(part.figures)) == (["table3"], 1)
-    assert part.errata == ()
+    places = [erratum.place.partition(":")[0] for erratum in part.errata]
+    assert places == [
+        "Eqs. (22), (24) and the column “Binary” of Table 3", "Table 3",
+        "Captions of Figs. 1 to 8 compared with Secs. 5.1 to 5.3",
+    ]  # fmt: skip
+    assert part.verdict.endswith("3 errata concern table3 and figure6.")
+    assert reproduce(["table1"]).errata == ()
     with pytest.raises(hc.InputError, match="did you mean 'figure"):
         reproduce(["figure15"])
     for windows, said in (

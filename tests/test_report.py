@@ -102,7 +102,7 @@ def test_verdict_is_plain_versioned_data(folder):
     assert len(verdict["tables"]["table2"]["entries"]) == 28
     assert verdict["tables"]["table2"]["window"] == [5, 80]
     assert verdict["figures"]["figure6"]["holds"] is True
-    assert len(verdict["errata"]) == 17
+    assert len(verdict["errata"]) == 19
     assert "$" not in json.dumps(verdict["errata"])
     assert verdict["method"]["energy_drift"] < 1e-10
     rows = {row["name"]: row["theories"] for row in verdict["scoreboard"]["rows"]}

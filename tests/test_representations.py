@@ -1,7 +1,9 @@
 """The representations of every public object: short, and with the numbers that matter."""
 
+import re
 import warnings
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -133,7 +135,7 @@ def test_everything_else(tmp_path):
     for item, words in (
         (stored, []),
         (calibration, ["backward-linear", "1 rate", "RatioCorrection(ratio=", "rms"]),
-        (hc.scoreboard(theories=["hard-sphere"]), ["1 theories on 52 chains"]),
+        (hc.scoreboard(theories=["hard-sphere"]), ["1 theory on 52 chains"]),
         (hc.Verdict(known, 1.05), ["a quantity", "1.05", "expected 1 within 0.1", "agrees"]),
         (hc.Verdict(known, 1.5), ["does not agree"]),
         (known, ["a group, a quantity: 1 within 0.1"]),
@@ -286,3 +288,42 @@ def test_tables_and_theories_have_views_in_notebooks():
         assert len(page) < 20_000
         for word in words:
             assert word in page, (type(item), word)
+
+
+@pytest.mark.parametrize("relative", [5e-4, 1e-4, 3e-6, 1e-8])
+def test_sizes_that_scatter_are_stated_with_enough_digits(relative):
+    balls = hc.Chain.from_materials(diameters="20 mm", materials="steel-52100", beads=20)
+    lot = balls.with_scatter(1, relative=relative)
+    low, high = map(float, re.search(r"diameters ([\d.]+) mm to ([\d.]+) mm", repr(lot)).groups())
+    deviation = 2e3 * np.ptp(lot.radii)
+    assert high - low == pytest.approx(deviation, rel=0.6)
+    assert 2e3 * lot.radii.min() == pytest.approx(low, abs=0.5 * deviation)
+    assert f"{low:.10g} mm to {high:.10g} mm" in hc.plot_chain(lot).get_title()
+    plt.close("all")
+
+
+def test_equal_sizes_are_stated_once():
+    balls = hc.Chain.from_materials(diameters="20 mm", materials="steel-52100", beads=20)
+    assert "20 mm to" not in repr(balls.with_scatter(1, relative=1e-14))
+    pair = hc.Chain.periodic(["5 mm", "5.00005 mm"], cells=5, materials=["brass"] * 2)
+    assert "diameters 10 mm and 10.0001 mm in turn" in repr(pair)
+
+
+def test_small_errors_have_digits():
+    chain = hc.Chain.tapered("forward-linear", 0.001, beads=50)
+    found = hc.local_rate(chain).compare(hc.propagate(chain))
+    worst, rms = found.worst("velocity"), found.rms("velocity")
+    (row,) = (line.split() for line in str(found).splitlines() if "velocity" in line)
+    for text, error in zip((row[1], row[3]), (worst, rms), strict=True):
+        assert float(text.removesuffix("%")) == pytest.approx(100.0 * error, rel=0.06)
+        assert 0.0 < error < 1e-4
+    assert "0.00%" not in str(found) + repr(found)
+    large = hc.bca(chain).compare(hc.propagate(chain))
+    assert f"{large.worst('velocity'):.2%}" in str(large)
+    same = hc.bca(chain)
+    assert str(same.compare(same)).splitlines()[2].split() == ["velocity", "0%", "2", "0%"]
+
+
+def test_one_theory_is_in_the_singular():
+    assert repr(hc.scoreboard(theories=["bca"])) == "Scoreboard(1 theory on 52 chains)"
+    assert "2 theories on" in repr(hc.scoreboard(theories=["bca", "hard-sphere"]))

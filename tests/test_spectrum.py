@@ -456,6 +456,48 @@ def test_a_simulation_has_the_transfer_function_that_is_drawn():
     np.testing.assert_allclose(axes.lines[0].get_xdata(), frequencies / 1e3)
 
 
+GUIDE = hc.Chain.periodic(
+    ["9.53 mm"] * 2, cells=10, materials=["silicon-nitride", "steel-52100"]
+).replace(precompression="20 N", held_by="force")
+PRESSED = {"precompression": 1.0, "held_by": "force", "right_wall": hc.Wall()}
+
+
+@pytest.mark.parametrize(
+    ("chain", "contact"),
+    [
+        (GUIDE, 16),
+        (GUIDE.replace(loss=hc.Viscoelastic(1e-12)), 16),
+        (GUIDE.replace(loss=hc.Viscoelastic("3 us")), 16),
+        (hc.Chain.uniform(9).replace(**PRESSED), 9),
+        (hc.Chain.uniform(2).replace(**PRESSED), 1),
+        (hc.Chain.uniform(100).replace(**PRESSED), 50),
+        (hc.Chain.periodic([1.0, 0.2], cells=20).replace(**PRESSED), 2),
+    ],
+)
+def test_resonances_do_not_compress_the_rest_of_a_transfer_function(chain, contact):
+    found = hc.spectrum(chain)
+    axes = found.plot_transfer(contact)
+    frequencies, force = axes.lines[0].get_data()
+    band = frequencies <= frequencies[-1] / 1.25  # up to the highest mode
+    low, high = axes.get_ylim()
+    shown = (force >= low) & (force <= high)
+    assert shown[band].mean() > 0.99
+    # The typical amplitude is neither at the top nor at the bottom of the frame.
+    place = np.log(np.median(force[band]) / low) / np.log(high / low)
+    assert 0.1 < place < 0.9
+
+
+def test_the_frame_of_a_resonance_does_not_depend_on_a_frequency_that_meets_it():
+    crystal = hc.spectrum(GUIDE)
+    grid = np.linspace(10.0, 14e3, 1500)
+    met = np.sort(np.append(grid, crystal.frequencies[1:]))
+    limits = [crystal.plot_transfer(16, frequencies=each).get_ylim() for each in (grid, met)]
+    assert limits[1][1] == pytest.approx(limits[0][1], rel=2.0)
+    lossy = hc.spectrum(GUIDE.replace(loss=hc.Viscoelastic("3 us")))
+    top = lossy.plot_transfer(16, frequencies=np.linspace(10.0, 14e3, 50)).get_ylim()[1]
+    assert top > np.abs(lossy.transfer_force(np.linspace(10.0, 14e3, 50), 16)).max()
+
+
 @pytest.mark.parametrize("frequencies", [[1.0], [2.0, 1.0]])
 def test_a_transfer_function_is_drawn_over_increasing_frequencies(frequencies):
     with pytest.raises(hc.InputError, match="two increasing"):

@@ -74,3 +74,9 @@ def with_error(value: float, error: float) -> str:
 def counted(count: int, noun: str) -> str:
     """``1 wave``, ``2 waves``."""
     return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def percent(fraction: float) -> str:
+    """``48.07%``, ``0.0022%``: two decimals, or two digits if these would be zeros."""
+    value = 100.0 * fraction
+    return f"{value:.2g}%" if abs(value) < 0.1 else f"{value:.2f}%"

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from ..collision import Array
-from ..representation import measure
+from ..representation import MAX_DIGITS, measure
 from .materials import Material
 from .repeated_cells import cell_repeats, smallest_cell
 from .tapers import taper_named
@@ -64,10 +65,18 @@ def sizes_in_words(radii: Array) -> str:
     if low == high:
         return length_in_words(2.0 * low)
     if len(radii) > 2 and cell_repeats(2, radii):
-        one, other = (length_in_words(2.0 * radius) for radius in radii[:2])
+        one, other = _distinguishable(radii[0], radii[1])
         return f"{one} and {other} in turn"
     first, last = (high, low) if np.all(np.diff(radii) <= 0.0) else (low, high)
-    return f"{length_in_words(2.0 * first)} to {length_in_words(2.0 * last)}"
+    return " to ".join(dict.fromkeys(_distinguishable(first, last)))
+
+
+def _distinguishable(one: float, other: float) -> tuple[str, str]:
+    """Two diameters, with two digits of their difference if four digits are the same."""
+    digits = 4
+    if length_in_words(2.0 * one) == length_in_words(2.0 * other):
+        digits = min(MAX_DIGITS, math.ceil(math.log10(one / abs(one - other))) + 2)
+    return length_in_words(2.0 * one, digits), length_in_words(2.0 * other, digits)
 
 
 def features_in_words(
@@ -89,7 +98,7 @@ def impact_in_words(velocities: Array, units: str) -> str:
     return "" if known else f", impact at {measure(speed, 'm/s', units)}"
 
 
-def length_in_words(length: float) -> str:
-    """A length with four digits, in m, mm or um."""
+def length_in_words(length: float, digits: int = 4) -> str:
+    """A length in m, mm or um."""
     factor, unit = (1.0, "m") if length >= 1.0 else (1e3, "mm") if length >= 1e-4 else (1e6, "um")
-    return f"{factor * length:.4g} {unit}"
+    return f"{factor * length:.{digits}g} {unit}"

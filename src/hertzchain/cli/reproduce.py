@@ -87,6 +87,8 @@ def reproduce(
 
 
 def _show_reproduction(result: Reproduction) -> None:
+    from ..paper.mathml import plain
+
     click.echo(result.verdict)
     for table in result.tables:
         for entry in table.entries:
@@ -98,3 +100,10 @@ def _show_reproduction(result: Reproduction) -> None:
     for figure in result.figures:
         if not figure.statement.holds:
             click.echo(f"  not confirmed: {figure.published.name}: {figure.statement.claim}")
+    if result.all_errata:
+        return
+    for erratum in result.errata:
+        click.echo(
+            f"  erratum: {plain(erratum.place)}: printed {plain(erratum.printed)}; follows "
+            f"{plain(erratum.follows)}"
+        )

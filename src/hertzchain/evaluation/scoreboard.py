@@ -2,8 +2,8 @@ r"""Scoreboard: errors of all theories, compared with the simulation, on many ta
 
 The chains are the paper's four tapers, at its rates and beyond them, and tapers to which no
 theory was fitted (`hertzchain.evaluation.cases`).  Errors are evaluated from bead 2 or a later
-bead to bead N - 3.  The last beads leave the free end, which no theory describes; its effect
-on bead N - 3 and all beads before it is below 1e-9.
+bead to bead N - 3.  Only the local-rate law describes the free end, which the last beads leave;
+its effect on bead N - 3 and all beads before it is below 1e-9.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES as TABLE
+from ..representation import counted
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
@@ -405,7 +406,8 @@ class Scoreboard:
         }
 
     def __repr__(self) -> str:
-        return f"Scoreboard({len(self.theories)} theories on {len(self.cases)} chains)"
+        theories = "1 theory" if len(self.theories) == 1 else f"{len(self.theories)} theories"
+        return f"Scoreboard({theories} on {counted(len(self.cases), 'chain')})"
 
 
 @checked_arguments("percentage")

@@ -6,16 +6,19 @@ Errors of velocity formulas are the largest relative errors over beads 5..80 of 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from ..calibration import RATES
 from ..chain.chain import Chain
 from ..chain.tapers import rate_symbol
+from ..chain.walls import Wall
 from ..propagation.propagate import propagate
 from ..representation import short
+from ..simulation.simulate import simulate
 from ..theory.bca import (
     backward_linear_prefactor,
     bca,
@@ -37,6 +40,8 @@ from .velocity_formulas import (
 )
 
 Evidence = tuple[tuple[str, str], ...]
+# Tables and figures that an erratum concerns.
+CONCERNED: Final = frozenset({"table3", *(f"figure{number}" for number in range(1, 15))})
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,8 @@ class Erratum:
         the simulation.
     evidence : tuple of (str, str)
         Names and values of the computed quantities.
+    concerns : tuple of str
+        Names of the tables and figures whose content or caption is concerned.
     inference : bool
         Whether the correction is inferred from the numbers instead of following from the
         paper's equations.
@@ -61,6 +68,7 @@ class Erratum:
     printed: str
     follows: str
     evidence: tuple[tuple[str, str], ...]
+    concerns: tuple[str, ...] = ()
     inference: bool = False
 
     def __repr__(self) -> str:
@@ -73,14 +81,16 @@ def errata_chains() -> set[tuple[str, float]]:
 
 
 @checked_arguments("errata")
-def errata(pulses: Pulses | None = None) -> list[Erratum]:
-    """All errata of the paper, with evidence.
+def errata(pulses: Pulses | None = None, parts: Collection[str] | None = None) -> list[Erratum]:
+    """All errata of the paper, with evidence, or those that concern some tables and figures.
 
     Parameters
     ----------
     pulses : mapping of (str, float) to Pulse, optional
         Simulated pulses by taper and rate, such as ``Reproduction.pulses``.  By default, the chains
         of `errata_chains` are simulated.
+    parts : collection of str, optional
+        Names of tables and figures, such as ``{"table1", "figure14"}``.
 
     Examples
     --------
@@ -90,7 +100,7 @@ def errata(pulses: Pulses | None = None) -> list[Erratum]:
     """
     if pulses is None:
         pulses = integrate_chains(errata_chains())
-    return [
+    found = [
         *_velocity_formulas_misprinted(pulses),
         _ratio_upside_down(pulses),
         _expansion_not_small(pulses),
@@ -103,6 +113,9 @@ def errata(pulses: Pulses | None = None) -> list[Erratum]:
         _symbols_of_theory(pulses),
         *_slips(),
     ]
+    if parts is None:
+        return [*found, _derivative_of_velocity(pulses), _elastic_wall()]
+    return [erratum for erratum in found if not set(parts).isdisjoint(erratum.concerns)]
 
 
 def _range(values: Sequence[float]) -> str:
@@ -130,6 +143,7 @@ def _velocity_formulas_misprinted(pulses: Pulses) -> list[Erratum]:
     return [
         Erratum(
             place="Eqs. (38), (39), (42): backward exponential velocity",
+            concerns=("figure12",),
             printed=f"$c_be = {backward.c0:g} q^{backward.x:g}$",
             follows=(
                 f"$c_be = {forward.c0:g} q^(-{forward.x:g})$: the pair $(c_0, x)$ was apparently "
@@ -140,6 +154,7 @@ def _velocity_formulas_misprinted(pulses: Pulses) -> list[Erratum]:
         ),
         Erratum(
             place="Eqs. (40), (44): forward exponential velocity",
+            concerns=("figure14",),
             printed=f"$c_fe = {forward.c0:g} q^{forward.x:g}$",
             follows=f"$c_fe = {backward.c0:g} q^{backward.x:g}$: the other half of this exchange.",
             evidence=_formula_evidence("forward-exponential", pulses),
@@ -147,6 +162,7 @@ def _velocity_formulas_misprinted(pulses: Pulses) -> list[Erratum]:
         ),
         Erratum(
             place="Eqs. (31), (41): backward linear velocity",
+            concerns=("figure10",),
             printed="$v_bl = (2/3) k^(-3/2)$, for every S",
             follows=(
                 "$v_bl = (2/3) a^u k^(-3/2)$: Eqs. (28) to (30) contain a prefactor a^u that "
@@ -159,6 +175,7 @@ def _velocity_formulas_misprinted(pulses: Pulses) -> list[Erratum]:
         ),
         Erratum(
             place="Eq. (43): forward linear velocity",
+            concerns=("figure13",),
             printed="$v_fl = 0.680 [1 - k/(1+1/S)]^(+3/2)$",
             follows="the exponent is $-3/2$, as in Eq. (22) and Sec. 5.3.1: the velocity grows.",
             evidence=_formula_evidence("forward-linear", pulses),
@@ -172,6 +189,7 @@ def _ratio_upside_down(pulses: Pulses) -> Erratum:
     slopes = np.polyfit(pulse.bead[4:80], np.array([ratio, 1.0 / ratio]).T[4:80], 1)[0]
     return Erratum(
         place="Eq. (34) compared with Eqs. (39), (42), (44)",
+        concerns=("figure11",),
         printed="$v / v^u = c + d k$, with $d > 0$ and $|α - α^u|$ in the exponent before it",
         follows="$v^u / v = c + d k$: the final formulas divide, $α - α^u$ is negative, and d is "
         "positive only in this form.",
@@ -192,6 +210,10 @@ def _expansion_not_small(pulses: Pulses) -> Erratum:
         evidence.append((what, f"{80.0 * abs(exact - theory):.2f}"))
     return Erratum(
         place="Above Eq. (34): the condition $|α - α^u| k ≪ 1$",
+        concerns=(
+            "figure11",
+            "figure14",
+        ),
         printed="“we assume $|α - α^u| k ≪ 1$”, for the straight line $c + d k$",
         follows="the condition is not satisfied at the end of the forward chains shown.",
         evidence=tuple(evidence),
@@ -203,6 +225,10 @@ def _wrong_limit() -> Erratum:
     printed, small = published_correction("backward-exponential"), 1e-6
     return Erratum(
         place="Eq. (35): $c(q) = c_0 q^x$",
+        concerns=(
+            "figure12",
+            "figure14",
+        ),
         printed="a power law with x ≠ 0",
         follows=(
             "the power law cannot hold for q → 0, where it tends to 0 or infinity: c must tend to "
@@ -225,6 +251,7 @@ def _prefactor_of_forward_linear() -> Erratum:
     same = sum(round(value, printed.decimals) == printed.value for value, printed in pairs)
     return Erratum(
         place="Eqs. (22), (24) and the column “Binary” of Table 3",
+        concerns=("table3",),
         printed="$v^u = [1 - k/(1+1/S)]^(-3/2)$, which is $(1+S)^(3/2)$ at k = 1; “all the BCA "
         "data … was obtained using the full analytic predictions” (Sec. 3.1)",
         follows=(
@@ -254,6 +281,7 @@ def _table_of_another_taper() -> Erratum:
 
     return Erratum(
         place="Table 3: header and caption",
+        concerns=("table3",),
         printed="header q, caption “forward exponentially tapered chains”",
         follows="S and “linearly”: the column “Binary” is $-(3/2) S (1+S)^2$.",
         evidence=(
@@ -271,6 +299,10 @@ def _velocity_decreases(pulses: Pulses) -> Erratum:
         evidence.append((what, f"{v[89] / v[9]:.3g}"))
     return Erratum(
         place="Secs. 5.1.1 and 5.2: backward tapers",
+        concerns=(
+            "figure10",
+            "figure12",
+        ),
         printed="“the velocity of the granules increases as”, and $k^(-3/2)$ in Eq. (28); “the "
         "velocity increases exponentially”",
         follows="the velocity decreases, as stated in Sec. 3.",
@@ -290,6 +322,10 @@ def _captions_reversed(pulses: Pulses) -> Erratum:
         evidence.append((f"Fig. {figure.number}, {figure.quantity} of bead 90", ", ".join(values)))
     return Erratum(
         place="Captions of Figs. 4 and 5",
+        concerns=(
+            "figure4",
+            "figure5",
+        ),
         printed="growing rates “from bottom to top”",
         follows="from top to bottom: according to Sec. 3 the energy decreases with q, and "
         "according to Table 3 the momentum decreases faster for larger S.",
@@ -309,6 +345,10 @@ def _captions_of_ratios(pulses: Pulses) -> Erratum:
 
     return Erratum(
         place="Captions of Figs. 9 and 11",
+        concerns=(
+            "figure9",
+            "figure11",
+        ),
         printed="ratio of the modified BCA's velocity to that of the simulation, rates growing "
         "“from bottom to top”; the text of Sec. 5.1.1 gives the value 2/3 for Fig. 9",
         follows=(
@@ -332,6 +372,7 @@ def _symbols_of_theory(pulses: Pulses) -> Erratum:
     ]
     return Erratum(
         place="Captions of Figs. 1 to 8 compared with Secs. 5.1 to 5.3",
+        concerns=tuple(f"figure{number}" for number in range(1, 9)),
         printed="“the + symbols represent the BCA”; Sec. 5 finds “excellent agreement” of the "
         "rescaled theory in the same figures (for Figs. 5 and 6, “the agreement … improves "
         "greatly”)",
@@ -347,16 +388,55 @@ def _symbols_of_theory(pulses: Pulses) -> Erratum:
     )
 
 
+def _derivative_of_velocity(pulses: Pulses) -> Erratum:
+    slopes, rates = [], []
+    for (taper, rate), pulse in pulses.items():
+        if rate in RATES[taper]:
+            both = np.array([bca(pulse.chain).velocity, pulse.velocity])[:, [48, 50]]
+            slopes.append(float(np.divide(*np.diff(both)[:, 0])))
+            rates.append(float(np.divide(*np.diff(np.log(both))[:, 0])))
+    return Erratum(
+        place="Introduction: the change of the velocity along the chain",
+        printed="“the change of the velocity of the particles, $dv_k/dk$, … is predicted extremely "
+        "accurately”, although the BCA overestimates $v_k$",
+        follows="$d(ln v_k)/dk$ is predicted accurately: a velocity that is too large by a nearly "
+        "constant factor has a derivative that is too large by this factor.",
+        evidence=(
+            ("dv/dk at k = 50, BCA / simulation", f"{min(slopes):.2f} to {max(slopes):.2f}"),
+            ("d(ln v)/dk at k = 50, BCA / simulation", f"{min(rates):.3f} to {max(rates):.3f}"),
+        ),
+    )
+
+
+def _elastic_wall() -> Erratum:
+    chain = Chain.uniform(40).replace(right_wall=Wall.rigid())
+    run = simulate(chain, times=1000)
+    pulse, *_ = run.waves()
+    ratio = run.wall_force().impulse / pulse.momentum
+    return Erratum(
+        place="End of Sec. 3: a chain that ends at a wall",
+        printed="“If the interaction of the last particle of the chain with the wall is perfectly "
+        "elastic, then the momentum traveling down the chain would be transferred to the wall.”",
+        follows="an elastic wall reverses the momentum of the pulse, and receives about twice as "
+        "much; the momentum itself is transferred if nothing rebounds.",
+        evidence=(
+            ("impulse on a rigid wall / momentum of the pulse, 40 equal beads", f"{ratio:.2f}"),
+        ),
+    )
+
+
 def _slips() -> list[Erratum]:
     return [
         Erratum(
             place="Caption of Fig. 14",
+            concerns=("figure14",),
             printed="“the modified BCA, Eq. (39)”",
             follows="Eq. (44), because Eq. (39) has the constants of the backward taper.",
             evidence=(),
         ),
         Erratum(
             place="Sec. 5.3.1",
+            concerns=("figure13",),
             printed="“the simulation data can be described by v^u_fl”",
             follows="v_fl, because the superscript u denotes the BCA.",
             evidence=(),

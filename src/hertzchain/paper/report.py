@@ -193,6 +193,7 @@ def verdict(reproduction: Reproduction) -> dict[str, Any]:
                 "place": plain(erratum.place),
                 "printed": plain(erratum.printed),
                 "follows": plain(erratum.follows),
+                "concerns": list(erratum.concerns),
                 "inference": erratum.inference,
                 "evidence": dict(erratum.evidence),
             }
@@ -235,7 +236,7 @@ def _write_figures(
         # The cases of a scoreboard are functions, which cannot be sent to another process.
         drawings["scoreboard"] = Drawing(_draw_scoreboard, board, movable=False)
         (folder / "scoreboard.csv").write_text(board.to_dataframe().to_csv(index=False), "utf-8")
-    if reproduction.errata:
+    if reproduction.all_errata:
         drawings["errata"] = Drawing(draw_formula_errors, reproduction.pulses)
     for figure in reproduction.figures:
         name = figure.published.name

@@ -17,13 +17,13 @@ from ..evaluation.evaluate import scoreboard
 from ..evaluation.scoreboard import Scoreboard, percentage
 from ..frozen import ShortDir
 from ..notebook.drawing import note, numbers, page
-from ..representation import short
+from ..representation import listed, short
 from ..simulation.simulate import DEFAULT_RTOL
 from ..validation.keywords import checked_arguments
 from ..validation.objects import Progress
 from ..verification.verify import Verdict, verify
-from .figures import Figure, figure_chains, reproduce_figure
-from .listed_errata import Erratum, errata, errata_chains
+from .figures import LAYOUTS, RECALIBRATED, Figure, figure_chains, reproduce_figure
+from .listed_errata import CONCERNED, Erratum, errata, errata_chains
 from .published import Fit, published_figures, published_tables
 from .simulated_chains import Pulses, integrate_chains
 from .tables import WINDOWS, Table, reproduce_table, table_chains
@@ -77,6 +77,7 @@ class Reproduction(ShortDir):
     windows: Mapping[Fit, Window] = field(default_factory=lambda: WINDOWS)
     scoreboard: Scoreboard | None = None
     verification: tuple[Verdict, ...] = ()
+    all_errata: bool = False
 
     @property
     def entries(self) -> int:
@@ -157,16 +158,17 @@ class Reproduction(ShortDir):
             parts.append(("tables", sentence, self.agreeing_entries == self.entries))
         if self.figures:
             count = len(self.figures)
-            sentence = f"{self.holding_statements} of {count} figures pass their checks."
+            sentence = f"{self.holding_statements} of {count} figures pass their checks"
+            numbers = [figure.published.number for figure in self.figures]
+            if refitted := [str(n) for n in numbers if LAYOUTS[n].theory == RECALIBRATED]:
+                sentence += (
+                    f"; in figure{'s' * (len(refitted) > 1)} {listed(refitted)}, the constants of "
+                    "the modified BCA are recalibrated"
+                )
+            sentence += "."
             parts.append(("figures", sentence, self.holding_statements == count))
         if self.errata:
-            printed, corrected = printed_and_corrected_errors(self.pulses)
-            sentence = (
-                f"{len(self.errata)} errata are listed: the paper's four velocity formulas differ "
-                f"from the simulation by up to {printed:.0%} as printed and by up to "
-                f"{corrected:.0%} as corrected (for linear tapers, using the exact BCA product)."
-            )
-            parts.append(("errata", sentence, True))
+            parts.append(("errata", self._sentence_on_errata(), True))
         if self.scoreboard is not None:
             parts.append(("scoreboard", _best_theory(self.scoreboard), True))
         if self.verification:
@@ -176,6 +178,22 @@ class Reproduction(ShortDir):
             )
             parts.append(("verification", sentence, agreeing == count))
         return tuple(parts)
+
+    def _sentence_on_errata(self) -> str:
+        count = len(self.errata)
+        if not self.all_errata:
+            verb = "concerns" if count == 1 else "concern"
+            names = {name for each in self.errata for name in each.concerns}
+            chosen = [table.published.name for table in self.tables]
+            chosen += [figure.published.name for figure in self.figures]
+            shown = listed([name for name in chosen if name in names])
+            return f"{count} {'erratum' if count == 1 else 'errata'} {verb} {shown}."
+        printed, corrected = printed_and_corrected_errors(self.pulses)
+        return (
+            f"{count} errata are listed: the paper's four velocity formulas differ from the "
+            f"simulation by up to {printed:.0%} as printed and by up to {corrected:.0%} as "
+            "corrected (for linear tapers, using the exact BCA product)."
+        )
 
 
 def _reproduction_html(found: Reproduction) -> str:
@@ -251,7 +269,7 @@ def reproduce(
     figures = [name for name in published_figures() if name in parts]
     wanted: set[tuple[str, float]] = set()
     wanted.update(*map(table_chains, tables), *map(figure_chains, figures))
-    if "errata" in parts:
+    if "errata" in parts or not parts.isdisjoint(CONCERNED):
         wanted |= errata_chains()
     drifts: list[tuple[float, float]] = []
     # Most of the time, both are in compiled code, which runs in parallel.
@@ -263,7 +281,8 @@ def reproduce(
             reproduce_table(name, pulses, used[published_tables()[name].fit]) for name in tables
         ),
         figures=tuple(reproduce_figure(name, pulses) for name in figures),
-        errata=tuple(errata(pulses)) if "errata" in parts else (),
+        errata=_errata(pulses, parts),
+        all_errata="errata" in parts,
         pulses=pulses,
         energy_drift=max((energy for energy, _ in drifts), default=0.0),
         momentum_drift=max((momentum for _, momentum in drifts), default=0.0),
@@ -272,6 +291,13 @@ def reproduce(
         windows=used,
         verification=verification,
     )
+
+
+def _errata(pulses: Pulses, parts: set[str]) -> tuple[Erratum, ...]:
+    """All errata if they are requested, otherwise those of the requested tables and figures."""
+    if "errata" in parts:
+        return tuple(errata(pulses))
+    return () if parts.isdisjoint(CONCERNED) else tuple(errata(pulses, parts))
 
 
 @contextmanager

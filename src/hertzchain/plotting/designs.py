@@ -15,6 +15,7 @@ from ..designs.curves import Curve, initial_and_final
 from ..errors import InputError
 from .chains import bead_centres, draw_beads, material_legend
 from .gradients import bars_of_changes
+from .legends import place_legend
 from .style import COLOURS, MUCH, differ_much, figure_style, get_axes, label_log_axis, time_axis
 from .widths import figure_size
 
@@ -116,7 +117,7 @@ def _draw_lines(result: DesignResult, lines: Sequence[_Line], axes: Axes) -> Axe
     name, unit = ("force on the wall", " [N]") if walled else ("velocity $v_k$", " [m/s]")
     axes.set_ylabel(name + (unit if si else ""))
     axes.margins(x=0.0)
-    axes.legend()
+    place_legend(axes)
     return axes
 
 

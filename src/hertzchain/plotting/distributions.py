@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from matplotlib.axes import Axes
 
+from .legends import place_legend
 from .style import COLOURS, figure_style, get_axes, set_title
 from .titles import chain_title
 
@@ -23,7 +24,7 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
         axes.axvline(found.mean, color=COLOURS[2], linestyle="--", label="mean")
         axes.set_xlabel(found.label + (f" [{found.unit}]" if found.unit != "1" else ""))
         axes.set_ylabel("number of chains")
-        axes.legend()
+        place_legend(axes, own=ax is None)
         set_title(axes, f"{chain_title(found.chain)}, {_deviations(found.scatter)}")
     return axes
 

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..fitting.goodness import autocorrelation
+from .legends import place_legend
 from .style import COLOURS, figure_style, get_axes, seconds_axis
 from .widths import figure_size
 
@@ -44,7 +45,7 @@ def plot_traces(traces: Traces, *, ax: Axes | None = None) -> Axes:
         axes.set_xlabel(label)
         axes.set_ylabel(f"signal [{units}]")
         axes.margins(x=0.0)
-        axes.legend()
+        place_legend(axes, own=ax is None)
     return axes
 
 
@@ -170,7 +171,7 @@ def plot_fit_residuals(result: FitResult) -> Figure:
                   label="normal")  # fmt: skip
         left.set_xlabel("residual / noise")
         left.set_ylabel("density")
-        left.legend()
+        place_legend(left)
         bound = 2.0 / np.sqrt(result.goodness.samples / max(1, len(result.residuals())))
         right.axhspan(-bound, bound, color="0.85")
         right.axhline(0.0, color="black", linewidth=0.6)
@@ -219,7 +220,7 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
             if i >= count - columns:
                 axes.set_xlabel(label)
                 axes.tick_params(labelbottom=True)
-        panels[0, 0].legend()
+        place_legend(panels[0, 0])
     return figure
 
 

@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from ..collision import Array
 from ..designs.measures import parse_measure
 from ..errors import InputError
+from .legends import place_legend
 from .style import COLOURS, figure_style, get_axes, set_title
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def bars_of_changes(axes: Axes, larger: Array, smaller: Array) -> bool:
         (-0.2, larger, COLOURS[3], "+1%"), (0.2, smaller, COLOURS[1], "\N{MINUS SIGN}1%"),
     ):  # fmt: skip
         axes.bar(beads + shift, values, 0.4, color=colour, label=label)
-    axes.legend()
+    place_legend(axes)
     return True
 
 

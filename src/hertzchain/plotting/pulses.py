@@ -17,6 +17,7 @@ from ..pulse.quantities import QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_list, check_type
 from .labels import distinguish
+from .legends import place_legend
 from .style import (
     COLOURS,
     MARKERS,
@@ -32,6 +33,8 @@ from .titles import chain_words
 FREE: Final = ("velocity", "momentum", "energy")
 # Smallest factor by which the last value exceeds the continuation of those before it.
 JUMP: Final = 1.2
+# Opacity of the band of a spread.
+BAND: Final = 0.25
 
 
 @checked_arguments("plot_pulses")
@@ -42,13 +45,15 @@ def plot_pulses(
     labels: Sequence[str] | None = None,
     log: bool = False,
     residuals: bool = False,
+    legend: bool = True,
     ax: Axes | None = None,
 ) -> Axes:
     r"""Plot one quantity of several pulses against the bead number.
 
     By default a label states what distinguishes a pulse from the others (its method, taper, rate,
     number of beads, ...); the title has the parts that all of them share.  If the last
-    bead leaves a free end at a larger velocity, its value has a filled symbol without a line.
+    bead leaves a free end at a larger velocity, its value has a filled symbol without a line.  A
+    shaded band shows the spread of a pulse by `disorder`: one standard deviation over lots.
 
     Parameters
     ----------
@@ -63,6 +68,9 @@ def plot_pulses(
     residuals : bool
         Whether a panel below shows the relative differences from the first pulse,
         :math:`Q / Q_\mathrm{first} - 1`, at the beads that both have.
+    legend : bool
+        Whether to add a legend, which is above the axes if it would cover data inside them.  For
+        a common legend of several axes, use ``figure.legend(*axes.get_legend_handles_labels())``.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into, without a panel of residuals.  By default, a new figure is created.
 
@@ -89,6 +97,7 @@ def plot_pulses(
     """
     pulses = _checked(pulses, quantity)
     log, residuals = check_bool("log", log), check_bool("residuals", residuals)
+    legend = check_bool("legend", legend)
     names, title = distinguish(_words(pulses))
     if labels is not None:
         names = check_list("labels", labels, "labels")
@@ -103,10 +112,12 @@ def plot_pulses(
         axes, lower = _axes(ax, residuals=residuals)
         for i, (pulse, name) in enumerate(zip(pulses, names, strict=True)):
             values = pulse.columns()[quantity]
-            if free := _ends_free(pulse, quantity):
+            free = _ends_free(pulse, quantity)
+            _draw_spread(axes, pulse, quantity, i, free=free)
+            if free:
                 _draw_free_end(axes, pulse, values[-1], i)
             _draw(axes, pulse, values[:-1] if free else values, i, literal(str(name)))
-        _label_free_ends(axes, pulses, quantity)
+        _label_parts(axes, pulses, quantity)
         row = QUANTITIES[quantity]
         axes.set_ylabel(row.label_in(pulses[0].chain.units))
         axes.set_yscale("log" if log else "linear")
@@ -118,7 +129,8 @@ def plot_pulses(
         if lower is not None:
             _draw_residuals(lower, pulses, quantity)
         set_title(axes, literal(title))
-        axes.legend()
+        if legend:
+            place_legend(axes, own=ax is None)
     return axes
 
 
@@ -175,7 +187,30 @@ def _draw_free_end(axes: Axes, pulse: Pulse, value: float, i: int) -> None:
     axes.plot(pulse.bead[-1:], [value], color=colour, marker=marker, linestyle="none")
 
 
-def _label_free_ends(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
+def _spread(pulse: Pulse, quantity: str) -> Array | None:
+    """Standard deviation of the logarithm of a quantity over lots of beads, if it is known."""
+    name = f"{quantity}_spread"
+    return pulse.column(name) if name in QUANTITIES else None
+
+
+def _draw_spread(axes: Axes, pulse: Pulse, quantity: str, i: int, *, free: bool) -> None:
+    """A band of one standard deviation, and a bar of this height at a free end."""
+    spread = _spread(pulse, quantity)
+    if spread is None:
+        return
+    values = pulse.columns()[quantity]
+    bead, low, high = pulse.bead[: len(values)], values * np.exp(-spread), values * np.exp(spread)
+    colour, end = COLOURS[i % len(COLOURS)], len(values) - free
+    axes.fill_between(bead[:end], low[:end], high[:end], color=colour, alpha=BAND, linewidth=0.0)
+    if free:
+        axes.vlines(bead[-1], low[-1], high[-1], color=colour, alpha=BAND, linewidth=3.0)
+
+
+def _label_parts(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
+    """Labels of symbols at free ends, and of bands."""
+    if any(_spread(pulse, quantity) is not None for pulse in pulses):
+        axes.fill_between([], [], [], color="0.4", alpha=BAND, linewidth=0.0,
+                          label="one standard deviation of lots")  # fmt: skip
     if any(_ends_free(pulse, quantity) for pulse in pulses):
         label = "last bead (free end)"
         axes.plot([], [], color="0.4", marker=MARKERS[0], linestyle="none", label=label)

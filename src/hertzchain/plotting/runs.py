@@ -23,6 +23,7 @@ from ..simulation.wall_force import walls_of
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice, check_list, text
+from .legends import place_legend
 from .style import (
     COLOURS,
     differ_much,
@@ -203,7 +204,7 @@ def plot_forces(
         set_title(axes, chain_title(run.chain))
         axes.margins(x=0.0)
         mark_horizon(axes, run.known_horizon, factor)
-        axes.legend()
+        place_legend(axes, own=ax is None)
     return axes
 
 

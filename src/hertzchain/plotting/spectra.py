@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
 from ..chain.chain import Chain
@@ -22,9 +23,10 @@ from .style import COLOURS, figure_style, get_axes, set_title
 from .titles import chain_title
 
 KINDS: Final = ("bands", "modes")
-# Phases of a curve, and frequencies of a transfer function.
+# Phases of a curve, and frequencies of a transfer function; none of these is the highest mode,
+# which is at the fraction 1 / ROOM of them.
 PHASES: Final = 201
-FREQUENCIES: Final = 2000
+FREQUENCIES: Final = 2001
 # Upper end of a frequency axis, relative to the highest band or mode.
 ROOM: Final = 1.25
 ROOM_FOR_LEGEND: Final = 1.4
@@ -32,6 +34,10 @@ ROOM_FOR_LEGEND: Final = 1.4
 WIDE: Final = 4.4
 # Range of the amplitudes that are drawn.
 DECADES: Final = 8.0
+# Without loss, peaks leave the frame at this multiple of the largest running median, which
+# contains no peak that is narrower than half of this number of frequencies.
+PEAK: Final = 30.0
+RUNNING: Final = 9
 
 
 def plot_spectrum(
@@ -94,9 +100,8 @@ def plot_transfer(
     with figure_style():
         axes = get_axes(ax)
         axes.semilogy(factor * shown, size, color=COLOURS[1], linewidth=0.9)
-        known = size[np.isfinite(size) & (size > 0.0)]
-        if len(known):
-            axes.set_ylim(max(known.min(), 10.0**-DECADES * known.max()), 3.0 * known.max())
+        if limits := _amplitudes(size, lossless=not spectrum.contacts.dampers.any()):
+            axes.set_ylim(*limits)
         axes.set_xlim(factor * shown[0], factor * shown[-1])
         gaps = None if _edges(spectrum, None, required=False) is None else spectrum.gaps()
         _shade(axes.axvspan, gaps, factor, shown[-1])
@@ -106,6 +111,19 @@ def plot_transfer(
         joined = "on" if drive == "force" else "of"
         set_title(axes, f"{chain_title(spectrum.chain)}, {drive} {joined} {place}")
     return axes
+
+
+def _amplitudes(size: Array, *, lossless: bool) -> tuple[float, float] | None:
+    """Limits of the amplitudes; without loss, those of the highest peaks depend on the grid."""
+    known = size[np.isfinite(size) & (size > 0.0)]
+    if not len(known):
+        return None
+    top = 3.0 * known.max()
+    if lossless:
+        padded = np.pad(known, RUNNING // 2, "edge")
+        typical = np.median(sliding_window_view(padded, RUNNING), axis=1).max()
+        top = min(top, PEAK * typical)
+    return max(known.min(), 10.0**-DECADES * top), top
 
 
 def frequency_axis(chain: Chain) -> tuple[float, str]:

@@ -21,6 +21,7 @@ from ..units import PERCENT
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list, check_type
+from .legends import place_legend
 from .style import COLOURS, MARKERS, figure_style, label_log_axis, literal, set_title
 
 if TYPE_CHECKING:
@@ -294,7 +295,7 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, 
     axes.set_yscale("log" if log else "linear")
     _set_axis(axes, "x", drawn[along])
     if marked or by in drawn.dims:
-        axes.legend()
+        place_legend(axes)
 
 
 def _curve_label(curve: xr.DataArray, by: str) -> str | None:

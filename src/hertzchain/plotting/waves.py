@@ -7,6 +7,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ..simulation.waves import DIRECTIONS, Waves
 from ..validation.keywords import checked_arguments
+from .legends import place_legend
 from .style import COLOURS, figure_style, get_axes, set_title, time_axis
 from .titles import chain_title
 
@@ -52,5 +53,5 @@ def plot_waves(waves: Waves, *, ax: Axes | None = None) -> Axes:
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
         set_title(axes, chain_title(waves.chain))
         if len(waves):
-            axes.legend()
+            place_legend(axes, own=ax is None)
     return axes

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, warn_user
-from ..representation import short
+from ..representation import percent, short
 from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_type
@@ -180,7 +180,7 @@ class Comparison:
 
     def __repr__(self) -> str:
         worst = [
-            f"{name} {self.worst(name):.2%} (k = {self.worst_bead(name)})"
+            f"{name} {percent(self.worst(name))} (k = {self.worst_bead(name)})"
             for name in self.quantities
             if not np.isnan(self.errors(name)[1:]).all()
         ]
@@ -199,8 +199,8 @@ class Comparison:
         for name in self.quantities:
             if np.isnan(self.errors(name)[1:]).all():
                 continue  # Two beads have one contact; a run may not have determined other values.
-            worst, at, rms = self.worst(name), self.worst_bead(name), self.rms(name)
-            lines.append(f"  {name:<{width}}{worst:>10.2%}{at:>6}{rms:>10.2%}")
+            worst, rms = percent(self.worst(name)), percent(self.rms(name))
+            lines.append(f"  {name:<{width}}{worst:>10}{self.worst_bead(name):>6}{rms:>10}")
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:

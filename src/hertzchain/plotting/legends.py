@@ -1,0 +1,141 @@
+"""Place legends where they cover no data."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import Collection, PathCollection
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.path import Path
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+# Corners first.
+PLACES: Final = (
+    "upper right", "upper left", "lower left", "lower right", "center left", "center right",
+    "upper center", "lower center", "center",
+)  # fmt: skip
+# Distance [points] of a legend from data.
+CLEARANCE: Final = 2.0
+# Handles and columns of a legend above the axes, in units of the font size.
+COMPACT: Final[dict[str, Any]] = {
+    "handlelength": 1.6, "columnspacing": 1.2, "borderpad": 0.2, "borderaxespad": 0.3,
+}  # fmt: skip
+# Largest height of a legend above axes in a figure of somebody else, relative to the axes.
+MAX_SHARE: Final = 0.5
+# Distance [points] of a title from a legend, whose height varies with the resolution of a file.
+TITLE_DISTANCE: Final = 8.0
+ROUNDING: Final = 1.05
+POINTS_PER_INCH: Final = 72.0
+
+
+def place_legend(axes: Axes, *, own: bool = False) -> None:
+    """Add a legend at a place inside the axes where it covers no data, otherwise above the axes.
+
+    A legend above the axes is below their title.  A figure that was made for these axes becomes
+    taller by the height of the legend, which leaves the axes their size.  In other figures, a
+    legend that is wider than the axes, or takes most of their height, is where it covers least.
+    """
+    legend = axes.legend(loc=PLACES[0])
+    _figure(axes).draw_without_rendering()
+    width, height = legend.get_window_extent().size
+    if width <= axes.bbox.width and height <= axes.bbox.height:
+        for place in PLACES:
+            legend.set_loc(place)
+            if not covers_data(legend):
+                return
+    if not _place_above(axes, own=own):
+        # Its text stays legible on the data below it.
+        axes.legend(loc="best", frameon=True, facecolor="white", edgecolor="none", framealpha=0.8)
+
+
+def covers_data(legend: Legend) -> bool:
+    """Whether curves, symbols, bars or texts of the axes are in the box of a legend."""
+    axes: Axes = legend.axes
+    scale = _figure(axes).dpi / POINTS_PER_INCH
+    box = legend.get_window_extent().padded(scale * CLEARANCE)
+    return any(
+        _meets(artist, axes, box, scale)
+        for artist in axes.get_children()
+        if artist.get_visible() and artist not in (legend, axes.patch)
+    )
+
+
+def _meets(artist: object, axes: Axes, box: Bbox, scale: float) -> bool:
+    if isinstance(artist, Line2D):
+        return _line_meets(artist, box, scale)
+    if isinstance(artist, Patch):
+        return _patch_meets(artist, axes, box)
+    if isinstance(artist, PathCollection):
+        places = artist.get_offset_transform().transform(artist.get_offsets())
+        return bool(box.count_contains(places))
+    if isinstance(artist, Collection):
+        # Bands between two curves.
+        transform = artist.get_transform()
+        paths = [transform.transform_path(path) for path in artist.get_paths()]
+        return any(
+            path.intersects_bbox(box, filled=True) for path in paths if np.size(path.vertices)
+        )
+    if isinstance(artist, Text):
+        return bool(artist.get_text().strip()) and bool(box.overlaps(artist.get_window_extent()))
+    return False
+
+
+def _line_meets(line: Line2D, box: Bbox, scale: float) -> bool:
+    points = line.get_transform().transform(line.get_xydata())
+    points = points[np.isfinite(points).all(axis=1)]
+    if not len(points):
+        return False
+    symbols = line.get_marker() not in ("None", "none", "", " ", None)
+    wide = box.padded(0.5 * scale * line.get_markersize()) if symbols else box
+    if wide.count_contains(points):
+        return True
+    joined = line.get_linestyle() not in ("None", "none", "", " ")
+    return joined and bool(Path(points).intersects_bbox(box, filled=False))
+
+
+def _patch_meets(patch: Patch, axes: Axes, box: Bbox) -> bool:
+    """Bars and other areas; shaded ranges, which cross the whole axes, are a background."""
+    placed_by_data = patch.get_data_transform() == axes.transData
+    return placed_by_data and bool(box.overlaps(patch.get_window_extent()))
+
+
+def _place_above(axes: Axes, *, own: bool) -> bool:
+    """Put the legend between the axes and their title; false if these have no room for it."""
+    figure = _figure(axes)
+    # In a figure of its own, a legend may also be above the labels of the y axis.
+    left = figure.bbox.x0 if own else axes.bbox.x0
+    for columns in range(len(axes.get_legend_handles_labels()[1]), 0, -1):
+        legend = _above(axes, columns)
+        width, height = legend.get_window_extent().size
+        if width <= axes.bbox.x1 - left:
+            break
+    if not own and (width > axes.bbox.width or height > MAX_SHARE * axes.bbox.height):
+        return False
+    if width > axes.bbox.width:
+        _above(axes, columns, right=True)
+    inches = height / figure.dpi
+    if title := axes.get_title():
+        axes.set_title(title, pad=TITLE_DISTANCE + ROUNDING * POINTS_PER_INCH * inches)
+    if own:
+        figure.set_figheight(figure.get_figheight() + inches)
+    return True
+
+
+def _above(axes: Axes, columns: int, *, right: bool = False) -> Legend:
+    place: dict[str, Any] = {
+        "loc": "lower right" if right else "lower left",
+        "bbox_to_anchor": (float(right), 1.0),
+    }
+    return axes.legend(ncols=columns, **place, **COMPACT)
+
+
+def _figure(axes: Axes) -> Figure:
+    """The figure of axes, which may be in a part of it."""
+    figure = axes.figure
+    return figure if isinstance(figure, Figure) else figure.figure

@@ -1,0 +1,152 @@
+"""Legends against the places of the data in a figure, at widths of journals and in panels."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.plotting.legends import place_legend
+
+TAPERS = {"backward-linear": 0.3, "backward-exponential": 0.05,
+          "forward-linear": 0.009, "forward-exponential": 0.03}  # fmt: skip
+COLUMN = 86.0 / 25.4
+
+
+@pytest.fixture(autouse=True)
+def _close():
+    yield
+    plt.close("all")
+
+
+def four_tapers(beads):
+    return [hc.propagate(hc.Chain.tapered(name, q, beads=beads)) for name, q in TAPERS.items()]
+
+
+def data_in(axes, box):
+    """Number of points in a box, on curves with many points between neighbouring data."""
+    found = 0
+    for line in axes.lines:
+        points = line.get_transform().transform(np.asarray(line.get_xydata(), float))
+        points = points[np.isfinite(points).all(axis=1)]
+        if line.get_linestyle() != "None" and len(points) > 1:
+            place = np.linspace(0.0, len(points) - 1.0, 20 * len(points))
+            points = np.column_stack(
+                [np.interp(place, np.arange(len(points)), each) for each in points.T]
+            )
+        found += box.count_contains(points)
+    return found
+
+
+def assert_nothing_is_covered(axes):
+    figure = axes.figure
+    for dpi in (100, 300):
+        figure.set_dpi(dpi)
+        figure.draw_without_rendering()
+        box = axes.get_legend().get_window_extent()
+        assert data_in(axes, box) == 0
+        for other in figure.axes:
+            if other is not axes:
+                assert not box.overlaps(other.get_window_extent())
+        assert figure.bbox.x0 <= box.x0
+        assert box.x1 <= figure.bbox.x1
+        assert box.y1 <= figure.bbox.y1
+        if axes.get_title():
+            assert not box.overlaps(axes.title.get_window_extent())
+
+
+@pytest.mark.parametrize("log", [True, False])
+@pytest.mark.parametrize("beads", [100, 60])
+@pytest.mark.parametrize("quantity", ["momentum", "velocity", "energy", "arrival", "peak_force"])
+def test_pulses_in_a_column_are_not_covered(quantity, beads, log):
+    with hc.figure_style("single column"):
+        axes = hc.plot_pulses(four_tapers(beads), quantity, log=log)
+    assert_nothing_is_covered(axes)
+    assert axes.figure.get_figwidth() == pytest.approx(COLUMN)
+    # The axes keep their height.
+    assert axes.bbox.height / axes.figure.dpi > 0.65 * 0.72 * COLUMN
+
+
+@pytest.mark.parametrize("width", [None, "single column", "double column"])
+@pytest.mark.parametrize("residuals", [True, False])
+def test_comparisons_are_not_covered(residuals, width):
+    chain = hc.Chain.tapered("forward-linear", 0.015, beads=40)
+    pulses = [hc.propagate(chain), hc.bca(chain), hc.local_rate(chain)]
+    with hc.figure_style(width):
+        assert_nothing_is_covered(hc.plot_pulses(pulses, log=True, residuals=residuals))
+
+
+def test_long_legends_are_between_the_axes_and_their_title():
+    pulses = four_tapers(60)
+    axes = hc.plot_pulses([*pulses, *(hc.bca(each.chain) for each in pulses)], log=True)
+    assert_nothing_is_covered(axes)
+    assert axes.get_legend().get_window_extent().y0 >= axes.bbox.y1
+    assert axes.get_title() == "60 beads"
+
+
+def test_forces_and_waves_in_a_column_are_not_covered():
+    run = hc.simulate(hc.Chain.uniform(24).replace(right_wall=hc.Wall()), until=90.0, times=2000)
+    with hc.figure_style("single column"):
+        for axes in (run.plot_forces([3, 6, 9, 12, 15, 18, 21, "wall"]), run.waves().plot()):
+            assert_nothing_is_covered(axes)
+
+
+def test_a_legend_is_inside_the_axes_if_there_is_room():
+    with hc.figure_style("single column"):
+        axes = hc.propagate(hc.Chain.uniform(20)).plot("velocity")
+    axes.figure.draw_without_rendering()
+    legend = axes.get_legend().get_window_extent()
+    assert axes.bbox.contains(*legend.min)
+    assert axes.bbox.contains(*legend.max)
+    assert (25.4 * axes.figure.get_size_inches()).round(1).tolist() == [86.0, 61.9]
+
+
+def test_panels_of_a_given_figure_keep_their_size_and_their_neighbours():
+    figure, panels = plt.subplots(1, 2, figsize=(9.0, 4.0), layout="constrained")
+    for axes, quantity in zip(panels, ("momentum", "velocity"), strict=True):
+        hc.plot_pulses(four_tapers(60), quantity, log=True, ax=axes)
+    assert figure.get_size_inches().tolist() == [9.0, 4.0]
+    for axes in panels:
+        assert_nothing_is_covered(axes)
+    # A panel without room above keeps its axes and a legible legend.
+    _, small = plt.subplots(2, 3, figsize=(6.0, 3.0), layout="constrained")
+    axes = hc.plot_pulses(four_tapers(60), "velocity", log=True, ax=small[1, 2])
+    assert axes.get_legend().get_frame_on()
+    axes.figure.draw_without_rendering()
+    assert axes.bbox.height > 0.2 * axes.figure.bbox.height
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        lambda axes: axes.bar([0.5], [1.0], width=0.99, label="most of the axes"),
+        lambda axes: axes.scatter(*np.random.default_rng(1).random((2, 2000)), label="points"),
+        lambda axes: axes.fill_between([0.0, 1.0], [0.0, 0.02], [0.98, 1.0], label="band"),
+    ],
+)
+def test_bars_points_and_bands_count_as_data(draw):
+    with hc.figure_style("single column"):
+        _, axes = plt.subplots()
+        draw(axes)
+        axes.margins(0.0)
+        place_legend(axes, own=True)
+    assert axes.get_legend().get_window_extent().y0 >= axes.bbox.y1
+
+
+def test_texts_count_as_data():
+    with hc.figure_style("single column"):
+        _, axes = plt.subplots()
+        axes.plot([0.0, 0.5], [0.0, 0.5], "o", label="points")
+        axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+        text = axes.text(0.6, 0.9, "a note at the right")
+        place_legend(axes, own=True)
+    legend = axes.get_legend().get_window_extent()
+    assert legend.y1 < axes.bbox.y1
+    assert not legend.overlaps(text.get_window_extent())
+
+
+def test_shaded_ranges_do_not_count_as_data():
+    _, axes = plt.subplots()
+    axes.axvspan(0.0, 1.0, color="0.9")
+    axes.plot([0.0, 1.0], [0.0, 1.0], label="line")
+    place_legend(axes)
+    assert axes.get_legend().get_window_extent().y1 < axes.bbox.y1

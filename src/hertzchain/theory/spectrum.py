@@ -252,8 +252,7 @@ class Spectrum(BandStructure):
     ) -> Axes:
         """Plot the amplitude of a contact force under a steady drive over its frequency.
 
-        The band gaps are shaded if the chain repeats.  Resonances without loss, whose peaks are
-        infinite, leave the frame.
+        Band gaps are shaded if the chain repeats; infinite resonances leave the frame.
 
         Parameters
         ----------

@@ -56,7 +56,7 @@ for number, (name, pulse) in enumerate(pulses.items()):
         error = abs(pulse.velocity / exact - 1)[inner]
         right.semilogy(np.arange(5, 98), error, dashes, color=colour)
         right.annotate(name, (97, error[-1]), xytext=(5, 0), textcoords="offset points",
-                       ha="left", va="center", color=colour)  # fmt: skip
+                       ha="left", va="center", color=colour)
 left.set_title("Velocity of the pulse")
 left.set_xlabel("bead $k$")
 left.set_ylabel("velocity")

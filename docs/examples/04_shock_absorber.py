@@ -108,7 +108,7 @@ shown = axes.pcolormesh(numbers, numbers, table, shading="nearest", cmap="viridi
 i, j = pairs[increase.argmin()]
 for across, up in ((i + 1, j + 1), (j + 1, i + 1)):
     axes.plot(across, up, "o", markersize=11, markerfacecolor="none", markeredgecolor="#D55E00",
-              markeredgewidth=2.5)  # fmt: skip
+              markeredgewidth=2.5)
 axes.set_aspect("equal")
 axes.set_xticks(numbers[::2])
 axes.set_yticks(numbers[::2])
@@ -154,4 +154,4 @@ print(textwrap.fill(", ".join(f"{2e3 * radius:g}" for radius in best) + " mm", 7
 fifty = np.full(50, 2e-3)
 ratio = row(fifty).masses[1:].sum() / row(best).masses[1:].sum()
 print(f"for comparison, fifty equal balls of 4 mm: {peak_forces([row(fifty)])[0]:.2f} N, "
-      f"{2e3 * fifty.sum():.0f} mm, {ratio:.1%} of the mass")  # fmt: skip
+      f"{2e3 * fifty.sum():.0f} mm, {ratio:.1%} of the mass")

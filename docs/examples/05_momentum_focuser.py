@@ -47,7 +47,7 @@ axes.set_ylabel(r"$\partial\ln P_{20} / \partial\ln R_j$")
 # effect of first order:
 
 problem = hc.Design(taper, maximise="momentum@last",
-                    vary=[hc.vary.radii(0.5, LAST, beads="2:19")])  # fmt: skip
+                    vary=[hc.vary.radii(0.5, LAST, beads="2:19")])
 found = hc.design(problem, budget=300)
 largest = np.abs(sensitivity(found.chain)[1][1:-1]).max()
 print(f"method: {found.method}; largest remaining sensitivity: {largest:.1e}")

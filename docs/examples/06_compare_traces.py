@@ -67,12 +67,12 @@ nominal = hc.load_chain(chain_file)
 stiffness = minimize_scalar(
     lambda factor: differ(nominal.replace(stiffness=factor * nominal.stiffness)),
     bounds=(0.85, 1.1), method="bounded", options={"xatol": 1e-3},
-).x  # fmt: skip
+).x
 softer = nominal.replace(stiffness=stiffness * nominal.stiffness)
 loss_time = minimize_scalar(
     lambda time: differ(softer.replace(loss=hc.Viscoelastic(time))),
     bounds=(0.1e-6, 1.5e-6), method="bounded", options={"xatol": 1e-8},
-).x  # fmt: skip
+).x
 adjusted = softer.replace(loss=hc.Viscoelastic(loss_time))
 
 better = hc.simulate(adjusted, until=600e-6, times=1201).compare(traces)

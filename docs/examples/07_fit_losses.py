@@ -40,7 +40,7 @@ rows = range(1, len(names))
 axes.plot(scores[1:], rows, "o")
 for row, score in zip(rows, scores[1:], strict=True):
     axes.annotate(f"{score:.0f}", (score, row), xytext=(7, 0), textcoords="offset points",
-                  va="center")  # fmt: skip
+                  va="center")
 axes.annotate("the best law", (1.2, 0), va="center")
 axes.axvline(10, color="0.4", linestyle="--", linewidth=0.9)
 axes.annotate("decisive beyond 10", (11, 0), va="center", color="0.4")

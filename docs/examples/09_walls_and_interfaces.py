@@ -95,7 +95,7 @@ for axes, radius in zip(panels, (0.5, 2.0), strict=True):
 same = np.interp(np.log(np.sqrt(2)), np.log(stiffness), peak) / chain_force
 print(f"a wall of the same material carries {same:.2f} times the force in the chain")
 print(f"the largest force of any wall is {peak.max() / chain_force:.2f} times that in the chain, "
-      f"at stiffness {stiffness[peak.argmax()]:.2g}")  # fmt: skip
+      f"at stiffness {stiffness[peak.argmax()]:.2g}")
 for radius in (0.5, 2.0):
     k = int(np.flatnonzero(radii == radius)[0])
     print(f"radius {radius:g}: {transmitted[k]:.1%} transmitted, {reflected[k]:.1%} reflected")

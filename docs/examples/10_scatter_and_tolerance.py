@@ -40,7 +40,7 @@ figure, axes = plt.subplots(figsize=(6.4, 4.0))
 axes.boxplot(
     [each / nominal for each in forces], whis=(5, 95), showfliers=False,
     tick_labels=[f"{100 * scatter:g}%" for scatter in scatters],
-)  # fmt: skip
+)
 axes.axhline(1.0, color="0.6", linewidth=0.7)
 axes.set_title("Peak force on the wall in 300 rows; whiskers: 5% and 95%")
 axes.set_xlabel("standard deviation of the radii")
@@ -95,4 +95,4 @@ for axes in (top, bottom):
 print(f"balls of grade 100 change the peak force by {spread[100]:.2%} (one standard deviation)")
 print(f"a scatter of 5% in radius lowers its median by {1 - np.median(forces[4]) / nominal:.0%}")
 print(f"the peak overlap is only {overlap:.1f} µm; a gap of 1 µm delays the peak by "
-      f"{later[4]:.1f} µs")  # fmt: skip
+      f"{later[4]:.1f} µs")

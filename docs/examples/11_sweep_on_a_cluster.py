@@ -75,4 +75,4 @@ force = complete.wall_peak_force.squeeze()
 least = force.isel(force.argmin(...))
 print(f"the merged and resumed sweep equals that of one process: {same}")
 print(f"smallest force of {force.size} chains: {least:.3f}, at rate {least.rate:g} and wall "
-      f"stiffness {least.stiffness:g}")  # fmt: skip
+      f"stiffness {least.stiffness:g}")

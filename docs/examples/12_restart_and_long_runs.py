@@ -68,7 +68,7 @@ early = run.times < 150
 right.pcolormesh(
     run.times[early], np.arange(1, 41), run.velocities[early].T, cmap="RdBu_r", vmin=-1, vmax=1,
     shading="nearest", rasterized=True,
-)  # fmt: skip
+)
 right.set_title("Velocities at the beginning")
 right.set_xlabel("time $t$")
 right.set_ylabel("bead $k$")

@@ -1,6 +1,6 @@
 """
-How do you draw a figure that a journal prints?
-===============================================
+How do you make a figure for a journal?
+=======================================
 
 A journal asks for vector graphics of a column's width, text of at least 7 points, and colours
 that remain different in grey.  What is needed for that?
@@ -46,13 +46,13 @@ with hc.figure_style("single column"):
     k = exact.bead
     for pulse, label, dashes in (
         (exact, "simulation", "-"), (bca, "BCA", "--"), (law, "local-rate law", ":"),
-    ):  # fmt: skip
+    ):
         middle.semilogy(k, pulse.velocity, dashes, color="black" if dashes == "-" else None,
-                        linewidth=2.2 if dashes == ":" else 1.0, label=label)  # fmt: skip
+                        linewidth=2.2 if dashes == ":" else 1.0, label=label)
         if dashes != "-":
             error = abs(pulse.velocity / exact.velocity - 1.0)
             bottom.semilogy(k[1:-3], error[1:-3], dashes,
-                            color=middle.lines[-1].get_color())  # fmt: skip
+                            color=middle.lines[-1].get_color())
     middle.set_yticks([1, 2, 3], ["1", "2", "3"])
     middle.minorticks_off()
     bottom.set_yticks([1e-6, 1e-4, 1e-2, 1.0])
@@ -77,7 +77,7 @@ with hc.figure_style("single column"):
     shown = axes.pcolormesh(
         run.times, np.arange(1, chain.beads + 1), run.velocities.T, shading="nearest",
         rasterized=True, cmap="magma_r", vmin=0,
-    )  # fmt: skip
+    )
     axes.set_xlabel("time $t$")
     axes.set_ylabel("bead $k$")
     figure_map.colorbar(shown, label="velocity $v_k(t)$")
@@ -100,5 +100,5 @@ figure_map.savefig(folder / "map.pdf", dpi=300, metadata={"CreationDate": None})
 smallest = min(text.get_fontsize() for text in figure.findobj(plt.Text) if text.get_text())
 width, height = figure.get_size_inches()
 print(f"velocity.pdf: {width:.2f} by {height:.2f} inches, {smallest:.1f} points or larger, "
-      f"{(folder / 'velocity.pdf').stat().st_size / 1024:.0f} kB")  # fmt: skip
+      f"{(folder / 'velocity.pdf').stat().st_size / 1024:.0f} kB")
 print(f"map.pdf: {(folder / 'map.pdf').stat().st_size / 1024:.0f} kB")

@@ -106,6 +106,6 @@ worst, worst_bca = (
     abs(pulse.compare(exact).errors("velocity")[inner]).max() for pulse in (mine, bca)
 )
 print(f"largest error of the theory, beads 5 to 59: {worst:.1%} "
-      f"(BCA: {worst_bca:.1%})")  # fmt: skip
+      f"(BCA: {worst_bca:.1%})")
 for name, values in shared.items():
     print(f"{name:16} {values[28]:.2f} beads share the energy when bead 30 is fastest")

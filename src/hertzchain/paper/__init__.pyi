@@ -1,6 +1,6 @@
+from .erratum import Erratum as Erratum
 from .figures import draw_figure as draw_figure
 from .figures import reproduce_figure as reproduce_figure
-from .listed_errata import Erratum as Erratum
 from .listed_errata import errata as errata
 from .report import verdict as verdict
 from .report import write_report as write_report

@@ -7,7 +7,6 @@ Errors of velocity formulas are the largest relative errors over beads 5..80 of 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -17,7 +16,6 @@ from ..chain.chain import Chain
 from ..chain.tapers import rate_symbol
 from ..chain.walls import Wall
 from ..propagation.propagate import propagate
-from ..representation import short
 from ..simulation.simulate import simulate
 from ..theory.bca import (
     backward_linear_prefactor,
@@ -26,6 +24,7 @@ from ..theory.bca import (
     forward_linear_momentum_slope,
 )
 from ..validation.keywords import checked_arguments
+from .erratum import Erratum, Evidence
 from .published import (
     published_correction,
     published_figures,
@@ -39,40 +38,8 @@ from .velocity_formulas import (
     worst_errors,
 )
 
-Evidence = tuple[tuple[str, str], ...]
 # Tables and figures that an erratum concerns.
 CONCERNED: Final = frozenset({"table3", *(f"figure{number}" for number in range(1, 15))})
-
-
-@dataclass(frozen=True)
-class Erratum:
-    """A printed statement that contradicts the paper's own equations or the simulation.
-
-    Attributes
-    ----------
-    place : str
-        Place in the paper.
-    printed, follows : str
-        Printed statement, and the statement that follows from the paper's equations or from
-        the simulation.
-    evidence : tuple of (str, str)
-        Names and values of the computed quantities.
-    concerns : tuple of str
-        Names of the tables and figures whose content or caption is concerned.
-    inference : bool
-        Whether the correction is inferred from the numbers instead of following from the
-        paper's equations.
-    """
-
-    place: str
-    printed: str
-    follows: str
-    evidence: tuple[tuple[str, str], ...]
-    concerns: tuple[str, ...] = ()
-    inference: bool = False
-
-    def __repr__(self) -> str:
-        return short("Erratum", self.place, f"printed {self.printed}", self.follows)
 
 
 def errata_chains() -> set[tuple[str, float]]:

@@ -22,8 +22,9 @@ from ..simulation.simulate import DEFAULT_RTOL
 from ..validation.keywords import checked_arguments
 from ..validation.objects import Progress
 from ..verification.verify import Verdict, verify
+from .erratum import Erratum
 from .figures import LAYOUTS, RECALIBRATED, Figure, figure_chains, reproduce_figure
-from .listed_errata import CONCERNED, Erratum, errata, errata_chains
+from .listed_errata import CONCERNED, errata, errata_chains
 from .published import Fit, published_figures, published_tables
 from .simulated_chains import Pulses, integrate_chains
 from .tables import WINDOWS, Table, reproduce_table, table_chains

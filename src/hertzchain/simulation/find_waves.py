@@ -144,8 +144,8 @@ def _check_resolved(run: Trajectory, waves: list[Wave]) -> None:
     strongest = max(waves, key=lambda wave: wave.energy)
     if not strongest.resolved:
         raise InputError(
-            "too few saved times to find waves: the strongest wave has "
-            f"{strongest.samples:.3g} while it passes a contact, but at least {MIN_SAMPLES:g} are "
+            f"too few saved times to find waves: only {strongest.samples:.3g} are within the "
+            f"passage of the strongest wave through a contact, but at least {MIN_SAMPLES:g} are "
             f"required; {advice}"
         )
     warn_user(

@@ -70,7 +70,7 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
 
     Examples
     --------
-    Balls whose radii scatter by 1%; a lot is within 1.8% of the mean, in two of three cases:
+    Balls whose radii scatter by 1%; two lots in three are within 1.8% of the mean:
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.uniform(110)

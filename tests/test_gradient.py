@@ -23,14 +23,14 @@ NUMBERS = "masses", "stiffness", "overlaps", "velocities"
 def recorded(monkeypatch):
     """Records of runs, and derivatives by the numbers of the equation of motion."""
     kept = {"slopes": []}
-    run, sweep, follow = module.run, module.sweep, module.follow_pulse
+    run, back, follow = module.run, module.backward_pass, module.follow_pulse
 
     def keep_run(*args):
         kept["record"] = run(*args)
         return kept["record"]
 
-    def keep_sweep(record, dependence):
-        slopes = sweep(record, dependence)
+    def keep_pass(record, dependence):
+        slopes = back(record, dependence)
         kept["slopes"].append((dependence, slopes))
         return slopes
 
@@ -40,7 +40,7 @@ def recorded(monkeypatch):
 
     monkeypatch.setattr(module, "run", keep_run)
     monkeypatch.setattr(module, "follow_pulse", keep_window)
-    monkeypatch.setattr(module, "sweep", keep_sweep)
+    monkeypatch.setattr(module, "backward_pass", keep_pass)
     return kept
 
 

@@ -109,9 +109,10 @@ def unknown_name_error(what: str, name: object, known: Iterable[str]) -> InputEr
     lower = {choice.lower(): choice for choice in choices}
     asked = name.lower() if isinstance(name, str) else ""
     near = difflib.get_close_matches(asked, lower, n=1, cutoff=NEAR)
-    # A part of several names, such as "steel", matches all of them.
-    parts = [name for name in lower if asked in name] if len(asked) > 2 else []
-    near = parts if len(parts) > 1 and asked not in lower else near or parts
+    containing = [choice for choice in lower if asked in choice] if len(asked) > 2 else []
+    # A part of several names, such as "steel", means all of them.
+    if not near or (len(containing) > 1 and asked not in lower):
+        near = containing
     hint = f"; did you mean {' or '.join(repr(lower[each]) for each in near[:3])}?" if near else ""
     return InputError(f"unknown {what} {short_repr(name)}: choose from {', '.join(choices)}{hint}")
 

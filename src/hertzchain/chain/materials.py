@@ -176,17 +176,16 @@ def material(name: MaterialLike) -> Material:
     if isinstance(name, Material):
         return name
     known = catalogue()
-    if isinstance(name, str) and name not in known:
-        name = name.lower()
-    if not isinstance(name, str) or name not in known:
-        meant = OTHER_NAMES.get(name.lower().replace("-", " ")) if isinstance(name, str) else None
-        if meant is not None:
-            raise InputError(f"unknown material {name!r}; did you mean {meant}?")
-        raise InputError(
-            f"{unknown_name_error('material', name, known)}; define a custom material with "
-            "Material(name, density=, young=, poisson=), or [materials.NAME] in a chain file"
-        )
-    return known[name]
+    if isinstance(name, str):
+        lower = name.lower()
+        if name in known or lower in known:
+            return known[name if name in known else lower]
+        if (meant := OTHER_NAMES.get(lower.replace("-", " "))) is not None:
+            raise InputError(f"unknown material {lower!r}; did you mean {meant}?")
+    raise InputError(
+        f"{unknown_name_error('material', name, known)}; define a custom material with "
+        "Material(name, density=, young=, poisson=), or [materials.NAME] in a chain file"
+    )
 
 
 def contact_modulus(one: Material, other: Material) -> float:

@@ -73,7 +73,7 @@ def load_chain(scratch, lane, lanes, window, given, chain):
         load_slot(w, s * lanes + lane, given, place, lane, s - behind + 1)
     striker = (behind - 1) * lanes + lane
     w[VELOCITY + striker] = 1.0
-    # Compression time of the first two beads if they were isolated.
+    # Compression time of the first two beads if they were isolated; 1.4716 is exact for p = 3/2.
     reduced = 1.0 / (w[INVERSE_MASS + striker] + w[INVERSE_MASS + striker + lanes])
     p = 1.5 if exponents is None else w[EXPONENT + striker]
     largest = (0.5 * (p + 1.0) * reduced / w[STIFFNESS + striker]) ** (1.0 / (p + 1.0))

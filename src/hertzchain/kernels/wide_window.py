@@ -109,7 +109,7 @@ def start(w, clock, place, given):
     for i in range(place[SIZE]):
         load_slot(w, place, given, i)
     w[VELOCITY] = 1.0
-    # Compression time and largest force of the first two beads if they were isolated.
+    # Largest overlap and force of the first two beads if they were isolated.
     reduced = 1.0 / (w[INVERSE_MASS] + w[INVERSE_MASS + 1])
     power_of_energy = w[EXPONENT] + 1.0
     overlap = (0.5 * power_of_energy * reduced / w[STIFFNESS]) ** (1.0 / power_of_energy)

@@ -14,8 +14,8 @@ import numpy as np
 
 from ..chain.contact_groups import ContactGroup
 from ..collision import Array
+from .backward_pass import Slopes
 from .equation import Equation
-from .sweep import Slopes
 
 SIZE: Final = 1e-5
 

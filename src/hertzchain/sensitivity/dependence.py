@@ -10,6 +10,7 @@ import numpy as np
 
 from ..collision import Array
 from ..simulation.ensemble_input import LEAST_PART
+from .backward_pass import Dependence, Place, Slopes, place_of_event
 from .gauges import (
     LOWEST,
     Missing,
@@ -26,7 +27,6 @@ from .gauges import (
 )
 from .names import Name
 from .record import Record
-from .sweep import Dependence, Place, Slopes, place_of_event
 from .targets import LEFT, RIGHT, Ending, is_moving
 
 
@@ -106,15 +106,9 @@ class Reader:
             speed, places = float(equation.velocities[i]), []
             if name.item == "peak_time":
                 return Dependence(0.0, [], direct)
-        factors = {"velocity": 1.0, "momentum": mass, "energy": mass * speed}
-        own = {"velocity": 0.0, "momentum": speed, "energy": 0.5 * speed**2}
-        values = {"velocity": speed, "momentum": mass * speed, "energy": 0.5 * mass * speed**2}
-        direct.masses[i] = own[name.item]
-        if places:
-            places[0].by_velocity[i] = factors[name.item]
-        else:
-            direct.velocities[i] = factors[name.item]
-        return Dependence(values[name.item], places, direct)
+        value, by_velocity, direct.masses[i] = _of_velocity(name.item, mass, speed)
+        (places[0].by_velocity if places else direct.velocities)[i] = by_velocity
+        return Dependence(value, places, direct)
 
     def _fastest(self, name: Name, i: int) -> tuple[Dependence, str]:
         """Largest forward velocity of bead i in the whole run, and quantities at this time."""
@@ -133,11 +127,9 @@ class Reader:
             place, top = None, speed
         if not top > 0.0:
             raise Missing(f"bead {i + 1} does not move forward")
-        mass, item = float(equation.masses[i]), name.quantity
-        factor = {"velocity": 1.0, "momentum": mass, "energy": mass * top}[item]
-        direct.masses[i] = {"velocity": 0.0, "momentum": top, "energy": 0.5 * top**2}[item]
-        value = {"velocity": top, "momentum": mass * top, "energy": 0.5 * mass * top**2}[item]
-        (direct.velocities if place is None else place.by_velocity)[i] = factor
+        mass = float(equation.masses[i])
+        value, by_velocity, direct.masses[i] = _of_velocity(name.quantity, mass, top)
+        (direct.velocities if place is None else place.by_velocity)[i] = by_velocity
         rising = place is not None and top == end and float(place.accelerations[i]) > 0.0
         note = "the velocity still rises at the end of the run" if rising else ""
         return Dependence(value, [] if place is None else [place], direct), note
@@ -384,6 +376,15 @@ class Reader:
                 if 0 <= k < beads:
                     place.by_position[k] += sign * forces[c]
         return Dependence(float(value), [place], direct)
+
+
+def _of_velocity(quantity: str, mass: float, speed: float) -> tuple[float, float, float]:
+    """A quantity of a bead, and its derivatives by velocity and mass."""
+    return {
+        "velocity": (speed, 1.0, 0.0),
+        "momentum": (mass * speed, mass, speed),
+        "energy": (0.5 * mass * speed**2, mass * speed, 0.5 * speed**2),
+    }[quantity]
 
 
 def _combined(value: float, *terms: tuple[Dependence, float]) -> Dependence:

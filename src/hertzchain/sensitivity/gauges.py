@@ -8,9 +8,9 @@ import numpy as np
 
 from ..collision import Array
 from ..simulation.sensor_force import FALL, MIN_HEIGHT
+from .backward_pass import Place, place_of
 from .equation import Equation
 from .record import Record, load_rows, room_for
-from .sweep import Place, place_of
 
 # The rate of a force at its maximum is smaller than this fraction of its terms, and the maximum is
 # lower than the forces at stages by at most this fraction.

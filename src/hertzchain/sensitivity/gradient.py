@@ -21,6 +21,7 @@ from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_list
 from .accuracy import TIGHTER, Accuracy, SecondRun, least_error
+from .backward_pass import Slopes, backward_pass
 from .dependence import Reader
 from .equation import Equation, equation_of
 from .gauges import Missing
@@ -28,7 +29,6 @@ from .names import Name, parse
 from .parameters import by_fields, checked_parameters
 from .record import run
 from .relative import per_unit, unit_of_parameter, unit_of_quantity, value_of_parameter
-from .sweep import Slopes, sweep
 from .targets import Ending, targets_of
 from .window import follow_pulse
 
@@ -192,7 +192,7 @@ def gradient(
     r"""Value of a simulated quantity and its exact derivatives with respect to parameters.
 
     The chain is integrated by the Runge-Kutta-Nyström pair RKN8(6) of `simulate_many` with a
-    separate step size; with damping, by DOP853.  One backward sweep over the stored steps then
+    separate step size; with damping, by DOP853.  One backward pass over the stored steps then
     gives the derivatives with respect to all parameters (the *discrete adjoint*, E. Hairer, S. P.
     Nørsett, G. Wanner, Solving Ordinary Differential Equations I, Sec. II.6): with
     :math:`y_{n+1} = \Phi_n(y_n, p)` and a quantity :math:`Q(y_M, p)`,
@@ -416,7 +416,7 @@ def _derivatives(
         return [(str(name), math.nan, nothing, str(missing))]
     out = []
     for each, dependence, note in read:
-        arrays = by_fields(equation, sweep(reader.record, dependence), to)
+        arrays = by_fields(equation, backward_pass(reader.record, dependence), to)
         for values in arrays.values():
             values.setflags(write=False)
         out.append((str(each), dependence.value, arrays, note or "complete"))

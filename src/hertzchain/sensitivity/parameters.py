@@ -14,10 +14,10 @@ from ..chain.walls import Wall
 from ..collision import Array
 from ..errors import InputError
 from ..validation.objects import check_choice, check_list
+from .backward_pass import Slopes
 from .damping import add_damping, by_law
 from .equation import Equation
 from .static_loads import add_static_loads
-from .sweep import Slopes
 
 MATERIAL: Final = ("young", "poisson", "density")
 PARAMETERS: Final = (

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..collision import Array
+from .backward_pass import Slopes
 from .equation import Equation
-from .sweep import Slopes
 
 
 def add_static_loads(equation: Equation, slopes: Slopes) -> tuple[Slopes, float, float]:

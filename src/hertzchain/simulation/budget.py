@@ -280,14 +280,19 @@ def budget_of(
     )
 
 
-def stored_energy(chain: Chain, overlaps: Array, forces: Array) -> Array:
-    """Energy that each contact can return, by its law, from arrays of shape (T, N + 1)."""
+def stored_energy(
+    chain: Chain, overlaps: Array, forces: Array, *, may_close: bool = False
+) -> Array:
+    """Energy that each contact can return, by its law, from arrays of shape (T, N + 1).
+
+    A contact whose force is cut off returns none before it opens, unless it is compressed again,
+    which ``may_close`` assumes.
+    """
     stored = np.zeros_like(overlaps)
     for group in chain.contact_groups:
         overlap, force, contacts = overlaps[:, group.index], forces[:, group.index], group.contacts
         cut_off = not group.law.row(contacts.exponent).attractive
-        if cut_off and not steps_are_implicit(chain):
-            # A contact whose force is cut off returns no energy.
+        if cut_off and not may_close and not steps_are_implicit(chain):
             overlap = np.where(force > 0.0, overlap, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             energy = group.law.stored_energy(overlap, force, contacts)

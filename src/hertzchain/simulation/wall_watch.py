@@ -61,9 +61,6 @@ class WallWatch:
         self.chain, self.arrays, self.rest = chain, arrays, chain.static_state.positions
         self.clock, self.walls = arrays["clock"], arrays["walls"]
         self.completion, self.checks, self.fixed = arrays["completion"], checks, fixed
-        self.cut_off = np.zeros(chain.beads + 1, bool)
-        for group in chain.contact_groups:
-            self.cut_off[group.index] = not group.law.row(group.contacts.exponent).attractive
 
     @property
     def time(self) -> float:
@@ -289,7 +286,7 @@ class WallWatch:
         return target.approach(overlaps, stored, self._velocities)
 
     def reach(self, target: Target, overlaps: Array, stored: Array) -> Approach:
-        """The motion that can reach a wall; that towards it, which is none, if all is over."""
+        """The motion that can reach a wall; none if nothing more can happen."""
         if self.closed:
             return self.approach(target, overlaps, stored)
         return target.reach(overlaps, stored, self._velocities)
@@ -300,6 +297,5 @@ class WallWatch:
         return self.arrays["y"][beads : 2 * beads]
 
     def _stored(self, overlaps: Array, forces: Array) -> Array:
-        # A contact whose force is cut off can return its energy if it is compressed again.
-        forces = np.where(self.cut_off & (overlaps > 0.0), np.maximum(forces, SMALLEST), forces)
-        return stored_energy(self.chain, overlaps[np.newaxis], forces[np.newaxis])[0]
+        overlaps, forces = overlaps[np.newaxis], forces[np.newaxis]
+        return stored_energy(self.chain, overlaps, forces, may_close=True)[0]

@@ -1,4 +1,4 @@
-"""Derivatives of a quantity by all numbers of the equation of motion, by one backward sweep."""
+"""Derivatives of a quantity by all numbers of the equation of motion, in one backward pass."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class Dependence:
     last: int = 0
 
 
-def sweep(record: Record, dependence: Dependence) -> Slopes:
+def backward_pass(record: Record, dependence: Dependence) -> Slopes:
     """Derivatives of a quantity, backward from the last state on which it depends."""
     from ..kernels import adjoint_layout as layout
     from ..kernels import adjoint_reverse

@@ -8,7 +8,7 @@ import pytest
 from scipy_chain import Units, trajectory
 
 import hertzchain as hc
-from hertzchain.kernels import state_layout
+from hertzchain.kernels import state_layout, wall_rule
 
 WALL = hc.Wall()
 # Forces on walls are compared with those of this many transits of the pulse, which see more.
@@ -679,3 +679,10 @@ def test_an_impact_does_not_end_while_the_force_is_only_small():
     until = run.times <= found.complete_since
     assert np.trapezoid(force[until], run.times[until]) == pytest.approx(table[-1], rel=1e-4)
     assert force[until][-3:].max() < 1e-3 * found.peak
+
+
+def test_walls_under_long_impacts_are_checked_less_often():
+    spacing = [wall_rule.time_between_checks(t, 2.0, 16) for t in (0.0, 19.9, 20.0, 40.0, 4000.0)]
+    assert spacing == [0.125, 0.125, 0.25, 0.5, 0.5]
+    # Half a transit has two checks at least, or those that it has at first.
+    assert wall_rule.time_between_checks(4000.0, 2.0, 2) == 1.0

@@ -26,11 +26,11 @@ def longest_watch(transit: float, rebounds: float) -> float:
 def time_between_checks(elapsed: float, transit: float, checks: int) -> float:
     """Time between checks of a wall that is watched for the time ``elapsed``.
 
-    It doubles with each doubling of this time beyond `MAX_TRANSITS`, because on soft walls an
-    impact may last hundreds of transits.
+    It doubles after `MAX_TRANSITS` and after twice as many, because on soft walls an impact may
+    last hundreds of transits, but the time `HELD` always has two checks, if it has them at first.
     """
     spacing, limit = transit / checks, MAX_TRANSITS * transit
-    while elapsed >= limit > 0.0:
+    while elapsed >= limit > 0.0 and 4.0 * spacing <= HELD * transit:
         spacing, limit = 2.0 * spacing, 2.0 * limit
     return spacing
 

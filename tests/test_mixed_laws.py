@@ -606,3 +606,21 @@ def test_a_wall_of_a_chain_with_given_stiffness():
         InputError, match=r"only for Hertz contacts \(exponent 1.5\), not for p = 2;"
     ):
         Chain.uniform(5).replace(exponent=2.0, right_wall=Wall())
+
+
+def test_energy_of_dented_contacts_is_that_of_their_unloading_curve():
+    """Thornton's curve from any largest overlap, in units of the point of yield."""
+    random = np.random.default_rng(4)
+    law, size = hc.ElasticPlastic(yield_overlap=1e-6), 2000
+    k, furthest = 10.0 ** random.uniform(0, 10, size), 1e-6 * 10.0 ** random.uniform(0.1, 4, size)
+    peak = k * 1e-3 * (1.5 * furthest - 0.5e-6)
+    width, part = peak / (k * np.sqrt(furthest)), random.uniform(0.01, 1.0, size)
+    overlap, force = furthest - (1.0 - part) * width, peak * part**1.5
+    contacts = ContactArrays(1.5, k, np.ones(size))
+    stored = law.stored_energy(overlap, force, contacts)
+    np.testing.assert_allclose(stored, 0.4 * force * part * width, rtol=1e-10)
+    returned = 0.4 * peak * width
+    np.testing.assert_allclose(law.largest_overlap(returned, contacts), furthest, rtol=1e-12)
+    elastic = 1e-6 * random.uniform(0.0, 1.0, size)
+    stored = law.stored_energy(elastic, k * elastic**1.5, contacts)
+    np.testing.assert_allclose(stored, 0.4 * k * elastic**2.5, rtol=1e-12)

@@ -81,11 +81,10 @@ def _bands(found: Spectrum) -> tuple[Any, Any, float | None]:
 
 def _document(found: Spectrum) -> dict[str, Any]:
     from ..store import results
+    from ..validation.json_types import finite
 
     bands, gaps, speed = _bands(found)
-    if gaps is not None:
-        gaps = [[low, high if math.isfinite(high) else None] for low, high in gaps]
-    return {
+    document: dict[str, Any] = finite({
         "schema_version": results.SCHEMA_VERSION,
         "units": found.chain.units,
         "frequencies": found.frequencies.tolist(),
@@ -93,7 +92,8 @@ def _document(found: Spectrum) -> dict[str, Any]:
         "bands": bands,
         "gaps": gaps,
         "sound_speed": speed,
-    }
+    })  # fmt: skip
+    return document
 
 
 def _table(found: Spectrum, *, every_mode: bool) -> str:

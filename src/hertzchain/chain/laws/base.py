@@ -213,7 +213,7 @@ class Loss(Part):
             Chain whose beads collide; reduced mass, stiffness, exponent and, for
             ``ElasticPlastic()``, the pressure at yield are those of one of its contacts.
         contact : int
-            Number of this contact: k is that of beads k and k + 1, N that with the right wall.
+            Number of this contact: k is that of beads k and k + 1; 0 and N are those with walls.
         reduced_mass : float, optional
             :math:`\mu = m_1 m_2/(m_1 + m_2)`, the mass of the bead for a wall [scaled, or kg]; by
             default 0.5, that of equal scaled beads.

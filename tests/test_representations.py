@@ -243,7 +243,7 @@ def reproduced():
 
 def test_results_of_the_paper(reproduced):
     table, figure = reproduced.tables[0], reproduced.figures[0]
-    check(reproduced, ["2 tables, 1 figures", "entries agree", "19 errata"])
+    check(reproduced, ["2 tables, 1 figure: ", "entries agree", "errata: 19"])
     check(table, ["table1, momentum", f"{len(table.entries)} entries agree", "beads 5 to 80"])
     check(figure, ["figure1", "3 curves", "holds"])
     check(reproduced.errata[0], ["Eqs. (38)", "printed"])

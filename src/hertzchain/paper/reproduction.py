@@ -17,7 +17,7 @@ from ..evaluation.evaluate import scoreboard
 from ..evaluation.scoreboard import Scoreboard, percentage
 from ..frozen import ShortDir
 from ..notebook.drawing import note, numbers, page
-from ..representation import listed, short
+from ..representation import counted, listed, short
 from ..simulation.simulate import DEFAULT_RTOL
 from ..validation.keywords import checked_arguments
 from ..validation.objects import Progress
@@ -124,10 +124,11 @@ class Reproduction(ShortDir):
     def __repr__(self) -> str:
         known = sum(verdict.agrees for verdict in self.verification)
         return short(
-            "Reproduction", f"{len(self.tables)} tables, {len(self.figures)} figures",
+            "Reproduction",
+            f"{counted(len(self.tables), 'table')}, {counted(len(self.figures), 'figure')}",
             f"{self.agreeing_entries} of {self.entries} entries agree" if self.tables else "",
-            f"{self.holding_statements} figures pass their checks" if self.figures else "",
-            f"{len(self.errata)} errata" if self.errata else "",
+            f"checks passed: {self.holding_statements} of {len(self.figures)}" if self.figures else "",
+            f"errata: {len(self.errata)}" if self.errata else "",
             f"{known} of {len(self.verification)} known values" if self.verification else "",
             f"{self.seconds:.1f} s",
         )  # fmt: skip

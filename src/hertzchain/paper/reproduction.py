@@ -127,7 +127,8 @@ class Reproduction(ShortDir):
             "Reproduction",
             f"{counted(len(self.tables), 'table')}, {counted(len(self.figures), 'figure')}",
             f"{self.agreeing_entries} of {self.entries} entries agree" if self.tables else "",
-            f"checks passed: {self.holding_statements} of {len(self.figures)}" if self.figures else "",
+            f"checks passed: {self.holding_statements} of {len(self.figures)}"
+            if self.figures else "",
             f"errata: {len(self.errata)}" if self.errata else "",
             f"{known} of {len(self.verification)} known values" if self.verification else "",
             f"{self.seconds:.1f} s",

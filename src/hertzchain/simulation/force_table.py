@@ -67,14 +67,14 @@ def save_forces_of(
     'time [us],bead 5 [N],wall [N]'
     """
     from ..store.results import write_forces
-    from .wall_force import walls_of
 
     if sensors is None:
-        sensors = [f"{side} wall" for side in walls_of(self.chain)]
-        if not sensors:
+        names = [each for each in ("left wall", "right wall") if each in self.chain.features]
+        if not names:
             raise InputError(
                 "the chain has no wall; give sensors, such as ['bead 5'], or add a right_wall"
             )
+        sensors = names
     places = check_list("sensors", sensors, "beads or walls such as 'ball 6' or 'wall'")
     if not places:
         raise InputError("sensors must name a bead or a wall, such as 'ball 6' or 'wall', got none")

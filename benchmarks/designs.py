@@ -117,7 +117,7 @@ def law():
         for name, budget in (("law", 84), ("polished", 1000)):
             found, *times = spent(hc.design, problem, budget=budget)
             promised = found.expected if found.promise is None else found.promise[0]
-            taper = next(v for name, v in found.references.items() if "taper" in name)
+            taper = found.references["taper"]
             later = "; a later maximum is larger" if any("later" in n for n in found.notes) else ""
             show(f"{kind} {measure}, {name}", limit, f"{found.value:.4f}", *times,
                  f"{found.value / promised - 1.0:+.1e} of the promise{later}; best taper "

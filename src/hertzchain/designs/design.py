@@ -27,7 +27,7 @@ from .problem import Design
 from .reference_chains import evaluated_references, reference_count
 from .result import DesignResult
 from .search_budget import Budget, budget_from
-from .trials import Outcome, Trials
+from .trials import Outcome, Reference, Trials
 from .verified import Verified, met, quietly
 
 RUNNERS_UP: Final = 4
@@ -198,7 +198,7 @@ def finish(trials: Trials, found: Found, notes: tuple[str, ...]) -> DesignResult
 
 
 def _result(
-    trials: Trials, found: Found, given: Outcome | None, references: dict[str, Outcome],
+    trials: Trials, found: Found, given: Outcome | None, references: dict[str, Reference],
     notes: tuple[str, ...],
 ) -> DesignResult:  # fmt: skip
     problem = trials.problem
@@ -216,8 +216,9 @@ def _result(
     return DesignResult(
         problem, verified, met(problem, verified.values), best.score,
         None if promise is None else (promise.value, promise.error),
-        {name: _verified(trials, each) for name, each in references.items()
-         if np.isfinite(each.score)},
+        {name: _verified(trials, each.outcome) for name, each in references.items()
+         if np.isfinite(each.outcome.score)},
+        {name: each.tried for name, each in references.items()},
         bounds_of(problem), found.method, np.array(found.finals),
         tuple(_verified(trials, each) for each in found.optima), others,
         np.array(trials.history, float).reshape(-1, 2), (), trials.runs, trials.gradients,

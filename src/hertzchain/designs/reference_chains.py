@@ -9,7 +9,7 @@ import numpy as np
 from .ball_choice import BallSpace
 from .problem import Design
 from .size_space import SizeSpace
-from .trials import UNLIMITED, Outcome, Trials
+from .trials import UNLIMITED, Outcome, Reference, Trials
 
 # Values of each end of the tapers.
 ENDS: Final = 9
@@ -56,7 +56,7 @@ def reference_count(problem: Design) -> int:
     return sum(map(len, reference_points(problem).values()))
 
 
-def evaluated_references(trials: Trials) -> dict[str, Outcome]:
+def evaluated_references(trials: Trials) -> dict[str, Reference]:
     """The best chain of each kind: the first rule that a person would try.
 
     At least one chain is simulated, even if a time budget is shorter.
@@ -71,8 +71,6 @@ def evaluated_references(trials: Trials) -> dict[str, Outcome]:
             if trials.used < 1.0 or trials.memory is not None or not trials.best:
                 outcomes += trials.evaluate(group[first : first + batch])
         if outcomes:
-            count = len(outcomes)
-            found[f"best {name} (of {count} tried)" if len(group) > 1 else name] = min(
-                outcomes, key=lambda each: each.rank
-            )
+            best = min(outcomes, key=lambda each: each.rank)
+            found[name] = Reference(best, len(outcomes))
     return found

@@ -25,7 +25,7 @@ def summary(result: DesignResult) -> str:
     problem, best = result.problem, result.value
     lines = [*_heading(result)]
     lines += [f"  {text}" for text in _starts(result)]
-    for name, found in result.references.items():
+    for name, found in references_in_words(result).items():
         other = result.objective_of(found)
         ratio = best / other if other else math.nan
         unmet = "" if met(problem, found.values) else ", which does NOT meet the constraints"
@@ -183,7 +183,8 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "constraints_met": result.met,
         "constraints": [str(each) for each in problem.requirements],
         "references": {
-            name: result.objective_of(found) for name, found in result.references.items()
+            name: result.objective_of(found)
+            for name, found in references_in_words(result).items()
         },
         "bounds": [str(each) for each in result.bounds],
         "promise": None if result.promise is None else dict(
@@ -209,6 +210,16 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
     return found
 
 
+def references_in_words(result: DesignResult) -> dict[str, Verified]:
+    """The references, with the numbers of chains of which they are the best."""
+
+    def described(name: str) -> str:
+        tried = result.compared[name]
+        return f"best {name} (of {tried} tried)" if tried > 1 else name
+
+    return {described(name): found for name, found in result.references.items()}
+
+
 def dataset(result: DesignResult) -> xr.Dataset:
     """The result, its runners-up and the chains to compare with."""
     import xarray as xr
@@ -217,7 +228,7 @@ def dataset(result: DesignResult) -> xr.Dataset:
     named += [(f"runner-up {i}", each) for i, each in enumerate(result.runners_up, start=1)]
     named += [(f"optimum {i}", each) for i, each in enumerate(result.optima, start=1)]
     named += [(f"front {i}", point.verified) for i, point in enumerate(result.front, start=1)]
-    named += list(result.references.items())
+    named += list(references_in_words(result).items())
     most = max(found.chain.beads for _, found in named)
     data: dict[str, Any] = {}
     scaled = result.chain.scaled

@@ -44,7 +44,10 @@ class DesignResult:
     promise : tuple of float or None
         Value and estimated relative error that the local-rate law promised, if it was used.
     references : mapping of str to Verified
-        Chains to compare with: equal sizes or balls, and the best taper.
+        Chains to compare with, by name: the best ``"chain of equal sizes"`` and ``"taper"``, or
+        the best ``"row of equal balls"``, or the ``"given order"``.
+    compared : mapping of str to int
+        Number of chains of which each reference is the best.
     bounds : tuple of Bound
         Bounds of the measures from conservation laws, if there are any.
     method : str
@@ -73,6 +76,7 @@ class DesignResult:
     expected: float
     promise: tuple[float, float] | None
     references: Mapping[str, Verified]
+    compared: Mapping[str, int]
     bounds: tuple[Bound, ...]
     method: str
     finals: Array

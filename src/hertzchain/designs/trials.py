@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -55,6 +55,13 @@ class Outcome:
         return (0.0, self.score) if self.met else (self.violation, self.score)
 
 
+class Reference(NamedTuple):
+    """The best of the chains of one kind, and the number of those that were tried."""
+
+    outcome: Outcome
+    tried: int
+
+
 @dataclass(eq=False)
 class Trials:
     """All trials of a search."""
@@ -71,7 +78,7 @@ class Trials:
     history: list[tuple[int, float]] = field(default_factory=list)
     best: list[Outcome] = field(default_factory=list)
     reasons: dict[str, int] = field(default_factory=dict)
-    references: dict[str, Outcome] = field(default_factory=dict)
+    references: dict[str, Reference] = field(default_factory=dict)
     # Values by tolerance and point, if several searches of a Pareto front share them.
     memory: dict[bytes, Array] | None = None
 

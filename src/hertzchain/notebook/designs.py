@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..designs.report import search_in_words
+from ..designs.report import references_in_words, search_in_words
 from ..designs.result import DesignResult
 from .drawing import note, numbers, page, table
 
@@ -15,7 +15,8 @@ def design_html(result: DesignResult) -> str:
         "search": f"{search_in_words(result)}, {result.runs} simulations",
     }
     found |= {
-        name: shown(result.objective_of(each)).strip() for name, each in result.references.items()
+        name: shown(result.objective_of(each)).strip()
+        for name, each in references_in_words(result).items()
     }
     for each in problem.requirements:
         value = result.values[str(each.measure)]

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from math import factorial, prod
 from typing import Any, Final
 
 import numpy as np
@@ -15,6 +18,7 @@ from ..errors import InputError
 from ..representation import short
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_bool, check_list
+from . import stock
 from .balls import Ball, load_balls
 
 Choice = NDArray[np.int64]
@@ -73,7 +77,13 @@ class BallChoice:
         places, balls = places_from(self.beads, chain.beads, "bead"), self.balls
         if len(balls) + self.optional < 2:
             raise InputError("there is one kind of balls, which leaves nothing to vary")
-        return BallSpace(chain, places, balls, self.optional, None)
+        space = BallSpace(chain, places, balls, self.optional, None)
+        if space.limits is not None and not self.optional and sum(space.limits) < space.size:
+            raise InputError(
+                f"the catalogue {str(self.catalogue)!r} has {sum(space.limits)} balls in stock for "
+                f"{space.size} places; let fewer beads vary, or permit empty places (optional)"
+            )
+        return space
 
 
 @dataclass(frozen=True, repr=False)
@@ -144,16 +154,38 @@ class BallSpace:
         """Whether the order of fixed balls varies."""
         return self.start is not None
 
-    @property
-    def count(self) -> float:
-        """Number of all choices, of which each has its empty places at the end."""
-        if self.start is None:
-            if self.optional:
-                return sum(float(len(self.balls)) ** length for length in range(self.size + 1))
-            return float(self.kinds) ** self.size
-        from math import factorial, prod
+    @cached_property
+    def limits(self) -> list[int] | None:
+        """Numbers of the balls in stock, at most that of the places; None if any are."""
+        if all(ball.count is None for ball in self.balls):
+            return None
+        return [self.size if b.count is None else min(b.count, self.size) for b in self.balls]
 
-        return factorial(self.size) / prod(map(factorial, np.bincount(self.start).tolist()))
+    @cached_property
+    def count(self) -> int:
+        """Number of all choices, of which each has its empty places at the end."""
+        if self.start is not None:
+            return factorial(self.size) // prod(map(factorial, np.bincount(self.start).tolist()))
+        lengths = range(0 if self.optional else self.size, self.size + 1)
+        if self.limits is not None:
+            return stock.count_rows(self.limits, lengths)
+        return sum(len(self.balls) ** length for length in lengths)
+
+    def rows(self) -> Iterator[Choice]:
+        """All choices of balls, in lexicographic order."""
+        limits = self.limits or [self.size] * len(self.balls)
+        return stock.all_rows(limits, self.size, optional=self.optional)
+
+    def in_stock(self, choice: Choice) -> bool:
+        """Whether no more balls are needed than there are."""
+        return self.limits is None or stock.within(self.limits, choice)
+
+    def from_stock(self, choice: Choice, rng: np.random.Generator) -> Choice:
+        """The choice, with random balls of the stock in place of those that are missing."""
+        if self.in_stock(choice):
+            return choice
+        assert self.limits is not None
+        return stock.repaired(self.limits, choice, rng, optional=self.optional)
 
     def chain_of(self, choice: Choice) -> Chain:
         """The chain with these balls; empty places are omitted."""

@@ -1,4 +1,4 @@
-"""Catalogues of real balls: diameters, materials, grades and prices, from CSV files."""
+"""Catalogues of real balls: diameters, materials, prices and numbers in stock, from CSV files."""
 
 from __future__ import annotations
 
@@ -19,18 +19,23 @@ SHIPPED: Final = "bearing-balls"
 # Inch [m], divisor of the smallest fraction of it that is a size of balls, and the largest
 # rounding error of catalogues in mm with four digits, such as 7.1438 mm.
 INCH, FINEST, ROUNDED = 25.4e-3, 64, 0.6e-7
-COLUMNS: Final = ("diameter", "material", "grade", "price", "name")
+COLUMNS: Final = ("diameter", "material", "grade", "price", "name", "count")
 
 
 @dataclass(frozen=True)
 class Ball:
-    """A ball of a catalogue; ``diameter`` is in m, ``price`` in any currency or NaN."""
+    """A ball of a catalogue.
+
+    ``diameter`` is in m, ``price`` in any currency or NaN; ``count`` is the number of balls in
+    stock, or None if it does not limit the choice.
+    """
 
     diameter: float
     material: Material
     grade: str = ""
     price: float = float("nan")
     name: str = ""
+    count: int | None = None
 
     @property
     def radius(self) -> float:
@@ -103,4 +108,19 @@ def _ball(row: int, cells: dict[str, str], unit: str, width: int, given: list[st
     with errors_at(f"row {row}"):
         kind = material(cells["material"])
     price = read("price") if cells.get("price") else float("nan")
-    return Ball(diameter, kind, cells.get("grade", ""), price, cells.get("name", ""))
+    return Ball(
+        diameter, kind, cells.get("grade", ""), price, cells.get("name", ""),
+        _in_stock(row, cells.get("count", "")),
+    )  # fmt: skip
+
+
+def _in_stock(row: int, cell: str) -> int | None:
+    """Number of balls in stock; None, for any number, if the cell is empty."""
+    if not cell:
+        return None
+    if not (cell.isascii() and cell.isdigit()):
+        raise InputError(
+            f"count in row {row} must be a whole number, or empty for any number of balls, "
+            f"got {cell!r}"
+        )
+    return int(cell)

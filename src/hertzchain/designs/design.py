@@ -178,7 +178,7 @@ def _given(trials: Trials) -> Outcome:
     """The chain of the problem itself, where nothing can be searched."""
     space = trials.problem.space
     if isinstance(space, BallSpace):
-        point: Any = np.zeros(space.size, int) if space.start is None else space.start
+        point: Any = next(space.rows()) if space.start is None else space.start
     else:
         point = space.point(space.chain)
     return trials.evaluate([point])[0]

@@ -44,10 +44,7 @@ def _all_choices(space: BallSpace) -> Iterator[Choice]:
     if space.start is not None:
         yield from _orders(sorted(space.start.tolist()))
         return
-    for items in itertools.product(range(space.kinds), repeat=space.size):
-        choice = np.array(items)
-        if np.array_equal(space.neat(choice), choice):
-            yield choice
+    yield from space.rows()
 
 
 def _orders(items: list[int]) -> Iterator[Choice]:
@@ -94,7 +91,8 @@ class Population:
         """A random choice."""
         if self.space.start is not None:
             return self.rng.permutation(self.space.start)
-        return self.rng.integers(0, self.space.kinds, self.space.size)
+        found = self.rng.integers(0, self.space.kinds, self.space.size)
+        return self.space.from_stock(found, self.rng)
 
     def child(self) -> Choice:
         """A child of two good choices, with mutations and an occasional exchange."""
@@ -106,6 +104,7 @@ class Population:
         changed = self.rng.random(size) < MUTATIONS / size
         shift = self.rng.integers(1, self.space.kinds, size)
         found = np.where(changed, (found + shift) % self.space.kinds, found)
+        found = self.space.from_stock(found, self.rng)
         return self._exchanged(found) if self.rng.random() < 0.3 else found
 
     def _parent(self) -> Choice:
@@ -136,7 +135,8 @@ class Population:
                     if item != choice[place]:
                         changed = choice.copy()
                         changed[place] = item
-                        found.append(changed)
+                        if self.space.in_stock(changed):
+                            found.append(changed)
         for i, j in itertools.combinations(range(self.space.size), 2):
             if choice[i] != choice[j]:
                 changed = choice.copy()

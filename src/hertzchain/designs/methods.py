@@ -103,7 +103,8 @@ def method_for(problem: Design, given: str, budget_runs: float) -> str:
     most_choices = 100 * MAX_ENUMERATED
     if isinstance(space, BallSpace) and given == "enumerate" and space.count > most_choices:
         raise InputError(
-            f"there are {space.count:.2g} choices, too many to enumerate; use method='genetic'"
+            f"there are more than {most_choices / 1e6:g} million choices, too many to enumerate; "
+            "use method='genetic'"
         )
     return given
 

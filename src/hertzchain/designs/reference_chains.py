@@ -41,10 +41,11 @@ def _equal_balls(space: BallSpace) -> list[Any]:
         count = min(space.size, max(1, MAX_EQUAL // len(space.balls)))
         lengths = np.unique(np.linspace(1, space.size, count).round().astype(int))
     empty = len(space.balls)
-    return [
+    rows = [
         np.where(np.arange(space.size) < length, ball, empty)
         for ball in range(len(space.balls)) for length in lengths
     ]  # fmt: skip
+    return [row for row in rows if space.in_stock(row)]
 
 
 def _single(space: SizeSpace) -> bool:

@@ -125,7 +125,8 @@ def balls(
     ----------
     catalogue : str or path-like
         ``"bearing-balls"``, the catalogue of hertzchain, or a CSV file with the columns
-        ``diameter [mm]``, ``material`` and, if known, ``grade`` and ``price``.
+        ``diameter [mm]``, ``material`` and, optionally, ``grade``, ``name``, ``price`` and
+        ``count``, the number of balls in stock; an empty cell is any number.
     materials, diameters : iterable, optional
         Materials and diameters [m, or with a unit] to choose from; by default all.
     beads : str or sequence of int
@@ -136,7 +137,8 @@ def balls(
     Raises
     ------
     InputError
-        If the catalogue is missing or has unknown materials, or no ball is left.
+        If the catalogue is missing or has unknown materials, no ball is left, or too few balls
+        are in stock.
 
     Examples
     --------

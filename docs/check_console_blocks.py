@@ -75,7 +75,7 @@ def failures(page: Path) -> Iterator[str]:
             out, err = _run(line, Path(folder), environment)
             # On a slow machine there are lines about progress and the compiler, which are not shown
             # on the page.
-            progress = r"^([\w ]+: \d+ of \d+(, .* to go)?|hertzchain: compiling once.*)\n"
+            progress = r"^([\w ]+: \d+ of \d+(, .* left)?|hertzchain: compiling once.*)\n"
             got = out + re.sub(progress, "", err, flags=re.M)
             if not doctest.OutputChecker().check_output(expected, got, FLAGS):
                 yield f"$ {line}\nexpected:\n{expected}\ngot:\n{got}"

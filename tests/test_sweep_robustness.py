@@ -470,10 +470,10 @@ def test_a_sweep_too_large_for_memory_or_disk_is_rejected():
     rates = {"linspace": [0.01, 0.1, 1000_000]}
     given = {"chain": {"taper": "forward-exponential", "beads": 20},
              "axes": {"rate": rates, "exponent": {"linspace": [1.3, 2.0, 1000_000]}}}  # fmt: skip
-    begun = time.monotonic()
+    begun = time.process_time()
     with pytest.raises(hc.InputError, match=r"points need \d+\.\d GiB of memory.*or give a store"):
         hc.sweep(given)
-    assert time.monotonic() - begun < 20.0
+    assert time.process_time() - begun < 20.0
     given["axes"] = {"beads": [10, 10**11]}
     with pytest.raises(hc.InputError, match=r"2 points need 149\d\.\d GiB"):
         hc.sweep(given | {"chain": {"taper": "uniform"}})

@@ -129,7 +129,7 @@ def public_calls(folder):
         "Traces.from_arrays": tried(
             hc.Traces.from_arrays, times=moved.times, signals=signal, noise=0.01
         ),
-        "Traces.plot": tried(traces.plot, ax=None),
+        "Traces.plot": tried(traces.plot, legend=False, ax=None),
         "load_traces": tried(
             lambda path, sensors, noise: hc.load_traces(path, sensors=sensors, noise=noise),
             path=table_of_traces,
@@ -162,6 +162,7 @@ def public_calls(folder):
         "FitResult.bic": tried(fitted.bic, inflation=1.0),
         "FitResult.sample": tried(fitted.sample, steps=10, seed=0, progress=None),
         "Run.compare": tried(moved.compare, traces=traces, time_offset=0.0),
+        "TraceComparison.plot": tried(moved.compare(traces).plot, sensor="ball 4", ax=None),
         "Chain": tried(
             Chain,
             radii=[1.0, 1.0],
@@ -284,6 +285,7 @@ def public_calls(folder):
             quantity="velocity",
             log=False,
             levels=None,
+            legend=True,
             ax=None,
             bead=3,
         ),
@@ -356,13 +358,13 @@ def public_calls(folder):
         "Pulse.column": tried(pulse.column, quantity="velocity"),
         "Pulse.unit": tried(pulse.unit, quantity="velocity"),
         "Pulse.compare": tried(pulse.compare, reference=pulse),
-        "Pulse.plot": tried(pulse.plot, quantity="velocity", ax=None),
+        "Pulse.plot": tried(pulse.plot, quantity="velocity", label="a", legend=True, ax=None),
         "PulseTable.chain": tried(table.chain, index=0),
         "PulseTable.column": tried(table.column, quantity="velocity"),
         "PulseTable[...]": tried(lambda index: table[index], index=0),
         "Budget.residual": tried(budget.residual, of="energy"),
         "Budget.to_dataframe": tried(budget.to_dataframe, of="energy"),
-        "Budget.plot": tried(budget.plot, of="energy", horizon=None, ax=None),
+        "Budget.plot": tried(budget.plot, of="energy", horizon=None, legend=True, ax=None),
         "Run.force": tried(run.force, contact=1),
         "Run.overlap": tried(run.overlap, contact=1),
         "Run.position": tried(run.position, bead=1),
@@ -379,10 +381,10 @@ def public_calls(folder):
         "Run.velocity_peaks": tried(run.velocity_peaks, bead=3),
         "Waves.passing": tried(longer.waves().passing, contact=3),
         "Waves.at": tried(longer.waves().at, contact=3),
-        "Waves.plot": tried(longer.waves().plot, ax=None),
+        "Waves.plot": tried(longer.waves().plot, legend=True, ax=None),
         "Run.pulse_width": tried(run.pulse_width, bead=3),
         "Run.plot": tried(run.plot, quantity="velocity", ax=None),
-        "Run.plot_forces": tried(run.plot_forces, beads=[3], label="a run", ax=None),
+        "Run.plot_forces": tried(run.plot_forces, beads=[3], label="a run", legend=True, ax=None),
         "simulate": tried(
             hc.simulate,
             chain=chain,

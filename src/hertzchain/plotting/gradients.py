@@ -43,8 +43,8 @@ def plot_gradient(
             bars_of_changes(axes, *changes)
         axes.xaxis.set_major_locator(BeadLocator())
         axes.set_xlabel("contact $k$" if name in ("stiffness", "gaps") else "bead $k$")
-        axes.set_ylabel("relative change [%]")
-        set_title(axes, f"{_label(found.quantity)}: change per 1% of {NOUNS.get(name, name)}")
+        axes.set_ylabel(f"change [%] per 1% of {NOUNS.get(name, name)}")
+        set_title(axes, _label(found.quantity))
     return axes
 
 

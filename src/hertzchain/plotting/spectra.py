@@ -98,9 +98,13 @@ def plot_transfer(
     unit = " [N/m]" if drive == "displacement" and spectrum.chain.units == "SI" else ""
     with figure_style():
         axes = get_axes(ax)
-        axes.semilogy(factor * shown, size, color=COLOURS[1], linewidth=0.9)
+        # Curves that the axes already have keep their colours and remain visible.
+        drawn, present = len(axes.lines), axes.get_ylim()
+        colour = COLOURS[(1 + drawn) % len(COLOURS)]
+        axes.semilogy(factor * shown, size, color=colour, linewidth=0.9)
         if limits := _amplitudes(size, lossless=not spectrum.contacts.dampers.any()):
-            axes.set_ylim(*limits)
+            low, high = (limits, present) if drawn else (limits, limits)
+            axes.set_ylim(min(low[0], high[0]), max(low[1], high[1]))
         axes.set_xlim(factor * shown[0], factor * shown[-1])
         gaps = None if _edges(spectrum, None, required=False) is None else spectrum.gaps()
         _shade(axes.axvspan, gaps, factor, shown[-1])

@@ -16,7 +16,7 @@ from hertzchain.plotting.budget import plot_budget
 from hertzchain.plotting.chains import bead_centres, plot_chain
 from hertzchain.plotting.fits import _draw_crest
 from hertzchain.plotting.runs import plot_forces, plot_forces_of_runs, section_ends
-from hertzchain.plotting.style import figure_bytes
+from hertzchain.plotting.style import COLOURS, figure_bytes
 from hertzchain.plotting.titles import chain_title
 
 
@@ -679,3 +679,26 @@ def test_pdf_files_contain_truetype_fonts():
     content = figure_bytes(axes.figure, "pdf")
     assert b"/Type0" in content
     assert b"/Type3" not in content
+
+
+def test_curves_of_the_user_have_the_colours_of_the_style():
+    with hc.figure_style():
+        _, axes = plt.subplots()
+        drawn = [to_hex(axes.plot([0, 1])[0].get_color()).upper() for _ in COLOURS]
+    assert sorted(drawn) == sorted(COLOURS)
+    # Blue is first and black last: a curve of a plot of hertzchain, which is black, stays distinct.
+    assert (drawn[0], drawn[-1]) == (COLOURS[1], COLOURS[0])
+
+
+def test_plots_draw_into_parts_of_a_figure():
+    run = hc.simulate(hc.Chain.uniform(12).replace(right_wall=hc.Wall()), until=40.0)
+    figure = plt.figure(figsize=(8.0, 6.0), layout="constrained")
+    parts = figure.subfigures(2, 2).ravel()
+    pulse = hc.propagate(hc.Chain.uniform(12))
+    assert run.plot(ax=parts[0].subplots()).figure is parts[0]
+    assert run.plot_forces([3, "wall"], ax=parts[1].subplots()).figure is parts[1]
+    pair = parts[2].subplots(2, sharex=True)
+    assert hc.plot_pulses([pulse, hc.bca(pulse.chain)], residuals=True, ax=pair) is pair[0]
+    assert run.budget().plot(ax=parts[3].subplots()).figure is parts[3]
+    figure.draw_without_rendering()
+    assert len(parts[0].axes) == 2  # the map and its colour bar

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.plotting.legends import place_legend
+from hertzchain.plotting.legends import covers_data, place_legend
 
 TAPERS = {"backward-linear": 0.3, "backward-exponential": 0.05,
           "forward-linear": 0.009, "forward-exponential": 0.03}  # fmt: skip
@@ -142,6 +142,23 @@ def test_texts_count_as_data():
     legend = axes.get_legend().get_window_extent()
     assert legend.y1 < axes.bbox.y1
     assert not legend.overlaps(text.get_window_extent())
+
+
+def test_a_thick_line_is_as_wide_as_it_is_drawn():
+    with hc.figure_style():
+        _, axes = plt.subplots()
+        axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+        line = axes.plot([0.0, 1.0], [0.5, 0.5], linewidth=1.0, label="line")[0]
+        place_legend(axes)
+        legend = axes.get_legend()
+        legend.set_loc("upper right")
+        bottom = legend.get_window_extent().y0
+        points = axes.figure.dpi / 72.0
+        below = axes.transData.inverted().transform((0.0, bottom - 8.0 * points))[1]
+        line.set_ydata([below, below])
+        assert not covers_data(legend)
+        line.set_linewidth(14.0)
+        assert covers_data(legend)
 
 
 def test_shaded_ranges_do_not_count_as_data():

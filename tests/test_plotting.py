@@ -702,3 +702,28 @@ def test_plots_draw_into_parts_of_a_figure():
     assert run.budget().plot(ax=parts[3].subplots()).figure is parts[3]
     figure.draw_without_rendering()
     assert len(parts[0].axes) == 2  # the map and its colour bar
+
+
+def test_one_sensor_of_a_fit_is_drawn_with_its_residuals():
+    result = hc.fit(*hc.example_experiment())
+    figure, panels = plt.subplots(2, 2)
+    assert result.plot("wall", ax=panels[:, 1]) is panels[0, 1]
+    drawn = {line.get_label(): line.get_ydata() for line in panels[0, 1].lines}
+    signal = result.traces.shots[0].signals[3]
+    np.testing.assert_array_equal(drawn["data"], signal.values)
+    np.testing.assert_array_equal(drawn["fit"], result.predicted[0][3])
+    np.testing.assert_array_equal(panels[1, 1].lines[0].get_ydata(), result.residuals()[3][2])
+    ends = result.traces.shots[0].times[[0, -1]] * 1e6
+    for axes in panels[:, 1]:
+        np.testing.assert_allclose(axes.get_xlim(), ends)
+    # One axes have no residuals.
+    assert result.plot("ball 6", ax=panels[0, 0]) is panels[0, 0]
+    assert panels[0, 0].get_xlabel() == "time [µs]"
+    assert not panels[1, 0].lines
+    assert len(result.plot("ball 11").figure.axes) == 2
+    for options, message in (
+        ({"sensor": "ball 7"}, "sensor"), ({"sensor": "wall", "shot": 2}, "shot"),
+        ({"ax": panels[0, 0]}, "ax takes one sensor"), ({"sensor": "wall", "ax": [figure]}, "pair"),
+    ):  # fmt: skip
+        with pytest.raises(hc.InputError, match=message):
+            result.plot(**options)

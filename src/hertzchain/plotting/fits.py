@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib.pyplot as plt
@@ -10,9 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..fitting.goodness import autocorrelation
+from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice
 from .legends import place_legend
-from .style import COLOURS, TIME_LABELS, figure_style, get_axes, seconds_axis
+from .style import COLOURS, TIME_LABELS, figure_style, get_axes, get_two_axes, seconds_axis
 from .widths import figure_size
 
 if TYPE_CHECKING:
@@ -103,6 +105,34 @@ def plot_fit(result: FitResult) -> Figure:
                     panels[0].set_title(f"{signal.name}, shot {index + 1}")
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return figure
+
+
+def plot_fitted_sensor(
+    result: FitResult, sensor: str, *, shot: int = 1, ax: Axes | Sequence[Axes] | None = None
+) -> Axes:
+    """Plot data and fit of one sensor and, unless one axes are given, its residuals over noise."""
+    shots = result.traces.shots
+    index = whole_number("shot", shot, least=1, most=len(shots)) - 1
+    names = [signal.name for signal in shots[index].signals]
+    place = names.index(check_choice("sensor", sensor, names))
+    factor, label = _time_axis(result.traces)
+    times = factor * shots[index].times
+    with figure_style():
+        upper, lower = (ax, ax) if isinstance(ax, Axes) else get_two_axes(ax)
+        signal, model = shots[index].signals[place], result.predicted[index][place]
+        _draw_signal(upper, times, signal, model, name="fit")
+        if lower is not upper:
+            values = next(
+                each for number, name, each in result.residuals()
+                if (number, name) == (index + 1, sensor)
+            )  # fmt: skip
+            _draw_residuals(lower, times, values, 1.1 * max(4.0, float(np.nanmax(np.abs(values)))))
+            lower.set_ylabel("residual\n/ noise")
+            lower.margins(x=0.0)
+            lower.set_xlim(upper.get_xlim())
+        lower.set_xlabel(label)
+        place_legend(upper, own=ax is None)
+    return upper
 
 
 def _draw_residuals(axes: Axes, times: Any, residuals: Any, limit: float) -> None:

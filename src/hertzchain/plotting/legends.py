@@ -40,9 +40,9 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
 
     A legend above the axes is below their title.  A figure that was made for these axes becomes
     taller by the height of the legend, which leaves the axes their size.  In other figures, whose
-    layout may change with the next panels, Matplotlib chooses the place again for each drawing; a
-    legend that is wider than the axes, takes most of their height, or has no room above them, is
-    where it covers least.
+    layout may change with the next panels, Matplotlib chooses the place again for each drawing if
+    its choice is good; a legend that is wider than the axes, takes most of their height, or has no
+    room above them, is where it covers least.
     """
     legend = axes.legend(loc=PLACES[0])
     figure_of(axes).draw_without_rendering()
@@ -53,6 +53,8 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
             if not covers_data(legend):
                 if not own and not axes.collections and not axes.texts:
                     legend.set_loc("best")
+                    if covers_data(legend):
+                        legend.set_loc(place)
                 return
     if not _place_above(axes, own=own):
         # Its text stays legible on the data below it.
@@ -96,12 +98,13 @@ def _line_meets(line: Line2D, box: Bbox, scale: float) -> bool:
     points = points[np.isfinite(points).all(axis=1)]
     if not len(points):
         return False
-    symbols = line.get_marker() not in ("None", "none", "", " ", None)
-    wide = box.padded(0.5 * scale * line.get_markersize()) if symbols else box
-    if wide.count_contains(points):
+    nothing = ("None", "none", "", " ", None)
+    size = line.get_markersize() if line.get_marker() not in nothing else 0.0
+    if box.padded(0.5 * scale * size).count_contains(points):
         return True
-    joined = line.get_linestyle() not in ("None", "none", "", " ")
-    return joined and bool(Path(points).intersects_bbox(box, filled=False))
+    thick = box.padded(0.5 * scale * line.get_linewidth())
+    joined = line.get_linestyle() not in nothing
+    return joined and bool(Path(points).intersects_bbox(thick, filled=False))
 
 
 def _patch_meets(patch: Patch, axes: Axes, box: Bbox) -> bool:

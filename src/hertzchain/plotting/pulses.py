@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -16,13 +15,14 @@ from ..pulse.quantities import QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_list, check_type
 from .labels import distinguish
-from .legends import figure_of, place_legend
+from .legends import place_legend
 from .style import (
     COLOURS,
     MARKERS,
     BeadLocator,
     figure_style,
     get_axes,
+    get_two_axes,
     label_log_axis,
     literal,
     set_title,
@@ -133,10 +133,7 @@ def plot_pulses(
         lowest.xaxis.set_major_locator(BeadLocator())
         if lower is not None:
             _draw_residuals(lower, pulses, quantity, begin)
-            if ax is not None:
-                axes.tick_params(labelbottom=False)
-                lower.set_xlim(axes.get_xlim())
-                figure_of(axes).align_ylabels([axes, lower])
+            lower.set_xlim(axes.get_xlim())
         set_title(axes, literal(title))
         if legend:
             place_legend(axes, own=ax is None)
@@ -173,20 +170,7 @@ def _words(pulses: Sequence[Pulse]) -> list[list[str]]:
 
 
 def _axes(ax: Axes | Sequence[Axes] | None, *, residuals: bool) -> tuple[Axes, Axes | None]:
-    if not residuals:
-        return get_axes(ax), None  # type: ignore[arg-type]
-    if ax is not None:
-        pair = () if isinstance(ax, Axes) else check_list("ax", ax, "two axes")
-        if len(pair) != 2:
-            raise InputError(
-                "with residuals, ax must be a pair of axes, such as plt.subplots(2, sharex=True)[1]"
-            )
-        return get_axes(pair[0]), get_axes(pair[1])
-    figure, (upper, lower) = plt.subplots(
-        2, sharex=True, height_ratios=(3, 1.2), figsize=plt.rcParams["figure.figsize"]
-    )
-    figure.align_ylabels()
-    return upper, lower
+    return get_two_axes(ax) if residuals else (get_axes(ax), None)  # type: ignore[arg-type]
 
 
 def _number_of_pulses(axes: Axes) -> int:

@@ -22,8 +22,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from ..chain.chain import Chain
+from ..errors import InputError
 from ..validation.keywords import checked_arguments
-from ..validation.objects import check_type
+from ..validation.objects import check_list, check_type
 from .widths import figure_size, journal_settings, journal_width, styled, width_in_inches
 
 if TYPE_CHECKING:
@@ -127,6 +128,22 @@ def get_axes(ax: Axes | None, figsize: tuple[float, float] | None = None) -> Axe
         return plt.subplots(figsize=None if figsize is None else figure_size(*figsize))[1]
     check_type("ax", ax, Axes, "plt.subplots()[1] is one")
     return ax
+
+
+def get_two_axes(ax: object) -> tuple[Axes, Axes]:
+    """A pair of axes, or those of a new figure: for curves and, below, for their residuals."""
+    if ax is None:
+        upper, lower = plt.subplots(2, sharex=True, height_ratios=(3, 1.2))[1]
+    else:
+        pair = [] if isinstance(ax, Axes) else check_list("ax", ax, "two axes")
+        if len(pair) != 2:
+            raise InputError(
+                "with residuals, ax must be a pair of axes, such as plt.subplots(2, sharex=True)[1]"
+            )
+        upper, lower = map(get_axes, pair)
+    upper.tick_params(labelbottom=False)
+    upper.figure.align_ylabels([upper, lower])
+    return upper, lower
 
 
 def literal(text: str) -> str:

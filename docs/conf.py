@@ -115,7 +115,9 @@ def draw_figures(_: Any) -> None:
     import figures
 
     folder = HERE / "_generated"
-    sources = [HERE / f"{name}.py" for name in ("figures", "page_figures", "law_figures")]
+    sources = [
+        HERE / f"{name}.py" for name in ("figures", "page_figures", "paper_figures", "law_figures")
+    ]
     digest = package_digest(*sources, HERE / "explanation" / "against_others.md")
     names = [folder / f"{name}.svg" for name in figures.FIGURES]
     stamp = folder / "digest.txt"

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from page_figures import PAGE_FIGURES
+from paper_figures import PAPER_FIGURES
 
 import hertzchain as hc
 from hertzchain.evaluation.evaluate import scoreboard
@@ -358,7 +359,10 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "fit-correlations": fit_correlations,
     "fit-causes": fit_causes,
     "design-shock-absorber": design_shock_absorber,
-    **{draw.__name__.replace("_", "-"): draw for draw in (*PAGE_FIGURES, *LAW_FIGURES)},
+    **{
+        draw.__name__.replace("_", "-"): draw
+        for draw in (*PAGE_FIGURES, *PAPER_FIGURES, *LAW_FIGURES)
+    },
 }
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.plotting.legends import place_legend
+from hertzchain.plotting.legends import covers_data, place_legend
 
 TAPERS = {"backward-linear": 0.3, "backward-exponential": 0.05,
           "forward-linear": 0.009, "forward-exponential": 0.03}  # fmt: skip
@@ -144,9 +144,70 @@ def test_texts_count_as_data():
     assert not legend.overlaps(text.get_window_extent())
 
 
+def test_a_thick_line_is_as_wide_as_it_is_drawn():
+    with hc.figure_style():
+        _, axes = plt.subplots()
+        axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+        line = axes.plot([0.0, 1.0], [0.5, 0.5], linewidth=1.0, label="line")[0]
+        place_legend(axes)
+        legend = axes.get_legend()
+        legend.set_loc("upper right")
+        bottom = legend.get_window_extent().y0
+        points = axes.figure.dpi / 72.0
+        below = axes.transData.inverted().transform((0.0, bottom - 8.0 * points))[1]
+        line.set_ydata([below, below])
+        assert not covers_data(legend)
+        line.set_linewidth(14.0)
+        assert covers_data(legend)
+
+
 def test_shaded_ranges_do_not_count_as_data():
     _, axes = plt.subplots()
     axes.axvspan(0.0, 1.0, color="0.9")
     axes.plot([0.0, 1.0], [0.0, 1.0], label="line")
     place_legend(axes)
     assert axes.get_legend().get_window_extent().y1 < axes.bbox.y1
+
+
+def test_legends_follow_the_layout_of_panels_that_are_drawn_later():
+    with hc.figure_style("double column"):
+        figure, panels = plt.subplots(1, 3)
+        hc.plot_pulses(four_tapers(60)[:2], "momentum", ax=panels[0])
+        run = hc.simulate(hc.Chain.uniform(24), times=400)
+        run.plot(ax=panels[1])
+        run.budget().plot(ax=panels[2])
+        figure.draw_without_rendering()
+    # Half of the width that the panel had first.
+    assert data_in(panels[0], panels[0].get_legend().get_window_extent()) == 0
+
+
+def test_without_a_layout_engine_a_legend_stays_inside_the_figure():
+    figure, axes = plt.subplots()
+    hc.plot_pulses(four_tapers(60), "velocity", log=True, ax=axes)
+    figure.draw_without_rendering()
+    assert figure.bbox.y1 >= axes.get_legend().get_window_extent().y1
+    assert figure.bbox.y1 >= axes.title.get_window_extent().y1
+    assert not axes.get_legend().get_window_extent().overlaps(axes.title.get_window_extent())
+
+
+@pytest.mark.parametrize("width", [None, "single column"])
+def test_sweeps_with_many_curves_are_not_covered(width):
+    found = hc.sweep({
+        "chain": {"taper": "forward-exponential"},
+        "axes": {"rate": {"linspace": [0.01, 0.06, 6]}, "beads": [20, 30, 40, 50, 60, 70, 80]},
+        "sweep": {"keep": ["momentum"], "at": "last"},
+    })  # fmt: skip
+    with hc.figure_style(width):
+        assert_nothing_is_covered(hc.plot_sweep(found, log=True))
+
+
+@pytest.mark.parametrize("place", ["left", "right"])
+def test_letters_of_panels_are_above_the_legend(place):
+    with hc.figure_style("double column"):
+        figure, panels = plt.subplots(1, 2)
+        letter = panels[1].set_title("(b)", loc=place)
+        hc.plot_pulses(four_tapers(60), "velocity", log=True, ax=panels[1])
+        figure.draw_without_rendering()
+    legend = panels[1].get_legend().get_window_extent()
+    assert legend.y0 >= panels[1].bbox.y1
+    assert letter.get_window_extent().y0 >= legend.y1 - 1.0

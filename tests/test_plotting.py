@@ -1,3 +1,4 @@
+import itertools
 import re
 from importlib import resources
 
@@ -15,6 +16,7 @@ from hertzchain.plotting.budget import plot_budget
 from hertzchain.plotting.chains import bead_centres, plot_chain
 from hertzchain.plotting.fits import _draw_crest
 from hertzchain.plotting.runs import plot_forces, plot_forces_of_runs, section_ends
+from hertzchain.plotting.style import COLOURS, figure_bytes
 from hertzchain.plotting.titles import chain_title
 
 
@@ -271,8 +273,8 @@ def test_labels_state_what_differs():
     assert methods.get_title() == "forward-exponential, q = 0.01, 9 beads"
     alone = hc.plot_pulses([hc.bca(tapers[0])])
     assert (legend(alone), alone.get_title()) == (["BCA"], methods.get_title())
-    given = hc.plot_pulses([hc.bca(chain) for chain in tapers], labels=["a", "b", "$c"])
-    assert legend(given) == ["a", "b", r"\$c"]
+    given = hc.plot_pulses([hc.bca(chain) for chain in tapers], labels=["a", "b", "$q_1$"])
+    assert legend(given) == ["a", "b", "$q_1$"]
 
 
 def test_residuals_are_relative_differences_from_the_first_pulse():
@@ -282,9 +284,16 @@ def test_residuals_are_relative_differences_from_the_first_pulse():
     lower = upper.figure.axes[1]
     expected = 100.0 * (theory.velocity / exact.velocity - 1.0)
     np.testing.assert_allclose(lower.lines[1].get_ydata(), expected)
-    for options in ({"ax": upper}, {"pulses": [exact]}):
-        with pytest.raises(hc.InputError, match="residuals need at least two pulses"):
-            hc.plot_pulses(**{"pulses": [exact, theory], "residuals": True, **options})
+    with pytest.raises(hc.InputError, match="residuals need at least two pulses"):
+        hc.plot_pulses([exact], residuals=True)
+    for bad in (upper, [upper], [upper, lower, lower]):
+        with pytest.raises(hc.InputError, match="ax must be a pair of axes"):
+            hc.plot_pulses([exact, theory], residuals=True, ax=bad)
+    _, pair = plt.subplots(2, 2)
+    assert hc.plot_pulses([exact, theory], residuals=True, ax=pair[:, 1]) is pair[0, 1]
+    np.testing.assert_allclose(pair[1, 1].lines[1].get_ydata(), expected)
+    assert pair[1, 1].get_xlim() == pair[0, 1].get_xlim()
+    assert (pair[0, 1].get_xlabel(), pair[1, 1].get_xlabel()) == ("", "bead $k$")
     with pytest.raises(hc.InputError, match="there must be 2 labels, one per pulse, got 1"):
         hc.plot_pulses([exact, theory], labels=["one"])
 
@@ -537,3 +546,184 @@ def test_forces_of_one_place_are_drawn_without_a_list():
     for call in (run.sensor, lambda bead: run.plot_forces([bead])):
         with pytest.raises(hc.InputError, match="or 'wall', got 'peak'"):
             call("peak")
+
+
+def test_pulses_added_to_axes_continue_colours_and_share_the_free_end():
+    equal, taper = (
+        hc.propagate(hc.Chain.tapered("forward-linear", q, beads=20)) for q in (0.001, 0.02)
+    )
+    axes = equal.plot(label="equal")
+    taper.plot(label="taper", ax=axes)
+    hc.bca(taper.chain).plot(label="theory", legend=False, ax=axes)
+    assert legend(axes) == ["equal", "taper", "last bead (free end)"]
+    named = {line.get_label(): line for line in axes.lines if line.get_label()[0] != "_"}
+    assert list(named) == ["equal", "taper", "theory", "last bead (free end)"]
+    assert len({named[name].get_color() for name in ("equal", "taper", "theory")}) == 3
+    assert len({named[name].get_marker() for name in ("equal", "taper", "theory")}) == 3
+
+
+def test_titles_of_one_chain_only_and_those_of_the_user():
+    runs = [hc.simulate(hc.Chain.uniform(n).replace(right_wall=hc.Wall())) for n in (6, 8)]
+    axes = runs[0].plot_forces(["wall"])
+    runs[0].plot_forces([3], ax=axes)
+    assert axes.get_title() == "6 equal beads"
+    for run in (*runs, runs[0]):
+        run.plot_forces(["wall"], label="other", ax=axes)
+    assert axes.get_title() == ""
+    axes.clear()
+    axes.set_title("my title")
+    for run in runs:
+        run.plot_forces(["wall"], ax=axes)
+    assert axes.get_title() == "my title"
+    with hc.figure_style("single column"):
+        runs[0].plot_forces(["wall"], ax=axes)
+    assert axes.get_title() == "my title"
+
+
+def test_settings_inside_a_style_are_those_of_the_user():
+    pulse = hc.propagate(hc.Chain.uniform(9))
+    with hc.figure_style("single column"), plt.rc_context({"font.size": 6, "figure.dpi": 50}):
+        axes = pulse.plot()
+        assert (axes.figure.dpi, axes.figure.get_figwidth()) == (50, pytest.approx(86 / 25.4))
+        with hc.figure_style():
+            assert plt.rcParams["font.size"] == 6
+        with hc.figure_style("double column"):
+            assert plt.rcParams["font.size"] == 8
+            assert pulse.plot().figure.get_figwidth() == pytest.approx(178 / 25.4)
+        assert plt.rcParams["font.size"] == 6
+    # Each figure outside of a block has the style, and changes nothing for others.
+    before = plt.rcParams["font.size"]
+    assert pulse.plot().figure.get_figwidth() == pytest.approx(5.4)
+    assert plt.rcParams["font.size"] == before
+
+
+def test_ticks_begin_at_bead_1_and_fit_into_small_panels():
+    pulse = hc.propagate(hc.Chain.uniform(60))
+    with hc.figure_style("double column"):
+        figure, panels = plt.subplots(1, 4)
+        for axes in panels:
+            pulse.plot(ax=axes, legend=False)
+        figure.canvas.draw()
+    for axes in panels:
+        low, high = axes.get_xlim()
+        ticks = [tick for tick in axes.xaxis.get_major_ticks() if low <= tick.get_loc() <= high]
+        assert len(ticks) >= 2
+        assert min(tick.get_loc() for tick in ticks) >= 1.0
+        boxes = [tick.label1.get_window_extent() for tick in ticks]
+        assert all(a.x1 < b.x0 for a, b in itertools.pairwise(boxes))
+
+
+@pytest.mark.parametrize("kind", ["pulses", "forces", "budget", "waves", "traces", "sweep"])
+def test_legends_can_be_omitted(kind):
+    run = hc.simulate(hc.Chain.uniform(20).replace(right_wall=hc.Wall()), until=50.0)
+    dataset = hc.sweep({
+        "axes": {"rate": [0.01, 0.02], "beads": [10, 12, 14]}, "sweep": {"keep": ["momentum"]},
+        "chain": {"taper": "forward-exponential"},
+    })  # fmt: skip
+    plot = {
+        "pulses": run.pulse().plot, "forces": lambda **o: run.plot_forces([3, 6], **o),
+        "budget": run.budget().plot, "waves": run.waves().plot,
+        "traces": hc.example_experiment()[0].plot,
+        "sweep": lambda **o: hc.plot_sweep(dataset, bead=9, **o),
+    }[kind]  # fmt: skip
+    assert plot().get_legend() is not None
+    axes = plot(legend=False)
+    assert axes.get_legend() is None
+    assert axes.get_legend_handles_labels()[1]
+    with pytest.raises(hc.InputError, match="legend must be True or False"):
+        plot(legend="best")
+
+
+def test_traces_and_simulation_share_axes_and_their_unit_of_time():
+    traces, chain = hc.example_experiment()
+    run = hc.simulate(hc.load_chain(chain), until=3e-3, times=1201)
+    axes = run.plot_forces(["wall"])
+    assert axes.get_xlabel() == "time [ms]"
+    traces.plot(ax=axes)
+    measured = next(line for line in axes.lines if line.get_label() == "wall")
+    assert measured.get_xdata()[-1] == pytest.approx(1e3 * traces.shots[0].times[-1])
+    assert measured.get_color() != axes.lines[0].get_color()
+    assert axes.get_ylabel() == "force [N] or signal [V]"
+
+
+def test_one_sensor_of_a_comparison_is_drawn_into_given_axes():
+    traces, chain = hc.example_experiment()
+    compared = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201).compare(traces)
+    _, (left, right) = plt.subplots(1, 2)
+    assert compared.plot("ball 11", ax=right) is right
+    assert not left.lines
+    drawn = {line.get_label(): line.get_ydata() for line in right.lines}
+    signal = traces.shots[0].signals[1]
+    np.testing.assert_array_equal(drawn["data"], signal.values)
+    np.testing.assert_array_equal(drawn["simulation"], compared.scales[1] * compared.signals[1])
+    assert (right.get_ylabel(), right.get_title()) == ("signal [V]", "ball 11")
+    with pytest.raises(hc.InputError, match="sensor"):
+        compared.plot("ball 12")
+    with pytest.raises(hc.InputError, match="ax takes one sensor"):
+        compared.plot(ax=left)
+
+
+def test_the_word_striker_is_above_the_beads_of_a_small_panel():
+    chain = hc.Chain.uniform(20).struck_by(velocity=1.0)
+    with hc.figure_style("double column"):
+        figure, panels = plt.subplots(1, 3)
+        plot_chain(chain, ax=panels[1])
+        figure.draw_without_rendering()
+    word = next(text for text in panels[1].texts if text.get_text() == "striker")
+    top = panels[1].transData.transform((0.0, 1.0))[1]
+    assert word.get_window_extent().y0 > top
+
+
+def test_pdf_files_contain_truetype_fonts():
+    axes = hc.propagate(hc.Chain.uniform(9)).plot()
+    content = figure_bytes(axes.figure, "pdf")
+    assert b"/Type0" in content
+    assert b"/Type3" not in content
+
+
+def test_curves_of_the_user_have_the_colours_of_the_style():
+    with hc.figure_style():
+        _, axes = plt.subplots()
+        drawn = [to_hex(axes.plot([0, 1])[0].get_color()).upper() for _ in COLOURS]
+    assert sorted(drawn) == sorted(COLOURS)
+    # Blue is first and black last: a curve of a plot of hertzchain, which is black, stays distinct.
+    assert (drawn[0], drawn[-1]) == (COLOURS[1], COLOURS[0])
+
+
+def test_plots_draw_into_parts_of_a_figure():
+    run = hc.simulate(hc.Chain.uniform(12).replace(right_wall=hc.Wall()), until=40.0)
+    figure = plt.figure(figsize=(8.0, 6.0), layout="constrained")
+    parts = figure.subfigures(2, 2).ravel()
+    pulse = hc.propagate(hc.Chain.uniform(12))
+    assert run.plot(ax=parts[0].subplots()).figure is parts[0]
+    assert run.plot_forces([3, "wall"], ax=parts[1].subplots()).figure is parts[1]
+    pair = parts[2].subplots(2, sharex=True)
+    assert hc.plot_pulses([pulse, hc.bca(pulse.chain)], residuals=True, ax=pair) is pair[0]
+    assert run.budget().plot(ax=parts[3].subplots()).figure is parts[3]
+    figure.draw_without_rendering()
+    assert len(parts[0].axes) == 2  # the map and its colour bar
+
+
+def test_one_sensor_of_a_fit_is_drawn_with_its_residuals():
+    result = hc.fit(*hc.example_experiment())
+    figure, panels = plt.subplots(2, 2)
+    assert result.plot("wall", ax=panels[:, 1]) is panels[0, 1]
+    drawn = {line.get_label(): line.get_ydata() for line in panels[0, 1].lines}
+    signal = result.traces.shots[0].signals[3]
+    np.testing.assert_array_equal(drawn["data"], signal.values)
+    np.testing.assert_array_equal(drawn["fit"], result.predicted[0][3])
+    np.testing.assert_array_equal(panels[1, 1].lines[0].get_ydata(), result.residuals()[3][2])
+    ends = result.traces.shots[0].times[[0, -1]] * 1e6
+    for axes in panels[:, 1]:
+        np.testing.assert_allclose(axes.get_xlim(), ends)
+    # One axes have no residuals.
+    assert result.plot("ball 6", ax=panels[0, 0]) is panels[0, 0]
+    assert panels[0, 0].get_xlabel() == "time [µs]"
+    assert not panels[1, 0].lines
+    assert len(result.plot("ball 11").figure.axes) == 2
+    for options, message in (
+        ({"sensor": "ball 7"}, "sensor"), ({"sensor": "wall", "shot": 2}, "shot"),
+        ({"ax": panels[0, 0]}, "ax takes one sensor"), ({"sensor": "wall", "ax": [figure]}, "pair"),
+    ):  # fmt: skip
+        with pytest.raises(hc.InputError, match=message):
+            result.plot(**options)

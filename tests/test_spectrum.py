@@ -498,6 +498,15 @@ def test_the_frame_of_a_resonance_does_not_depend_on_a_frequency_that_meets_it()
     assert top > np.abs(lossy.transfer_force(np.linspace(10.0, 14e3, 50), 16)).max()
 
 
+def test_transfer_functions_in_the_same_axes_remain_visible():
+    lossy = crystal().replace(loss=hc.Viscoelastic(3e-6))
+    alone = [hc.spectrum(chain).plot_transfer(9).get_ylim() for chain in (crystal(), lossy)]
+    axes = hc.spectrum(lossy).plot_transfer(9)
+    hc.spectrum(crystal()).plot_transfer(9, ax=axes)
+    assert len({line.get_color() for line in axes.lines}) == 2
+    assert axes.get_ylim() == (min(low for low, _ in alone), max(high for _, high in alone))
+
+
 @pytest.mark.parametrize("frequencies", [[1.0], [2.0, 1.0]])
 def test_a_transfer_function_is_drawn_over_increasing_frequencies(frequencies):
     with pytest.raises(hc.InputError, match="two increasing"):

@@ -101,9 +101,10 @@ def pulse(
     pulses = [pulse for each in found.values() for pulse in each]
     if plot is not None:
         from ..plotting.pulses import plot_pulses
+        from ..plotting.style import literal
 
         labels = [
-            name if len(each) == 1 else f"{name}, {pulse.method}"
+            literal(name if len(each) == 1 else f"{name}, {pulse.method}")
             for name, each in found.items() for pulse in each
         ] if len(found) > 1 else None  # fmt: skip
         residuals = len(found) == 1 and len(pulses) > 1

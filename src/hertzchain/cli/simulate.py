@@ -281,6 +281,7 @@ def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], *, forces: bool) -
     """Plot forces in sensors and on walls; or else velocities, of one run as a map."""
     from ..plotting.pulses import plot_pulses
     from ..plotting.runs import plot_forces_of_runs
+    from ..plotting.style import literal
     from ..simulation.wall_force import walls_of
 
     first, *others = runs.values()
@@ -288,7 +289,7 @@ def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], *, forces: bool) -
     if not others and not forces:
         return first.plot()
     if not all(shown.values()):
-        return plot_pulses([run.pulse() for run in runs.values()], labels=list(runs))
+        return plot_pulses([run.pulse() for run in runs.values()], labels=[*map(literal, runs)])
     if not others:
         return first.plot_forces(*shown.values())
     return plot_forces_of_runs(runs, shown)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..errors import InputError
 from ..representation import counted, short
 from ..validation.json_types import finite
 from ..validation.keywords import checked_methods
@@ -25,6 +27,7 @@ from .weak_directions import WeakDirection
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from .posterior import Posterior
@@ -342,29 +345,44 @@ class FitResult:
         })  # fmt: skip
         return found
 
-    def plot(self) -> Figure:
-        """Plot data, fit and residuals of every sensor.
+    @overload
+    def plot(self) -> Figure: ...
+    @overload
+    def plot(
+        self, sensor: str, *, shot: int = 1, ax: Axes | Sequence[Axes] | None = None
+    ) -> Axes: ...
+    def plot(
+        self, sensor: str | None = None, *, shot: int = 1, ax: Axes | Sequence[Axes] | None = None
+    ) -> Axes | Figure:
+        """Plot data, fit and residuals of every sensor, or of one.
 
-        Returns
-        -------
-        matplotlib.figure.Figure
+        Parameters
+        ----------
+        sensor : str, optional
+            Name of a sensor; by default, the figure has three panels per sensor.
+        shot : int
+            Number of the shot of this sensor, from 1.
+        ax : matplotlib.axes.Axes or pair of them, optional
+            Axes for data and fit of this sensor and, in a pair, for its residuals.  By default, a
+            new figure has both.
 
         Examples
         --------
         >>> import hertzchain as hc
-        >>> len(hc.fit(*hc.example_experiment()).plot().axes)
-        12
+        >>> result = hc.fit(*hc.example_experiment())
+        >>> len(result.plot().axes), len(result.plot("wall").figure.axes)
+        (12, 2)
         """
-        from ..plotting.fits import plot_fit
+        from ..plotting.fits import plot_fit, plot_fitted_sensor
 
+        if sensor is not None:
+            return plot_fitted_sensor(self, sensor, shot=shot, ax=ax)
+        if ax is not None:
+            raise InputError("ax takes one sensor; give it, such as 'wall'")
         return plot_fit(self)
 
     def plot_residuals(self) -> Figure:
         """Plot the distribution and the autocorrelation of the residuals.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
 
         Examples
         --------
@@ -378,10 +396,6 @@ class FitResult:
 
     def plot_correlations(self) -> Figure:
         """Plot the correlations of the parameters as a map.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
 
         Examples
         --------

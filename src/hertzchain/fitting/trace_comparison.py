@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,7 @@ from .sensors import sampled
 from .traces import Shot, Signal, Traces
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -139,12 +140,29 @@ class TraceComparison:
             lines.append(f"without calibration, the simulation is scaled: {', '.join(scaled)}")
         return "\n".join((*lines, *self.notes))
 
-    def plot(self) -> Figure:
-        """Plot data and simulation, one panel per sensor.
+    @overload
+    def plot(self) -> Figure: ...
+    @overload
+    def plot(self, sensor: str, *, ax: Axes | None = None) -> Axes: ...
+    def plot(self, sensor: str | None = None, *, ax: Axes | None = None) -> Axes | Figure:
+        """Plot data and simulation, one panel per sensor, or one sensor.
+
+        Parameters
+        ----------
+        sensor : str, optional
+            Name of a sensor; by default, the figure has one panel per sensor.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw one sensor into.  By default, a new figure is created.
 
         Returns
         -------
-        matplotlib.figure.Figure
+        matplotlib.figure.Figure or matplotlib.axes.Axes
+            The figure of all sensors, or the axes of one.
+
+        Raises
+        ------
+        InputError
+            If there is no such sensor, or for axes without a sensor.
 
         Examples
         --------
@@ -154,8 +172,13 @@ class TraceComparison:
         >>> len(run.compare(traces).plot().axes)
         4
         """
-        from ..plotting.fits import plot_comparison
+        from ..plotting.fits import plot_comparison, plot_sensor
 
+        if sensor is not None:
+            return plot_sensor(self, sensor, ax=ax)
+        if ax is not None:
+            names = [signal.name for signal in self.traces.shots[0].signals]
+            raise InputError(f"ax takes one sensor; give it, such as {names[0]!r}")
         return plot_comparison(self)
 
     def __str__(self) -> str:

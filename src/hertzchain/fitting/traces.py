@@ -285,11 +285,13 @@ class Traces:
                 variables[name] = (time, np.where(signal.valid, signal.values, np.nan), about)
         return xr.Dataset(variables, coords=coordinates)
 
-    def plot(self, *, ax: Axes | None = None) -> Axes:
+    def plot(self, *, legend: bool = True, ax: Axes | None = None) -> Axes:
         """Plot all signals over time; samples that are not used are crossed out.
 
         Parameters
         ----------
+        legend : bool
+            Whether the axes have a legend.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; by default those of a new figure.
 
@@ -306,7 +308,7 @@ class Traces:
         """
         from ..plotting.fits import plot_traces
 
-        return plot_traces(self, ax=ax)
+        return plot_traces(self, legend=legend, ax=ax)
 
     def __repr__(self) -> str:
         shot = self.shots[0]

@@ -13,7 +13,7 @@ from ..errors import InputError
 from ..simulation.budget import BALANCED, COLOURS, Balanced, Budget
 from ..simulation.horizon import Horizon
 from ..validation.keywords import checked_arguments
-from ..validation.objects import check_choice, check_type
+from ..validation.objects import check_bool, check_choice, check_type
 from .style import (
     figure_style,
     get_axes,
@@ -34,6 +34,7 @@ def plot_budget(
     of: Balanced = "energy",
     *,
     horizon: Horizon | None = None,
+    legend: bool = True,
     ax: Axes | None = None,
 ) -> Axes:
     """Plot energy or momentum by location, stacked over time; backward momentum is negative.
@@ -46,6 +47,8 @@ def plot_budget(
         ``"energy"`` or ``"momentum"``.
     horizon : Horizon, optional
         Result of `Run.horizon`; times beyond it are shaded.
+    legend : bool
+        Whether there is a legend, to the right of the axes.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.  By default, a new figure is created.
 
@@ -62,6 +65,7 @@ def plot_budget(
     'momentum'
     """
     check_choice("balance", of, BALANCED)
+    legend = check_bool("legend", legend)
     if horizon is not None:
         check_type("horizon", horizon, Horizon, "run.horizon() is one")
     if len(budget.times) < 2:
@@ -102,7 +106,8 @@ def plot_budget(
         set_title(axes, chain_title(budget.chain))
         axes.margins(x=0.0)
         mark_horizon(axes, horizon, factor)
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        if legend:
+            axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return axes
 
 

@@ -92,7 +92,9 @@ def mark_strikers(chain: Chain, factor: float, axes: Axes) -> None:
                   arrowprops={"arrowstyle": "-|>", "color": COLOURS[2], "shrinkA": 0.0,
                               "shrinkB": 0.0})  # fmt: skip
     word = "striker" if chain.strikers == 1 else f"{chain.strikers} strikers"
-    axes.annotate(word, (end + 0.1 * largest, height), color=COLOURS[2], va="center", fontsize=8)
+    # On the line of the arrow, a word is above the beads in small panels, too.
+    axes.annotate(word, (end, height), (3.0, 0.0), textcoords="offset points", color=COLOURS[2],
+                  va="bottom", fontsize=8)  # fmt: skip
     axes.set_ylim(top=max(axes.get_ylim()[1], height + 0.35 * largest))
 
 

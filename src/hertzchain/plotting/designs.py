@@ -16,7 +16,16 @@ from ..errors import InputError
 from .chains import bead_centres, draw_beads, material_legend
 from .gradients import bars_of_changes
 from .legends import place_legend
-from .style import COLOURS, MUCH, differ_much, figure_style, get_axes, label_log_axis, time_axis
+from .style import (
+    COLOURS,
+    MUCH,
+    BeadLocator,
+    differ_much,
+    figure_style,
+    get_axes,
+    label_log_axis,
+    time_axis,
+)
 from .widths import figure_size
 
 if TYPE_CHECKING:
@@ -114,6 +123,8 @@ def _draw_lines(result: DesignResult, lines: Sequence[_Line], axes: Axes) -> Axe
     for each in lines:
         axes.plot(factor * each.curve.x, each.curve.y, color=each.colour, label=each.label)
     axes.set_xlabel(label)
+    if not walled:
+        axes.xaxis.set_major_locator(BeadLocator())
     name, unit = ("force on the wall", " [N]") if walled else ("velocity $v_k$", " [m/s]")
     axes.set_ylabel(name + (unit if si else ""))
     axes.margins(x=0.0)
@@ -149,6 +160,7 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes = get_axes(ax)
         both = bars_of_changes(axes, *result.changes)
         axes.set_xlabel("bead $k$")
+        axes.xaxis.set_major_locator(BeadLocator())
         axes.set_ylabel(f"change [%] if $R_k$ {'changes' if both else 'grows'} by 1%")
     return axes
 
@@ -189,6 +201,7 @@ def plot_design(result: DesignResult) -> Figure:
         elif "masses" in result.chain.given:
             last.bar(np.arange(1, result.chain.beads + 1), result.chain.masses, color=COLOURS[3])
             last.set_xlabel("bead $k$")
+            last.xaxis.set_major_locator(BeadLocator())
             last.set_ylabel("mass $m_k$")
         else:
             plot_sensitivity(result, ax=last)

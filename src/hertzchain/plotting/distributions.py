@@ -24,8 +24,8 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
         axes.axvline(found.mean, color=COLOURS[2], linestyle="--", label="mean")
         axes.set_xlabel(found.label + (f" [{found.unit}]" if found.unit != "1" else ""))
         axes.set_ylabel("number of chains")
-        place_legend(axes, own=ax is None)
         set_title(axes, f"{chain_title(found.chain)}, {_deviations(found.scatter)}")
+        place_legend(axes, own=ax is None)
     return axes
 
 

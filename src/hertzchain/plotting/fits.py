@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib.pyplot as plt
@@ -10,8 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..fitting.goodness import autocorrelation
+from ..validation.numbers import whole_number
+from ..validation.objects import check_bool, check_choice
 from .legends import place_legend
-from .style import COLOURS, figure_style, get_axes, seconds_axis
+from .style import COLOURS, TIME_LABELS, figure_style, get_axes, get_two_axes, seconds_axis
 from .widths import figure_size
 
 if TYPE_CHECKING:
@@ -28,12 +31,16 @@ CREST: Final = 5
 MAX_COLUMNS: Final = 3
 
 
-def plot_traces(traces: Traces, *, ax: Axes | None = None) -> Axes:
+def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) -> Axes:
     """Plot measured signals over time."""
+    legend = check_bool("legend", legend)
     with figure_style():
         axes = get_axes(ax)
         factor, label = _time_axis(traces)
-        for i, (index, signal) in enumerate(traces):
+        if axes.get_xlabel() in TIME_LABELS:
+            factor, label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
+        # Curves that the axes already have, such as simulated ones, have the first colours.
+        for i, (index, signal) in enumerate(traces, len(axes.get_legend_handles_labels()[1])):
             times = factor * traces.shots[index].times
             name = signal.name + (f", shot {index + 1}" if len(traces.shots) > 1 else "")
             colour = COLOURS[i % len(COLOURS)]
@@ -41,12 +48,18 @@ def plot_traces(traces: Traces, *, ax: Axes | None = None) -> Axes:
                       label=name)  # fmt: skip
             unused = ~signal.valid & np.isfinite(signal.values)
             axes.plot(times[unused], signal.values[unused], "x", color=colour)
-        units = " or ".join(dict.fromkeys(signal.unit for _, signal in traces))
         axes.set_xlabel(label)
-        axes.set_ylabel(f"signal [{units}]")
+        axes.set_ylabel(" or ".join(dict.fromkeys(_signal_label(signal) for _, signal in traces)))
         axes.margins(x=0.0)
-        place_legend(axes, own=ax is None)
+        if legend:
+            place_legend(axes, own=ax is None)
     return axes
+
+
+def _signal_label(signal: Signal) -> str:
+    """Quantity and unit of a signal; only calibrated ones are forces or velocities."""
+    what = "force" if signal.place.quantity == "force" else "velocity"
+    return f"{what if signal.calibrated else 'signal'} [{signal.unit}]"
 
 
 def _time_axis(traces: Traces) -> tuple[float, str]:
@@ -94,30 +107,60 @@ def plot_fit(result: FitResult) -> Figure:
     return figure
 
 
+def plot_fitted_sensor(
+    result: FitResult, sensor: str, *, shot: int = 1, ax: Axes | Sequence[Axes] | None = None
+) -> Axes:
+    """Plot data and fit of one sensor and, unless one axes are given, its residuals over noise."""
+    shots = result.traces.shots
+    index = whole_number("shot", shot, least=1, most=len(shots)) - 1
+    names = [signal.name for signal in shots[index].signals]
+    place = names.index(check_choice("sensor", sensor, names))
+    factor, label = _time_axis(result.traces)
+    times = factor * shots[index].times
+    with figure_style():
+        upper, lower = (ax, ax) if isinstance(ax, Axes) else get_two_axes(ax)
+        signal, model = shots[index].signals[place], result.predicted[index][place]
+        _draw_signal(upper, times, signal, model, name="fit")
+        if lower is not upper:
+            values = next(
+                each for number, name, each in result.residuals()
+                if (number, name) == (index + 1, sensor)
+            )  # fmt: skip
+            _draw_residuals(lower, times, values, 1.1 * max(4.0, float(np.nanmax(np.abs(values)))))
+            lower.set_ylabel("residual\n/ noise")
+            lower.margins(x=0.0)
+            lower.set_xlim(upper.get_xlim())
+        lower.set_xlabel(label)
+        place_legend(upper, own=ax is None)
+    return upper
+
+
 def _draw_residuals(axes: Axes, times: Any, residuals: Any, limit: float) -> None:
     axes.plot(times, residuals, ".", color="0.35", markersize=2.0)
     axes.axhline(0.0, color="black", linewidth=0.6)
     axes.set_ylim(-limit, limit)
 
 
-def _draw_signal(axes: Axes, times: Any, signal: Signal, model: Any) -> None:
+def _draw_signal(
+    axes: Axes, times: Any, signal: Signal, model: Any, *, name: str = "model"
+) -> None:
     shown = np.where(signal.valid, signal.values, np.nan)
-    _draw_data_and_model(axes, times, shown, model, point=1.8, line=3.5)
+    _draw_data_and_model(axes, times, shown, model, point=1.8, line=3.5, name=name)
     unused = ~signal.valid & np.isfinite(signal.values)
     axes.plot(times[unused], signal.values[unused], "x", color="0.55", markersize=3.0)
-    what = "force" if signal.place.quantity == "force" else "velocity"
-    axes.set_ylabel(f"{what} [{signal.unit}]" if signal.calibrated else f"signal [{signal.unit}]")
+    axes.set_ylabel(_signal_label(signal))
     axes.set_title(signal.name)
     axes.margins(x=0.0)
 
 
 def _draw_data_and_model(
-    axes: Axes, times: Any, data: Any, model: Any, *, point: float, line: float
-) -> None:
+    axes: Axes, times: Any, data: Any, model: Any, *, point: float, line: float,
+    name: str = "model",
+) -> None:  # fmt: skip
     """Draw the narrower of points and line in front, which hides neither."""
     axes.plot(times, data, "o", color="0.25", markersize=point, markeredgewidth=0.0, label="data",
               zorder=3.0)  # fmt: skip
-    axes.plot(times, model, color=COLOURS[6], linewidth=line, label="model",
+    axes.plot(times, model, color=COLOURS[6], linewidth=line, label=name,
               zorder=2.0 if line > point else 4.0)  # fmt: skip
 
 
@@ -199,6 +242,21 @@ def plot_correlations(result: FitResult) -> Figure:
     return figure
 
 
+def plot_sensor(comparison: TraceComparison, sensor: str, *, ax: Axes | None = None) -> Axes:
+    """Plot data and simulation of one sensor."""
+    shot = comparison.traces.shots[0]
+    names = [signal.name for signal in shot.signals]
+    i = names.index(check_choice("sensor", sensor, names))
+    factor, label = _time_axis(comparison.traces)
+    with figure_style():
+        axes = get_axes(ax)
+        model = comparison.scales[i] * comparison.signals[i]
+        _draw_signal(axes, factor * shot.times, shot.signals[i], model, name="simulation")
+        axes.set_xlabel(label)
+        place_legend(axes, own=ax is None)
+    return axes
+
+
 def plot_comparison(comparison: TraceComparison) -> Figure:
     """Plot data and simulation, one panel per sensor."""
     shot = comparison.traces.shots[0]
@@ -215,12 +273,12 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
             if i >= count:
                 axes.remove()
                 continue
-            _draw_signal(axes, factor * shot.times, shot.signals[i],
-                         comparison.scales[i] * comparison.signals[i])  # fmt: skip
+            model = comparison.scales[i] * comparison.signals[i]
+            _draw_signal(axes, factor * shot.times, shot.signals[i], model, name="simulation")
             if i >= count - columns:
                 axes.set_xlabel(label)
                 axes.tick_params(labelbottom=True)
-        place_legend(panels[0, 0])
+        figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return figure
 
 

@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from ..collision import Array
 from ..designs.measures import parse_measure
 from ..errors import InputError
 from .legends import place_legend
-from .style import COLOURS, figure_style, get_axes, set_title
+from .style import COLOURS, BeadLocator, figure_style, get_axes, set_title
 
 if TYPE_CHECKING:
     from ..sensitivity.gradient import Gradient
@@ -42,10 +41,10 @@ def plot_gradient(
             axes.axhline(0.0, color="black", linewidth=0.8)
         else:
             bars_of_changes(axes, *changes)
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.xaxis.set_major_locator(BeadLocator())
         axes.set_xlabel("contact $k$" if name in ("stiffness", "gaps") else "bead $k$")
-        axes.set_ylabel("relative change [%]")
-        set_title(axes, f"{_label(found.quantity)}: change per 1% of {NOUNS.get(name, name)}")
+        axes.set_ylabel(f"change [%] per 1% of {NOUNS.get(name, name)}")
+        set_title(axes, _label(found.quantity))
     return axes
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Final
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.collections import Collection, PathCollection
 from matplotlib.figure import Figure
@@ -38,16 +39,22 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
     """Add a legend at a place inside the axes where it covers no data, otherwise above the axes.
 
     A legend above the axes is below their title.  A figure that was made for these axes becomes
-    taller by the height of the legend, which leaves the axes their size.  In other figures, a
-    legend that is wider than the axes, or takes most of their height, is where it covers least.
+    taller by the height of the legend, which leaves the axes their size.  In other figures, whose
+    layout may change with the next panels, Matplotlib chooses the place again for each drawing if
+    its choice is good; a legend that is wider than the axes, takes most of their height, or has no
+    room above them, is where it covers least.
     """
     legend = axes.legend(loc=PLACES[0])
-    _figure(axes).draw_without_rendering()
+    figure_of(axes).draw_without_rendering()
     width, height = legend.get_window_extent().size
     if width <= axes.bbox.width and height <= axes.bbox.height:
         for place in PLACES:
             legend.set_loc(place)
             if not covers_data(legend):
+                if not own and not axes.collections and not axes.texts:
+                    legend.set_loc("best")
+                    if covers_data(legend):
+                        legend.set_loc(place)
                 return
     if not _place_above(axes, own=own):
         # Its text stays legible on the data below it.
@@ -57,7 +64,7 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
 def covers_data(legend: Legend) -> bool:
     """Whether curves, symbols, bars or texts of the axes are in the box of a legend."""
     axes: Axes = legend.axes
-    scale = _figure(axes).dpi / POINTS_PER_INCH
+    scale = figure_of(axes).dpi / POINTS_PER_INCH
     box = legend.get_window_extent().padded(scale * CLEARANCE)
     return any(
         _meets(artist, axes, box, scale)
@@ -91,12 +98,13 @@ def _line_meets(line: Line2D, box: Bbox, scale: float) -> bool:
     points = points[np.isfinite(points).all(axis=1)]
     if not len(points):
         return False
-    symbols = line.get_marker() not in ("None", "none", "", " ", None)
-    wide = box.padded(0.5 * scale * line.get_markersize()) if symbols else box
-    if wide.count_contains(points):
+    nothing = ("None", "none", "", " ", None)
+    size = line.get_markersize() if line.get_marker() not in nothing else 0.0
+    if box.padded(0.5 * scale * size).count_contains(points):
         return True
-    joined = line.get_linestyle() not in ("None", "none", "", " ")
-    return joined and bool(Path(points).intersects_bbox(box, filled=False))
+    thick = box.padded(0.5 * scale * line.get_linewidth())
+    joined = line.get_linestyle() not in nothing
+    return joined and bool(Path(points).intersects_bbox(thick, filled=False))
 
 
 def _patch_meets(patch: Patch, axes: Axes, box: Bbox) -> bool:
@@ -107,7 +115,7 @@ def _patch_meets(patch: Patch, axes: Axes, box: Bbox) -> bool:
 
 def _place_above(axes: Axes, *, own: bool) -> bool:
     """Put the legend between the axes and their title; false if these have no room for it."""
-    figure = _figure(axes)
+    figure = figure_of(axes)
     # In a figure of its own, a legend may also be above the labels of the y axis.
     left = figure.bbox.x0 if own else axes.bbox.x0
     for columns in range(len(axes.get_legend_handles_labels()[1]), 0, -1):
@@ -120,11 +128,33 @@ def _place_above(axes: Axes, *, own: bool) -> bool:
     if width > axes.bbox.width:
         _above(axes, columns, right=True)
     inches = height / figure.dpi
-    if title := axes.get_title():
-        axes.set_title(title, pad=TITLE_DISTANCE + ROUNDING * POINTS_PER_INCH * inches)
+    _lift_titles(axes, TITLE_DISTANCE + ROUNDING * POINTS_PER_INCH * inches)
     if own:
         figure.set_figheight(figure.get_figheight() + inches)
+    elif figure.get_layout_engine() is None and not _has_room(legend):
+        _lift_titles(axes, rcParams["axes.titlepad"])
+        return False
     return True
+
+
+def _lift_titles(axes: Axes, pad: float) -> None:
+    """Put the titles at this distance [points] from the axes."""
+    for place in ("left", "center", "right"):
+        if title := axes.get_title(place):
+            axes.set_title(title, loc=place, pad=pad)
+
+
+def _has_room(legend: Legend) -> bool:
+    """Whether a legend above axes, and their title, are in the figure and on no other axes."""
+    axes: Axes = legend.axes
+    figure = figure_of(axes)
+    figure.draw_without_rendering()
+    box = legend.get_window_extent()
+    if axes.get_title():
+        box = Bbox.union([box, axes.title.get_window_extent()])
+    others = (each.get_tightbbox() for each in figure.axes if each is not axes)
+    covered = any(other is not None and box.overlaps(other) for other in others)
+    return not covered and box.y1 <= figure.bbox.y1
 
 
 def _above(axes: Axes, columns: int, *, right: bool = False) -> Legend:
@@ -135,7 +165,7 @@ def _above(axes: Axes, columns: int, *, right: bool = False) -> Legend:
     return axes.legend(ncols=columns, **place, **COMPACT)
 
 
-def _figure(axes: Axes) -> Figure:
+def figure_of(axes: Axes) -> Figure:
     """The figure of axes, which may be in a part of it."""
     figure = axes.figure
     return figure if isinstance(figure, Figure) else figure.figure

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from ..collision import Array
 from ..errors import InputError, short_repr
@@ -21,8 +19,10 @@ from .legends import place_legend
 from .style import (
     COLOURS,
     MARKERS,
+    BeadLocator,
     figure_style,
     get_axes,
+    get_two_axes,
     label_log_axis,
     literal,
     set_title,
@@ -35,6 +35,9 @@ FREE: Final = ("velocity", "momentum", "energy")
 JUMP: Final = 1.2
 # Opacity of the band of a spread.
 BAND: Final = 0.25
+# Labels of symbols at free ends and of bands.
+FREE_END: Final = "last bead (free end)"
+LOTS: Final = "one standard deviation of lots"
 
 
 @checked_arguments("plot_pulses")
@@ -46,7 +49,7 @@ def plot_pulses(
     log: bool = False,
     residuals: bool = False,
     legend: bool = True,
-    ax: Axes | None = None,
+    ax: Axes | Sequence[Axes] | None = None,
 ) -> Axes:
     r"""Plot one quantity of several pulses against the bead number.
 
@@ -62,7 +65,7 @@ def plot_pulses(
     quantity : str
         Name of the quantity.
     labels : sequence of str, optional
-        Labels in the legend, one per pulse.
+        Labels in the legend, one per pulse; text between dollar signs is mathematics.
     log : bool
         Whether the y axis is logarithmic.
     residuals : bool
@@ -72,12 +75,15 @@ def plot_pulses(
         Whether to add a legend, which is above the axes if it would cover data inside them.  For
         a common legend of several axes, use ``figure.legend(*axes.get_legend_handles_labels())``.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into, without a panel of residuals.  By default, a new figure is created.
+        Axes to draw into; with residuals a pair of axes, of which the second is for the residuals.
+        By default, a new figure is created.  The colours continue those of pulses that the axes
+        already have.
 
     Returns
     -------
     matplotlib.axes.Axes
-        The axes of the quantity; those of the residuals are ``axes.figure.axes[1]``.
+        The axes of the quantity; those of the residuals of a new figure are
+        ``axes.figure.axes[1]``.
 
     Raises
     ------
@@ -99,24 +105,23 @@ def plot_pulses(
     log, residuals = check_bool("log", log), check_bool("residuals", residuals)
     legend = check_bool("legend", legend)
     names, title = distinguish(_words(pulses))
+    names = [literal(name) for name in names]
     if labels is not None:
         names = check_list("labels", labels, "labels")
         if len(names) != len(pulses):
             raise InputError(f"there must be {len(pulses)} labels, one per pulse, got {len(names)}")
-    if residuals and (ax is not None or len(pulses) < 2):
-        raise InputError(
-            "residuals need at least two pulses and a figure of their own: omit "
-            f"{'residuals' if ax is None else 'ax'}"
-        )
+    if residuals and len(pulses) < 2:
+        raise InputError("residuals need at least two pulses: omit residuals")
     with figure_style():
         axes, lower = _axes(ax, residuals=residuals)
-        for i, (pulse, name) in enumerate(zip(pulses, names, strict=True)):
+        begin = _number_of_pulses(axes)
+        for i, (pulse, name) in enumerate(zip(pulses, names, strict=True), begin):
             values = pulse.columns()[quantity]
             free = _ends_free(pulse, quantity)
             _draw_spread(axes, pulse, quantity, i, free=free)
             if free:
                 _draw_free_end(axes, pulse, values[-1], i)
-            _draw(axes, pulse, values[:-1] if free else values, i, literal(str(name)))
+            _draw(axes, pulse, values[:-1] if free else values, i, str(name))
         _label_parts(axes, pulses, quantity)
         row = QUANTITIES[quantity]
         axes.set_ylabel(row.label_in(pulses[0].chain.units))
@@ -125,9 +130,10 @@ def plot_pulses(
             label_log_axis(axes.yaxis)
         lowest = axes if lower is None else lower
         lowest.set_xlabel(f"{row.per} $k$")
-        lowest.xaxis.set_major_locator(MaxNLocator(integer=True))
+        lowest.xaxis.set_major_locator(BeadLocator())
         if lower is not None:
-            _draw_residuals(lower, pulses, quantity)
+            _draw_residuals(lower, pulses, quantity, begin)
+            lower.set_xlim(axes.get_xlim())
         set_title(axes, literal(title))
         if legend:
             place_legend(axes, own=ax is None)
@@ -163,14 +169,13 @@ def _words(pulses: Sequence[Pulse]) -> list[list[str]]:
     return titles if count[0] == count[1] else described
 
 
-def _axes(ax: Axes | None, *, residuals: bool) -> tuple[Axes, Axes | None]:
-    if not residuals:
-        return get_axes(ax), None
-    figure, (upper, lower) = plt.subplots(
-        2, sharex=True, height_ratios=(3, 1.2), figsize=plt.rcParams["figure.figsize"]
-    )
-    figure.align_ylabels()
-    return upper, lower
+def _axes(ax: Axes | Sequence[Axes] | None, *, residuals: bool) -> tuple[Axes, Axes | None]:
+    return get_two_axes(ax) if residuals else (get_axes(ax), None)  # type: ignore[arg-type]
+
+
+def _number_of_pulses(axes: Axes) -> int:
+    """Number of curves that the axes already have."""
+    return sum(label not in (FREE_END, LOTS) for label in axes.get_legend_handles_labels()[1])
 
 
 def _ends_free(pulse: Pulse, quantity: str) -> bool:
@@ -208,12 +213,14 @@ def _draw_spread(axes: Axes, pulse: Pulse, quantity: str, i: int, *, free: bool)
 
 def _label_parts(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
     """Labels of symbols at free ends, and of bands."""
-    if any(_spread(pulse, quantity) is not None for pulse in pulses):
-        axes.fill_between([], [], [], color="0.4", alpha=BAND, linewidth=0.0,
-                          label="one standard deviation of lots")  # fmt: skip
-    if any(_ends_free(pulse, quantity) for pulse in pulses):
-        label = "last bead (free end)"
-        axes.plot([], [], color="0.4", marker=MARKERS[0], linestyle="none", label=label)
+    # Those of pulses that the axes already had move to the end of the legend.
+    present = {artist.get_label(): artist for artist in (*axes.lines, *axes.collections)}
+    for label in {LOTS, FREE_END} & present.keys():
+        present[label].remove()
+    if LOTS in present or any(_spread(pulse, quantity) is not None for pulse in pulses):
+        axes.fill_between([], [], [], color="0.4", alpha=BAND, linewidth=0.0, label=LOTS)
+    if FREE_END in present or any(_ends_free(pulse, quantity) for pulse in pulses):
+        axes.plot([], [], color="0.4", marker=MARKERS[0], linestyle="none", label=FREE_END)
 
 
 def _draw(axes: Axes, pulse: Pulse, values: Array, i: int, label: str | None) -> None:
@@ -230,11 +237,11 @@ def _draw(axes: Axes, pulse: Pulse, values: Array, i: int, label: str | None) ->
     )
 
 
-def _draw_residuals(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
+def _draw_residuals(axes: Axes, pulses: Sequence[Pulse], quantity: str, begin: int) -> None:
     """Relative differences from the first pulse, in percent."""
     first = pulses[0].columns()[quantity]
     axes.axhline(0.0, color="0.6", linewidth=0.7)
-    for i, pulse in enumerate(pulses[1:], start=1):
+    for i, pulse in enumerate(pulses[1:], start=begin + 1):
         other = pulse.columns()[quantity]
         both = min(len(first), len(other))
         with np.errstate(divide="ignore", invalid="ignore"):

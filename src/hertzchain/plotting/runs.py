@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 from typing import Final, Literal
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from ..chain.bead_names import bead_label, bead_number, wall_number
 from ..chain.chain import Chain
@@ -22,10 +20,12 @@ from ..simulation.sensor_force import sensor_maxima
 from ..simulation.wall_force import walls_of
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
-from ..validation.objects import check_choice, check_list, text
+from ..validation.objects import check_bool, check_choice, check_list, text
 from .legends import place_legend
 from .style import (
     COLOURS,
+    TIME_LABELS,
+    BeadLocator,
     differ_much,
     figure_style,
     get_axes,
@@ -39,8 +39,6 @@ from .widths import figure_size
 
 # Added to the legend of a wall whose force may still exceed the plotted values.
 CUT_OFF = " (peak not complete)"
-# Factors of the labels of time axes in SI units.
-TIME_LABELS: Final = MappingProxyType({"time [µs]": 1e6, "time [ms]": 1e3})
 # Fewest equal beads of a section, and largest number of sections with boundaries in a map.
 SECTION, MAX_SECTIONS = 2, 8
 # Fewest times of a map.
@@ -108,7 +106,7 @@ def plot_run(
         axes.figure.colorbar(mesh, ax=axes, label=label)
         axes.set_xlabel(time_label)
         axes.set_ylabel(f"{drawn.per} $k$")
-        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.yaxis.set_major_locator(BeadLocator(int(numbers[0])))
         for k in section_ends(run.chain):
             at = k if quantity == "force" else k + 0.5
             axes.axhline(at, color="0.25", linewidth=0.7, linestyle="--")
@@ -137,7 +135,12 @@ def section_ends(chain: Chain) -> list[int]:
 
 @checked_arguments("plot_forces")
 def plot_forces(
-    run: Run, beads: Sequence[int | str], *, label: str = "", ax: Axes | None = None
+    run: Run,
+    beads: Sequence[int | str],
+    *,
+    label: str = "",
+    legend: bool = True,
+    ax: Axes | None = None,
 ) -> Axes:
     """Plot the force in sensors in beads, and on walls, over time.
 
@@ -154,6 +157,8 @@ def plot_forces(
         ``"right wall"`` if there are two.
     label : str
         Name of the run in the legend, if several runs are plotted into the same axes.
+    legend : bool
+        Whether the axes have a legend.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.  By default, a new figure is created.
 
@@ -171,6 +176,7 @@ def plot_forces(
     ['bead 5', 'bead 10', 'right wall']
     """
     check_times(run)
+    legend = check_bool("legend", legend)
     name = "" if isinstance(label, str) and not label else text("label", label)
     if isinstance(beads, int | np.integer | str):
         beads = [beads]
@@ -186,7 +192,7 @@ def plot_forces(
         if axes.get_xlabel() in TIME_LABELS:
             factor, time_label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
         for i, (times, force, curve, cut_off) in enumerate(curves, drawn):
-            legend = ", ".join(filter(None, (literal(name), curve))) + CUT_OFF * cut_off
+            words = ", ".join(filter(None, (name, curve))) + CUT_OFF * cut_off
             axes.plot(
                 factor * times,
                 force,
@@ -197,14 +203,15 @@ def plot_forces(
                 markevery=[-1],
                 markerfacecolor="none",
                 clip_on=not cut_off,
-                label=legend,
+                label=words,
             )
         axes.set_xlabel(time_label)
         axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
         set_title(axes, chain_title(run.chain))
         axes.margins(x=0.0)
         mark_horizon(axes, run.known_horizon, factor)
-        place_legend(axes, own=ax is None)
+        if legend:
+            place_legend(axes, own=ax is None)
     return axes
 
 
@@ -242,7 +249,7 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
         size = figure_size(6.0, 2.6 * count) if apart else None
         figure, panels = plt.subplots(count, 1, squeeze=False, figsize=size)
     for i, (name, run) in enumerate(runs.items()):
-        axes = plot_forces(run, beads[name], label=name, ax=panels[i if apart else 0, 0])
+        axes = plot_forces(run, beads[name], label=literal(name), ax=panels[i if apart else 0, 0])
         axes.set_title("")
     first: Axes = figure.axes[0]
     return first

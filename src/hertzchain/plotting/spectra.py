@@ -7,7 +7,6 @@ from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
@@ -19,7 +18,7 @@ from ..theory.response import WallName
 from ..theory.spectrum import Spectrum
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_choice
-from .style import COLOURS, figure_style, get_axes, set_title
+from .style import COLOURS, BeadLocator, figure_style, get_axes, set_title
 from .titles import chain_title
 
 KINDS: Final = ("bands", "modes")
@@ -61,7 +60,7 @@ def plot_spectrum(
             axes.plot(number, factor * spectrum.frequencies, "o", markersize=3.0,
                       markerfacecolor="none", color=COLOURS[1], clip_on=False)  # fmt: skip
             axes.set_xlabel("mode")
-            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+            axes.xaxis.set_major_locator(BeadLocator())
             top = spectrum.frequencies.max()
         room = ROOM if edges is None else ROOM_FOR_LEGEND
         axes.set_ylim(0.0, factor * room * top)
@@ -99,9 +98,13 @@ def plot_transfer(
     unit = " [N/m]" if drive == "displacement" and spectrum.chain.units == "SI" else ""
     with figure_style():
         axes = get_axes(ax)
-        axes.semilogy(factor * shown, size, color=COLOURS[1], linewidth=0.9)
+        # Curves that the axes already have keep their colours and remain visible.
+        drawn, present = len(axes.lines), axes.get_ylim()
+        colour = COLOURS[(1 + drawn) % len(COLOURS)]
+        axes.semilogy(factor * shown, size, color=colour, linewidth=0.9)
         if limits := _amplitudes(size, lossless=not spectrum.contacts.dampers.any()):
-            axes.set_ylim(*limits)
+            low, high = (limits, present) if drawn else (limits, limits)
+            axes.set_ylim(min(low[0], high[0]), max(low[1], high[1]))
         axes.set_xlim(factor * shown[0], factor * shown[-1])
         gaps = None if _edges(spectrum, None, required=False) is None else spectrum.gaps()
         _shade(axes.axvspan, gaps, factor, shown[-1])

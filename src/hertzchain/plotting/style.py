@@ -5,10 +5,12 @@ from __future__ import annotations
 import io
 import re
 import textwrap
+import weakref
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib import resources
-from typing import TYPE_CHECKING, Final
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -17,12 +19,13 @@ from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from ..chain.chain import Chain
+from ..errors import InputError
 from ..validation.keywords import checked_arguments
-from ..validation.objects import check_type
-from .widths import figure_size, journal_settings, journal_width, width_in_inches
+from ..validation.objects import check_list, check_type
+from .widths import figure_size, journal_settings, journal_width, styled, width_in_inches
 
 if TYPE_CHECKING:
     from ..simulation.horizon import Horizon
@@ -39,6 +42,11 @@ INCHES_PER_LETTER: Final = 0.07
 MAX_PLAIN: Final = 100.0
 # Times [s] above which they are in ms, and ratio above which curves need axes of their own.
 LONG, MUCH = 2e-3, 5.0
+# Factors of the labels of time axes in SI units.
+TIME_LABELS: Final = MappingProxyType({"time [µs]": 1e6, "time [ms]": 1e3})
+
+# Titles that `set_title` has set; others are those of a user.
+_titles: weakref.WeakKeyDictionary[Axes, str] = weakref.WeakKeyDictionary()
 
 
 @checked_arguments("figure_style")
@@ -48,7 +56,8 @@ def figure_style(width: str | float | None = None) -> Iterator[None]:
 
     With a width, figures have this width, text of 7 or 8 points, and no titles, because a caption
     describes them; print them without scaling.  Plotting functions of hertzchain that are called
-    inside the block keep these settings.
+    inside the block keep these settings, and those that you change inside it with
+    ``plt.rc_context`` or ``plt.rcParams``.
 
     Parameters
     ----------
@@ -69,10 +78,13 @@ def figure_style(width: str | float | None = None) -> Iterator[None]:
     >>> (25.4 * axes.figure.get_size_inches()).round(1)
     array([86. , 61.9])
     """
+    if width is None and styled.get():
+        yield
+        return
     style = resources.files("hertzchain").joinpath("figures.mplstyle")
     inches = journal_width.get() if width is None else width_in_inches(width)
     settings = {} if inches is None else journal_settings(inches)
-    outer = journal_width.set(inches)
+    outer, unstyled = journal_width.set(inches), styled.set(True)
     try:
         with (
             resources.as_file(style) as path,
@@ -82,6 +94,7 @@ def figure_style(width: str | float | None = None) -> Iterator[None]:
             yield
     finally:
         journal_width.reset(outer)
+        styled.reset(unstyled)
 
 
 def figure_bytes(figure: Figure, kind: str) -> bytes:
@@ -117,19 +130,58 @@ def get_axes(ax: Axes | None, figsize: tuple[float, float] | None = None) -> Axe
     return ax
 
 
+def get_two_axes(ax: object) -> tuple[Axes, Axes]:
+    """A pair of axes, or those of a new figure: for curves and, below, for their residuals."""
+    if ax is None:
+        upper, lower = plt.subplots(2, sharex=True, height_ratios=(3, 1.2))[1]
+    else:
+        pair = [] if isinstance(ax, Axes) else check_list("ax", ax, "two axes")
+        if len(pair) != 2:
+            raise InputError(
+                "with residuals, ax must be a pair of axes, such as plt.subplots(2, sharex=True)[1]"
+            )
+        upper, lower = map(get_axes, pair)
+    upper.tick_params(labelbottom=False)
+    upper.figure.align_ylabels([upper, lower])
+    return upper, lower
+
+
 def literal(text: str) -> str:
     """Escape a text, such as a name, that Matplotlib would read as mathematics."""
     return text.replace("$", r"\$")
 
 
 def set_title(axes: Axes, text: str) -> None:
-    """Set a title, broken into lines that fit inside the figure; none at the width of a journal."""
-    if journal_width.get() is not None:
+    """Set a title, broken into lines that fit inside the figure; none at the width of a journal.
+
+    A title of a user remains; that of a second chain in the same axes removes the first one.
+    """
+    present = axes.get_title()
+    if journal_width.get() is not None or present not in ("", _titles.get(axes)):
         return
     inches = axes.get_window_extent().width / axes.figure.dpi
     whole = re.sub("(?<![,;]) ", "\u00a0", text)
     lines = textwrap.wrap(whole, max(20, int(inches / INCHES_PER_LETTER)), break_long_words=False)
-    axes.set_title("\n".join(lines).replace("\u00a0", " "))
+    title = "\n".join(lines).replace("\u00a0", " ")
+    # The second chain is drawn into axes with the title of the first, or with neither.
+    if axes in _titles and _titles[axes] == present and present != title:
+        title = ""
+    _titles[axes] = title
+    axes.set_title(title)
+
+
+class BeadLocator(MaxNLocator):
+    """Ticks at whole numbers from a first one, without bead 0."""
+
+    def __init__(self, first: int = 1) -> None:
+        # One of three ticks may be at 0.
+        super().__init__("auto", integer=True, steps=[1, 2, 5, 10], min_n_ticks=3)
+        self._first = first
+
+    def tick_values(self, vmin: float, vmax: float) -> Any:
+        """Ticks between two numbers."""
+        ticks = np.asarray(super().tick_values(vmin, vmax))
+        return ticks[ticks >= self._first]
 
 
 def time_axis(chain: Chain, longest: float) -> tuple[float, str]:

@@ -55,6 +55,7 @@ def plot_sweep(
     *,
     log: bool = False,
     levels: list[float] | None = None,
+    legend: bool = True,
     ax: Axes | None = None,
     **at: Any,
 ) -> Axes:
@@ -77,6 +78,8 @@ def plot_sweep(
     levels : list of float, optional
         Values of contour lines in a map, such as 0.01 for an error of 1%.  With levels, two axes
         of any length give a map.
+    legend : bool
+        Whether curves have a legend; that of markers in a map remains.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.  By default, a new figure is created.
     **at
@@ -110,7 +113,7 @@ def plot_sweep(
     >>> [curve.get_label() for curve in hc.plot_sweep(found).lines]
     ['beads = 20', 'beads = 30']
     """
-    log = check_bool("log", log)
+    log, legend = check_bool("log", log), check_bool("legend", legend)
     given = [] if levels is None else check_list("levels", levels, "numbers")
     levels = [number("level", level) for level in given]
     if ax is not None:
@@ -141,6 +144,9 @@ def plot_sweep(
         unknown = int(dataset["incomplete"].any("approach").sum()) if "incomplete" in dataset else 0
         caption += [f"{unknown} points not complete"] * bool(unknown)
         set_title(axes, "; ".join(part for part in caption if part))
+        several = by in drawn.dims or len(axes.get_legend_handles_labels()[1]) > 1
+        if by is not None and legend and several:
+            place_legend(axes, own=ax is None)
     return axes
 
 
@@ -294,8 +300,6 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, 
     axes.set_ylabel(_quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
     _set_axis(axes, "x", drawn[along])
-    if marked or by in drawn.dims:
-        place_legend(axes)
 
 
 def _curve_label(curve: xr.DataArray, by: str) -> str | None:

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from ..simulation.waves import DIRECTIONS, Waves
 from ..validation.keywords import checked_arguments
+from ..validation.objects import check_bool
 from .legends import place_legend
-from .style import COLOURS, figure_style, get_axes, set_title, time_axis
+from .style import COLOURS, BeadLocator, figure_style, get_axes, set_title, time_axis
 from .titles import chain_title
 
 LINES = {1: (COLOURS[1], "-"), -1: (COLOURS[2], "--")}
 
 
 @checked_arguments("plot_waves")
-def plot_waves(waves: Waves, *, ax: Axes | None = None) -> Axes:
+def plot_waves(waves: Waves, *, legend: bool = True, ax: Axes | None = None) -> Axes:
     """Plot the track of every wave: contact against time, coloured by direction.
 
     The width of a line increases with the energy of its wave.
@@ -24,6 +24,8 @@ def plot_waves(waves: Waves, *, ax: Axes | None = None) -> Axes:
     ----------
     waves : Waves
         The waves of a run.
+    legend : bool
+        Whether the axes have a legend.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.  By default, a new figure is created.
 
@@ -34,6 +36,7 @@ def plot_waves(waves: Waves, *, ax: Axes | None = None) -> Axes:
     >>> [text.get_text() for text in axes.get_legend().get_texts()]
     ['to the right']
     """
+    legend = check_bool("legend", legend)
     last = max((float(wave.times[-1]) for wave in waves), default=0.0)
     factor, label = time_axis(waves.chain, last)
     strongest = max((wave.energy for wave in waves), default=1.0)
@@ -50,8 +53,8 @@ def plot_waves(waves: Waves, *, ax: Axes | None = None) -> Axes:
                       label=f"to the {DIRECTIONS[sign]}")  # fmt: skip
         axes.set_xlabel(label)
         axes.set_ylabel("contact $k$")
-        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.yaxis.set_major_locator(BeadLocator(0))
         set_title(axes, chain_title(waves.chain))
-        if len(waves):
+        if legend and len(waves):
             place_legend(axes, own=ax is None)
     return axes

@@ -18,6 +18,8 @@ MAX_HEIGHT: Final = 0.090 / METRES_PER_INCH
 
 # Width in inches of the enclosing `figure_style(width)`.
 journal_width: ContextVar[float | None] = ContextVar("journal_width", default=None)
+# Whether there is an enclosing `figure_style`, whose settings a user may have changed since.
+styled: ContextVar[bool] = ContextVar("styled", default=False)
 
 
 def width_in_inches(width: str | float) -> float:

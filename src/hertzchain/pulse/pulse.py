@@ -293,7 +293,13 @@ class Pulse(Columns):
         return table
 
     def plot(
-        self, quantity: str = "velocity", *, log: bool = False, ax: Axes | None = None
+        self,
+        quantity: str = "velocity",
+        *,
+        label: str | None = None,
+        log: bool = False,
+        legend: bool = True,
+        ax: Axes | None = None,
     ) -> Axes:
         """Plot one quantity against the bead number.
 
@@ -301,10 +307,14 @@ class Pulse(Columns):
         ----------
         quantity : str
             Name of the quantity.
+        label : str, optional
+            Name in the legend; by default the method.
         log : bool
             Whether the y axis is logarithmic.
+        legend : bool
+            Whether the axes have a legend.
         ax : matplotlib.axes.Axes, optional
-            Axes to draw into.  By default, a new figure is created.
+            Axes to draw into, which may have other pulses.  By default, a new figure is created.
 
         Examples
         --------
@@ -315,7 +325,8 @@ class Pulse(Columns):
         """
         from ..plotting.pulses import plot_pulses
 
-        return plot_pulses([self], quantity, log=log, ax=ax)
+        labels = None if label is None else [text("label", label)]
+        return plot_pulses([self], quantity, labels=labels, log=log, legend=legend, ax=ax)
 
     def __repr__(self) -> str:
         return short("Pulse", self.method, self.chain.description, self._main_numbers(4))

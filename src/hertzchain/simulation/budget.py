@@ -160,6 +160,7 @@ class Budget:
         of: Balanced = "energy",
         *,
         horizon: Horizon | None = None,
+        legend: bool = True,
         ax: Axes | None = None,
     ) -> Axes:
         """Plot the parts over time, stacked.
@@ -170,6 +171,8 @@ class Budget:
             ``"energy"`` or ``"momentum"``.
         horizon : Horizon, optional
             Result of `Run.horizon`; times beyond it are shaded.
+        legend : bool
+            Whether there is a legend.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; those of a new figure if not given.
 
@@ -187,7 +190,7 @@ class Budget:
         """
         from ..plotting.budget import plot_budget
 
-        return plot_budget(self, of, horizon=horizon, ax=ax)
+        return plot_budget(self, of, horizon=horizon, legend=legend, ax=ax)
 
     def __repr__(self) -> str:
         units, facts = self.chain.units, []

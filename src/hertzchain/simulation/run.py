@@ -334,8 +334,9 @@ class Run(Trajectory):
         return plot_run(self, quantity, ax=ax)
 
     def plot_forces(
-        self, beads: Sequence[int | str], *, label: str = "", ax: Axes | None = None
-    ) -> Axes:
+        self, beads: Sequence[int | str], *, label: str = "", legend: bool = True,
+        ax: Axes | None = None,
+    ) -> Axes:  # fmt: skip
         """Plot the force in sensors in beads, and on walls, over time.
 
         Parameters
@@ -344,6 +345,8 @@ class Run(Trajectory):
             Beads with a sensor, such as 6 or ``"ball 5"``; N + 1 is the right wall, 0 the left one.
         label : str
             Name of the run in the legend.
+        legend : bool
+            Whether the axes have a legend.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; by default those of a new figure.
 
@@ -356,15 +359,15 @@ class Run(Trajectory):
         """
         from ..plotting.runs import plot_forces
 
-        return plot_forces(self, beads, label=label, ax=ax)
+        return plot_forces(self, beads, label=label, legend=legend, ax=ax)
 
     def animate(self, path: str | os.PathLike[str], **options: Any) -> Path:
-        """Write an animation of the beads as a GIF, with their velocities as colours.
+        """Write an animation of the beads as GIF or MP4, with their velocities as colours.
 
         Parameters
         ----------
         path : path-like
-            File to write, ``.gif``.
+            File to write, ``.gif``, or ``.mp4``, which requires the program ffmpeg.
         **options
             ``frames``, ``seconds``, ``magnify`` and ``progress``, as for `hertzchain.animate`.
 

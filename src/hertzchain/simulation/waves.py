@@ -297,11 +297,13 @@ class Waves:
 
         return pd.DataFrame([_row(wave) for wave in self.waves], columns=[*COLUMNS])
 
-    def plot(self, *, ax: Axes | None = None) -> Axes:
+    def plot(self, *, legend: bool = True, ax: Axes | None = None) -> Axes:
         """Plot the track of every wave: contact against time.
 
         Parameters
         ----------
+        legend : bool
+            Whether the axes have a legend.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into.  By default, a new figure is created.
 
@@ -313,7 +315,7 @@ class Waves:
         """
         from ..plotting.waves import plot_waves
 
-        return plot_waves(self, ax=ax)
+        return plot_waves(self, legend=legend, ax=ax)
 
     def _only(self, chosen: list[Wave]) -> Waves:
         return replace(self, waves=tuple(chosen))

@@ -6,7 +6,7 @@ bead's velocity and the largest overlap of each contact are located by secants.
 
 from __future__ import annotations
 
-from .active_beads import place_behind, put_back
+from .active_beads import place_behind, put_back, trimmed
 from .change_of_sign import first_change_of
 from .compilation import compiled
 from .contact_law import LOADED, force, law_of
@@ -18,6 +18,7 @@ from .forces import copy
 from .implicit import FINEST, closes_throughout, first_rest
 from .interpolant import difference, polynomial, slope, state_within, value
 from .leading_pulse import note_leading_pulse, rise_of
+from .nystrom import SHARPER
 from .state_layout import (
     CROSSING_TIME,
     CROSSINGS,
@@ -40,9 +41,9 @@ from .wall_events import record_walls, wall_may_peak
 # The pulse has not reached a bead that is slower than this fraction of the speeds around it.  Ahead
 # of the pulse, rounding errors may have maxima.
 REACHED = 1e-11
-# The same limit in tolerances, because velocities below the tolerance may have any sign, and the
-# largest limit, below which heavy beads must be found.  For implicit steps it is larger: if all
-# contacts are stiff, all beads move simultaneously.
+# The same limit in tolerances where all beads move simultaneously and velocities below the
+# tolerance may have any sign: under static forces, but not more than `MOST`, and in implicit steps,
+# whose contacts may all be stiff.
 TOLERANCES, MOST, STIFF_TOLERANCES = 100.0, 1e-4, 1e3
 
 
@@ -51,7 +52,8 @@ def least_speed(rtol, setup, contacts):
     """Fraction of the speeds around a bead above which the pulse has reached the bead."""
     if is_implicit(setup, contacts):
         return max(REACHED, STIFF_TOLERANCES * max(rtol, FINEST))
-    return max(REACHED, min(TOLERANCES * rtol, MOST))
+    least = REACHED if contacts is None or not on_positions(contacts) else SHARPER * REACHED
+    return least if trimmed(setup, contacts)[1] else max(least, min(TOLERANCES * rtol, MOST))
 
 
 @compiled

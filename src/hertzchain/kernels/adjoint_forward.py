@@ -36,6 +36,7 @@ from .adjoint_layout import (
     MOST,
     NEW_V,
     NEW_X,
+    NOISE,
     PLACE,
     RELEASED,
     ROW,
@@ -54,6 +55,7 @@ from .adjoint_layout import (
     X,
 )
 from .adjoint_step import compiled, entry_point, error_of, try_step
+from .error_scale import ROUNDED, ROUNDING
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE
 
 # Smallest step; factor by which a step is shortened if a contact may have closed unnoticed.
@@ -96,7 +98,13 @@ def part_to_repeat(w, low, high, h, hertz, careful):
 
 
 @compiled
-def happens(w, beads, low, high, target, kept, last, hertz):
+def least_speed(w, i, h):
+    """Speed of a bead above which the pulse has reached it."""
+    return max(REACHED * w[SCALE + i], (ROUNDED / ROUNDING) * w[NOISE + i] * h)
+
+
+@compiled
+def happens(w, beads, low, high, h, target, kept, last, hertz):
     """Whether an event may be within the step tried; numbers kept begin with contact ``low``."""
     kind, first, second = int(target[KIND]), int(target[PLACE]), int(target[SECOND])
     if first < low or second > high:
@@ -107,13 +115,13 @@ def happens(w, beads, low, high, target, kept, last, hertz):
             for stage in range(F2, F8, ROW):
                 falls = falls or w[stage + first] <= 0.0
         forward = max(w[V + 1 + first], w[NEW_V + 1 + first])
-        least = REACHED * w[SCALE + first] if kind == VELOCITY else 0.0
+        least = least_speed(w, first, h) if kind == VELOCITY else 0.0
         return falls and w[F0 + first] > 0.0 and forward > least
     if kind == CLOSING:
         before, after = w[V + first] - w[V + first + 1], w[NEW_V + first] - w[NEW_V + first + 1]
         touching = kept[0, first - low] > 0.0 or last[first - low] > 0.0
         moves = max(abs(w[V + first + 1]), abs(w[NEW_V + first + 1]))
-        return touching and before > 0.0 >= after and moves > REACHED * w[SCALE + first]
+        return touching and before > 0.0 >= after and moves > least_speed(w, first, h)
     if kept[0, first - low] == 0.0 and kept[0, second - low] == 0.0:
         if last[first - low] == 0.0 and last[second - low] == 0.0:
             return False
@@ -151,7 +159,7 @@ def find_events(
     for t in range(len(targets)):
         kind = int(targets[t, KIND])
         if kind >= GAUGE:
-            if happens(w, beads, low, high, targets[t], kept, last, hertz):
+            if happens(w, beads, low, high, h, targets[t], kept, last, hertz):
                 candidates[counts[CANDIDATES], 0] = t
                 candidates[counts[CANDIDATES], 1] = n
                 counts[CANDIDATES] += 1
@@ -159,7 +167,7 @@ def find_events(
         if found[t, AT_STEP] >= 0.0:
             continue
         remaining += 1
-        if happens(w, beads, low, high, targets[t], kept, last, hertz):
+        if happens(w, beads, low, high, h, targets[t], kept, last, hertz):
             x, v = w[X + 1 : X + 1 + beads], w[V + 1 : V + 1 + beads]
             for c in range(low, high + 1):
                 events[AT_REST + c] = w[AT_REST + c]

@@ -28,6 +28,7 @@ from .elastic_layout import (
     MAXIMUM_0,
     NEW_V,
     NEW_X,
+    NOISE,
     PEAK,
     PEAK_TIME,
     PEAKED,
@@ -45,6 +46,7 @@ from .elastic_layout import (
     V,
     X,
 )
+from .error_scale import ROUNDED, ROUNDING
 from .hermite import curvature, hermite, slope, third, value
 
 inlined = internal(forceinline=True, **OPTIONS)
@@ -202,13 +204,20 @@ def rest_within(behind, ahead):
     return s
 
 
+@inlined
+def least_speed(w, at, rtol):
+    """Speed of a bead above which the pulse has reached it."""
+    least, rounded = max(REACHED, TOLERANCES * rtol) * w[SCALE + at], w[NOISE + at] * w[H + at]
+    return max(least, (ROUNDED / ROUNDING) * rounded)
+
+
 @compiled
 def record_peak(w, beads, k, lane, rtol, state, records, kinks, count):
     """Record the first velocity maximum of bead k (from 0), if it is within the step."""
     at = k * LANES + lane
     before, after = w[V + LANES + at], w[NEW_V + LANES + at]
     forward = max(before, after)
-    if forward <= max(REACHED, TOLERANCES * rtol) * w[SCALE + at]:
+    if forward <= least_speed(w, at, rtol):
         return
     own = motion_of_slot(w, beads, k + 1, lane, kinks, count)
     behind = motion_of_slot(w, beads, k, lane, kinks, count)
@@ -231,7 +240,7 @@ def record_crossing(w, beads, k, lane, rtol, state, records, kinks, count):
     at = k * LANES + lane
     here, there = LANES + at, 2 * LANES + at
     moves = max(abs(w[V + there]), abs(w[NEW_V + there]))
-    if moves <= max(REACHED, TOLERANCES * rtol) * w[SCALE + LANES + at]:
+    if moves <= least_speed(w, at + LANES, rtol):
         return
     rest, touching = w[AT_REST + LANES + at], False
     for x in (X, NEW_X):

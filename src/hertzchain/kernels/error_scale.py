@@ -19,6 +19,9 @@ FAINT = 100.0
 AT_REST = 1e-290
 # Relative rounding error of a force, as amplified by the error estimates of DOP853.
 ROUNDING = 5e-15
+# Speeds below this fraction of the change that the contact forces on a bead cause in a step are not
+# taken for the pulse: static forces cancel except for rounding.
+ROUNDED = 1e-11
 
 
 @compiled

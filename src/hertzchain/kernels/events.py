@@ -6,13 +6,14 @@ bead's velocity and the largest overlap of each contact are located by secants.
 
 from __future__ import annotations
 
-from .active_beads import place_behind, put_back
+from .active_beads import place_behind, put_back, trimmed
 from .change_of_sign import first_change_of
 from .compilation import compiled
 from .contact_law import LOADED, force, law_of
 from .contact_modes import sharpest_turn
 from .dop853 import STEP_STAGES
 from .driving import NOTHING
+from .error_scale import ROUNDED
 from .forces import copy
 from .implicit import FINEST, closes_throughout, first_rest
 from .interpolant import difference, polynomial, slope, state_within, value
@@ -40,18 +41,28 @@ from .wall_events import record_walls, wall_may_peak
 # The pulse has not reached a bead that is slower than this fraction of the speeds around it.  Ahead
 # of the pulse, rounding errors may have maxima.
 REACHED = 1e-11
-# The same limit for implicit steps, in tolerances: if all contacts are stiff, all beads move
-# simultaneously, and velocities below the tolerance may have any sign.
-TOLERANCES = 1e3
+# The same limit in tolerances where all beads move simultaneously and velocities below the
+# tolerance may have any sign: under static forces, but not more than `MOST`, and in implicit steps,
+# whose contacts may all be stiff.
+TOLERANCES, MOST, STIFF_TOLERANCES = 100.0, 1e-4, 1e3
 
 
 @compiled
 def least_speed(rtol, setup, contacts):
     """Fraction of the speeds around a bead above which the pulse has reached the bead."""
     if is_implicit(setup, contacts):
-        return max(REACHED, TOLERANCES * max(rtol, FINEST))
-    # Ahead of the pulse, the unit of speeds is the rounding error of static forces.
-    return REACHED if contacts is None or not on_positions(contacts) else SHARPER * REACHED
+        return max(REACHED, STIFF_TOLERANCES * max(rtol, FINEST))
+    least = REACHED if contacts is None or not on_positions(contacts) else SHARPER * REACHED
+    return least if trimmed(setup, contacts)[1] else max(least, min(TOLERANCES * rtol, MOST))
+
+
+@compiled
+def raise_to_rounding(h, scale, reached, setup, contacts):
+    """Raise the units of the speeds of beads to those that rounding errors of forces may cause."""
+    pushing, limit = contacts.last_force, ROUNDED * h / reached
+    for k in range(len(scale)):
+        unknown = limit * (abs(pushing[k]) + abs(pushing[k + 1])) * setup.inverse_mass[k]
+        scale[k] = unknown if unknown > scale[k] else scale[k]
 
 
 @compiled
@@ -407,6 +418,8 @@ def record_events(
     """Record all events of a completed step, and compute its interpolant only if there are any."""
     frame = counts[FRAMES]
     save = frame < len(frame_times) and frame_times[frame] <= time_new
+    if contacts is not None:
+        raise_to_rounding(h, scale, reached, setup, contacts)
     event = expect_events(
         h, y, y_new, stages, scale, reached, setup, contacts, first, peaks, crossings, expected
     )

@@ -6,6 +6,7 @@ The functions do not depend on the splitting method (`hertzchain.kernels.symplec
 from __future__ import annotations
 
 from .compilation import CONTRACTED, compiled, internal
+from .error_scale import ROUNDED
 from .events import REACHED, store_crossing
 from .forces import copy
 from .hermite import curvature, slope, value
@@ -128,15 +129,19 @@ def polynomial_of(i, h, rows):
 
 
 @compiled
-def moves(k, rows):
-    """Whether bead k moves within a step, by the speeds of the beads around it."""
+def moves(k, h, springs, rows):
+    """Whether bead k moves within a step, compared with the speeds of the beads around it.
+
+    Static forces cancel except for rounding.
+    """
     before, v = rows.before, rows.velocities
     near = 0.0
     for j in range(len(v)):
         near = max(near, SLOW * abs(v[j]))
     for j in range(max(0, k - NEIGHBOURS), min(len(v), k + NEIGHBOURS + 1)):
         near = max(near, abs(v[j]), abs(before[1, j + 1]))
-    return max(v[k], before[1, k + 1]) > REACHED * near
+    pushing = (abs(rows.forces[k]) + abs(rows.forces[k + 1])) * springs.inverse_mass[k]
+    return max(v[k], before[1, k + 1]) > max(REACHED * near, ROUNDED * h * pushing)
 
 
 @compiled
@@ -146,7 +151,7 @@ def record_events(h, clock, counts, setup, contacts, springs, rows, peaks, cross
     beads = len(v)
     for k in range(beads):
         waits = peaks[PEAK_TIME, k] == 0.0 and (k > 0 or peaks[PEAK_VELOCITY, 0] == 0.0)
-        if waits and before[2, k + 1] > 0.0 and a[k + 1] <= 0.0 and moves(k, rows):
+        if waits and before[2, k + 1] > 0.0 and a[k + 1] <= 0.0 and moves(k, h, springs, rows):
             c = polynomial_of(k, h, rows)
             s = inflection(c)
             peaks[PEAK_TIME, k], peaks[PEAK_VELOCITY, k] = clock[TIME] + s * h, slope(c, s) / h
@@ -161,7 +166,7 @@ def record_events(h, clock, counts, setup, contacts, springs, rows, peaks, cross
         )  # fmt: skip
         s = turning_point(c)
         overlap = springs.closed_by[k + 1] + value(c, s)
-        if overlap <= 0.0 or not (moves(k, rows) or moves(k + 1, rows)):
+        if overlap <= 0.0 or not (moves(k, h, springs, rows) or moves(k + 1, h, springs, rows)):
             continue
         store_crossing(k, s * h, overlap, clock, counts, crossings)
         rise = rise_of(overlap, k, setup, contacts)

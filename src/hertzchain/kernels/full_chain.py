@@ -45,6 +45,7 @@ from .dop853 import STAGES, STEP_STAGES
 from .driving import MOVING_WALL, NOTHING, PUSH, wall_motion
 from .events import (
     least_speed,
+    raise_to_rounding,
     record_events,
     record_jumps,
     record_stops,
@@ -264,6 +265,8 @@ def advance_window(
         if switching >= 0 or cut:
             begin(time_new, y, clock[STEP], setup, contacts, counts[SEGMENT], rtol, stages, work,
                   scale)  # fmt: skip
+            if contacts is not None:
+                raise_to_rounding(clock[STEP], scale, reached, setup, contacts)
             counts[PEAKS] += record_jumps(time_new, y, stages, scale, reached, low, peaks)
             if contacts is not None:
                 record_stops(clock, counts, y, stages, scale, reached, setup, contacts, low, chain,

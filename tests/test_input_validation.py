@@ -336,6 +336,7 @@ def public_calls(folder):
         "RunTable.exceeded_limits": tried(runs.exceeded_limits, index=0),
         "RunTable[...]": tried(lambda name: runs[name], name="velocity"),
         "Comparison": tried(hc.Comparison, pulse=pulse, reference=pulse),
+        "Comparison.plot": tried(compared.plot, quantity="velocity", legend=True, ax=None),
         "Comparison.errors": tried(compared.errors, quantity="velocity"),
         "Comparison.worst": tried(compared.worst, quantity="velocity", first_bead=2),
         "Comparison.rms": tried(compared.rms, quantity="velocity", first_bead=2),

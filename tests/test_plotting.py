@@ -727,3 +727,20 @@ def test_one_sensor_of_a_fit_is_drawn_with_its_residuals():
     ):  # fmt: skip
         with pytest.raises(hc.InputError, match=message):
             result.plot(**options)
+
+
+def test_errors_of_a_comparison_are_drawn_in_percent():
+    chain = hc.Chain.tapered("backward-exponential", 0.05, beads=30)
+    exact, theory = hc.propagate(chain), hc.bca(chain)
+    axes = theory.compare(exact).plot()
+    shown = {line.get_label(): line.get_ydata() for line in axes.lines[:4]}
+    assert list(shown) == ["velocity", "arrival", "residence", "peak force"]
+    expected = 100 * (theory.velocity / exact.velocity - 1)[1:]
+    np.testing.assert_allclose(shown["velocity"], expected, rtol=1e-12)
+    assert axes.get_xlabel() == "bead or contact $k$"
+    sizes = theory.compare(exact).plot("peak_force", log=True, legend=False)
+    assert (sizes.lines[0].get_ydata() > 0).all()
+    assert (sizes.get_xlabel(), sizes.get_yscale()) == ("contact $k$", "log")
+    assert sizes.get_legend() is None
+    with pytest.raises(hc.InputError, match="unknown quantity 'width'"):
+        theory.compare(exact).plot("width")

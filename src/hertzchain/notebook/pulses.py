@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from ..pulse.comparison import Comparison
+from ..pulse.comparison import DRAWN, Comparison
 from ..pulse.pulse import Pulse
 from .drawing import (
     COLOURS,
@@ -23,10 +23,10 @@ from .drawing import (
 
 # Ratio of the largest and smallest velocity from which the axis is logarithmic.
 LOG_RANGE: Final = 30.0
+# Label of the band of a spread.
+SPREAD: Final = "one standard deviation of lots"
 # Errors below this fraction of the largest are not drawn.
 MIN_SHOWN: Final = 1e-4
-# Quantities of which a comparison draws the errors.
-DRAWN: Final = ("velocity", "arrival", "residence", "peak_force")
 
 
 def pulse_html(pulse: Pulse) -> str:
@@ -35,8 +35,14 @@ def pulse_html(pulse: Pulse) -> str:
     factor, unit = axis_unit(pulse.velocity, "m/s", units)
     known = pulse.velocity[np.isfinite(pulse.velocity) & (pulse.velocity > 0.0)]
     log = bool(len(known)) and float(known.max()) > LOG_RANGE * float(known.min())
-    curve = Curve(pulse.bead.astype(float), factor * pulse.velocity)
-    figure = chart([curve], "bead k", f"velocity{unit}", log=log, whole=True)
+    curves = [Curve(pulse.bead.astype(float), factor * pulse.velocity, "mean")]
+    if pulse.velocity_spread is not None:
+        part, middle = np.exp(pulse.velocity_spread), curves[0]
+        band = Curve(middle.x, middle.y * part, SPREAD, COLOURS[5], base=middle.y / part)
+        curves = [band, middle]
+    figure = chart(curves, "bead k", f"velocity{unit}", log=log, whole=True)
+    if len(curves) > 1:
+        figure = legend((each.label, each.colour) for each in curves) + figure
     found = {"last bead": f"{beads}", "velocity": engineering(pulse.velocity[-1], "m/s", units)}
     found["momentum"] = engineering(pulse.momentum[-1], "kg m/s", units)
     found["energy"] = engineering(pulse.energy[-1], "J", units)

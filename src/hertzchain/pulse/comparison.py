@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -12,10 +13,16 @@ from ..errors import InputError, ModelRangeWarning, warn_user
 from ..representation import percent, short
 from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import whole_number
-from ..validation.objects import check_type
+from ..validation.objects import check_bool, check_choice, check_type
 from .chain_units import in_same_units, same_beads
 from .pulse import Pulse
 from .quantities import QUANTITIES
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Quantities that are plotted by default.
+DRAWN: Final[tuple[str, ...]] = ("velocity", "arrival", "residence", "peak_force")
 
 
 @checked_fields
@@ -165,6 +172,46 @@ class Comparison:
         return first_bead + int(
             self._reduce(quantity, first_bead, lambda e: float(np.nanargmax(e)))
         )
+
+    def plot(
+        self, quantity: str | None = None, *, log: bool = False, legend: bool = True,
+        ax: Axes | None = None,
+    ) -> Axes:  # fmt: skip
+        """Plot the relative errors in percent, from bead or contact 2 on.
+
+        Parameters
+        ----------
+        quantity : str, optional
+            Name of the quantity; by default velocity, arrival, residence and peak force, if both
+            methods predict them.
+        log : bool
+            Whether the y axis is logarithmic, with the absolute values of the errors.
+        legend : bool
+            Whether the axes have a legend.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into.  By default, a new figure is created.
+
+        Raises
+        ------
+        InputError
+            If one of the two methods does not predict the quantity, or it is unknown.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(30)
+        >>> axes = hc.bca(chain).compare(hc.propagate(chain)).plot()
+        >>> axes.get_ylabel()
+        'error [%]'
+        """
+        from ..plotting.comparisons import plot_comparison
+
+        check_bool("log", log)
+        check_bool("legend", legend)
+        names = [name for name in DRAWN if name in self.quantities]
+        if quantity is not None:
+            names = [check_choice("quantity", quantity, self.quantities)]
+        return plot_comparison(self, names, log=log, legend=legend, ax=ax)
 
     def _reduce(self, quantity: str, first_bead: int, summary: Callable[[Array], float]) -> float:
         errors = np.abs(self.errors(quantity))

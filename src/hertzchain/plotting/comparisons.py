@@ -1,0 +1,49 @@
+"""Plot relative errors of one pulse with respect to another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ..pulse.quantities import QUANTITIES
+from .legends import place_legend
+from .style import COLOURS, MARKERS, BeadLocator, figure_style, get_axes, label_log_axis, set_title
+
+if TYPE_CHECKING:
+    from ..pulse.comparison import Comparison
+
+
+def plot_comparison(
+    comparison: Comparison, quantities: Sequence[str], *, log: bool, legend: bool,
+    ax: Axes | None,
+) -> Axes:  # fmt: skip
+    """Plot relative errors in percent against the bead number; their sizes if ``log``."""
+    with figure_style():
+        axes = get_axes(ax)
+        for i, name in enumerate(quantities):
+            errors = 100.0 * comparison.errors(name)
+            beads = np.arange(1, len(errors) + 1)
+            # The reference of bead 1 may be 0, and its error a difference.
+            axes.plot(
+                beads[1:], (np.abs(errors) if log else errors)[1:],
+                color=COLOURS[i % len(COLOURS)], marker=MARKERS[i % len(MARKERS)],
+                markevery=max(1, len(beads) // 10), label=name.replace("_", " "),
+            )  # fmt: skip
+        if log:
+            axes.set_yscale("log")
+            label_log_axis(axes.yaxis)
+        else:
+            axes.axhline(0.0, color="black", linewidth=0.8)
+        contacts = {QUANTITIES[name].per == "contact" for name in quantities}
+        axes.set_xlabel("bead or contact $k$" if len(contacts) > 1 else
+                        "contact $k$" if contacts == {True} else "bead $k$")  # fmt: skip
+        axes.set_ylabel("size of the error [%]" if log else "error [%]")
+        axes.xaxis.set_major_locator(BeadLocator())
+        ours, theirs = comparison.pulse, comparison.reference
+        set_title(axes, f"{ours.method} against {theirs.method}, {ours.chain.description}")
+        if legend:
+            place_legend(axes)
+    return axes

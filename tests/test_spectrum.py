@@ -477,7 +477,9 @@ PRESSED = {"precompression": 1.0, "held_by": "force", "right_wall": hc.Wall()}
 def test_resonances_do_not_compress_the_rest_of_a_transfer_function(chain, contact):
     found = hc.spectrum(chain)
     axes = found.plot_transfer(contact)
-    frequencies, force = axes.lines[0].get_data()
+    # The curve has further points at resonances.
+    frequencies = np.linspace(0.0, 1.25 * found.frequencies.max(), 2002)[1:]
+    force = np.abs(found.transfer_force(frequencies, contact))
     band = frequencies <= frequencies[-1] / 1.25  # up to the highest mode
     low, high = axes.get_ylim()
     shown = (force >= low) & (force <= high)
@@ -505,6 +507,59 @@ def test_transfer_functions_in_the_same_axes_remain_visible():
     hc.spectrum(crystal()).plot_transfer(9, ax=axes)
     assert len({line.get_color() for line in axes.lines}) == 2
     assert axes.get_ylim() == (min(low for low, _ in alone), max(high for _, high in alone))
+
+
+def frequencies_ahead_of(found, bead):
+    """Frequencies of the beads ahead of a bead that does not move, from their matrix."""
+    contacts = found.contacts
+    springs, masses = contacts.springs[bead:], contacts.masses[bead:]
+    matrix = np.diag(springs[:-1] + springs[1:])
+    matrix = matrix - np.diag(springs[1:-1], 1) - np.diag(springs[1:-1], -1)
+    scale = np.sqrt(masses)
+    return np.sqrt(np.linalg.eigvalsh(matrix / np.outer(scale, scale))) / (2.0 * np.pi)
+
+
+@pytest.mark.parametrize("points", [50, 333, 2001])
+@pytest.mark.parametrize(
+    ("drive", "at", "contact"), [("force", 1, 16), ("force", 7, 3), ("displacement", 6, 12)]
+)
+def test_all_resonances_without_loss_leave_the_frame(drive, at, contact, points):
+    found = hc.spectrum(GUIDE)
+    grid = np.linspace(10.0, 14e3, points)
+    axes = found.plot_transfer(contact, drive=drive, at=at, frequencies=grid)
+    frequencies, force = axes.lines[0].get_data()
+    outside = 1e3 * frequencies[force > axes.get_ylim()[1]]
+    if drive == "force":
+        # A mode that does not move the driven bead or does not compress the contact, is not excited.
+        strain = np.diff(found.modes, axis=0)[contact - 1]
+        felt = np.abs(strain * found.modes[at - 1]) > 1e-9 * np.abs(found.modes).max() ** 2
+        expected = found.frequencies[felt & (found.frequencies > 1.0)]
+    else:
+        expected = frequencies_ahead_of(found, at)
+    assert len(expected) > 13
+    for resonance in expected:
+        assert np.abs(outside - resonance).min() < 1e-6 * resonance
+
+
+def test_a_mode_with_a_node_at_the_drive_is_not_excited():
+    wall = hc.Wall()
+    found = hc.spectrum(hc.Chain.uniform(9).replace(precompression=1.0, left_wall=wall,
+                                                    right_wall=wall))  # fmt: skip
+    axes = found.plot_transfer(2, at=5)
+    frequencies, force = axes.lines[0].get_data()
+    outside = frequencies[force > axes.get_ylim()[1]]
+    distance = np.abs(outside[:, None] - found.frequencies).min(axis=0)
+    assert (distance[::2] < 1e-6).all()
+    # Modes 2, 4, 6 and 8 are odd.
+    assert (distance[1::2] > 1e-3).all()
+
+
+def test_the_axis_of_a_transfer_function_names_the_driven_place():
+    found = hc.spectrum(crystal())
+    label = found.plot_transfer(3, at=2).get_ylabel()
+    assert label == "force in contact 3 per force on bead 2"
+    label = found.plot_transfer(3, drive="displacement").get_ylabel()
+    assert label == "force in contact 3 per displacement of bead 1 [N/m]"
 
 
 @pytest.mark.parametrize("frequencies", [[1.0], [2.0, 1.0]])

@@ -14,6 +14,7 @@ from ..chain.chain import Chain
 from ..chain.drives import Driven
 from ..collision import Array
 from ..errors import InputError
+from ..theory.dispersion import spring_modes
 from ..theory.response import WallName
 from ..theory.spectrum import Spectrum
 from ..validation.numbers import real_numbers
@@ -37,6 +38,8 @@ DECADES: Final = 8.0
 # contains no peak that is narrower than half of this number of frequencies.
 PEAK: Final = 30.0
 RUNNING: Final = 9
+# Relative distance from an infinite resonance at which the curve has a further point.
+NEAR: Final = 1e-9
 
 
 def plot_spectrum(
@@ -108,16 +111,37 @@ def plot_transfer(
         axes.set_xlim(factor * shown[0], factor * shown[-1])
         gaps = None if _edges(spectrum, None, required=False) is None else spectrum.gaps()
         _shade(axes.axvspan, gaps, factor, shown[-1])
+        if not spectrum.contacts.dampers.any():
+            poles = _resonances(spectrum, drive, at)
+            near = (1.0 - NEAR) * poles[(poles > shown[0]) & (poles < shown[-1])]
+            peaks = np.abs(spectrum.transfer_force(near, contact, drive=drive, at=at))
+            where = np.searchsorted(shown, near)
+            shown, size = np.insert(shown, where, near), np.insert(size, where, peaks)
+            axes.lines[-1].set_data(factor * shown, size)
         axes.set_xlabel(label)
-        axes.set_ylabel(f"force in contact {contact} per {drive}{unit}")
         place = f"the {at}" if isinstance(at, str) else f"bead {at}"
         joined = "on" if drive == "force" else "of"
+        axes.set_ylabel(f"force in contact {contact} per {drive} {joined} {place}{unit}")
         set_title(axes, f"{chain_title(spectrum.chain)}, {drive} {joined} {place}")
     return axes
 
 
+def _resonances(spectrum: Spectrum, drive: Driven, at: int | WallName) -> Array:
+    """Frequencies above 0 at which the motion is infinite without loss."""
+    if drive == "force" or isinstance(at, str):
+        return spectrum.frequencies[spectrum.frequencies > 0.0]
+    # A bead whose displacement is given is a wall for the beads on both sides.
+    contacts, found = spectrum.contacts, []
+    for side in (slice(0, at - 1), slice(at, None)):
+        masses = contacts.masses[side]
+        springs = contacts.springs[side.start :][: len(masses) + 1]
+        if len(masses):
+            found.append(spring_modes(masses, springs[1:-1], (springs[0], springs[-1]))[0])
+    return np.sort(np.concatenate(found)) / (2.0 * np.pi)
+
+
 def _amplitudes(size: Array, *, lossless: bool) -> tuple[float, float] | None:
-    """Limits of the amplitudes; without loss, those of the highest peaks depend on the grid."""
+    """Limits of the amplitudes; without loss, those of resonances depend on the grid."""
     known = size[np.isfinite(size) & (size > 0.0)]
     if not len(known):
         return None

@@ -252,7 +252,7 @@ class Spectrum(BandStructure):
     ) -> Axes:
         """Plot the amplitude of a contact force under a steady drive over its frequency.
 
-        Band gaps are shaded if the chain repeats; infinite resonances leave the frame.
+        Band gaps are shaded if the chain repeats.  Without loss, all resonances leave the frame.
 
         Parameters
         ----------

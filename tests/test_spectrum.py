@@ -530,7 +530,7 @@ def test_all_resonances_without_loss_leave_the_frame(drive, at, contact, points)
     frequencies, force = axes.lines[0].get_data()
     outside = 1e3 * frequencies[force > axes.get_ylim()[1]]
     if drive == "force":
-        # A mode that does not move the driven bead or does not compress the contact, is not excited.
+        # A mode that does not move the bead or compress the contact is not excited.
         strain = np.diff(found.modes, axis=0)[contact - 1]
         felt = np.abs(strain * found.modes[at - 1]) > 1e-9 * np.abs(found.modes).max() ** 2
         expected = found.frequencies[felt & (found.frequencies > 1.0)]

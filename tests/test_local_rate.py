@@ -135,6 +135,26 @@ def test_alternating_beads(ratio, must, beads):
         assert np.mean(error <= law.velocity_error) > 0.95
 
 
+@pytest.mark.parametrize(
+    ("exponent", "scatter", "ratio"),
+    [(1.5, 0.003, 0.96), (2.0, 0.003, 0.96), (1.25, 0.001, 0.998), (1.7, 0.001, 0.998)],
+)
+@pytest.mark.parametrize("beads", [30, 100, 300])
+def test_no_warning_is_issued_within_the_documented_range(exponent, scatter, ratio, beads):
+    equal = hc.Chain.uniform(beads, exponent=exponent)
+    scattered = [equal.with_scatter(seed, relative=scatter) for seed in range(10)]
+    alternating = [
+        hc.Chain.from_radii(np.resize(radii, beads), exponent=exponent)
+        for radii in ([1.0, ratio], [ratio, 1.0])
+    ]
+    for chain in scattered + alternating:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", ModelRangeWarning)
+            law = hc.local_rate(chain)
+        # Measured: up to 0.001.
+        assert law.compare(hc.propagate(chain)).worst("velocity") < 0.002
+
+
 # Measured: 0.0011, 0.0047, 0.0001 and 0.0004.
 @pytest.mark.parametrize(
     ("exponent", "amplitude", "must"),

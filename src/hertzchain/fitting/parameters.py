@@ -208,6 +208,8 @@ def _parameter(
 ) -> Parameter:
     kind, value = kind_and_value(name, traces, chains)
     if prior is not None:
+        if _wrong_sign(kind, prior[0]):
+            raise InputError(f"the prior of {name} must be {_allowed(kind)}, got {prior[0]:g}")
         if not kind.lower - 3.0 * prior[1] <= prior[0] <= kind.upper + 3.0 * prior[1]:
             raise InputError(
                 f"the prior of {str(name)!r}, {prior[0]:g} +- {prior[1]:g}, and its bounds, "
@@ -216,13 +218,19 @@ def _parameter(
         value = prior[0]
     if name in starts:
         value = starts[name]
-        if not kind.lower <= value <= kind.upper or (kind.factor and value <= 0.0):
+        if not kind.lower <= value <= kind.upper or _wrong_sign(kind, value):
             raise InputError(f"the start of {name} must be {_allowed(kind)}, got {value:g}")
     return Parameter(name, kind, min(max(value, kind.lower), kind.upper), prior)
 
 
+def _wrong_sign(kind: Kind, value: float) -> bool:
+    return kind.factor and (value == 0.0 if kind.signed else value <= 0.0)
+
+
 def _allowed(kind: Kind) -> str:
     """Values of a parameter, in words."""
+    if kind.signed:
+        return "other than 0"
     if math.isfinite(kind.lower) and math.isfinite(kind.upper):
         return f"from {kind.lower:g} to {kind.upper:g}"
     if kind.factor and not kind.lower > 0.0:

@@ -17,7 +17,7 @@ from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_type
 from .coupling import coupling_notes, resolved_coupling, static_force
-from .misread_columns import level_of, polarity_of
+from .misread_columns import inversion_notes, level_of, polarity_of
 from .sensor_comparison import (
     HEADING,
     SensorComparison,
@@ -202,6 +202,7 @@ def compare_traces(
         warn_user(note, InputWarning)
     notes = (
         *suspicious,
+        *inversion_notes({each.name: each.scale for each in found.sensors}),
         *saturation_notes(found.sensors),
         *pulse_notes(run, shot, columns, inside, float(shot.times[-1]) - time_offset),
         *coupling_notes(traces, [run.chain]),

@@ -1,6 +1,7 @@
 """The command `compare`, and columns of oscilloscopes."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -70,6 +71,13 @@ def test_times_of_compare_have_units(run, files):
     assert document["time_offset"] == pytest.approx(70e-6)
     assert document["interval"][1] == pytest.approx(570e-6, abs=SPACING)
     assert any("before the record" in each for each in document["notes"])
+
+
+def test_a_run_that_ends_too_early_can_be_extended_as_advised(run, files):
+    where = ("compare", files / "one.csv", files / "row.toml", *PLACES)
+    out = run(*where, "--until", "450us").stdout
+    advised = re.search(r"before the record ends; add --until '([^']*)' to compare", out)[1]
+    assert "before the record" not in run(*where, "--until", advised).stdout
 
 
 @pytest.mark.parametrize("command", ["compare", "fit"])

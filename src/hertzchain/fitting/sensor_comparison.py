@@ -297,12 +297,12 @@ def pulse_notes(
             notes.append(f"the data of {signal.name} have no pulse above their noise")
         if np.argmax(np.abs(column - column[0])) >= len(column) - 2:
             notes.append(
-                f"the simulated peak of {signal.name} is not complete: the run ends first, and a "
-                "time offset by cross-correlation is then wrong"
+                f"the simulated peak of {signal.name} is not complete, because the run ends first; "
+                "simulate for longer to compare peaks and to find a more accurate time offset"
             )
     if np.mean(inside) < COMPLETE:
         notes.append(
-            f"the run ends at {measure(float(run.times[-1]), 's')}, before the record; simulate "
-            f"until={measure(until, 's')!r} to compare the whole record"
+            f"the run ends at {measure(float(run.times[-1]), 's')}, before the record ends; "
+            f"simulate with until={measure(until, 's')!r} to compare the whole record"
         )
     return notes

@@ -24,6 +24,7 @@ from .misread_columns import inversion_notes
 from .model import Model, make_model
 from .names import Name
 from .parameters import Parameter, Priors, free_parameters
+from .prior_conflicts import conflict_notes
 from .problem import Problem, differences
 from .result import FitResult
 from .settings import Settings, load_experiment
@@ -214,7 +215,8 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
             sigmas[[name in each.weights for name in names]] = np.inf
     chains = tuple(model.chain(shot, values) for shot in range(len(model.chains)))
     at_bounds = tuple(name for name, there in zip(names, bound, strict=True) if there)
-    notes = _notes(model, sigmas, sizes, at_bounds, weak)
+    notes = conflict_notes(model.parameters, model.traces, values, sigmas)
+    notes += _notes(model, sigmas, sizes, at_bounds, weak)
     if {"stiffness", "exponent"} <= {name.key for name in model.names}:
         notes += (
             f"stiffness is the factor of the forces at an overlap of {1e6 * model.reference:.3g} "

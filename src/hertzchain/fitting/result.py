@@ -17,6 +17,7 @@ from ..validation.numbers import number
 from ..validation.objects import Progress
 from .goodness import NO_ERRORS, Goodness
 from .model import Model
+from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
 from .shown_values import shown_value
 from .systematics import Effect
@@ -178,6 +179,17 @@ class FitResult:
         """Fitted signals of each shot and sensor, at all times."""
         return self.model.predict(self.model.values(self.variables))
 
+    @property
+    def prior_deviations(self) -> dict[str, float]:
+        """Values minus those of their priors, in standard deviations of the priors, by name."""
+        values = dict(zip(self.model.names, self.estimates.tolist(), strict=True))
+        return deviations_from_priors(self.model.parameters, values)
+
+    @property
+    def prior_conflict(self) -> str:
+        """Parameters that are more than three standard deviations from their priors, in words."""
+        return conflict(self.prior_deviations)
+
     def residuals(self) -> list[tuple[int, str, Array]]:
         """Shot, sensor, and data minus fit over the noise; NaN where a sample is not used.
 
@@ -271,10 +283,11 @@ class FitResult:
 
     @property
     def verdict(self) -> str:
-        """Whether the model describes the data, in a sentence."""
+        """Whether the model describes the data and agrees with the priors, in a sentence."""
         if not self.converged:
             return f"{self.goodness}: the fit has {self.reason}{NO_ERRORS}"
-        return f"{self.goodness}{self.goodness.verdict}"
+        text = f"{self.goodness}{self.goodness.verdict}"
+        return f"{text}; but {self.prior_conflict}" if self.prior_conflict else text
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -337,7 +350,8 @@ class FitResult:
             "effective_samples": self.goodness.effective_samples,
             "bic": self.bic(), "converged": self.converged, "reason": self.reason,
             "chi2_per_sample": self.chi2_per_sample,
-            "describes": self.describes, "warnings": list(self.warnings),
+            "describes": self.describes, "prior_deviations": self.prior_deviations,
+            "prior_conflict": self.prior_conflict, "warnings": list(self.warnings),
             "simulations": self.simulations,
         })  # fmt: skip
         return found
@@ -425,6 +439,9 @@ class FitResult:
         from .posterior import sample
 
         return sample(self, steps, seed, progress)
+
+    def __str__(self) -> str:
+        return self.summary()
 
     def __repr__(self) -> str:
         told = ", ".join(f"{name} = {row}" for name, row in self.rows())

@@ -15,6 +15,7 @@ from ..validation.json_types import finite
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import Progress
+from .fitted_file import fitted_toml
 from .goodness import NO_ERRORS, Goodness
 from .model import Model
 from .prior_conflicts import conflict, deviations_from_priors
@@ -217,7 +218,7 @@ class FitResult:
         return found
 
     def chain_toml(self) -> str:
-        """The fitted chain, of the first shot, as a chain file.
+        """The fitted chain, of the first shot, as a chain file with seven digits and ``[fit]``.
 
         Returns
         -------
@@ -226,12 +227,11 @@ class FitResult:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> hc.fit(*hc.example_experiment()).chain_toml().splitlines()[0]
-        '[chain]'
+        >>> "[chain.loss]" in hc.fit(*hc.example_experiment()).chain_toml().splitlines()
+        True
         """
-        from ..store.chain_as_toml import chain_as_toml
-
-        return chain_as_toml(self.chain)
+        parts = self.rows(), self.verdict, self.model.parameters, self.values
+        return fitted_toml(self.chain, *parts, self.traces)
 
     def summary(self) -> str:
         """Values with errors, the verdict and all notes, as text.

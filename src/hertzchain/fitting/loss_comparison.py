@@ -183,6 +183,11 @@ class LossComparison:
     def __str__(self) -> str:
         return self.summary()
 
+    def _repr_html_(self) -> str:
+        from ..notebook.fits import loss_comparison_html
+
+        return loss_comparison_html(self)
+
     def __repr__(self) -> str:
         return short("LossComparison", f"{len(self.fits)} laws", self.statement)
 

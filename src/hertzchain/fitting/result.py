@@ -48,10 +48,8 @@ class FitResult:
         Covariance of the values, which accounts for correlated residuals.
     goodness : Goodness
         Chi-squared, effective number of samples, and whether the model describes the data.
-    converged : bool
-        Whether the search ended at a minimum.
-    reason : str
-        Reason for the end of the search.
+    converged, reason : bool, str
+        Whether the search ended at a minimum, and why it ended.
     weak : tuple of WeakDirection
         Combinations of parameters that the data do not determine.
     effects : tuple of Effect
@@ -162,10 +160,8 @@ class FitResult:
         >>> result.bic(inflation=1.0) > result.chi2
         True
         """
-        s = self.goodness.inflation
-        if inflation is not None:
-            s = number("inflation", inflation, above=0.0)
         good = self.goodness
+        s = good.inflation if inflation is None else number("inflation", inflation, above=0.0)
         total = good.samples + good.skipped
         chi2 = self.chi2 + good.skipped + self.penalty
         return float(chi2 / s + len(self.names) * np.log(total / s))
@@ -440,8 +436,12 @@ class FitResult:
 
         return sample(self, steps, seed, progress)
 
-    def __str__(self) -> str:
-        return self.summary()
+    __str__ = summary
+
+    def _repr_html_(self) -> str:
+        from ..notebook.fits import fit_html
+
+        return fit_html(self)
 
     def __repr__(self) -> str:
         told = ", ".join(f"{name} = {row}" for name, row in self.rows())

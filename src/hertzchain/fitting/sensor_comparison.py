@@ -91,17 +91,21 @@ class SensorComparison:
         return f"{self.scale:.4g} {'V/N' if self.quantity == 'force' else 'V s/m'}"
 
     @property
-    def row(self) -> str:
-        """Row of a table."""
+    def cells(self) -> tuple[str, ...]:
+        """Peaks, arrivals and residual as text."""
         difference = "saturated" if self.saturated else f"{self.peak_ratio - 1.0:+.1%}"
-        cells = (
+        return (
             f"{'>' * self.saturated}{self.measured_peak:.4g} {self.unit}",
             f"{self.simulated_peak:.4g} {self.unit}", difference,
             *(_time(each) for each in (self.measured_arrival, self.simulated_arrival)),
             _time(self.delay, "+"),
             f"{self.residual:.1%}",
         )  # fmt: skip
-        return _aligned(self.name, *cells)
+
+    @property
+    def row(self) -> str:
+        """Row of a table."""
+        return _aligned(self.name, *self.cells)
 
 
 def _time(value: float, sign: str = "") -> str:
@@ -116,9 +120,10 @@ def _aligned(name: str, *cells: str) -> str:
     return f"  {name:<15}" + "".join(f" {cell:>11}" for cell in cells)
 
 
-HEADING: Final = _aligned(
-    "sensor", "peak", "simulated", "difference", "arrival", "simulated", "difference", "residual"
-)
+HEADINGS: Final = (
+    "sensor", "peak", "simulated", "difference", "arrival", "simulated", "difference", "residual",
+)  # fmt: skip
+HEADING: Final = _aligned(*HEADINGS)
 
 
 def compared_sensor(times: Array, signal: Signal, model: Array, scale: float) -> SensorComparison:

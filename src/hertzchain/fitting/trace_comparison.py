@@ -163,6 +163,11 @@ class TraceComparison:
     def __str__(self) -> str:
         return self.summary()
 
+    def _repr_html_(self) -> str:
+        from ..notebook.fits import trace_comparison_html
+
+        return trace_comparison_html(self)
+
     def __repr__(self) -> str:
         rows = ", ".join(f"{name} {value:.2%}" for name, value in self.differences.items())
         offset = f"time offset {measure(self.time_offset, 's')}"

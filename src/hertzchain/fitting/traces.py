@@ -210,8 +210,7 @@ class Traces:
     def __iter__(self) -> Iterator[tuple[int, Signal]]:
         """Pairs of the index of the shot and the signal."""
         for index, shot in enumerate(self.shots):
-            for signal in shot.signals:
-                yield index, signal
+            yield from ((index, signal) for signal in shot.signals)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -309,6 +308,11 @@ class Traces:
         from ..plotting.fits import plot_traces
 
         return plot_traces(self, ax=ax)
+
+    def _repr_html_(self) -> str:
+        from ..notebook.fits import traces_html
+
+        return traces_html(self)
 
     def __repr__(self) -> str:
         shot = self.shots[0]

@@ -1,6 +1,7 @@
 """The command `compare`, and columns of oscilloscopes."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -70,6 +71,35 @@ def test_times_of_compare_have_units(run, files):
     assert document["time_offset"] == pytest.approx(70e-6)
     assert document["interval"][1] == pytest.approx(570e-6, abs=SPACING)
     assert any("before the record" in each for each in document["notes"])
+
+
+def test_compare_states_the_pressure_if_it_is_below_yield(run, files):
+    text = hc.chain_as_toml(chain(right_wall=hc.Wall()))
+    (files / "hard.toml").write_text(text)
+    code, out, err = run("compare", files / "one.csv", files / "hard.toml", *PLACES)
+    assert code == 0, err
+    # Johnson, Eqs. (4.22) to (4.24), for the isolated collision of striker and first ball, which
+    # the other balls and the loss change by a few percent; first yield at 1.6 Y.
+    steel, radius = hc.material("steel-52100"), 5e-3
+    modulus = 0.5 * steel.young / (1.0 - steel.poisson**2)
+    stiffness = 4 / 3 * modulus * (radius / 2) ** 0.5
+    energy = 0.25 * steel.density * 4 / 3 * np.pi * radius**3 * 0.26**2
+    overlap = (2.5 * energy / stiffness) ** 0.4
+    pressure = 2 / np.pi * modulus * (overlap / (radius / 2)) ** 0.5
+    line = out.splitlines()[1]
+    assert line.startswith("pressure / yield 0.8")
+    assert float(line.split()[3]) == pytest.approx(pressure / 1.6 / steel.yield_strength, rel=0.05)
+    assert (
+        "pressure / yield"
+        not in run("compare", files / "one.csv", files / "row.toml", *PLACES).stdout
+    )
+
+
+def test_a_run_that_ends_too_early_can_be_extended_as_advised(run, files):
+    where = ("compare", files / "one.csv", files / "row.toml", *PLACES)
+    out = run(*where, "--until", "450us").stdout
+    advised = re.search(r"before the record ends; add --until '([^']*)' to compare", out)[1]
+    assert "before the record" not in run(*where, "--until", advised).stdout
 
 
 @pytest.mark.parametrize("command", ["compare", "fit"])

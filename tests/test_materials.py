@@ -1,6 +1,7 @@
 """Materials, contact stiffness from them, and the scales between SI and the paper's variables."""
 
 import math
+import re
 import warnings
 
 import numpy as np
@@ -183,6 +184,44 @@ def test_leaving_hertz_is_complained_of_once_each():
         assert len(violation.split()) < 30
     gentle = Chain.from_materials(5e-3, "aluminium", beads=5, velocity=1e-4)
     assert hc.hertz_range(gentle).violations == ()
+
+
+def test_a_law_that_yields_is_said_to_replace_other_losses():
+    def advice(loss):
+        row = Chain.from_materials(5e-3, "steel-52100", beads=5, velocity=1.0, loss=loss)
+        return hc.hertz_range(row).violations[0]
+
+    assert advice(None).endswith("reduce the velocity or use loss=ElasticPlastic()")
+    lossy = "use loss=ElasticPlastic(), which replaces the loss of the chain (viscoelastic)"
+    assert advice(hc.Viscoelastic(1e-6)).endswith(lossy)
+    two = advice([hc.Restitution(0.9), hc.Viscoelastic(1e-6), None, None])
+    assert two.endswith("which replaces the losses of the chain (restitution, viscoelastic)")
+
+
+@pytest.mark.parametrize("speed", [0.45, 0.5, 0.54])
+def test_a_small_excess_of_the_pressure_states_the_loss_of_velocity(speed):
+    row = Chain.from_materials(5e-3, "steel-52100", beads=2, velocity=speed)
+    found = hc.hertz_range(row)
+    # Thornton (1997), Eq. (51), with the speed at which the pressure is that at first yield.
+    u = (0.43 / speed) * (1.0 / hc.hertz_range(
+        row.replace(velocities=[0.43, 0.0])
+    ).yield_ratio.max()) ** 2.5  # fmt: skip
+    e = (1.2 * 3**0.5 * (1 - u**2 / 6) * (u / (u + 2 * (1.2 - u**2 / 5) ** 0.5)) ** 0.5) ** 0.5
+    (stated,) = re.findall(r"yield alone would cost (\S+)% of the velocity", found.violations[0])
+    assert float(stated) == pytest.approx(100 * (1 - e), rel=0.5)
+    assert stated == f"{100 * (1 - e):.1g}"
+    fast = Chain.from_materials(5e-3, "steel-52100", beads=2, velocity=0.6)
+    assert "small" not in hc.hertz_range(fast).violations[0]
+
+
+def test_the_limit_is_called_cautious_for_polymers_only():
+    words = "(limit 1 of Hertz's law, which is cautious for polymers)"
+    for name, wall, cautious in (
+        ("ptfe", None, True), ("ptfe", "steel-52100", True), ("aluminium", None, False),
+    ):  # fmt: skip
+        row = Chain.from_materials(5e-3, name, beads=3, velocity=2.0)
+        row = row if wall is None else row.replace(right_wall=Wall.of(wall))
+        assert (words in hc.hertz_range(row).violations[0]) is cautious
 
 
 def test_a_soft_wall_is_judged_by_its_own_strength():

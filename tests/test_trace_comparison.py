@@ -55,13 +55,83 @@ def test_peaks_and_arrivals_of_the_true_chain_agree_with_the_data():
     assert compared.notes == ()
 
 
+def cut(data, end, factors=None):
+    """The data up to a time; signals may be multiplied, and are then in V."""
+    keep = data.shots[0].times <= end
+    columns, factors = {}, factors or {}
+    for signal in data.shots[0].signals:
+        unit = "V" if signal.name in factors else "N"
+        columns[f"{signal.name} [{unit}]"] = factors.get(signal.name, 1.0) * signal.values[keep]
+    return hc.Traces.from_arrays(data.shots[0].times[keep], columns)
+
+
+def offset_error(names):
+    """Least standard deviation of a time offset (Cramer and Rao): noise over the norm of slopes."""
+    slopes = np.concatenate([np.gradient(forces()[name], SPACING) for name in names])
+    return NOISE / np.linalg.norm(slopes)
+
+
+@pytest.mark.parametrize("names", [("ball 5",), ("ball 5", "ball 10", "wall")])
+@pytest.mark.parametrize("until", [7e-4, 4e-4])
+def test_the_time_offset_is_that_of_the_data(names, until):
+    run = hc.simulate(true_chain(), until=until, times=int(until / 1e-7))
+    found = run.compare(traces(names)).time_offset
+    assert found == pytest.approx(END, abs=4.0 * offset_error(names))
+
+
+@pytest.mark.parametrize("factors", [None, {"ball 5": -0.02}, {"ball 5": 0.02, "wall": -0.03}])
+@pytest.mark.parametrize("after", [-8e-6, -4e-6, 0.0, 4e-6, 12e-6, 60e-6])
+def test_records_that_end_within_a_pulse_have_the_same_time_offset(after, factors):
+    data = traces(("ball 5", "ball 10", "wall"))
+    crest = END + SPACING * int(np.argmax(forces()["wall"]))
+    run = hc.simulate(true_chain(), until=7e-4, times=6000)
+    found = run.compare(cut(data, crest + after, factors=factors))
+    # Those of the pulses in the balls, which are whole.
+    error = offset_error(("ball 5", "ball 10"))
+    assert found.time_offset == pytest.approx(END, abs=4.0 * error)
+    assert found.sensors[1].residual == pytest.approx(NOISE / forces()["ball 10"].max(), rel=0.1)
+
+
+@pytest.mark.parametrize("after", [-4e-6, 0.0, 8e-6])
+def test_one_sensor_whose_pulse_is_cut_determines_the_time_offset(after):
+    # Only the flank is known: its time and its amplitude are nearly degenerate.
+    crest = END + SPACING * int(np.argmax(forces()["wall"]))
+    run = hc.simulate(true_chain(), until=7e-4, times=6000)
+    found = run.compare(cut(traces(["wall"]), crest + after))
+    assert found.time_offset == pytest.approx(END, abs=1e-7)
+
+
+@pytest.mark.parametrize("after", [-8e-6, -4e-6, 4e-6, 12e-6])
+def test_runs_that_end_within_a_pulse_have_the_same_time_offset(after):
+    until = SPACING * int(np.argmax(forces()["wall"])) + after
+    run = hc.simulate(true_chain(), until=until, times=4000)
+    found = run.compare(traces(("ball 5", "ball 10", "wall")))
+    error = offset_error(("ball 5", "ball 10"))
+    assert found.time_offset == pytest.approx(END, abs=4.0 * error)
+
+
+def test_the_time_offset_of_precompressed_chains_does_not_depend_on_the_coupling():
+    row = true_chain().replace(precompression=20.0, held_by="force")
+    run = hc.simulate(row, until=6e-4, times=6000)
+    rng = np.random.default_rng(3)
+    times = np.arange(-60e-6, 330e-6, 0.5e-6)
+    found = []
+    for static in (0.0, 20.0):
+        columns = {}
+        for name in ("ball 5", "ball 10"):
+            seen = np.interp(times - 20e-6, run.times, run.sensor(name)) - static
+            columns[f"{name} [N]"] = seen + NOISE * rng.standard_normal(len(times))
+        found.append(run.compare(hc.Traces.from_arrays(times, columns)).time_offset)
+    assert found == pytest.approx([20e-6, 20e-6], abs=2e-8)
+
+
 def test_the_summary_states_peaks_arrivals_and_the_compared_interval():
     data = traces()
     compared = simulated(7e-4).compare(data)
     lines = compared.summary().splitlines()
     last = 1e6 * data.shots[0].times[-1]
     assert lines[0].startswith(f"data from 0 s to {last:.4g} us, 100% of the record; time")
-    assert "by cross-correlation" in lines[0]
+    assert "by least squares" in lines[0]
     row = next(line for line in lines if line.startswith("  wall"))
     sensor = compared.sensors[1]
     assert row.split()[1:4] == [f"{sensor.measured_peak:.4g}", "N", f"{sensor.simulated_peak:.4g}"]

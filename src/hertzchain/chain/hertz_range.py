@@ -31,6 +31,7 @@ doi:10.1017/CBO9781139171731.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 from typing import Final
@@ -47,6 +48,7 @@ from .bisection import bisected
 from .chain import Chain
 from .contact_groups import effective_radii, reduced_masses, yield_strengths
 from .feature_support import require_chain
+from .laws.elastic_plastic import restitution_beyond_yield
 from .materials import FIRST_YIELD, Material
 from .walls import materials_with_walls
 
@@ -55,6 +57,10 @@ MAX_SPEED_RATIO: Final = 0.01
 # Ratio of the stiffness of a contact to that of its materials, or its inverse, from which yield of
 # `ElasticPlastic()`, which follows from the stiffness, differs from that of the materials.
 OTHER_STIFFNESS: Final = 2.0
+# Pressure over that at first yield up to which yield is a small excess.
+SMALL_EXCESS: Final = 1.1
+# Young's modulus [Pa] below which a material is a polymer; glass and metals are stiffer.
+POLYMER: Final = 1e10
 # Halvings of an interval of overlaps, to rounding.
 BISECTIONS: Final = 53
 
@@ -83,6 +89,11 @@ class HertzRange:
     given : ndarray of bool, shape (N + 1,)
         Whether the exponent of a contact is not 3/2, or its stiffness differs by more than a factor
         of 2 from that of spheres of its materials.
+    soft : ndarray of bool, shape (N + 1,)
+        Whether the body of the contact that yields first has a Young's modulus below 10 GPa, as
+        polymers have.
+    losses : tuple of str
+        Names of the losses that a law with yield would replace.
 
     Examples
     --------
@@ -101,6 +112,8 @@ class HertzRange:
     static_yield_ratio: Array
     causes: tuple[str, str]
     given: NDArray[np.bool_]
+    soft: NDArray[np.bool_]
+    losses: tuple[str, ...]
 
     @property
     def violations(self) -> tuple[str, ...]:
@@ -111,11 +124,13 @@ class HertzRange:
             others = int(np.count_nonzero(self.yield_ratio > 1.0)) - 1
             besides = f", and above 1 at {others} more" if others else ""
             digits = 3 if ratio > 1.05 else 5
+            cautious = ", which is cautious for polymers" if self.soft[at] else ""
             found.append(
                 f"pressure / yield is {ratio:.{digits}g} at {_place(at, self)}{besides} (limit 1 "
-                f"of Hertz's law){self._basis(at)}; "
+                f"of Hertz's law{cautious}){self._basis(at)}; {self._excess(ratio)}"
                 f"{self._advice(ratio, self.static_yield_ratio, 1.0, digits)} or "
                 f"use loss=ElasticPlastic({'yield_overlap=...' if self.given[at] else ''})"
+                f"{self._replaced}"
             )
         at = int(np.argmax(self.overlap_ratio))
         if (ratio := self.overlap_ratio[at]) > MAX_OVERLAP_RATIO:
@@ -130,6 +145,21 @@ class HertzRange:
                 "law); reduce the velocity"
             )
         return tuple(found)
+
+    def _excess(self, ratio: float) -> str:
+        """How little the contact yields, if the pressure exceeds its limit only slightly."""
+        if ratio > SMALL_EXCESS or self.static_yield_ratio.any():
+            return ""
+        # The pressure is proportional to the speed to the power 2/5.
+        lost = 1.0 - restitution_beyond_yield(ratio**-2.5)
+        return f"the excess is small (yield alone would cost {100.0 * lost:.1g}% of the velocity); "
+
+    @property
+    def _replaced(self) -> str:
+        if not self.losses:
+            return ""
+        several = "es" if len(self.losses) > 1 else ""
+        return f", which replaces the loss{several} of the chain ({', '.join(self.losses)})"
 
     def _basis(self, contact: int) -> str:
         """Basis of the ratios of a contact whose stiffness is not that of its materials."""
@@ -233,6 +263,12 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         static_yield_ratio=static_yield,
         causes=_causes(chain),
         given=_given(chain),
+        soft=_soft(chain),
+        losses=tuple(
+            dict.fromkeys(
+                law.name for law in chain.contact_losses if not law.yields and law.name != "elastic"
+            )
+        ),
     )
 
 
@@ -295,6 +331,12 @@ def _given(chain: Chain) -> NDArray[np.bool_]:
     ratio, there = chain.contact_stiffness / own, chain.contact_stiffness > 0.0
     other = (ratio > OTHER_STIFFNESS) | (ratio * OTHER_STIFFNESS < 1.0)
     return np.asarray(there & (other | (chain.contact_exponents != HERTZ_EXPONENT)))
+
+
+def _soft(chain: Chain) -> NDArray[np.bool_]:
+    pairs = itertools.pairwise(_bodies(chain))
+    first = [min(pair, key=lambda each: each.yield_strength or math.inf) for pair in pairs]
+    return np.array([each.young < POLYMER for each in first])
 
 
 def _bodies(chain: Chain) -> list[Material]:

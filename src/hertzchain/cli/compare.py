@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..chain.chain import Chain
     from ..fitting.trace_comparison import TraceComparison
     from ..fitting.traces import Traces
+    from ..simulation.run import Run
 
 # Least number of saved times; signals are interpolated between them.
 MIN_TIMES: Final = 4000
@@ -37,8 +38,8 @@ MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 @click.option(
     "--time-offset",
     metavar="TIME",
-    help="Time of the data at which the simulation begins.  [default: that of the largest "
-    "cross-correlation]",
+    help="Time of the data at which the simulation begins.  [default: that of the least "
+    "squares of the differences]",
 )
 @json_option()
 @figure_option("Plot data and simulation to FILE.")
@@ -82,7 +83,18 @@ def compare(
     if as_json:
         show_json(_as_dict(found))
     else:
-        click.echo(f"{described.description}\n{on_command_line(found.summary())}")
+        shown = on_command_line(found.summary())
+        click.echo("\n".join((described.description, *_within_yield(run), shown)))
+
+
+def _within_yield(run: Run) -> list[str]:
+    """Largest pressure over that at first yield, if it is known and below the limit."""
+    from ..chain.hertz_range import hertz_range
+
+    if run.chain.materials is None:
+        return []
+    ratio = float(hertz_range(run.chain, run.largest_overlaps).yield_ratio.max())
+    return [f"pressure / yield {ratio:.2g} (limit 1 of Hertz's law)"] if 0.0 < ratio <= 1.0 else []
 
 
 def _check_unit_of_times(chain: Chain, data: Traces, end: float) -> None:

@@ -82,8 +82,9 @@ def fit(
     table [fit] of the chain file names free parameters and priors.
 
     The exit code is 1 if the search does not converge, and 3 if the model does not describe the
-    data within their noise.  If --defects finds a gap, the fit with it is printed first, and exit
-    code, --out, --plot and --sample are those of this fit.
+    data within their noise, or only with values that contradict their priors.  If --defects finds a
+    gap, the fit that includes it is printed first, and the exit code, --out, --plot and --sample
+    refer to this fit.
 
     \b
     Examples:
@@ -137,7 +138,8 @@ def fit(
         click.echo(on_command_line("\n\n".join(lines)))
     if not result.converged:
         return FAILED
-    return DONE if result.describes else OUTSIDE_TOLERANCE
+    good = result.describes and not result.prior_conflict
+    return DONE if good else OUTSIDE_TOLERANCE
 
 
 def _defects(result: FitResult, document: dict[str, Any]) -> tuple[FitResult, list[str]]:

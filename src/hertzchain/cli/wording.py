@@ -14,6 +14,7 @@ WORDINGS: Final = (
      "use loss = {law = 'elastic-plastic', yield_overlap = ...} in the chain file"),
     (r"\bloss=None\b", "no loss"),
     (r"\buse largest_so_far\b", "use the largest force so far"),
+    (r"\bsimulate with until='([^']*)'", r"add --until '\1'"),
     (r"\buntil='([^']*)'", r"--until '\1'"),
     (r"(?<!-)\bmax_steps\b", "--max-steps"),
     (r"\bgive load_traces sensors=\{'([^']*)': 'wall'\}", r"add --sensor '\1=wall'"),

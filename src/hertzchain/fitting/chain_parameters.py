@@ -29,7 +29,8 @@ class Kind:
     A parameter of a dimension other than ``"1"`` is fitted in units of the motion, so that a
     change of only stiffness or velocity requires no simulation.  A factor is fitted by its
     logarithm: velocity, stiffness and gains, which can compensate each other, then do so along a
-    straight line.  ``step`` is the step of differences in units of the typical size.
+    straight line; its sign, which is positive unless it is ``signed``, is that of the start.
+    ``step`` is the step of differences in units of the typical size.
     """
 
     unit: str = ""
@@ -39,6 +40,7 @@ class Kind:
     typical: float = 1.0
     step: float = 1e-4
     factor: bool = False
+    signed: bool = False
 
     @property
     def unit_of_text(self) -> str | None:

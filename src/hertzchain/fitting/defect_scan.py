@@ -124,6 +124,11 @@ class DefectScan:
         best = min(tried, key=lambda each: each.chi2 + each.penalty)
         return diagnosed(best, {}, fitted)
 
+    def _repr_html_(self) -> str:
+        from ..notebook.fits import defect_scan_html
+
+        return defect_scan_html(self)
+
     def __repr__(self) -> str:
         i = int(np.argmax(self.improvements))
         factor, unit = (1e6, " um") if self.kind == "gap" else (1.0, "")

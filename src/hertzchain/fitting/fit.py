@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,13 +20,16 @@ from .coupling import coupling_notes
 from .diagnosis import diagnosed
 from .goodness import goodness_of
 from .least_squares import Solution, solve
+from .misread_columns import inversion_notes
 from .model import Model, make_model
 from .names import Name
 from .parameters import Parameter, Priors, free_parameters
+from .prior_conflicts import conflict_notes
 from .problem import Problem, differences
 from .result import FitResult
 from .settings import Settings, load_experiment
 from .simulations import Simulator, range_notes
+from .starts import with_gains
 from .symmetry import units_of
 from .systematics import effects_of
 from .trace_files import load_traces
@@ -146,7 +151,8 @@ def fit_with(
 def fitted(problem: Problem, start: Mapping[str, float], starts: int) -> FitResult:
     """Solve a problem; times and stiffness are aligned first, unless their start is given."""
     values = {each.name: _nonzero_loss(problem.model, each) for each in problem.model.parameters}
-    _start_gains(problem, values, start)
+    values = with_gains(problem.model, values, start)
+    problem = _with_signs(problem, values)
     align = not any(each.startswith(("time_offset", "stiffness")) for each in start)
     solution = solve(problem, values, starts, align=align)
     return result_of(problem, solution)
@@ -162,21 +168,16 @@ def _nonzero_loss(model: Model, parameter: Parameter) -> float:
     return parameter.kind.typical * unit
 
 
-def _start_gains(problem: Problem, values: dict[Name, float], start: Mapping[str, float]) -> None:
-    """Start the gains of sensors without calibration at the ratio of largest signals."""
-    model = problem.model
-    for each in model.parameters:
-        if each.name.key != "gain" or each.prior is not None or str(each.name) in start:
-            continue
-        for index, signal in model.traces:
-            if signal.name == each.name.item and not signal.calibrated:
-                shot = model.traces.shots[index]
-                predicted = model.predict_shot(index, {**values, each.name: 1.0})
-                own = predicted[[s.name for s in shot.signals].index(signal.name)]
-                seen = signal.values[signal.valid]
-                extreme = seen[np.argmax(np.abs(seen))]
-                values[each.name] = float(extreme / own[np.argmax(np.abs(own))])
-                break
+def _with_signs(problem: Problem, values: Mapping[Name, float]) -> Problem:
+    """The problem whose parameters start with the signs of these values, which they keep."""
+    parameters = tuple(
+        replace(each, start=math.copysign(each.start, values[each.name]))
+        if each.kind.signed else each
+        for each in problem.model.parameters
+    )  # fmt: skip
+    if parameters == problem.model.parameters:
+        return problem
+    return Problem(replace(problem.model, parameters=parameters))
 
 
 def result_of(problem: Problem, solution: Solution) -> FitResult:
@@ -204,16 +205,18 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
         for each, size in zip(model.parameters, sizes, strict=True)
         if each.prior is not None
     }
+    factors = [each.kind.factor for each in model.parameters]
     weak = weak_directions(
         [name for name, ok in zip(names, free, strict=True) if ok],
-        physical[:, free], sizes[free], priors,
+        physical[:, free], np.where(factors, estimates, sizes)[free], priors,
     )  # fmt: skip
     for each in weak:
         if each.exact and not each.fixed_by:
             sigmas[[name in each.weights for name in names]] = np.inf
     chains = tuple(model.chain(shot, values) for shot in range(len(model.chains)))
     at_bounds = tuple(name for name, there in zip(names, bound, strict=True) if there)
-    notes = _notes(model, sigmas, sizes, at_bounds, weak)
+    notes = conflict_notes(model.parameters, model.traces, values, sigmas)
+    notes += _notes(model, sigmas, sizes, at_bounds, weak)
     if {"stiffness", "exponent"} <= {name.key for name in model.names}:
         notes += (
             f"stiffness is the factor of the forces at an overlap of {1e6 * model.reference:.3g} "
@@ -227,13 +230,23 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     effects = effects_of(problem, values, solution.jacobian, solution.residuals, good.inflation)
     simulations = model.simulator.count
     duration = float(model.traces.shots[0].times[-1] - model.traces.shots[0].times[0])
-    notes += (*coupling_notes(model.traces, chains), *range_notes(chains[0], duration))
+    notes += (
+        *inversion_notes(_gains(model, values)),
+        *coupling_notes(model.traces, chains), *range_notes(chains[0], duration),
+    )  # fmt: skip
     penalty = float(solution.residuals[count:] @ solution.residuals[count:])
     return FitResult(
         names, estimates, sigmas, covariance, good, solution.converged, solution.reason, weak,
         effects, at_bounds, chains, notes, simulations, solution.starts, penalty,
         problem, variables, solution.jacobian, solution.residuals,
     )  # fmt: skip
+
+
+def _gains(model: Model, values: Mapping[Name, float]) -> dict[str, float]:
+    """Free gains of sensors without calibration, by sensor."""
+    found = {signal.name: Name("gain", signal.name)
+             for _, signal in model.traces if not signal.calibrated}  # fmt: skip
+    return {sensor: values[name] for sensor, name in found.items() if name in values}
 
 
 def _covariance(jacobian: Array, change: Array, free: Array) -> Array:

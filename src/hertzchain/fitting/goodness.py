@@ -114,7 +114,10 @@ class Goodness:
     @property
     def if_measured(self) -> str:
         """Advice on the errors, for the case that the residuals measure the noise."""
-        return f"if the noise is that of the residuals, multiply all errors by {self.scale:.2f}"
+        return (
+            "if you take the noise from the residuals instead, multiply all errors by "
+            f"{self.scale:.2f}"
+        )
 
     @property
     def verdict(self) -> str:

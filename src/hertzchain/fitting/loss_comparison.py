@@ -117,6 +117,11 @@ class LossComparison:
     @property
     def statement(self) -> str:
         """Sentence on the laws between which the data can and cannot decide."""
+        conflict = self.best.prior_conflict
+        return f"{self._decision}, but {conflict}" if conflict else self._decision
+
+    @property
+    def _decision(self) -> str:
         first = self.fits[0]
         if self.best.goodness.undecided:
             return (
@@ -174,6 +179,14 @@ class LossComparison:
             "statement": self.statement,
             "further_shots": {f"{speed:g}": value for speed, value in self.further_shots.items()},
         }
+
+    def __str__(self) -> str:
+        return self.summary()
+
+    def _repr_html_(self) -> str:
+        from ..notebook.fits import loss_comparison_html
+
+        return loss_comparison_html(self)
 
     def __repr__(self) -> str:
         return short("LossComparison", f"{len(self.fits)} laws", self.statement)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
@@ -110,6 +111,19 @@ def level_of(signal: Signal) -> float:
 def polarity_of(signal: Signal) -> float:
     """-1 for a force whose largest value is negative, which contacts cannot exert; otherwise 1."""
     return -1.0 if signal.place.quantity == "force" and extreme(_seen(signal)) < 0.0 else 1.0
+
+
+def inversion_notes(gains: Mapping[str, float]) -> tuple[str, ...]:
+    """A note on each sensor without calibration whose gain is negative."""
+    return tuple(
+        f"{name} is inverted: its gain is negative" for name, gain in gains.items() if gain < 0.0
+    )
+
+
+def first_sign(values: Array) -> float:
+    """Sign of the first value beyond half of the largest; waves that return may have another."""
+    size = np.abs(values)
+    return math.copysign(1.0, values[np.argmax(size > ARRIVED * size.max())])
 
 
 def extreme(values: Array) -> float:

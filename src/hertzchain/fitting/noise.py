@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
 
 from ..collision import Array
+from ..errors import unknown_name_error
 
 # Smallest number of samples from which a noise is estimated.
 MIN_QUIET: Final = 20
@@ -37,6 +39,14 @@ WIDER, STEEPER = 1.5, 2.5
 BESIDE: Final = 1
 # Fraction of the height above which samples belong to a pulse.
 PULSE: Final = 0.05
+
+
+def check_names_of_noise(noise: object, names: Sequence[str]) -> None:
+    """Reject the noise of sensors that the traces do not have."""
+    if isinstance(noise, Mapping):
+        for name in noise:
+            if name not in names:
+                raise unknown_name_error("sensor of noise", str(name), names)
 
 
 def onset(values: Array) -> int:

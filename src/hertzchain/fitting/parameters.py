@@ -104,16 +104,17 @@ def free_parameters(
             names[name] = None
     if not names:
         raise InputError("no parameter is free; name at least one, such as 'stiffness'")
+    for name in names:
+        kind_and_value(name, traces, chains)  # unknown names are reported before others
     known_priors = _checked_priors(priors, traces, chains, names, optional)
-    starts = {
-        name: number(f"start of {name}", value, unit=_unit_of_text(name, names, traces, chains))
-        for text, value in start.items()
-        for name in expanded(parse_name(text), traces)
-        if name in names or text not in optional
-    }
-    for name in starts:
-        if name not in names:
-            raise unknown_name_error("free parameter", str(name), map(str, names))
+    starts = {}
+    for text, value in start.items():
+        for name in expanded(parse_name(text), traces):
+            if name in names:
+                unit = kind_and_value(name, traces, chains)[0].unit_of_text
+                starts[name] = number(f"start of {name}", value, unit=unit)
+            elif text not in optional:
+                raise unknown_name_error("free parameter", str(name), map(str, names))
     return [_parameter(name, traces, chains, known_priors.get(name), starts) for name in names]
 
 
@@ -166,8 +167,19 @@ def _checked_priors(
         )
     found: dict[Name, tuple[float, float]] = {}
     for text, given in priors.items():
-        asked = expanded(parse_name(text), traces)
-        unit = _unit_of_text(asked[0], names, traces, chains)
+        asked = [
+            name for name in expanded(parse_name(text), traces)
+            if name in names or text not in optional
+        ]  # fmt: skip
+        for name in asked:
+            if name not in names:
+                raise InputError(
+                    f"{str(name)!r} has a prior but is not free; add it to free, whose names are "
+                    f"{', '.join(map(str, names))}"
+                )
+        if not asked:
+            continue
+        unit = kind_and_value(asked[0], traces, chains)[0].unit_of_text
         pair = real_numbers(f"prior of {text}", given, unit=unit).ravel()
         if len(pair) != 2 or not pair[1] > 0.0 or not math.isfinite(pair.sum()):
             raise InputError(
@@ -175,13 +187,6 @@ def _checked_priors(
                 f"(0.3, 0.003), got {short_repr(given)}"
             )
         for name in asked:
-            if name not in names and text in optional:
-                continue
-            if name not in names:
-                raise InputError(
-                    f"{str(name)!r} has a prior but is not free; add it to free, whose names are "
-                    f"{', '.join(map(str, names))}"
-                )
             mean, sigma = float(pair[0]), float(pair[1])
             if name in found and abs(found[name][0] - mean) > 5.0 * (found[name][1] + sigma):
                 raise InputError(
@@ -190,13 +195,6 @@ def _checked_priors(
                 )
             found[name] = mean, sigma
     return found
-
-
-def _unit_of_text(
-    name: Name, names: Mapping[Name, None], traces: Traces, chains: Sequence[Chain]
-) -> str | None:
-    """Unit of the value of a free parameter that is given as text."""
-    return kind_and_value(name, traces, chains)[0].unit_of_text if name in names else None
 
 
 def _parameter(
@@ -208,6 +206,8 @@ def _parameter(
 ) -> Parameter:
     kind, value = kind_and_value(name, traces, chains)
     if prior is not None:
+        if _wrong_sign(kind, prior[0]):
+            raise InputError(f"the prior of {name} must be {_allowed(kind)}, got {prior[0]:g}")
         if not kind.lower - 3.0 * prior[1] <= prior[0] <= kind.upper + 3.0 * prior[1]:
             raise InputError(
                 f"the prior of {str(name)!r}, {prior[0]:g} +- {prior[1]:g}, and its bounds, "
@@ -216,13 +216,19 @@ def _parameter(
         value = prior[0]
     if name in starts:
         value = starts[name]
-        if not kind.lower <= value <= kind.upper or (kind.factor and value <= 0.0):
+        if not kind.lower <= value <= kind.upper or _wrong_sign(kind, value):
             raise InputError(f"the start of {name} must be {_allowed(kind)}, got {value:g}")
     return Parameter(name, kind, min(max(value, kind.lower), kind.upper), prior)
 
 
+def _wrong_sign(kind: Kind, value: float) -> bool:
+    return kind.factor and (value == 0.0 if kind.signed else value <= 0.0)
+
+
 def _allowed(kind: Kind) -> str:
     """Values of a parameter, in words."""
+    if kind.signed:
+        return "other than 0"
     if math.isfinite(kind.lower) and math.isfinite(kind.upper):
         return f"from {kind.lower:g} to {kind.upper:g}"
     if kind.factor and not kind.lower > 0.0:

@@ -17,8 +17,10 @@ from ..validation.json_types import finite
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import Progress
+from .fitted_file import fitted_toml
 from .goodness import NO_ERRORS, Goodness
 from .model import Model
+from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
 from .shown_values import shown_value
 from .systematics import Effect
@@ -49,10 +51,8 @@ class FitResult:
         Covariance of the values, which accounts for correlated residuals.
     goodness : Goodness
         Chi-squared, effective number of samples, and whether the model describes the data.
-    converged : bool
-        Whether the search ended at a minimum.
-    reason : str
-        Reason for the end of the search.
+    converged, reason : bool, str
+        Whether the search ended at a minimum, and why it ended.
     weak : tuple of WeakDirection
         Combinations of parameters that the data do not determine.
     effects : tuple of Effect
@@ -163,10 +163,8 @@ class FitResult:
         >>> result.bic(inflation=1.0) > result.chi2
         True
         """
-        s = self.goodness.inflation
-        if inflation is not None:
-            s = number("inflation", inflation, above=0.0)
         good = self.goodness
+        s = good.inflation if inflation is None else number("inflation", inflation, above=0.0)
         total = good.samples + good.skipped
         chi2 = self.chi2 + good.skipped + self.penalty
         return float(chi2 / s + len(self.names) * np.log(total / s))
@@ -180,6 +178,17 @@ class FitResult:
     def predicted(self) -> list[list[Array]]:
         """Fitted signals of each shot and sensor, at all times."""
         return self.model.predict(self.model.values(self.variables))
+
+    @property
+    def prior_deviations(self) -> dict[str, float]:
+        """Values minus those of their priors, in standard deviations of the priors, by name."""
+        values = dict(zip(self.model.names, self.estimates.tolist(), strict=True))
+        return deviations_from_priors(self.model.parameters, values)
+
+    @property
+    def prior_conflict(self) -> str:
+        """Parameters that are more than three standard deviations from their priors, in words."""
+        return conflict(self.prior_deviations)
 
     def residuals(self) -> list[tuple[int, str, Array]]:
         """Shot, sensor, and data minus fit over the noise; NaN where a sample is not used.
@@ -208,7 +217,7 @@ class FitResult:
         return found
 
     def chain_toml(self) -> str:
-        """The fitted chain, of the first shot, as a chain file.
+        """The fitted chain, of the first shot, as a chain file with seven digits and ``[fit]``.
 
         Returns
         -------
@@ -217,12 +226,11 @@ class FitResult:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> hc.fit(*hc.example_experiment()).chain_toml().splitlines()[0]
-        '[chain]'
+        >>> "[chain.loss]" in hc.fit(*hc.example_experiment()).chain_toml().splitlines()
+        True
         """
-        from ..store.chain_as_toml import chain_as_toml
-
-        return chain_as_toml(self.chain)
+        parts = self.rows(), self.verdict, self.model.parameters, self.values
+        return fitted_toml(self.chain, *parts, self.traces)
 
     def summary(self) -> str:
         """Values with errors, the verdict and all notes, as text.
@@ -274,10 +282,11 @@ class FitResult:
 
     @property
     def verdict(self) -> str:
-        """Whether the model describes the data, in a sentence."""
+        """Whether the model describes the data and agrees with the priors, in a sentence."""
         if not self.converged:
             return f"{self.goodness}: the fit has {self.reason}{NO_ERRORS}"
-        return f"{self.goodness}{self.goodness.verdict}"
+        text = f"{self.goodness}{self.goodness.verdict}"
+        return f"{text}; but {self.prior_conflict}" if self.prior_conflict else text
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -340,7 +349,8 @@ class FitResult:
             "effective_samples": self.goodness.effective_samples,
             "bic": self.bic(), "converged": self.converged, "reason": self.reason,
             "chi2_per_sample": self.chi2_per_sample,
-            "describes": self.describes, "warnings": list(self.warnings),
+            "describes": self.describes, "prior_deviations": self.prior_deviations,
+            "prior_conflict": self.prior_conflict, "warnings": list(self.warnings),
             "simulations": self.simulations,
         })  # fmt: skip
         return found
@@ -439,6 +449,13 @@ class FitResult:
         from .posterior import sample
 
         return sample(self, steps, seed, progress)
+
+    __str__ = summary
+
+    def _repr_html_(self) -> str:
+        from ..notebook.fits import fit_html
+
+        return fit_html(self)
 
     def __repr__(self) -> str:
         told = ", ".join(f"{name} = {row}" for name, row in self.rows())

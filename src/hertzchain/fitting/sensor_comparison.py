@@ -91,17 +91,21 @@ class SensorComparison:
         return f"{self.scale:.4g} {'V/N' if self.quantity == 'force' else 'V s/m'}"
 
     @property
-    def row(self) -> str:
-        """Row of a table."""
+    def cells(self) -> tuple[str, ...]:
+        """Peaks, arrivals and residual as text."""
         difference = "saturated" if self.saturated else f"{self.peak_ratio - 1.0:+.1%}"
-        cells = (
+        return (
             f"{'>' * self.saturated}{self.measured_peak:.4g} {self.unit}",
             f"{self.simulated_peak:.4g} {self.unit}", difference,
             *(_time(each) for each in (self.measured_arrival, self.simulated_arrival)),
             _time(self.delay, "+"),
             f"{self.residual:.1%}",
         )  # fmt: skip
-        return _aligned(self.name, *cells)
+
+    @property
+    def row(self) -> str:
+        """Row of a table."""
+        return _aligned(self.name, *self.cells)
 
 
 def _time(value: float, sign: str = "") -> str:
@@ -116,9 +120,10 @@ def _aligned(name: str, *cells: str) -> str:
     return f"  {name:<15}" + "".join(f" {cell:>11}" for cell in cells)
 
 
-HEADING: Final = _aligned(
-    "sensor", "peak", "simulated", "difference", "arrival", "simulated", "difference", "residual"
-)
+HEADINGS: Final = (
+    "sensor", "peak", "simulated", "difference", "arrival", "simulated", "difference", "residual",
+)  # fmt: skip
+HEADING: Final = _aligned(*HEADINGS)
 
 
 def compared_sensor(times: Array, signal: Signal, model: Array, scale: float) -> SensorComparison:
@@ -297,12 +302,12 @@ def pulse_notes(
             notes.append(f"the data of {signal.name} have no pulse above their noise")
         if np.argmax(np.abs(column - column[0])) >= len(column) - 2:
             notes.append(
-                f"the simulated peak of {signal.name} is not complete: the run ends first, and a "
-                "time offset by cross-correlation is then wrong"
+                f"the simulated peak of {signal.name} is not complete, because the run ends first; "
+                "simulate for longer to compare peaks and to find a more accurate time offset"
             )
     if np.mean(inside) < COMPLETE:
         notes.append(
-            f"the run ends at {measure(float(run.times[-1]), 's')}, before the record; simulate "
-            f"until={measure(until, 's')!r} to compare the whole record"
+            f"the run ends at {measure(float(run.times[-1]), 's')}, before the record ends; "
+            f"simulate with until={measure(until, 's')!r} to compare the whole record"
         )
     return notes

@@ -24,7 +24,7 @@ from ..collision import Array
 from .chain_parameters import Kind
 
 SENSOR_KINDS: Final[Mapping[str, Kind]] = {
-    "gain": Kind(step=1e-3, factor=True),
+    "gain": Kind(step=1e-3, factor=True, signed=True),
     "offset": Kind(step=1e-3),
     "delay": Kind("s", typical=1e-6, step=1e-2),
     "lag": Kind("s", lower=0.0, typical=1e-6, step=1e-2),

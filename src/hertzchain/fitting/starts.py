@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 import numpy as np
 
 from ..collision import Array
+from .misread_columns import first_sign, level_of
 from .model import Model
 from .names import Name
 from .sensors import sampled
+from .traces import Signal
 
 # Factors of time that are tried if the stiffness is free, and points of the even grid.
 STRETCHES: Final = tuple(np.exp(np.linspace(-0.3, 0.3, 25)).tolist())
@@ -67,7 +70,8 @@ def _correlations(
         for signal, column in zip(data.signals, columns, strict=True):
             ok = signal.valid
             seen = np.interp(data.times[0] + grid, data.times[ok], signal.values[ok])
-            shape = sampled(column, factor * spacing, grid)
+            sign = math.copysign(1.0, values.get(Name("gain", signal.name), 1.0))
+            shape = sign * sampled(column, factor * spacing, grid)
             size = float(shape @ shape)
             if size > 0.0:
                 product = np.maximum(correlate(seen, shape), 0.0)
@@ -91,6 +95,36 @@ def _shapes(
         column - column[0] if signal.coupling == "AC" else column
         for signal, column in zip(signals, found, strict=True)
     ]
+
+
+def with_gains(
+    model: Model, values: dict[Name, float], start: Mapping[str, float]
+) -> dict[Name, float]:
+    """Values in which gains of sensors without calibration are ratios of measured to simulated.
+
+    Gains with a prior or a given start are not changed.
+    """
+    found = dict(values)
+    for each in model.parameters:
+        if each.name.key != "gain" or each.prior is not None or str(each.name) in start:
+            continue
+        for index, signal in model.traces:
+            if signal.name == each.name.item and not signal.calibrated:
+                found[each.name] = _ratio(model, values, index, signal)
+                break
+    return found
+
+
+def _ratio(model: Model, values: dict[Name, float], shot: int, signal: Signal) -> float:
+    """Ratio of the largest values of a signal and of its simulation, from their first levels."""
+    times = model.traces.shots[shot].times
+    _, columns = _shapes(model, values, shot, float(times[-1] - times[0]))
+    own = columns[[each.name for each in model.traces.shots[shot].signals].index(signal.name)]
+    own, seen = own - own[0], (signal.values - level_of(signal))[signal.valid]
+    if not own.any():
+        return first_sign(seen)
+    size = np.abs(seen).max() / np.abs(own).max()
+    return float(first_sign(seen) * first_sign(own) * size)
 
 
 def further_starts(

@@ -17,7 +17,7 @@ from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_type
 from .coupling import coupling_notes, resolved_coupling, static_force
-from .misread_columns import level_of, polarity_of
+from .misread_columns import inversion_notes
 from .sensor_comparison import (
     HEADING,
     SensorComparison,
@@ -31,6 +31,7 @@ from .sensor_comparison import (
     unit_notes,
 )
 from .sensors import sampled
+from .time_offsets import best_offset
 from .traces import Shot, Signal, Traces
 
 if TYPE_CHECKING:
@@ -52,7 +53,8 @@ class TraceComparison:
     time_offset : float
         Time of the data at which the simulation begins [s].
     time_offset_given : bool
-        Whether the time offset was given; otherwise, it is that of the largest cross-correlation.
+        Whether the time offset was given; otherwise, it is that of the least squares of the
+        differences, with a free amplitude of each signal.
     notes : tuple of str
         Remarks, one sentence each: samples that the run does not cover, incomplete peaks, peaks
         that suggest another unit, arrivals in another order, saturated sensors, and sensors without
@@ -123,10 +125,10 @@ class TraceComparison:
         >>> traces, chain = hc.example_experiment()
         >>> run = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201)
         >>> print(run.compare(traces).summary().splitlines()[0])
-        data from 0 s to 639 us, 100% of the record; time offset 79 us, by cross-correlation
+        data from 0 s to 639 us, 100% of the record; time offset 78.81 us, by least squares
         """
         begin, end = self.interval
-        how = "given" if self.time_offset_given else "by cross-correlation"
+        how = "given" if self.time_offset_given else "by least squares"
         lines = [
             f"data from {measure(begin, 's')} to {measure(end, 's')}, {self.covered:.0%} of the "
             f"record; time offset {measure(self.time_offset, 's')}, {how}",
@@ -184,6 +186,11 @@ class TraceComparison:
     def __str__(self) -> str:
         return self.summary()
 
+    def _repr_html_(self) -> str:
+        from ..notebook.fits import trace_comparison_html
+
+        return trace_comparison_html(self)
+
     def __repr__(self) -> str:
         rows = ", ".join(f"{name} {value:.2%}" for name, value in self.differences.items())
         offset = f"time offset {measure(self.time_offset, 's')}"
@@ -214,7 +221,7 @@ def compare_traces(
     if time_offset is not None:
         time_offset = number("time_offset", time_offset, unit="s")
     else:
-        time_offset = _best_offset(shot, columns, spacing)
+        time_offset = best_offset(shot, columns, spacing)
     moments = shot.times - time_offset - run.times[0]
     inside = _inside(moments, float(grid[-1] - grid[0]), time_offset)
     check_contained(shot, inside)
@@ -225,6 +232,7 @@ def compare_traces(
         warn_user(note, InputWarning)
     notes = (
         *suspicious,
+        *inversion_notes({each.name: each.scale for each in found.sensors}),
         *saturation_notes(found.sensors),
         *pulse_notes(run, shot, columns, inside, float(shot.times[-1]) - time_offset),
         *coupling_notes(traces, [run.chain]),
@@ -298,18 +306,3 @@ def _signal_of(run: Run, signal: Signal) -> Array:
     """Simulated signal of a sensor; with AC coupling, without the static force."""
     found = signal.place.signal(run)
     return found - static_force(signal.place, run.chain) if signal.coupling == "AC" else found
-
-
-def _best_offset(shot, columns: list[Array], spacing: float) -> float:  # type: ignore[no-untyped-def]
-    """Time offset of the largest cross-correlation; forces of the wrong sign are reversed."""
-    from scipy.signal import correlate
-
-    total: Array | float = 0.0
-    count = int((shot.times[-1] - shot.times[0]) / spacing) + 1
-    grid = shot.times[0] + spacing * np.arange(count)
-    for signal, column in zip(shot.signals, columns, strict=True):
-        values = polarity_of(signal) * (signal.values[signal.valid] - level_of(signal))
-        seen, own = np.interp(grid, shot.times[signal.valid], values), column - column[0]
-        total = total + correlate(seen, own) / (np.std(seen) * np.linalg.norm(own))
-    best = int(np.argmax(total)) - (len(columns[0]) - 1)
-    return float(shot.times[0] + best * spacing)

@@ -15,6 +15,7 @@ from ..store.csv_tables import csv_rows, split_header
 from ..units import converted
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_list, file_path, shown_path, text
+from .noise import check_names_of_noise
 from .places import Place, place_named
 from .trace_headers import header_of
 from .traces import Traces, make_shot, with_coupling
@@ -47,8 +48,9 @@ def load_traces(
         from names of columns, without units, to places reads files with other names, such as
         ``{"Force": "wall", "CH2": "ball 6"}``.
     noise : float or mapping, optional
-        Standard deviation of the noise of all sensors, or by name, in N, m/s or V.  By default it
-        is estimated from the samples before the pulse arrives at the first sensor.
+        Standard deviation of the noise of all sensors, or by name, in N, m/s or V or with a
+        unit, such as ``"3 mV"``.  By default it is estimated from the samples before the pulse
+        arrives at the first sensor.
     coupling : {"AC", "DC"} or mapping, optional
         Whether the signals of all sensors, or by name, contain the static force of a precompressed
         chain (``"DC"``) or not (``"AC"``, also for piezoelectric sensors).  By default, this is
@@ -96,7 +98,9 @@ def load_traces(
             )
         with errors_at(shown_path(path)):
             shots += _shots(csv_rows(file), wanted, noise)
-    return with_coupling(Traces(tuple(shots)), coupling)
+    found = Traces(tuple(shots))
+    check_names_of_noise(noise, found.names)
+    return with_coupling(found, coupling)
 
 
 def _wanted(sensors: object) -> dict[str, str] | None:

@@ -7,7 +7,8 @@ from typing import Final
 
 from ..errors import InputError
 from ..store.csv_tables import split_header
-from ..units import converted
+from ..units import converted, quantity
+from ..validation.numbers import number
 from .places import Place, place_named
 
 # Unit at the end of a header.
@@ -35,6 +36,22 @@ def header_of(text: str, named: str | None = None) -> tuple[Place, str, float]:
         return place, si, converted(f"column {place.name!r}", 1.0, unit, si)
     except InputError as error:
         raise InputError(f"{error}, or V or mV for a sensor without calibration") from None
+
+
+def positive_noise(name: str, given: object, unit: str) -> float:
+    """Noise of a sensor in its unit; text such as ``"3 mV"`` is converted."""
+    what = f"noise of {name}"
+    if unit != "V":
+        return number(what, given, unit=unit, above=0.0)
+    if isinstance(given, str):
+        found = quantity(given)
+        if found is None or found[1] not in VOLTS:
+            raise InputError(
+                f"{what} must be a number or text with a unit of its signal, such as '3 mV', got "
+                f"{given!r}"
+            )
+        given = float(found[0]) * VOLTS[found[1]]
+    return number(what, given, above=0.0)
 
 
 def _as_written(header: str) -> str:

@@ -14,11 +14,12 @@ from ..errors import InputError, short_repr, unknown_name_error
 from ..frozen import Frozen
 from ..representation import counted, short
 from ..validation.keywords import checked_arguments, checked_fields, checked_methods
-from ..validation.numbers import number, real_numbers
+from ..validation.numbers import real_numbers
 from ..validation.objects import check_choice, check_list, check_type
 from .noise import (
     MIN_QUIET,
     QUIET_PART,
+    check_names_of_noise,
     clipped_part,
     digitiser_step,
     noise_of,
@@ -26,7 +27,7 @@ from .noise import (
     saturated,
 )
 from .places import Place
-from .trace_headers import header_of
+from .trace_headers import header_of, positive_noise
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -166,8 +167,8 @@ class Traces:
         signals : mapping
             Samples by sensor and unit, such as ``"ball 6 [N]"``; NaN where one is missing.
         noise : float or mapping, optional
-            Standard deviation of the noise of all sensors, or by name, in the unit of the
-            signal.  By default it is estimated from the samples before the pulse arrives.
+            Standard deviation of the noise of all sensors, or by name, in N, m/s or V, or with
+            a unit.  By default it is estimated from the samples before the pulse arrives.
         coupling : {"AC", "DC"} or mapping, optional
             Whether the signals of all sensors, or by name, contain the static force of a
             precompressed chain (``"DC"``) or not (``"AC"``, also for piezoelectric sensors).  By
@@ -200,6 +201,7 @@ class Traces:
         for header, given in signals.items():
             place, unit, factor = header_of(header)
             columns[place, unit] = factor * real_numbers(header, given, "sample")
+        check_names_of_noise(noise, [place.name for place, _ in columns])
         return with_coupling(cls((make_shot(moments, columns, noise),)), coupling)
 
     def __add__(self, other: Traces) -> Traces:
@@ -208,8 +210,7 @@ class Traces:
     def __iter__(self) -> Iterator[tuple[int, Signal]]:
         """Pairs of the index of the shot and the signal."""
         for index, shot in enumerate(self.shots):
-            for signal in shot.signals:
-                yield index, signal
+            yield from ((index, signal) for signal in shot.signals)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -310,6 +311,11 @@ class Traces:
 
         return plot_traces(self, legend=legend, ax=ax)
 
+    def _repr_html_(self) -> str:
+        from ..notebook.fits import traces_html
+
+        return traces_html(self)
+
     def __repr__(self) -> str:
         shot = self.shots[0]
         steps = 1e6 * np.diff(shot.times)
@@ -401,7 +407,7 @@ def _signal(
     before = values[:quiet][present[:quiet]]
     level, used = float(before.mean()) if len(before) else np.nan, 0
     if known is not None:
-        known = number(f"noise of {place.name}", known, above=0.0)
+        known = positive_noise(place.name, known, unit)
     else:
         used = len(before)
         if used < MIN_QUIET:

@@ -396,8 +396,8 @@ class Run(Trajectory):
         traces : Traces or path
             Data of one shot; a path is read by `hertzchain.load_traces`.
         time_offset : float, optional
-            Time of the data at which the run begins [s]; by default, that of the largest
-            cross-correlation.
+            Time of the data at which the run begins [s]; by default, that of the least squares
+            of the differences, with a free amplitude of each signal.
 
         Returns
         -------
@@ -415,7 +415,7 @@ class Run(Trajectory):
         >>> traces, chain = hc.example_experiment()
         >>> compared = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201).compare(traces)
         >>> f"{compared.differences['ball 6']:.1%}"
-        '4.2%'
+        '4.0%'
         """
         from ..fitting.trace_comparison import compare_traces
         from ..fitting.trace_files import load_traces

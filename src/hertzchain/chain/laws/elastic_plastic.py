@@ -213,11 +213,15 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
 
     def _restitution(self, speed: float, contacts: ContactArrays) -> float:
         self.row(contacts.exponent)
-        u = float(self._yield_speed(contacts)[0]) / speed
-        if u >= 1.0:
-            return 1.0
-        root = 2.0 * math.sqrt(1.2 - 0.2 * u * u)
-        return math.sqrt(1.2 * math.sqrt(3.0) * (1.0 - u * u / 6.0) * math.sqrt(u / (u + root)))
+        return restitution_beyond_yield(float(self._yield_speed(contacts)[0]) / speed)
+
+
+def restitution_beyond_yield(u: float) -> float:
+    """Restitution of a collision with ``1/u`` times the speed at first yield."""
+    if u >= 1.0:
+        return 1.0
+    root = 2.0 * math.sqrt(1.2 - 0.2 * u * u)
+    return math.sqrt(1.2 * math.sqrt(3.0) * (1.0 - u * u / 6.0) * math.sqrt(u / (u + root)))
 
 
 def _loading(overlap: Array, k: Array, first: Array) -> Array:

@@ -1,0 +1,88 @@
+"""Priors from which a fit deviates by more than their errors allow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from ..representation import listed
+from .names import Name
+from .parameters import Parameter
+from .shown_values import shown_value
+from .traces import Traces
+
+# A parameter contradicts its prior beyond this number of standard deviations; several contradict
+# theirs together if the sum of squares is less probable than the same deviation of one.
+CONTRADICTS: Final = 3.0
+# Larger numbers of standard deviations are not stated, because they have no meaning.
+MANY: Final = 100.0
+ADVICE: Final = (
+    "check the diameters, masses and materials of the chain, the calibration of the sensors, and "
+    "the prior itself"
+)
+
+
+def contradicted(deviations: Mapping[str, float]) -> tuple[str, ...]:
+    """Parameters that contradict their priors, alone or all together.
+
+    ``deviations`` from the priors are in standard deviations.
+    """
+    far = tuple(name for name, each in deviations.items() if abs(each) > CONTRADICTS)
+    return far or (tuple(deviations) if _improbable([*deviations.values()]) else ())
+
+
+def _improbable(deviations: Sequence[float]) -> bool:
+    from scipy.stats import chi2, norm
+
+    count, squares = len(deviations), float(np.sum(np.square(deviations)))
+    return bool(count and chi2.sf(squares, count) < 2.0 * norm.sf(CONTRADICTS))
+
+
+def conflict(deviations: Mapping[str, float]) -> str:
+    """The contradicted priors in a clause; empty without any."""
+    names = contradicted(deviations)
+    far = {name: abs(deviations[name]) for name in names if abs(deviations[name]) > CONTRADICTS}
+    if far:
+        return listed([f"{name} is {_counted(size)} from its prior" for name, size in far.items()])
+    if not names:
+        return ""
+    squares = sum(each**2 for each in deviations.values())
+    return (
+        f"the priors of {listed(names)} together contradict the data (chi2 {squares:.1f} for "
+        f"{len(names)} priors)"
+    )
+
+
+def _counted(size: float) -> str:
+    if size > MANY:
+        return f"more than {MANY:.0f} standard deviations"
+    return f"{size:.{1 if size < 9.95 else 0}f} standard deviations"
+
+
+def deviations_from_priors(
+    parameters: Sequence[Parameter], values: Mapping[Name, float]
+) -> dict[str, float]:
+    """Values minus those of their priors, in standard deviations of the priors, by name."""
+    return {
+        str(each): (values[each.name] - each.prior[0]) / each.prior[1]
+        for each in parameters if each.prior is not None
+    }  # fmt: skip
+
+
+def conflict_notes(
+    parameters: Sequence[Parameter], traces: Traces, values: Mapping[Name, float], sigmas: Array
+) -> tuple[str, ...]:
+    """Notes on contradicted priors, with values and advice."""
+    deviations = deviations_from_priors(parameters, values)
+    found = []
+    for each, sigma in zip(parameters, sigmas.tolist(), strict=True):
+        size = abs(deviations.get(str(each), 0.0))
+        if each.prior is not None and size > CONTRADICTS:
+            pairs = (values[each.name], sigma), each.prior
+            value, prior = (shown_value(each, traces, *pair, at_bound=False) for pair in pairs)
+            found.append(f"{each} = {value} is {_counted(size)} from its prior, {prior}: {ADVICE}")
+    clause = conflict(deviations)
+    return tuple(found) or ((f"{clause}: {ADVICE}",) if clause else ())

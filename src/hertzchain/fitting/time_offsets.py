@@ -1,0 +1,179 @@
+"""Time offset of a run in traces by least squares over the samples that the run covers.
+
+The pulse may be incomplete at the end of the record, and the run may end before it.  A correlation
+that is not normalised would then prefer offsets at which more of the signals overlap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from ..collision import Array
+from .misread_columns import PREFIXES, TOLERANCE, extreme, level_of, polarity_of
+from .traces import Shot, Signal
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+# The amplitude of each sensor is free up to this factor, because the chain and its velocity are not
+# known exactly.  A sensor without calibration may have seen only the beginning of a pulse.
+FREE, CUT = 3.0, 10.0
+# Part of the simulated peak of at least one sensor that the record must contain.
+REACHED: Final = 0.1
+# Part of the simulated energy below which the record contains no signal.
+NOTHING: Final = 1e-12
+# Offsets of the finer search, on each side, and their range as a part of the width of a pulse.
+STEPS, RANGE = 16, 0.25
+MAX_ROUNDS: Final = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Deviations of a measured and a simulated signal from their first levels.
+
+    Attributes
+    ----------
+    times, seen : ndarray
+        Valid samples, multiplied by -1 if the sensor is inverted.
+    own : ndarray
+        Simulated signal from the begin of the run, evenly spaced.
+    scales : tuple of float
+        Smallest and largest factor of the simulated signal.
+    signed : bool
+        Whether the factor may be negative, too.
+    """
+
+    times: Array
+    seen: Array
+    own: Array
+    scales: tuple[float, float]
+    signed: bool
+
+    @property
+    def energy(self) -> float:
+        """Sum of the squares of all samples."""
+        return float(self.seen @ self.seen)
+
+    def rest(self, inside: Array, product: Array, size: Array) -> Array:
+        """Sums of squared differences, from those of the samples, products and simulated values."""
+        nothing = NOTHING * float(self.own @ self.own)
+        best = np.where(size > nothing, product, 0.0) / np.maximum(size, nothing)
+        scale = np.clip(np.abs(best) if self.signed else best, *self.scales)
+        if self.signed:
+            scale = np.copysign(scale, best)
+        return np.asarray(inside - 2.0 * scale * product + scale**2 * size)
+
+
+def best_offset(shot: Shot, columns: Sequence[Array], spacing: float) -> float:
+    """Time of the data at which the simulated signals begin, by least squares.
+
+    The amplitude of each signal is free within a factor.
+    """
+    pairs = [
+        _pair(shot, signal, column) for signal, column in zip(shot.signals, columns, strict=True)
+    ]
+    pairs = [pair for pair in pairs if pair.own.any() and pair.energy > 0.0]
+    found = _coarse(pairs, shot.times, spacing)
+    reach = max(RANGE * min(_width(pair.own) for pair in pairs) * spacing, 2.0 * spacing)
+    return _refined(pairs, found, reach, spacing)
+
+
+def _pair(shot: Shot, signal: Signal, column: Array) -> Pair:
+    own = column - column[0]
+    known = np.isfinite(signal.level) or not signal.calibrated
+    level = level_of(signal) if known else float(column[0])
+    seen = polarity_of(signal) * (signal.values[signal.valid] - level)
+    ratio = abs(extreme(seen)) / max(abs(extreme(own)), np.finfo(float).tiny)
+    if signal.calibrated:
+        wrong = [unit for unit in PREFIXES if 1.0 / TOLERANCE < ratio / unit < TOLERANCE]
+        middle = wrong[0] if wrong else 1.0
+        scales = middle / FREE, middle * FREE
+    else:
+        scales = ratio / FREE, ratio * CUT
+    signed = signal.place.quantity == "velocity" and not signal.calibrated
+    return Pair(shot.times[signal.valid], seen, own, scales, signed)
+
+
+def _width(own: Array) -> int:
+    """Number of saved times at which a signal exceeds half of its peak, around the peak."""
+    size = np.abs(own)
+    below = np.flatnonzero(size < 0.5 * size.max())
+    peak = int(np.argmax(size))
+    after, before = below[below > peak], below[below < peak]
+    first = int(before[-1]) if len(before) else 0
+    return (int(after[0]) if len(after) else len(own)) - first
+
+
+def _coarse(pairs: Sequence[Pair], times: Array, spacing: float) -> float:
+    """The best offset that is a multiple of the spacing.
+
+    Samples beyond the run count as differences: otherwise, few of them would agree best.
+    """
+    from scipy.signal import correlate
+
+    count = int((times[-1] - times[0]) / spacing) + 1
+    length = len(pairs[0].own)
+    lags = np.arange(1 - length, count)
+    grid = times[0] + spacing * np.arange(count)
+    rest, covered = np.zeros(len(lags)), np.zeros(len(lags))
+    reached = np.zeros(len(lags), bool)
+    # First simulated value in the record, and the one after the last.
+    first, last = np.clip(-lags, 0, length), np.clip(count - lags, 0, length)
+    for pair in pairs:
+        seen = np.interp(grid, pair.times, pair.seen)
+        sums = np.concatenate(([0.0], np.cumsum(seen**2)))
+        squares = np.concatenate(([0.0], np.cumsum(pair.own**2)))
+        high = np.abs(pair.own) >= REACHED * np.abs(pair.own).max()
+        counts = np.concatenate(([0], np.cumsum(high)))
+        inside = sums[np.clip(lags + length, 0, count)]
+        size = squares[last] - squares[first]
+        rest += pair.rest(inside, correlate(seen, pair.own), size) / sums[-1]
+        covered += inside / sums[-1]
+        reached |= counts[last] > counts[first]
+    cost = np.where(reached, rest - covered, np.inf)
+    return float(times[0] + spacing * lags[int(np.argmin(cost))])
+
+
+def _refined(pairs: Sequence[Pair], start: float, reach: float, spacing: float) -> float:
+    """The best offset near a first one, with the same samples for all offsets."""
+    from scipy.optimize import minimize_scalar
+
+    for _ in range(MAX_ROUNDS):
+        cost = _cost(pairs, start - reach, spacing)
+        offsets = start + reach * np.linspace(-1.0, 1.0, 2 * STEPS + 1)
+        best = int(np.argmin([cost(each) for each in offsets]))
+        ends = offsets[max(best - 1, 0)], offsets[min(best + 1, 2 * STEPS)]
+        found = float(minimize_scalar(
+            cost, bounds=ends, method="bounded", options={"xatol": 1e-4 * spacing}
+        ).x)  # fmt: skip
+        near, start = abs(found - start) < 0.5 * reach, found
+        if near:
+            break
+    return start
+
+
+def _cost(pairs: Sequence[Pair], earliest: float, spacing: float) -> Callable[[float], float]:
+    """Sum of squared differences of the samples that the run covers from an offset on."""
+    from scipy.interpolate import make_interp_spline
+
+    parts = []
+    for pair in pairs:
+        last = spacing * (len(pair.own) - 1)
+        spline = make_interp_spline(spacing * np.arange(len(pair.own)), pair.own, k=3)
+        used = pair.times <= earliest + last
+        if used.any():
+            parts.append((pair, pair.times[used], pair.seen[used], spline, last))
+
+    def cost(offset: float) -> float:
+        total = 0.0
+        for pair, times, seen, spline, last in parts:
+            own = np.where(times > offset, spline(np.clip(times - offset, 0.0, last)), 0.0)
+            sums = (np.array(a @ b) for a, b in ((seen, seen), (seen, own), (own, own)))
+            total += float(pair.rest(*sums)) / pair.energy
+        return total
+
+    return cost

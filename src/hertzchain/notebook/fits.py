@@ -1,0 +1,144 @@
+"""HTML representations of traces, their comparison with a run, fits, laws and defects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from ..fitting.defect_scan import DefectScan
+from ..fitting.loss_comparison import LossComparison
+from ..fitting.result import FitResult
+from ..fitting.sensor_comparison import HEADINGS
+from ..fitting.trace_comparison import TraceComparison
+from ..fitting.traces import Shot, Traces
+from ..representation import counted
+from .drawing import (
+    COLOURS,
+    Curve,
+    axis_unit,
+    chart,
+    engineering,
+    legend,
+    note,
+    numbers,
+    page,
+    table,
+)
+
+# Sensors whose signals are drawn, and the height of the figure of each of several.
+MAX_SENSORS: Final = 3
+HEIGHT: Final = 130
+# Approximate number of points of a simulated curve, which is smooth.
+MODEL_POINTS: Final = 200
+MEASURED, MODEL = COLOURS[0], COLOURS[1]
+
+
+def traces_html(traces: Traces) -> str:
+    """Signals of the first shot, and noise and unused samples of each sensor."""
+    shot = traces.shots[0]
+    rows = [
+        (signal.name, f"{index + 1}", counted(int(signal.valid.sum()), "sample"),
+         engineering(float(np.nanmax(np.abs(signal.values))), signal.unit),
+         engineering(signal.sigma, signal.unit))
+        for index, signal in traces
+    ]  # fmt: skip
+    step = float(np.median(np.diff(shot.times)))
+    shown = {
+        "shots": f"{len(traces.shots)}",
+        "samples": f"{traces.samples}",
+        "every": engineering(step, "s"),
+    }
+    return page(
+        "Traces", ", ".join(traces.names),
+        *_figures(shot, [None] * len(shot.signals)), numbers(shown),
+        table(("sensor", "shot", "used", "largest", "noise"), rows), *_notes(traces.notes()),
+    )  # fmt: skip
+
+
+def trace_comparison_html(found: TraceComparison) -> str:
+    """Data and simulation of the first sensors, and the table of all."""
+    shot = found.traces.shots[0]
+    models = [
+        scale * model for scale, model in zip(found.scales, found.signals, strict=True)
+    ]  # fmt: skip
+    shown = {
+        "time offset": engineering(found.time_offset, "s"),
+        "found by": "given" if found.time_offset_given else "least squares",
+        "compared": f"{found.covered:.0%} of the record",
+    }
+    return page(
+        "TraceComparison", "data and simulation",
+        legend((("data", MEASURED), ("simulation", MODEL))), *_figures(shot, models),
+        numbers(shown), table(HEADINGS, [(each.name, *each.cells) for each in found.sensors]),
+        *_notes(found.notes),
+    )  # fmt: skip
+
+
+def fit_html(result: FitResult) -> str:
+    """Data and fit of the first sensors, the parameters, the verdict and all notes."""
+    per_sample = result.chi2_per_sample
+    about = f"{counted(len(result.names), 'parameter')} from {result.traces.samples} samples"
+    return page(
+        "FitResult", about,
+        legend((("data", MEASURED), ("fit", MODEL))),
+        *_figures(result.traces.shots[0], result.predicted[0]),
+        table(("parameter", "value"), result.rows()),
+        numbers({f"chi2 per sample, {name}": f"{value:.3g}" for name, value in per_sample.items()}),
+        *_notes((result.verdict, *result.warnings)),
+    )  # fmt: skip
+
+
+def loss_comparison_html(compared: LossComparison) -> str:
+    """All laws with BIC, chi-squared and parameters, and what the data decide."""
+    rows = []
+    for each in compared.fits:
+        if each.result is None:
+            rows.append((each.law, "failed", "", each.reason))
+            continue
+        values = [f"{name} = {row}" for name, row in each.result.rows() if "loss" in name]
+        delta = each.bic - compared.fits[0].bic
+        rows.append((each.law, f"{delta:.1f}", f"{each.result.chi2:.1f}", ", ".join(values)))
+    return page(
+        "LossComparison", counted(len(rows), "law"),
+        table(("law", "delta BIC", "chi2", "parameters"), rows), *_notes((compared.statement,)),
+    )  # fmt: skip
+
+
+def defect_scan_html(scan: DefectScan) -> str:
+    """Part of chi-squared that each defect would explain, and the best of them."""
+    place = np.arange(1.0, len(scan.names) + 1.0)
+    curve = Curve(place, np.maximum(scan.improvements, 0.0), scan.kind)
+    shown = {"largest at": scan.best, "reduction of chi2": f"{scan.improvements.max():.4g}",
+             "chi2 of the fit": f"{scan.result.chi2:.4g}"}  # fmt: skip
+    text = "" if scan.found else f"no {scan.kind} explains more than noise would"
+    return page(
+        "DefectScan", scan.kind,
+        chart([curve], f"{scan.kind}, from {scan.names[0]} to {scan.names[-1]}",
+              "reduction of chi2", whole=True),
+        numbers(shown), *_notes((text,)),
+    )  # fmt: skip
+
+
+def _figures(shot: Shot, models: Sequence[Array | None]) -> list[str]:
+    """Signals and models of the first sensors over time."""
+    factor, second = axis_unit(shot.times, "s", "SI")
+    pairs = list(zip(shot.signals, models, strict=True))
+    parts = []
+    for signal, model in pairs[:MAX_SENSORS]:
+        unit, label = axis_unit(signal.values, signal.unit, "SI")
+        seen = np.where(signal.valid, signal.values, np.nan)
+        curves = [Curve(factor * shot.times, unit * seen, "data", MEASURED)]
+        if model is not None:
+            kept = slice(None, None, max(len(model) // MODEL_POINTS, 1))
+            curves.append(Curve(factor * shot.times[kept], unit * model[kept], "model", MODEL))
+        parts.append(chart(curves, f"time{second}", f"{signal.name}{label}", height=HEIGHT))
+    if len(pairs) > MAX_SENSORS:
+        parts.append(note(f"The first {MAX_SENSORS} of {len(pairs)} sensors; plot() shows all."))
+    return parts
+
+
+def _notes(texts: Iterable[str]) -> list[str]:
+    return [note(f"{text[0].upper()}{text[1:]}.") for text in texts if text]

@@ -1,0 +1,88 @@
+"""Views of traces, comparisons and fits in notebooks."""
+
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from scipy_row import FREE, chain, recorded, traces
+
+import hertzchain as hc
+
+pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
+MAX_BYTES = 40_000
+
+
+def parsed(item):
+    """Text and number of figures of the HTML of an object, after common checks."""
+    html = item._repr_html_()
+    assert len(html.encode()) <= MAX_BYTES
+    assert not re.search(r"\b(nan|inf)\b", html)
+    assert not re.search(r"(?:^|[;\"])color:(?!inherit)", html)
+    root = ElementTree.fromstring(html)
+    return " ".join(" ".join(root.itertext()).split()), len(root.findall(".//svg"))
+
+
+@pytest.fixture(scope="module")
+def result():
+    return hc.fit(traces(), chain(), free=FREE)
+
+
+def test_traces_show_signals_noise_and_notes():
+    times, columns = recorded()
+    columns["ball 5 [V]"] = -0.02 * columns.pop("ball 5 [N]")
+    columns["wall [N]"][7] = np.nan
+    data = hc.Traces.from_arrays(times, columns)
+    text, figures = parsed(data)
+    assert figures == 3
+    assert "ball 5 [mV]" in text
+    for signal in data.shots[0].signals:
+        assert signal.name in text
+    assert "1 sample of wall in shot 1 is missing" in text
+    # Two shots with more sensors than are drawn.
+    more = dict(columns) | {"ball 2 [N]": columns["wall [N]"], "ball 3 [N]": columns["wall [N]"]}
+    several = hc.Traces.from_arrays(times, more) + data
+    text, figures = parsed(several)
+    assert figures == 3
+    assert "The first 3 of 5 sensors" in text
+
+
+def test_comparisons_show_the_table_of_their_summary():
+    found = hc.simulate(chain(), until=4e-4, times=3000).compare(traces())
+    text, figures = parsed(found)
+    assert figures == 3
+    for each in found.sensors:
+        assert " ".join((each.name, *each.cells)) in text
+    assert "before the record ends" in text
+
+
+def test_fits_show_parameters_verdict_and_notes(result):
+    text, figures = parsed(result)
+    assert figures == 3
+    for name, row in result.rows():
+        assert f"{name} {row}" in text
+    verdict = result.verdict
+    assert f"{verdict[0].upper()}{verdict[1:]}." in text
+    assert all(note[1:] in text for note in result.warnings)
+
+
+def test_comparisons_of_losses_and_scans_show_what_they_found(result):
+    compared = hc.compare_losses(traces(), chain(), laws=["viscoelastic", "elastic"], free=FREE)
+    text, _ = parsed(compared)
+    for each in compared.fits:
+        assert f"{each.law} {each.bic - compared.fits[0].bic:.1f} {each.result.chi2:.1f}" in text
+    assert compared.statement[1:] in text
+    scan = hc.scan_defects(result)
+    text, figures = parsed(scan)
+    assert figures == 1
+    assert scan.best in text
+    assert ("no gap explains more than noise would" in text.lower()) is not scan.found
+
+
+def test_long_records_stay_small():
+    times = 1e-7 * np.arange(20_000)
+    pulse = 30.0 * np.exp(-(((times - 1e-3) / 2e-4) ** 2))
+    noise = np.random.default_rng(1).standard_normal((3, 20_000))
+    names = ("ball 2 [N]", "ball 5 [N]", "wall [N]")
+    columns = {name: pulse + own for name, own in zip(names, noise, strict=True)}
+    parsed(hc.Traces.from_arrays(times, columns))

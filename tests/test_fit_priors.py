@@ -1,0 +1,132 @@
+"""Priors that contradict the data, and priors of a chain file whose parameters are not free."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy_row import FREE, RADIUS, VELOCITY, chain, recorded, traces
+
+import hertzchain as hc
+from hertzchain.fitting.prior_conflicts import conflict, contradicted
+
+CALIBRATION = "check the diameters, masses and materials of the chain, the calibration"
+FILE = """
+[fit]
+free = ["stiffness", "loss.time", "struck_by.velocity", "time_offset"]
+[fit.prior]
+"struck_by.velocity" = ["25 cm/s", "5 mm/s"]
+"""
+
+
+@pytest.fixture
+def files(tmp_path):
+    times, columns = recorded()
+    header = ",".join(["time [us]", *columns])
+    rows = np.column_stack([1e6 * times, *columns.values()])
+    np.savetxt(tmp_path / "data.csv", rows, fmt="%.7g", delimiter=",", header=header, comments="")
+    (tmp_path / "row.toml").write_text(hc.chain_as_toml(chain()) + FILE)
+    return tmp_path
+
+
+def fitted(mean, sigma, **fields):
+    return hc.fit(
+        traces(), chain(**fields), free=FREE, priors={"struck_by.velocity": (mean, sigma)}
+    )
+
+
+@pytest.mark.parametrize(("mean", "deviations"), [(VELOCITY - 0.024, 12), (VELOCITY + 0.03, -15)])
+def test_a_fit_far_from_its_prior_says_so(mean, deviations):
+    result = fitted(mean, 2e-3)
+    # The data determine the velocity much better than the prior.
+    assert result.prior_deviations["struck_by.velocity"] == pytest.approx(deviations, rel=0.03)
+    words = f"struck_by.velocity is {abs(deviations):.0f} standard deviations from its prior"
+    assert result.describes
+    assert result.prior_conflict == words
+    assert result.verdict.endswith(f"; but {words}")
+    (note,) = (each for each in result.notes if "from its prior" in each)
+    assert CALIBRATION in note
+    assert f"from its prior, {mean:.4f} +- 0.0020 m/s: " in note
+    assert note in result.warnings
+    assert note in result.summary().splitlines()
+    assert result.as_dict()["prior_conflict"] == words
+
+
+def test_a_fit_near_its_prior_does_not_mention_it():
+    result = fitted(VELOCITY - 2.5 * 2e-3, 2e-3)
+    assert result.prior_deviations["struck_by.velocity"] == pytest.approx(2.5, abs=0.3)
+    assert result.prior_conflict == ""
+    assert "its prior" not in result.summary()
+
+
+def test_a_wrong_diameter_contradicts_the_prior_of_the_velocity():
+    """The pulse of smaller balls has the same shape at another velocity, as in scaled variables."""
+    smaller = hc.Chain.from_materials(0.95 * RADIUS, "steel-52100", beads=15)
+    smaller = smaller.struck_by(velocity=0.26).replace(
+        right_wall=hc.Wall.of("steel-304"), loss=hc.Viscoelastic(0.4e-6)
+    )
+    prior = {"struck_by.velocity": (VELOCITY, 5e-3)}
+    result = hc.fit(traces(), smaller, free=FREE, priors=prior)
+    assert result.describes
+    # The momentum m v is that of the data: the mass is proportional to the third power.
+    assert result.values["struck_by.velocity"] == pytest.approx(VELOCITY / 0.95**3, rel=2e-3)
+    assert "standard deviations from its prior" in result.verdict
+
+
+def test_comparisons_of_losses_mention_a_contradicted_prior():
+    prior = {"struck_by.velocity": (VELOCITY - 0.02, 2e-3)}
+    compared = hc.compare_losses(
+        traces(), chain(), laws=["viscoelastic", "elastic"], free=FREE, priors=prior
+    )
+    assert compared.statement.startswith("the data decide for viscoelastic")
+    assert compared.statement.endswith("from its prior")
+
+
+def test_several_priors_may_be_contradicted_together():
+    # The probability of a sum of two squares is exp(-sum/2), that of 3 standard deviations 0.27%.
+    limit = math.sqrt(-math.log(math.erfc(3.0 / math.sqrt(2.0))))
+    assert contradicted({"a": 0.99 * limit, "b": -0.99 * limit}) == ()
+    both = {"a": 1.01 * limit, "b": -1.01 * limit}
+    assert contradicted(both) == ("a", "b")
+    assert conflict(both).startswith("the priors of a and b together contradict the data (chi2 12")
+    assert contradicted({"a": 3.1, "b": 0.1}) == ("a",)
+    assert conflict({}) == ""
+    assert conflict({"a": 1e9}) == "a is more than 100 standard deviations from its prior"
+
+
+def test_the_exit_code_of_a_contradicted_prior_is_that_of_a_bad_fit(run, files):
+    where = ("fit", files / "data.csv", files / "row.toml", "--json")
+    code, out, _ = run(*where)
+    assert code == 0
+    assert json.loads(out)["prior_conflict"] == ""
+    code, out, _ = run(*where, "--prior", f"struck_by.velocity={VELOCITY - 0.02},0.002")
+    assert code == 3
+    assert json.loads(out)["describes"] is True
+    assert "from its prior" in json.loads(out)["prior_conflict"]
+
+
+def test_priors_with_units_of_parameters_that_are_not_free_are_ignored(run, files):
+    free = [word for name in ("stiffness", "loss.time", "time_offset") for word in ("--free", name)]
+    code, out, err = run("fit", files / "data.csv", files / "row.toml", *free, "--json")
+    assert code in (0, 3), err
+    assert [*json.loads(out)["parameters"]] == ["stiffness", "loss.time", "time_offset"]
+
+
+@pytest.mark.parametrize("name", ["stifness", "stiffness[8-99]", "gain[ball 7]"])
+def test_unknown_names_are_reported_before_priors(run, files, name):
+    code, _, err = run("fit", files / "data.csv", files / "row.toml", "--free", name)
+    assert code == 2
+    assert "prior" not in err
+    assert name.split("[")[0][:5] in err
+
+
+def test_priors_of_arguments_must_be_free():
+    with pytest.raises(hc.InputError, match=r"'struck_by.velocity' has a prior but is not free"):
+        hc.fit(traces(), chain(), free=["stiffness"],
+               priors={"struck_by.velocity": ("25 cm/s", "5 mm/s")})  # fmt: skip
+
+
+def test_print_shows_the_whole_summary():
+    result = fitted(VELOCITY, 2e-3)
+    assert str(result) == result.summary()
+    assert len(repr(result).splitlines()) <= 3

@@ -131,8 +131,8 @@ sensors_option = click.option(
     "sensors",
     multiple=True,
     metavar="COLUMN[=PLACE]",
-    help="Column to read and, if its header does not name it, the place of the sensor, such as "
-    "CH1=wall or 'CH2=ball 5'; repeatable.  [default: all columns]",
+    help="Column to read and, if its header does not name them, the place of the sensor and the "
+    "unit, such as CH1=wall or 'CH2=ball 5 [V]'; repeatable.  [default: all columns]",
 )
 
 

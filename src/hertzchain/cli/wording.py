@@ -16,7 +16,7 @@ WORDINGS: Final = (
     (r"\buse largest_so_far\b", "use the largest force so far"),
     (r"\buntil='([^']*)'", r"--until '\1'"),
     (r"(?<!-)\bmax_steps\b", "--max-steps"),
-    (r"\bgive load_traces sensors=\{'([^']*)': 'wall'\}", r"add --sensor '\1=wall'"),
+    (r"\bgive load_traces sensors=\{'([^']*)': '([^']*)'\}", r"add --sensor '\1=\2'"),
     (r"\bgive sensors to load_traces\b", "add --sensor"),
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),
 )  # fmt: skip

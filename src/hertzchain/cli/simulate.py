@@ -38,7 +38,7 @@ USUAL_TIMES: Final = 400
     type=int,
     help="Number of saved times; without --until, whose value is the end, at most this number and "
     "usually more than half of it.  [default: 400; with --sensor, --forces, --animate or "
-    "several files, and without --out, 4000]",
+    "several files, 4000]",
 )
 @click.option(
     "--rtol",
@@ -156,7 +156,7 @@ def simulate(
     if budget and as_json:
         raise click.UsageError("--budget and --json cannot be combined")
     if times is None:
-        fine = out is None and (sensors or forces or animation or len(options.files) > 1)
+        fine = sensors or forces or animation or len(options.files) > 1
         times = MANY_TIMES if fine else USUAL_TIMES
     _check_times(
         times, out=out, forces=forces, plot=plot, animate=animation, sensor=sensors,

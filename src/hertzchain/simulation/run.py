@@ -287,8 +287,9 @@ class Run(Trajectory):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Save the trajectories: ``.nc`` (netCDF) or ``.csv``, by the file's extension.
 
-        `save_forces` saves forces on walls and in sensors, one row per time.
-        `hertzchain.save_state` saves ``run.state``, from which a longer run resumes.
+        `hertzchain.load_run` reads a netCDF file as the same run again.  `save_forces` saves forces
+        on walls and in sensors, one row per time.  `hertzchain.save_state` saves
+        ``run.state``, from which a longer run resumes.
 
         Parameters
         ----------

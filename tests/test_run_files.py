@@ -75,7 +75,7 @@ def test_streams_contain_the_chain(tmp_path):
     same(stored.chain.contact_stiffness, chain.contact_stiffness)
     assert stored.chain.loss == chain.loss
     assert stored.load().attrs["chain_file"] == hc.chain_as_toml(chain)
-    with pytest.raises(hc.InputError, match=r"is no run of Run\.save; .* StoredRun"):
+    with pytest.raises(hc.InputError, match=r"is not a file of Run\.save; .* StoredRun"):
         hc.load_run(tmp_path / "long" / "part-000001.nc")
 
 
@@ -117,7 +117,7 @@ def test_other_files_are_rejected(tmp_path):
     content = file.read_bytes()
     for part in (b"", b"text", content[:200], content[: len(content) // 2], content[:-200]):
         file.write_bytes(part)
-        with pytest.raises(hc.InputError, match=r"damaged|no run of Run\.save"):
+        with pytest.raises(hc.InputError, match=r"damaged|not a file of Run\.save"):
             hc.load_run(file)
 
 

@@ -108,10 +108,11 @@ def names_from(text: str | None) -> list[str] | None:
 
 def measure_from(text: str | None, chain: Chain) -> Measure:
     """A quantity of a chain; by default the peak on its wall, or the velocity of its last bead."""
+    from ..chain.bead_names import with_bead_numbers
     from ..designs.measures import parse_measure
 
     usual = "velocity@last" if chain.right_wall is None else "wall_force.peak"
-    measure = parse_measure(usual if text is None else text)
+    measure = parse_measure(usual if text is None else with_bead_numbers(chain, text))
     measure.check(chain)
     return measure
 
@@ -145,8 +146,8 @@ def sensors_from(texts: tuple[str, ...]) -> dict[str, str] | None:
 quantity_option = click.option(
     "--quantity",
     metavar="NAME",
-    help="Such as wall_force.peak, velocity@20 or arrival@last.  [default: wall_force.peak; "
-    "without a wall, velocity@last]",
+    help="Such as wall_force.peak, velocity@20, 'velocity@ball 19' or arrival@last.  "
+    "[default: wall_force.peak; without a wall, velocity@last]",
 )
 
 

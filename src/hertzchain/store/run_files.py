@@ -120,8 +120,8 @@ def load_run(path: str | os.PathLike[str]) -> Run:
     saved, attributes = _read(file)
     if RECORDS not in saved:
         raise InputError(
-            f"{name!r} is not a file of Run.save; read other netCDF files with xarray.open_dataset, "
-            "and the folder of a stream with StoredRun"
+            f"{name!r} is not a file of Run.save; read other netCDF files with "
+            "xarray.open_dataset, and the folder of a stream with StoredRun"
         )
     if (version := attributes.get("hertzchain_version")) != __version__:
         raise InputError(

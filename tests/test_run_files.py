@@ -12,7 +12,7 @@ STRUCK = hc.Chain.from_materials("10 mm", "steel-52100", beads=6).struck_by(velo
 CHAINS = {
     "default": hc.Chain.tapered("forward-exponential", 0.05, beads=9),
     "walls and loss": STRUCK.replace(right_wall=hc.Wall(), loss=hc.Viscoelastic(1e-6)),
-    "free radii": hc.Chain.from_radii([1.0, 0.3, 0.7, 1.0]).replace(left_wall=hc.Wall()),
+    "given radii": hc.Chain.from_radii([1.0, 0.3, 0.7, 1.0]).replace(left_wall=hc.Wall()),
     "loss per contact": STRUCK.replace(
         loss=[hc.Restitution(0.9), None, *[hc.Dashpot(2.0)] * 4]
     ),

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Final
 
 import click
+
+from ..errors import InputError
 
 # Python expressions in messages, and what to write on the command line or in a chain file instead.
 WORDINGS: Final = (
@@ -23,8 +27,18 @@ WORDINGS: Final = (
 
 # ... and with commands that have an option for it.
 OPTIONS: Final = {
+    "methods": ((r"\buse simulate\b", "use --method simulate"),),
     "loss": ((r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),),
 }
+
+
+@contextmanager
+def in_words_of_the_command() -> Iterator[None]:
+    """Change messages of `InputError` while the options of the command are known."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(on_command_line(str(error))) from None
 
 
 def on_command_line(message: str) -> str:

@@ -423,7 +423,7 @@ class Run(Trajectory):
         return compare_traces(self, traces, time_offset=time_offset)
 
     def __repr__(self) -> str:
-        saved = f"{len(self.times)} times saved, energy drift {self.energy_drift:.1e}"
+        saved = f"{len(self.times)} saved times, energy drift {self.energy_drift:.1e}"
         message = self.message, self._unfinished_collision, self.prediction
         return short("Run", self.chain.description, *message, saved)
 

@@ -64,6 +64,7 @@ def public_calls(folder):
     scales, state = hc.Scales.of(balls), folder / "state.npz"
     stored = hc.stream(chain, folder / "run", times=[1.0, 2.0])
     hc.save_state(run.state, state)
+    hc.save_run(run, folder / "run.nc")
     board = hc.scoreboard(theories=["bca", "local-rate"])
     plan = {"chain": {"taper": "uniform"}, "axes": {"beads": [5, 6]}}
     hc.sweep(plan, folder / "sweep")

@@ -128,3 +128,23 @@ def test_saving_a_run_leaves_sensors_as_they_are(tmp_path, run):
     plain, stored = (json.loads(run(*command, *more)[1]) for more in ((), forces))
     assert stored == plain
     assert len((tmp_path / "forces.csv").read_text().splitlines()) == stored["saved_times"] + 1
+
+
+def test_a_damaged_file_is_never_read_as_another_run(tmp_path):
+    file = tmp_path / "run.nc"
+    run = hc.simulate(CHAINS["walls and loss"], times=20)
+    run.save(file)
+    content, rng, refused = file.read_bytes(), np.random.default_rng(5), 0
+    for _ in range(60):
+        damaged = bytearray(content)
+        damaged[rng.integers(len(content))] ^= int(rng.integers(1, 256))
+        file.write_bytes(damaged)
+        try:
+            found = hc.load_run(file)
+        except hc.InputError:
+            refused += 1
+            continue
+        # Texts such as units may change, numbers may not.
+        same(found.velocities, run.velocities)
+        assert found.wall_force().peak == run.wall_force().peak
+    assert refused > 20

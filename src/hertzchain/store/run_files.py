@@ -131,7 +131,8 @@ def load_run(path: str | os.PathLike[str]) -> Run:
     chain = stored_chain(attributes.get(CHAIN_FILE), name)
     try:
         return _run_from(chain, saved)
-    except (InputError, ValueError, KeyError, OSError, EOFError, TypeError) as error:
+    # NumPy and zipfile raise errors of many types for damaged records.
+    except Exception as error:  # noqa: BLE001
         reason = f": {error}" if isinstance(error, InputError) else ""
         raise InputError(
             f"{name!r} is damaged or was changed after it was written{reason}; restore it from a "

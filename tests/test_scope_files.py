@@ -86,6 +86,22 @@ def test_settings_may_be_beside_the_samples(tmp_path):
     np.testing.assert_allclose(traces.shots[0].signals[0].values, SIGNALS[0], atol=1e-7)
 
 
+def test_samples_may_be_numbered(tmp_path):
+    rows = [
+        f"{i},{first:.6f},{second:.6f},," for i, (first, second) in enumerate(SIGNALS.T.tolist())
+    ]
+    head = ["X,CH1,CH2,Start,Increment,", f"Sequence,Volt,Volt,{TIMES[0]:e},1.000000e-06"]
+    file = tmp_path / "rigol.csv"
+    file.write_text("\n".join([*head, *rows]) + "\n")
+    traces = hc.load_traces(file, sensors=PLACES)
+    np.testing.assert_allclose(traces.shots[0].times, TIMES, atol=1e-15)
+    for signal, expected in zip(traces.shots[0].signals, SIGNALS, strict=True):
+        np.testing.assert_allclose(signal.values, expected, atol=1e-12)
+    file.write_text("\n".join([*head, *rows[:9], "9,0.1"]) + "\n")
+    with pytest.raises(hc.InputError, match="row 10 must have a number and 2 samples"):
+        hc.load_traces(file, sensors=PLACES)
+
+
 def test_units_of_sensors_are_converted(tmp_path):
     (tmp_path / "scope.csv").write_text("TIME [s],CH1,CH2 [mV]\n" + lines())
     sensors = {"CH1": "ball 4 [mN]", "CH2": "wall [mV]"}

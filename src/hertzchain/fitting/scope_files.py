@@ -26,6 +26,8 @@ def header_and_samples(rows: Rows) -> tuple[list[str], Rows]:
     """Names with units, and the rows of samples; settings above them are not read."""
     if _settings_beside(rows):
         return _without_settings_beside(rows)
+    if _numbered(rows):
+        return _with_times_of_numbers(rows)
     at = _header_row(rows)
     header, body = rows[at], rows[at + 1 :]
     units = [""] * len(header)
@@ -109,6 +111,34 @@ def _units_in_settings(settings: Rows, columns: int) -> list[str]:
             given = [_unit(cell) for cell in row[1:columns]]
             units[1 : 1 + len(given)] = given
     return units
+
+
+def _numbered(rows: Rows) -> bool:
+    """Whether samples are numbered, with the first time and the step in the row of units."""
+    names = [cell.lower() for cell in rows[0]]
+    return (
+        len(rows) > 2
+        and rows[1][0].lower() == "sequence"
+        and {"start", "increment"} <= {*names}
+        and _is_numeric(["0", *(rows[1][names.index(each)] for each in ("start", "increment"))])
+    )
+
+
+def _with_times_of_numbers(rows: Rows) -> tuple[list[str], Rows]:
+    """Names with units, and samples with times in place of their numbers."""
+    names = [cell.lower() for cell in rows[0]]
+    start, step = (float(rows[1][names.index(each)]) for each in ("start", "increment"))
+    columns = [i for i, name in enumerate(names) if i and name not in ("", "start", "increment")]
+    header = [_with_unit(rows[0][i], _unit(rows[1][i])) for i in columns]
+    body = []
+    for number, row in enumerate(rows[2:], start=1):
+        if len(row) <= columns[-1] or not _is_numeric(row[:1]):
+            raise InputError(
+                f"row {number} must have a number and {len(columns)} samples; complete or remove it"
+            )
+        time = start + step * float(row[0])
+        body.append([repr(time), *(row[i] for i in columns)])
+    return ["time [s]", *header], body
 
 
 def _settings_beside(rows: Rows) -> bool:

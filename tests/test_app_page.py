@@ -529,6 +529,22 @@ def test_two_tabs_do_not_disturb_each_other(page):
     assert page.array("beads", "radii").size == 25
 
 
+def test_a_bad_link_is_explained_above_the_views(page):
+    tab = page.new_tab(page.origin + "#taper=unifrm&beads=20")
+    shown = tab.locator("#title-A")
+    assert shown.text_content() == tab.text_content("#status")
+    assert "'unifrm'" in shown.text_content()
+    box = shown.bounding_box()
+    assert box["y"] + box["height"] < 300
+    tab.evaluate("location.hash = '#taper=uniform&beads=20'")
+    tab.wait_for_selector("#title-A:has-text('uniform, 20 beads')", timeout=COMPILING)
+
+
+def test_sensors_have_the_names_of_balls(page):
+    tab = page.new_tab(page.origin + "#taper=uniform&beads=12&struck_by.count=1&~sensors=[8]")
+    assert "sensor in bead 8 (ball 7): first maximum" in tab.text_content("#legend-force")
+
+
 def test_invalid_input_is_explained_next_to_its_control(page):
     before = page.array("run", "times")
     page.tab.fill("[id='c-chain.rate']", "2")

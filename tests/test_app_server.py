@@ -27,6 +27,8 @@ from hertzchain.app.messages import Part
 from hertzchain.app.results import Cancelled, limited
 from hertzchain.app.serve import RunningServer, bind
 from hertzchain.app.warm_up import WarmUp
+from hertzchain.app.wording import on_the_page, sentences
+from hertzchain.theory.catalogue import THEORIES
 from hertzchain.warm_start import Stage
 
 
@@ -308,6 +310,15 @@ def test_the_script_gives_the_numbers_of_the_page(client, document, tmp_path, mo
     assert Path("chain.toml").read_text() == "a file of the user"
     walled = names["chain"].right_wall is not None
     assert ("WallForce" in printed) == walled
+    # The table of the page: one row per bead.
+    (first,) = (i for i, line in enumerate(printed.splitlines()) if line.split()[:1] == ["bead"])
+    rows = [line.split() for line in printed.splitlines()[first + 1 :]]
+    beads = [row for row in rows if row[0].isdecimal()]
+    assert [int(row[0]) for row in beads[: names["chain"].beads]] == [
+        *range(1, names["chain"].beads + 1)
+    ]
+    assert float(beads[1][1]) == pytest.approx(arrays["exact.velocity"][1], rel=1e-5, abs=1e-6)
+    assert repr(names["run"]).partition(":")[0] in printed
     for quantity in ("velocity", "arrival"):
         assert np.array_equal(arrays[f"exact.{quantity}"], getattr(names["pulse"], quantity))
 
@@ -325,7 +336,7 @@ def test_a_run_is_described_by_its_own_warnings_and_units(client):
     with pytest.warns(hc.ModelRangeWarning) as issued:
         hc.simulate(chain_of(pad), until=8e-3, times=0)
     # The folded line of the page shows the first warning.
-    assert run["warnings"] == [str(each.message) for each in issued]
+    assert run["warnings"] == [on_the_page(each.message) for each in issued]
     assert run["warnings"][0].startswith("pressure / yield")
     assert run["warnings"][1].startswith("overlap / radius")
     # The run for the page ends as that of `simulate` without `until`.
@@ -351,6 +362,60 @@ def test_figures_are_those_of_the_library(client, form, magic):
         assert content.startswith(magic)
         if form != "svg":
             break
+
+
+HIDDEN = ["hard-sphere", "two-thirds-bca", "modified-bca-printed"]
+
+
+def texts_of(figure):
+    """Texts of an SVG figure, which Matplotlib writes as comments above their outlines."""
+    return re.findall(r"<!-- (.*?) -->", figure.decode())
+
+
+def test_the_figure_of_the_pulse_shows_the_curves_of_the_page(client):
+    def legend(hidden, **more):
+        stored = {"view": {"hidden": hidden, "log": False}}
+        given = {"figure": "pulse", "format": "svg", "view": stored, **more}
+        found = texts_of(exported(client, TAPER, "figure", **given))
+        names = ("simulation", "other chain", "BCA", "hard sphere", "two thirds BCA",
+                 "modified BCA", "modified BCA, as printed", "local rate")  # fmt: skip
+        return {name for name in names if name in found}
+
+    usual = {"simulation", "BCA", "modified BCA", "local rate"}
+    assert legend(HIDDEN) == usual
+    assert legend([*HIDDEN, "exact"]) == usual - {"simulation"}
+    assert legend([]) == usual | {"hard sphere", "two thirds BCA", "modified BCA, as printed"}
+    assert legend(HIDDEN, other={"chain": {"taper": "uniform", "beads": 9}}) == usual | {
+        "other chain"
+    }
+    decorated = {"chain": {"taper": "uniform", "beads": 9, "decorated": {"ratio": 0.4}}}
+    for hidden, shown in ((HIDDEN, True), ([*HIDDEN, "effective-chain"], False)):
+        given = {"figure": "pulse", "format": "svg", "view": {"view": {"hidden": hidden}}}
+        found = texts_of(exported(client, decorated, "figure", **given))
+        assert ("effective chain" in found) == shown
+    everything = ["exact", *THEORIES]
+    body = {"kind": "figure", "figure": "pulse", "document": TAPER,
+            "view": {"view": {"hidden": everything}}}  # fmt: skip
+    answer = client.ask("POST", "/api/export", body)
+    assert answer.status == 422
+    assert "shows no curve" in json.loads(answer.content)["error"]
+
+
+def test_the_map_shows_the_quantity_of_the_page(client):
+    for quantity, words in (("velocities", "velocity"), ("forces", "force")):
+        stored = {"view": {"map": quantity}}
+        content = exported(client, WALL, "figure", figure="map", format="svg", view=stored)
+        assert any(words in text for text in texts_of(content))
+
+
+def test_messages_are_in_the_words_of_the_page(client):
+    fast = {"chain": {"taper": "uniform", "radius": "5 mm", "beads": 10,
+                      "materials": "steel-52100", "velocity": "1 m/s"}}  # fmt: skip
+    headers = [header for header, _ in client.results(fast, 78)]
+    warnings = [text for header in headers for text in header.get("warnings", [])]
+    assert any("choose the loss elastic-plastic" in text for text in warnings)
+    assert not any("ElasticPlastic" in json.dumps(header) for header in headers)
+    assert sentences(["one note.", "", "another", "another"]) == "one note; another"
 
 
 def test_a_saved_page_contains_everything(client):

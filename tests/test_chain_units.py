@@ -218,4 +218,4 @@ def test_messages_of_theories_describe_the_chain_as_given(theory):
     ):
         theory(chain)
     # A scaled copy that the user makes has its own description.
-    assert hc.Scales.of(chain).to_scaled(chain).description == "free radii, 20 beads"
+    assert hc.Scales.of(chain).to_scaled(chain).description == "given radii, 20 beads"

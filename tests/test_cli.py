@@ -82,7 +82,7 @@ def test_pulse_from_a_file_with_a_plot(run, tmp_path):
     (tmp_path / "chain.toml").write_text("[chain]\nradii = [1, 2, 1]\n")
     code, out, _ = run("pulse", tmp_path / "chain.toml", "--plot", tmp_path / "pulse.png")
     assert code == 0
-    assert "free radii, 3 beads" in out
+    assert "given radii, 3 beads" in out
     assert (tmp_path / "pulse.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -821,3 +821,67 @@ def test_help_lists_each_command_once(run):
     out = run("--help")[1]
     for name in cli.cli.commands:
         assert len(re.findall(rf"^  {name} ", out, re.M)) == 1
+
+
+def test_the_summary_has_the_momentum_of_the_last_bead(run):
+    options = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", "6", "--speed",
+               "0.2 m/s")  # fmt: skip
+    _, out, _ = run("simulate", *options)
+    chain = hertzchain.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=0.2)
+    pulse = hertzchain.propagate(chain)
+    line = out.splitlines()[-1]
+    assert line == (
+        f"bead 6 at the free end: velocity {pulse.velocity[-1]:.5g} m/s, momentum "
+        f"{1e3 * pulse.momentum[-1]:.4g} mN s in the leading pulse"
+    )
+    last = json.loads(run("simulate", *options, "--json")[1])["last_bead"]
+    assert last["momentum"] == pytest.approx(pulse.momentum[-1], rel=1e-9)
+    # With a wall, and before the pulse has arrived, there is none.
+    for more in (("--wall", "same"), ("--until", "20us")):
+        assert json.loads(run("simulate", *options, *more, "--json")[1])["last_bead"] is None
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        ("simulate --material st", {"steel-52100", "steel-304", "steel-316"}),
+        ("pulse --loss v", {"velocity-power=", "viscoelastic="}),
+        ("pulse --loss elastic", {"elastic", "elastic-plastic="}),
+        ("simulate --wall r", {"rigid", "rubber"}),
+        ("pulse --taper forward", {"forward-linear", "forward-exponential"}),
+    ],
+)
+def test_names_are_completed_in_the_shell(words, found):
+    from click.shell_completion import ShellComplete
+
+    from hertzchain.cli import cli
+
+    *args, incomplete = words.split()
+    completion = ShellComplete(cli, {}, "hertzchain", "_HERTZCHAIN_COMPLETE")
+    assert {each.value for each in completion.get_completions(args, incomplete)} == found
+
+
+def test_the_title_of_a_table_is_one_line(run):
+    options = ("--taper", "backward-exponential", "--rate", "0.05", "--beads", "60")
+    _, out, _ = run("pulse", *options, "--method", "bca", "--method", "local-rate")
+    assert out.splitlines()[0].strip() == "velocity: backward-exponential, q = 0.05, 60 beads"
+
+
+def test_negative_residence_times_are_explained(run, tmp_path):
+    (tmp_path / "row.csv").write_text("radius\n1\n0.1\n1\n0.1\n1\n0.3\n1\n")
+    note = "residence: negative where the pulse arrives at the next bead before it arrives at this"
+    assert note in run("pulse", tmp_path / "row.csv")[1]
+    assert "negative" not in run("pulse", "--beads", "7")[1]
+
+
+def test_pulse_has_the_tolerance_of_its_simulations(run):
+    options = ("--beads", "12", "--loss", "restitution=0.9")
+    _, out, err = run("pulse", *options)
+    assert "use --method simulate (chain" in err
+    _, out, _ = run("pulse", *options, "--method", "simulate", "--rtol", "1e-6", "--json")
+    chain = hertzchain.Chain.uniform(12).replace(loss=hertzchain.Restitution(0.9))
+    expected = hertzchain.simulate(chain, times=0, rtol=1e-6).pulse().velocity
+    assert json.loads(out)["pulses"][0]["velocity"] == expected.tolist()
+    code, _, err = run("pulse", "--method", "bca", "--rtol", "1e-6")
+    assert code == 2
+    assert "--rtol requires --method propagate or --method simulate" in err

@@ -551,7 +551,7 @@ def test_columns_of_an_oscilloscope_are_given_places(tmp_path):
     assert hc.load_traces(file, sensors={"Force": "wall"}).names == ("wall",)
     with pytest.raises(hc.InputError, match=r"give load_traces sensors=\{'Force': 'wall'\}"):
         hc.load_traces(file)
-    with pytest.raises(hc.InputError, match="no column 'ch3'; the file has force, ch2"):
+    with pytest.raises(hc.InputError, match="no column 'CH3'; the file has Force, CH2"):
         hc.load_traces(file, sensors={"CH3": "wall"})
     with pytest.raises(hc.InputError, match="two columns of 'wall'"):
         hc.load_traces(file, sensors={"force": "wall", "CH2": "wall"})

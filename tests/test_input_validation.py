@@ -64,6 +64,7 @@ def public_calls(folder):
     scales, state = hc.Scales.of(balls), folder / "state.npz"
     stored = hc.stream(chain, folder / "run", times=[1.0, 2.0])
     hc.save_state(run.state, state)
+    hc.save_run(run, folder / "run.nc")
     board = hc.scoreboard(theories=["bca", "local-rate"])
     plan = {"chain": {"taper": "uniform"}, "axes": {"beads": [5, 6]}}
     hc.sweep(plan, folder / "sweep")
@@ -402,6 +403,7 @@ def public_calls(folder):
         "load_chain": tried(hc.load_chain, path=folder / "no.toml"),
         "chain_as_toml": tried(hc.chain_as_toml, chain=chain),
         "load_state": tried(hc.load_state, path=state, chain=walled),
+        "load_run": tried(hc.load_run, path=folder / "run.nc"),
         "save_state": tried(hc.save_state, state=run.state, path=folder / "again.npz"),
         "StoredRun": tried(hc.StoredRun, folder=folder / "run"),
         "StoredRun.load": tried(stored.load, start=0.0, stop=5.0, skip_damaged=False),

@@ -57,7 +57,7 @@ def results(request):
     end = f"t = {factor * run.times[-1]:.4g}{second}"
     found = [
         (chain, [f"{beads} {kind}beads", "right wall"]),
-        (run, ["t = ", f"{len(run.times)} times saved", "energy drift"]),
+        (run, ["t = ", f"{len(run.times)} saved times", "energy drift"]),
         (run.state, [f"t = {factor * run.state.time:.4g}{second}", "steps", speed]),
         (run.budget(), [end, "energy", "momentum", "right wall", "adds up within"]),
         (wall, ["right wall", f"{wall.largest_so_far:.4g}{newton}", "contact"]),
@@ -206,7 +206,7 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
         (hc.Chain.dimer(radii=[1.0, 0.5], beads=8).struck_by(velocity=2.0),
          "Chain(dimer, radius ratio 0.5, 9 beads, strikers, impact at 2)"),
         (hc.Chain.from_radii([1.0, 0.5, 0.3] * 2), "Chain(cells of 3 beads, 6 beads)"),
-        (hc.Chain.from_radii([1.0, 0.5, 1.0, 0.5, 0.3]), "Chain(free radii, 5 beads)"),
+        (hc.Chain.from_radii([1.0, 0.5, 1.0, 0.5, 0.3]), "Chain(given radii, 5 beads)"),
         (hc.Wall.of("ptfe", gap=1e-5), "Wall(ptfe, gap = 10 um)"),
         (hc.Wall(gap="2 mm", stiffness="1 N/m^1.5"),
          "Wall(stiffness = 1 N/m^1.5, gap = 2 mm)"),

@@ -14,7 +14,7 @@ import hertzchain as hc
 plt.style.use("hertzchain.figures")
 
 # %%
-# Follow the pulse along 120 beads for 300 mass ratios.  All contacts have the same stiffness.
+# Follow the pulse along 121 beads for 300 mass ratios.  All contacts have the same stiffness.
 
 ratios = np.geomspace(0.03, 0.99, 300)
 table = hc.propagate_many([hc.Chain.dimer(ratio, beads=121) for ratio in ratios], rtol=1e-10)
@@ -24,7 +24,9 @@ decay = np.log(heavy[:, 20] / heavy[:, 55]) / 35
 # %%
 # The decay per cell, from heavy bead 41 to heavy bead 111, has sharp minima.  There, the light bead
 # makes a whole number of oscillations between its neighbours while the pulse passes, and it keeps
-# no energy.
+# no energy.  These mass ratios are called *antiresonances* (K. R. Jayaprakash, Y. Starosvetsky,
+# A. F. Vakakis, Phys. Rev. E 83, 036606, 2011); those of the maxima are the *resonances*, at which
+# the light beads take most energy from the pulse.
 
 inner = slice(1, -1)
 down = (decay[inner] < decay[:-2]) & (decay[inner] < decay[2:]) & (decay[inner] < 1e-3)
@@ -55,8 +57,8 @@ for i, ratio in enumerate(passing):
 
 figure, axes = plt.subplots(figsize=(8.0, 3.8))
 axes.loglog(ratios, np.maximum(decay, 1e-9))
-axes.plot(passing, np.maximum(lowest, 1e-9), "^", label="passes")
-axes.plot(stopping, decay[inner][up], "v", label="is weakened most")
+axes.plot(passing, np.maximum(lowest, 1e-9), "^", label="passes (antiresonance)")
+axes.plot(stopping, decay[inner][up], "v", label="decays most (resonance)")
 axes.set_title("Decay of the velocity of a pulse in dimers")
 axes.set_xlabel("mass of a light bead over that of a heavy bead")
 axes.set_ylabel("decay per cell")
@@ -69,7 +71,7 @@ axes.legend(loc="upper left")
 
 figure, panels = plt.subplots(1, 2, figsize=(9.6, 3.6), sharey=True)
 for axes, ratio, title in zip(
-    panels, (passing[-1], stopping[-1]), ("passes", "is weakened"), strict=True
+    panels, (passing[-1], stopping[-1]), ("passes", "decays"), strict=True
 ):
     run = hc.simulate(hc.Chain.dimer(ratio, beads=61), until=60.0, times=1200)
     run.plot("force", ax=axes)
@@ -81,9 +83,10 @@ for axes, ratio, title in zip(
 
 print("the pulse passes at mass ratios   ", ", ".join(f"{x:.4f}" for x in passing[::-1]))
 print("with a decay per cell of          ", ", ".join(f"{x:.0e}" for x in lowest[::-1]))
-print("and is weakened most at           ", ", ".join(f"{x:.3f}" for x in stopping[::-1]))
+print("and decays most at                ", ", ".join(f"{x:.3f}" for x in stopping[::-1]))
 worst = ratios[decay.argmax()]
 print(f"at {worst:.3f}, the velocity decreases by {1 - np.exp(-decay.max()):.1%} per cell")
 weakened = heavy[decay.argmax()] / heavy[decay.argmax(), 0]
 for cell in (1, 5, 10, 20, 40):
-    print(f"  after {cell:2} cells: {weakened[cell]:.2f} of the velocity of the struck bead")
+    cells = "cell" if cell == 1 else "cells"
+    print(f"  after {cell} {cells}: {weakened[cell]:.2f} of the velocity of the struck bead")

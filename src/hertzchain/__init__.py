@@ -28,12 +28,17 @@ _OTHER_WORDS = {
 
 
 def __getattr__(name: str) -> object:
-    if name not in __all__ and not name.startswith("_"):
-        import difflib
+    if name.startswith("_") or name in __all__:
+        return _load(name)
+    import difflib
 
-        known = {each.lower(): each for each in __all__} | _OTHER_WORDS
-        if near := difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.75):
-            raise AttributeError(
-                f"module 'hertzchain' has no attribute {name!r}; did you mean {known[near[0]]!r}?"
-            )
-    return _load(name)
+    known = {each.lower(): each for each in __all__} | _OTHER_WORDS
+    near = difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.75)
+    # A long word in a name, such as "tapered_chain".
+    within = sorted((each for each in known if len(each) > 4 and each in name.lower()), key=len)
+    found = known[(near or within[-1:])[0]] if near or within else ""
+    hint = f"; did you mean {found!r}?" if found else ""
+    # Another object than the module, whose names Python would add as a second suggestion.
+    raise AttributeError(
+        f"module 'hertzchain' has no attribute {name!r}{hint}", name=name, obj=None
+    )

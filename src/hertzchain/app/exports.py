@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -18,12 +19,17 @@ from ..simulation.run import Run
 from ..simulation.simulate import simulate
 from ..sweeps.methods import record_warnings
 from ..theory.catalogue import THEORIES
+from ..theory.effective_chain import effective_chain
 from ..validation.numbers import number
 from ..validation.objects import check_choice
 from .documents import chain_of, document_as_toml
 from .requests import Request
 from .results import Stop, limited, motion, results
 from .saved_page import saved_page
+from .wording import title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 FORMATS: Final[Mapping[str, str]] = {
     "svg": "image/svg+xml",
@@ -31,6 +37,7 @@ FORMATS: Final[Mapping[str, str]] = {
     "png": "image/png",
 }
 FIGURES: Final = ("chain", "pulse", "map", "forces", "budget")
+EFFECTIVE: Final = "effective-chain"
 FRAMES: Final = 400
 # A figure ends a little after the time at which the peak on the wall is known to be complete.
 PAST_THE_END: Final = 1.01
@@ -79,7 +86,8 @@ def _python(given: Mapping[str, Any], _: Stop) -> Export:
     until = "" if end is None else f"until={number('until', end, above=0.0)!r}, "
     lines += [f"run = hc.simulate(chain, {until}rtol=1e-9)"]
     exact = "hc.propagate(chain)" if _supported(chain) else "run.pulse()"
-    lines += [f"pulse = {exact}", "print(pulse)"]
+    lines += [f"pulse = {exact}", "print(run)", "print(pulse)"]
+    lines += ["print(pulse.to_dataframe().to_string())"]
     lines += ["print(run.wall_force())"] if chain.right_wall is not None else []
     lines += [f"print(run.sensor_force({k}))" for k in _sensors(chain, given.get("sensors"))]
     lines += [""]
@@ -116,19 +124,23 @@ def _csv(given: Mapping[str, Any], stop: Stop) -> Export:
 
 def _pulses(chain: Chain, stop: Stop) -> tuple[dict[str, Pulse], Run | None]:
     """The simulated pulse and those of all theories that support the chain."""
-    found: dict[str, Pulse] = {}
-    run = None
-    try:
-        found["simulation"] = propagate(chain)
-    except (InputError, SimulationError):
-        run = _run(chain, None, stop)
-        found["simulation"] = run.pulse()
+    simulated, run = _simulated(chain, stop)
+    found = {"simulation": simulated}
     for name, theory in THEORIES.items():
         try:
             found[name] = theory(chain)
         except InputError:
             continue
     return found, run
+
+
+def _simulated(chain: Chain, stop: Stop) -> tuple[Pulse, Run | None]:
+    """The simulated pulse, and the run if `propagate` does not support the chain."""
+    try:
+        return propagate(chain), None
+    except (InputError, SimulationError):
+        run = _run(chain, None, stop)
+        return run.pulse(), run
 
 
 def _run(chain: Chain, exact: Pulse | None, stop: Stop) -> Run:
@@ -153,14 +165,48 @@ def _figure(given: Mapping[str, Any], stop: Stop) -> Export:
     )
     if kind in ("map", "forces", "budget") and run is None:
         run = _run(chain, pulses["simulation"], stop)
+    curves = _shown_curves(given, quantity, chain, pulses, stop) if kind == "pulse" else {}
     with _figures:
-        content = _draw(kind, form, quantity, chain, pulses, run, given.get("sensors", []))
+        content = _draw(kind, form, quantity, chain, curves, run, given)
     return Export(f"{kind}.{form}", FORMATS[form], content)
 
 
+def _view(given: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Choices of the views of the page: hidden curves, logarithmic axis, quantity of the map."""
+    # The page sends them in the table from which a saved page begins.
+    stored = given.get("view") or {}
+    view = stored.get("view") or {} if isinstance(stored, Mapping) else None
+    if not isinstance(view, Mapping):
+        raise InputError("view must be a JSON object")
+    return view
+
+
+def _shown_curves(
+    given: Mapping[str, Any], quantity: str, chain: Chain, pulses: Mapping[str, Pulse], stop: Stop
+) -> dict[str, Pulse]:
+    """The curves that the page shows, by the names in its legend."""
+    hidden = _view(given).get("hidden", [])
+    found = {title(name): each for name, each in pulses.items() if _key(name) not in hidden}
+    if given.get("other") is not None and "other" not in hidden:
+        other = chain_of(given["other"])
+        if other.units == chain.units:
+            simulated = _simulated(other, stop)[0]
+            first = {name: found.pop(name) for name in ("simulation",) if name in found}
+            found = first | {"other chain": simulated} | found
+    found = {name: each for name, each in found.items() if each.column(quantity) is not None}
+    if not found:
+        raise InputError("the view of the leading pulse shows no curve; show one to save a figure")
+    return found
+
+
+def _key(name: str) -> str:
+    """Name of a pulse among the hidden curves of the page."""
+    return "exact" if name == "simulation" else name
+
+
 def _draw(
-    kind: str, form: str, quantity: str, chain: Chain, pulses: Mapping[str, Pulse],
-    run: Run | None, sensors: Any,
+    kind: str, form: str, quantity: str, chain: Chain, curves: Mapping[str, Pulse],
+    run: Run | None, given: Mapping[str, Any],
 ) -> bytes:  # fmt: skip
     import matplotlib as mpl
 
@@ -170,17 +216,18 @@ def _draw(
     from .. import plotting
     from ..plotting.style import figure_bytes
 
+    view = _view(given)
     with plotting.figure_style():
         if kind == "chain":
             axes = plotting.plot_chain(chain)
         elif kind == "pulse":
-            shown = [each for each in pulses.values() if each.column(quantity) is not None]
-            axes = plotting.plot_pulses(shown, quantity)
+            axes = _pulse_axes(quantity, chain, curves, view)
         else:
             assert run is not None
+            forces = view.get("map") == "forces"
             axes = {
-                "map": lambda: plotting.plot_run(run),
-                "forces": lambda: plotting.plot_forces(run, _places(chain, sensors)),
+                "map": lambda: plotting.plot_run(run, "force" if forces else "velocity"),
+                "forces": lambda: plotting.plot_forces(run, _places(chain, given.get("sensors"))),
                 "budget": lambda: plotting.plot_budget(run.budget()),
             }[kind]()
     figure = axes.figure
@@ -188,6 +235,24 @@ def _draw(
         return figure_bytes(figure, form)  # type: ignore[arg-type]
     finally:
         plt.close(figure)  # type: ignore[arg-type]
+
+
+def _pulse_axes(
+    quantity: str, chain: Chain, curves: Mapping[str, Pulse], view: Mapping[str, Any]
+) -> Axes:
+    """The curves of the leading pulse, and the large beads of a decorated chain."""
+    from .. import plotting
+    from ..plotting.legends import place_legend
+
+    axes = plotting.plot_pulses(
+        [*curves.values()], quantity, labels=[*curves], log=bool(view.get("log")), legend=False
+    )
+    if EFFECTIVE not in view.get("hidden", []) and quantity in ("velocity", "arrival"):
+        with suppress(InputError):
+            effective = effective_chain(chain).bca()
+            axes.plot(effective.bead, getattr(effective, quantity), "k--", label=title(EFFECTIVE))
+    place_legend(axes, own=True)
+    return axes
 
 
 def _places(chain: Chain, sensors: Any) -> list[int]:

@@ -24,6 +24,7 @@ from ..theory.spectrum import spectrum
 from .documents import chain_of
 from .messages import Part, columns_as_int16
 from .requests import Request
+from .wording import on_the_page, sentences
 
 MAX_SECONDS: Final = 20.0
 # Theories with compiled functions, which are evaluated after the others.
@@ -59,7 +60,7 @@ def results(request: Request, stop: Stop) -> Iterator[Part]:
     except Cancelled:
         yield Part({"part": "cancelled", **identity})
     except (InputError, SimulationError) as error:
-        yield Part({"part": "error", **identity, "message": str(error)})
+        yield Part({"part": "error", **identity, "message": on_the_page(error)})
 
 
 def _results(request: Request, stop: Stop) -> Iterator[Part]:
@@ -68,7 +69,7 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
         chain = chain_of(request.document)
         table = _Theories(chain)
         table.add([name for name in THEORIES if name not in COMPILED])
-    before = [str(each) for each in warned]
+    before = [on_the_page(each) for each in warned]
     yield Part(
         {"part": "beads", **identity, **_description(chain), "theories": table.header,
          "warnings": before, "seconds": time.perf_counter() - began},
@@ -95,7 +96,7 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
             note = refusal if pulse is None else ""
             yield _pulse_part(request, pulse, compiled, [], began, note)
         if request.run:
-            found = _not_repeated(before, [str(each) for each in warned])
+            found = _not_repeated(before, [on_the_page(each) for each in warned])
             yield _run_part(run, whole, sensed, request, found, time.perf_counter() - began)
 
 
@@ -138,9 +139,9 @@ class _Theories:
                 try:
                     pulse = THEORIES[name](self.chain)
                 except InputError as error:
-                    self.header[name] = {"refusal": str(error)}
+                    self.header[name] = {"refusal": on_the_page(error)}
                     continue
-            self.header[name] = {"note": " ".join(dict.fromkeys(map(str, warned)))}
+            self.header[name] = {"note": sentences(warned)}
             self.arrays |= pulse_arrays(name, pulse)
         if COMPILED[0] not in names:
             self._add_effective_chain()
@@ -152,7 +153,7 @@ class _Theories:
                 effective = effective_chain(self.chain).bca()
             except InputError:
                 return
-        self.header["effective-chain"] = {"note": " ".join(map(str, warned))}
+        self.header["effective-chain"] = {"note": sentences(warned)}
         for name in ("velocity", "arrival"):
             values = np.full(self.chain.beads, np.nan)
             values[effective.bead - 1] = getattr(effective, name)
@@ -186,11 +187,11 @@ def _pulse_part(
     arrays = dict(compiled.arrays)
     if exact is not None:
         arrays |= pulse_arrays("exact", exact)
-        note = " ".join(filter(None, dict.fromkeys([note, *exact.notes.values()])))
+        note = sentences([note, *exact.notes.values()])
     header = {
         "part": "pulse", **request.identity, "theories": compiled.header,
         "method": exact.method if exact is not None else None, "note": note,
-        "warnings": [str(each) for each in warned], "seconds": time.perf_counter() - began,
+        "warnings": [on_the_page(each) for each in warned], "seconds": time.perf_counter() - began,
     }  # fmt: skip
     return Part(header, arrays)
 

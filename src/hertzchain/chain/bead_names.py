@@ -10,6 +10,7 @@ from ..validation.numbers import whole_number
 from .chain import Chain
 
 NAME: Final = re.compile(r"(ball|bead) +([0-9]{1,9})")
+AT_NAME: Final = re.compile(r"@ *((?:ball|bead) +[0-9]{1,9})(?![0-9])", re.IGNORECASE)
 
 
 def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: bool = False) -> int:
@@ -56,6 +57,11 @@ def numbered_bead(chain: Chain, body: str, number: int) -> int:
             f"no {body} {number}"
         )
     return number + shift
+
+
+def with_bead_numbers(chain: Chain, quantity: str) -> str:
+    """A quantity such as ``velocity@ball 9`` with the numbers of its beads, ``velocity@10``."""
+    return AT_NAME.sub(lambda found: f"@{bead_number(chain, found[1])}", quantity)
 
 
 def bead_label(chain: Chain, number: int) -> str:

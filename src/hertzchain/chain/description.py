@@ -30,7 +30,7 @@ def beads_description(
         values = ", ".join(f"{symbols[name]} = {value:g}" for name, value in parameters)
         return f"{taper}, {values}, {beads}"
     if scaled:
-        return f"{cells or ('uniform' if np.all(radii == 1.0) else 'free radii')}, {beads}"
+        return f"{cells or ('uniform' if np.all(radii == 1.0) else 'given radii')}, {beads}"
     names = list(dict.fromkeys(each.name for each in materials or ()))
     diameters = "diameter" if np.ptp(radii) == 0.0 else "diameters"
     counted = beads_of(len(radii), "beads", names or ["SI"])

@@ -182,9 +182,10 @@ def material(name: MaterialLike) -> Material:
             return known[name if name in known else lower]
         if (meant := OTHER_NAMES.get(lower.replace("-", " "))) is not None:
             raise InputError(f"unknown material {lower!r}; did you mean {meant}?")
+    unknown, question, meant = str(unknown_name_error("material", name, known)).partition("; did")
     raise InputError(
-        f"{unknown_name_error('material', name, known)}; define a custom material with "
-        "Material(name, density=, young=, poisson=), or [materials.NAME] in a chain file"
+        f"{unknown}, or define a custom one with Material(name, density=, young=, poisson=), or "
+        f"[materials.NAME] in a chain file{question}{meant}"
     )
 
 

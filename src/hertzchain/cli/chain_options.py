@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .chain_changes import at_speed, law_from, require_unit_of_speed, struck, wall_named
+from .chain_completion import complete_losses, complete_materials, complete_tapers, complete_walls
 from .options import Fraction, as_typed
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ OPTIONS: Final = (
     ),
     click.option(
         "--taper",
+        shell_complete=complete_tapers,
         help="uniform, or backward-/forward- with linear/exponential; with two sizes, linear or "
         "exponential.  [default: uniform; with two sizes, exponential]",
     ),
@@ -44,7 +46,10 @@ OPTIONS: Final = (
     ),
     click.option("--radius", metavar="FIRST[:LAST]", help="Radius, instead of the diameter."),
     click.option(
-        "--material", metavar="NAME", help="Material of the beads, such as steel-52100 (SI units)."
+        "--material",
+        metavar="NAME",
+        shell_complete=complete_materials,
+        help="Material of the beads, such as steel-52100 (SI units).",
     ),
     click.option(
         "--speed",
@@ -64,12 +69,14 @@ OPTIONS: Final = (
     click.option(
         "--wall",
         metavar="NAME",
+        shell_complete=complete_walls,
         help="Wall at the last bead: same (as the bead), rigid, or a material; replaces that of a "
         "FILE.",
     ),
     click.option(
         "--loss",
         metavar="LAW",
+        shell_complete=complete_losses,
         help="Law of loss with its parameters, such as restitution=0.96, viscoelastic='0.6 us' or "
         "elastic-plastic; replaces that of a FILE.",
     ),

@@ -108,10 +108,11 @@ def names_from(text: str | None) -> list[str] | None:
 
 def measure_from(text: str | None, chain: Chain) -> Measure:
     """A quantity of a chain; by default the peak on its wall, or the velocity of its last bead."""
+    from ..chain.bead_names import with_bead_numbers
     from ..designs.measures import parse_measure
 
     usual = "velocity@last" if chain.right_wall is None else "wall_force.peak"
-    measure = parse_measure(usual if text is None else text)
+    measure = parse_measure(usual if text is None else with_bead_numbers(chain, text))
     measure.check(chain)
     return measure
 
@@ -131,8 +132,8 @@ sensors_option = click.option(
     "sensors",
     multiple=True,
     metavar="COLUMN[=PLACE]",
-    help="Column to read and, if its header does not name it, the place of the sensor, such as "
-    "CH1=wall or 'CH2=ball 5'; repeatable.  [default: all columns]",
+    help="Column to read and, if its header does not name them, the place of the sensor and the "
+    "unit, such as CH1=wall or 'CH2=ball 5 [V]'; repeatable.  [default: all columns]",
 )
 
 
@@ -145,8 +146,8 @@ def sensors_from(texts: tuple[str, ...]) -> dict[str, str] | None:
 quantity_option = click.option(
     "--quantity",
     metavar="NAME",
-    help="Such as wall_force.peak, velocity@20 or arrival@last.  [default: wall_force.peak; "
-    "without a wall, velocity@last]",
+    help="Such as wall_force.peak, velocity@20, 'velocity@ball 19' or arrival@last.  "
+    "[default: wall_force.peak; without a wall, velocity@last]",
 )
 
 

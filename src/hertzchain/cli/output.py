@@ -14,7 +14,11 @@ if TYPE_CHECKING:
 def show_table(table: Table) -> None:
     """Print a table on stdout."""
     from rich.console import Console
+    from rich.text import Text
 
+    if isinstance(table.title, str):
+        # One line, also above a narrow table.
+        table.title = Text(table.title, no_wrap=True, overflow="ignore")
     # Numbers must not be shortened; a narrow terminal wraps the lines.
     needed = Console(width=1000).measure(table).maximum
     Console(width=max(needed, Console().width)).print(table)

@@ -9,10 +9,11 @@ import click
 
 from ..pulse.quantities import QUANTITIES
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import LateHelp, figure_option, json_option
+from .options import Fraction, LateHelp, figure_option, json_option
 from .output import save_figure, show_table
 from .progress import progress_bar
 from .pulse_tables import pulse_table, side_by_side
+from .wording import in_words_of_the_command
 
 if TYPE_CHECKING:
     from ..pulse.pulse import Pulse
@@ -51,6 +52,11 @@ def _method_help() -> str:
     help="Quantity to plot and, with several methods, to show side by side: "
     f"{', '.join(QUANTITIES)}.",
 )
+@click.option(
+    "--rtol",
+    type=Fraction(),
+    help="Relative tolerance per step of propagate and simulate.  [default: 1e-13]",
+)
 @click.option("--log", is_flag=True, help="Use a logarithmic y axis.")
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
 @json_option()
@@ -60,8 +66,8 @@ def _method_help() -> str:
     "reference."
 )
 def pulse(
-    options: ChainOptions, methods: tuple[str, ...], quantity: str, every_bead: bool,
-    as_json: bool, as_csv: bool, plot: Path | None, log: bool,
+    options: ChainOptions, methods: tuple[str, ...], quantity: str, rtol: float | None,
+    every_bead: bool, as_json: bool, as_csv: bool, plot: Path | None, log: bool,
 ) -> None:  # fmt: skip
     """Compute the leading pulse by one or several methods.
 
@@ -91,13 +97,19 @@ def pulse(
         chosen.sort(key=lambda each: each not in SIMULATIONS)
     quantity = SYNONYMS.get(quantity, quantity)
     check_choice("quantity", quantity, QUANTITIES)
+    settings = {} if rtol is None else {"rtol": rtol}
+    if settings and not {*chosen} & {*SIMULATIONS}:
+        raise click.UsageError("--rtol requires --method propagate or --method simulate")
     chains = chains_from(options)
     if len(chains) > 1 and (as_json or as_csv):
         raise click.UsageError("--json and --csv require one chain FILE")
     found = {}
-    with progress_bar("beads passed") as progress:
+    with progress_bar("beads passed") as progress, in_words_of_the_command():
         for name, chain in chains.items():
-            found[name] = [pulse_by(each, chain, progress) for each in chosen]
+            found[name] = [
+                pulse_by(each, chain, progress, **(settings if each in SIMULATIONS else {}))
+                for each in chosen
+            ]
     pulses = [pulse for each in found.values() for pulse in each]
     if plot is not None:
         from ..plotting.pulses import plot_pulses

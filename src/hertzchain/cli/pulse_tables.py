@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from ..pulse.pulse import Pulse
 
 TABLE_ROWS: Final = 26
+OUT_OF_ORDER: Final = (
+    "residence: negative where the pulse arrives at the next bead before it arrives at this one"
+)
 
 
 def pulse_table(pulse: Pulse, every_bead: bool) -> Table:
@@ -30,7 +33,7 @@ def pulse_table(pulse: Pulse, every_bead: bool) -> Table:
         table.add_column(f"{name}\n{symbol}{escape(unit)}", justify="right", no_wrap=True)
     for i in rows:
         table.add_row(str(i + 1), *(_cell(values, i, 6) for values in columns.values()))
-    _add_notes(table, [pulse])
+    _add_notes(table, [pulse], OUT_OF_ORDER if _out_of_order(pulse) else "")
     return table
 
 
@@ -45,7 +48,8 @@ def side_by_side(pulses: list[Pulse], quantity: str, every_bead: bool) -> Table:
         table.add_column(pulse.method, justify="right")
     for i in rows:
         table.add_row(str(i + 1), *(_cell(values, i, 8) for values in columns))
-    _add_notes(table, pulses)
+    unordered = quantity == "residence" and any(map(_out_of_order, pulses))
+    _add_notes(table, pulses, OUT_OF_ORDER if unordered else "")
     return table
 
 
@@ -56,11 +60,17 @@ def _cell(values: Array | None, i: int, digits: int) -> str:
     return "-" if math.isnan(values[i]) else f"{values[i]:.{digits}g}"
 
 
-def _add_notes(table: Table, pulses: list[Pulse]) -> None:
+def _out_of_order(pulse: Pulse) -> bool:
+    """Whether the pulse arrives at a bead before it arrives at the one behind."""
+    return pulse.residence is not None and bool((pulse.residence < 0.0).any())
+
+
+def _add_notes(table: Table, pulses: list[Pulse], more: str = "") -> None:
     """Add the reasons for missing values below the table."""
     from ..pulse.notes import notes_in_words
 
     notes = [note for pulse in pulses for note in notes_in_words(pulse.notes)]
+    notes += [more] * bool(more)
     lines = [str(table.caption)] if table.caption else []
     if notes:
         table.caption_justify = "left"

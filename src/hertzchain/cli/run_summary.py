@@ -40,6 +40,7 @@ def run_as_dict(run: Run, beads: Sequence[int], *, waves: bool) -> dict[str, obj
         "walls": [
             {"material": _material(run.chain, wall.side)} | _numbers(wall) for wall in _walls(run)
         ],
+        "last_bead": last_bead_of(run),
         "peak_with_yielding_contacts": peak_with_yielding_contacts(run),
         "sensors": [_numbers(run.sensor_force(bead)) for bead in beads],
     }
@@ -58,11 +59,13 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None
 
     click.echo(f"{run.chain.description}{_impact(run.chain)}\n{on_command_line(run.message)}")
     click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
-    click.echo(f"{len(run.times)} times saved, {run.evaluations} evaluations of the force")
+    click.echo(f"{len(run.times)} saved times, {run.evaluations} force evaluations")
     if run._unfinished:
         click.echo(f"{run._unfinished}; to see the velocities after the impact, give --until")
     for wall in _walls(run):
         click.echo(_wall_lines(wall))
+    if (last := last_bead_of(run)) is not None:
+        click.echo(_last_bead_line(run, last))
     if (peak := peak_with_yielding_contacts(run)) is not None:
         shown = measure(peak, "N", run.chain.units, 5)
         click.echo(f"  peak with contacts that yield: {shown} (--loss elastic-plastic)")
@@ -78,6 +81,27 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None
         )
     if waves:
         show_table(wave_table(run.waves()))
+
+
+def last_bead_of(run: Run) -> dict[str, float] | None:
+    """Velocity and momentum that the leading pulse gives the last bead of a free end."""
+    if run.chain.right_wall is not None or not run._reached:
+        return None
+    pulse = run.pulse()
+    velocity, momentum = float(pulse.velocity[-1]), float(pulse.momentum[-1])
+    return None if math.isnan(velocity) else {"velocity": velocity, "momentum": momentum}
+
+
+def _last_bead_line(run: Run, last: dict[str, float]) -> str:
+    from ..chain.bead_names import bead_label
+    from ..representation import measure
+
+    velocity = measure(last["velocity"], "m/s", run.chain.units, 5)
+    momentum = _impulse(last["momentum"], run.chain.units)
+    return (
+        f"{bead_label(run.chain, run.chain.beads)} at the free end: velocity {velocity}, momentum "
+        f"{momentum} in the leading pulse"
+    )
 
 
 def _impact(chain: Chain) -> str:

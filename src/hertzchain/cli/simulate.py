@@ -38,7 +38,7 @@ USUAL_TIMES: Final = 400
     type=int,
     help="Number of saved times; without --until, whose value is the end, at most this number and "
     "usually more than half of it.  [default: 400; with --sensor, --forces, --animate or "
-    "several files, and without --out, 4000]",
+    "several files, 4000]",
 )
 @click.option(
     "--rtol",
@@ -121,12 +121,12 @@ def simulate(
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
-    The forces on walls and in sensors are printed.  A wall receives the impulse of the impact until
-    the contact opens and no stronger motion approaches, possibly in several contacts, and that of
-    the whole run until its end.  The force in a sensor in a bead is the mean of the forces on both
-    halves of the bead.  Its first maximum belongs to the first pulse; a later wave may be larger.
-    It is the largest value before the force first falls by 10% of it, if it is above 1% of the
-    largest force; smaller ripples on a rising flank are not counted as maxima.
+    The forces on walls and in sensors are printed.  Two impulses are printed for a wall: that of
+    the impact, up to the last opening after which nothing stronger follows, and that of the whole
+    run.  At a free end, the velocity and the momentum of the last bead are printed.  The force in
+    a sensor in a bead is the mean of the forces on both halves of the bead.  Its first maximum
+    belongs to the first pulse; a later wave may be larger.  It is the highest point before the
+    force drops by 10% of its rise; maxima below 1% of the largest force are ignored.
 
     Several chain files are simulated one after another, and --plot compares them.
 
@@ -156,7 +156,7 @@ def simulate(
     if budget and as_json:
         raise click.UsageError("--budget and --json cannot be combined")
     if times is None:
-        fine = out is None and (sensors or forces or animation or len(options.files) > 1)
+        fine = sensors or forces or animation or len(options.files) > 1
         times = MANY_TIMES if fine else USUAL_TIMES
     _check_times(
         times, out=out, forces=forces, plot=plot, animate=animation, sensor=sensors,

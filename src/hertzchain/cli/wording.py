@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Final
 
 import click
+
+from ..errors import InputError
 
 # Python expressions in messages, and what to write on the command line or in a chain file instead.
 WORDINGS: Final = (
@@ -17,15 +21,25 @@ WORDINGS: Final = (
     (r"\bsimulate with until='([^']*)'", r"add --until '\1'"),
     (r"\buntil='([^']*)'", r"--until '\1'"),
     (r"(?<!-)\bmax_steps\b", "--max-steps"),
-    (r"\bgive load_traces sensors=\{'([^']*)': 'wall'\}", r"add --sensor '\1=wall'"),
+    (r"\bgive load_traces sensors=\{'([^']*)': '([^']*)'\}", r"add --sensor '\1=\2'"),
     (r"\bgive sensors to load_traces\b", "add --sensor"),
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),
 )  # fmt: skip
 
 # ... and with commands that have an option for it.
 OPTIONS: Final = {
+    "methods": ((r"\buse simulate\b", "use --method simulate"),),
     "loss": ((r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),),
 }
+
+
+@contextmanager
+def in_words_of_the_command() -> Iterator[None]:
+    """Change messages of `InputError` while the options of the command are known."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(on_command_line(str(error))) from None
 
 
 def on_command_line(message: str) -> str:

@@ -63,7 +63,7 @@ class Place:
         return run.sensor(bead) if self.quantity == "force" else run.velocity(bead)
 
 
-def place_named(name: str, written: str | None = None) -> Place:
+def place_named(name: str, written: str | None = None, *, example: str = "wall") -> Place:
     """The place with a name; raises `InputError`, with the name as it is written, for others."""
     text = " ".join(name.lower().split())
     found = NAME.fullmatch(text)
@@ -72,7 +72,7 @@ def place_named(name: str, written: str | None = None) -> Place:
         raise InputError(
             f"column {written or name!r} does not name the place of its sensor; write 'ball 6', "
             "'bead 7', 'wall' or 'ball 3 velocity', with a unit such as [N], or give load_traces "
-            f"sensors={{{written or name!r}: 'wall'}}"
+            f"sensors={{{written or name!r}: {example!r}}}"
         )
     body = found[1] or found[3] or "right"
     return Place(text.removesuffix(" force"), body, int(found[2] or 0), quantity)

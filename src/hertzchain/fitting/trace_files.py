@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Final
 
 import numpy as np
 
@@ -17,10 +16,11 @@ from ..validation.keywords import checked_arguments
 from ..validation.objects import check_list, file_path, shown_path, text
 from .noise import check_names_of_noise
 from .places import Place, place_named
-from .trace_headers import header_of
+from .scope_files import MISSING, header_and_samples
+from .trace_headers import header_of, without_unit
 from .traces import Traces, make_shot, with_coupling
 
-MISSING: Final = ("", "nan", "NaN", "NA")
+Sensors = dict[str, tuple[str, str]] | None
 
 
 @checked_arguments("load_traces")
@@ -30,14 +30,16 @@ def load_traces(
     noise: float | Mapping[str, float] | None = None,
     coupling: str | Mapping[str, str] | None = None,
 ) -> Traces:
-    r"""Read measured traces from CSV files.
+    r"""Read measured traces from CSV files, those of oscilloscopes included.
 
     The header of a file is, for example, ``time [us], ball 6 [N], ball 11 [mV], wall [N],
     ball 3 velocity [m/s]``.  Balls are counted without the strikers (``bead 7`` counts them), and
     a force in a ball is the mean of the forces on its two sides.  Units may also be in
-    parentheses, as in ``Time (s)``, and the times may be called ``t``.  Sampling may be uneven, and
-    empty cells are missing samples.  Saturated samples are recognised and not used.  A column
-    ``shot`` with whole numbers divides a file into shots.
+    parentheses, as in ``Time (s)``, or in a row of their own below the names, as in
+    ``second,Volt``, and the times may be called ``t``.  Lines above the header, such as the
+    settings of an oscilloscope, are not read, except ``Horizontal Units`` and ``Vertical Units``.
+    Sampling may be uneven, and empty cells are missing samples.  Saturated samples are recognised
+    and not used.  A column ``shot`` with whole numbers divides a file into shots.
 
     Parameters
     ----------
@@ -45,8 +47,9 @@ def load_traces(
         Files, one per shot, or with several shots if they have a column ``shot``.
     sensors : sequence of str or mapping, optional
         Names of the sensors to read, such as ``["ball 6", "wall"]``; by default all.  A mapping
-        from names of columns, without units, to places reads files with other names, such as
-        ``{"Force": "wall", "CH2": "ball 6"}``.
+        from names of columns to places reads files with other names, such as
+        ``{"Force": "wall", "CH2": "ball 6 [V]"}``; the place has a unit if the file has none.
+        ``{"X": "time [s]"}`` names the column of the times.
     noise : float or mapping, optional
         Standard deviation of the noise of all sensors, or by name, in N, m/s or V or with a
         unit, such as ``"3 mV"``.  By default it is estimated from the samples before the pulse
@@ -77,13 +80,14 @@ def load_traces(
     ...     hc.load_traces(file, noise=0.1)
     Traces(1 shot, wall: 3 samples, every 1 us; noise 0.1 N)
 
-    A file of an oscilloscope, whose headers do not name the place of the sensor:
+    A file of an oscilloscope, with settings above the header, and without places and units:
 
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "scope.csv"
-    ...     _ = file.write_text("Time (s),Force (N)\n0,0.0\n1e-6,4.0\n2e-6,0.5\n")
-    ...     hc.load_traces(file, sensors={"Force": "wall"}, noise=0.1)
-    Traces(1 shot, wall: 3 samples, every 1 us; noise 0.1 N)
+    ...     _ = file.write_text("Model,X1\nTIME,CH1,CH2\n0,0.0,1\n1e-6,4.0,1\n2e-6,0.5,1\n")
+    ...     places = {"TIME": "time [s]", "CH1": "wall [V]"}
+    ...     hc.load_traces(file, sensors=places, noise=0.1)
+    Traces(1 shot, wall: 3 samples, every 1 us; noise 0.1 V)
     """
     if not paths:
         raise InputError("give load_traces at least one file, such as 'data.csv'")
@@ -103,34 +107,34 @@ def load_traces(
     return with_coupling(found, coupling)
 
 
-def _wanted(sensors: object) -> dict[str, str] | None:
-    """Place of each sensor to read, by the name of its column."""
+def _wanted(sensors: object) -> Sensors:
+    """Column, as it is written, and place of each sensor to read, by the key of the column."""
     if sensors is None:
         return None
     if not isinstance(sensors, Mapping):
-        names = check_list("sensors", sensors, "names such as 'ball 6'")
-        return {_key(text("sensor", name)): name for name in names}
+        names = [text("sensor", each) for each in check_list("sensors", sensors, "'ball 6'")]
+        return {_key(name): (name, name) for name in names}
     return {
-        _key(text("column of a sensor", column)): text("place of a sensor", place)
+        _key(text("column of a sensor", column)): (column, text("place of a sensor", place))
         for column, place in sensors.items()
     }
 
 
-def _key(name: str) -> str:
-    """Name of a column without the spelling: that of its place, if it names one."""
-    plain = " ".join(name.lower().split())
+def _key(header: str) -> str:
+    """Name of a column without its unit and spelling: that of its place, if it names one."""
+    name, _ = split_header(header) or (" ".join(header.lower().split()), None)
     try:
-        return place_named(plain).name
+        return place_named(name).name
     except InputError:
-        return plain
+        return name
 
 
 def _shots(
-    rows: list[list[str]], wanted: dict[str, str] | None, noise: float | Mapping[str, float] | None
+    rows: list[list[str]], wanted: Sensors, noise: float | Mapping[str, float] | None
 ) -> list:  # type: ignore[type-arg]
     if not rows:
         raise InputError("the file has no header; write time [us], ball 6 [N], ...")
-    header, body = rows[0], rows[1:]
+    header, body = header_and_samples(rows)
     if not body:
         raise InputError(
             "the file has a header but no samples; write one row per time below the header"
@@ -141,9 +145,9 @@ def _shots(
                 f"row {number} has {counted(len(row), 'cell')}, the header has {len(header)}; "
                 "complete or remove the row"
             )
+    header, wanted = _with_times(header, wanted)
     time, shot, columns = _columns(header, wanted)
-    times = _numbers(body, time, header[time])
-    times = _time_factor(header[time]) * times
+    times = _time_factor(header[time]) * _numbers(body, time, header[time])
     samples = {
         key: factor * _numbers(body, index, header[index])
         for key, (index, factor) in columns.items()
@@ -159,26 +163,48 @@ def _shots(
     ]
 
 
+def _with_times(header: list[str], wanted: Sensors) -> tuple[list[str], Sensors]:
+    """The header with the column that is given as that of the times, and the other sensors."""
+    if wanted is None:
+        return header, None
+    place = {key: place for key, (_, place) in wanted.items() if _key(place) == "time"}
+    others = {key: each for key, each in wanted.items() if key not in place}
+    header = [_with_unit_of(full, place.get(_key(full))) for full in header]
+    return header, others or None
+
+
+def _with_unit_of(header: str, time: str | None) -> str:
+    if time is None:
+        return header
+    unit = (split_header(time) or ("", None))[1] or (split_header(header) or ("", None))[1]
+    return f"time [{unit}]" if unit else "time"
+
+
 def _columns(
-    header: list[str], wanted: dict[str, str] | None
+    header: list[str], wanted: Sensors
 ) -> tuple[int, int | None, dict[tuple[Place, str], tuple[int, float]]]:
     """Column of the times, of the shots if there is one, and of each sensor with its factor."""
-    names = [(split_header(full) or (full.lower(), None))[0] for full in header]
+    names = [_key(full) for full in header]
     if names.count("time") != 1:
         raise InputError(
             f"there must be one column of times, such as 'time [us]' or 'Time (s)', among "
             f"{', '.join(header)}"
         )
     columns: dict[tuple[Place, str], tuple[int, float]] = {}
-    names = [name if name in ("time", "shot") else _key(name) for name in names]
-    signals = [name for name in names if name not in ("time", "shot")]
-    for name in wanted or ():
+    signals = {
+        name: without_unit(full)
+        for name, full in zip(names, header, strict=True)
+        if name not in ("time", "shot")
+    }
+    for name, (written, _) in (wanted or {}).items():
         if name not in signals:
-            raise InputError(f"there is no column {name!r}; the file has {', '.join(signals)}")
+            raise InputError(
+                f"there is no column {written!r}; the file has {', '.join(signals.values())}"
+            )
     for index, (name, full) in enumerate(zip(names, header, strict=True)):
         if name not in signals or (wanted is not None and name not in wanted):
             continue
-        place, unit, factor = header_of(full, None if wanted is None else wanted[name])
+        place, unit, factor = header_of(full, None if wanted is None else wanted[name][1])
         if place.name in [known.name for known, _ in columns]:
             raise InputError(f"there are two columns of {place.name!r}; keep one")
         columns[place, unit] = index, factor
@@ -188,7 +214,10 @@ def _columns(
 def _time_factor(header: str) -> float:
     _, unit = split_header(header) or (header, None)
     if not unit:
-        raise InputError(f"column {header!r} has no unit; write time [us]")
+        raise InputError(
+            f"column {header!r} has no unit; write {header} [us], or give load_traces "
+            f"sensors={{{header!r}: 'time [s]'}}"
+        )
     return converted("column 'time'", 1.0, unit, "s")
 
 

@@ -18,17 +18,20 @@ UNITS = {"force": "N", "velocity": "m/s"}
 
 
 def header_of(text: str, named: str | None = None) -> tuple[Place, str, float]:
-    """Place, unit (``"N"``, ``"m/s"`` or ``"V"``) and factor of a column, or of one with a name."""
+    """Place, unit (``"N"``, ``"m/s"`` or ``"V"``) and factor of a column.
+
+    ``named`` is the place of a column whose header does not name it; it may have the unit.
+    """
     found = split_header(text) if isinstance(text, str) else None
-    if found is None:
+    if found is None and named is None:
         raise InputError(f"column {text!r} must have the form 'ball 6 [N]'")
-    name, unit = found
-    place = place_named(name, _as_written(text)) if named is None else place_named(named)
+    name, unit = found or (text, None)
+    if named is None:
+        place = place_named(name, without_unit(text), example="wall" if unit else "wall [V]")
+    else:
+        place, unit = _place_and_unit(named, text, unit)
     if not unit:
-        raise InputError(
-            f"column {text!r} has no unit; write {name if named else place.name} "
-            f"[{UNITS[place.quantity]}]"
-        )
+        raise InputError(_without_any_unit(text, place, named))
     if unit in VOLTS:
         return place, "V", VOLTS[unit]
     si = UNITS[place.quantity]
@@ -54,6 +57,27 @@ def positive_noise(name: str, given: object, unit: str) -> float:
     return number(what, given, above=0.0)
 
 
-def _as_written(header: str) -> str:
+def _place_and_unit(named: str, header: str, unit: str | None) -> tuple[Place, str | None]:
+    """Place and unit of a sensor that is given as ``ball 6`` or ``ball 6 [V]``."""
+    name, own = split_header(named) or (named, None)
+    if own and unit and own != unit:
+        raise InputError(
+            f"column {header!r} has the unit {unit}, but the sensor is given as {named!r}; "
+            "leave out its unit, or correct the header"
+        )
+    return place_named(name, without_unit(named)), own or unit
+
+
+def _without_any_unit(header: str, place: Place, named: str | None) -> str:
+    si = UNITS[place.quantity]
+    if named is None:
+        return f"column {header!r} has no unit; write {header} [{si}], or [V] without calibration"
+    return (
+        f"column {header!r} has no unit; give load_traces sensors={{{header!r}: "
+        f"'{place.name} [V]'}}, or [{si}] for a calibrated signal"
+    )
+
+
+def without_unit(header: str) -> str:
     """Name of a column without its unit, in its own letters."""
     return UNIT.sub("", header).strip()

@@ -7,7 +7,7 @@ import re
 import textwrap
 import weakref
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from importlib import resources
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -50,8 +50,7 @@ _titles: weakref.WeakKeyDictionary[Axes, str] = weakref.WeakKeyDictionary()
 
 
 @checked_arguments("figure_style")
-@contextmanager
-def figure_style(width: str | float | None = None) -> Iterator[None]:
+def figure_style(width: str | float | None = None) -> AbstractContextManager[None]:
     """Apply hertzchain's Matplotlib style to the figures created inside a ``with`` block.
 
     With a width, figures have this width, text of 7 or 8 points, and no titles, because a caption
@@ -78,11 +77,18 @@ def figure_style(width: str | float | None = None) -> Iterator[None]:
     >>> (25.4 * axes.figure.get_size_inches()).round(1)
     array([86. , 61.9])
     """
-    if width is None and styled.get():
+    # The width is checked here, not only when the block begins.
+    return _styled(None if width is None else width_in_inches(width))
+
+
+@contextmanager
+def _styled(inches: float | None) -> Iterator[None]:
+    """Apply the style with this width, or with that of an outer block."""
+    if inches is None and styled.get():
         yield
         return
     style = resources.files("hertzchain").joinpath("figures.mplstyle")
-    inches = journal_width.get() if width is None else width_in_inches(width)
+    inches = journal_width.get() if inches is None else inches
     settings = {} if inches is None else journal_settings(inches)
     outer, unstyled = journal_width.set(inches), styled.set(True)
     try:

@@ -184,7 +184,7 @@ def gradient(
     quantity: str,
     *,
     to: str | Iterable[str] = ("radii",),
-    bead: int | None = None,
+    bead: int | str | None = None,
     until: float | None = None,
     rtol: float | None = None,
     max_steps: int | None = None,
@@ -231,8 +231,8 @@ def gradient(
         ``"precompression"``, ``"gravity"``, ``"loss.time"``, ``"loss.coefficient"`` or
         ``"loss.gamma"``.  Masses and stiffness follow the radii and materials unless they are given
         in the chain; the unit of a scaled chain remains fixed when radius 1 is varied.
-    bead : int, optional
-        Number k of the bead, from 1.
+    bead : int or str, optional
+        Number k of the bead, from 1, or its name, such as ``"ball 9"``.
     until : float, optional
         Stop time [scaled, or s].  By default the run ends when the quantity is complete.
     rtol : float, optional
@@ -289,7 +289,7 @@ def gradients(
     quantities: Iterable[str],
     *,
     to: str | Iterable[str] = ("radii",),
-    bead: int | None = None,
+    bead: int | str | None = None,
     until: float | None = None,
     rtol: float | None = None,
     max_steps: int | None = None,
@@ -351,7 +351,7 @@ def _recorded(
     quantities: Iterable[str],
     *,
     to: str | Iterable[str],
-    bead: int | None = None,
+    bead: int | str | None = None,
     until: float | None = None,
     rtol: float | None = None,
     max_steps: int | None = None,
@@ -390,7 +390,7 @@ def _recorded(
 
 
 def _slopes_again(
-    chain: Chain, quantities: Sequence[str], to: tuple[str, ...], bead: int | None,
+    chain: Chain, quantities: Sequence[str], to: tuple[str, ...], bead: int | str | None,
     until: float | None, rtol: float,
 ) -> list[dict[str, Array]]:  # fmt: skip
     """Derivatives at a smaller tolerance, with other settings of a window.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from ..chain.bead_names import bead_number, with_bead_numbers
 from ..chain.chain import Chain
 from ..errors import InputError, unknown_name_error
 from ..pulse.quantities import QUANTITIES
@@ -58,8 +59,10 @@ class Name:
         return f"{self.group}.{self.item}{at}"
 
 
-def parse(chain: Chain, given: object, bead: int | None, until: float | None) -> Name:
+def parse(chain: Chain, given: object, bead: int | str | None, until: float | None) -> Name:
     """A quantity of a chain; raises `InputError` if the chain does not have it."""
+    given = with_bead_numbers(chain, given) if isinstance(given, str) else given
+    bead = bead_number(chain, bead) if isinstance(bead, str) else bead
     text, at, number = given.partition("@") if isinstance(given, str) else (given, "", "")
     text = f"pulse.{text}" if text in PULSE else text
     if text not in KNOWN:

@@ -287,8 +287,9 @@ class Run(Trajectory):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Save the trajectories: ``.nc`` (netCDF) or ``.csv``, by the file's extension.
 
-        `save_forces` saves forces on walls and in sensors, one row per time.
-        `hertzchain.save_state` saves ``run.state``, from which a longer run resumes.
+        `hertzchain.load_run` reads a netCDF file as the same run again.  `save_forces` saves forces
+        on walls and in sensors, one row per time.  `hertzchain.save_state` saves
+        ``run.state``, from which a longer run resumes.
 
         Parameters
         ----------
@@ -425,7 +426,7 @@ class Run(Trajectory):
         return compare_traces(self, traces, time_offset=time_offset)
 
     def __repr__(self) -> str:
-        saved = f"{len(self.times)} times saved, energy drift {self.energy_drift:.1e}"
+        saved = f"{len(self.times)} saved times, energy drift {self.energy_drift:.1e}"
         message = self.message, self._unfinished_collision, self.prediction
         return short("Run", self.chain.description, *message, saved)
 

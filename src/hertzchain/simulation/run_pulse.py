@@ -100,7 +100,7 @@ def _notes(
     stay = together(
         reason("bead", undefined, why),
         reason("bead", absent & ~seen, f"no arrival there or at the next {LATE}"),
-        reason("bead", absent & seen, "the crest is at the next contact no later than at this one"),
+        reason("bead", absent & seen, "the crest reaches the next contact before this one"),
         crests if chain.drive is not None else "",
     )
     notes = dict.fromkeys(("velocity", "momentum", "energy"), together(slow, tail))

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from ..chain.bead_names import bead_number
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain, require_same_units
 from ..collision import Array
@@ -47,7 +48,7 @@ def simulate_many(
     chains: Iterable[Chain],
     *,
     keep: str | Iterable[str] = ("velocity", "arrival"),
-    sensors: Iterable[int] = (),
+    sensors: Iterable[int | str] = (),
     until: float | None = None,
     rtol: float = DEFAULT_RTOL,
     max_steps: int | None = None,
@@ -74,8 +75,9 @@ def simulate_many(
         ``"end_time"`` or ``"energy_backward"``; and ``"largest_overlap"`` of the whole run.
         Energies, such as ``"energy_lost"``, are fractions of the total with the lost energy (that
         of the impact, without a drive); those of `Run.budget` are in joules.
-    sensors : iterable of int
-        Numbers k of beads with a force sensor, which measures :math:`(F_{k-1} + F_k)/2`.
+    sensors : iterable of int or str
+        Numbers k of beads with a force sensor, which measures :math:`(F_{k-1} + F_k)/2`, or their
+        names, such as ``"ball 4"``, if all chains have the same number of strikers.
     until : float, optional
         Stop time [scaled, or s]; by default each run ends as in `simulate`.
     rtol : float
@@ -121,7 +123,7 @@ def simulate_many(
         unit = real[0]._unit("s") if real else None
         until = number("until", until, unit=unit, above=0.0)
     request = Request(
-        _checked_names(keep), _checked_sensors(sensors), until,
+        _checked_names(keep), _checked_sensors(sensors, real), until,
         number("rtol", rtol, least=MIN_RTOL, most=MAX_RTOL),
         None if max_steps is None else whole_number("max_steps", max_steps, least=1),
     )  # fmt: skip
@@ -139,9 +141,21 @@ def _checked_names(keep: str | Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(check_choice("quantity", name, KEPT) for name in names))
 
 
-def _checked_sensors(sensors: Iterable[int]) -> tuple[int, ...]:
-    beads = check_list("sensors", sensors, "numbers of beads")
-    return tuple(whole_number("bead with a sensor", bead, least=1) for bead in beads)
+def _checked_sensors(sensors: Iterable[int | str], chains: Sequence[Chain]) -> tuple[int, ...]:
+    beads = check_list("sensors", sensors, "numbers or names of beads, such as 5 or 'ball 4'")
+    strikers = {each.strikers for each in chains}
+    if any(isinstance(bead, str) for bead in beads) and len(strikers) > 1:
+        raise InputError(
+            "the chains have different numbers of strikers, so that a name is not the same bead in "
+            "each; give sensors as numbers of beads"
+        )
+    longest = max(chains, key=lambda each: each.beads, default=None)
+    return tuple(
+        bead_number(longest, bead, "bead with a sensor")
+        if isinstance(bead, str) and longest is not None
+        else whole_number("bead with a sensor", bead, least=1)
+        for bead in beads
+    )
 
 
 class _Ensemble:

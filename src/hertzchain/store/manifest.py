@@ -21,7 +21,7 @@ from ..errors import InputError
 from .damage import DamagedFileError
 from .writing import write_bytes
 
-SCHEMA: Final = "hertzchain stream 1"
+SCHEMA: Final = "hertzchain stream 2"
 MANIFEST_FILE: Final = "manifest.json"
 RESTORE: Final = "restore it from a copy, or stream again into another folder"
 SKIP: Final = f"skip_damaged=True reads the other parts; to read all parts, {RESTORE}"
@@ -80,6 +80,8 @@ class Manifest:
         Fingerprint of the chain.
     rtol : float
         Tolerated error of a step.
+    chain_file : str
+        The chain as a chain file; empty if it has none.
     parts : tuple of Part
         Existing files, in order of time.
     announced : Part, optional
@@ -88,6 +90,7 @@ class Manifest:
 
     chain: str
     rtol: float
+    chain_file: str = ""
     parts: tuple[Part, ...] = ()
     announced: Part | None = None
 
@@ -159,7 +162,7 @@ def _manifest_from(file: Path, document: Mapping[str, Any]) -> Manifest:
         if part.file != part_name(number) or not behind:
             how = f"lists {part.file} as part {number}, from t = {part.first:g} on: parts overlap"
             raise DamagedFileError(file, how, file.parent, RESTORE)
-    return Manifest(document["chain"], document["rtol"], parts, announced)
+    return Manifest(document["chain"], document["rtol"], document["chain_file"], parts, announced)
 
 
 def _document_digest(document: Mapping[str, Any]) -> str:

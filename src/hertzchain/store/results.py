@@ -27,6 +27,7 @@ from ..simulation.state import State, fingerprint
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_type, file_path
 from .chain_as_toml import chain_as_toml
+from .run_files import chain_file_of, run_as_netcdf
 from .writing import write_bytes
 
 SCHEMA_VERSION: Final = 1
@@ -149,8 +150,10 @@ def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
 def save_run(run: Run, path: str | os.PathLike[str]) -> None:
     """Save the trajectories of a run as ``.nc`` (netCDF) or ``.csv``, by the file's extension.
 
-    A CSV file has one row per saved time and bead.  The force of contact k, on bead k + 1 or the
-    right wall, is in the row of bead k; a left wall has rows of bead 0.
+    `load_run` reads a netCDF file as a `Run` again.  Any netCDF reader reads its variables, which
+    are those of `Run.to_xarray`, and its attribute ``chain_file``, the chain as TOML.  A CSV file
+    has one row per saved time and bead.  The force of contact k, on bead k + 1 or the right wall,
+    is in the row of bead k; a left wall has rows of bead 0.
 
     Parameters
     ----------
@@ -176,18 +179,12 @@ def save_run(run: Run, path: str | os.PathLike[str]) -> None:
         raise InputError("the run has no saved times to write; give simulate times of at least 2")
     target = file_path("file of a run", path)
     if target.suffix == ".nc":
-        content = run_as_netcdf(run)
+        content = run_as_netcdf(run, chain_file_of(run.chain), records=True)
     elif target.suffix == ".csv":
         content = _run_as_csv(run).encode()
     else:
         raise InputError(f"the name of a run file must end in .nc or .csv, got {target.name!r}")
     write_bytes(target, content)
-
-
-def run_as_netcdf(run: Run) -> bytes:
-    """Content of a netCDF file with the trajectories of a run."""
-    # SciPy writes netCDF 3, which every netCDF reader supports, without another library.
-    return bytes(run.to_xarray().to_netcdf(engine="scipy"))
 
 
 @checked_arguments("save_state")

@@ -55,7 +55,8 @@ from .manifest import (
     Part,
     load_manifest,
 )
-from .results import load_state, run_as_netcdf, save_state
+from .results import load_state, save_state
+from .run_files import chain_file_of, run_as_netcdf, stored_chain
 from .writing import cannot_write, write_bytes
 
 if TYPE_CHECKING:
@@ -82,6 +83,8 @@ class StoredRun:
     ----------
     folder : pathlib.Path
         The folder.
+    chain : Chain
+        The chain of the run.
 
     Examples
     --------
@@ -89,8 +92,8 @@ class StoredRun:
     >>> import numpy as np
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     stored = hc.stream(hc.Chain.uniform(5), folder, times=np.linspace(0, 9, 10))
-    ...     float(stored.load(start=4.0).velocity.sel(bead=1)[0].round(6))
-    -0.071085
+    ...     float(stored.load(start=4.0).velocity.sel(bead=1)[0].round(6)), stored.chain
+    (-0.071085, Chain(uniform, 5 beads))
     """
 
     folder: Path
@@ -105,6 +108,11 @@ class StoredRun:
     def files(self) -> list[Path]:
         """The files, in order of time."""
         return [self.folder / part.file for part in load_manifest(self.folder).present(self.folder)]
+
+    @property
+    def chain(self) -> Chain:
+        """The chain of the run."""
+        return stored_chain(load_manifest(self.folder).chain_file, os.fspath(self.folder))
 
     def parts(self, *, skip_damaged: bool = False) -> Iterator[xr.Dataset]:
         """Yield one dataset per file, in order of time.
@@ -307,7 +315,7 @@ def _resume(
 
 def _write_part(folder: Path, manifest: Manifest, run: Run) -> Manifest:
     """Write a part and the state after it; return the manifest that lists the part."""
-    content = run_as_netcdf(run)
+    content = run_as_netcdf(run, manifest.chain_file)
     announcing = manifest.announcing(Part.of(len(manifest.parts) + 1, content, run.times))
     announcing.save(folder)
     assert announcing.announced is not None
@@ -343,7 +351,7 @@ def _where_it_stopped(
     folder, name = stored.folder, os.fspath(stored.folder)
     _remove_temporary(folder)
     if not (folder / MANIFEST_FILE).exists():
-        return Manifest(fingerprint(chain), rtol), None, 0
+        return Manifest(fingerprint(chain), rtol, chain_file_of(chain)), None, 0
     manifest = load_manifest(folder)
     if manifest.chain != fingerprint(chain):
         raise InputError(

@@ -214,13 +214,13 @@ export class Controls {
 
   /** @param {any} section @param {Path} path @param {any} entry @returns {Node[]} */
   tableFields(section, path, entry) {
-    const fields = [];
-    if (section.variant_key) {
-      fields.push(this.select(path.join("."), section.variant_key, choicesOf(Object.keys(section.variants)), () => at(this.document, path)?.[section.variant_key],
-        (chosen) => this.put(path, this.begin({ keys: section.variants[chosen] }, { [section.variant_key]: chosen }))));
+    const fields = [], variant = section.variant_key;
+    if (variant) {
+      fields.push(this.select(path.join("."), variant, choicesOf(Object.keys(section.variants)), () => at(this.document, path)?.[variant],
+        (chosen) => this.put(path, this.begin({ keys: section.variants[chosen] }, { [variant]: chosen }))));
     }
-    const keys = section.variant_key ? section.variants[entry[section.variant_key]] ?? [] : section.keys;
-    const common = section.variant_key ? section.keys.filter((/** @type {any} */ key) => key.name !== "between" || entry.between) : [];
+    const keys = variant ? section.variants[entry[variant]] ?? [] : section.keys;
+    const common = variant ? section.keys.filter((/** @type {any} */ key) => key.name !== "between" || entry.between) : [];
     for (const key of [...common, ...keys]) if (key.kind !== "file") fields.push(this.field(path, key));
     return fields;
   }
@@ -229,7 +229,7 @@ export class Controls {
   begin(section, table) {
     for (const key of section.keys) {
       if (key.per === "row") table[key.name] = this.rows(key);
-      if (!key.required && !(key.name in BEGIN && key.name === "relative") && !(key.name === "ratio")) continue;
+      if (!key.required && !["relative", "ratio"].includes(key.name)) continue;
       const si = this.si ? BEGIN_SI[key.name] ?? (key.dimension ? BEGIN_SI[key.dimension] : undefined) : undefined;
       table[key.name] = si ?? BEGIN[key.name] ?? (key.kind === "boolean" ? false : key.choices?.[0] ?? valued(this.inside(key), this.unitOf(key)));
     }

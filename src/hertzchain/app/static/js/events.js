@@ -12,15 +12,17 @@ import { fromLink } from "./state.js";
  *   radiusOf: (bead: number) => number, resize: (bead: number, radius: number, moving: boolean) => void,
  *   beads: () => number, redraw: (...what: Part[]) => void, open: (next: State) => void}} App */
 
+/** Choices of the view; another clock needs another run.
+ * @type {[string, keyof import("./state.js").View, boolean?][]} */
+export const SELECTS = [["quantity", "quantity"], ["camera", "camera"], ["map-of", "map"], ["map-scale", "scale"], ["budget-of", "budget"], ["errors", "errors"], ["clock", "clock", true]];
+
 /** @param {App} app */
 export function listen(app) {
   const { about, state, view } = app;
   for (const name of Object.keys(about.quantities)) {
     if (!about.quantities[name].estimate) $("quantity").append(Object.assign(document.createElement("option"), { value: name, textContent: name.replaceAll("_", " ") }));
   }
-  /** @type {[string, keyof import("./state.js").View, boolean?][]} */
-  const selects = [["quantity", "quantity"], ["camera", "camera"], ["map-of", "map"], ["map-scale", "scale"], ["budget-of", "budget"], ["errors", "errors"], ["clock", "clock", true]];
-  for (const [id, name, again] of selects) {
+  for (const [id, name, again] of SELECTS) {
     $(id).onchange = () => {
       view({ [name]: $(id).value });
       if (again) app.request();

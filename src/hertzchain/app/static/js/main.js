@@ -1,8 +1,8 @@
 // @ts-check
 
 import { readColours } from "./colour.js";
-import { $, Controls } from "./controls.js";
-import { listen } from "./events.js";
+import { $, Controls, make } from "./controls.js";
+import { SELECTS, listen } from "./events.js";
 import { host, stored } from "./host.js";
 import { Link } from "./link.js";
 import { SpaceTime } from "./map.js";
@@ -133,9 +133,8 @@ function showAll() {
 
 function showView() {
   const { view: v } = state;
-  /** @type {[string, string | number][]} */
-  const selects = [["quantity", v.quantity], ["camera", v.camera], ["clock", v.clock], ["speed", v.speed], ["map-of", v.map], ["map-scale", v.scale], ["budget-of", v.budget], ["errors", v.errors]];
-  for (const [id, value] of selects) $(id).value = String(value);
+  for (const [id, name] of SELECTS) $(id).value = v[name];
+  $("speed").value = String(v.speed);
   $("log").checked = v.log;
   for (const slot of SLOTS) Object.assign(stages[slot], { camera: v.camera, scale: v.scale, sensors: v.sensors, bead: v.bead });
   $("bead").value = String(v.bead);
@@ -246,12 +245,14 @@ const waiting = [];
 
 /** @param {Slot} slot */
 function problem(slot) {
-  const found = results[slot];
-  $(`lane-${slot}`).classList.toggle("stale", Boolean(found.problem));
+  const found = results[slot], text = found.problem, stale = text !== "";
+  $(`lane-${slot}`).classList.toggle("stale", stale);
+  // The message next to the controls may be far below.
+  if (stale && !found.ready) $(`title-${slot}`).replaceChildren(make("span", { className: "bad" }, text));
   if (slot !== state.active) return;
-  document.body.classList.toggle("stale", Boolean(found.problem));
-  controls.problem(found.problem);
-  if (found.problem) return say(found.problem, true);
+  document.body.classList.toggle("stale", stale);
+  controls.problem(text);
+  if (stale) return say(text, true);
   const message = found.run.header?.message;
   if (found.pending.length && !found.motion) say(whyBlank(found));
   else if (message) say(`${message.charAt(0).toUpperCase()}${message.slice(1)}; energy is conserved to ${found.run.header.energy_drift.toExponential(0)}.`, !found.run.header.success);

@@ -138,7 +138,7 @@ export function toLink(state) {
     if (JSON.stringify(each) !== JSON.stringify(VIEW[/** @type {keyof View} */ (name)])) pairs.push([`~${name}`, text(each)]);
   }
   return "#" + pairs.map(([name, each]) => `${encodeURIComponent(name)}=${encodeURIComponent(each)}`
-    .replaceAll("%20", "+").replaceAll("%2F", "/").replaceAll("%2C", ",").replaceAll("%5B", "[").replaceAll("%5D", "]")).join("&");
+    .replaceAll("%20", "+").replace(/%2[CF]|%5[BD]/g, decodeURIComponent)).join("&");
 }
 
 /** The state that a link describes, or null if there is none. @param {string} hash

@@ -302,13 +302,13 @@ function difference(name, label, values, reference, absolute = false) {
 
 /** Forces on sensors and walls with their peaks. @param {Results} results */
 function forcesOf(results) {
-  const { sensors, peaks } = results.run.header, found = [];
+  const { sensors, peaks } = results.run.header, { strikers } = results.beads.header, found = [];
   for (const [key, values] of results.run.arrays) {
     const name = key.startsWith("force.") ? key.slice(6) : "";
     if (!name) continue;
     const side = name === "left" || name === "right", { first, time, largest, largest_time } = peaks[name];
     const peak = first === null ? { what: "largest so far", force: largest ?? 0, time: largest_time ?? 0 } : { what: side ? "peak" : "first maximum", force: first, time };
-    found.push({ peak, times: results.run.arrays.get("times"), values, name: side ? `wall-${name}` : `sensor${sensors.indexOf(Number(name))}`, label: side ? `${name} wall` : `sensor in bead ${name}` });
+    found.push({ peak, times: results.run.arrays.get("times"), values, name: side ? `wall-${name}` : `sensor${sensors.indexOf(Number(name))}`, label: side ? `${name} wall` : `sensor in bead ${name}${strikers && +name > strikers ? ` (ball ${+name - strikers})` : ""}` });
   }
   return found;
 }

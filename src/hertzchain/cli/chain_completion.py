@@ -1,0 +1,41 @@
+"""Completion of names in the shell: materials, walls, laws of loss and tapers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from click import Context, Parameter
+
+
+def _beginning(names: Iterable[str], typed: str) -> list[str]:
+    return [name for name in names if name.startswith(typed)]
+
+
+def complete_materials(_: Context, __: Parameter, incomplete: str) -> list[str]:
+    """Names of the catalogue that begin with the typed text."""
+    from ..chain.materials import catalogue
+
+    return _beginning(catalogue(), incomplete)
+
+
+def complete_walls(_: Context, __: Parameter, incomplete: str) -> list[str]:
+    """Names of walls that begin with the typed text."""
+    from ..chain.materials import catalogue
+
+    return _beginning(("same", "rigid", *catalogue()), incomplete)
+
+
+def complete_losses(_: Context, __: Parameter, incomplete: str) -> list[str]:
+    """Names of laws that begin with the typed text, with ``=`` if they have parameters."""
+    from ..chain.laws.base import LAWS
+
+    return _beginning((f"{name}=" if law.parameters() else name for name, law in LAWS.items()),
+                      incomplete)  # fmt: skip
+
+
+def complete_tapers(_: Context, __: Parameter, incomplete: str) -> list[str]:
+    """Names of tapers that begin with the typed text."""
+    from ..chain.taper_sizes import SHAPES
+    from ..chain.tapers import TAPERS
+
+    return _beginning(("uniform", *TAPERS, *SHAPES), incomplete)

@@ -1,0 +1,158 @@
+"""Files of oscilloscopes: the header and the samples among settings, and rows of units."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from ..errors import InputError
+from ..store.csv_tables import split_header
+from ..units import UNITS
+
+Rows = list[list[str]]
+
+MISSING: Final = ("", "nan", "NaN", "NA")
+# Units that oscilloscopes write as words.
+WORDS: Final = {
+    "second": "s", "seconds": "s", "sec": "s", "volt": "V", "volts": "V", "newton": "N",
+}  # fmt: skip
+# Settings of Tektronix files that have units of columns.
+TIME_UNIT, SIGNAL_UNITS, SOURCE = "horizontal units", "vertical units", "source"
+# Columns of the times and samples in Tektronix files that have the settings beside them.
+BESIDE: Final = (3, 4)
+
+
+def header_and_samples(rows: Rows) -> tuple[list[str], Rows]:
+    """Names with units, and the rows of samples; settings above them are not read."""
+    if _settings_beside(rows):
+        return _without_settings_beside(rows)
+    if _numbered(rows):
+        return _with_times_of_numbers(rows)
+    at = _header_row(rows)
+    header, body = rows[at], rows[at + 1 :]
+    units = [""] * len(header)
+    if body and _is_unit_row(body[0], _time_column(header)):
+        units, body = [_unit(cell) for cell in body[0]], body[1:]
+        if len(units) != len(header):
+            raise InputError(
+                f"the row of units has {len(units)} cells, the header has {len(header)}; complete "
+                "one of them"
+            )
+    else:
+        units = _units_in_settings(rows[:at], len(header))
+    named = [_with_unit(name, unit) for name, unit in zip(header, units, strict=True)]
+    named[_time_column(header)] = _as_time(named[_time_column(header)])
+    if not named[-1] and all(len(row) != len(header) or not row[-1] for row in body):
+        # Each line ends with a comma.
+        named = named[:-1]
+        body = [row[:-1] if len(row) == len(header) else row for row in body]
+    return named, body
+
+
+def _header_row(rows: Rows) -> int:
+    """Last row with the name of the times before the numbers, or the one above units or numbers."""
+    wide = [at for at, row in enumerate(rows) if len(row) > 1]
+    end = next((at for at in wide if _is_numeric(rows[at])), len(rows))
+    named = [at for at in wide if at < end and "time" in _names(rows[at])]
+    if named:
+        return named[-1]
+    units = (at for at in wide if 0 < at < end and _is_unit_row(rows[at], 0))
+    return max(next(units, end if end < len(rows) else 0) - 1, 0)
+
+
+def _names(row: list[str]) -> list[str]:
+    return [(split_header(cell) or ("", None))[0] for cell in row]
+
+
+def _time_column(header: list[str]) -> int:
+    """Column of the times: the one with this name, otherwise the first."""
+    names = _names(header)
+    return names.index("time") if "time" in names else 0
+
+
+def _is_numeric(row: list[str]) -> bool:
+    try:
+        numbers = [float(cell) for cell in row if cell not in MISSING]
+    except ValueError:
+        return False
+    return bool(numbers) and row[0] not in MISSING
+
+
+def _is_unit_row(row: list[str], time: int) -> bool:
+    """Whether a row has units under names, the one of the times among them."""
+    return time < len(row) and _unit(row[time]) in UNITS["time"]
+
+
+def _unit(cell: str) -> str:
+    plain = re.sub(r"[\[\]()]", "", cell).strip()
+    return WORDS.get(plain.lower(), plain)
+
+
+def _with_unit(name: str, unit: str) -> str:
+    """The name of a column with its unit; that of the header itself comes first."""
+    found = split_header(name)
+    return f"{name} [{unit}]" if unit and name and (found is None or found[1] is None) else name
+
+
+def _as_time(header: str) -> str:
+    """Header of the first column, which is that of times if it has a unit of time."""
+    name, unit = split_header(header) or (header, None)
+    return f"time [{unit}]" if name != "time" and unit in UNITS["time"] else header
+
+
+def _units_in_settings(settings: Rows, columns: int) -> list[str]:
+    """Units of the columns in the settings above the header, if they are there."""
+    units = [""] * columns
+    for row in settings:
+        name = row[0].lower()
+        if name == TIME_UNIT and len(row) > 1:
+            units[0] = _unit(row[1])
+        elif name == SIGNAL_UNITS:
+            given = [_unit(cell) for cell in row[1:columns]]
+            units[1 : 1 + len(given)] = given
+    return units
+
+
+def _numbered(rows: Rows) -> bool:
+    """Whether samples are numbered, with the first time and the step in the row of units."""
+    names = [cell.lower() for cell in rows[0]]
+    return (
+        len(rows) > 2
+        and rows[1][0].lower() == "sequence"
+        and {"start", "increment"} <= {*names}
+        and _is_numeric(["0", *(rows[1][names.index(each)] for each in ("start", "increment"))])
+    )
+
+
+def _with_times_of_numbers(rows: Rows) -> tuple[list[str], Rows]:
+    """Names with units, and samples with times in place of their numbers."""
+    names = [cell.lower() for cell in rows[0]]
+    start, step = (float(rows[1][names.index(each)]) for each in ("start", "increment"))
+    columns = [i for i, name in enumerate(names) if i and name not in ("", "start", "increment")]
+    header = [_with_unit(rows[0][i], _unit(rows[1][i])) for i in columns]
+    body = []
+    for number, row in enumerate(rows[2:], start=1):
+        if len(row) <= columns[-1] or not _is_numeric(row[:1]):
+            raise InputError(
+                f"row {number} must have a number and {len(columns)} samples; complete or remove it"
+            )
+        time = start + step * float(row[0])
+        body.append([repr(time), *(row[i] for i in columns)])
+    return ["time [s]", *header], body
+
+
+def _settings_beside(rows: Rows) -> bool:
+    """Whether settings are in the first columns, and one signal in the fourth and fifth."""
+    return rows[0][0].lower() == "record length" and all(
+        len(row) > BESIDE[-1] and _is_numeric([row[each] for each in BESIDE]) for row in rows
+    )
+
+
+def _without_settings_beside(rows: Rows) -> tuple[list[str], Rows]:
+    settings = {row[0].lower(): row[1] for row in rows if row[0]}
+    source = settings.get(SOURCE) or "CH1"
+    header = [
+        _with_unit("time", _unit(settings.get(TIME_UNIT, ""))),
+        _with_unit(source, _unit(settings.get(SIGNAL_UNITS, ""))),
+    ]
+    return header, [[row[each] for each in BESIDE] for row in rows]

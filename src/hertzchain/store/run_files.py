@@ -1,0 +1,201 @@
+"""Runs as netCDF files, with the chain and everything that is needed to read the run back."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from .. import __version__
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError
+from ..simulation.checked_state import check_state
+from ..simulation.run import Run
+from ..simulation.state import State, fingerprint
+from ..validation.keywords import checked_arguments
+from ..validation.objects import file_path
+from .chain_as_toml import chain_as_toml
+from .chain_files import chain_from
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Attribute with the chain as a chain file, and the variable with the records of a run.
+CHAIN_FILE: Final = "chain_file"
+RECORDS: Final = "run_records"
+# Fields of a run that are saved as variables of the dataset, and other numbers and texts.
+SAVED: Final = {"time": "times", "position": "positions", "velocity": "velocities"}
+NUMBERS: Final = (
+    "end_time", "energy_drift", "momentum_drift", "steps", "evaluations", "rtol", "status",
+    "method",
+)  # fmt: skip
+ARRAYS: Final = (
+    "_accumulators", "_peaks", "_crossings", "_walls", "_impulses", "_completion", "_approaches",
+    "_complete",
+)  # fmt: skip
+
+
+def run_as_netcdf(run: Run, chain_file: str, *, records: bool = False) -> bytes:
+    """Content of a netCDF file with the trajectories, the chain file and, if asked, the records."""
+    dataset = run.to_xarray().assign_attrs({CHAIN_FILE: chain_file})
+    if records:
+        what = {"long_name": "records of the run, read by hertzchain.load_run"}
+        dataset[RECORDS] = ("byte", np.frombuffer(_records(run), np.int8), what)
+    # SciPy writes netCDF 3, which every netCDF reader supports, without another library.
+    return bytes(dataset.to_netcdf(engine="scipy"))
+
+
+def chain_file_of(chain: Chain) -> str:
+    """The chain as a chain file; empty for the few chains that have none, such as own loss laws."""
+    try:
+        return chain_as_toml(chain)
+    except InputError:
+        return ""
+
+
+def _records(run: Run) -> bytes:
+    """Everything in a run apart from its chain and saved times, with a digest."""
+    arrays = {name: np.asarray(getattr(run, name)) for name in (*NUMBERS, *ARRAYS)}
+    arrays |= {f"state_{name}": values for name, values in run.state.arrays.items()}
+    if run._forces is not None:
+        arrays["_forces"] = run._forces
+    arrays["chain"] = np.array(fingerprint(run.chain))
+    saved = {name: getattr(run, name) for name in SAVED.values()}
+    arrays["digest"] = np.array(_digest(arrays | saved))
+    content = io.BytesIO()
+    np.savez_compressed(content, **arrays)  # type: ignore[arg-type]
+    return content.getvalue()
+
+
+def _digest(arrays: Mapping[str, Array]) -> str:
+    found = hashlib.sha256()
+    for name in sorted(arrays):
+        values = np.ascontiguousarray(arrays[name])
+        found.update(f"\0{name} {values.dtype.str} {values.shape}\0".encode())
+        found.update(values.tobytes())
+    return found.hexdigest()
+
+
+@checked_arguments("load_run")
+def load_run(path: str | os.PathLike[str]) -> Run:
+    """Read a run from a netCDF file of `Run.save` or ``hertzchain simulate --out``.
+
+    Parameters
+    ----------
+    path : path-like
+        File, ``.nc``.
+
+    Returns
+    -------
+    Run
+        The saved run with its chain; all its numbers are the same, bit for bit.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged, changed, not a file of `Run.save`, or from another
+        version of hertzchain; or if its chain cannot be described by a chain file, such as one
+        with a loss law of your own.
+
+    Examples
+    --------
+    >>> import hertzchain as hc, tempfile
+    >>> from pathlib import Path
+    >>> run = hc.simulate(hc.Chain.uniform(9).replace(right_wall=hc.Wall()))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run.save(Path(folder) / "run.nc")
+    ...     again = hc.load_run(Path(folder) / "run.nc")
+    >>> again.wall_force().peak == run.wall_force().peak
+    True
+    """
+    file = file_path("file of a run", path)
+    name = os.fspath(file)
+    saved, attributes = _read(file)
+    if RECORDS not in saved:
+        raise InputError(
+            f"{name!r} is not a file of Run.save; read other netCDF files with "
+            "xarray.open_dataset, and the folder of a stream with StoredRun"
+        )
+    if (version := attributes.get("hertzchain_version")) != __version__:
+        raise InputError(
+            f"{name!r} was written by hertzchain {version} and cannot be read as a run by "
+            f"{__version__}; read its dataset with xarray.open_dataset, or simulate its chain again"
+        )
+    chain = stored_chain(attributes.get(CHAIN_FILE), name)
+    try:
+        return _run_from(chain, saved)
+    # NumPy and zipfile raise errors of many types for damaged records.
+    except Exception as error:  # noqa: BLE001
+        reason = f": {error}" if isinstance(error, InputError) else ""
+        raise InputError(
+            f"{name!r} is damaged or was changed after it was written{reason}; restore it from a "
+            "copy, or simulate its chain again"
+        ) from None
+
+
+def stored_chain(chain_file: object, name: str) -> Chain:
+    """The chain of a stored run."""
+    if not chain_file:
+        raise InputError(
+            f"{name!r} has no chain, because no chain file can describe it; simulate the chain "
+            "again"
+        )
+    try:
+        return chain_from(tomllib.loads(str(chain_file)))
+    except (InputError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"the chain of {name!r} cannot be read: {error}") from None
+
+
+def _read(file: Path) -> tuple[dict[str, Array], dict[str, Any]]:
+    """Variables and attributes of a netCDF file."""
+    import xarray as xr
+
+    try:
+        content = file.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot read the run {os.fspath(file)!r}: {error.strerror}") from None
+    try:
+        with xr.open_dataset(io.BytesIO(content), engine="scipy") as dataset:
+            return _variables(dataset), dict(dataset.attrs)
+    # SciPy raises errors of many types for a damaged file.
+    except Exception:  # noqa: BLE001
+        raise InputError(
+            f"cannot read the run {os.fspath(file)!r}: it is damaged or not a netCDF file of "
+            "Run.save"
+        ) from None
+
+
+def _variables(dataset: xr.Dataset) -> dict[str, Array]:
+    names = (*SAVED, RECORDS)
+    return {name: np.array(dataset[name]) for name in names if name in dataset.variables}
+
+
+def _run_from(chain: Chain, saved: Mapping[str, Array]) -> Run:
+    """Put a run together; raises errors of several types if parts of it are missing or changed."""
+    motion = {field: saved[name].astype(float, copy=False) for name, field in SAVED.items()}
+    with np.load(io.BytesIO(saved[RECORDS].astype(np.int8).tobytes())) as file:
+        arrays = {name: np.asarray(file[name], order="C") for name in file.files}
+    digest = str(arrays.pop("digest"))
+    if digest != _digest(arrays | motion):
+        raise InputError("its numbers are not those of the run")
+    if str(arrays["chain"]) != fingerprint(chain):
+        raise InputError("its chain is not that of the run")
+    prefix = "state_"
+    inner = {
+        name.removeprefix(prefix): values
+        for name, values in arrays.items()
+        if name.startswith(prefix)
+    }
+    state = State(chain, inner)
+    check_state(state)
+    fields: dict[str, Any] = {**motion, "_forces": arrays.get("_forces")}
+    fields |= {name: arrays[name].item() for name in NUMBERS}
+    fields |= {name: arrays[name] for name in ARRAYS}
+    return Run(chain=chain, state=state, **fields)

@@ -1,0 +1,37 @@
+"""Names that the package does not have lead to those that it has."""
+
+import traceback
+
+import pytest
+
+import hertzchain as hc
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("materials", "catalogue"), ("tapered_chain", "Chain.tapered"), ("load_trace", "load_traces"),
+     ("Soliton", "solitary_wave")],
+)  # fmt: skip
+def test_unknown_names_have_one_suggestion(name, meant):
+    with pytest.raises(AttributeError) as caught:
+        getattr(hc, name)
+    # Python adds suggestions when it prints the error.
+    (line,) = traceback.format_exception_only(caught.value)
+    assert line.strip() == (
+        f"AttributeError: module 'hertzchain' has no attribute {name!r}; did you mean {meant!r}?"
+    )
+
+
+def test_names_without_any_likeness_have_none():
+    with pytest.raises(AttributeError, match=r"has no attribute 'zzz'$"):
+        hc.zzz  # noqa: B018
+
+
+def test_unknown_materials_are_one_sentence():
+    with pytest.raises(hc.InputError, match=r"or define a custom one .*; did you mean [^?]*\?$"):
+        hc.material("steel")
+
+
+def test_a_width_of_figures_is_checked_at_once():
+    with pytest.raises(hc.InputError, match="width must be 'single column' or"):
+        hc.figure_style("three column")

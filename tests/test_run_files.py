@@ -1,0 +1,150 @@
+"""Runs that are read from netCDF files are the same runs, and the files describe their chain."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import hertzchain as hc
+
+STRUCK = hc.Chain.from_materials("10 mm", "steel-52100", beads=6).struck_by(velocity="0.2 m/s")
+CHAINS = {
+    "default": hc.Chain.tapered("forward-exponential", 0.05, beads=9),
+    "walls and loss": STRUCK.replace(right_wall=hc.Wall(), loss=hc.Viscoelastic(1e-6)),
+    "given radii": hc.Chain.from_radii([1.0, 0.3, 0.7, 1.0]).replace(left_wall=hc.Wall()),
+    "loss per contact": STRUCK.replace(
+        loss=[hc.Restitution(0.9), None, *[hc.Dashpot(2.0)] * 4]
+    ),
+    "driven": hc.Chain.uniform(6).replace(
+        drive=hc.SineBurst(0.3, 0.1, cycles=2.0), right_wall=hc.Wall(), gravity=0.01
+    ),
+}  # fmt: skip
+
+
+def same(one, other):
+    np.testing.assert_array_equal(one, other, strict=True)
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_a_run_is_read_back_bit_for_bit(name, tmp_path):
+    chain = CHAINS[name]
+    run = hc.simulate(chain, times=50)
+    run.save(tmp_path / "run.nc")
+    again = hc.load_run(tmp_path / "run.nc")
+    for field in ("times", "positions", "velocities", "forces", "largest_overlaps"):
+        same(getattr(again, field), getattr(run, field))
+    same(again.pulse().velocity, run.pulse().velocity)
+    same(again.pulse().arrival, run.pulse().arrival)
+    assert again.message == run.message
+    assert repr(again) == repr(run)
+    assert str(again.budget()) == str(run.budget())
+    if chain.right_wall is not None:
+        one, other = again.wall_force(), run.wall_force()
+        assert str(one) == str(other)
+    end = 1.5 * run.end_time
+    later, whole = (hc.simulate(each.chain, start=each.state, until=end) for each in (again, run))
+    same(later.velocities, whole.velocities)
+
+
+def test_files_of_runs_contain_the_chain(tmp_path, run):
+    chain = CHAINS["walls and loss"]
+    (tmp_path / "row.toml").write_text(hc.chain_as_toml(chain))
+    code, out, err = run("simulate", tmp_path / "row.toml", "--out", tmp_path / "run.nc", "--json")
+    assert code == 0, err
+    with xr.open_dataset(tmp_path / "run.nc", engine="scipy") as dataset:
+        text = dataset.attrs["chain_file"]
+        assert {"position", "velocity", "force"} < {*dataset.data_vars}
+    (tmp_path / "again.toml").write_text(text)
+    read = hc.load_chain(tmp_path / "again.toml")
+    same(read.contact_stiffness, chain.contact_stiffness)
+    assert read.loss == chain.loss
+    assert json.loads(out)["end_time"] == hc.load_run(tmp_path / "run.nc").end_time
+
+
+def test_a_stored_run_is_compared_with_traces(tmp_path):
+    traces, chain_file = hc.example_experiment()
+    run = hc.simulate(hc.load_chain(chain_file), until=6e-4, times=1201)
+    run.save(tmp_path / "run.nc")
+    assert str(hc.load_run(tmp_path / "run.nc").compare(traces)) == str(run.compare(traces))
+
+
+def test_streams_contain_the_chain(tmp_path):
+    chain = CHAINS["walls and loss"]
+    stored = hc.stream(chain, tmp_path / "long", times=np.linspace(0.0, 1e-4, 20))
+    same(stored.chain.contact_stiffness, chain.contact_stiffness)
+    assert stored.chain.loss == chain.loss
+    assert stored.load().attrs["chain_file"] == hc.chain_as_toml(chain)
+    with pytest.raises(hc.InputError, match=r"is not a file of Run\.save; .* StoredRun"):
+        hc.load_run(tmp_path / "long" / "part-000001.nc")
+
+
+def changed(file, **changes):
+    with xr.open_dataset(file, engine="scipy") as dataset:
+        dataset.load()
+    for name, values in changes.items():
+        if name in dataset.attrs:
+            dataset.attrs[name] = values
+        else:
+            dataset[name] = (dataset[name].dims, values(dataset[name].values))
+    dataset.to_netcdf(file, engine="scipy")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"velocity": lambda values: 2.0 * values}, "its numbers are not those of the run"),
+        ({"run_records": lambda values: values[::-1].copy()}, "is damaged or was changed"),
+        ({"chain_file": hc.chain_as_toml(hc.Chain.uniform(9))}, "its chain is not that of the run"),
+        ({"chain_file": "[chain]"}, "the chain of"),
+        ({"chain_file": ""}, "has no chain"),
+        ({"hertzchain_version": "0.0.1"}, r"written by hertzchain 0\.0\.1 and cannot be read"),
+    ],
+)
+def test_changed_files_are_rejected(changes, words, tmp_path):
+    file = tmp_path / "run.nc"
+    hc.simulate(CHAINS["default"], times=20).save(file)
+    changed(file, **changes)
+    with pytest.raises(hc.InputError, match=words):
+        hc.load_run(file)
+
+
+def test_other_files_are_rejected(tmp_path):
+    with pytest.raises(hc.InputError, match="No such file"):
+        hc.load_run(tmp_path / "none.nc")
+    file = tmp_path / "run.nc"
+    hc.simulate(CHAINS["default"], times=20).save(file)
+    content = file.read_bytes()
+    for part in (b"", b"text", content[:200], content[: len(content) // 2], content[:-200]):
+        file.write_bytes(part)
+        with pytest.raises(hc.InputError, match=r"damaged|not a file of Run\.save"):
+            hc.load_run(file)
+
+
+def test_saving_a_run_leaves_sensors_as_they_are(tmp_path, run):
+    (tmp_path / "row.toml").write_text(hc.chain_as_toml(CHAINS["walls and loss"]))
+    command = ("simulate", tmp_path / "row.toml", "--sensor", "ball 3", "--json")
+    forces = ("--forces", tmp_path / "forces.csv", "--out", tmp_path / "run.nc")
+    plain, stored = (json.loads(run(*command, *more)[1]) for more in ((), forces))
+    assert stored == plain
+    assert len((tmp_path / "forces.csv").read_text().splitlines()) == stored["saved_times"] + 1
+
+
+def test_a_damaged_file_is_never_read_as_another_run(tmp_path):
+    file = tmp_path / "run.nc"
+    run = hc.simulate(CHAINS["walls and loss"], times=20)
+    run.save(file)
+    content, rng, refused = file.read_bytes(), np.random.default_rng(5), 0
+    for _ in range(60):
+        damaged = bytearray(content)
+        damaged[rng.integers(len(content))] ^= int(rng.integers(1, 256))
+        file.write_bytes(damaged)
+        try:
+            found = hc.load_run(file)
+        except hc.InputError:
+            refused += 1
+            continue
+        # Texts such as units may change, numbers may not.
+        same(found.velocities, run.velocities)
+        assert found.wall_force().peak == run.wall_force().peak
+    assert refused > 20

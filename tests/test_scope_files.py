@@ -1,0 +1,156 @@
+"""Files of oscilloscopes, as their makers write them, and units that are given with the sensors."""
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+COUNT = 200
+TIMES = np.round(1e-6 * (np.arange(COUNT) - 50), 9)
+PULSE = 2.0 * np.exp(-(((np.arange(COUNT) - 140) / 9.0) ** 2))
+NOISE = np.random.default_rng(3).normal(0.0, 1e-3, (2, COUNT))
+SIGNALS = np.round(np.array([PULSE, 0.5 * np.roll(PULSE, 20)]) + NOISE, 6)
+PLACES = {"CH1": "ball 4", "CH2": "wall"}
+
+
+def lines(factor=1.0, end=""):
+    return "".join(
+        f"{factor * time:.9g},{first:.6f},{second:.6f}{end}\n"
+        for time, first, second in zip(TIMES, *SIGNALS, strict=True)
+    )
+
+
+TEKTRONIX = f"""Model,MDO3024,,
+Firmware Version,1.26,,
+
+Waveform Type,ANALOG,,
+Point Format,Y,,
+Horizontal Units,s,,
+Sample Interval,1e-06,,
+Record Length,{COUNT},,
+Vertical Units,V,V,
+Vertical Scale,1,0.5,
+,,,
+Label,,,
+TIME,CH1,CH2,
+"""
+KEYSIGHT = "x-axis,1,2\nsecond,Volt,Volt\n"
+PICOSCOPE = "Time,Channel A,Channel B\n(us),(V),(V)\n\n"
+SIGLENT = "Record Length,Analog:200\nSample Interval,Analog:0.000001\nSource,CH1,CH2\n"
+FORMATS = {
+    "tektronix": (TEKTRONIX + lines(end=","), PLACES),
+    "keysight": (KEYSIGHT + lines(), {"1": "ball 4", "2": "wall"}),
+    "picoscope": (PICOSCOPE + lines(1e6), {"Channel A": "ball 4", "Channel B": "wall"}),
+    "siglent": (SIGLENT + "Second,Volt,Volt\n" + lines(), PLACES),
+    # Lines of settings with the names of columns, and a time of day.
+    "lecroy": (
+        "LECROYWR64Xi,22222,Waveform\nSegments,1,SegmentSize,200\nTime,12:30:01\n"
+        "Time,Ampl1,Ampl2\n" + lines(),
+        {"Time": "time [s]", "Ampl1": "ball 4 [V]", "Ampl2": "wall [V]"},
+    ),
+    "no units": (
+        "TIME,CH1,CH2\n" + lines(),
+        {"TIME": "time [s]", "ch1": "ball 4 [V]", "CH2": "wall [V]"},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_files_of_oscilloscopes_are_read(name, tmp_path):
+    text, places = FORMATS[name]
+    (tmp_path / "scope.csv").write_text(text)
+    traces = hc.load_traces(tmp_path / "scope.csv", sensors=places)
+    assert traces.names == ("ball 4", "wall")
+    np.testing.assert_allclose(traces.shots[0].times, TIMES, rtol=1e-8, atol=1e-15)
+    for signal, expected in zip(traces.shots[0].signals, SIGNALS, strict=True):
+        assert signal.unit == "V"
+        np.testing.assert_allclose(signal.values, expected, atol=1e-12)
+    (one,) = list(places)[-1:]
+    also = {key: place for key, place in places.items() if key == one or "time" in place}
+    assert hc.load_traces(tmp_path / "scope.csv", sensors=also).names == ("wall",)
+
+
+def test_settings_may_be_beside_the_samples(tmp_path):
+    settings = [
+        f"Record Length,{COUNT}", "Sample Interval,1e-06", "Trigger Point,50", ",", ",", ",",
+        "Source,CH1", "Vertical Units,mV", "Vertical Scale,1", "Horizontal Units,s",
+    ]  # fmt: skip
+    settings += [","] * (COUNT - len(settings))
+    rows = [
+        f"{setting},,{time:.9f},{1e3 * value:.4f},"
+        for setting, time, value in zip(settings, TIMES, SIGNALS[0], strict=True)
+    ]
+    (tmp_path / "F0000CH1.CSV").write_text("\n".join(rows) + "\n")
+    traces = hc.load_traces(tmp_path / "F0000CH1.CSV", sensors={"CH1": "ball 4"})
+    np.testing.assert_allclose(traces.shots[0].times, TIMES, atol=1e-15)
+    np.testing.assert_allclose(traces.shots[0].signals[0].values, SIGNALS[0], atol=1e-7)
+
+
+def test_samples_may_be_numbered(tmp_path):
+    rows = [
+        f"{i},{first:.6f},{second:.6f},," for i, (first, second) in enumerate(SIGNALS.T.tolist())
+    ]
+    head = ["X,CH1,CH2,Start,Increment,", f"Sequence,Volt,Volt,{TIMES[0]:e},1.000000e-06"]
+    file = tmp_path / "rigol.csv"
+    file.write_text("\n".join([*head, *rows]) + "\n")
+    traces = hc.load_traces(file, sensors=PLACES)
+    np.testing.assert_allclose(traces.shots[0].times, TIMES, atol=1e-15)
+    for signal, expected in zip(traces.shots[0].signals, SIGNALS, strict=True):
+        np.testing.assert_allclose(signal.values, expected, atol=1e-12)
+    file.write_text("\n".join([*head, *rows[:9], "9,0.1"]) + "\n")
+    with pytest.raises(hc.InputError, match="row 10 must have a number and 2 samples"):
+        hc.load_traces(file, sensors=PLACES)
+
+
+def test_units_of_sensors_are_converted(tmp_path):
+    (tmp_path / "scope.csv").write_text("TIME [s],CH1,CH2 [mV]\n" + lines())
+    sensors = {"CH1": "ball 4 [mN]", "CH2": "wall [mV]"}
+    first, second = hc.load_traces(tmp_path / "scope.csv", sensors=sensors).shots[0].signals
+    assert (first.unit, second.unit) == ("N", "V")
+    np.testing.assert_allclose(first.values, 1e-3 * SIGNALS[0])
+    np.testing.assert_allclose(second.values, 1e-3 * SIGNALS[1])
+    assert hc.load_traces(tmp_path / "scope.csv", sensors={"CH2 (mV)": "wall"}).names == ("wall",)
+
+
+@pytest.mark.parametrize(
+    ("head", "sensors", "words"),
+    [
+        ("TIME [s],CH1,CH2", None, "give load_traces sensors={'CH1': 'wall [V]'}"),
+        ("TIME [s],CH1,CH2", {"CH1": "ball 4"},
+         "column 'CH1' has no unit; give load_traces sensors={'CH1': 'ball 4 [V]'}, or [N] for"),
+        ("TIME,CH1,CH2", {"CH1": "ball 4 [V]"},
+         "column 'TIME' has no unit; write TIME [us], or give load_traces sensors={'TIME': 'time"),
+        ("TIME [s],CH1 [mV],CH2", {"CH1": "ball 4 [V]"},
+         "has the unit mV, but the sensor is given as 'ball 4 [V]'"),
+        ("X,CH1,CH2", {"CH1": "ball 4 [V]"}, "one column of times"),
+        ("TIME [s],CH1,CH2", {"CH3": "wall [V]"}, "no column 'CH3'; the file has CH1, CH2"),
+        ("TIME,CH1,CH2\n(s),(V)", PLACES, "row of units has 2 cells, the header has 3"),
+        ("TIME,CH1,CH2\n(s),(A),(V)", PLACES, "unit of column 'ball 4' 'A'"),
+        ("Model,X1\nTIME,CH1\n(s),(V)", {"CH1": "wall"}, "row 1 has 3 cells, the header has 2"),
+    ],
+)  # fmt: skip
+def test_messages_use_the_names_of_the_file(head, sensors, words, tmp_path):
+    (tmp_path / "scope.csv").write_text(f"{head}\n" + lines())
+    with pytest.raises(hc.InputError) as caught:
+        hc.load_traces(tmp_path / "scope.csv", sensors=sensors)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_sensors_of_the_command_line_have_units(run, tmp_path):
+    (tmp_path / "scope.csv").write_text("TIME,CH1,CH2\n" + lines())
+    (tmp_path / "row.toml").write_text(
+        hc.chain_as_toml(
+            hc.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=0.1).replace(
+                right_wall=hc.Wall()
+            )
+        )
+    )
+    files = ("compare", tmp_path / "scope.csv", tmp_path / "row.toml")
+    code, _, err = run(*files, "--sensor", "TIME=time [s]", "--sensor", "CH1=ball 4")
+    assert code == 2
+    assert "add --sensor 'CH1=ball 4 [V]'" in err
+    code, out, err = run(*files, "--sensor", "TIME=time [s]", "--sensor", "CH1=ball 4 [V]")
+    assert code == 0, err
+    assert "  ball 4 " in out
+    assert " V " in out

@@ -15,7 +15,9 @@ from scipy_chain import wall_peak
 
 import hertzchain as hc
 from hertzchain.designs import trials
+from hertzchain.designs.methods import method_for
 from hertzchain.designs.problem_files import load_design
+from hertzchain.designs.search_budget import budget_from, simulations_within
 
 WALLED = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
 PROBLEM = """
@@ -304,13 +306,44 @@ def counted_chains():
         yield count
 
 
+def orders(loss=None):
+    chain = hc.Chain.from_radii([1.0, *np.linspace(0.5, 1.2, 8)]).replace(loss=loss)
+    return problem(chain=chain, minimise="velocity@last", vary=[hc.vary.order()])
+
+
 def test_a_budget_of_time_ends_an_enumeration():
-    """Of 40 320 orders, few can be simulated in 0.2 s; two batches may be under way."""
-    chain = hc.Chain.from_radii([1.0, *np.linspace(0.5, 1.2, 8)])
-    given = problem(chain=chain, minimise="velocity@last", vary=[hc.vary.order()])
-    found = hc.design(given, budget="0.2 s", method="enumerate")
+    """Of 40 320 orders, few can be simulated in 0.2 s."""
+    found = hc.design(orders(), budget="0.2 s", method="enumerate")
     assert found.runs < 20_000
-    assert "of 40320 choices: the budget was used up" in found.summary()
+    (line,) = (line for line in found.summary().splitlines() if "choices" in line)
+    assert f"best of the first {found.runs} of 40320 choices: the budget was used up" in line
+    assert "give a larger budget, or method 'genetic'" in line
+
+
+@pytest.mark.parametrize("method", ["auto", "enumerate"])
+def test_a_budget_of_time_is_kept_by_slow_chains(method):
+    """A batch of 512 chains with losses takes several seconds."""
+    given = orders(hc.Restitution(0.9))
+    hc.design(given, budget=100)  # compiled
+    found = hc.design(given, budget="1 s", method=method)
+    assert 20 < found.runs < 5000
+    assert 0.9 < found.seconds < 1.5
+
+
+@pytest.mark.parametrize(("budget", "method"), [("1 s", "genetic"), ("1 h", "enumerate")])
+def test_a_budget_of_time_permits_an_enumeration_if_there_are_few_choices(budget, method):
+    limit = budget_from(budget)
+    assert method_for(orders(), "auto", simulations_within(limit, 9, elastic=True)) == method
+
+
+def test_a_search_with_a_budget_of_time_resumes(tmp_path):
+    """The numbers of trials between two checks of the time follow from the journal."""
+    given, store = orders(), tmp_path / "store"
+    first = hc.design(given, budget="0.5 s", store=store)
+    again = hc.design(given, budget="0.5 s", store=store)
+    assert again.runs == first.runs > 0
+    assert again.value == first.value
+    np.testing.assert_array_equal(again.history, first.history)
 
 
 def test_too_many_variables_are_explained():

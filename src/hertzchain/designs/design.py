@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import IncompleteWarning, InputError, InputWarning, ModelRangeWarning
 from ..representation import counted
+from ..simulation.ensemble_input import is_covered
 from ..store.file_lock import lock
 from ..store.journal import Journal
 from ..validation.keywords import checked_arguments
@@ -26,7 +27,7 @@ from .pareto import compared_points, design_front
 from .problem import Design
 from .reference_chains import evaluated_references, reference_count
 from .result import DesignResult
-from .search_budget import Budget, budget_from
+from .search_budget import Budget, budget_from, simulations_within
 from .trials import Outcome, Reference, Trials
 from .verified import Verified, met, quietly
 
@@ -58,7 +59,7 @@ def design(
         Largest number of simulations, 20 000 by default, or a time such as ``"60 s"``.  Chains to
         compare with are counted, and an exact gradient as two simulations; the verification of the
         result is not.  With a number, which is never exceeded, the result does not depend on the
-        speed of the computer.  The time is checked between batches of simulations.
+        speed of the computer.  A time does not include the verification.
     method : str
         ``"auto"``, or a method of `hertzchain.designs.methods`.
     seed : int
@@ -106,7 +107,9 @@ def design(
     limit = budget_from(budget)
     seed = whole_number("seed", seed, least=0)
     count = whole_number("points", points, least=2, most=200)
-    chosen = method_for(problem, method, limit.runs)
+    chain = problem.chain
+    together = is_covered(chain, problem.until)
+    chosen = method_for(problem, method, simulations_within(limit, chain.beads, elastic=together))
     reason = impossible(problem)
     _check_budget(problem, limit, 0 if reason is not None else count)
     options = f"{problem.identity} {chosen} {limit.runs} {limit.seconds} {seed} {count}"

@@ -101,11 +101,9 @@ def search_in_words(result: DesignResult) -> str:
     if (choices := _choices(result)) is None:
         return f"best of {counted(len(result.finals), 'start')}"
     done, count = choices
-    return (
-        f"best of all {counted(count, 'simulated choice')}"
-        if done >= count
-        else (f"best of {done} of {count} choices")
-    )
+    if done >= count:
+        return f"best of all {counted(count, 'simulated choice')}"
+    return f"best of the first {done} of {count} choices"
 
 
 def _choices(result: DesignResult) -> tuple[int, int] | None:
@@ -122,8 +120,8 @@ def _starts(result: DesignResult) -> list[str]:
         done, count = choices
         if done >= count:
             return [search_in_words(result)]
-        return [f"best of {done} of {count} choices: the budget was used up; give a larger budget, "
-                "or omit method"]  # fmt: skip
+        return [f"{search_in_words(result)}: the budget was used up before all were tried; give a "
+                "larger budget, or method 'genetic'"]  # fmt: skip
     work = counted(result.runs, "simulation")
     if result.gradients:
         work += f", {counted(result.gradients, 'gradient')}"

@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -31,6 +32,9 @@ RTOL: Final = 1e-5
 KEPT: Final = 12
 # Trials that a budget of time permits at most.
 UNLIMITED: Final = 10**12
+# A budget of time is checked after this part of it, or this time [s]: at first after a few trials,
+# then after at most so many times as many as before.
+SMALL_PART, LONGEST_PART, FIRST_SIZE, GROWTH = 0.02, 1.0, 8, 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +85,8 @@ class Trials:
     references: dict[str, Reference] = field(default_factory=dict)
     # Values by tolerance and point, if several searches of a Pareto front share them.
     memory: dict[bytes, Array] | None = None
+    # Number of trials after which a budget of time is checked.
+    size: int = FIRST_SIZE
 
     def __post_init__(self) -> None:
         self.clock, self.rejecting = Clock(), threading.Lock()
@@ -123,15 +129,15 @@ class Trials:
     def evaluate(self, points: Sequence[Any], *, rtol: float = RTOL) -> list[Outcome]:
         """Simulate the chains at several points; at the first ones if the budget ends there."""
         if self.memory is None:
-            points = points[: self.room]
-            return self._simulate(points, rtol) if len(points) else []
+            return self._simulate(points[: self.room], rtol)
         keys = [str(rtol).encode() + np.ascontiguousarray(point).tobytes() for point in points]
         new = {key: point for key, point in zip(keys, points, strict=True)
                if key not in self.memory}  # fmt: skip
         fresh = [*new][: self.room]
         if fresh:
             outcomes = self._simulate([new[key] for key in fresh], rtol)
-            self.memory |= {key: each.values for key, each in zip(fresh, outcomes, strict=True)}
+            # With a budget of time, only the first points may have been simulated.
+            self.memory |= {key: each.values for key, each in zip(fresh, outcomes, strict=False)}
         known = {key: point for key, point in zip(keys, points, strict=True) if key in self.memory}
         if not known:
             return []
@@ -140,10 +146,31 @@ class Trials:
         return found
 
     def _simulate(self, points: Sequence[Any], rtol: float) -> list[Outcome]:
-        values = self._journalled("values", points, lambda: self._values(points, rtol))
-        found = self.outcomes(points, values)
-        self._note(found, self.samples)
+        found: list[Outcome] = []
+        # At least one trial is simulated, even if the time is over.
+        while len(found) < len(points) and (self.used < 1.0 or not self.best):
+            part = points[len(found) : len(found) + self._at_a_time]
+            before = self.journal.seconds
+            values = self._journalled("values", part, partial(self._values, part, rtol))
+            outcomes = self.outcomes(part, values)
+            self._note(outcomes, self.samples)
+            self._adjust_size(len(part), self.journal.seconds - before)
+            found += outcomes
         return found
+
+    @property
+    def _at_a_time(self) -> int:
+        """Number of trials after which a budget of time is checked."""
+        return self.size if np.isfinite(self.budget.seconds) else UNLIMITED
+
+    def _adjust_size(self, trials: int, seconds: float) -> None:
+        """Choose how many trials fit into a small part of the time.
+
+        The times are those of the journal, and thus the same if a search is resumed.
+        """
+        wanted = min(LONGEST_PART, SMALL_PART * self.budget.seconds)
+        fitting = trials * wanted / max(seconds, 1e-9)
+        self.size = int(np.clip(fitting, 1, GROWTH * self.size))
 
     def evaluate_all(self, batches: Iterator[list[Any]]) -> None:
         """Evaluate many batches; with several threads, two at a time.
@@ -151,11 +178,12 @@ class Trials:
         Chains are made while kernels run for the other batch.  Trials are noted in order.
         """
         workers = 2 if worker_count("threads", self.threads) > 1 else 1
+        timed = np.isfinite(self.budget.seconds)
         waiting: deque[tuple[list[Any], Future[Array]]] = deque()
         with ThreadPoolExecutor(workers) as executor:
             try:
                 for batch in batches:
-                    if self.journal.known or workers == 1 or self.memory is not None:
+                    if self.journal.known or workers == 1 or self.memory is not None or timed:
                         self.evaluate(batch)
                         continue
                     waiting.append((batch, executor.submit(self._values, batch, RTOL)))

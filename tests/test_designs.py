@@ -717,6 +717,28 @@ def test_the_shipped_catalogue_has_known_sizes():
         assert 1 / mass == pytest.approx(per_kg, rel=0.02)
 
 
+@pytest.mark.parametrize(
+    ("chosen", "told"),
+    [
+        ({"diameters": ["8.2 mm", "4 mm"]},
+         "8.2 mm is not among the balls in the catalogue 'bearing-balls'; the nearest is 8 mm"),
+        ({"diameters": ["4 mm", "5 mm", "9.525 mm"], "materials": "ptfe"},
+         "4 mm, 5 mm are not among the balls of ptfe in .*; the nearest are 3.9688 mm, 4.7625 mm"),
+        ({"materials": ["steel-304", "brass"]}, "no balls of brass; it has steel-52100, steel-304"),
+    ],
+)  # fmt: skip
+def test_balls_that_the_catalogue_does_not_have_are_reported(chosen, told):
+    with pytest.raises(hc.InputError, match=told):
+        hc.vary.balls(**chosen).space(hc.Chain.from_materials(5e-3, "steel-304", beads=4))
+
+
+def test_a_size_that_one_of_the_materials_has_is_known():
+    found = hc.vary.balls(materials=["steel-304", "ptfe"], diameters=["4 mm", "4.762 mm"]).balls
+    assert [(1e3 * each.diameter, each.material.name) for each in found] == [
+        (4.0, "steel-304"), (4.7625, "steel-304"), (4.7625, "ptfe")
+    ]  # fmt: skip
+
+
 def test_prices_come_from_a_catalogue_of_the_user(tmp_path):
     file = tmp_path / "balls.csv"
     file.write_text("diameter [mm],material,price\n4,steel-304,1.5\n5,ptfe,0.25\n")

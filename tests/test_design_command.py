@@ -3,6 +3,7 @@
 import functools
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -149,6 +150,59 @@ def test_the_command_writes_chain_figure_and_json(file, tmp_path, run):
     assert document["value"] == pytest.approx(wall_peak(chain, 30.0), rel=1e-7)
     assert (tmp_path / "design.png").stat().st_size > 20_000
     assert list((tmp_path / "problem.design").glob("*-400-simulations-seed-2.journal"))
+
+
+BALLS = """
+[chain]
+diameters = "6.35 mm"
+materials = "steel-52100"
+beads = 4
+velocity = "0.2 m/s"
+right_wall = {material = "steel-52100"}
+
+[design]
+minimise = ["wall_force.peak", "length"]
+
+[[design.vary]]
+balls = "bearing-balls"
+materials = ["steel-52100", "ptfe"]
+diameters = ["3.9688 mm", "5.5562 mm"]
+optional = true
+"""
+
+
+def test_all_points_of_a_front_are_written(file, tmp_path, run):
+    file.write_text(BALLS)
+    points = json.loads(run(file, "--out", tmp_path / "row.toml", "--json").stdout)["front"]
+    run(file, "--out", tmp_path / "row.csv")
+    names = [f"row-{i}" for i in range(1, len(points) + 1)]
+    assert len(points) > 2
+    assert sorted(each.stem for each in tmp_path.glob("row*.toml")) == names
+    for name, point in zip(names, points, strict=True):
+        chain = hc.load_chain(tmp_path / f"{name}.toml")
+        assert chain.radii.tolist() == point["radii"]
+        assert [each.name for each in chain.materials] == point["materials"]
+        assert 2.0 * chain.radii.sum() == pytest.approx(point["values"]["length"])
+        assert "radii" not in (tmp_path / f"{name}.toml").read_text()
+        table = hc.load_chain(tmp_path / f"{name}.csv")
+        np.testing.assert_array_equal(table.masses, chain.masses)
+    assert '["6.35 mm", ' in (tmp_path / "row-1.toml").read_text()
+
+
+def test_the_summary_states_that_the_arriving_ball_counts(file, run):
+    file.write_text(BALLS.replace('["wall_force.peak", "length"]', '"length"'))
+    with file.open("a") as stream:
+        stream.write('[design.subject_to]\n"wall_force.peak" = "<= 20 N"\nmass = "<= 1.2 g"\n')
+    lines = run(file).stdout.splitlines()
+    assert re.fullmatch(r"Smallest length: \d+\.?\d* mm with the arriving ball", lines[0])
+    assert "parts, without the arriving ball:" in lines
+    assert any(re.fullmatch(r"  mass <= 1.2 g: 1\.\d+ g with the arriving ball", x) for x in lines)
+    # PTFE yields, which changes the force but not the length.
+    assert not any("ElasticPlastic" in line for line in lines)
+    (force,) = (line for line in lines if line.startswith("  wall_force.peak <= 20 N"))
+    assert force.endswith(" with contacts that yield)")
+    (equal,) = (line for line in lines if "row of equal balls" in line)
+    assert ("NOT meet" in equal) != ("of this value" in equal)
 
 
 def test_constraints_that_cannot_be_met_give_exit_code_3(file, run):

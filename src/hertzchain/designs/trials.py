@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,9 @@ from .models import by_model
 from .problem import Design
 from .requirements import TOLERANCE, violation
 from .search_budget import Budget, Clock, Spent
+
+if TYPE_CHECKING:
+    from .verified import Verified
 
 # Tolerance of trial runs; results are verified with a tighter one.
 RTOL: Final = 1e-5
@@ -83,8 +86,10 @@ class Trials:
     best: list[Outcome] = field(default_factory=list)
     reasons: dict[str, int] = field(default_factory=dict)
     references: dict[str, Reference] = field(default_factory=dict)
-    # Values by tolerance and point, if several searches of a Pareto front share them.
-    memory: dict[bytes, Array] | None = None
+    # Points and values by tolerance and point, if several searches of a Pareto front share them.
+    memory: dict[bytes, tuple[Any, Array]] | None = None
+    # Verified chains by point, also of all searches of a Pareto front.
+    verified: dict[bytes, Verified] = field(default_factory=dict)
     # Number of trials after which a budget of time is checked.
     size: int = FIRST_SIZE
 
@@ -137,11 +142,13 @@ class Trials:
         if fresh:
             outcomes = self._simulate([new[key] for key in fresh], rtol)
             # With a budget of time, only the first points may have been simulated.
-            self.memory |= {key: each.values for key, each in zip(fresh, outcomes, strict=False)}
+            self.memory |= {
+                key: (each.x, each.values) for key, each in zip(fresh, outcomes, strict=False)
+            }
         known = {key: point for key, point in zip(keys, points, strict=True) if key in self.memory}
         if not known:
             return []
-        found = self.outcomes([*known.values()], np.array([self.memory[key] for key in known]))
+        found = self.outcomes([*known.values()], np.array([self.memory[key][1] for key in known]))
         self._note(found, 0)
         return found
 

@@ -272,6 +272,7 @@ STEEL = hc.Chain.from_materials(5e-3, "steel-304", beads=6, velocity=1.0)
         ({"minimise": "yield_ratio"}, "needs a chain with materials"),
         ({"subject_to": {"length": "= 3"}}, "must look like '<= 5'"),
         ({"subject_to": {"length": "== 3"}}, "give both: ['<= 3', '>= 3']"),
+        ({"subject_to": {"length": "about 1"}}, "give both: ['<= 5', '>= 5']"),
         ({"subject_to": {"length": 3}}, "give both: ['<= 5', '>= 5']"),
         ({"subject_to": {"length": ["<= 3", ">= 4"]}}, "exclude each other"),
         ({"subject_to": {"length": "<= 3 mm"}}, "scaled variables"),
@@ -425,6 +426,21 @@ def test_invalid_catalogues_are_explained(tmp_path, content, told):
     assert told in str(error.value)
 
 
+def test_rejected_trials_are_counted_in_a_search_that_resumes(tmp_path):
+    """Without any ball only the arriving one remains, and a chain has at least two."""
+    found = [hc.design(balls_or_none(), budget=20, store=tmp_path / "store") for _ in range(2)]
+    for each in found:
+        assert each.rejected == 1
+        assert "one trial was rejected, because " in each.notes[-1]
+    assert found[0].notes == found[1].notes
+
+
+def balls_or_none():
+    chain = hc.Chain.from_materials("2 mm", "steel-304", beads=3, velocity=0.001)
+    balls = hc.vary.balls(materials="steel-304", diameters=["3 mm", "4 mm"], optional=True)
+    return hc.Design(chain, maximise="velocity@last", vary=[balls])
+
+
 def test_trials_that_cannot_be_simulated_are_rejected_and_counted():
     # Masses of radii above 1e102 overflow.
     given = hc.Design(
@@ -433,7 +449,7 @@ def test_trials_that_cannot_be_simulated_are_rejected_and_counted():
     )  # fmt: skip
     found = hc.design(given, budget=200, method="evolution")
     assert found.rejected > 0
-    assert "rejected" in found.summary()
+    assert f"note: {found.rejected} trials were rejected, the first one because " in found.summary()
 
 
 def test_a_search_without_any_result_does_not_block_a_corrected_file(file, tmp_path, run):

@@ -13,7 +13,7 @@ from hertzchain.designs.balls import Ball, load_balls
 from hertzchain.designs.bundle_descent import Model, _step
 from hertzchain.designs.evolution import Strategy, reflected
 from hertzchain.designs.exact_gradients import covered, values_and_slopes
-from hertzchain.designs.genetic import Population, enumerate_all
+from hertzchain.designs.genetic import Population, enumerate_all, search
 from hertzchain.designs.methods import method_for
 from hertzchain.designs.pareto import undominated
 from hertzchain.designs.reference_chains import evaluated_references
@@ -454,6 +454,37 @@ def test_a_front_may_be_limited_to_some_points():
     assert [few[0].value, few[-1].value] == [front[0].value, front[-1].value]
     assert len(few) == 3
     assert {each.value for each in few} < {each.value for each in front}
+
+
+def test_a_search_among_balls_with_scatter_begins_with_the_best_without():
+    """None of 250 trials with scatter would find a row as good as that of 6000 without it."""
+    sizes = [f"{each} mm" for each in (3, 4, 5, 6, 7, 8)]
+    chain = hc.Chain.from_materials(
+        "3 mm", "steel-52100", beads=9, velocity=0.05, right_wall=hc.Wall.of("steel-52100")
+    )
+    row = hc.vary.balls(materials="steel-52100", diameters=sizes)
+    given = {"minimise": "wall_force.peak", "vary": [row]}
+    scatter = hc.Scatter(radius=0.003, samples=10, beads="2:")
+    nominal = hc.design(hc.Design(chain, **given), budget=1500)
+    found = hc.design(hc.Design(chain, **given, scatter=scatter), budget=5000)
+    cold = Trials(
+        hc.Design(chain, **given, scatter=scatter), budget_from(3500), Journal(None, ""), 0
+    )
+    (best, *_) = sorted(each.score for each in search(cold, 1.0, 0))
+    assert found.expected < best
+    assert found.expected < 1.1 * nominal.value
+
+
+def test_the_figure_of_a_momentum_design_shows_momenta():
+    problem = hc.Design(
+        hc.Chain.uniform(6), maximise="momentum@5", vary=[hc.vary.radii(0.5, 1.5, by="common")]
+    )
+    found = hc.design(problem, budget=60)
+    axes = found.plot("forces")
+    assert axes.get_ylabel() == "momentum $P_k$"
+    _, line = axes.lines
+    np.testing.assert_allclose(line.get_ydata()[4], found.value, rtol=1e-6)
+    plt.close(axes.figure)
 
 
 def test_equal_and_beaten_points_are_not_on_a_front():

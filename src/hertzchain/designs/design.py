@@ -228,8 +228,18 @@ def _result(
         bounds_of(problem), found.method, np.array(found.finals),
         tuple(_verified(trials, each) for each in found.optima), others,
         np.array(trials.history, float).reshape(-1, 2), (), trials.runs, trials.gradients,
-        trials.rejected, trials.journal.seconds, (*notes, *verified.notes), parts,
+        trials.rejected, trials.journal.seconds, (*notes, *verified.notes, *_rejected(trials)),
+        parts,
     )  # fmt: skip
+
+
+def _rejected(trials: Trials) -> list[str]:
+    """A note on trials that could not be simulated."""
+    if not trials.rejected:
+        return []
+    which = "one trial was" if trials.rejected == 1 else f"{trials.rejected} trials were"
+    first = "" if trials.rejected == 1 else "the first one because "
+    return [f"{which} rejected, {first or 'because '}{trials.why_rejected()}"]
 
 
 def _verified(trials: Trials, outcome: Outcome) -> Verified:

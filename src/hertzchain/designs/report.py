@@ -150,8 +150,6 @@ def _starts(result: DesignResult) -> list[str]:
     work = counted(result.runs, "simulation")
     if result.gradients:
         work += f", {counted(result.gradients, 'gradient')}"
-    if result.rejected:
-        work += f", {counted(result.rejected, 'trial')} rejected"
     if len(result.finals) == 0:
         return [f"no search was completed: the budget was used up in {work}, which began with the "
                 "chains to compare with; give a larger budget"]  # fmt: skip

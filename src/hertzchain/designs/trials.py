@@ -88,6 +88,10 @@ class Trials:
     references: dict[str, Reference] = field(default_factory=dict)
     # Points and values by tolerance and point, if several searches of a Pareto front share them.
     memory: dict[bytes, tuple[Any, Array]] | None = None
+    # Number of the best trials that are kept.
+    kept: int = KEPT
+    # The first point whose chain could not be simulated.
+    failed: Any = None
     # Verified chains by point, also of all searches of a Pareto front.
     verified: dict[bytes, Verified] = field(default_factory=dict)
     # Number of trials after which a budget of time is checked.
@@ -337,8 +341,13 @@ class Trials:
 
     def _reject(self, reason: str) -> None:
         with self.rejecting:
-            self.rejected += 1
             self.reasons[reason] = self.reasons.get(reason, 0) + 1
+
+    def why_rejected(self) -> str:
+        """Why the first rejected trial could not be simulated."""
+        self.reasons.clear()
+        self._values([self.failed], RTOL)
+        return next(iter(self.reasons), "it has no value of an objective or a constraint")
 
     def _journalled(self, what: str, points: Sequence[Any], compute: Callable[[], Array]) -> Array:
         joined = b"".join(np.ascontiguousarray(point).tobytes() for point in points)
@@ -366,9 +375,12 @@ class Trials:
         best = self.best[0].rank if self.best else (np.inf, np.inf)
         for each in found:
             self.runs += cost
+            if cost and not np.isfinite(each.values).all():
+                self.rejected += 1
+                self.failed = each.x if self.failed is None else self.failed
             if each.rank < best:
                 best = each.rank
                 if each.met:
                     self.history.append((self.runs, each.score))
         known = {np.ascontiguousarray(each.x).tobytes(): each for each in [*self.best, *found]}
-        self.best = sorted(known.values(), key=lambda each: each.rank)[:KEPT]
+        self.best = sorted(known.values(), key=lambda each: each.rank)[: self.kept]

@@ -158,9 +158,10 @@ def copy_changelog(_: Any) -> None:
 
 
 def write_tables(_: Any) -> None:
-    """Write the tables of all keys of chain files, and of the constants of the modified BCA."""
+    """Write the tables of keys of chain files, constants of the modified BCA, and balls."""
     tables = {"chain_file_keys": schema_tables.chain_file_page(),
-              "calibration": schema_tables.calibration_table()}  # fmt: skip
+              "calibration": schema_tables.calibration_table(),
+              "balls": schema_tables.ball_table()}  # fmt: skip
     for name, text in tables.items():
         page = HERE / "_generated" / f"{name}.md"
         if not page.exists() or page.read_text("utf-8") != text:

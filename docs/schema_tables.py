@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from importlib import resources
 from typing import Any
 
+from hertzchain.designs.balls import SHIPPED, inch_fraction, load_balls
 from hertzchain.store.chain_schema import chain_schema
 
 Keys = Sequence[Mapping[str, Any]]
@@ -48,6 +49,18 @@ def calibration_table() -> str:
         rates = re.search(r"# (.+?); beads", body)[1]
         largest, rms = re.search(r"largest (\S+), rms (\S+)", body).groups()
         rows.append(f"| {taper} | {rates} | {constants} | {largest} | {rms} |")
+    return "\n".join(rows) + "\n"
+
+
+def ball_table() -> str:
+    """Return a table in Markdown of the sizes in the catalogue of balls, from the shipped file."""
+    sizes: dict[str, list[str]] = {}
+    for ball in load_balls(SHIPPED):
+        inch = inch_fraction(ball.diameter)
+        size = f"{1e3 * ball.diameter:g}" + (f" ({inch} in)" if inch else "")
+        sizes.setdefault(ball.material.name, []).append(size)
+    rows = ["| material | diameters [mm] |", "|---|---|"]
+    rows += [f"| {name} | {', '.join(values)} |" for name, values in sizes.items()]
     return "\n".join(rows) + "\n"
 
 

@@ -400,6 +400,14 @@ def test_progress_in_a_pipe_is_a_line_now_and_then(run, monkeypatch):
     assert "beads passed: 400 of 400" in err
 
 
+def test_progress_that_does_not_change_is_one_line(monkeypatch, capsys):
+    monkeypatch.setattr(progress, "SECONDS_PER_LINE", 0.0)
+    update = progress._lines_of_progress("chains", None)
+    for done in (0, 0, 0, 3, 3, 5):
+        update(done, 5)
+    assert capsys.readouterr().err == "chains: 0 of 5\nchains: 3 of 5\nchains: 5 of 5\n"
+
+
 @pytest.mark.filterwarnings("default::hertzchain.ModelRangeWarning")
 def test_a_chain_in_si_units_is_shown_in_si_units(run, tmp_path):
     beads = "\n".join(["diameter [mm],material", *["10,steel-52100"] * 60])

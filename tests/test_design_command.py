@@ -3,6 +3,7 @@
 import functools
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -15,7 +16,9 @@ from scipy_chain import wall_peak
 
 import hertzchain as hc
 from hertzchain.designs import trials
+from hertzchain.designs.methods import method_for
 from hertzchain.designs.problem_files import load_design
+from hertzchain.designs.search_budget import budget_from, simulations_within
 
 WALLED = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
 PROBLEM = """
@@ -149,6 +152,59 @@ def test_the_command_writes_chain_figure_and_json(file, tmp_path, run):
     assert list((tmp_path / "problem.design").glob("*-400-simulations-seed-2.journal"))
 
 
+BALLS = """
+[chain]
+diameters = "6.35 mm"
+materials = "steel-52100"
+beads = 4
+velocity = "0.2 m/s"
+right_wall = {material = "steel-52100"}
+
+[design]
+minimise = ["wall_force.peak", "length"]
+
+[[design.vary]]
+balls = "bearing-balls"
+materials = ["steel-52100", "ptfe"]
+diameters = ["3.9688 mm", "5.5562 mm"]
+optional = true
+"""
+
+
+def test_all_points_of_a_front_are_written(file, tmp_path, run):
+    file.write_text(BALLS)
+    points = json.loads(run(file, "--out", tmp_path / "row.toml", "--json").stdout)["front"]
+    run(file, "--out", tmp_path / "row.csv")
+    names = [f"row-{i}" for i in range(1, len(points) + 1)]
+    assert len(points) > 2
+    assert sorted(each.stem for each in tmp_path.glob("row*.toml")) == names
+    for name, point in zip(names, points, strict=True):
+        chain = hc.load_chain(tmp_path / f"{name}.toml")
+        assert chain.radii.tolist() == point["radii"]
+        assert [each.name for each in chain.materials] == point["materials"]
+        assert 2.0 * chain.radii.sum() == pytest.approx(point["values"]["length"])
+        assert "radii" not in (tmp_path / f"{name}.toml").read_text()
+        table = hc.load_chain(tmp_path / f"{name}.csv")
+        np.testing.assert_array_equal(table.masses, chain.masses)
+    assert '["6.35 mm", ' in (tmp_path / "row-1.toml").read_text()
+
+
+def test_the_summary_states_that_the_arriving_ball_counts(file, run):
+    file.write_text(BALLS.replace('["wall_force.peak", "length"]', '"length"'))
+    with file.open("a") as stream:
+        stream.write('[design.subject_to]\n"wall_force.peak" = "<= 20 N"\nmass = "<= 1.2 g"\n')
+    lines = run(file).stdout.splitlines()
+    assert re.fullmatch(r"Smallest length: \d+\.?\d* mm with the arriving ball", lines[0])
+    assert "parts, without the arriving ball:" in lines
+    assert any(re.fullmatch(r"  mass <= 1.2 g: 1\.\d+ g with the arriving ball", x) for x in lines)
+    # PTFE yields, which changes the force but not the length.
+    assert not any("ElasticPlastic" in line for line in lines)
+    (force,) = (line for line in lines if line.startswith("  wall_force.peak <= 20 N"))
+    assert force.endswith(" with contacts that yield)")
+    (equal,) = (line for line in lines if "row of equal balls" in line)
+    assert ("NOT meet" in equal) != ("of this value" in equal)
+
+
 def test_constraints_that_cannot_be_met_give_exit_code_3(file, run):
     file.write_text(PROBLEM + '[design.subject_to]\n"wall_force.impulse" = "<= 0.5"\n')
     found = run(file)
@@ -216,6 +272,7 @@ STEEL = hc.Chain.from_materials(5e-3, "steel-304", beads=6, velocity=1.0)
         ({"minimise": "yield_ratio"}, "needs a chain with materials"),
         ({"subject_to": {"length": "= 3"}}, "must look like '<= 5'"),
         ({"subject_to": {"length": "== 3"}}, "give both: ['<= 3', '>= 3']"),
+        ({"subject_to": {"length": "about 1"}}, "give both: ['<= 5', '>= 5']"),
         ({"subject_to": {"length": 3}}, "give both: ['<= 5', '>= 5']"),
         ({"subject_to": {"length": ["<= 3", ">= 4"]}}, "exclude each other"),
         ({"subject_to": {"length": "<= 3 mm"}}, "scaled variables"),
@@ -304,13 +361,44 @@ def counted_chains():
         yield count
 
 
+def orders(loss=None):
+    chain = hc.Chain.from_radii([1.0, *np.linspace(0.5, 1.2, 8)]).replace(loss=loss)
+    return problem(chain=chain, minimise="velocity@last", vary=[hc.vary.order()])
+
+
 def test_a_budget_of_time_ends_an_enumeration():
-    """Of 40 320 orders, few can be simulated in 0.2 s; two batches may be under way."""
-    chain = hc.Chain.from_radii([1.0, *np.linspace(0.5, 1.2, 8)])
-    given = problem(chain=chain, minimise="velocity@last", vary=[hc.vary.order()])
-    found = hc.design(given, budget="0.2 s", method="enumerate")
+    """Of 40 320 orders, few can be simulated in 0.2 s."""
+    found = hc.design(orders(), budget="0.2 s", method="enumerate")
     assert found.runs < 20_000
-    assert "of 40320 choices: the budget was used up" in found.summary()
+    (line,) = (line for line in found.summary().splitlines() if "choices" in line)
+    assert f"best of the first {found.runs} of 40320 choices: the budget was used up" in line
+    assert "give a larger budget, or method 'genetic'" in line
+
+
+@pytest.mark.parametrize("method", ["auto", "enumerate"])
+def test_a_budget_of_time_is_kept_by_slow_chains(method):
+    """A batch of 512 chains with losses takes several seconds."""
+    given = orders(hc.Restitution(0.9))
+    hc.design(given, budget=100)  # compiled
+    found = hc.design(given, budget="1 s", method=method)
+    assert 20 < found.runs < 5000
+    assert 0.9 < found.seconds < 1.5
+
+
+@pytest.mark.parametrize(("budget", "method"), [("1 s", "genetic"), ("1 h", "enumerate")])
+def test_a_budget_of_time_permits_an_enumeration_if_there_are_few_choices(budget, method):
+    limit = budget_from(budget)
+    assert method_for(orders(), "auto", simulations_within(limit, 9, elastic=True)) == method
+
+
+def test_a_search_with_a_budget_of_time_resumes(tmp_path):
+    """The numbers of trials between two checks of the time follow from the journal."""
+    given, store = orders(), tmp_path / "store"
+    first = hc.design(given, budget="0.5 s", store=store)
+    again = hc.design(given, budget="0.5 s", store=store)
+    assert again.runs == first.runs > 0
+    assert again.value == first.value
+    np.testing.assert_array_equal(again.history, first.history)
 
 
 def test_too_many_variables_are_explained():
@@ -338,6 +426,21 @@ def test_invalid_catalogues_are_explained(tmp_path, content, told):
     assert told in str(error.value)
 
 
+def test_rejected_trials_are_counted_in_a_search_that_resumes(tmp_path):
+    """Without any ball only the arriving one remains, and a chain has at least two."""
+    found = [hc.design(balls_or_none(), budget=20, store=tmp_path / "store") for _ in range(2)]
+    for each in found:
+        assert each.rejected == 1
+        assert "one trial was rejected, because " in each.notes[-1]
+    assert found[0].notes == found[1].notes
+
+
+def balls_or_none():
+    chain = hc.Chain.from_materials("2 mm", "steel-304", beads=3, velocity=0.001)
+    balls = hc.vary.balls(materials="steel-304", diameters=["3 mm", "4 mm"], optional=True)
+    return hc.Design(chain, maximise="velocity@last", vary=[balls])
+
+
 def test_trials_that_cannot_be_simulated_are_rejected_and_counted():
     # Masses of radii above 1e102 overflow.
     given = hc.Design(
@@ -346,7 +449,7 @@ def test_trials_that_cannot_be_simulated_are_rejected_and_counted():
     )  # fmt: skip
     found = hc.design(given, budget=200, method="evolution")
     assert found.rejected > 0
-    assert "rejected" in found.summary()
+    assert f"note: {found.rejected} trials were rejected, the first one because " in found.summary()
 
 
 def test_a_search_without_any_result_does_not_block_a_corrected_file(file, tmp_path, run):

@@ -13,8 +13,9 @@ from hertzchain.designs.balls import Ball, load_balls
 from hertzchain.designs.bundle_descent import Model, _step
 from hertzchain.designs.evolution import Strategy, reflected
 from hertzchain.designs.exact_gradients import covered, values_and_slopes
-from hertzchain.designs.genetic import Population, enumerate_all
+from hertzchain.designs.genetic import Population, enumerate_all, search
 from hertzchain.designs.methods import method_for
+from hertzchain.designs.pareto import undominated
 from hertzchain.designs.reference_chains import evaluated_references
 from hertzchain.designs.search_budget import budget_from
 from hertzchain.designs.sensitivity import changes, sensitivity
@@ -197,7 +198,7 @@ def test_places_may_be_empty_and_the_length_is_limited():
     assert found.chain.velocities.tolist() == [1.0, 0.0, 0.0, 0.0]
     lines = found.summary().splitlines()
     length = 2e3 * found.chain.radii.sum()
-    assert f"  length <= 20 mm: {length:.4g} mm" in lines
+    assert f"  length <= 20 mm: {length:.4g} mm with the arriving ball" in lines
     (order,) = [line for line in lines if line.startswith("order: ")]
     assert order.startswith("order: 4.76 mm steel-304 (arrives), ")
     counts = [int(each.split(" x ")[0]) if " x " in each else 1 for each in order.split(", ")]
@@ -391,6 +392,104 @@ def test_a_front_has_only_designs_that_no_other_one_beats():
     assert len(found.front) == 4
     assert (np.diff(speeds) < 0).all()
     assert (np.diff(sizes) > 0).all()
+
+
+def balls_and_masses(**more):
+    """Three kinds of balls in four places, some of them empty: 120 rows."""
+    chain = hc.Chain.from_materials(
+        "3.175 mm", "steel-52100", beads=5, velocity=0.2, right_wall=hc.Wall.of("steel-52100")
+    )
+    balls = hc.vary.balls(
+        materials="steel-52100", diameters=["4 mm", "5 mm", "6.35 mm"], optional=True
+    )
+    return hc.Design(chain, minimise=["wall_force.peak", "mass"], vary=[balls], **more)
+
+
+def undominated_by_hand():
+    """Pairs of force and mass of all rows that no other row beats, in order of the force."""
+    sizes = [0.5e-3 * each for each in (4.0, 5.0, 6.35)]
+    rows = [row for n in range(5) for row in itertools.product(sizes, repeat=n)]
+    chains = [
+        hc.Chain.from_materials([3.175e-3, *row], "steel-52100", velocity=0.2).replace(
+            right_wall=hc.Wall.of("steel-52100")
+        )
+        for row in rows if row
+    ]  # fmt: skip
+    force = hc.simulate_many(chains, keep=["wall_peak_force"], rtol=1e-10)["wall_peak_force"]
+    mass = np.array([each.masses.sum() for each in chains])
+    return sorted(
+        (f, m) for f, m in zip(force, mass, strict=True)
+        if not ((force < f * (1 - 1e-4)) & (mass < m * (1 + 1e-9))).any()
+        and not ((force < f * (1 + 1e-4)) & (mass < m * (1 - 1e-9))).any()
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("method", "budget"), [("auto", 400), ("genetic", 3000)])
+def test_a_front_of_balls_has_all_rows_that_no_other_one_beats(method, budget):
+    problem = balls_and_masses()
+    found = hc.design(problem, budget=budget, method=method)
+    names = [str(each.single) for each in problem.objectives]
+    front = [tuple(each.values[name] for name in names) for each in found.front]
+    # Rows of equal force and mass are one point.
+    listed = undominated_by_hand()
+    expected = [
+        pair for i, pair in enumerate(listed)
+        if not i or pair != pytest.approx(listed[i - 1], rel=1e-4)
+    ]  # fmt: skip
+    assert len(expected) >= 5
+    np.testing.assert_allclose(sorted(front), expected, rtol=1e-6)
+    text = found.summary()
+    first = found.front[0].values
+    assert (f"  1: wall_force.peak {first['wall_force.peak']:.4g} N, "
+            f"mass {1e3 * first['mass']:.4g} g") in text  # fmt: skip
+    document = found.as_dict()["front"][-1]
+    assert document["values"]["mass"] == found.front[-1].values["mass"]
+    assert len(document["materials"]) == found.front[-1].chain.beads == len(document["radii"])
+    assert document["chain_file"]["chain"]["right_wall"]["material"] == "steel-52100"
+
+
+def test_a_front_may_be_limited_to_some_points():
+    front = hc.design(balls_and_masses(), budget=400).front
+    few = hc.design(balls_and_masses(), budget=400, points=3).front
+    assert [few[0].value, few[-1].value] == [front[0].value, front[-1].value]
+    assert len(few) == 3
+    assert {each.value for each in few} < {each.value for each in front}
+
+
+def test_a_search_among_balls_with_scatter_begins_with_the_best_without():
+    """None of 250 trials with scatter would find a row as good as that of 6000 without it."""
+    sizes = [f"{each} mm" for each in (3, 4, 5, 6, 7, 8)]
+    chain = hc.Chain.from_materials(
+        "3 mm", "steel-52100", beads=9, velocity=0.05, right_wall=hc.Wall.of("steel-52100")
+    )
+    row = hc.vary.balls(materials="steel-52100", diameters=sizes)
+    given = {"minimise": "wall_force.peak", "vary": [row]}
+    scatter = hc.Scatter(radius=0.003, samples=10, beads="2:")
+    nominal = hc.design(hc.Design(chain, **given), budget=1500)
+    found = hc.design(hc.Design(chain, **given, scatter=scatter), budget=5000)
+    cold = Trials(
+        hc.Design(chain, **given, scatter=scatter), budget_from(3500), Journal(None, ""), 0
+    )
+    (best, *_) = sorted(each.score for each in search(cold, 1.0, 0))
+    assert found.expected < best
+    assert found.expected < 1.1 * nominal.value
+
+
+def test_the_figure_of_a_momentum_design_shows_momenta():
+    problem = hc.Design(
+        hc.Chain.uniform(6), maximise="momentum@5", vary=[hc.vary.radii(0.5, 1.5, by="common")]
+    )
+    found = hc.design(problem, budget=60)
+    axes = found.plot("forces")
+    assert axes.get_ylabel() == "momentum $P_k$"
+    _, line = axes.lines
+    np.testing.assert_allclose(line.get_ydata()[4], found.value, rtol=1e-6)
+    plt.close(axes.figure)
+
+
+def test_equal_and_beaten_points_are_not_on_a_front():
+    costs = np.array([[3.0, 1.0], [2.0, 1.0 + 1e-13], [2.0, 2.0], [1.0, 2.5], [1.0, 2.5], [4.0, 9]])
+    assert undominated(costs) == [3, 1]
 
 
 def test_a_curve_of_a_known_chain_is_found_again():
@@ -715,6 +814,28 @@ def test_the_shipped_catalogue_has_known_sizes():
         ball = next(b for b in found if b.diameter == diameter and b.material.name == "steel-52100")
         mass = ball.material.density * np.pi / 6 * ball.diameter**3
         assert 1 / mass == pytest.approx(per_kg, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("chosen", "told"),
+    [
+        ({"diameters": ["8.2 mm", "4 mm"]},
+         "8.2 mm is not among the balls in the catalogue 'bearing-balls'; the nearest is 8 mm"),
+        ({"diameters": ["4 mm", "5 mm", "9.525 mm"], "materials": "ptfe"},
+         "4 mm, 5 mm are not among the balls of ptfe in .*; the nearest are 3.9688 mm, 4.7625 mm"),
+        ({"materials": ["steel-304", "brass"]}, "no balls of brass; it has steel-52100, steel-304"),
+    ],
+)  # fmt: skip
+def test_balls_that_the_catalogue_does_not_have_are_reported(chosen, told):
+    with pytest.raises(hc.InputError, match=told):
+        hc.vary.balls(**chosen).space(hc.Chain.from_materials(5e-3, "steel-304", beads=4))
+
+
+def test_a_size_that_one_of_the_materials_has_is_known():
+    found = hc.vary.balls(materials=["steel-304", "ptfe"], diameters=["4 mm", "4.762 mm"]).balls
+    assert [(1e3 * each.diameter, each.material.name) for each in found] == [
+        (4.0, "steel-304"), (4.7625, "steel-304"), (4.7625, "ptfe")
+    ]  # fmt: skip
 
 
 def test_prices_come_from_a_catalogue_of_the_user(tmp_path):

@@ -119,14 +119,60 @@ def test_the_document_of_scatter_counts_chains_outside_the_range(run):
 
 
 def test_tables_of_runs_state_the_number_of_chains_outside_the_range():
-    words = "1 of 2 chains outside Hertz's range (reflections not checked)"
     table = hc.simulate_many([walled(FAST), walled(SLOW)])
-    assert words in " ".join(repr(table).split())
+    assert "1 of 2 chains outside Hertz's range;" in " ".join(repr(table).split())
     assert table.exceeded_limits(0)[0].startswith("pressure / yield is 2.63 at contact 1")
     assert table.exceeded_limits(1) == ()
-    whole = hc.simulate_many([walled(FAST)], keep=["velocity", "largest_overlap"])
-    assert "1 of 1 chains outside Hertz's range;" in " ".join(repr(whole).split())
     assert "range" not in repr(hc.simulate_many([hc.Chain.uniform(5)]))
+
+
+# The wave from the wall loads contacts more than the leading pulse.
+REFLECTED = np.array([6.35, 6.35, 4.0, 4.0, 6.35, 3.0, 4.0, 3.0, 4.0]) * 0.5e-3
+
+
+def reflecting(velocity, **more):
+    chain = hc.Chain.from_materials(REFLECTED, "steel-52100", velocity=velocity)
+    return chain.replace(right_wall=hc.Wall.of("steel-52100"), **more)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+@pytest.mark.parametrize("loss", [{}, {"loss": hc.Restitution(0.999)}], ids=["elastic", "lossy"])
+def test_tables_of_runs_check_reflected_waves(loss):
+    """References: runs of `simulate`."""
+    chains = [reflecting(each, **loss) for each in (0.2, 0.3, 0.4)]
+    table = hc.simulate_many(chains, keep=["yield_ratio", "peak_overlap"], rtol=1e-10)
+    ratios = [
+        hc.hertz_range(each, hc.simulate(each, times=2000, rtol=1e-11).largest_overlaps).yield_ratio
+        for each in chains
+    ]
+    assert table["yield_ratio"] == pytest.approx(np.max(ratios, axis=1), rel=1e-6)
+    assert table.outside_range.tolist() == [False, True, True]
+    leading = hc.hertz_range(chains[1], table["peak_overlap"][1]).yield_ratio.max()
+    assert leading < 1.0 < table["yield_ratio"][1]
+    assert table.to_dataframe()["outside_range"].tolist() == [False, True, True]
+    assert table.to_dataset()["outside_range"].values.tolist() == [False, True, True]
+    found = hc.simulate_many(chains).outside_range
+    assert found.tolist() == [False, True, True]
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_sweeps_check_reflected_waves():
+    """The flag is set where `simulate` warns, and values of the whole run are kept."""
+    speeds = [0.2, 0.25, 0.3, 0.4]
+    found = hc.sweep({
+        "chain": reflecting(0.2), "axes": {"velocity": speeds},
+        "sweep": {"methods": ["simulate"], "keep": ["yield_ratio", "largest_overlap"]},
+    })  # fmt: skip
+    runs = [warned(lambda v=each: hc.simulate(reflecting(v))) for each in speeds]
+    expected = [bool(messages) for _, messages in runs]
+    assert expected == [False, True, True, True]
+    assert found.outside_range.values[:, 0].astype(bool).tolist() == expected
+    for i, (run, _) in enumerate(runs):
+        assert found.largest_overlap.values[i, 0] == pytest.approx(
+            run.largest_overlaps[1:-1], rel=1e-6
+        )
+        ratio = hc.hertz_range(run.chain, run.largest_overlaps).yield_ratio.max()
+        assert found.yield_ratio.values[i, 0] == pytest.approx(ratio, rel=1e-6)
 
 
 def test_designs_state_that_the_range_is_exceeded():

@@ -38,7 +38,11 @@ from .wording import on_command_line
 )
 @click.option("--threads", type=int, help="Number of threads.  [default: one per processor]")
 @click.option(
-    "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write the chain found (.toml)."
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write the chain found (.toml, or .csv with a row per bead); of a Pareto front, the chain "
+    "of each point, as NAME-1.toml and so on.",
 )
 @figure_option("Plot chains, forces, history and sensitivity to FILE.")
 @json_option()
@@ -64,7 +68,7 @@ def design(
 
     from ..designs.problem_files import load_design
 
-    check_writable(out, "--out", (".toml",))
+    check_writable(out, "--out", (".toml", ".csv"))
     problem, options = load_design(file)
     given = {"budget": budget, "method": method, "seed": seed}
     options |= {name: value for name, value in given.items() if value is not None}
@@ -96,7 +100,11 @@ def _write(result: Any, out: Path | None, plot: Path | None) -> None:
     if out is not None:
         from ..store.writing import write_bytes
 
-        write_bytes(out, result.to_toml().encode())
+        numbered = [out.with_name(f"{out.stem}-{i}{out.suffix}")
+                    for i in range(1, len(result.front) + 1)]  # fmt: skip
+        for file, each in zip(numbered or [out], result.front or [result], strict=True):
+            text = each.to_csv() if out.suffix == ".csv" else each.to_toml()
+            write_bytes(file, text.encode())
     if plot is not None:
         figure = result.plot_all()
         save_figure(figure.axes[0], plot)

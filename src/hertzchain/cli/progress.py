@@ -104,15 +104,16 @@ class _Pace:
 
 
 def _lines_of_progress(what: str, pace: _Pace | None) -> Callable[[int, int], None]:
-    shown: list[float] = []
+    begun, latest = time.monotonic(), -1
 
     def update(done: int, total: int) -> None:
+        nonlocal begun, latest
         now = time.monotonic()
         told = pace.text(done, total) if pace else ""
-        if shown and now - shown[-1] < SECONDS_PER_LINE:
+        # While functions are compiled, nothing changes.
+        if now - begun < SECONDS_PER_LINE or done == latest:
             return
-        if shown:
-            click.echo(f"{what}: {done} of {total}" + (f", {told}" if told else ""), err=True)
-        shown.append(now)
+        click.echo(f"{what}: {done} of {total}" + (f", {told}" if told else ""), err=True)
+        begun, latest = now, done
 
     return update

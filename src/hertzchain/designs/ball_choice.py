@@ -50,16 +50,18 @@ class BallChoice:
     @property
     def balls(self) -> tuple[Ball, ...]:
         """The balls to choose from."""
-        found = load_balls(self.catalogue)
+        found, name = load_balls(self.catalogue), repr(str(self.catalogue))
         if self.materials is not None:
+            for kind in self.materials:
+                if all(each.material != kind for each in found):
+                    known = ", ".join(dict.fromkeys(each.material.name for each in found))
+                    raise InputError(
+                        f"the catalogue {name} has no balls of {kind.name}; it has {known}"
+                    )
             found = tuple(each for each in found if each.material in self.materials)
         if self.diameters is not None:
+            _check_sizes(found, self.diameters, name, self.materials)
             found = tuple(each for each in found if _among(each.diameter, self.diameters))
-        if not found:
-            raise InputError(
-                f"no ball of the catalogue {str(self.catalogue)!r} has these materials and "
-                "diameters; choose others, or omit one of the two"
-            )
         return found
 
     def __repr__(self) -> str:
@@ -123,6 +125,24 @@ def _check(chain: Chain) -> None:
             f"the {' and '.join(own)} of this chain are given bead by bead, and its beads "
             "cannot be exchanged: omit them"
         )
+
+
+def _check_sizes(
+    balls: tuple[Ball, ...], wanted: tuple[float, ...], name: str, materials: Any
+) -> None:
+    """Raise `InputError` if a catalogue does not have all diameters."""
+    found = sorted({each.diameter for each in balls})
+    missing = [each for each in wanted if not _among(each, tuple(found))]
+    if not missing:
+        return
+    nearest = [found[int(np.argmin(np.abs(np.array(found) - size)))] for size in missing]
+    of = f" of {' or '.join(kind.name for kind in materials)}" if materials else ""
+    verb = "is" if len(missing) == 1 else "are"
+    raise InputError(
+        f"{', '.join(f'{1e3 * each:g} mm' for each in missing)} {verb} not among the balls{of} in "
+        f"the catalogue {name}; the nearest {verb} "
+        f"{', '.join(f'{1e3 * each:g} mm' for each in dict.fromkeys(nearest))}"
+    )
 
 
 def _among(diameter: float, wanted: tuple[float, ...]) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import IncompleteWarning, InputWarning, ModelRangeWarning
+from ..pulse.quantities import QUANTITIES
 from ..simulation.simulate import simulate
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ QUIET: Final = 0.01
 
 
 class Curve(NamedTuple):
-    """Force on the wall over time, or without a wall the velocity of the leading pulse by bead."""
+    """Force on the wall over time, or without a wall a quantity of the leading pulse by bead."""
 
     x: Array
     y: Array
@@ -42,14 +43,27 @@ def initial_and_final(result: DesignResult, most: float) -> tuple[Curve, Curve]:
         if result.chain.right_wall is not None:
             initial, final = _forces(result, most)
         else:
-            initial, final = _velocities(result)
+            initial, final = _pulses(result)
     return initial, final
 
 
-def _velocities(result: DesignResult) -> list[Curve]:
+def plotted_quantity(result: DesignResult) -> str:
+    """Quantity of the leading pulse that the objective refers to; the velocity if there is none."""
+    single = result.problem.objective.single
+    name = "velocity" if single is None else single.quantity
+    return name if name in QUANTITIES else "velocity"
+
+
+def _pulses(result: DesignResult) -> list[Curve]:
+    name = plotted_quantity(result)
     pulses = [simulate(chain, times=0, rtol=RTOL).pulse()
               for chain in (result.problem.chain, result.chain)]  # fmt: skip
-    return [Curve(1.0 * each.bead, each.velocity, float(each.velocity.max())) for each in pulses]
+    found = []
+    for each in pulses:
+        values = each.column(name)
+        assert values is not None
+        found.append(Curve(1.0 + np.arange(len(values)), values, float(np.nanmax(values))))
+    return found
 
 
 def _forces(result: DesignResult, most: float) -> list[Curve]:

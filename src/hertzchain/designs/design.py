@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import IncompleteWarning, InputError, InputWarning, ModelRangeWarning
 from ..representation import counted
+from ..simulation.ensemble_input import is_covered
 from ..store.file_lock import lock
 from ..store.journal import Journal
 from ..validation.keywords import checked_arguments
@@ -22,11 +23,11 @@ from ..validation.objects import Progress, callback, check_type, file_path
 from .ball_choice import BallSpace
 from .bounds import bounds_of, impossible
 from .methods import Found, method_for, price_of, run_method
-from .pareto import compared_points, design_front
+from .pareto import SEARCHES, compared_points, design_front
 from .problem import Design
 from .reference_chains import evaluated_references, reference_count
 from .result import DesignResult
-from .search_budget import Budget, budget_from
+from .search_budget import Budget, budget_from, simulations_within
 from .trials import Outcome, Reference, Trials
 from .verified import Verified, met, quietly
 
@@ -40,7 +41,7 @@ def design(
     budget: int | str | None = None,
     method: str = "auto",
     seed: int = 0,
-    points: int = 9,
+    points: int | None = None,
     store: str | os.PathLike[str] | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
@@ -58,13 +59,14 @@ def design(
         Largest number of simulations, 20 000 by default, or a time such as ``"60 s"``.  Chains to
         compare with are counted, and an exact gradient as two simulations; the verification of the
         result is not.  With a number, which is never exceeded, the result does not depend on the
-        speed of the computer.  The time is checked between batches of simulations.
+        speed of the computer.  A time does not include the verification.
     method : str
         ``"auto"``, or a method of `hertzchain.designs.methods`.
     seed : int
         Seed of the random numbers.
-    points : int
-        Number of points of a Pareto front.
+    points : int, optional
+        Largest number of points of a Pareto front of two objectives.  By default 9 of sizes, and
+        all of balls and orders.
     store : path-like, optional
         Folder of journals of all trials, one for each method, budget and seed.  A search that was
         interrupted resumes from its journal and gives the result that it would have given.
@@ -105,11 +107,15 @@ def design(
     callback("progress", progress)
     limit = budget_from(budget)
     seed = whole_number("seed", seed, least=0)
-    count = whole_number("points", points, least=2, most=200)
-    chosen = method_for(problem, method, limit.runs)
+    if points is not None:
+        points = whole_number("points", points, least=2, most=200)
+    count = points or SEARCHES
+    chain = problem.chain
+    together = is_covered(chain, problem.until)
+    chosen = method_for(problem, method, simulations_within(limit, chain.beads, elastic=together))
     reason = impossible(problem)
     _check_budget(problem, limit, 0 if reason is not None else count)
-    options = f"{problem.identity} {chosen} {limit.runs} {limit.seconds} {seed} {count}"
+    options = f"{problem.identity} {chosen} {limit.runs} {limit.seconds} {seed} {points}"
     name = _journal_name(chosen, limit, seed, count if len(problem.objectives) == 2 else 0)
     with _journal(store, name, options) as journal, warnings.catch_warnings():
         # Trial chains are made in several threads, which share the filters of warnings.  The
@@ -120,7 +126,7 @@ def design(
         if reason is not None:
             return _result(trials, Found("none"), _given(trials), {}, (reason,))
         if len(problem.objectives) == 2:
-            return design_front(trials, chosen, count, finish)
+            return design_front(trials, chosen, points, finish)
         return finish(trials, run_with_references(trials, chosen, 1.0), ())
 
 
@@ -222,14 +228,26 @@ def _result(
         bounds_of(problem), found.method, np.array(found.finals),
         tuple(_verified(trials, each) for each in found.optima), others,
         np.array(trials.history, float).reshape(-1, 2), (), trials.runs, trials.gradients,
-        trials.rejected, trials.journal.seconds, (*notes, *verified.notes), parts,
+        trials.rejected, trials.journal.seconds, (*notes, *verified.notes, *_rejected(trials)),
+        parts,
     )  # fmt: skip
 
 
+def _rejected(trials: Trials) -> list[str]:
+    """A note on trials that could not be simulated."""
+    if not trials.rejected:
+        return []
+    which = "one trial was" if trials.rejected == 1 else f"{trials.rejected} trials were"
+    first = "" if trials.rejected == 1 else "the first one because "
+    return [f"{which} rejected, {first or 'because '}{trials.why_rejected()}"]
+
+
 def _verified(trials: Trials, outcome: Outcome) -> Verified:
-    problem = trials.problem
-    chain = problem.space.chain_of(outcome.x)
-    return quietly(problem, chain, price_of(problem, outcome.x), trials.seed)
+    problem, key = trials.problem, np.ascontiguousarray(outcome.x).tobytes()
+    if key not in trials.verified:
+        chain = problem.space.chain_of(outcome.x)
+        trials.verified[key] = quietly(problem, chain, price_of(problem, outcome.x), trials.seed)
+    return trials.verified[key]
 
 
 def _verified_rank(trials: Trials, pair: tuple[Outcome, Verified]) -> tuple[float, float]:

@@ -48,8 +48,8 @@ class Distribution(Frozen):
     failed : int
         Number of chains without a value, which are not among the ``values``.
     outside_range : int
-        Number of random chains of materials that have left the range of Hertz's law in the
-        leading pulse or at the right wall (`RunTable.outside_range`).
+        Number of random chains of materials that have left the range of Hertz's law in the whole
+        run (`RunTable.outside_range`).
     """
 
     chain: Chain
@@ -231,7 +231,9 @@ def distribution(
     with warnings.catch_warnings():
         # Chains with losses would warn one by one, in several threads that share the filters.
         warnings.simplefilter("ignore", ModelRangeWarning)
-        simulated = measured(chains, [measure], threads=threads, progress=progress)
+        simulated = measured(
+            chains, [measure], threads=threads, progress=progress, check_range=True
+        )
     outside = _outside_range(chains, simulated.table)
     nominal, found = simulated.values[0, 0], simulated.values[1:, 0]
     good = found[np.isfinite(found)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -145,14 +145,20 @@ class Population:
         return found
 
 
-def search(trials: Trials, end: float, seed: int) -> list[Outcome]:
-    """Genetic search with restarts, each completed by exchanges; the best of each start."""
+def search(
+    trials: Trials, end: float, seed: int, start: Sequence[Choice] = ()
+) -> list[Outcome]:  # fmt: skip
+    """Genetic search with restarts, each completed by exchanges; the best of each start.
+
+    The first population consists of the choices to start from, if there are any.
+    """
     rng, ends = np.random.default_rng([seed, 2]), list[Outcome]()
     known: dict[bytes, Outcome] = {}
     while trials.used < end:
         population = Population(trials, rng)
         population.known, tried = known, len(known)
-        population.try_all([population.random() for _ in range(POPULATION)])
+        begin = list(start) if start and not ends else []
+        population.try_all(begin or [population.random() for _ in range(POPULATION)])
         waited = 0
         while trials.used < end and waited < PATIENCE and population.members:
             better = population.try_all([population.child() for _ in range(CHILDREN)])

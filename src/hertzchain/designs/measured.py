@@ -10,8 +10,9 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..simulation.ensemble_columns import Request
 from ..simulation.run_table import RunTable
-from ..simulation.simulate_many import DEFAULT_RTOL, simulate_many
+from ..simulation.simulate_many import DEFAULT_RTOL, simulate_ensemble
 from ..validation.numbers import worker_count
 from ..validation.objects import Progress
 from .exact_gradients import value_in_whole_run
@@ -34,15 +35,15 @@ def measured(
     rtol: float = DEFAULT_RTOL,
     threads: int | None = None,
     progress: Progress | None = None,
+    check_range: bool = False,
 ) -> Measured:
-    """Simulate chains and collect measures."""
+    """Simulate chains and collect measures; the range of Hertz's law is checked on request."""
     values, reasons = np.full((len(chains), len(measures)), np.nan), list[str]()
     table: RunTable | None = None
     names = sorted({name for each in measures for name in each.columns})
     if names and chains:
-        table = simulate_many(
-            chains, keep=names, until=until, rtol=rtol, threads=threads, progress=progress
-        )
+        request = Request(tuple(names), (), until, rtol, None, check_range)
+        table = simulate_ensemble(chains, request, threads, progress)
         reasons += table.reasons.values()
     for j, each in enumerate(measures):
         if each.of_chain:

@@ -32,6 +32,7 @@ from ..collision import Array
 from ..errors import InputError, short_repr, unknown_name_error
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
+from ..representation import measure as shown
 from ..sensitivity.equation import has_gradient
 from ..simulation.run_table import RunTable
 from ..validation.numbers import whole_number
@@ -57,6 +58,8 @@ WORDS: Final = {
     "yield_ratio": "pressure / pressure at first yield", "overlap_ratio": "overlap / radius",
     "length": "length of the chain", "mass": "mass of the chain", "beads": "number of beads",
 }  # fmt: skip
+# Units of lengths and masses of chains in summaries.
+USUAL: Final = {"m": (1e3, "mm"), "kg": (1e3, "g")}
 NAMES: Final = (*WALL, *AT_BEAD, "largest_force", *RANGE, *OF_CHAIN)
 
 
@@ -233,6 +236,12 @@ class Measure:
             radii = chain.radii[first:]
             own[radii.argmin() if self.key == "smallest_radius" else radii.argmax()] = 1.0
         return found
+
+
+def in_words(value: float, unit: str, units: str) -> str:
+    """A value with its unit, lengths in mm and masses in g."""
+    factor, usual = USUAL.get(unit, (1.0, unit)) if units == "SI" else (1.0, unit)
+    return shown(factor * value, "" if usual == "1" else usual, units).strip()
 
 
 def parse_measure(text: object) -> Measure:

@@ -47,8 +47,10 @@ RUNS_PER_SECOND: Final = 1500
 MIDDLE: Final = 0.5
 # A smooth objective is not searched further if this many descents have the best score.
 AGREEING, AGREE = 4, 1e-9
-# With a scatter: part of the budget of the search without it, and starts that are compared.
+# With a scatter: part of the budget of the search without it, and starts that are compared; for
+# choices, the part of the budget, and the number of the best ones that are tried with the scatter.
 NOMINAL, MOST_ENDS = 0.5, 20
+FEW, CHOICES = 0.3, 100
 
 
 @dataclass(eq=False)
@@ -123,7 +125,7 @@ def _for_sizes(problem: Design) -> str:
 
 def run_method(trials: Trials, method: str, end: float) -> Found:
     """Search with a method until a part of the budget is used."""
-    if trials.problem.scatter is not None and method not in ("enumerate", "genetic", "scan"):
+    if trials.problem.scatter is not None and method not in ("enumerate", "scan"):
         return _robust(trials, method, end)
     return _SEARCHES[method](trials, end)
 
@@ -225,36 +227,49 @@ def _starts(trials: Trials):  # type: ignore[no-untyped-def]
 
 
 def _robust(trials: Trials, method: str, end: float) -> Found:
-    """Search without scatter first, then descend from the best of all its ends with scatter.
+    """Search without scatter first, and continue from its best trials with scatter.
 
     A descent with scatter hardly leaves the valley in which it starts, and one trial takes as long
     as a search without it takes for many.
     """
-    import dataclasses
-
-    problem = dataclasses.replace(trials.problem, scatter=None)
-    object.__setattr__(problem, "objectives", trials.problem.objectives)
-    object.__setattr__(problem, "requirements", trials.problem.requirements)
-    nominal = dataclasses.replace(trials, problem=problem, best=[], history=[])
-    nominal.clock = trials.clock
-    begin = trials.used
-    chosen = method_for(problem, "auto" if method == "law" else method, math.inf)
-    found = _SEARCHES[chosen](nominal, begin + NOMINAL * (end - begin))
-    trials.runs, trials.rejected = nominal.runs, nominal.rejected
-    trials.gradients = nominal.gradients
+    nominal, found = _search_without_scatter(trials, method, end)
+    if method == "genetic":
+        # Only some of the best choices meet the constraints with scatter, too.
+        start = [each.x for each in nominal.best if np.isfinite(each.score)]
+        return Found(found.method, search(trials, end, trials.seed, start))
     tops = {each.x.tobytes(): each for each in [*nominal.best[:1], *found.ends]
             if np.isfinite(each.score)}  # fmt: skip
     ranked = sorted(tops.values(), key=lambda each: each.rank)[:MOST_ENDS]
     starts = trials.evaluate([each.x for each in ranked]) if ranked else []
     ends: list[Outcome] = []
-    for start in sorted(starts, key=lambda each: each.rank):
+    for start_at in sorted(starts, key=lambda each: each.rank):
         if trials.used >= end:
             break
         try:
-            ends.append(descend(trials, start.x, end))
+            ends.append(descend(trials, start_at.x, end))
         except Spent:
             break
     return Found(found.method, ends or found.ends)
+
+
+def _search_without_scatter(trials: Trials, method: str, end: float) -> tuple[Trials, Found]:
+    """Search with a part of the budget without the scatter; the trials, and their ends."""
+    import dataclasses
+
+    problem = dataclasses.replace(trials.problem, scatter=None)
+    object.__setattr__(problem, "objectives", trials.problem.objectives)
+    object.__setattr__(problem, "requirements", trials.problem.requirements)
+    genetic = method == "genetic"
+    nominal = dataclasses.replace(
+        trials, problem=problem, best=[], history=[], kept=CHOICES if genetic else trials.kept
+    )
+    nominal.clock = trials.clock
+    begin = trials.used
+    chosen = method_for(problem, "auto" if method == "law" else method, math.inf)
+    found = _SEARCHES[chosen](nominal, begin + (FEW if genetic else NOMINAL) * (end - begin))
+    trials.runs, trials.rejected = nominal.runs, nominal.rejected
+    trials.gradients = nominal.gradients
+    return nominal, found
 
 
 def _enumerate(trials: Trials, end: float) -> Found:

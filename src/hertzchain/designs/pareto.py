@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..collision import Array
 from ..errors import InputError
 from .methods import Found, method_for, run_method
 from .reference_chains import evaluated_references
@@ -15,36 +16,118 @@ from .requirements import Requirement
 from .trials import Trials
 
 if TYPE_CHECKING:
+    from .objective import Objective
     from .problem import Design
     from .result import DesignResult
 
 Finish = Callable[[Trials, Found, tuple[str, ...]], "DesignResult"]
 
 
-def design_front(trials: Trials, method: str, points: int, finish: Finish) -> DesignResult:
-    """Both ends of the front, then the points between them; the result is the first end."""
+# Points of a front of sizes unless given, and largest number of those of a front of choices.
+SEARCHES, MOST_CHOICES = 9, 100
+# Relative differences that are rounding errors of sums, and those of trial simulations.
+ROUNDED, TRIAL_ERROR = 1e-9, 1e-5
+
+
+def design_front(
+    trials: Trials, method: str, points: int | None, finish: Finish
+) -> DesignResult:  # fmt: skip
+    """The front of two objectives, from the best of the first one to that of the second.
+
+    The result is the first point.  Sizes are searched at several levels of the second objective.
+    Choices of balls are those of all trials that no other trial beats.
+    """
     problem = trials.problem
     first, second = (objective.single for objective in problem.objectives)
     if first is None or second is None or first == second:
         raise InputError("a Pareto front needs two different measures")
     trials.memory = {} if trials.draws is None else None
+    if method == "enumerate":
+        found = [_solve(trials, problem._only(0), method, 1.0, finish)]
+    else:
+        found = _searched(trials, method, points or SEARCHES, finish)
+    best = found[0]
+    if problem.discrete and trials.memory is not None:
+        found = _of_all_trials(trials, best, points or MOST_CHOICES, finish)
+    kept = _front(found, problem)
+    return dataclasses.replace(
+        kept[0] if kept else best, problem=problem, front=tuple(kept), runs=trials.runs,
+        gradients=trials.gradients, rejected=trials.rejected, seconds=trials.journal.seconds,
+        method=best.method, finals=best.finals, history=best.history, notes=best.notes,
+        references=best.references, compared=best.compared,
+    )  # fmt: skip
+
+
+def _searched(trials: Trials, method: str, points: int, finish: Finish) -> list[DesignResult]:
+    """Both ends of the front, and the points between them by limits on the second objective."""
+    problem, second = trials.problem, trials.problem.objectives[1]
+    measure = second.single
+    assert measure is not None
     shares = iter(np.arange(1, points + 1) / points)
     ends = [_solve(trials, problem._only(i), method, next(shares), finish) for i in (0, 1)]
-    sign = float(np.sign(problem.objectives[1].weights[0]))
-    values, scattered = [end.values[str(second)] for end in ends], problem.scatter is not None
+    sign, scattered = float(np.sign(second.weights[0])), problem.scatter is not None
     found = [ends[0]]
-    for level in np.linspace(values[0], values[1], points)[1:-1]:
-        limit = Requirement(second, float(level), int(sign), problem.chain.units)
+    levels = [end.values[str(measure)] for end in ends]
+    for level in np.linspace(levels[0], levels[1], points)[1:-1]:
+        limit = Requirement(measure, float(level), int(sign), problem.chain.units)
         part, end = problem._with_limit(limit, 0), next(shares)
         # With a scatter, the chains to compare with need a large part of the budget.
         if not scattered or trials.used < min(end, 1.0):
             found.append(_solve(trials, part, method, end, finish, compare=not scattered))
-    found.append(ends[1])
-    kept = tuple(each for each in found if each.met and not _dominated(each, found, problem))
-    return dataclasses.replace(
-        ends[0], problem=problem, front=kept, runs=trials.runs, gradients=trials.gradients,
-        rejected=trials.rejected, seconds=trials.journal.seconds,
-    )  # fmt: skip
+    return [*found, ends[1]]
+
+
+def _of_all_trials(
+    trials: Trials, best: DesignResult, points: int, finish: Finish
+) -> list[DesignResult]:  # fmt: skip
+    """Choices that no other trial beats; of many, some that are spread over the front."""
+    assert trials.memory is not None
+    problem = trials.problem._only(0)
+    known = {point.tobytes(): (point, values) for point, values in trials.memory.values()}
+    outcomes = trials.outcomes(
+        [point for point, _ in known.values()], np.array([values for _, values in known.values()])
+    )
+    good = [each for each in outcomes if each.met and np.isfinite(each.score)]
+    measured = ((_sign(o), trials.position[o.measures[0]]) for o in trials.problem.objectives)
+    costs = np.column_stack([[s * each.values[p] for each in good] for s, p in measured])
+    chosen_rows = undominated(costs)
+    front = [good[i] for i in chosen_rows]
+    if len(front) > points:
+        values = costs[chosen_rows, 1]
+        levels = np.linspace(values[0], values[-1], points)
+        chosen = np.unique(np.abs(values - levels[:, np.newaxis]).argmin(axis=1))
+        front = [front[i] for i in chosen]
+    found: list[DesignResult] = []
+    for each in front:
+        part = dataclasses.replace(trials, problem=problem, best=[each])
+        found.append(finish(part, Found(best.method, [each]), ()))
+    return found
+
+
+def undominated(costs: Array) -> list[int]:
+    """Rows of two costs that no other row beats, in the order of the first cost."""
+    if not len(costs):
+        return []
+    size = np.abs(costs[:, 1]).max() or 1.0
+    rounded = np.round(costs[:, 1] / (ROUNDED * size))
+    found: list[int] = []
+    lowest = np.inf
+    for i in np.lexsort((costs[:, 0], rounded)):
+        if not found or costs[i, 0] < lowest - TRIAL_ERROR * abs(lowest):
+            found.append(int(i))
+            lowest = costs[i, 0]
+    return found[::-1]
+
+
+def _front(found: list[DesignResult], problem: Design) -> list[DesignResult]:
+    """Designs that meet the constraints and that no other one beats, once each."""
+    met = [each for each in found if each.met]
+    costs = [[_sign(o) * each.values[str(o.single)] for o in problem.objectives] for each in met]
+    return [met[i] for i in undominated(np.array(costs).reshape(-1, 2))]
+
+
+def _sign(objective: Objective) -> float:
+    return float(np.sign(objective.weights[0]))
 
 
 def compared_points(problem: Design) -> int:
@@ -70,16 +153,3 @@ def _solve(
     found = run_method(part, chosen, end)
     trials.runs, trials.gradients, trials.rejected = part.runs, part.gradients, part.rejected
     return finish(part, found, ())
-
-
-def _dominated(each: DesignResult, others: list[DesignResult], problem: Design) -> bool:
-    def costs(result: DesignResult) -> list[float]:
-        return [
-            float(np.sign(o.weights[0])) * result.values[str(o.single)] for o in problem.objectives
-        ]
-
-    own = costs(each)
-    return any(
-        all(a <= b for a, b in zip(costs(other), own, strict=True)) and costs(other) != own
-        for other in others if other.met
-    )  # fmt: skip

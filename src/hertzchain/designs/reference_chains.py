@@ -9,13 +9,12 @@ import numpy as np
 from .ball_choice import BallSpace
 from .problem import Design
 from .size_space import SizeSpace
-from .trials import UNLIMITED, Outcome, Reference, Trials
+from .trials import Reference, Trials
 
 # Values of each end of the tapers.
 ENDS: Final = 9
 # Number of rows of equal balls, of all lengths and balls.
 MAX_EQUAL: Final = 200
-BATCH: Final = 16
 
 
 def reference_points(problem: Design) -> dict[str, list[Any]]:
@@ -62,16 +61,9 @@ def evaluated_references(trials: Trials) -> dict[str, Reference]:
 
     At least one chain is simulated, even if a time budget is shorter.
     """
-    points = reference_points(trials.problem)
-    # The budget of time is checked between batches.
-    batch = BATCH if np.isfinite(trials.budget.seconds) else UNLIMITED
     found = {}
-    for name, group in points.items():
-        outcomes: list[Outcome] = []
-        for first in range(0, len(group), batch):
-            if trials.used < 1.0 or trials.memory is not None or not trials.best:
-                outcomes += trials.evaluate(group[first : first + batch])
-        if outcomes:
+    for name, group in reference_points(trials.problem).items():
+        if outcomes := trials.evaluate(group):
             best = min(outcomes, key=lambda each: each.rank)
             found[name] = Reference(best, len(outcomes))
     return found

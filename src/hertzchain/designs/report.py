@@ -1,22 +1,17 @@
-"""Summary, plain types and dataset of the result of a design."""
+"""Summary of the result of a design."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from ..representation import counted, measure
-from ..validation.json_types import finite
+from ..representation import counted
 from .ball_choice import BallSpace
-from .measures import Measure
+from .measures import Measure, in_words
 from .verified import Verified, met
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from .result import DesignResult
 
 
@@ -27,10 +22,10 @@ def summary(result: DesignResult) -> str:
     lines += [f"  {text}" for text in _starts(result)]
     for name, found in references_in_words(result).items():
         other = result.objective_of(found)
-        ratio = best / other if other else math.nan
-        unmet = "" if met(problem, found.values) else ", which does NOT meet the constraints"
-        lines.append(f"  {name}: {result._shown(other)}{unmet}; this design: {ratio:.1%} of "
-                     f"this value{_yielding(result, found)}")  # fmt: skip
+        compared = f"; this design: {best / other:.1%} of this value" if other else ""
+        if not met(problem, found.values):
+            compared = ", which does NOT meet the constraints"
+        lines.append(f"  {name}: {result._shown(other)}{compared}{_yielding(result, found)}")
     if result.promise is not None:
         value, error = result.promise
         lines.append(f"  the local-rate law promised {value:.6g} with an estimated error of "
@@ -39,10 +34,10 @@ def summary(result: DesignResult) -> str:
     lines += [f"  bound: {bound}" for bound in result.bounds]
     for name, value in result.verified.scattered.items():
         unit = next((m.unit for m in problem.measures if name.endswith(f" of {m}")), "1")
-        shown = measure(value, unit, "scaled" if unit == "1" else result.chain.units)
+        shown = in_words(value, unit, result.chain.units)
         lines.append(f"  with scatter, 400 new samples: {name} {shown}")
     if result.parts:
-        lines.append("parts:")
+        lines.append("parts, without the arriving ball:" if _arrives(result) else "parts:")
         lines += [f"  {count} x {name}" for count, name in result.parts]
     if result.discrete and result.chain.materials is not None:
         lines.append(f"order: {_order(result)}")
@@ -51,19 +46,42 @@ def summary(result: DesignResult) -> str:
         lines += [f"  {_point(result, i)}" for i in range(len(result.optima))]
     if result.front:
         lines.append("Pareto front:")
-        names = [str(each.single) for each in problem.objectives]
-        lines += [
-            "  " + ", ".join(f"{name} {point.values[name]:.5g}" for name in names)
-            for point in result.front
-        ]
+        lines += [f"  {i}: {_of_front(point)}" for i, point in enumerate(result.front, start=1)]
     lines += [f"note: {note}" for note in result.notes]
     return "\n".join(lines)
+
+
+def _of_front(point: DesignResult) -> str:
+    """Values of both objectives."""
+    return ", ".join(
+        f"{each} {in_words(point.values[str(each)], each.unit, point.chain.units)}"
+        for each in point.problem.reported
+    )
+
+
+def _counts_arriving(result: DesignResult, each: Measure) -> bool:
+    """Whether a measure counts the arriving ball, which need not be bought."""
+    return each.key in ("length", "mass", "beads") and _arrives(result)
+
+
+def _arrives(result: DesignResult) -> bool:
+    """Whether the first ball arrives, and is not among those that vary."""
+    space, chain = result.problem.space, result.chain
+    return (
+        isinstance(space, BallSpace)
+        and 0 not in space.places
+        and chain.strikers == 0
+        and bool(chain.velocities[0])
+    )
 
 
 def _heading(result: DesignResult) -> list[str]:
     """The value, and what its verification covers."""
     problem, found = result.problem, result.verified
     value = result._shown(result.value)
+    single = problem.objective.single
+    arriving = single is not None and _counts_arriving(result, single)
+    value += " with the arriving ball" if arriving else ""
     first = f"{_first_upper(str(problem.objective))}: {value}"
     if not result.met:
         first = ("No chain meets the constraints; the trial that violates them least has "
@@ -76,10 +94,17 @@ def _heading(result: DesignResult) -> list[str]:
     else:
         kept = "; all contacts stayed within the range of Hertz's law"
     lines = [first, f"  verified: the integration was repeated at rtol {found.rtol:g}{kept}"]
-    if found.yielding and math.isfinite(result._objective(found.yielding)):
+    if _has_yielding_value(result, found):
         lines.append(f"  the same chain with contacts that yield, loss=ElasticPlastic(): "
                      f"{_yielding_value(result, found)}")  # fmt: skip
     return lines
+
+
+def _has_yielding_value(result: DesignResult, found: Verified) -> bool:
+    """Whether the objective has another value with contacts that yield."""
+    if not found.yielding or all(each.of_chain for each in result.problem.objective.measures):
+        return False
+    return math.isfinite(result._objective(found.yielding))
 
 
 def _yielding_value(result: DesignResult, found: Verified) -> str:
@@ -87,7 +112,7 @@ def _yielding_value(result: DesignResult, found: Verified) -> str:
 
 
 def _yielding(result: DesignResult, found: Verified) -> str:
-    if not found.yielding or not math.isfinite(result._objective(found.yielding)):
+    if not _has_yielding_value(result, found):
         return ""
     return f" ({_yielding_value(result, found)} with contacts that yield)"
 
@@ -101,11 +126,9 @@ def search_in_words(result: DesignResult) -> str:
     if (choices := _choices(result)) is None:
         return f"best of {counted(len(result.finals), 'start')}"
     done, count = choices
-    return (
-        f"best of all {counted(count, 'simulated choice')}"
-        if done >= count
-        else (f"best of {done} of {count} choices")
-    )
+    if done >= count:
+        return f"best of all {counted(count, 'simulated choice')}"
+    return f"best of the first {done} of {count} choices"
 
 
 def _choices(result: DesignResult) -> tuple[int, int] | None:
@@ -122,28 +145,31 @@ def _starts(result: DesignResult) -> list[str]:
         done, count = choices
         if done >= count:
             return [search_in_words(result)]
-        return [f"best of {done} of {count} choices: the budget was used up; give a larger budget, "
-                "or omit method"]  # fmt: skip
+        return [f"{search_in_words(result)}: the budget was used up before all were tried; give a "
+                "larger budget, or method 'genetic'"]  # fmt: skip
     work = counted(result.runs, "simulation")
     if result.gradients:
         work += f", {counted(result.gradients, 'gradient')}"
-    if result.rejected:
-        work += f", {counted(result.rejected, 'trial')} rejected"
     if len(result.finals) == 0:
         return [f"no search was completed: the budget was used up in {work}, which began with the "
                 "chains to compare with; give a larger budget"]  # fmt: skip
     starts = counted(len(result.finals), "start")
     best, median = result.spread
-    spread = f" (best {best:.4g}, median {median:.4g})" if len(result.finals) > 1 else ""
+    ends = f" (best {result._shown(best)}, median {result._shown(median)})"
+    spread = ends if len(result.finals) > 1 else ""
     return [f"best of {starts}{spread} by method {result.method!r}, in {work} and "
             f"{result.seconds:.0f} s"]  # fmt: skip
 
 
 def _requirement(result: DesignResult, index: int) -> str:
     each = result.problem.requirements[index]
-    value = result.values[str(each.measure)]
-    met = each.excess(value) <= 1e-6
-    return f"  {each}: {each.shown(value)}{'' if met else ', NOT met'}"
+    value, name = result.values[str(each.measure)], str(each.measure)
+    text = f"  {each}: {each.shown(value)}"
+    if _counts_arriving(result, each.measure):
+        text += " with the arriving ball"
+    if name in result.verified.yielding and not each.measure.of_chain:
+        text += f" ({each.shown(result.verified.yielding[name])} with contacts that yield)"
+    return text if each.excess(value) <= 1e-6 else f"{text}, NOT met"
 
 
 def _order(result: DesignResult) -> str:
@@ -167,49 +193,6 @@ def _point(result: DesignResult, index: int) -> str:
     return f"{block.field} {size:.6g}: {result._shown(result.objective_of(found))}"
 
 
-def as_dict(result: DesignResult) -> dict[str, Any]:
-    """Plain types; numbers that are not finite are None."""
-    problem = result.problem
-    best, median = result.spread
-    document = {
-        "objective": str(problem.objective),
-        "value": result.value,
-        "unit": result.unit,
-        "values": dict(result.values),
-        "rtol": result.verified.rtol,
-        "hertz_range_kept": result.verified.hertz_range is None
-        or not result.verified.hertz_range.violations,
-        "with_yielding_contacts": dict(result.verified.yielding),
-        "constraints_met": result.met,
-        "constraints": [str(each) for each in problem.requirements],
-        "references": {
-            name: result.objective_of(found)
-            for name, found in references_in_words(result).items()
-        },
-        "bounds": [str(each) for each in result.bounds],
-        "promise": None if result.promise is None else dict(
-            zip(("value", "error"), result.promise, strict=True)
-        ),
-        "scattered": dict(result.verified.scattered),
-        "method": result.method,
-        "starts": len(result.finals),
-        "best_start": best,
-        "median_start": median,
-        "simulations": result.runs,
-        "gradients": result.gradients,
-        "rejected": result.rejected,
-        "seconds": result.seconds,
-        "radii": result.chain.radii.tolist(),
-        "masses": result.chain.masses.tolist(),
-        "parts": [{"count": count, "ball": name} for count, name in result.parts],
-        "optima": [result.objective_of(each) for each in result.optima],
-        "front": [dict(point.values) for point in result.front],
-        "notes": list(result.notes),
-    }  # fmt: skip
-    found: dict[str, Any] = finite(document)
-    return found
-
-
 def references_in_words(result: DesignResult) -> dict[str, Verified]:
     """The references, with the numbers of chains of which they are the best."""
 
@@ -218,36 +201,3 @@ def references_in_words(result: DesignResult) -> dict[str, Verified]:
         return f"best {name} (of {tried} tried)" if tried > 1 else name
 
     return {described(name): found for name, found in result.references.items()}
-
-
-def dataset(result: DesignResult) -> xr.Dataset:
-    """The result, its runners-up and the chains to compare with."""
-    import xarray as xr
-
-    named = [("result", result.verified)]
-    named += [(f"runner-up {i}", each) for i, each in enumerate(result.runners_up, start=1)]
-    named += [(f"optimum {i}", each) for i, each in enumerate(result.optima, start=1)]
-    named += [(f"front {i}", point.verified) for i, point in enumerate(result.front, start=1)]
-    named += list(references_in_words(result).items())
-    most = max(found.chain.beads for _, found in named)
-    data: dict[str, Any] = {}
-    scaled = result.chain.scaled
-    for name, unit in (("radii", "m"), ("masses", "kg")):
-        rows = np.full((len(named), most), np.nan)
-        for row, (_, found) in zip(rows, named, strict=True):
-            values = getattr(found.chain, name)
-            row[: len(values)] = values
-        data[name] = (("design", "bead"), rows, {"units": "1" if scaled else unit})
-    for each in result.problem.measures:
-        column = [found.values[str(each)] for _, found in named]
-        data[_variable(each)] = ("design", column, {"units": "1" if scaled else each.unit})
-    return xr.Dataset(
-        data,
-        {"design": [name for name, _ in named], "bead": np.arange(1, most + 1)},
-        {"objective": str(result.problem.objective), "method": result.method,
-         "simulations": result.runs, "notes": "\n".join(result.notes)},
-    )  # fmt: skip
-
-
-def _variable(each: Measure) -> str:
-    return str(each).replace(".", "_").replace("@", "_at_")

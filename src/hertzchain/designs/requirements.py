@@ -18,7 +18,7 @@ from ..validation.numbers import number
 from .measures import Measure, parse_measure
 
 _FORM: Final = re.compile(r"\s*(<=|>=|≤|≥|<|>)\s*([^\s<>=].*?)\s*")
-_NUMBER: Final = re.compile(r"[-+]?[\d.]+([eE][-+]?\d+)?\s*")
+_VALUE: Final = re.compile(r"[-+]?[\d.]+([eE][-+]?\d+)?(\s*[a-zA-Zµ][\w/^* ]*)?")
 _PLAIN: Final = re.compile(r"[-+]?[\d.]+([eE][-+]?\d+)?")
 # Units that examples in messages use instead of SI units.
 _USUAL: Final = {"m": "mm", "s": "us"}
@@ -73,7 +73,8 @@ def requirements_from(given: object, chain: Chain) -> tuple[Requirement, ...]:
 def _requirement(measure: Measure, text: object, chain: Chain) -> Requirement:
     form = _FORM.fullmatch(text) if isinstance(text, str) else None
     if form is None:
-        fixed = text.strip("=<> ") if isinstance(text, str) else ""
+        bare = text.strip("=<> ") if isinstance(text, str) else ""
+        fixed = bare if _VALUE.fullmatch(bare) else ""
         raise InputError(
             f"the constraint on {measure} must look like '<= 5' or '>= 5', got {short_repr(text)}; "
             f"for a fixed value, give both: ['<= {fixed or 5}', '>= {fixed or 5}']"

@@ -12,11 +12,12 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
-from ..representation import measure, short
+from ..representation import short
 from ..validation.keywords import checked_methods
 from ..validation.objects import check_choice, check_type
 from .ball_choice import BallSpace
 from .bounds import Bound
+from .measures import in_words
 from .problem import Design
 from .verified import Verified
 
@@ -165,7 +166,7 @@ class DesignResult:
 
     def _shown(self, value: float) -> str:
         """A value of the objective with its unit."""
-        return measure(value, self.unit, "SI" if self.unit else "scaled")
+        return in_words(value, self.unit, "SI" if self.unit else "scaled")
 
     def summary(self) -> str:
         """Text of several lines: value, comparison, constraints, bounds, parts and remarks.
@@ -195,12 +196,14 @@ class DesignResult:
         >>> found.as_dict()["method"]
         'scan'
         """
-        from .report import as_dict
+        from .exports import as_dict
 
         return as_dict(self)
 
     def to_toml(self) -> str:
         """Chain file of the chain that was found; `hertzchain.load_chain` reads it.
+
+        Balls of a catalogue, and those whose order varies, are described by their diameters.
 
         Examples
         --------
@@ -211,9 +214,25 @@ class DesignResult:
         >>> found.to_toml().splitlines()[0]
         '[chain]'
         """
-        from ..store.chain_as_toml import chain_as_toml
+        from .exports import chain_text
 
-        return chain_as_toml(self.chain)
+        return chain_text(self)
+
+    def to_csv(self) -> str:
+        """Table with one row per bead, which `hertzchain.load_chain` reads: size and material.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> found.to_csv().splitlines()[:2]
+        ['bead,radius', '1,1']
+        """
+        from .exports import bead_table
+
+        return bead_table(self.chain)
 
     def to_dataset(self) -> xr.Dataset:
         """Labelled dataset of the chains and their measures.
@@ -233,7 +252,7 @@ class DesignResult:
         >>> found.to_dataset()["radii"].dims
         ('design', 'bead')
         """
-        from .report import dataset
+        from .exports import dataset
 
         return dataset(self)
 

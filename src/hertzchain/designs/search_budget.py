@@ -11,6 +11,10 @@ from ..errors import InputError
 from ..validation.numbers import has_unit, number, whole_number
 
 DEFAULT: Final = 20_000
+# Largest time that an elastic chain takes in a search [s], which grows with the square of the
+# number of beads if there are more than this number, and the factor by which chains that are not
+# integrated together take longer.
+SLOWEST, MANY_BEADS, LOSSY = 1e-3, 20.0, 30.0
 
 
 class Spent(Exception):
@@ -27,6 +31,14 @@ class Budget:
     def used(self, runs: int, seconds: float) -> float:
         """Part of the budget that is used."""
         return max(runs / self.runs, seconds / self.seconds)
+
+
+def simulations_within(limit: Budget, beads: int, *, elastic: bool) -> float:
+    """Number of simulations that a budget surely permits, also on a slow computer."""
+    if math.isfinite(limit.runs):
+        return limit.runs
+    each = SLOWEST * (1.0 + (beads / MANY_BEADS) ** 2) * (1.0 if elastic else LOSSY)
+    return limit.seconds / each
 
 
 def budget_from(given: Any) -> Budget:

@@ -8,7 +8,8 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any, Final, NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -26,11 +27,17 @@ from .problem import Design
 from .requirements import TOLERANCE, violation
 from .search_budget import Budget, Clock, Spent
 
+if TYPE_CHECKING:
+    from .verified import Verified
+
 # Tolerance of trial runs; results are verified with a tighter one.
 RTOL: Final = 1e-5
 KEPT: Final = 12
 # Trials that a budget of time permits at most.
 UNLIMITED: Final = 10**12
+# A budget of time is checked after this part of it, or this time [s]: at first after a few trials,
+# then after at most so many times as many as before.
+SMALL_PART, LONGEST_PART, FIRST_SIZE, GROWTH = 0.02, 1.0, 8, 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +86,16 @@ class Trials:
     best: list[Outcome] = field(default_factory=list)
     reasons: dict[str, int] = field(default_factory=dict)
     references: dict[str, Reference] = field(default_factory=dict)
-    # Values by tolerance and point, if several searches of a Pareto front share them.
-    memory: dict[bytes, Array] | None = None
+    # Points and values by tolerance and point, if several searches of a Pareto front share them.
+    memory: dict[bytes, tuple[Any, Array]] | None = None
+    # Number of the best trials that are kept.
+    kept: int = KEPT
+    # The first point whose chain could not be simulated.
+    failed: Any = None
+    # Verified chains by point, also of all searches of a Pareto front.
+    verified: dict[bytes, Verified] = field(default_factory=dict)
+    # Number of trials after which a budget of time is checked.
+    size: int = FIRST_SIZE
 
     def __post_init__(self) -> None:
         self.clock, self.rejecting = Clock(), threading.Lock()
@@ -123,27 +138,50 @@ class Trials:
     def evaluate(self, points: Sequence[Any], *, rtol: float = RTOL) -> list[Outcome]:
         """Simulate the chains at several points; at the first ones if the budget ends there."""
         if self.memory is None:
-            points = points[: self.room]
-            return self._simulate(points, rtol) if len(points) else []
+            return self._simulate(points[: self.room], rtol)
         keys = [str(rtol).encode() + np.ascontiguousarray(point).tobytes() for point in points]
         new = {key: point for key, point in zip(keys, points, strict=True)
                if key not in self.memory}  # fmt: skip
         fresh = [*new][: self.room]
         if fresh:
             outcomes = self._simulate([new[key] for key in fresh], rtol)
-            self.memory |= {key: each.values for key, each in zip(fresh, outcomes, strict=True)}
+            # With a budget of time, only the first points may have been simulated.
+            self.memory |= {
+                key: (each.x, each.values) for key, each in zip(fresh, outcomes, strict=False)
+            }
         known = {key: point for key, point in zip(keys, points, strict=True) if key in self.memory}
         if not known:
             return []
-        found = self.outcomes([*known.values()], np.array([self.memory[key] for key in known]))
+        found = self.outcomes([*known.values()], np.array([self.memory[key][1] for key in known]))
         self._note(found, 0)
         return found
 
     def _simulate(self, points: Sequence[Any], rtol: float) -> list[Outcome]:
-        values = self._journalled("values", points, lambda: self._values(points, rtol))
-        found = self.outcomes(points, values)
-        self._note(found, self.samples)
+        found: list[Outcome] = []
+        # At least one trial is simulated, even if the time is over.
+        while len(found) < len(points) and (self.used < 1.0 or not self.best):
+            part = points[len(found) : len(found) + self._at_a_time]
+            before = self.journal.seconds
+            values = self._journalled("values", part, partial(self._values, part, rtol))
+            outcomes = self.outcomes(part, values)
+            self._note(outcomes, self.samples)
+            self._adjust_size(len(part), self.journal.seconds - before)
+            found += outcomes
         return found
+
+    @property
+    def _at_a_time(self) -> int:
+        """Number of trials after which a budget of time is checked."""
+        return self.size if np.isfinite(self.budget.seconds) else UNLIMITED
+
+    def _adjust_size(self, trials: int, seconds: float) -> None:
+        """Choose how many trials fit into a small part of the time.
+
+        The times are those of the journal, and thus the same if a search is resumed.
+        """
+        wanted = min(LONGEST_PART, SMALL_PART * self.budget.seconds)
+        fitting = trials * wanted / max(seconds, 1e-9)
+        self.size = int(np.clip(fitting, 1, GROWTH * self.size))
 
     def evaluate_all(self, batches: Iterator[list[Any]]) -> None:
         """Evaluate many batches; with several threads, two at a time.
@@ -151,11 +189,12 @@ class Trials:
         Chains are made while kernels run for the other batch.  Trials are noted in order.
         """
         workers = 2 if worker_count("threads", self.threads) > 1 else 1
+        timed = np.isfinite(self.budget.seconds)
         waiting: deque[tuple[list[Any], Future[Array]]] = deque()
         with ThreadPoolExecutor(workers) as executor:
             try:
                 for batch in batches:
-                    if self.journal.known or workers == 1 or self.memory is not None:
+                    if self.journal.known or workers == 1 or self.memory is not None or timed:
                         self.evaluate(batch)
                         continue
                     waiting.append((batch, executor.submit(self._values, batch, RTOL)))
@@ -302,8 +341,13 @@ class Trials:
 
     def _reject(self, reason: str) -> None:
         with self.rejecting:
-            self.rejected += 1
             self.reasons[reason] = self.reasons.get(reason, 0) + 1
+
+    def why_rejected(self) -> str:
+        """Why the first rejected trial could not be simulated."""
+        self.reasons.clear()
+        self._values([self.failed], RTOL)
+        return next(iter(self.reasons), "it has no value of an objective or a constraint")
 
     def _journalled(self, what: str, points: Sequence[Any], compute: Callable[[], Array]) -> Array:
         joined = b"".join(np.ascontiguousarray(point).tobytes() for point in points)
@@ -331,9 +375,12 @@ class Trials:
         best = self.best[0].rank if self.best else (np.inf, np.inf)
         for each in found:
             self.runs += cost
+            if cost and not np.isfinite(each.values).all():
+                self.rejected += 1
+                self.failed = each.x if self.failed is None else self.failed
             if each.rank < best:
                 best = each.rank
                 if each.met:
                     self.history.append((self.runs, each.score))
         known = {np.ascontiguousarray(each.x).tobytes(): each for each in [*self.best, *found]}
-        self.best = sorted(known.values(), key=lambda each: each.rank)[:KEPT]
+        self.best = sorted(known.values(), key=lambda each: each.rank)[: self.kept]

@@ -11,8 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpecBase
 
-from ..designs.curves import Curve, initial_and_final
+from ..designs.curves import Curve, initial_and_final, plotted_quantity
 from ..errors import InputError
+from ..pulse.quantities import QUANTITIES
 from .chains import bead_centres, draw_beads, material_legend
 from .gradients import bars_of_changes
 from .legends import place_legend
@@ -125,8 +126,9 @@ def _draw_lines(result: DesignResult, lines: Sequence[_Line], axes: Axes) -> Axe
     axes.set_xlabel(label)
     if not walled:
         axes.xaxis.set_major_locator(BeadLocator())
-    name, unit = ("force on the wall", " [N]") if walled else ("velocity $v_k$", " [m/s]")
-    axes.set_ylabel(name + (unit if si else ""))
+    quantity = QUANTITIES[plotted_quantity(result)]
+    name, unit = ("force on the wall", "N") if walled else (quantity.label, quantity.unit)
+    axes.set_ylabel(f"{name} [{unit}]" if si and unit != "1" else name)
     axes.margins(x=0.0)
     place_legend(axes)
     return axes

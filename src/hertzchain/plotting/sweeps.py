@@ -13,10 +13,10 @@ from matplotlib.colors import LogNorm
 from matplotlib.ticker import MaxNLocator
 
 from ..errors import IncompleteWarning, InputError, unknown_name_error, warn_user
-from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
 from ..representation import MICROSECONDS, MILLISECONDS, counted
 from ..store.sweep_export import check_sweep
 from ..store.sweep_store import FAILED, MISSING
+from ..sweeps.kept import KEPT
 from ..units import PERCENT
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
@@ -418,7 +418,7 @@ def _axis_label(coordinate: xr.DataArray) -> str:
 def _quantity_label(drawn: xr.DataArray) -> str:
     """Label of the quantity with its unit; the index of the last bead is N, not k."""
     name = str(drawn.name)
-    quantity = QUANTITIES.get(name) or WALL_QUANTITIES.get(name)
+    quantity = KEPT.get(name)
     text = name.replace("_", " ") if quantity is None else quantity.label
     if quantity is not None and not {"bead", "contact"} & set(drawn.coords):
         text = text.replace("_k$", "_{N-1}$" if quantity.per == "contact" else "_{N}$")

@@ -349,6 +349,12 @@ LARGEST_QUANTITIES: Final = _by_name(
             "largest_overlap", "d", "largest overlap of the contact in the whole run",
             unit="m", scale="length", label="largest overlap $d_k$", per="contact", values="finite",
         ),
+        Quantity(
+            "yield_ratio", "",
+            "largest pressure of all contacts in the whole run over that at first yield",
+            unit="1", scale="1", label="pressure / pressure at first yield", per="run",
+            values="finite",
+        ),
     )
 )  # fmt: skip
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..chain.chain import Chain
+from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import (
@@ -44,8 +45,6 @@ KEPT: Final[dict[str, Quantity]] = {
     **PULSE_QUANTITIES, **WALL_QUANTITIES, **SENSOR_QUANTITIES, **FINAL_QUANTITIES,
     **LARGEST_QUANTITIES,
 }  # fmt: skip
-# Times at which `simulate` saves the overlaps, between which maxima are interpolated.
-OVERLAP_TIMES: Final = 1000
 # Factor of the tolerance for `simulate`, whose method has larger errors at equal tolerance.
 TIGHTER: Final = 0.1
 # Scratch arrays of the kernel that are not in use, each with its number of gauges; a set has 8 MB.
@@ -67,11 +66,13 @@ class Request:
     until: float | None
     rtol: float
     max_steps: int | None
+    # Whether contacts of materials are compared with Hertz's range.
+    check_range: bool = True
 
-    @property
-    def whole_run(self) -> bool:
+    def whole_run(self, chain: Chain) -> bool:
         """Whether overlaps after the passage of the leading pulse are requested, too."""
-        return any(name in LARGEST_QUANTITIES for name in self.keep)
+        kept = any(name in LARGEST_QUANTITIES for name in self.keep)
+        return kept or (self.check_range and chain.materials is not None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +93,8 @@ def check_member(chain: Chain, request: Request) -> None:
     beyond = [bead for bead in request.sensors if bead > chain.beads]
     if beyond:
         raise InputError(f"there is no bead {beyond[0]} with a sensor among {chain.beads}")
+    if "yield_ratio" in request.keep and chain.materials is None:
+        raise InputError("yield_ratio needs a chain with materials; use Chain.from_materials")
 
 
 def by_kernel(chains: Sequence[Chain], request: Request, signal: NDArray[np.int64]) -> Outcome:
@@ -102,7 +105,8 @@ def by_kernel(chains: Sequence[Chain], request: Request, signal: NDArray[np.int6
     kernel: Any = elastic_chains
     given, count, beads = kernel_input(chains, request.until), len(chains), chains[0].beads
     sensors = [(bead - 1, bead) for bead in request.sensors]
-    contacts = [(contact, contact) for contact in range(beads)] if request.whole_run else []
+    whole_run = request.whole_run(chains[0])
+    contacts = [(contact, contact) for contact in range(beads)] if whole_run else []
     places = np.array([(beads, beads), *sensors, *contacts])
     records = np.zeros((count, layout.RECORDS, beads))
     summary = np.zeros((count, layout.SUMMARY))
@@ -160,6 +164,9 @@ class _KernelResults:
             found |= self._sensors(len(request.sensors))
         overlaps = self._overlaps(request)
         found["largest_overlap"] = overlaps[:, 1:-1]
+        if "yield_ratio" in keep:
+            pairs = zip(self.chains, overlaps, strict=True)
+            found["yield_ratio"] = np.array([largest_yield_ratio(*each) for each in pairs])
         if any(name in FINAL_QUANTITIES for name in keep):
             found |= self._final()
         status = [STATUS[int(code)] for code in self.summary[:, layout.STATUS]]
@@ -271,7 +278,7 @@ class _KernelResults:
         layout = self.layout
         overlaps = np.zeros((len(self.chains), self.given.shape[2]))
         overlaps[:, -1:] = self._overlaps_at(self.readings[:, :1, layout.PEAK], slice(-1, None))
-        if request.whole_run:
+        if request.whole_run(self.chains[0]):
             peaks = self.readings[:, 1 + len(request.sensors) :, layout.PEAK]
             overlaps[:, :-1] = self._overlaps_at(peaks, slice(0, -1))
         else:
@@ -303,12 +310,16 @@ def energy_parts(
         return {name: np.asarray(values / total) for name, values in parts.items()}
 
 
+def largest_yield_ratio(chain: Chain, overlaps: Array) -> float:
+    """Largest ratio of the pressure of a contact to that at first yield."""
+    return float(hertz_range(chain, overlaps).yield_ratio.max())
+
+
 def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:
     """Integrate one chain by `simulate`."""
     keep = request.keep
     rtol = min(max(TIGHTER * request.rtol, MIN_RTOL), MAX_RTOL)
     times = MANY_TIMES if any(name in SENSOR_QUANTITIES for name in keep) else 0
-    times = max(times, OVERLAP_TIMES) if request.whole_run else times
     options: dict[str, Any] = {"rtol": rtol, "progress": progress}
     run = simulate(
         chain, until=request.until, times=times, max_steps=request.max_steps, **options
@@ -326,6 +337,8 @@ def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:
     if any(name in FINAL_QUANTITIES for name in keep):
         found |= _final_of(run, options)
     found["largest_overlap"] = run.largest_overlaps[1:-1]
+    if "yield_ratio" in keep:
+        found["yield_ratio"] = largest_yield_ratio(chain, run.largest_overlaps)
     columns = {name: np.asarray(found[name], float)[np.newaxis] for name in keep}
     complete = np.array([bool(run._complete[1])])
     return Outcome(columns, [run.status], complete, run.largest_overlaps[np.newaxis], {})

@@ -55,8 +55,7 @@ class RunTable(Frozen):
         ``wall_peak_force`` is NaN.  Impulse of the impact and duration are NaN as long as the
         impact has not ended.
     outside_range : ndarray of bool, shape (C,)
-        Whether a chain of materials has left the range of Hertz's law in the leading pulse or at
-        the right wall; in the whole run, if ``"largest_overlap"`` is kept.
+        Whether a chain of materials has left the range of Hertz's law in the whole run.
 
     Examples
     --------
@@ -111,11 +110,7 @@ class RunTable(Frozen):
 
     @cached_property
     def outside_range(self) -> NDArray[np.bool_]:
-        """Whether each chain of materials has left the range of Hertz's law, shape (C,).
-
-        Overlaps are those of the leading pulse and of the right wall.  Reflected pulses may be
-        stronger: keep ``"largest_overlap"`` to check the whole run.
-        """
+        """Whether each chain of materials has left the range of Hertz's law, shape (C,)."""
         return np.array([bool(self.exceeded_limits(i)) for i in range(len(self))])
 
     def exceeded_limits(self, index: int) -> tuple[str, ...]:
@@ -152,18 +147,17 @@ class RunTable(Frozen):
 
     @property
     def _range_note(self) -> str:
-        """Number of chains that have left the range of Hertz's law, and what was checked."""
+        """Number of chains that have left the range of Hertz's law."""
         checked = sum(
             each is not None and each.materials is not None and i not in self.reasons
             for i, each in enumerate(self.chains)
         )
         if not checked:
             return ""
-        part = "" if "largest_overlap" in self.columns else " (reflections not checked)"
         if len(self) > MAX_CHECKED:
-            return f"outside_range states which chains are outside Hertz's range{part}"
+            return "outside_range states which chains are outside Hertz's range"
         outside = int(self.outside_range.sum())
-        return f"{outside} of {checked} chains outside Hertz's range{part}"
+        return f"{outside} of {checked} chains outside Hertz's range"
 
     def to_dataset(self) -> xr.Dataset:
         """Labelled dataset with dimensions ``chain``, ``bead``, ``contact`` and ``sensor``.
@@ -172,7 +166,7 @@ class RunTable(Frozen):
         -------
         xarray.Dataset
             One variable per kept quantity, with unit ("1": scaled) and description; ``status``,
-            ``complete`` and ``beads`` by chain.
+            ``complete``, ``outside_range`` and ``beads`` by chain.
 
         Examples
         --------
@@ -197,6 +191,9 @@ class RunTable(Frozen):
         variables["complete"] = (
             "chain", self.complete, {"long_name": "largest force on the right wall is complete"}
         )  # fmt: skip
+        variables["outside_range"] = (
+            "chain", self.outside_range, {"long_name": "outside the range of Hertz's law"}
+        )  # fmt: skip
         variables["beads"] = ("chain", self.beads, {"long_name": "number of beads"})
         return xr.Dataset(variables, coords=coordinates, attrs={"method": "simulation"})
 
@@ -207,7 +204,8 @@ class RunTable(Frozen):
         -------
         pandas.DataFrame
             A column per quantity, such as ``"end_time"``, or one per bead, contact or sensor, such
-            as ``"velocity_1"``; also ``"beads"``, ``"status"``, ``"complete"`` and ``"reason"``.
+            as ``"velocity_1"``; also ``"beads"``, ``"status"``, ``"complete"``,
+            ``"outside_range"`` and ``"reason"``.
 
         Examples
         --------
@@ -226,6 +224,7 @@ class RunTable(Frozen):
             numbers = self.sensors if KEPT[name].per == "sensor" else range(1, values.shape[1] + 1)
             found |= {f"{name}_{k}": values[:, i] for i, k in enumerate(numbers)}
         found |= {"beads": self.beads, "status": self.status, "complete": self.complete}
+        found["outside_range"] = self.outside_range
         found["reason"] = [self.reasons.get(i, "") for i in range(len(self))]
         return pd.DataFrame(found, index=pd.RangeIndex(len(self), name="chain"))
 

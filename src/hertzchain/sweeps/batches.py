@@ -16,11 +16,13 @@ from ..propagation.propagate import propagate_many
 from ..pulse.notes import notes_in_words
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..simulation.ensemble_columns import largest_yield_ratio
 from ..simulation.ensemble_input import is_covered
 from ..simulation.run import Run
 from ..simulation.simulate import DEFAULT_RTOL, simulate
 from ..simulation.simulate_many import simulate_many
 from ..store.sweep_store import DONE, FAILED
+from .kept import PER_PLACE, PER_RUN
 from .methods import OPTIONS, pulse_by, record_warnings
 from .plan import Index, Plan, plan_of
 
@@ -107,13 +109,13 @@ class _Batch:
         self.beads = np.zeros(shape[0], np.int64)
         self.varied_options = any(axis.path[0] == "method" for axis in spec.axes)
         # Values of all beads, since the largest error is taken over all of them.
-        wide = [name for name in dict.fromkeys((*spec.keep, *spec.errors)) if name in QUANTITIES]
+        wide = [name for name in dict.fromkeys((*spec.keep, *spec.errors)) if name in PER_PLACE]
         self.whole: dict[str, Array] = {
-            name: np.full((*shape, QUANTITIES[name].count(plan.longest)), np.nan) for name in wide
+            name: np.full((*shape, PER_PLACE[name].count(plan.longest)), np.nan) for name in wide
         }
         self.single = {
             name: np.full(shape, np.nan) for name in plan.variables
-            if name in WALL_QUANTITIES or name.startswith("worst_error_of_")
+            if name in PER_RUN or name.startswith("worst_error_of_")
         }  # fmt: skip
         self.relative: dict[str, Array] = {}
 
@@ -138,7 +140,7 @@ class _Batch:
             return
         options = self._options("propagate", self.indices[0])
         table = propagate_many(subjects, threads=1, progress=self._check_stop, **options)
-        for name, values in self.whole.items():
+        for name, values in self._of_pulse.items():
             found = table.column(name)
             if found is not None:
                 values[rows, place, : found.shape[1]] = found
@@ -168,7 +170,8 @@ class _Batch:
                 continue
             self._one(row, place, "simulate")
         walls = [name for name in self.single if name in WALL_QUANTITIES]
-        keep = [*(name for name in self.whole if not QUANTITIES[name].estimate), *walls]
+        keep = [name for name in self.whole if not PER_PLACE[name].estimate]
+        keep += [name for name in self.single if name in PER_RUN]
         if not chains or not keep:
             return
         table = simulate_many(
@@ -178,7 +181,7 @@ class _Batch:
         for i, row in enumerate(rows):
             beads = self.beads[row] = chains[i].beads
             found = {name: values[i] for name, values in table.columns.items()}
-            pulse = [found[name][: QUANTITIES[name].count(beads)] for name in keep
+            pulse = [found[name][: PER_PLACE[name].count(beads)] for name in keep
                      if name in self.whole]  # fmt: skip
             if i in table.reasons or any(np.isnan(values).any() for values in pulse):
                 # `simulate` has the reasons why values are absent.
@@ -230,7 +233,8 @@ class _Batch:
         if method == "simulate":
             run = simulate(chain, times=0, progress=self._check_stop, **options)
             self._keep_wall(row, place, run)
-            if self.whole:
+            self._keep_largest(row, place, run)
+            if self._of_pulse:
                 self._keep_pulse(row, place, run.pulse())
                 if run.beads_passed < chain.beads:
                     self.status[row, place] = FAILED
@@ -238,7 +242,7 @@ class _Batch:
             self._keep_pulse(row, place, pulse_by(method, chain, **options))
 
     def _keep_pulse(self, row: int, place: int, pulse: Pulse) -> None:
-        for name, values in self.whole.items():
+        for name, values in self._of_pulse.items():
             found = pulse.column(name)
             if found is not None:
                 values[row, place, : len(found)] = found
@@ -253,6 +257,20 @@ class _Batch:
             for name in wanted:
                 value = getattr(wall, WALL_QUANTITIES[name].attribute)
                 self.single[name][row, place] = np.nan if value is None else value
+
+    def _keep_largest(self, row: int, place: int, run: Run) -> None:
+        """Keep the largest values of the whole run."""
+        if "largest_overlap" in self.whole:
+            found = run.largest_overlaps[1:-1]
+            self.whole["largest_overlap"][row, place, : len(found)] = found
+        if "yield_ratio" in self.single:
+            ratio = largest_yield_ratio(run.chain, run.largest_overlaps)
+            self.single["yield_ratio"][row, place] = ratio
+
+    @property
+    def _of_pulse(self) -> dict[str, Array]:
+        """Values of all beads that are properties of the leading pulse."""
+        return {name: values for name, values in self.whole.items() if name in QUANTITIES}
 
     def compute_errors(self) -> None:
         """Compute errors of all methods relative to the reference, and the largest per point."""
@@ -291,7 +309,7 @@ class _Batch:
         if at == "every":
             return whole
         if at == "last":
-            last = np.maximum(self.beads - 1 - (QUANTITIES[quantity].per == "contact"), 0)
+            last = np.maximum(self.beads - 1 - (PER_PLACE[quantity].per == "contact"), 0)
             return np.take_along_axis(whole, last[:, None, None], axis=2)[:, :, 0]
         places = np.array(at) - 1
         inside = places < whole.shape[2]

@@ -12,12 +12,12 @@ import numpy as np
 
 from .. import __version__
 from ..errors import ModelRangeWarning, warn_user
-from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
 from ..store.sweep_layout import STATUS, Variable
 from ..store.sweep_store import MEANINGS, plain_text
 from ..units import UNITS
 from .axes import Axis
 from .batches import Result
+from .kept import PER_PLACE, PER_RUN
 from .plan import Plan
 
 if TYPE_CHECKING:
@@ -130,15 +130,15 @@ def columns_of(plan: Plan, result: Result) -> Mapping[str, Any]:
 
 def _kept(plan: Plan, name: str) -> Variable:
     spec = plan.specification
-    if name in WALL_QUANTITIES:
-        return _by_method(plan, "f8", WALL_QUANTITIES[name].attributes(plan.units))
+    if name in PER_RUN:
+        return _by_method(plan, "f8", PER_RUN[name].attributes(plan.units))
     if name.startswith("worst_error_of_"):
         what = name.removeprefix("worst_error_of_")
         label = f"largest error of {what} relative to {spec.reference}, k >= 2"
         return _by_method(plan, "f8", {"long_name": label, "units": "1"})
-    quantity = QUANTITIES[name.removeprefix("relative_error_of_")]
+    quantity = PER_PLACE[name.removeprefix("relative_error_of_")]
     attributes = quantity.attributes(plan.units)
-    if name not in QUANTITIES:
+    if name not in PER_PLACE:
         label = f"error of {quantity.name} relative to {spec.reference}"
         attributes = {"long_name": label, "units": "1"}
     one = _by_method(plan, "f8", attributes)

@@ -55,6 +55,7 @@ class Trial:
     reason: str = ""
     units: str = "scaled"
     has_wall: bool = False
+    has_materials: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +145,8 @@ class Plan:
         if index not in self._trials:
             try:
                 chain = self.chain(index)
-                self._trials[index] = Trial("", chain.units, chain.right_wall is not None)
+                walled, kinds = chain.right_wall is not None, chain.materials is not None
+                self._trials[index] = Trial("", chain.units, walled, kinds)
             except InputError as error:
                 self._trials[index] = Trial(str(error))
         return self._trials[index]
@@ -344,8 +346,12 @@ def _bad_requests(plan: Plan) -> list[str]:
     spec, problems = plan.specification, []
     if isinstance(spec.at, tuple) and spec.at[-1] > plan.longest:
         problems.append(f"sweep.at: there is no bead {spec.at[-1]} in {plan.longest} beads")
-    if any(name in WALL_QUANTITIES for name in spec.keep) and not _has_wall(plan):
+    trials = [plan.trial(index) for index in plan.tried()]
+    if any(name in WALL_QUANTITIES for name in spec.keep) and not any(t.has_wall for t in trials):
         problems.append("sweep.keep: the chains have no right wall: add right_wall to [chain]")
+    if "yield_ratio" in spec.keep and not any(each.has_materials for each in trials):
+        problems.append("sweep.keep: yield_ratio needs chains with materials: add materials to "
+                        "[chain]")  # fmt: skip
     for place, method in enumerate(spec.methods, start=1):
         if method != "simulate" and (reason := _method_error(plan, method)):
             problems.append(f"sweep.methods[{place}]: {reason}")
@@ -434,7 +440,3 @@ def _columns(plan: Plan, method: str) -> Iterable[str]:
         with suppress(InputError, SimulationError):
             return pulse_by(method, chain).columns()
     return QUANTITIES
-
-
-def _has_wall(plan: Plan) -> bool:
-    return any(plan.trial(index).has_wall for index in plan.tried())

@@ -13,7 +13,7 @@
 
     [sweep]
     methods = ["propagate", "local-rate"]
-    keep = ["momentum"]           # quantities of the pulse or of the right wall
+    keep = ["momentum"]           # quantities of the pulse, the right wall or the whole run
     at = "last"                   # or "every" bead, or a list of beads
     errors = ["velocity"]         # of the other methods relative to the first
 
@@ -34,7 +34,7 @@ from typing import Any, Final
 
 from ..chain.chain import Chain
 from ..errors import InputError, raise_all, short_repr, unknown_name_error
-from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..pulse.quantities import QUANTITIES
 from ..representation import short
 from ..store.chain_as_toml import chain_as_toml
 from ..store.chain_files import chain_from
@@ -53,6 +53,7 @@ from .axes import (
     flattened,
     unequal_lengths,
 )
+from .kept import KEPT, OF_RUNS
 from .methods import METHODS, check_option
 from .methods import OPTIONS as OPTIONS_OF
 
@@ -89,7 +90,7 @@ class Specification:
     methods : tuple of str
         Names of `hertzchain.sweeps.methods.METHODS`.
     keep : tuple of str
-        Quantities of the pulse or of the right wall.
+        Quantities of the pulse, the right wall or the whole run.
     at : str or tuple of int
         ``"every"`` bead, the ``"last"`` one, or the numbers of beads.
     errors : tuple of str
@@ -180,8 +181,8 @@ _SWEEP: Final = (
         default="product", choices=("product", "zip")),
     Key("methods", "choice", "simulations and theories", default="propagate", choices=METHODS,
         per="item", one_for_all=True),
-    Key("keep", "choice", "quantities of the pulse or of the right wall", default="velocity",
-        choices=(*QUANTITIES, *WALL_QUANTITIES), per="item", one_for_all=True),
+    Key("keep", "choice", "quantities of the pulse, the right wall or the whole run",
+        default="velocity", choices=(*KEPT,), per="item", one_for_all=True),
     Key("at", "choice", "beads to keep: every, the last, or a list of their numbers",
         default="every", choices=("every", "last")),
     Key("errors", "choice", "quantities whose relative errors are kept", choices=(*QUANTITIES,),
@@ -272,8 +273,9 @@ class _Reader:
             self._add("sweep.reference", unknown_name_error("reference", reference, methods))
         if errors and len(methods) == 1:
             self._add("sweep.errors", f"there is only one method, {methods[0]}: add others")
-        if "simulate" not in methods and set(keep) & set(WALL_QUANTITIES):
-            self._add("sweep.keep", "quantities of the wall need the method 'simulate'")
+        of_runs = [name for name in keep if name in OF_RUNS]
+        if "simulate" not in methods and of_runs:
+            self._add("sweep.keep", f"{', '.join(of_runs)}: only the method 'simulate' gives it")
         title, batch = self._title(), self._batch(settings)
         at = self._at(settings.get("at", SETTINGS["at"].default))
         options = self._options(axes, methods)

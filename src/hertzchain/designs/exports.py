@@ -1,0 +1,144 @@
+"""The result of a design as a chain file, a table of beads, plain types and a dataset."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..simulation.state import fingerprint
+from ..store.chain_as_toml import chain_as_toml
+from ..store.chain_files import chain_from
+from ..store.toml_files import toml_text
+from ..validation.json_types import finite
+from .measures import Measure
+from .report import references_in_words
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from .result import DesignResult
+
+
+def chain_text(result: DesignResult) -> str:
+    """Chain file; balls of a catalogue have diameters, by which they are sold."""
+    text = chain_as_toml(result.chain)
+    if not result.discrete or result.chain.units != "SI":
+        return text
+    sold = re.sub(r"^radii = .*$", _diameters, text, count=1, flags=re.MULTILINE)
+    same = fingerprint(chain_from(tomllib.loads(sold))) == fingerprint(result.chain)
+    return sold if same else text
+
+
+def _diameters(line: re.Match[str]) -> str:
+    radii = tomllib.loads(line[0])["radii"]
+    found = [f"{2e3 * each:.10g} mm" for each in np.atleast_1d(radii)]
+    return f"diameters = {toml_text(found if isinstance(radii, list) else found[0])}"
+
+
+def bead_table(chain: Chain) -> str:
+    """CSV with one row per bead, which `hertzchain.load_chain` reads."""
+    si = chain.units == "SI"
+    columns = {"bead": [str(k) for k in range(1, chain.beads + 1)]}
+    name, factor = ("diameter [mm]", 2e3) if si else ("radius", 1.0)
+    columns[name] = [f"{factor * each:.10g}" for each in chain.radii]
+    if "masses" in chain.given:
+        name, factor = ("mass [g]", 1e3) if si else ("mass", 1.0)
+        columns[name] = [f"{factor * each:.10g}" for each in chain.masses]
+    if si and chain.materials is not None:
+        columns["material"] = [each.name for each in chain.materials]
+    rows = [",".join(columns), *map(",".join, zip(*columns.values(), strict=True))]
+    return "\n".join(rows) + "\n"
+
+
+def _balls(result: DesignResult) -> dict[str, Any]:
+    """Beads in their order, parts, and the chain as the tables of a chain file."""
+    chain = result.chain
+    return {
+        "radii": chain.radii.tolist(),
+        "masses": chain.masses.tolist(),
+        "materials": None if chain.materials is None else [each.name for each in chain.materials],
+        "parts": [{"count": count, "ball": name} for count, name in result.parts],
+        "chain_file": tomllib.loads(chain_as_toml(chain)),
+    }
+
+
+def as_dict(result: DesignResult) -> dict[str, Any]:
+    """Plain types; numbers that are not finite are None."""
+    problem = result.problem
+    best, median = result.spread
+    document = {
+        "objective": str(problem.objective),
+        "value": result.value,
+        "unit": result.unit,
+        "values": dict(result.values),
+        "rtol": result.verified.rtol,
+        "hertz_range_kept": result.verified.hertz_range is None
+        or not result.verified.hertz_range.violations,
+        "with_yielding_contacts": dict(result.verified.yielding),
+        "constraints_met": result.met,
+        "constraints": [str(each) for each in problem.requirements],
+        "references": {
+            name: result.objective_of(found)
+            for name, found in references_in_words(result).items()
+        },
+        "bounds": [str(each) for each in result.bounds],
+        "promise": None if result.promise is None else dict(
+            zip(("value", "error"), result.promise, strict=True)
+        ),
+        "scattered": dict(result.verified.scattered),
+        "method": result.method,
+        "starts": len(result.finals),
+        "best_start": best,
+        "median_start": median,
+        "simulations": result.runs,
+        "gradients": result.gradients,
+        "rejected": result.rejected,
+        "seconds": result.seconds,
+        **_balls(result),
+        "optima": [result.objective_of(each) for each in result.optima],
+        "front": [
+            {"values": dict(point.values),
+             "with_yielding_contacts": dict(point.verified.yielding)} | _balls(point)
+            for point in result.front
+        ],
+        "notes": list(result.notes),
+    }  # fmt: skip
+    found: dict[str, Any] = finite(document)
+    return found
+
+
+def dataset(result: DesignResult) -> xr.Dataset:
+    """The result, its runners-up and the chains to compare with."""
+    import xarray as xr
+
+    named = [("result", result.verified)]
+    named += [(f"runner-up {i}", each) for i, each in enumerate(result.runners_up, start=1)]
+    named += [(f"optimum {i}", each) for i, each in enumerate(result.optima, start=1)]
+    named += [(f"front {i}", point.verified) for i, point in enumerate(result.front, start=1)]
+    named += list(references_in_words(result).items())
+    most = max(found.chain.beads for _, found in named)
+    data: dict[str, Any] = {}
+    scaled = result.chain.scaled
+    for name, unit in (("radii", "m"), ("masses", "kg")):
+        rows = np.full((len(named), most), np.nan)
+        for row, (_, found) in zip(rows, named, strict=True):
+            values = getattr(found.chain, name)
+            row[: len(values)] = values
+        data[name] = (("design", "bead"), rows, {"units": "1" if scaled else unit})
+    for each in result.problem.measures:
+        column = [found.values[str(each)] for _, found in named]
+        data[_variable(each)] = ("design", column, {"units": "1" if scaled else each.unit})
+    return xr.Dataset(
+        data,
+        {"design": [name for name, _ in named], "bead": np.arange(1, most + 1)},
+        {"objective": str(result.problem.objective), "method": result.method,
+         "simulations": result.runs, "notes": "\n".join(result.notes)},
+    )  # fmt: skip
+
+
+def _variable(each: Measure) -> str:
+    return str(each).replace(".", "_").replace("@", "_at_")

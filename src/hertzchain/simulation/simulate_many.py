@@ -118,12 +118,13 @@ def simulate_many(
     callback("progress", progress)
     if isinstance(chains, Chain):
         raise InputError("simulate_many requires a list of chains, got one; use simulate(chain)")
+    given = check_list("chains", chains, "chains")
     request = Request(
-        _checked_names(keep), _checked_sensors(sensors, real), until,
+        _checked_names(keep), _checked_sensors(sensors, given), until,
         number("rtol", rtol, least=MIN_RTOL, most=MAX_RTOL),
         None if max_steps is None else whole_number("max_steps", max_steps, least=1),
     )  # fmt: skip
-    return simulate_ensemble(check_list("chains", chains, "chains"), request, threads, progress)
+    return simulate_ensemble(given, request, threads, progress)
 
 
 def simulate_ensemble(
@@ -153,8 +154,9 @@ def _checked_names(keep: str | Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(check_choice("quantity", name, KEPT) for name in names))
 
 
-def _checked_sensors(sensors: Iterable[int | str], chains: Sequence[Chain]) -> tuple[int, ...]:
+def _checked_sensors(sensors: Iterable[int | str], given: Sequence[object]) -> tuple[int, ...]:
     beads = check_list("sensors", sensors, "numbers or names of beads, such as 5 or 'ball 4'")
+    chains = [each for each in given if isinstance(each, Chain)]
     strikers = {each.strikers for each in chains}
     if any(isinstance(bead, str) for bead in beads) and len(strikers) > 1:
         raise InputError(

@@ -113,3 +113,35 @@ def test_a_comparison_states_that_a_channel_is_inverted():
     found = hc.simulate(chain(), until=6e-4, times=3000).compare(traces())
     assert INVERTED in found.notes
     assert found.sensors[0].scale < 0.0 < found.sensors[1].scale
+
+
+def test_crests_of_inverted_channels_are_drawn(fitted):
+    crest = fitted.plot().axes[6]
+    # In the panels of a crest, data and model are within the highest 30%.
+    data, model = (line.get_ydata() for line in crest.lines)
+    assert model.min() == pytest.approx(fitted.predicted[0][0].min())
+    assert model.max() < 0.69 * model.min() < 0.0
+    assert np.abs(data - model).max() < 6.0 * fitted.traces.shots[0].signals[0].noise
+
+
+def test_signals_in_several_units_are_drawn_relative_to_their_largest_values():
+    axes = traces().plot()
+    heights = [np.nanmax(np.abs(line.get_ydata())) for line in axes.lines if len(line.get_ydata())]
+    assert heights == pytest.approx([1.0, 1.0, 1.0])
+    largest = np.abs(traces().shots[0].signals[0].values).max()
+    assert f"ball 5: {largest:.3g} V" in axes.get_legend_handles_labels()[1]
+    assert axes.get_ylabel() == "signal / largest value"
+    same = traces({"ball 5": 0.1, "ball 10": 0.2}).plot()
+    assert same.get_ylabel() == "signal [V]"
+
+
+def test_comparisons_of_three_sensors_have_no_empty_place_and_a_legend_above():
+    figure = hc.simulate(chain(), until=6e-4, times=3000).compare(traces()).plot()
+    figure.canvas.draw()
+    assert len(figure.axes) == 3
+    top = max(axes.get_position().y1 for axes in figure.axes)
+    (legend,) = figure.legends
+    assert legend.get_window_extent().y0 > top * figure.bbox.height
+    boxes = [axes.title.get_window_extent() for axes in figure.axes]
+    assert not any(legend.get_window_extent().overlaps(box) for box in boxes)
+    assert figure.axes[-1].get_xlabel() == "time [µs]"

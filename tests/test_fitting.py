@@ -637,7 +637,8 @@ def test_results_can_be_shown_and_written(example, tmp_path):
     assert len(repr(example.traces).splitlines()) <= 3
     file = tmp_path / "fitted.toml"
     file.write_text(example.chain_toml())
-    assert np.allclose(hc.load_chain(file).stiffness, example.chain.stiffness, rtol=1e-14)
+    # Files of fits have seven digits.
+    assert np.allclose(hc.load_chain(file).stiffness, example.chain.stiffness, rtol=5e-7)
     data = example.to_dataset()
     rest = data["ball_6"] - data["ball_6_fit"]
     assert float((rest**2).mean()) ** 0.5 < 0.13

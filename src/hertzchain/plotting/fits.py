@@ -29,27 +29,33 @@ POINTS: Final = 4000
 CREST: Final = 5
 # More sensors than this are in two columns, which keeps text legible on a page.
 MAX_COLUMNS: Final = 3
+# Width of panels [inches] below which points are smaller and there are fewer ticks.
+NARROW: Final = 2.0
 
 
 def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) -> Axes:
-    """Plot measured signals over time."""
+    """Plot measured signals over time; relative to their largest values if units differ."""
     legend = check_bool("legend", legend)
     with figure_style():
         axes = get_axes(ax)
         factor, label = _time_axis(traces)
         if axes.get_xlabel() in TIME_LABELS:
             factor, label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
+        units = {signal.unit for _, signal in traces}
         # Curves that the axes already have, such as simulated ones, have the first colours.
         for i, (index, signal) in enumerate(traces, len(axes.get_legend_handles_labels()[1])):
-            times = factor * traces.shots[index].times
+            times, values = factor * traces.shots[index].times, signal.values
             name = signal.name + (f", shot {index + 1}" if len(traces.shots) > 1 else "")
+            if len(units) > 1:
+                largest = float(np.nanmax(np.abs(values)))
+                values, name = values / largest, f"{name}: {largest:.3g} {signal.unit}"
             colour = COLOURS[i % len(COLOURS)]
-            axes.plot(times, np.where(signal.valid, signal.values, np.nan), color=colour,
-                      label=name)  # fmt: skip
-            unused = ~signal.valid & np.isfinite(signal.values)
-            axes.plot(times[unused], signal.values[unused], "x", color=colour)
+            axes.plot(times, np.where(signal.valid, values, np.nan), color=colour, label=name)
+            unused = ~signal.valid & np.isfinite(values)
+            axes.plot(times[unused], values[unused], "x", color=colour)
         axes.set_xlabel(label)
-        axes.set_ylabel(" or ".join(dict.fromkeys(_signal_label(signal) for _, signal in traces)))
+        own = " or ".join(dict.fromkeys(_signal_label(signal) for _, signal in traces))
+        axes.set_ylabel("signal / largest value" if len(units) > 1 else own)
         axes.margins(x=0.0)
         if legend:
             place_legend(axes, own=ax is None)
@@ -80,6 +86,8 @@ def plot_fit(result: FitResult) -> Figure:
             figsize=figure_size(3.2 * columns, 4.8 * blocks * len(shots)),
             gridspec_kw={"height_ratios": [2.0, 1.0, 1.5] * (blocks * len(shots))},
         )  # fmt: skip
+        # In narrow panels, points of the usual size hide each other.
+        size = 0.4 if figure.get_figwidth() < NARROW * columns else 1.0
         rest = iter(residuals)
         limit = 1.1 * max(4.0, *(float(np.nanmax(np.abs(values))) for *_, values in residuals))
         for index, shot in enumerate(shots):
@@ -92,9 +100,9 @@ def plot_fit(result: FitResult) -> Figure:
                     continue
                 signal, model = shot.signals[place], result.predicted[index][place]
                 times = factor * shot.times
-                _draw_signal(panels[0], times, signal, model)
-                _draw_residuals(panels[1], times, next(rest)[2], limit)
-                _draw_crest(panels[2], times, signal, model)
+                _draw_signal(panels[0], times, signal, model, size)
+                _draw_residuals(panels[1], times, next(rest)[2], limit, size)
+                _draw_crest(panels[2], times, signal, model, size)
                 panels[0].tick_params(labelbottom=False)
                 panels[1].set_xlim(panels[0].get_xlim())
                 panels[2].set_xlabel(label)
@@ -135,17 +143,19 @@ def plot_fitted_sensor(
     return upper
 
 
-def _draw_residuals(axes: Axes, times: Any, residuals: Any, limit: float) -> None:
-    axes.plot(times, residuals, ".", color="0.35", markersize=2.0)
+def _draw_residuals(
+    axes: Axes, times: Any, residuals: Any, limit: float, size: float = 1.0
+) -> None:
+    axes.plot(times, residuals, ".", color="0.35", markersize=2.0 * size, markeredgewidth=0.0)
     axes.axhline(0.0, color="black", linewidth=0.6)
     axes.set_ylim(-limit, limit)
 
 
 def _draw_signal(
-    axes: Axes, times: Any, signal: Signal, model: Any, *, name: str = "model"
+    axes: Axes, times: Any, signal: Signal, model: Any, size: float = 1.0, *, name: str = "model"
 ) -> None:
     shown = np.where(signal.valid, signal.values, np.nan)
-    _draw_data_and_model(axes, times, shown, model, point=1.8, line=3.5, name=name)
+    _draw_data_and_model(axes, times, shown, model, point=1.8 * size, line=3.5 * size, name=name)
     unused = ~signal.valid & np.isfinite(signal.values)
     axes.plot(times[unused], signal.values[unused], "x", color="0.55", markersize=3.0)
     axes.set_ylabel(_signal_label(signal))
@@ -164,13 +174,14 @@ def _draw_data_and_model(
               zorder=2.0 if line > point else 4.0)  # fmt: skip
 
 
-def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any) -> None:
+def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any, size: float = 1.0) -> None:
     """Draw the crest of the signal, enlarged."""
-    values = np.where(signal.valid, signal.values, -np.inf)
-    begin, end = _crest(values, model)
+    sign = np.sign(model[np.argmax(np.abs(model - model[0]))] - model[0])
+    values = np.where(signal.valid, sign * signal.values, -np.inf)
+    begin, end = _crest(values, sign * model)
     if end == len(times) - 1 and begin > 1:
         # The record ends before this wave has passed: show the one before it.
-        begin, end = _crest(values[:begin], model[:begin])
+        begin, end = _crest(values[:begin], sign * model[:begin])
     if end - begin < CREST:
         axes.text(0.5, 0.5, "too few samples", ha="center", va="center", transform=axes.transAxes)
         axes.set_xticks([])
@@ -178,8 +189,12 @@ def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any) -> None:
         return
     shown = slice(begin, end + 1)
     data = np.where(signal.valid, signal.values, np.nan)[shown]
-    _draw_data_and_model(axes, times[shown], data, model[shown], point=4.5, line=1.5)
-    axes.locator_params(nbins=4)
+    _draw_data_and_model(axes, times[shown], data, model[shown], point=4.5 * size, line=1.5 * size)
+    axes.locator_params(axis="y", nbins=4)
+    if size == 1.0:
+        axes.locator_params(axis="x", nbins=4)
+    else:
+        axes.locator_params(axis="x", nbins=2, min_n_ticks=1)
 
 
 def _crest(values: Any, model: Any) -> tuple[int, int]:
@@ -261,13 +276,14 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
     """Plot data and simulation, one panel per sensor."""
     shot = comparison.traces.shots[0]
     count = len(shot.signals)
-    columns = min(count, 2)
+    # Up to three panels are below each other, which leaves no place empty.
+    columns = 1 if count < 4 else 2
     rows = -(-count // columns)
     factor, label = _time_axis(comparison.traces)
     with figure_style():
         figure, panels = plt.subplots(
             rows, columns, squeeze=False, sharex=True, layout="constrained",
-            figsize=figure_size(4.2 * columns, 2.5 * rows),
+            figsize=figure_size(*((6.0, 2.0 * rows) if columns == 1 else (8.4, 2.5 * rows))),
         )  # fmt: skip
         for i, axes in enumerate(panels.flat):
             if i >= count:

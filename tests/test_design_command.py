@@ -1,5 +1,6 @@
 """Design files, the command `design`, resumed searches, and invalid problems."""
 
+import dataclasses
 import functools
 import json
 import os
@@ -187,6 +188,21 @@ def test_all_points_of_a_front_are_written(file, tmp_path, run):
         table = hc.load_chain(tmp_path / f"{name}.csv")
         np.testing.assert_array_equal(table.masses, chain.masses)
     assert '["6.35 mm", ' in (tmp_path / "row-1.toml").read_text()
+
+
+def test_a_dry_run_states_the_search_and_the_given_chain(file, tmp_path, run):
+    file.write_text(BALLS.replace('["wall_force.peak", "length"]', '"wall_force.peak"'))
+    shown = run(file, "--dry-run", "--budget", "500").stdout.splitlines()
+    chain = load_design(file)[0].chain
+    peak = hc.simulate(chain, rtol=1e-10).wall_force().peak
+    # Two materials and two sizes for up to three places.
+    assert shown[0] == "Smallest wall_force.peak: 84 choices for 3 places, method 'enumerate'"
+    assert shown[1] == "12 chains to compare with, budget 500 simulations"
+    assert shown[2] == f"the given chain: wall_force.peak {peak:.4g} N"
+    document = json.loads(run(file, "--dry-run", "--budget", "10 s", "--json").stdout)
+    assert document["values"]["wall_force.peak"] == pytest.approx(peak, rel=1e-6)
+    assert 0.0 < document["seconds_per_trial"] < 1.0
+    assert not list(tmp_path.glob("*.design"))
 
 
 def test_the_summary_states_that_the_arriving_ball_counts(file, run):
@@ -427,27 +443,36 @@ def test_invalid_catalogues_are_explained(tmp_path, content, told):
 
 
 def test_rejected_trials_are_counted_in_a_search_that_resumes(tmp_path):
-    """Without any ball only the arriving one remains, and a chain has at least two."""
-    found = [hc.design(balls_or_none(), budget=20, store=tmp_path / "store") for _ in range(2)]
-    for each in found:
-        assert each.rejected == 1
-        assert "one trial was rejected, because " in each.notes[-1]
-    assert found[0].notes == found[1].notes
+    given = {"budget": 200, "method": "evolution", "store": tmp_path / "store"}
+    first, again = (hc.design(overflowing(), **given) for _ in range(2))
+    assert first.rejected == again.rejected > 0
+    assert first.notes == again.notes
 
 
-def balls_or_none():
-    chain = hc.Chain.from_materials("2 mm", "steel-304", beads=3, velocity=0.001)
+def test_a_row_without_balls_is_no_choice():
+    """The arriving ball alone is not simulated; with a second one, it may be."""
     balls = hc.vary.balls(materials="steel-304", diameters=["3 mm", "4 mm"], optional=True)
-    return hc.Design(chain, maximise="velocity@last", vary=[balls])
+    chain = hc.Chain.from_materials("2 mm", "steel-304", beads=4, velocity=0.001)
+    for beads, count, empty in (("2:", 14, False), ("3:", 7, True)):
+        some = dataclasses.replace(balls, beads=beads)
+        given = hc.Design(chain, maximise="energy_share@last", vary=[some])
+        rows = [tuple(each) for each in given.space.rows()]
+        assert given.space.count == len(rows) == len(set(rows)) == count
+        assert any(set(row) == {2} for row in rows) == empty
+        for method in ("enumerate", "genetic"):
+            assert hc.design(given, budget=60, method=method).rejected == 0
 
 
-def test_trials_that_cannot_be_simulated_are_rejected_and_counted():
+def overflowing():
     # Masses of radii above 1e102 overflow.
-    given = hc.Design(
+    return hc.Design(
         hc.Chain.uniform(4), minimise="velocity@last", model="hard-sphere",
         vary=[hc.vary.radii(0.3, 1e120, beads="2:3")],
     )  # fmt: skip
-    found = hc.design(given, budget=200, method="evolution")
+
+
+def test_trials_that_cannot_be_simulated_are_rejected_and_counted():
+    found = hc.design(overflowing(), budget=200, method="evolution")
     assert found.rejected > 0
     assert f"note: {found.rejected} trials were rejected, the first one because " in found.summary()
 

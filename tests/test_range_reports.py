@@ -118,6 +118,14 @@ def test_the_document_of_scatter_counts_chains_outside_the_range(run):
     assert json.loads(out)["outside_range"] == 5
 
 
+def test_values_of_scatter_are_printed_as_csv(run):
+    options = ["scatter", *WALLED, "--speed", "5 mm/s", "--relative", "1%", "--chains", "5"]
+    _, out, _ = run(*options, "--csv")
+    header, *rows = out.splitlines()
+    assert header == "wall_force.peak [N]"
+    assert [float(row) for row in rows] == json.loads(run(*options, "--json")[1])["values"]
+
+
 def test_tables_of_runs_state_the_number_of_chains_outside_the_range():
     table = hc.simulate_many([walled(FAST), walled(SLOW)])
     assert "1 of 2 chains outside Hertz's range;" in " ".join(repr(table).split())

@@ -121,7 +121,7 @@ figure.colorbar(shown, label="increase [%]")
 # Tolerances
 # ----------
 #
-# How much do different diameters change the force?
+# How much do diameter tolerances change the force?
 # Here, the diameters of the fifteen balls vary within grade 100, or with a standard deviation of
 # 1%.  The striker keeps its size (``beads="2:"``).
 

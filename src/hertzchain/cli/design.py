@@ -44,11 +44,16 @@ from .wording import on_command_line
     help="Write the chain found (.toml, or .csv with a row per bead); of a Pareto front, the chain "
     "of each point, as NAME-1.toml and so on.",
 )
+@click.option(
+    "--dry-run",
+    is_flag=True,
+    help="Show the method, the values of the given chain and the estimated time; search nothing.",
+)
 @figure_option("Plot chains, forces, history and sensitivity to FILE.")
 @json_option()
 def design(
     file: Path, budget: str | None, method: str | None, seed: int | None, store: Path | None,
-    threads: int | None, out: Path | None, plot: Path | None, as_json: bool,
+    threads: int | None, out: Path | None, dry_run: bool, plot: Path | None, as_json: bool,
 ) -> int:  # fmt: skip
     """Search for the chain that best meets an objective.
 
@@ -61,6 +66,7 @@ def design(
 
     \b
     Examples:
+      hertzchain design absorber.toml --dry-run
       hertzchain design absorber.toml
       hertzchain design absorber.toml --budget '60 s' --plot design.png --out absorber-chain.toml
     """
@@ -72,6 +78,9 @@ def design(
     problem, options = load_design(file)
     given = {"budget": budget, "method": method, "seed": seed}
     options |= {name: value for name, value in given.items() if value is not None}
+    if dry_run:
+        _show_estimate(problem, options | {"threads": threads}, as_json)
+        return DONE
     target = Path(f"{file.stem}.design") if store is None else store
     unit = "simulations" if _counts(options.get("budget")) else "seconds"
     resume = f"trials are in {target}; run the same command again to resume"
@@ -87,6 +96,22 @@ def design(
     else:
         click.echo(on_command_line(result.summary()))
     return DONE if result.met else OUTSIDE_TOLERANCE
+
+
+def _show_estimate(problem: Any, options: dict[str, Any], as_json: bool) -> None:
+    from ..designs.design import dry_run
+    from ..designs.dry_run import in_lines
+    from ..store import results
+
+    found = dry_run(problem, **options)
+    if not as_json:
+        click.echo(in_lines(problem, found))
+        return
+    show_json({
+        "schema_version": results.SCHEMA_VERSION, "method": found.method, "size": found.size,
+        "compared": found.compared, "values": found.given, "seconds_per_trial": found.trial,
+        "seconds": found.seconds,
+    })  # fmt: skip
 
 
 def _counts(budget: Any) -> bool:

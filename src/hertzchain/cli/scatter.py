@@ -35,10 +35,11 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @click.option("--seed", type=int, default=1, show_default=True, help="Seed of the random radii.")
 @quantity_option
 @json_option()
+@click.option("--csv", "as_csv", is_flag=True, help="Print the values of all chains as CSV.")
 @figure_option("Plot the distribution to FILE.")
 def scatter(
     options: ChainOptions, relative: str | None, grade: int | None, some: str | None, count: int,
-    seed: int, quantity: str | None, as_json: bool, plot: Path | None,
+    seed: int, quantity: str | None, as_json: bool, as_csv: bool, plot: Path | None,
 ) -> int:  # fmt: skip
     """Show how a quantity varies if radii scatter.
 
@@ -56,6 +57,8 @@ def scatter(
 
     from ..validation.numbers import whole_number
 
+    if as_json and as_csv:
+        raise click.UsageError("--json and --csv cannot be combined")
     if (relative is None) == (grade is None):
         raise click.UsageError("give --relative, such as 1%, or --grade, such as 100")
     part = None if relative is None else _part(relative)
@@ -70,6 +73,10 @@ def scatter(
         save_figure(found.plot(), plot)
     if as_json:
         show_json(_document(found))
+    elif as_csv:
+        unit = "" if found.unit == "1" else f" [{found.unit}]"
+        click.echo(f"{found.quantity}{unit}")
+        click.echo("\n".join(map(repr, found.values.tolist())))
     else:
         click.echo(_table(found))
     return FAILED if found.failed else DONE

@@ -181,12 +181,21 @@ class BallSpace:
             return None
         return [self.size if b.count is None else min(b.count, self.size) for b in self.balls]
 
+    @property
+    def least(self) -> int:
+        """Smallest number of balls: a chain has at least two beads."""
+        return max(0, 2 - (self.chain.beads - self.size)) if self.optional else self.size
+
+    def long_enough(self, choice: Choice) -> bool:
+        """Whether a choice has enough balls for a chain."""
+        return not self.optional or int((choice < len(self.balls)).sum()) >= self.least
+
     @cached_property
     def count(self) -> int:
         """Number of all choices, of which each has its empty places at the end."""
         if self.start is not None:
             return factorial(self.size) // prod(map(factorial, np.bincount(self.start).tolist()))
-        lengths = range(0 if self.optional else self.size, self.size + 1)
+        lengths = range(self.least, self.size + 1)
         if self.limits is not None:
             return stock.count_rows(self.limits, lengths)
         return sum(len(self.balls) ** length for length in lengths)
@@ -194,7 +203,7 @@ class BallSpace:
     def rows(self) -> Iterator[Choice]:
         """All choices of balls, in lexicographic order."""
         limits = self.limits or [self.size] * len(self.balls)
-        return stock.all_rows(limits, self.size, optional=self.optional)
+        return filter(self.long_enough, stock.all_rows(limits, self.size, optional=self.optional))
 
     def in_stock(self, choice: Choice) -> bool:
         """Whether no more balls are needed than there are."""

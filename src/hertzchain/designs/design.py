@@ -22,6 +22,7 @@ from ..validation.numbers import whole_number, worker_count
 from ..validation.objects import Progress, callback, check_type, file_path
 from .ball_choice import BallSpace
 from .bounds import bounds_of, impossible
+from .dry_run import Estimate, estimate
 from .methods import Found, method_for, price_of, run_method
 from .pareto import SEARCHES, compared_points, design_front
 from .problem import Design
@@ -110,9 +111,7 @@ def design(
     if points is not None:
         points = whole_number("points", points, least=2, most=200)
     count = points or SEARCHES
-    chain = problem.chain
-    together = is_covered(chain, problem.until)
-    chosen = method_for(problem, method, simulations_within(limit, chain.beads, elastic=together))
+    chosen = _chosen_method(problem, method, limit)
     reason = impossible(problem)
     _check_budget(problem, limit, 0 if reason is not None else count)
     options = f"{problem.identity} {chosen} {limit.runs} {limit.seconds} {seed} {points}"
@@ -128,6 +127,29 @@ def design(
         if len(problem.objectives) == 2:
             return design_front(trials, chosen, points, finish)
         return finish(trials, run_with_references(trials, chosen, 1.0), ())
+
+
+def dry_run(
+    problem: Design, *, budget: int | str | None = None, method: str = "auto", seed: int = 0,
+    points: int | None = None, threads: int | None = None,
+) -> Estimate:  # fmt: skip
+    """Method, size and estimated time of `design` with these options, without the search."""
+    limit = budget_from(budget)
+    chosen = _chosen_method(problem, method, limit)
+    _check_budget(problem, limit, points or SEARCHES)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        count = worker_count("threads", threads)
+        trials = Trials(
+            problem, limit, Journal(None, ""), whole_number("seed", seed, least=0), count
+        )
+        return estimate(problem, chosen, limit, trials)
+
+
+def _chosen_method(problem: Design, method: str, limit: Budget) -> str:
+    chain = problem.chain
+    together = is_covered(chain, problem.until)
+    return method_for(problem, method, simulations_within(limit, chain.beads, elastic=together))
 
 
 def _check_budget(problem: Design, limit: Budget, points: int) -> None:

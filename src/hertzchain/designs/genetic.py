@@ -16,7 +16,7 @@ BATCH: Final = 512
 POPULATION, CHILDREN, PARENTS = 25, 50, 3
 # Mutations per child; generations without a better choice after which exchanges are tried.
 # With all values known, 500 of 500 seeds find the best of 2^15 sequences of steel and PTFE within
-# 4000 runs (median 812), as they do among 3^8, 4^8 and, with empty places, 87 381 rows of balls,
+# 4000 runs (median 812), as they do among 3^8, 4^8 and, with empty places, 87 380 rows of balls,
 # and 6435 and 34 650 orders.  More mutations, or less patience, need more runs.
 MUTATIONS, PATIENCE = 0.7, 30
 MAX_ENUMERATED: Final = 1e5
@@ -77,7 +77,8 @@ class Population:
 
         Those that are known from an earlier start become members without another simulation.
         """
-        tried = {neat.tobytes(): neat for neat in map(self.space.neat, choices)}
+        long = filter(self.space.long_enough, choices)
+        tried = {neat.tobytes(): neat for neat in map(self.space.neat, long)}
         new = [neat for key, neat in tried.items() if key not in self.known]
         for each in self.trials.evaluate(new):
             self.known[each.x.tobytes()] = each

@@ -267,8 +267,7 @@ def _search_without_scatter(trials: Trials, method: str, end: float) -> tuple[Tr
     begin = trials.used
     chosen = method_for(problem, "auto" if method == "law" else method, math.inf)
     found = _SEARCHES[chosen](nominal, begin + (FEW if genetic else NOMINAL) * (end - begin))
-    trials.runs, trials.rejected = nominal.runs, nominal.rejected
-    trials.gradients = nominal.gradients
+    trials.add_counts(nominal)
     return nominal, found
 
 

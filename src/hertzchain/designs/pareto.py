@@ -151,5 +151,5 @@ def _solve(
     if any(not each.measure.of_chain for each in problem.requirements) and chosen == "law":
         chosen = "hybrid"
     found = run_method(part, chosen, end)
-    trials.runs, trials.gradients, trials.rejected = part.runs, part.gradients, part.rejected
+    trials.add_counts(part)
     return finish(part, found, ())

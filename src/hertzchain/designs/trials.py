@@ -343,6 +343,11 @@ class Trials:
         with self.rejecting:
             self.reasons[reason] = self.reasons.get(reason, 0) + 1
 
+    def add_counts(self, part: Trials) -> None:
+        """Continue the counts of a search that is a part of this one."""
+        self.runs, self.gradients = part.runs, part.gradients
+        self.rejected, self.failed = part.rejected, part.failed
+
     def why_rejected(self) -> str:
         """Why the first rejected trial could not be simulated."""
         self.reasons.clear()

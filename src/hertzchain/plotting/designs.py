@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpecBase
 
 from ..designs.curves import Curve, initial_and_final, plotted_quantity
+from ..designs.measures import USUAL
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from .chains import bead_centres, draw_beads, material_legend
@@ -139,7 +140,8 @@ def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     with figure_style():
         axes = get_axes(ax)
         runs, scores = result.history.T
-        values = result._sign * scores
+        factor, unit = _usual_unit(result, result.unit)
+        values = factor * result._sign * scores
         if not len(runs):
             axes.text(0.5, 0.5, "no trial met the constraints", ha="center",
                       transform=axes.transAxes)  # fmt: skip
@@ -149,7 +151,9 @@ def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes.set_xscale("log")
         label_log_axis(axes.xaxis)
         axes.set_xlabel("simulations")
-        axes.set_ylabel(_label(result))
+        single = result.problem.objective.single
+        name = "score" if single is None else single.label
+        axes.set_ylabel(f"{name} [{unit}]" if unit else name)
     return axes
 
 
@@ -176,11 +180,14 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         first, second = (str(each.single) for each in result.problem.objectives)
         words = {str(each): each.label for each in result.problem.measures}
         points = sorted((each.values[second], each.values[first]) for each in result.front)
-        axes.plot(*zip(*points, strict=True), "o-", color=COLOURS[1])
-        for label, name in ((axes.set_xlabel, second), (axes.set_ylabel, first)):
-            unit = next(m.unit for m in result.problem.measures if str(m) == name)
-            si = result.chain.units == "SI" and unit != "1"
-            label(f"{words[name]} [{unit}]" if si else words[name])
+        units = {str(each): each.unit for each in result.problem.measures}
+        (across, x_unit), (up, y_unit) = (
+            _usual_unit(result, units[name]) for name in (second, first)
+        )
+        x, y = np.array(points).T
+        axes.plot(across * x, up * y, "o-", color=COLOURS[1])
+        axes.set_xlabel(f"{words[second]} [{x_unit}]" if x_unit else words[second])
+        axes.set_ylabel(f"{words[first]} [{y_unit}]" if y_unit else words[first])
     return axes
 
 
@@ -210,11 +217,11 @@ def plot_design(result: DesignResult) -> Figure:
     return figure
 
 
-def _label(result: DesignResult) -> str:
-    single = result.problem.objective.single
-    if single is None:
-        return "score"
-    return f"{single.label} [{result.unit}]" if result.unit else single.label
+def _usual_unit(result: DesignResult, unit: str) -> tuple[float, str]:
+    """Factor and unit of an axis, mm of lengths and g of masses; empty if there is no unit."""
+    if result.chain.units != "SI" or unit in ("", "1"):
+        return 1.0, ""
+    return USUAL.get(unit, (1.0, unit))
 
 
 KINDS: Final[dict[str, Callable[..., Axes]]] = {

@@ -13,7 +13,6 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..representation import counted, short
-from ..validation.json_types import finite
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import Progress
@@ -22,6 +21,7 @@ from .goodness import NO_ERRORS, Goodness
 from .model import Model
 from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
+from .result_document import result_document
 from .shown_values import shown_value
 from .systematics import Effect
 from .traces import Traces
@@ -338,22 +338,7 @@ class FitResult:
         >>> hc.fit(*hc.example_experiment()).as_dict()["converged"]
         True
         """
-        found: dict[str, Any] = finite({
-            "parameters": {
-                name: {"value": value, "error": error}
-                for name, value, error in zip(self.names, self.estimates, self.sigmas, strict=True)
-            },
-            "correlation": self.correlation.tolist(),
-            "chi2": self.chi2, "degrees_of_freedom": self.goodness.freedom,
-            "samples": self.goodness.samples,
-            "effective_samples": self.goodness.effective_samples,
-            "bic": self.bic(), "converged": self.converged, "reason": self.reason,
-            "chi2_per_sample": self.chi2_per_sample,
-            "describes": self.describes, "prior_deviations": self.prior_deviations,
-            "prior_conflict": self.prior_conflict, "warnings": list(self.warnings),
-            "simulations": self.simulations,
-        })  # fmt: skip
-        return found
+        return result_document(self)
 
     @overload
     def plot(self) -> Figure: ...

@@ -28,13 +28,12 @@ from .noise import (
 )
 from .places import Place
 from .trace_headers import header_of, positive_noise
+from .trace_notes import trace_notes
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-# Sampling is uneven if the relative difference of time steps exceeds this value.
-EVEN = 1e-3
 COUPLINGS = ("AC", "DC")
 # Part of the samples of a pulse that may be saturated.
 MAX_CLIPPED = 0.5
@@ -236,26 +235,7 @@ class Traces:
         >>> hc.Traces.from_arrays([0.0, 1e-6, 3e-6], {"wall [N]": [0, 5, 1]}, noise=0.1).notes()
         ('shot 1 is sampled unevenly, every 1 to 2 us; nothing is resampled',)
         """
-        found = []
-        for index, shot in enumerate(self.shots, start=1):
-            steps = np.diff(shot.times)
-            if np.ptp(steps) > EVEN * steps.max():
-                low, high = 1e6 * steps.min(), 1e6 * steps.max()
-                found.append(
-                    f"shot {index} is sampled unevenly, every {low:.3g} to {high:.3g} us; "
-                    "nothing is resampled"
-                )
-            found += _coarse_notes(shot, index)
-            for signal in shot.signals:
-                missing = int(np.isnan(signal.values).sum())
-                flat = int((~signal.valid).sum()) - missing
-                for count, what in ((missing, "missing"), (flat, "saturated")):
-                    if count:
-                        found.append(
-                            f"{counted(count, 'sample')} of {signal.name} in shot {index} "
-                            f"{'is' if count == 1 else 'are'} {what} and not used"
-                        )
-        return tuple(found)
+        return trace_notes(self.shots)
 
     def to_dataset(self) -> xr.Dataset:
         """Labelled dataset: one variable per shot and sensor.
@@ -323,19 +303,6 @@ class Traces:
         every = f"{len(shot.times)} samples, every {np.median(steps):.3g} us"
         about = f"{counted(len(self.shots), 'shot')}, {', '.join(self.names)}"
         return short("Traces", about, every, f"noise {noises}", *self.notes())
-
-
-def _coarse_notes(shot: Shot, number: int) -> list[str]:
-    """Notes on signals that are rounded to steps larger than their noise."""
-    steps: dict[str, list[str]] = {}
-    for signal in shot.signals:
-        if signal.coarse:
-            steps.setdefault(f"{signal.step:.3g} {signal.unit}", []).append(signal.name)
-    return [
-        f"the samples of {', '.join(names)} in shot {number} are rounded to steps of {step}, more "
-        "than their noise: rounding errors are not random, and equal successive samples count once"
-        for step, names in steps.items()
-    ]
 
 
 def make_shot(

@@ -1,0 +1,53 @@
+"""Remarks on the samples of measured traces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from ..representation import counted
+
+if TYPE_CHECKING:
+    from .traces import Shot
+
+# Sampling is uneven if the relative difference of time steps exceeds this value.
+EVEN: Final = 1e-3
+
+
+def trace_notes(shots: Sequence[Shot]) -> tuple[str, ...]:
+    """Remarks on missing, saturated and rounded samples and on uneven sampling."""
+    found = []
+    for index, shot in enumerate(shots, start=1):
+        steps = np.diff(shot.times)
+        if np.ptp(steps) > EVEN * steps.max():
+            low, high = 1e6 * steps.min(), 1e6 * steps.max()
+            found.append(
+                f"shot {index} is sampled unevenly, every {low:.3g} to {high:.3g} us; "
+                "nothing is resampled"
+            )
+        found += _coarse_notes(shot, index)
+        for signal in shot.signals:
+            missing = int(np.isnan(signal.values).sum())
+            flat = int((~signal.valid).sum()) - missing
+            for count, what in ((missing, "missing"), (flat, "saturated")):
+                if count:
+                    found.append(
+                        f"{counted(count, 'sample')} of {signal.name} in shot {index} "
+                        f"{'is' if count == 1 else 'are'} {what} and not used"
+                    )
+    return tuple(found)
+
+
+def _coarse_notes(shot: Shot, number: int) -> list[str]:
+    """Notes on signals that are rounded to steps larger than their noise."""
+    steps: dict[str, list[str]] = {}
+    for signal in shot.signals:
+        if signal.coarse:
+            steps.setdefault(f"{signal.step:.3g} {signal.unit}", []).append(signal.name)
+    return [
+        f"the samples of {', '.join(names)} in shot {number} are rounded to steps of {step}, more "
+        "than their noise: rounding errors are not random, and equal successive samples count once"
+        for step, names in steps.items()
+    ]

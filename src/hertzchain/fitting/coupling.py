@@ -14,7 +14,8 @@ import numpy as np
 from ..chain.chain import Chain
 from ..errors import InputError
 from .places import Place
-from .traces import Signal, Traces, with_couplings
+from .signals import Signal
+from .traces import Traces, with_couplings
 
 # A static force matters if it exceeds this multiple of the noise.
 NOTICED: Final = 5.0

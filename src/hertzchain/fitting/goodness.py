@@ -10,7 +10,8 @@ import numpy as np
 
 from ..collision import Array
 from .noise import SIGNIFICANT, independent_samples
-from .traces import Signal, Traces
+from .signals import Signal
+from .traces import Traces
 
 # Correlations are summed up to this lag, and while they are significant.
 MAX_LAG: Final = 200

@@ -12,7 +12,8 @@ import numpy as np
 from ..collision import Array
 from ..representation import listed
 from .model import Model
-from .traces import Shot, Signal, Traces
+from .signals import Shot, Signal
+from .traces import Traces
 
 # Ratios of amplitudes that suggest another prefix of a unit, and their tolerance (a factor).
 PREFIXES: Final = (1e-6, 1e-3, 1e3, 1e6)

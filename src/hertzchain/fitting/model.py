@@ -22,9 +22,10 @@ from .jumps import next_to_jumps
 from .names import Name
 from .parameters import Parameter, is_of_chain
 from .sensors import Sensor, filtered, sampled, with_crosstalk
+from .signals import Signal
 from .simulations import Signals, Simulator
 from .symmetry import Units, units_of
-from .traces import Signal, Traces
+from .traces import Traces
 
 Values = Mapping[Name, float]
 Items = tuple[tuple[Name, float], ...]

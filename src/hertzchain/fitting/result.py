@@ -21,7 +21,6 @@ from .goodness import NO_ERRORS, Goodness
 from .model import Model
 from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
-from .result_document import result_document
 from .shown_values import shown_value
 from .systematics import Effect
 from .traces import Traces
@@ -338,6 +337,8 @@ class FitResult:
         >>> hc.fit(*hc.example_experiment()).as_dict()["converged"]
         True
         """
+        from .result_document import result_document
+
         return result_document(self)
 
     @overload

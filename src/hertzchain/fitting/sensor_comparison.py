@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..representation import measure
 from ..simulation.run import Run
 from .misread_columns import POLARITY, PREFIXES, TOLERANCE, extreme, level_of
-from .traces import Shot, Signal
+from .signals import Shot, Signal
 
 # A signal has arrived at this fraction of its peak, where its width is measured, too.
 HALF: Final = 0.5

@@ -13,7 +13,7 @@ from .misread_columns import first_sign, level_of
 from .model import Model
 from .names import Name
 from .sensors import sampled
-from .traces import Signal
+from .signals import Signal
 
 # Factors of time that are tried if the stiffness is free, and points of the even grid.
 STRETCHES: Final = tuple(np.exp(np.linspace(-0.3, 0.3, 25)).tolist())

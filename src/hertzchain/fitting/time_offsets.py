@@ -14,7 +14,7 @@ import numpy as np
 
 from ..collision import Array
 from .misread_columns import PREFIXES, TOLERANCE, extreme, level_of, polarity_of
-from .traces import Shot, Signal
+from .signals import Shot, Signal
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -31,8 +31,9 @@ from .sensor_comparison import (
     unit_notes,
 )
 from .sensors import sampled
+from .signals import Shot, Signal
 from .time_offsets import best_offset
-from .traces import Shot, Signal, Traces
+from .traces import Traces
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

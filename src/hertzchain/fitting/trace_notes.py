@@ -10,7 +10,7 @@ import numpy as np
 from ..representation import counted
 
 if TYPE_CHECKING:
-    from .traces import Shot
+    from .signals import Shot
 
 # Sampling is uneven if the relative difference of time steps exceeds this value.
 EVEN: Final = 1e-3

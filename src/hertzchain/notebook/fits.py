@@ -12,8 +12,9 @@ from ..fitting.defect_scan import DefectScan
 from ..fitting.loss_comparison import LossComparison
 from ..fitting.result import FitResult
 from ..fitting.sensor_comparison import HEADINGS
+from ..fitting.signals import Shot
 from ..fitting.trace_comparison import TraceComparison
-from ..fitting.traces import Shot, Traces
+from ..fitting.traces import Traces
 from ..representation import counted
 from .drawing import (
     COLOURS,

@@ -20,8 +20,9 @@ from .widths import figure_size
 if TYPE_CHECKING:
     from ..fitting.posterior import Posterior
     from ..fitting.result import FitResult
+    from ..fitting.signals import Signal
     from ..fitting.trace_comparison import TraceComparison
-    from ..fitting.traces import Signal, Traces
+    from ..fitting.traces import Traces
 
 # Samples of a posterior that are drawn as points.
 POINTS: Final = 4000

@@ -1,0 +1,88 @@
+"""Signals of sensors in one shot of an experiment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..collision import Array
+from ..frozen import Frozen
+from .places import Place
+
+
+@dataclass(frozen=True, eq=False)
+class Signal(Frozen):
+    """The samples of one sensor in one shot.
+
+    Attributes
+    ----------
+    place : Place
+        Position of the sensor, and its quantity.
+    unit : str
+        ``"N"``, ``"m/s"`` or, without a calibration, ``"V"``.
+    values : ndarray, shape (n,)
+        Samples, in this unit; NaN where one is missing.
+    valid : ndarray of bool, shape (n,)
+        Samples that a fit uses: neither missing nor saturated.
+    noise : float
+        Standard deviation of the noise, in the same unit.
+    quiet : int
+        Number of samples from which the noise was estimated; 0 if it was given.
+    step : float
+        Step of the digitiser; 0 if the samples are not on a grid.
+    level : float
+        Mean of the samples before the pulse, in the same unit; NaN without such samples.
+    before : int
+        Number of these samples.
+    coupling : str
+        ``"DC"`` if the signal contains the static force, ``"AC"`` if it does not, or empty if this
+        is decided by the level.
+    """
+
+    place: Place
+    unit: str
+    values: Array = field(repr=False)
+    valid: Array = field(repr=False)
+    noise: float
+    quiet: int
+    step: float
+    level: float = np.nan
+    before: int = 0
+    coupling: str = ""
+
+    @property
+    def name(self) -> str:
+        """Name of the place."""
+        return self.place.name
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of a sample: its noise and, if this is larger, that of rounding."""
+        return float(np.hypot(self.noise, self.step / 12.0**0.5)) if self.coarse else self.noise
+
+    @property
+    def coarse(self) -> bool:
+        """Whether samples are rounded to steps that are larger than their noise."""
+        return self.step > self.noise
+
+    @property
+    def calibrated(self) -> bool:
+        """Whether the signal is in the unit of its quantity."""
+        return self.unit != "V"
+
+
+@dataclass(frozen=True, eq=False)
+class Shot(Frozen):
+    """Signals that were recorded together.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n,)
+        Increasing times [s].
+    signals : tuple of Signal
+        Signals, in the order of the columns.
+    """
+
+    times: Array = field(repr=False)
+    signals: tuple[Signal, ...]

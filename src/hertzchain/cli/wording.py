@@ -15,7 +15,8 @@ WORDINGS: Final = (
     (r"\bloss=None\b", "no loss"),
     (r"\buse largest_so_far\b", "use the largest force so far"),
     (r"\buntil='([^']*)'", r"--until '\1'"),
-    (r"(?<!-)\bmax_steps\b", "--max-steps"),
+    # In a specification of a sweep, it is the key method.max_steps.
+    (r"(?<![-.'])\bmax_steps\b", "--max-steps"),
     (r"\bgive load_traces sensors=\{'([^']*)': 'wall'\}", r"add --sensor '\1=wall'"),
     (r"\bgive sensors to load_traces\b", "add --sensor"),
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),

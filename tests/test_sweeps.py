@@ -16,6 +16,7 @@ from hertzchain.plotting.sweeps import plot_sweep
 from hertzchain.store import sweep_export
 from hertzchain.store.sweep_export import export_sweep, tables_of
 from hertzchain.store.sweep_store import FAILED
+from hertzchain.sweeps import timing
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.batches import Stopped, _Batch, run_batch
 from hertzchain.sweeps.methods import record_warnings
@@ -530,8 +531,8 @@ def test_curves_and_maps():
         plot_sweep(found, "momentum")
     with pytest.raises(hc.InputError, match="no remaining axis to plot along; omit rate or beads"):
         plot_sweep(found, "momentum", rate=0.02, beads=20)
-    with pytest.raises(hc.InputError, match="beads is 21, .* the nearest is 20"):
-        plot_sweep(found, "momentum", beads=21)
+    with pytest.warns(hc.InputWarning, match="beads = 21 is not .* the nearest, 20, is plotted"):
+        assert "beads = 20" in plot_sweep(found, "momentum", beads=21).get_title()
     with pytest.raises(hc.InputError, match="rate must be at least 0.02 and at most 0.08, got 2"):
         plot_sweep(found, "momentum", rate=2)
     with pytest.raises(hc.InputError, match="unknown dimension of momentum 'baeds'"):
@@ -665,6 +666,34 @@ def test_tables_begin_with_where_and_end_with_how_it_went():
     (table,) = tables_of(found)
     assert list(table) == ["point", "rate", "beads", "approach", "bead", "velocity", "peak_force",
                            "outside_range", "reason", "status"]  # fmt: skip
+
+
+@pytest.mark.parametrize(("at", "told"), [
+    ({"rate": 0.03}, "rate = 0.03 is not a value of this sweep; the nearest, 0.02, is plotted"),
+    ({"beads": 11}, "beads = 11 is not a value of this sweep; the nearest, 10, is plotted"),
+])  # fmt: skip
+def test_the_nearest_value_of_an_axis_is_plotted_with_a_warning(at, told):
+    axes = {"rate": [0.02, 0.05], "beads": [10, 20], "exponent": [1.5, 2.0]}
+    found = swept({"taper": "forward-exponential"}, axes, at="last")
+    with pytest.warns(hc.InputWarning, match=told):
+        plot_sweep(found, **at)
+    ((name, value),) = at.items()
+    nearest = found[name].values[0]
+    assert f"= {nearest:g}" in plot_sweep(found, **{name: nearest}).get_title(), value
+
+
+def test_the_time_for_compiling_is_not_part_of_an_estimate(monkeypatch):
+    """The first computation of each batch takes two seconds more."""
+    begun = set()
+
+    def computed(plan, batch):
+        key = (plan.batches, batch)
+        first, _ = key not in begun, begun.add(key)
+        return 2.0 * first + 1e-3 * sum(1 for _ in plan.indices(batch))
+
+    monkeypatch.setattr(timing, "time_of_batch", computed)
+    spec = {"chain": {"taper": "uniform"}, "axes": {"beads": list(range(10, 40))}}
+    assert timing.time_per_point(read_specification(spec)) == pytest.approx(1e-3)
 
 
 def test_points_are_ticked_by_whole_numbers():

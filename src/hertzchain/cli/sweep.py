@@ -188,8 +188,8 @@ def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool) -> int:
     "--at",
     multiple=True,
     metavar="NAME=VALUE",
-    help="Value along another dimension, such as bead=20, diameters=10mm or rate=5%; the nearest "
-    "value of an axis is used.",
+    help="Value along another dimension, such as bead=20, diameters=10mm or rate=5%.  If an axis "
+    "does not have it, the nearest one is used, with a warning.",
 )
 @click.option(
     "--level",

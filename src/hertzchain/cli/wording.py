@@ -20,7 +20,8 @@ WORDINGS: Final = (
     (r"\buse largest_so_far\b", "use the largest force so far"),
     (r"\bsimulate with until='([^']*)'", r"add --until '\1'"),
     (r"\buntil='([^']*)'", r"--until '\1'"),
-    (r"(?<!-)\bmax_steps\b", "--max-steps"),
+    # In a specification of a sweep, it is the key method.max_steps.
+    (r"(?<![-.'])\bmax_steps\b", "--max-steps"),
     (r"\bgive load_traces sensors=\{'([^']*)': '([^']*)'\}", r"add --sensor '\1=\2'"),
     (r"\bgive sensors to load_traces\b", "add --sensor"),
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),

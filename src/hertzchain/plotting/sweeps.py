@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.ticker import MaxNLocator
 
-from ..errors import IncompleteWarning, InputError, unknown_name_error, warn_user
+from ..errors import IncompleteWarning, InputError, InputWarning, unknown_name_error, warn_user
 from ..representation import MICROSECONDS, MILLISECONDS, counted
 from ..store.sweep_export import check_sweep
 from ..store.sweep_store import FAILED, MISSING
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 # Variables that flag points.
 FLAGS = ("outside_range", "incomplete")
+# Dimensions without nearest values; relative difference of numbers that are regarded as the same.
+PLACES, SAME = ("bead", "contact", "point"), 1e-9
 # Largest number of values of an axis for one curve per value.
 MAX_CURVES: Final = 6
 # Total area of the markers of all cells of a map, in square points.
@@ -87,7 +89,8 @@ def plot_sweep(
         by its dimension or, in a mapping, by its name in the specification
         (``"loss.coefficient"``).
         Numbers are in the unit of the axis, as in ``dataset[...].units``, or have a unit, such as
-        ``"5 mm"``.  The nearest value of the axis is used and shown in the title.
+        ``"5 mm"``.  The nearest value of an axis is used and shown in the title; beads and points
+        must be among those of the sweep.
 
     Raises
     ------
@@ -98,6 +101,8 @@ def plot_sweep(
 
     Warns
     -----
+    InputWarning
+        If the nearest value of an axis differs from the given one.
     IncompleteWarning
         If some of the points to plot are missing or have failed; they remain blank, in maps with a
         marker.
@@ -170,17 +175,19 @@ def _selected(dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any]) 
     chosen = (
         names[0] if quantity is None else check_choice("quantity of this sweep", quantity, known)
     )
-    return _selected_at(dataset[chosen], at)
+    return _selected_at(dataset[chosen], at, warn=warn_user)
 
 
-def _selected_at(values: xr.DataArray, at: Mapping[str, Any]) -> xr.DataArray:
+def _selected_at(
+    values: xr.DataArray, at: Mapping[str, Any], warn: Any = lambda *_: None
+) -> xr.DataArray:
     """Values along the remaining dimensions, in ascending order of each axis."""
     long_names = {values[name].attrs.get("long_name"): str(name) for name in values.dims}
     for given, value in at.items():
         name = long_names.get(given, given)
         if name not in values.dims:
             raise unknown_name_error(f"dimension of {values.name}", given, map(str, values.dims))
-        values = values.isel({name: _index(values[name], given, value)})
+        values = values.isel({name: _index(values[name], given, value, warn)})
     numbers = [name for name in values.dims if values[name].dtype.kind in "if"]
     return values.squeeze(drop=False).sortby([name for name in numbers if values.sizes[name] > 1])
 
@@ -234,25 +241,29 @@ def _short_axis(drawn: xr.DataArray) -> str | None:
     return str(short) if drawn.sizes[short] <= MAX_CURVES else None
 
 
-def _index(coordinate: xr.DataArray, name: str, value: Any) -> int:
-    """Index of a value: exact for text and whole numbers, the nearest for other numbers."""
+def _index(coordinate: xr.DataArray, name: str, value: Any, warn: Any) -> int:
+    """Index of a value: exact for text and numbers of beads, the nearest for other numbers."""
     there = coordinate.to_numpy()
     if there.dtype.kind not in "if":
         return int(np.flatnonzero(there == check_choice(name, value, map(str, there)))[0])
     unit = coordinate.attrs.get("units", "1")
     what = name if unit == "1" else f"{name} [{unit}]"
     low, high = float(there.min()), float(there.max())
-    slack = 1e-9 * max(abs(low), abs(high))
+    slack = SAME * max(abs(low), abs(high))
     # Whole numbers, such as those of beads, are not percentages.
     plain = FRACTION if there.dtype.kind == "f" else None
     known = plain if unit == "1" else unit
     place = number(what, value, unit=known, least=low - slack, most=high + slack)
     nearest = int(np.abs(there - place).argmin())
-    if there.dtype.kind == "i" and there[nearest] != place:
+    exact = abs(there[nearest] - place) <= slack
+    if not exact and name in PLACES:
         raise InputError(
             f"{what} is {place:g}, which is not a value of this sweep; the nearest is "
             f"{there[nearest]}"
         )
+    if not exact:
+        wrong = f"{what} = {_short(place)} is not a value of this sweep"
+        warn(f"{wrong}; the nearest, {_short(there[nearest].item())}, is plotted", InputWarning)
     return nearest
 
 

@@ -12,6 +12,8 @@ from .specification import Specification
 
 # Batches of about the second time are timed for the first one [s].
 SAMPLE_SECONDS, BATCH_SECONDS = 5.0, 0.2
+# Time of a batch [s] that is measured again.
+SUSPICIOUS: Final = 1.0
 GOLDEN: Final = 0.5 * (5.0**0.5 - 1.0)
 
 
@@ -24,7 +26,7 @@ def time_per_point(spec: Specification) -> float:
     # The first point compiles the kernels.
     alone = Plan(replace(spec, batch=1))
     time_of_batch(alone, 0)
-    each = time_of_batch(alone, alone.batches // 2)
+    each = time_after_compiling(alone, alone.batches // 2)
     most = sum(1 for _ in Plan(spec).indices(0))
     small = Plan(replace(spec, batch=max(1, min(most, int(BATCH_SECONDS / max(each, 1e-9))))))
     spent, points = 0.0, 0
@@ -32,9 +34,18 @@ def time_per_point(spec: Specification) -> float:
         if spent >= SAMPLE_SECONDS:
             break
         batch = int(small.batches * ((0.5 + i * GOLDEN) % 1.0))
-        spent += time_of_batch(small, batch)
+        spent += time_after_compiling(small, batch)
         points += sum(1 for _ in small.indices(batch))
     return spent / points
+
+
+def time_after_compiling(plan: Plan, batch: int) -> float:
+    """Time of a batch [s], measured again if it is so long that kernels were probably compiled.
+
+    Other points, such as those without losses, may need other kernels than the first one.
+    """
+    first = time_of_batch(plan, batch)
+    return first if first < SUSPICIOUS else min(first, time_of_batch(plan, batch))
 
 
 def time_of_batch(plan: Plan, batch: int) -> float:

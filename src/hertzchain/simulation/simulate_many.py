@@ -115,7 +115,6 @@ def simulate_many(
     >>> table["wall_peak_force"].round(3)
     array([1.187, 1.122, 0.973])
     """
-    callback("progress", progress)
     if isinstance(chains, Chain):
         raise InputError("simulate_many requires a list of chains, got one; use simulate(chain)")
     given = check_list("chains", chains, "chains")
@@ -132,8 +131,9 @@ def simulate_ensemble(
 ) -> RunTable:
     """Simulate chains, with the overlaps of whole runs only if the request needs them.
 
-    They take 1.5 times as long as the rest of the simulation.
+    They take half as long as the rest of the simulation.
     """
+    callback("progress", progress)
     real = [each for each in given if isinstance(each, Chain)]
     require_same_units("simulate_many", real)
     if request.until is not None:

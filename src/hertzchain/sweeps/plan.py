@@ -318,6 +318,9 @@ def with_value(document: Any, path: tuple[str, ...], value: Any) -> Any:
         old = changed[int(key) - 1]
         changed[int(key) - 1] = with_value(old, rest, value) if rest else value
         return changed
+    if key.isdigit():
+        one = "none" if document is None else f"one value, {document!r}, for all"
+        raise InputError(f"value {key} can only vary in a list, and [chain] has {one}: give a list")
     if document is not None and not isinstance(document, Mapping):
         raise InputError(f"cannot set {'.'.join(path)} of {document!r}: it is not a table")
     table = dict(document or {})

@@ -19,7 +19,7 @@ from ..representation import short
 from ..simulation.run_table import RunTable
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
-from ..validation.objects import Progress, check_type
+from ..validation.objects import Progress, callback, check_type
 from .measured import measured
 from .measures import Measure, parse_measure
 from .scatter import Scatter, scatter_from
@@ -215,6 +215,7 @@ def distribution(
     '1.244, 1.241 +- 0.028'
     """
     check_type("chain", chain, Chain)
+    callback("progress", progress)
     deviations = scatter_from(scatter)
     if deviations is None:
         raise InputError("a distribution needs a scatter, such as Scatter(radius=0.01)")

@@ -42,12 +42,13 @@ def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) 
         factor, label = _time_axis(traces)
         if axes.get_xlabel() in TIME_LABELS:
             factor, label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
-        units = {signal.unit for _, signal in traces}
+        # In axes that have other curves, signals keep their units.
+        relative = ax is None and len({signal.unit for _, signal in traces}) > 1
         # Curves that the axes already have, such as simulated ones, have the first colours.
         for i, (index, signal) in enumerate(traces, len(axes.get_legend_handles_labels()[1])):
             times, values = factor * traces.shots[index].times, signal.values
             name = signal.name + (f", shot {index + 1}" if len(traces.shots) > 1 else "")
-            if len(units) > 1:
+            if relative:
                 largest = float(np.nanmax(np.abs(values)))
                 values, name = values / largest, f"{name}: {largest:.3g} {signal.unit}"
             colour = COLOURS[i % len(COLOURS)]
@@ -56,7 +57,7 @@ def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) 
             axes.plot(times[unused], values[unused], "x", color=colour)
         axes.set_xlabel(label)
         own = " or ".join(dict.fromkeys(_signal_label(signal) for _, signal in traces))
-        axes.set_ylabel("signal / largest value" if len(units) > 1 else own)
+        axes.set_ylabel("signal / largest value" if relative else own)
         axes.margins(x=0.0)
         if legend:
             place_legend(axes, own=ax is None)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import matplotlib.pyplot as plt
@@ -16,13 +15,12 @@ from ..errors import IncompleteWarning, InputError, InputWarning, unknown_name_e
 from ..representation import MICROSECONDS, MILLISECONDS, counted
 from ..store.sweep_export import check_sweep
 from ..store.sweep_store import FAILED, MISSING
-from ..sweeps.kept import KEPT
-from ..units import PERCENT
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list, check_type
 from .legends import place_legend
 from .style import COLOURS, MARKERS, figure_style, label_log_axis, literal, set_title
+from .sweep_labels import axis_label, coordinate_text, quantity_label, short_value
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,19 +33,6 @@ PLACES, SAME = ("bead", "contact", "point"), 1e-9
 MAX_CURVES: Final = 6
 # Total area of the markers of all cells of a map, in square points.
 MARKED_AREA: Final = 9000.0
-# Labels of parameters that are ratios, whose names do not state both quantities.
-LABELS: Final = MappingProxyType(
-    {
-        "ratio": "radius of the last bead / that of the first",
-        "mass_ratio": "mass of light beads / that of heavy ones",
-        "decorated.ratio": "radius of small beads / mean of neighbours",
-    }
-)
-# Names of parameters with one value for each bead or contact, in a label.
-SINGULARS: Final = MappingProxyType({
-    "radii": "radius", "diameters": "diameter", "masses": "mass", "velocities": "velocity",
-    "gaps": "gap", "materials": "material",
-})  # fmt: skip
 
 
 @checked_arguments("plot_sweep")
@@ -143,7 +128,7 @@ def plot_sweep(
         caption = [literal(str(dataset.attrs.get("title", "")))]
         only = {"approach"} if dataset.sizes.get("approach") == 1 else set()
         caption += [
-            _coordinate_text(value, str(name)) for name, value in drawn.coords.items()
+            coordinate_text(value, str(name)) for name, value in drawn.coords.items()
             if value.ndim == 0 and name not in only
         ]  # fmt: skip
         unknown = int(dataset["incomplete"].any("approach").sum()) if "incomplete" in dataset else 0
@@ -262,8 +247,10 @@ def _index(coordinate: xr.DataArray, name: str, value: Any, warn: Any) -> int:
             f"{there[nearest]}"
         )
     if not exact:
-        wrong = f"{what} = {_short(place)} is not a value of this sweep"
-        warn(f"{wrong}; the nearest, {_short(there[nearest].item())}, is plotted", InputWarning)
+        wrong = f"{what} = {short_value(place)} is not a value of this sweep"
+        warn(
+            f"{wrong}; the nearest, {short_value(there[nearest].item())}, is plotted", InputWarning
+        )
     return nearest
 
 
@@ -273,7 +260,7 @@ def _undrawable(drawn: xr.DataArray, at: Mapping[str, Any]) -> str:
         first = drawn[drawn.dims[0]].values[0]
         return (
             f"{drawn.name} has {drawn.ndim} remaining dimensions, {left}, but only 1 or 2 can be "
-            f"plotted; choose a value of the others, such as {drawn.dims[0]}={_short(first)}"
+            f"plotted; choose a value of the others, such as {drawn.dims[0]}={short_value(first)}"
         )
     hint = f"; omit {' or '.join(map(str, at))}" if at else ""
     return f"{drawn.name} has no remaining axis to plot along{hint}"
@@ -308,7 +295,7 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, 
     if marked:
         axes.plot([], [], "o", color="0.6", alpha=0.5, markersize=9.0, markeredgecolor="none",
                   label="outside the range of the method or of Hertz's law")  # fmt: skip
-    axes.set_ylabel(_quantity_label(drawn))
+    axes.set_ylabel(quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
     _set_axis(axes, "x", drawn[along])
 
@@ -316,7 +303,7 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, 
 def _curve_label(curve: xr.DataArray, by: str) -> str | None:
     if by not in curve.coords:
         return None
-    return str(curve.approach.item()) if by == "approach" else _coordinate_text(curve[by], by)
+    return str(curve.approach.item()) if by == "approach" else coordinate_text(curve[by], by)
 
 
 def _ordered(coordinate: xr.DataArray) -> bool:
@@ -336,7 +323,7 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
             raise InputError(f"{drawn.name} has no values above 0; omit log")
         norm = LogNorm(shown.min(), shown.max())
     mesh = axes.pcolormesh(_edges(x), _edges(y), values, cmap="viridis", norm=norm, rasterized=True)
-    bar = axes.figure.colorbar(mesh, ax=axes, label=_quantity_label(drawn))
+    bar = axes.figure.colorbar(mesh, ax=axes, label=quantity_label(drawn))
     if norm is not None:
         label_log_axis(bar.ax.yaxis)
     if levels:
@@ -381,7 +368,7 @@ def _mark_cells(
 def _set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) -> None:
     """Set the scale, ticks and label of the x or y axis."""
     values = coordinate.to_numpy()
-    axes.set(**{f"{which}scale": _scale(values), f"{which}label": _axis_label(coordinate)})
+    axes.set(**{f"{which}scale": _scale(values), f"{which}label": axis_label(coordinate)})
     axis = axes.xaxis if which == "x" else axes.yaxis
     # Setting a scale resets the ticks, so ticks are set afterwards.
     if values.dtype.kind not in "if":
@@ -411,44 +398,3 @@ def _edges(places: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
 def _places(coordinate: xr.DataArray) -> Any:
     values = coordinate.to_numpy()
     return values if values.dtype.kind in "if" else np.arange(values.size)
-
-
-def _axis_label(coordinate: xr.DataArray) -> str:
-    """Label of an axis: ``struck_by.mass`` of a specification is the mass of the striker."""
-    name = str(coordinate.name)
-    if name in ("bead", "contact"):
-        return f"{name} $k$"
-    words = coordinate.attrs.get("long_name", name) if name not in ("approach", "point") else name
-    if words in LABELS:
-        return _with_unit(LABELS[words], coordinate)
-    plain = words.removeprefix("method.").removeprefix("with_").replace("struck_by", "striker")
-    parts = [SINGULARS.get(part, part) for part in plain.split(".")]
-    return _with_unit(" ".join(parts).replace("_", " "), coordinate)
-
-
-def _quantity_label(drawn: xr.DataArray) -> str:
-    """Label of the quantity with its unit; the index of the last bead is N, not k."""
-    name = str(drawn.name)
-    quantity = KEPT.get(name)
-    text = name.replace("_", " ") if quantity is None else quantity.label
-    if quantity is not None and not {"bead", "contact"} & set(drawn.coords):
-        text = text.replace("_k$", "_{N-1}$" if quantity.per == "contact" else "_{N}$")
-    return _with_unit(text, drawn)
-
-
-def _with_unit(text: str, values: xr.DataArray) -> str:
-    unit = values.attrs.get("units", "1")
-    return text if unit == "1" else f"{text} [{unit}]"
-
-
-def _coordinate_text(value: xr.DataArray, name: str) -> str:
-    if name == "approach":
-        return f"by {value.item()}"
-    unit = value.attrs.get("units", "1")
-    label = _axis_label(value).removesuffix(f" [{unit}]")
-    shown = "" if unit == "1" else unit if unit == PERCENT else f" {unit}"
-    return f"{label} = {_short(value.item())}{shown}"
-
-
-def _short(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else literal(str(value))

@@ -108,7 +108,7 @@ def of_exponential(contact, rate):
     """Error on exponential chains, besides that of the very first contacts."""
     excess = steepness(rate)
     value = 0.15 * excess**2 * (1.0 + (excess / 2.4) ** 5)
-    beyond = (max(rate, 0.0) / 0.31) ** 4
+    beyond = (max(rate, 0.0) / 0.32) ** 4
     value += INTERPOLATED * (1.0 - memory(rate, 0.24)) / (1.0 + beyond * beyond)
     value += 0.5 * INTERPOLATED * min(1.0, (max(-0.05 - rate, 0.0) / 0.02) ** 2)
     return value + (memory(rate, 0.02) if contact >= RECURSIVE else 0.0)

@@ -223,7 +223,7 @@ def test_other_chains_are_refused():
 
 def test_one_warning_states_what_is_uncertain():
     """The law without loss has warned; the total exceeds the limit of the law with loss, too."""
-    chain = hc.Chain.tapered("forward-exponential", 0.062, beads=12)
+    chain = hc.Chain.tapered("forward-exponential", 0.05, beads=12)
     with pytest.warns(hc.ModelRangeWarning):
         without = hc.local_rate(chain).velocity_error.max()
     with pytest.warns(hc.ModelRangeWarning) as raised:

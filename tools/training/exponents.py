@@ -29,12 +29,12 @@ from hertzchain.theory.exponents import (
 )
 from hertzchain.theory.universal_functions import INPUTS, functions_of
 
-from .error_fit import BALANCE, FITTED, quantile_fit, terms_and_errors
+from .error_fit import FITTED, REFERENCE, quantile_fit, terms_and_errors
 from .estimate_chains import estimate_chains
 from .train import Effort, fast_changes, simulated, slow_tables
 
 # Less than for Hertz contacts: the differences between neighbouring exponents would show no more.
-EFFORT: Final = Effort(1600, 600, 9, 500, 2, 2, 5, ((63, 700, 100, 0, 0),), 0)
+EFFORT: Final = Effort(1600, 600, 9, 500, 2, 2, 5, ((63, 700, 100, 0, 0),), 0, (0, 0))
 # The constants of the error estimate are piecewise linear in the logarithm of the exponent.  They
 # are determined at that many random exponents, so that they include errors of the interpolation.
 ERROR_EXPONENTS: Final = np.geomspace(LOWEST, HIGHEST, 8)
@@ -43,8 +43,8 @@ TRIED: Final = 160
 HELD_OUT: Final = 8
 # Fewer chains of each exponent require more caution, above all about changes in strong backward
 # tapers, where the response to slow changes is less accurate, and at the free end.
-CAUTION: Final = 1.5 * BALANCE
-CAUTION[5], CAUTION[11], CAUTION[12] = 4.5, 3.0, 3.5
+CAUTION: Final = np.full(FITTED, 2.3)
+CAUTION[[5, 11, 12]] = 4.0
 # Constant of the last term, for the largest exponents.
 JAGGED: Final = 1.0
 # Share of the beads below which a term is too rare for a fit.
@@ -125,13 +125,14 @@ def error_constants(logs: Array, found: list[tuple[Array, Array, Array]]) -> Arr
         parts, errors = (np.concatenate([found[i][n] for i in near]) for n in (0, 1))
         parts = parts[:, :FITTED]
         weights = np.concatenate([shares[i] * found[i][2] for i in near])
-        constants.append(CAUTION * quantile_fit(parts, errors, weights=weights))
+        fitted = quantile_fit(parts, errors, weights=weights, reference=REFERENCE)
+        constants.append(CAUTION * fitted)
         known.append(weights @ (parts > 0.0) > RARE * weights.sum())
-    fitted, often = np.array(constants), np.array(known)
+    all_of_them, often = np.array(constants), np.array(known)
     # Steep forward tapers are outside the tables of small exponents.
-    largest = np.max(fitted, axis=0, where=often, initial=0.0)
-    fitted = np.where(often | ~often.any(axis=0), fitted, largest)
-    return np.column_stack([fitted, np.full(len(at), JAGGED)])
+    largest = np.max(all_of_them, axis=0, where=often, initial=0.0)
+    all_of_them = np.where(often | ~often.any(axis=0), all_of_them, largest)
+    return np.column_stack([all_of_them, np.full(len(at), JAGGED)])
 
 
 def main(work: Path, folder: Path) -> None:

@@ -12,9 +12,10 @@ import numpy as np
 
 from hertzchain.collision import Array
 from hertzchain.kernels.error_terms import PARTS
-from hertzchain.kernels.fast_changes import PRODUCTS, STATES
+from hertzchain.kernels.fast_changes import PAIRS as FAST_PAIRS
+from hertzchain.kernels.fast_changes import STATES
 from hertzchain.kernels.last_contact import PRODUCTS as LAST_PRODUCTS
-from hertzchain.theory.exponents import scaled
+from hertzchain.theory.exponents import scaled, steady_gain
 from hertzchain.theory.universal_functions import (
     INPUTS,
     PAIRS,
@@ -27,7 +28,7 @@ from hertzchain.theory.universal_functions import (
 )  # fmt: skip
 
 from .alternation import BASES, coefficients
-from .error_fit import error_constants
+from .error_fit import JAGGED, REFERENCE, error_constants
 from .estimate_chains import estimate_chains
 from .last_fit import KNOTS as LAST_KNOTS
 from .last_fit import fit_last
@@ -35,7 +36,8 @@ from .response_fit import UNIT, Anchors, fit_contact
 from .responses import measure
 from .rollout import UNTIL, missing_states, refine
 from .second_degree import KNOTS as FAST_KNOTS
-from .second_degree import fit
+from .second_degree import fit, fit_stages
+from .sensitivities import Sensitivity, simulate_slopes
 from .table_writer import write_error, write_fast, write_tables
 from .training_chains import (
     COARSE_NODES,
@@ -54,6 +56,7 @@ from .training_chains import (
     random_rates,
     states_of,
     steep_rates,
+    wavy_rates,
 )  # fmt: skip
 
 
@@ -73,6 +76,9 @@ class Effort:
         the products of fast changes.
     ending : int
         Number of chains for the second order of the last contact, which is omitted if it is 0.
+    slopes : tuple
+        Numbers of long and of short chains whose derivatives are simulated for the products of
+        fast changes; without them, there are no products with the slow change.
     """
 
     ramps: int
@@ -84,11 +90,21 @@ class Effort:
     every: int
     random: tuple[tuple[int, int, int, int, int], ...]
     ending: int
+    slopes: tuple[int, int]
 
 
-FULL: Final = Effort(4000, DOUBLE_RAMPS, 3, 1500, 3, 3, 4, ((63, 2600, 300, 300, 0),), 4000)
+FULL: Final = Effort(
+    4000, DOUBLE_RAMPS, 3, 1500, 3, 3, 4, ((63, 2600, 300, 300, 0),), 4000, (400, 900)
+)
+# Added to the constant c of the gain of products whose derivatives are fitted: unlike the
+# attenuation, the second derivatives of single states do not vanish in equal beads.
+REGULAR: Final = 0.03
+# Contacts of the chains whose derivatives are simulated.
+LONG, SHORT = 59, 30
 # Units of the terms of the response in the fits.
 UNITS: Final = UNIT ** np.array([1] * len(INPUTS) + [2] * len(PAIRS))[:, None, None]
+# Exponent of the constants of reference.
+HERTZ: Final = 1.5
 # Number of chains of each class of the error estimate.
 HELD_OUT: Final = 600
 
@@ -187,6 +203,15 @@ def simulated(rates: list[Array], exponent: float) -> tuple[list[Array], list[Ar
     return [rates[i] for i in kept], [states for states in found if states is not None]
 
 
+def sloped_chains(
+    effort: Effort, exponent: float, shrink: float
+) -> tuple[list[Sensitivity], list[Sensitivity]]:
+    """Simulated derivatives on long and short random chains."""
+    random, (long, short) = np.random.default_rng(4), effort.slopes
+    rates = wavy_rates(random, long, LONG, shrink), wavy_rates(random, short, SHORT, shrink)
+    return simulate_slopes(rates[0], exponent), simulate_slopes(rates[1], exponent)
+
+
 def slow_tables(
     exponent: float, shrink: float, effort: Effort, report: Callable[[str], None]
 ) -> Slow:
@@ -213,24 +238,29 @@ def fast_changes(
     report("responses to single changes")
     measured = measure(exponent, shrink)
     measured["knots"] = scaled(FAST_KNOTS, shrink)
+    measured["steady"] = np.array(steady_gain(exponent) + (REGULAR if effort.slopes[0] else 0.0))
 
     def functions() -> UniversalFunctions:
         return assemble(
             exponent, anchors.nodes, anchors.values, anchors.knots, found, measured, np.zeros(PARTS)
         )
 
-    measured["second"] = np.zeros((len(FAST_KNOTS) + 2, STATES * PRODUCTS))
+    measured["second"] = np.zeros((len(FAST_KNOTS) + 2, STATES * FAST_PAIRS))
     measured["last_knots"] = scaled(LAST_KNOTS, shrink)
     measured["last"] = np.zeros((len(LAST_KNOTS) + 2, STATES * LAST_PRODUCTS))
     report("second order of slow changes")
     found = second_order(slow, functions(), effort)
     report("products of fast changes")
     chains = random_chains(random, effort.random, exponent, shrink)
-    measured["second"] = fit(functions(), *chains)
+    long, short = sloped_chains(effort, exponent, shrink)
+    measured["second"] = fit(functions(), *chains, long)
     if effort.ending:
         report("last contact")
         ending = simulated(ending_rates(random, effort.ending, shrink), exponent)
-        measured["last"] = fit_last(functions(), *ending)
+        measured["last"] = fit_last(functions(), *ending, [*short, *long])
+    if effort.slopes[1]:
+        report("products of fast changes at both ends")
+        measured["second"] = fit_stages(functions(), measured["second"], [*short, *long])
     return found, measured, functions()
 
 
@@ -250,6 +280,9 @@ def train(exponent: float, folder: Path, report: Callable[[str], None]) -> None:
 
 def train_error(functions: UniversalFunctions, folder: Path) -> None:
     """Determine the constants of the error estimate, and write their table."""
+    if functions.exponent == HERTZ:
+        write_error(folder, np.append(REFERENCE, JAGGED))
+        return
     classes = estimate_chains(np.random.default_rng(2), HELD_OUT)
     held_out = [simulated(rates, functions.exponent) for rates in classes]
     write_error(folder, error_constants(functions, held_out))

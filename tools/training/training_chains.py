@@ -276,6 +276,31 @@ def ending_rates(random: np.random.Generator, count: int, shrink: float = 1.0) -
     return found
 
 
+def wavy_rates(
+    random: np.random.Generator, count: int, contacts: int, shrink: float = 1.0
+) -> list[Array]:
+    """Rates that are constant or oscillate slowly, with scattered, odd or alternating radii."""
+    k, beads = np.arange(contacts), np.arange(contacts + 1)
+    found: list[Array] = []
+    while len(found) < count:
+        kind = random.integers(5)
+        base = (0.02 * random.normal(), 0.02 * random.normal(), 0.0, 0.015 * random.normal())
+        rates = np.full(contacts, random.uniform(-0.1, 0.15) if kind == 4 else base[kind])
+        for _ in range(random.integers(1, 3) if kind < 2 else 0):
+            cycles = k / random_size(random, 25.0, 90.0) + random.random()
+            rates += random_size(random, 0.005, 0.05) * np.sin(2.0 * np.pi * cycles)
+        odd = random.normal(size=contacts + 1)
+        if random.random() < 0.15:
+            odd *= 3.0 * (random.random(contacts + 1) < 0.12)
+        elif random.random() < 0.15:
+            odd = beads % 2 + 0.3 * odd
+        rates += random_size(random, 5e-4, 0.01) * np.diff(odd)
+        rates = scaled(rates, shrink)
+        if rates.min() > -0.135 * shrink:
+            found.append(rates)
+    return found
+
+
 def random_size(random: np.random.Generator, low: float, high: float) -> float:
     """A number whose logarithm is uniform."""
     return float(np.exp(random.uniform(np.log(low), np.log(high))))

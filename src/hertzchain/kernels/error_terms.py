@@ -23,11 +23,25 @@ PERSISTENT = 0.06
 # First contacts, whose slow rates follow the rates closely, and whose products of fast changes are
 # those within the chain, but should not be: there, squares of the curvature of the rates count.
 EARLY, UNKNOWN = 6, 0.45
+# Error of the tabulated effect of alternating rates, relative to that of the third order, and
+# square of amplitudes beyond which it grows no more.
+TABULATED, LARGE_KNOWN = 2.5e-4, 1e-3
+# Part of the slow changes that is not in doubt if rates alternate about 0.
+REGULAR_SLOW = 0.955
 # Part of alternating fast changes that is not in doubt, and weights of changes of this part, as the
 # effect is known where the rates have alternated for some contacts, and of those of the slow rate.
 EXACT, TRANSITION, CHANGING = 0.995, 2.0, 1.5
-# Decay per contact of errors that do not accumulate, and weight of changes out of sight.
-FADING, OF_AHEAD, OF_NEXT = 0.75, 0.4, 0.5
+# Decay per contact of errors that do not accumulate, and weights of changes out of sight, and of
+# changes of the slow rate one and two contacts ahead.
+FADING, OF_AHEAD, OF_NEXT, OF_SECOND = 0.75, 0.8, 0.5, 0.1
+# Error of the interpolation in tapers, relative to the error near the rate 0.
+INTERPOLATED = 0.042
+# Overlap of impact and free end in equal beads.
+OF_EQUAL = 0.05
+# Larger weight of changes in backward tapers, where products of fast changes are less well known.
+LESS_KNOWN = 1.5
+# Weights of higher orders of large changes, and of fast changes that are much larger.
+LARGE_CHANGE, BEYOND = 40.0, 2.5
 # Weight of the third power of a change of the rate at the last contact.
 STEEP_END = 1200.0
 # Rates below which a pulse leaves a train of waves behind, and above which these overtake it.
@@ -81,9 +95,12 @@ def change_of_base(contact, slow, fast):
 def start_size(rate, square):
     """Size of slow changes at the first contacts, from their square."""
     # Forward tapers remember them longer.
-    forward = 1.0 + (max(-rate, 0.0) / 0.04) ** 2
-    remembered = PERSISTENT + (1.0 - PERSISTENT) * memory(rate, 0.12)
-    return square * (1.0 + LARGE_START * square) * forward * remembered
+    steep = (max(-rate, 0.0) / 0.04) ** 2
+    forward = 1.0 + steep + 0.6 * steep * steep
+    remembered = PERSISTENT + (1.0 - PERSISTENT) * memory(rate, 0.07)
+    # Near the rate 0, the first order is smoothed, and its slope is not that of the simulation.
+    smoothed = 1.0 + 2.5 / (1.0 + ((rate - 0.01) / 0.01) ** 4)
+    return square * (1.0 + LARGE_START * square) * forward * remembered * smoothed
 
 
 @compiled
@@ -91,7 +108,18 @@ def of_exponential(contact, rate):
     """Error on exponential chains, besides that of the very first contacts."""
     excess = steepness(rate)
     value = 0.15 * excess**2 * (1.0 + (excess / 2.4) ** 5)
+    beyond = (max(rate, 0.0) / 0.32) ** 4
+    value += INTERPOLATED * (1.0 - memory(rate, 0.24)) / (1.0 + beyond * beyond)
+    value += 0.5 * INTERPOLATED * min(1.0, (max(-0.05 - rate, 0.0) / 0.02) ** 2)
     return value + (memory(rate, 0.02) if contact >= RECURSIVE else 0.0)
+
+
+@compiled
+def step_square(contact, slow):
+    """Square of the change of the slow rate at a contact, if it is known."""
+    if not 0 < contact < len(slow):
+        return 0.0
+    return (slow[contact] - slow[contact - 1]) ** 2
 
 
 @compiled
@@ -128,7 +156,8 @@ def overlap(contacts, contact, mean_size, mean):
     if contacts - contact > END:
         return 0.0
     share = 1.0 if contact == contacts - 1 else 0.03
-    return share * np.exp(-0.25 * contacts - 60.0 * max(mean, 0.0)) * mean_size
+    size = np.exp(-0.25 * contacts) * mean_size + OF_EQUAL * np.exp(-0.55 * contacts)
+    return share * np.exp(-60.0 * max(mean, 0.0)) * size
 
 
 # doubts: (followed, 4), of `hertzchain.kernels.local_rate.forward`
@@ -153,7 +182,9 @@ def write_parts(contacts, slow, fast, doubts, regular, parts):
         step = slow[k] - slow[k - 1] if k > 0 else 0.0
         forgotten = memory(q, 0.2)
         exponential = max(exponential, of_exponential(k, q))
-        third += size * np.sqrt(size) / (1.0 + size / LARGE)
+        third += size * (np.sqrt(size) / (1.0 + size / LARGE) + BEYOND * size)
+        known = all_of_it - size
+        third += TABULATED * known / (1.0 + known / LARGE_KNOWN)
         # Errors of the attenuation by periodic changes have the same sign at all contacts.
         remembered = memory(q, BACKWARD)
         tapered += size * abs(q) * memory(q, 0.11)
@@ -163,14 +194,16 @@ def write_parts(contacts, slow, fast, doubts, regular, parts):
         changing = CHANGING * change_of_base(k, slow, fast)
         of_regular = transition * transition + (all_of_it - size) * changing * changing
         mixed += (size * step * step * doubted + of_regular) * forgotten
-        next_step = slow[k + 1] - q if k + 1 < len(slow) else 0.0
-        steps = step * step + OF_NEXT * next_step * next_step
+        steps = step * step + OF_NEXT * step_square(k + 1, slow)
         both = size + doubted * steps * (MORE_ACCURATE if k < FIRST else 1.0)
         if k < EARLY:
             both += UNKNOWN * doubted * curvatures(k, slow, fast)
+        both *= 1.0 + LARGE_CHANGE * both
         doubtful = (max(-0.11 - q, 0.0) / 0.01) ** 2
-        ahead = OF_AHEAD * doubted * size_ahead(k, fast)
-        faded = FADING * faded + both * forgotten
+        ahead = OF_AHEAD * size_ahead(k, fast) + OF_SECOND * step_square(k + 2, slow)
+        ahead *= doubted
+        recent = forgotten * (1.0 + LESS_KNOWN * (1.0 - memory(q, 0.05)))
+        faded = FADING * faded + both * recent
         steep = FADING * steep + both * doubtful
         slope = FADING * slope + (1.0 - FADING) * step
         mean, mean_size = FADING * mean + q, FADING * mean_size + abs(q)
@@ -179,13 +212,14 @@ def write_parts(contacts, slow, fast, doubts, regular, parts):
         if q > CATCHING:
             overtaken = max(overtaken, 0.05 * min(1.0, train * train))
         at_end = contacts - k <= END
+        alternating = REGULAR_SLOW * regular[k, 0] / (1.0 + (q / 0.02) ** 4)
         # Near the free end of steep forward tapers, the state has kinks.
         kinks = 1.0 + 100.0 * (max(-0.1 - q, 0.0) / 0.03) ** 2
         parts[k, 0], parts[k, 1] = 1.0, exponential
         for i in range(SLOW_PARTS):
-            parts[k, 2 + i] = doubts[k, i]
+            parts[k, 2 + i] = doubts[k, i] * (1.0 - alternating)
         parts[k, 6], parts[k, 7], parts[k, 8] = third, tapered, np.sqrt(mixed)
-        parts[k, 9], parts[k, 10] = faded + ahead * forgotten, steep + ahead * doubtful
+        parts[k, 9], parts[k, 10] = faded + ahead * recent, steep + ahead * doubtful
         parts[k, 11] = step * step * kinks if at_end else 0.0
         if k == contacts - 1:
             parts[k, 11] += STEEP_END * abs(slope) ** 3

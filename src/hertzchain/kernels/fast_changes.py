@@ -8,13 +8,15 @@ on a chain of the slow rates, this module adds
 
     \Delta z_k = \sum_o G_o(q_k)\,e_{k+o}
         + g_k \sum_{i\le j} A_{ij}(q_k)\,e_{k+i}\,e_{k+j}
+        + b_k \sum_i K_i(q_k)\,e_{k+i}
         + h(q_k) + \sum_o H_o(q_k)\,(q_{k+o} - q_{k+o-1}),
     \qquad
     g_k = \frac{c}{1 + \rho_k^2/\rho_0^2}
         + \frac{(4q_k^2 + \rho_k^2)^{1/4}}{(1 + \rho_k^2/\rho_0^2)^{5/4}},
 
-where :math:`\rho_k` is the root mean square of the fast changes near the contact and c depends on
-the exponent of the contact force.  G is the
+where :math:`\rho_k` is the root mean square of the fast changes near the contact, c depends on
+the exponent of the contact force, and :math:`b_k` is the mean change of the slow rate from contact
+k - 4 to k + 2, on which the response to fast changes depends, too.  G is the
 response of the simulated state to a small change of one rate, and H the difference between the
 simulated response to slow rates and that of the recursion
 (`hertzchain.theory.linear_response`).  The state h on an exponential chain, less that of the
@@ -40,10 +42,13 @@ STAGES = EARLY + 1 + END
 # Offsets o of the rates to which a contact responds.
 BEHIND, AHEAD = 13, 2
 TAPS = BEHIND + 1 + AHEAD
-# Fast changes in products: those from offset -4 to 2.
-NEAR = BEHIND - 4
+# Fast changes in products: those from offset -4 to 2.  They are multiplied by each other, and by
+# the mean change of the slow rate over these offsets.
+RISING = 4
+NEAR = BEHIND - RISING
 FACTORS = TAPS - NEAR
-PRODUCTS = FACTORS * (FACTORS + 1) // 2
+PAIRS = FACTORS * (FACTORS + 1) // 2
+PRODUCTS = PAIRS + FACTORS
 # Offsets -2 to 1 determine the size of fast changes.
 FIRST, LAST = BEHIND - 2, BEHIND + 2
 # Square of the size beyond which products grow no more.
@@ -202,13 +207,21 @@ def negligible(around):
 
 
 @compiled
-def multiply(around, products):
-    """Write all products of two fast changes."""
+def rise_between(contact, slow):
+    """Contacts between which the slow rate changes near a contact."""
+    return max(contact - RISING, 0), min(contact + AHEAD, len(slow) - 1)
+
+
+@compiled
+def multiply(around, g, rise, products):
+    """Write all products of two fast changes and the gain, and of one and the rise."""
     n = 0
     for i in range(NEAR, TAPS):
+        scaled = g * around[i]
         for j in range(i, TAPS):
-            products[n] = around[i] * around[j]
+            products[n] = scaled * around[j]
             n += 1
+        products[PAIRS + i - NEAR] = rise * around[i]
 
 
 @compiled
@@ -316,12 +329,13 @@ def add_response(contacts, slow, fast, steps, tables, work, states):
         states[k, 2] += third
         if k < sound and not negligible(around):
             knot, distance = interval_of(q, tables.knots, knot)
-            polynomials(tables.second[knot], distance, bends)
-            multiply(around, products)
+            polynomials(tables.second[stage, knot], distance, bends)
             g, _, _ = gain(q, size_of(around), tables.steady)
-            first = g * dot(bends[:PRODUCTS], products)
-            second = g * dot(bends[PRODUCTS : 2 * PRODUCTS], products)
-            third = g * dot(bends[2 * PRODUCTS :], products)
+            begin, end = rise_between(k, slow)
+            multiply(around, g, (slow[end] - slow[begin]) / (end - begin), products)
+            first = dot(bends[:PRODUCTS], products)
+            second = dot(bends[PRODUCTS : 2 * PRODUCTS], products)
+            third = dot(bends[2 * PRODUCTS :], products)
             if max(abs(first), abs(second), abs(third)) < MEANINGLESS:
                 states[k, 0] += first
                 states[k, 1] += second
@@ -359,28 +373,51 @@ def from_response(
         for n in range(TAPS):
             to_around[n] += values[n]
             to_near[n] += values[TAPS + n]
-        if k < sound and not negligible(around):
-            knot, distance = interval_of(q, tables.knots, knot)
+        if k >= sound:
+            continue
+        knot, distance = interval_of(q, tables.knots, knot)
+        begin, end = rise_between(k, slow)
+        rise = (slow[end] - slow[begin]) / (end - begin)
+        if negligible(around):
+            add_rise(tables.second[stage, knot], seeds[k], distance, rise, to_around)
+        else:
             within = tables.knots[0] <= q <= tables.knots[-1]
-            combine(tables.second[knot], seeds[k], distance, within, bends, bend_slopes)
-            multiply(around, products)
+            combine(tables.second[stage, knot], seeds[k], distance, within, bends, bend_slopes)
             g, by_rate, by_size = gain(q, size_of(around), tables.steady)
-            to_gain = dot(bends, products)
-            to_slow[k] += g * dot(bend_slopes, products) + to_gain * by_rate
-            from_products(around, g, bends, to_gain * by_size, to_around)
+            multiply(around, g, rise, products)
+            to_gain = dot(bends[:PAIRS], products[:PAIRS]) / g
+            to_slow[k] += dot(bend_slopes, products) + to_gain * by_rate
+            to_rise = from_products(around, g, rise, bends, to_gain * by_size, to_around)
+            to_slow[end] += to_rise / (end - begin)
+            to_slow[begin] -= to_rise / (end - begin)
     for k in range(1, len(slow)):
         to_slow[k] += to_steps[BEHIND + k]
         to_slow[k - 1] -= to_steps[BEHIND + k]
 
 
 @compiled
-def from_products(around, g, to_products, to_size, to_around):
-    """Add derivatives with respect to the fast changes around a contact."""
-    n = 0
+def add_rise(pieces, weights, x, rise, to_around):
+    """Add derivatives with respect to fast changes that are zero, because of the rise."""
+    for i in range(FACTORS):
+        total = 0.0
+        for state in range(STATES):
+            n = state * PRODUCTS + PAIRS + i
+            value = ((pieces[0, n] * x + pieces[1, n]) * x + pieces[2, n]) * x + pieces[3, n]
+            total += weights[state] * value
+        to_around[NEAR + i] += rise * total
+
+
+@compiled
+def from_products(around, g, rise, to_products, to_size, to_around):
+    """Add derivatives with respect to fast changes nearby; returns that for the rise."""
+    n, to_rise = 0, 0.0
     for i in range(NEAR, TAPS):
+        to_around[i] += rise * to_products[PAIRS + i - NEAR]
+        to_rise += around[i] * to_products[PAIRS + i - NEAR]
         for j in range(i, TAPS):
             to_around[i] += g * to_products[n] * around[j]
             to_around[j] += g * to_products[n] * around[i]
             n += 1
     for i in range(FIRST, LAST):
         to_around[i] += to_size * 2.0 * around[i] / (LAST - FIRST)
+    return to_rise

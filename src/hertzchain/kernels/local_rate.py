@@ -37,6 +37,8 @@ WITHIN = START
 INPUTS = 7
 TERMS = INPUTS + INPUTS * (INPUTS + 1) // 2
 ROW = TERMS + 1
+# Square of a deviation whose orders beyond the second are as large as the third.
+LARGE_STATE = 0.05
 # Largest distance from the state of an exponential chain; beyond it, the law has diverged.
 FARTHEST = 1.0
 
@@ -168,7 +170,9 @@ def forward(
             start += start_size(rates[k], of_rates)
         else:
             weight = slow_weight(rates[k]) ** 2
-            third += (of_state + of_rates) * second_degree(pieces, distance, terms) ** 2
+            large = (of_state / LARGE_STATE) ** 2
+            products = (1.0 + large) * second_degree(pieces, distance, terms) ** 2
+            third += (of_state + of_rates) * products
             others += of_rates * weight
             if k < SETTLED:
                 impact += of_state * weight

@@ -60,7 +60,7 @@ TERMS: Final = INPUTS + tuple(f"({INPUTS[i]})({INPUTS[j]})" for i, j in PAIRS)
 # Tables of fast changes, as functions of the rate.
 FAST_VALUES: Final = ("single", "early", "end", "end_slopes", "second", "last", "alternating")
 # Arguments of the tables of fast changes.
-FAST_ARGUMENTS: Final = ("places", "knots", "last_knots", "bases")
+FAST_ARGUMENTS: Final = ("places", "knots", "last_knots", "bases", "steady")
 NOTHING: Final = np.zeros(0)
 # Number of coefficients of the last contact.
 LAST: Final = 84
@@ -83,14 +83,15 @@ class FastTables(NamedTuple):
         the state on an exponential chain, less that of the recursion, as is H, and three zeros.
     knots : ndarray, shape (K + 1,)
         Ends of the intervals of ``second``.
-    second : ndarray, shape (K, 4, 84)
-        Coefficients A of the products of two fast changes.
+    second : ndarray, shape (18, K, 4, 105)
+        Coefficients A of the products of two fast changes, and K of those of a fast change and the
+        change of the slow rate, for each stage and component.
     last_knots : ndarray, shape (L + 1,)
         Ends of the intervals of ``last``.
     last : ndarray, shape (L, 4, 84)
         Coefficients B of the last contact, see `hertzchain.kernels.last_contact`.
     steady : float
-        Constant c of the factor of these products, see `hertzchain.theory.exponents.steady_gain`.
+        Constant c of the factor of the products of two fast changes.
     bases : ndarray, shape (B + 1,)
         Ends of the intervals of ``alternating``; empty if there is no such table.
     alternating : ndarray, shape (18, B, 4, 36)
@@ -242,12 +243,13 @@ def fast_tables(
     exponent: float, slow: tuple[Array, Array, Array, Array], places: Array, single: Array,
     end: Array, end_slopes: Array, knots: Array, second: Array, last_knots: Array, last: Array,
     early: Array | None = None, bases: Array = NOTHING, alternating: Array = NOTHING,
+    steady: Array | None = None,
 ) -> FastTables:  # fmt: skip
     """Build the tables of fast changes, and of the first order that the recursion misses.
 
     Values at the places are ``single`` (n + 1, 18, 48), ``early`` (n + 1, 12, 3), the states of
     the first contacts on exponential chains, ``end`` (n + 1, 5, 51), and ``end_slopes``,
-    the derivatives of those of exponential chains, (n + 1, 5, 3).  ``second`` (K + 3, 84) and
+    the derivatives of those of exponential chains, (n + 1, 5, 3).  ``second`` (K + 3, 1890) and
     ``last`` (L + 3, 84) are coefficients of B-splines, ``alternating`` (B + 1, 18, 36) values at
     the bases.  Without ``early``, the tables belong to a recursion whose first order is not
     completed.
@@ -276,10 +278,10 @@ def fast_tables(
         places=places,
         first=_first_order(np.transpose(pieces, (2, 1, 0, 3)), rest),
         knots=knots,
-        second=np.ascontiguousarray(cubic_pieces(knots, second)),
+        second=_by_stage(cubic_pieces(knots, second)),
         last_knots=last_knots,
         last=np.ascontiguousarray(cubic_pieces(last_knots, last)),
-        steady=exponents.steady_gain(exponent),
+        steady=exponents.steady_gain(exponent) if steady is None else float(steady),
         bases=bases,
         alternating=_alternating(bases, alternating),
     )
@@ -295,6 +297,21 @@ def _first_order(single: Array, rest: Array) -> Array:
     found[..., :taps], found[..., taps : 2 * taps] = by_state[0], by_state[1][..., 1:]
     found[..., 2 * taps] = by_state[1][..., 0]
     return found.reshape(*single.shape[:3], -1)
+
+
+def _by_stage(pieces: Array) -> Array:
+    """Products of fast changes of each stage, (stages, intervals, 4, 105).
+
+    A table of the products of two fast changes only is that of all stages.
+    """
+    from ..kernels.fast_changes import PAIRS, PRODUCTS, STAGES
+
+    if pieces.shape[-1] == len(STATE) * PAIRS:
+        one = pieces.reshape(*pieces.shape[:2], 1, len(STATE), PAIRS)
+        padded = np.pad(one, [(0, 0)] * 4 + [(0, PRODUCTS - PAIRS)])
+        pieces = np.repeat(padded, STAGES, axis=2)
+    by_stage = pieces.reshape(*pieces.shape[:2], STAGES, -1)
+    return np.ascontiguousarray(np.moveaxis(by_stage, 2, 0))
 
 
 def _alternating(bases: Array, values: Array) -> Array:

@@ -454,3 +454,21 @@ def test_sweeps_keep_the_reasons_of_values_that_are_absent():
     }
     found = hc.sweep(specification)
     assert "no first maximum of the velocity" in str(found["reason"].sel(beads=8).values)
+
+
+def test_the_check_of_reflections_can_be_omitted():
+    """The leading pulse is elastic in this taper, but not its reflection in front of the wall."""
+    tapers = [
+        hc.Chain.tapered(
+            first="6.35 mm", last=last, beads=3, material="steel-52100", taper="exponential"
+        ).replace(right_wall=hc.Wall.of("steel-52100"))
+        for last in ("4 mm", "5 mm")
+    ]
+    chains = [taper.replace(velocities=[0.3, 0.0, 0.0]) for taper in tapers]
+    whole = hc.simulate_many(chains, keep=["wall_peak_force"])
+    leading = hc.simulate_many(chains, keep=["wall_peak_force"], check_range=False)
+    np.testing.assert_array_equal(whole["wall_peak_force"], leading["wall_peak_force"])
+    assert whole.outside_range.tolist() == [True, False]
+    assert leading.outside_range.tolist() == [False, False]
+    assert "1 of 2 chains outside Hertz's range;" in repr(whole)
+    assert "0 of 2 chains outside Hertz's range (reflections not" in repr(leading)

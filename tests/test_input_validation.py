@@ -309,6 +309,7 @@ def public_calls(folder):
             until=1.0,
             rtol=1e-8,
             max_steps=9999,
+            check_range=True,
             threads=1,
             progress=None,
         ),

@@ -69,10 +69,14 @@ class Request:
     # Whether contacts of materials are compared with Hertz's range.
     check_range: bool = True
 
+    @property
+    def keeps_largest(self) -> bool:
+        """Whether a quantity is requested that follows from the overlaps of the whole run."""
+        return any(name in LARGEST_QUANTITIES for name in self.keep)
+
     def whole_run(self, chain: Chain) -> bool:
         """Whether overlaps after the passage of the leading pulse are requested, too."""
-        kept = any(name in LARGEST_QUANTITIES for name in self.keep)
-        return kept or (self.check_range and chain.materials is not None)
+        return self.keeps_largest or (self.check_range and chain.materials is not None)
 
 
 @dataclass(frozen=True, eq=False)

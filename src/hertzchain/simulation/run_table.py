@@ -75,6 +75,7 @@ class RunTable(Frozen):
     reasons: Mapping[int, str]
     complete: NDArray[np.bool_]
     _overlaps: Array = field(repr=False)
+    _of_whole_runs: bool = field(default=True, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("columns", "reasons"):
@@ -157,7 +158,8 @@ class RunTable(Frozen):
         if len(self) > MAX_CHECKED:
             return "outside_range states which chains are outside Hertz's range"
         outside = int(self.outside_range.sum())
-        return f"{outside} of {checked} chains outside Hertz's range"
+        part = "" if self._of_whole_runs else " (reflections not checked)"
+        return f"{outside} of {checked} chains outside Hertz's range{part}"
 
     def to_dataset(self) -> xr.Dataset:
         """Labelled dataset with dimensions ``chain``, ``bead``, ``contact`` and ``sensor``.

@@ -18,7 +18,7 @@ from ..threads import STOP, Signal, run_in_threads
 from ..validation.keywords import checked_arguments
 from ..validation.memory import check_memory
 from ..validation.numbers import number, whole_number, worker_count
-from ..validation.objects import Progress, callback, check_choice, check_list
+from ..validation.objects import Progress, callback, check_bool, check_choice, check_list
 from .ensemble_columns import (
     KEPT,
     Outcome,
@@ -53,6 +53,7 @@ def simulate_many(
     until: float | None = None,
     rtol: float = DEFAULT_RTOL,
     max_steps: int | None = None,
+    check_range: bool = True,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> RunTable:
@@ -88,6 +89,9 @@ def simulate_many(
         Chains that `simulate` integrates use a tenth of this tolerance, at most 1e-6.
     max_steps : int, optional
         Step limit of each chain; by default 2000 per bead, and at least a million.
+    check_range : bool
+        Whether to compare chains of materials with the range of Hertz's law in the whole run.  This
+        takes half as long again; without it, only the leading pulse is compared.
     threads : int, optional
         Number of threads.  The default is one per processor.
     progress : callable, optional
@@ -122,6 +126,7 @@ def simulate_many(
         _checked_names(keep), _checked_sensors(sensors, given), until,
         number("rtol", rtol, least=MIN_RTOL, most=MAX_RTOL),
         None if max_steps is None else whole_number("max_steps", max_steps, least=1),
+        check_bool("check_range", check_range),
     )  # fmt: skip
     return simulate_ensemble(given, request, threads, progress)
 
@@ -268,4 +273,5 @@ class _Ensemble:
         return RunTable(
             tuple(self.chains), self.request.sensors, self.columns, self.status,
             dict(sorted(self.reasons.items())), self.complete, self.overlaps,
+            self.request.check_range or self.request.keeps_largest,
         )  # fmt: skip

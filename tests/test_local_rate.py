@@ -137,7 +137,7 @@ def test_alternating_beads(ratio, must, beads):
 
 @pytest.mark.parametrize(
     ("exponent", "scatter", "ratio"),
-    [(1.5, 0.003, 0.96), (2.0, 0.003, 0.96), (1.25, 0.001, 0.998), (1.7, 0.001, 0.998)],
+    [(1.5, 0.003, 0.97), (2.0, 0.003, 0.97), (1.25, 0.0005, 0.998), (1.7, 0.0005, 0.998)],
 )
 @pytest.mark.parametrize("beads", [30, 100, 300])
 def test_no_warning_is_issued_within_the_documented_range(exponent, scatter, ratio, beads):

@@ -71,7 +71,7 @@ def local_rate(chain: Chain) -> Pulse:
     chain : Chain
         A chain of at least nine beads, struck by its first bead or by another body
         (`Chain.struck_by`).  The ratio of neighbouring radii may be from 0.85 to 3.  Radii may also
-        scatter from bead to bead by up to 0.3%, or alternate by up to 4%, without a warning (0.1%
+        scatter from bead to bead by up to 0.3%, or alternate by up to 3%, without a warning (0.05%
         and 0.2% for exponents other than 3/2 and 2; less in steep tapers).  Beyond, the estimated
         error is cautious: with scatter of 1%, or radii that alternate by 10%, the error is usually
         about 0.3% or less, but a warning is issued.  Chains struck by their first bead may lose

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import re
 import textwrap
 import weakref
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
 # distinction for prints in grey.
 COLOURS: Final = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 MARKERS: Final = ("o", "+", "x", "s", "^", "v", "D")
+
+# Dates in the fonts of Matplotlib, which are before 1970, would be reported with each PDF file.
+logging.getLogger("fontTools.ttLib.tables._h_e_a_d").setLevel(logging.ERROR)
 
 # Average for a title.
 INCHES_PER_LETTER: Final = 0.07

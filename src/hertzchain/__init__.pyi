@@ -4,6 +4,7 @@ from . import paper as paper
 from . import plotting as plotting
 from . import theory as theory
 from .app.explore import explore as explore
+from .app.page_file import save_page as save_page
 from .calibration import Calibration as Calibration
 from .calibration import calibrate as calibrate
 from .chain.chain import Chain as Chain

@@ -429,7 +429,7 @@ def test_a_saved_page_contains_everything(client):
 
 
 def stored_in(file):
-    """What a saved page contains, and the parts of its results."""
+    """The data in a saved page, and the parts of its results."""
     stored = json.loads(re.search(r'id="embedded">(.*?)</script>', file.read_text("utf-8"))[1])
     return stored, unpacked(base64.b64decode(stored["parts"]))
 

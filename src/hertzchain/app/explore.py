@@ -65,7 +65,8 @@ def explore(chain: Chain | None = None, *, height: int = 900) -> Any:
     document = None
     if chain is not None:
         require_chain("explore", chain)
-        document = as_json(tomllib.loads(chain_as_toml(chain)))
+        # The page changes radii, which then do not have the scatter of the chain.
+        document = as_json(tomllib.loads(chain_as_toml(chain.replace(scatter=None))))
         chain_of(document)
     return _widget_class()(document, height)
 

@@ -430,4 +430,5 @@ class _Reader:
 
 
 def _as_document(chain: Chain) -> Any:
-    return to_json_types(tomllib.loads(chain_as_toml(chain)), "chain")
+    # Axes change radii, which then do not have the scatter of the chain.
+    return to_json_types(tomllib.loads(chain_as_toml(chain.replace(scatter=None))), "chain")

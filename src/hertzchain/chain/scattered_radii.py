@@ -53,7 +53,7 @@ class ScatteredRadii(Frozen):
         return f"{size} of {deviating} bead{'s' * (deviating > 1)}"
 
     def with_radii(self, radii: Array) -> Self:
-        """The same scatter of other beads, which are no taper."""
+        """The same scatter of other beads, which do not form a taper."""
         return dataclasses.replace(self, radii=radii, taper=None, taper_parameters=())
 
     def behind(self, strikers: int, radius: float, struck: Array) -> Self:

@@ -63,7 +63,8 @@ def explore(chain: Chain | None = None, *, height: int = 900) -> Any:
     document = None
     if chain is not None:
         require_chain("explore", chain)
-        document = document_of_chain(chain)
+        # The page changes radii, which then do not have the scatter of the chain.
+        document = document_of_chain(chain.replace(scatter=None))
     return _widget_class()(document, height)
 
 

@@ -56,7 +56,7 @@ from .manifest import (
     load_manifest,
 )
 from .results import save_state
-from .run_files import chain_file_of, run_as_netcdf, stored_chain
+from .run_files import ACCUMULATORS, chain_file_of, run_as_netcdf, stored_chain
 from .stream_resume import STATE_FILE, start_again, where_it_stopped
 from .writing import cannot_write, write_bytes
 
@@ -140,7 +140,8 @@ class StoredRun:
         ...     [part.sizes["time"] for part in stored.parts()]
         [2]
         """
-        yield from self._read(-math.inf, math.inf, check_bool("skip_damaged", skip_damaged))
+        for part in self._read(-math.inf, math.inf, check_bool("skip_damaged", skip_damaged)):
+            yield part.drop_vars(ACCUMULATORS, errors="ignore")
 
     def load(
         self,
@@ -177,7 +178,8 @@ class StoredRun:
         check_bool("skip_damaged", skip_damaged)
         first, last = self._checked_time("start", start), self._checked_time("stop", stop)
         within = (
-            part.sel(time=slice(first, last)) for part in self._read(first, last, skip_damaged)
+            part.drop_vars(ACCUMULATORS, errors="ignore").sel(time=slice(first, last))
+            for part in self._read(first, last, skip_damaged)
         )
         # A view would keep the other times of the part in memory.
         chosen = [part.copy(deep=True) for part in within if part.sizes["time"]]

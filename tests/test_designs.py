@@ -11,11 +11,11 @@ from scipy_chain import trajectory, wall_peak
 import hertzchain as hc
 from hertzchain.designs.balls import Ball, load_balls
 from hertzchain.designs.bundle_descent import Model, _step
+from hertzchain.designs.dominance import best_spread, undominated
 from hertzchain.designs.evolution import Strategy, reflected
 from hertzchain.designs.exact_gradients import covered, values_and_slopes
 from hertzchain.designs.genetic import Population, enumerate_all, search
 from hertzchain.designs.methods import method_for
-from hertzchain.designs.dominance import best_spread, undominated
 from hertzchain.designs.reference_chains import evaluated_references
 from hertzchain.designs.search_budget import budget_from
 from hertzchain.designs.sensitivity import changes, sensitivity

@@ -155,12 +155,12 @@ def _defects(result: FitResult, document: dict[str, Any]) -> tuple[FitResult, li
         for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
     ]
     if not scan.found:
-        return result, [repr(scan)]
+        return result, [scan.summary()]
     with progress_bar("defects fitted") as progress:
         with_defect = scan.fit(progress=progress)
     document["fit_with_defect"] = with_defect.as_dict()
     gap = with_defect.names[-1]
-    return with_defect, [repr(scan), f"without {gap}: {result.verdict}"]
+    return with_defect, [scan.summary(), f"without {gap}: {result.verdict}"]
 
 
 def _pressures(result: FitResult) -> list[str]:

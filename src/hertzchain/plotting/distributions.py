@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 from matplotlib.axes import Axes
 
 from ..chain.scattered_radii import scatter_in_words
+from .colours import COLOURS, grey
 from .legends import place_legend
-from .style import COLOURS, figure_style, get_axes, set_title
+from .style import figure_style, get_axes, set_title
 from .titles import chain_title
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
     with figure_style():
         axes = get_axes(ax)
         axes.hist(found.values, bins="auto", color=COLOURS[5])
-        axes.axvline(found.nominal, color="black", label="nominal chain")
+        axes.axvline(found.nominal, color=grey(axes), label="nominal chain")
         axes.axvline(found.mean, color=COLOURS[2], linestyle="--", label="mean")
         axes.set_xlabel(found.label + (f" [{found.unit}]" if found.unit != "1" else ""))
         axes.set_ylabel("number of chains")

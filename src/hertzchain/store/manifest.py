@@ -100,6 +100,13 @@ class Manifest:
     parts: tuple[Part, ...] = ()
     announced: Part | None = None
 
+    @property
+    def options(self) -> dict[str, Any]:
+        """Options of `simulate` with which the run continues."""
+        if self.step > 0.0:
+            return {"method": self.method, "step": self.step}
+        return {"rtol": self.rtol}
+
     def present(self, folder: Path) -> tuple[Part, ...]:
         """The parts, including the announced one if its file exists."""
         if self.announced is not None and (folder / self.announced.file).exists():

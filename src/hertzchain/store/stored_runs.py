@@ -21,7 +21,8 @@ from ..validation.objects import file_path
 from .manifest import load_manifest
 from .results import load_state
 from .run_files import ACCUMULATORS, SAVED, read_run
-from .streaming import STATE_FILE, StoredRun
+from .stream_resume import STATE_FILE
+from .streaming import StoredRun
 
 
 @checked_arguments("load_run")
@@ -82,7 +83,7 @@ def _streamed_run(folder: Path) -> Run:
     end = last if state is None else max(last, state.time)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ModelRangeWarning)  # `stream` has issued it
-        run = simulate(chain, start=state, times=[end], rtol=manifest.rtol, max_steps=sys.maxsize)
+        run = simulate(chain, start=state, times=[end], max_steps=sys.maxsize, **manifest.options)
     names = {**SAVED, "force": "_forces", ACCUMULATORS: "_accumulators"}
     columns: dict[str, list[Array]] = {name: [] for name in names}
     for dataset in stored._read(-np.inf, np.inf, skip_damaged=False):

@@ -319,7 +319,7 @@ def _resume(
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ModelRangeWarning)  # once, at the end
             run = simulate(
-                chain, start=state, times=chunk, max_steps=sys.maxsize, **_steps_of(manifest)
+                chain, start=state, times=chunk, max_steps=sys.maxsize, **manifest.options
             )
         if fixed is not None and run.energy_drift > fixed.drift:
             excess = DRIFT_MARGIN * run.energy_drift / fixed.drift
@@ -345,13 +345,6 @@ def _resume(
         if time.monotonic() - started < SECONDS_PER_FILE:
             count = max(count, min(2 * count, most))
     warn_outside_hertz(chain, overlaps)
-
-
-def _steps_of(manifest: Manifest) -> dict[str, Any]:
-    """Options of `simulate`."""
-    if manifest.step > 0.0:
-        return {"method": manifest.method, "step": manifest.step}
-    return {"rtol": manifest.rtol}
 
 
 def _write_part(folder: Path, manifest: Manifest, run: Run) -> Manifest:

@@ -52,6 +52,7 @@ from .axes import (
     conflicts,
     duplicates,
     flattened,
+    too_many_points,
     unequal_lengths,
 )
 from .kept import KEPT, OF_RUNS
@@ -341,6 +342,9 @@ class _Reader:
             if not entries:
                 self._add("axes", "nothing varies: add parameters and their values")
             self.problems += conflicts([path for path, _ in found_axes])
+        if combine != "zip" and (excess := too_many_points(entries)):
+            self.problems += excess
+            return (), combine
         place = "points" if points is not None else "axes"
         read = [self._axis(place, path, entry) for path, entry in entries.items()]
         axes = tuple(axis for axis in read if axis is not None)

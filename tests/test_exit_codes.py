@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import hertzchain as hc
-from hertzchain.paper import report
+from hertzchain.paper import report_folder
 from hertzchain.store.file_lock import lock
 from hertzchain.store.sweep_store import locked
 
@@ -84,7 +84,10 @@ def test_a_place_in_use_is_bad_input(run):
         (locked("sweep.zarr"), ("sweep", "sweep.toml")),
         (locked("b.zarr"), ("sweep", "merge", "b.zarr", "sweep.zarr")),
         (lock(Path("run/.lock"), "run"), (*STREAM, "run")),
-        (report.reserved(Path("report")), ("reproduce", "--only", "table3", "--out", "report")),
+        (
+            report_folder.reserved(Path("report")),
+            ("reproduce", "--only", "table3", "--out", "report"),
+        ),
     ):
         with held:
             code, out, err = run(*command)

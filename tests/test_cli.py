@@ -222,11 +222,13 @@ def test_cite(run):
         (["pulse", "--beads", "1000000000000000"], "beads need 372529029.8 GiB of memory"),
         (["pulse", "--method", "bcaa"], "did you mean 'bca'"),
         (["pulse", "--quantity", "sped"], "unknown quantity 'sped'"),
+        (["pulse", "--quantity", "arrival_spread"], "peak_force, velocity_error; did you mean"),
+        (["pulse", "--method", "disorder"], "use `hertzchain scatter`, or hertzchain.disorder"),
         (["pulse", "--json", "--csv"], "cannot be combined"),
         (["pulse", "--plot", "pulse.doc"], "must end in .png"),
         (["pulse", "missing.toml"], "cannot read chain file 'missing.toml'"),
         (["pulse", "missing.toml", "--beads", "3"], "not both"),
-        (["pulse", "--method", "modified-bca"], "requires a tapered chain"),
+        (["pulse", "--method", "modified-bca"], "use bca or theory.two_thirds_bca for other"),
         (["simulate", "--until", "-1"], "until must be above 0"),
         (["simulate", "--rtol", "1"], "rtol must be at least 1e-14 and at most 1e-06"),
         (["simulate", "--out", "run.xls"], "must end in .nc or .csv"),
@@ -488,6 +490,16 @@ def test_a_part_that_is_not_there_leaves_no_folder(run, tmp_path, only):
     assert code == 2
     assert "table1" in err
     assert not (tmp_path / "report").exists()
+
+
+def test_a_quantity_of_contacts_has_one_row_per_contact(run):
+    command = ("pulse", "--method", "propagate", "--method", "bca", "--quantity", "peak_force")
+    _, out, _ = run(*command, "--beads", 12)
+    table = out.partition("BCA against")[0]
+    assert "contact k" in table
+    rows = [line.split() for line in table.splitlines() if line.strip()[:1].isdigit()]
+    assert [row[0] for row in rows] == [str(k) for k in range(1, 12)]
+    assert all(len(row) == 3 for row in rows)
 
 
 def test_verify_nothing(run):

@@ -653,6 +653,17 @@ def test_maps_mark_cells_outside_the_range_and_failed_ones():
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_scaled_curves_have_no_range_of_hertz_law():
+    found = hc.sweep({
+        "chain": {"taper": "forward-exponential", "beads": 30}, "axes": {"rate": [0.02, 0.05, 0.3]},
+        "sweep": {"methods": ["local-rate"], "keep": ["velocity"], "at": "last"},
+    })  # fmt: skip
+    assert found.outside_range.values.any()
+    names = plot_sweep(found).get_legend_handles_labels()[1]
+    assert "outside the range of the method" in names
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_axes_of_pictures_say_what_varies():
     chain = {"radii": 5e-3, "materials": "steel-316", "beads": 5, "loss": {"law": "restitution",
              "coefficient": 1.0}, "struck_by": {"velocity": 0.1}}  # fmt: skip

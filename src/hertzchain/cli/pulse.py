@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
+from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from .chain_options import ChainOptions, chain_options, chains_from
 from .options import Fraction, LateHelp, figure_option, json_option
@@ -24,6 +25,14 @@ SYNONYMS: Final = {
     "speed": "velocity", "force": "peak_force", "overlap": "peak_overlap", "time": "arrival",
     "duration": "residence",
 }  # fmt: skip
+# The spreads of `hertzchain.disorder` are not predicted by any method of this command.
+PREDICTED: Final = tuple(name for name in QUANTITIES if not name.endswith("_spread"))
+PYTHON_ONLY: Final = {
+    "disorder": "for chains whose radii scatter, use `hertzchain scatter`, or hertzchain.disorder "
+    "in Python",
+    "piecewise-local-rate": "use hertzchain.piecewise_local_rate in Python",
+    "effective-chain": "use hertzchain.effective_chain in Python",
+}
 
 
 def _method_help() -> str:
@@ -50,7 +59,7 @@ def _method_help() -> str:
     show_default=True,
     metavar="NAME",
     help="Quantity to plot and, with several methods, to show side by side: "
-    f"{', '.join(QUANTITIES)}.",
+    f"{', '.join(PREDICTED)}.",
 )
 @click.option(
     "--rtol",
@@ -90,13 +99,15 @@ def pulse(
     if as_json and as_csv:
         raise click.UsageError("--json and --csv cannot be combined")
     for method in methods:
+        if method in PYTHON_ONLY:
+            raise InputError(f"{method!r} is not a method of this command; {PYTHON_ONLY[method]}")
         check_choice("method", method, METHODS)
     chosen = list(dict.fromkeys(methods))
     if not (as_json or as_csv):
         # The first pulse is the reference of comparisons.
         chosen.sort(key=lambda each: each not in SIMULATIONS)
     quantity = SYNONYMS.get(quantity, quantity)
-    check_choice("quantity", quantity, QUANTITIES)
+    check_choice("quantity", quantity, PREDICTED)
     settings = {} if rtol is None else {"rtol": rtol}
     if settings and not {*chosen} & {*SIMULATIONS}:
         raise click.UsageError("--rtol requires --method propagate or --method simulate")
@@ -133,8 +144,6 @@ def pulse(
 
 def _show_pulses(pulses: list[Pulse], quantity: str, *, every_bead: bool) -> None:
     """Print a table of one chain: all quantities of one pulse, or one quantity of several."""
-    from ..errors import InputError
-
     if len(pulses) == 1:
         show_table(pulse_table(pulses[0], every_bead))
         return

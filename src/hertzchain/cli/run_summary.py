@@ -61,7 +61,10 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None
     click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
     click.echo(f"{len(run.times)} saved times, {run.evaluations} force evaluations")
     if run._unfinished:
-        click.echo(f"{run._unfinished}; to see the velocities after the impact, give --until")
+        click.echo(
+            f"{run._unfinished}; to see the velocities after the impact, give a later "
+            "time with --until"
+        )
     for line in pressures_below_yield(run):
         click.echo(line)
     for wall in _walls(run):

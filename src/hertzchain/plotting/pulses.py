@@ -37,7 +37,7 @@ JUMP: Final = 1.2
 BAND: Final = 0.25
 # Labels of symbols at free ends and of bands.
 FREE_END: Final = "last bead (free end)"
-LOTS: Final = "one standard deviation of lots"
+LOTS: Final = "± one standard deviation"
 
 
 @checked_arguments("plot_pulses")

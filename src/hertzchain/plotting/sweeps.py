@@ -127,7 +127,8 @@ def plot_sweep(
     with figure_style():
         axes = ax if ax is not None else plt.subplots()[1]
         if by is not None:
-            _curves(drawn, _outside(dataset, drawn, at), axes, by=by, log=log)
+            outside = _outside(dataset, drawn, at).rename(_outside_label(dataset))
+            _curves(drawn, outside, axes, by=by, log=log)
         else:
             _map(drawn, axes, log=log, levels=levels)
             _mark_cells(dataset, drawn, axes, at)
@@ -296,11 +297,11 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, 
         )
         if flags.any():
             axes.plot(places[flags.values], curve[flags.values], "o", color=colour, alpha=0.3,
-                      markersize=9.0, markeredgecolor="none")  # fmt: skip
+                      markersize=8.0, markeredgecolor="none")  # fmt: skip
             marked = True
     if marked:
-        axes.plot([], [], "o", color="0.6", alpha=0.5, markersize=9.0, markeredgecolor="none",
-                  label="outside the range of the method or of Hertz's law")  # fmt: skip
+        axes.plot([], [], "o", color="0.6", alpha=0.5, markersize=8.0, markeredgecolor="none",
+                  label=outside.name)  # fmt: skip
     axes.set_ylabel(quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
     _set_axis(axes, "x", drawn[along])
@@ -350,6 +351,12 @@ def _colours(values: Array) -> tuple[str, float | None, float | None]:
     return (colours, low, high) if low < 0.0 < high else (SEQUENTIAL, None, None)
 
 
+def _outside_label(dataset: xr.Dataset) -> str:
+    """Scaled chains have no materials, and therefore no range of Hertz's law."""
+    law = " or of Hertz's law" if dataset.attrs.get("units") == "SI" else ""
+    return f"outside the range of the method{law}"
+
+
 def _mark_cells(
     dataset: xr.Dataset, drawn: xr.DataArray, axes: Axes, at: Mapping[str, Any]
 ) -> None:
@@ -369,7 +376,7 @@ def _mark_cells(
             {"marker": "+", "c": dark, "linewidths": 1.0},
         )
     if "outside_range" in dataset:
-        kinds["outside the range of the method or of Hertz's law"] = (
+        kinds[_outside_label(dataset)] = (
             _outside(dataset, drawn, at) & (status != FAILED) & (status != MISSING),
             {"marker": "o", "c": "white", "edgecolors": "black", "linewidths": 0.5},
         )

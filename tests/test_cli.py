@@ -894,6 +894,28 @@ def test_negative_residence_times_are_explained(run, tmp_path):
     assert "negative" not in run("pulse", "--beads", "7")[1]
 
 
+def test_pulse_by_the_disorder_law(run):
+    options = ["pulse", "--beads", "20", "--method", "disorder"]
+    code, out, _ = run(*options, "--scatter", "1%", "--modulus-scatter", "0.05", "--json")
+    (found,) = json.loads(out)["pulses"]
+    law = hertzchain.disorder(hertzchain.Chain.uniform(20), 0.01, modulus_scatter=0.05)
+    assert code == 0
+    for name in ("velocity", "arrival_spread", "peak_force_spread"):
+        np.testing.assert_array_equal(found[name], law.columns()[name])
+    for given, message in (
+        (options, "--method disorder requires --scatter"),
+        (["pulse", "--scatter", "1%"], "hertzchain scatter simulates"),
+        ([*options, "--scatter", "0"], "--modulus-scatter above 0"),
+        ([*options, "--scatter", "5%"], "at most 0.03"),
+        ([*options, "--scatter", "1%", "--beads", "5"], "use hertzchain scatter"),
+        (["pulse", "--quantity", "velocity_spread", "--method", "bca", "--method", "local-rate"],
+         "--method disorder does"),
+    ):  # fmt: skip
+        code, _, err = run(*given)
+        assert code == 2
+        assert message in err
+
+
 def test_pulse_has_the_tolerance_of_its_simulations(run):
     options = ("--beads", "12", "--loss", "restitution=0.9")
     _, out, err = run("pulse", *options)

@@ -46,6 +46,8 @@ def scatter(
     Many chains with random radii are simulated, and the distribution of the quantity is printed.
     All chains have the materials, walls and impact of the given one.  If there is no striker, bead
     1 is the projectile; with --only 2: it keeps its radius, and with it the momentum of the impact.
+    Without simulations, `hertzchain pulse --method disorder` predicts mean and spread of the
+    leading pulse.
 
     \b
     Examples:

@@ -265,7 +265,10 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
         return
     from rich.filesize import decimal
 
-    click.echo(f"{found.points} points in {found.batches} batches")
+    from ..representation import counted
+
+    batches = "1 batch" if found.batches == 1 else f"{found.batches} batches"
+    click.echo(f"{counted(found.points, 'point')} in {batches}")
     click.echo(f"at most {decimal(found.bytes_on_disk)} of values, and {METADATA}, on disk")
     click.echo(f"about {_duration(found.seconds)} of computing, without {START}, on this machine")
 

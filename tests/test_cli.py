@@ -17,6 +17,7 @@ import hertzchain
 from hertzchain import cli
 from hertzchain.chain.tapers import TAPERS
 from hertzchain.cli import progress
+from hertzchain.representation import with_decimals
 from hertzchain.store import streaming
 
 
@@ -811,6 +812,26 @@ def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_pat
         in run("scatter", *BALLS, "--relative", "much")[2]
     )
     assert "at most 0.3, got '50%'" in run("scatter", *BALLS, "--relative", "50%")[2]
+
+
+def test_digits_of_a_scatter_follow_its_standard_deviation(run):
+    # Balls of grade 10 vary by 0.1 um: the force in ppm.
+    command = ("scatter", *BALLS, "--grade", 10, "--chains", 30)
+    found = json.loads(run(*command, "--json")[1])
+    rows = {line[2:20].strip(): line[20:].split() for line in run(*command)[1].splitlines()[2:]}
+    deviation, unit, percent = rows["standard deviation"]
+    assert (unit, percent[-1]) == ("N", "%")
+    assert float(deviation) == pytest.approx(found["standard_deviation"], rel=5e-3)
+    for name, value in {"nominal": found["nominal"], "mean": found["mean"]}.items():
+        assert float(rows[name][0]) == pytest.approx(value, abs=5e-3 * found["standard_deviation"])
+        assert len(rows[name][0].partition(".")[2]) == len(deviation.partition(".")[2])
+    part = 100.0 * found["standard_deviation"] / found["nominal"]
+    assert float(percent[:-1]) == pytest.approx(part, rel=5e-3)
+    # The same decimals, for values of any size, and plain numbers if nothing varies.
+    assert with_decimals([1.23456789e9, 2e9], 5.5e7) == ["1.2346e+09", "2.0000e+09"]
+    assert with_decimals([-1.5e-9, 0.0], 1e-10) == ["-1.500e-09", "0.000e-09"]
+    assert with_decimals([25.649, 0.0], 0.0) == ["25.649", "0"]
+    assert with_decimals([0.0], 0.0) == ["0"]
 
 
 def test_numbers_without_a_dimension_may_be_percentages(run):

@@ -10,6 +10,7 @@ from matplotlib.colors import to_hex
 from PIL import Image
 
 import hertzchain as hc
+from hertzchain.designs.distribution import Distribution
 from hertzchain.plotting import animation
 from hertzchain.plotting.animation import animate
 from hertzchain.plotting.budget import plot_budget
@@ -744,3 +745,31 @@ def test_errors_of_a_comparison_are_drawn_in_percent():
     assert sizes.get_legend() is None
     with pytest.raises(hc.InputError, match="unknown quantity 'width'"):
         theory.compare(exact).plot("width")
+
+
+@pytest.mark.parametrize("size", [1.0, 25.649, 450.3443])
+def test_a_narrow_distribution_has_whole_values_at_its_ticks(size):
+    values = size * (1.0 + 1e-6 * np.linspace(-1.0, 1.0, 50))
+    chain = hc.Chain.uniform(5)
+    scatter = hc.Scatter(radius=0.01)
+    found = Distribution(chain, scatter, "velocity@last", size, values)
+    axes = found.plot()
+    axes.figure.canvas.draw()
+    labels = axes.get_xticklabels()
+    assert axes.xaxis.get_offset_text().get_text() == ""
+    shown = [float(label.get_text()) for label in labels]
+    np.testing.assert_allclose(shown, axes.get_xticks(), rtol=1e-8)
+    boxes = [label.get_window_extent() for label in labels]
+    assert len(boxes) >= 3
+    assert all(left.x1 < right.x0 for left, right in itertools.pairwise(boxes))
+    plt.close(axes.figure)
+
+
+def test_times_of_a_distribution_are_in_microseconds():
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.01)
+    values = 450e-6 * (1.0 + 1e-3 * np.linspace(-1.0, 1.0, 50))
+    found = Distribution(chain, hc.Scatter(radius=0.01), "arrival@last", 450e-6, values)
+    axes = found.plot()
+    assert axes.get_xlabel() == "arrival of the last bead [µs]"
+    assert axes.get_xlim()[0] == pytest.approx(449.5, abs=0.1)
+    plt.close(axes.figure)

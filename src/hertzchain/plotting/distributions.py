@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from matplotlib.axes import Axes
 
+from ..representation import usual_unit
 from .legends import place_legend
-from .style import COLOURS, figure_style, get_axes, set_title
+from .style import COLOURS, figure_style, get_axes, label_narrow_axis, set_title
 from .titles import chain_title
 
 if TYPE_CHECKING:
@@ -19,10 +20,13 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
     """Plot a histogram of a `hertzchain.Distribution`, with the nominal value and the mean."""
     with figure_style():
         axes = get_axes(ax)
-        axes.hist(found.values, bins="auto", color=COLOURS[5])
-        axes.axvline(found.nominal, color="black", label="nominal chain")
-        axes.axvline(found.mean, color=COLOURS[2], linestyle="--", label="mean")
-        axes.set_xlabel(found.label + (f" [{found.unit}]" if found.unit != "1" else ""))
+        factor, unit = usual_unit(found.nominal, found.unit)
+        unit = unit.replace("us", "µs")
+        axes.hist(factor * found.values, bins="auto", color=COLOURS[5])
+        axes.axvline(factor * found.nominal, color="black", label="nominal chain")
+        axes.axvline(factor * found.mean, color=COLOURS[2], linestyle="--", label="mean")
+        label_narrow_axis(axes)
+        axes.set_xlabel(found.label + (f" [{unit}]" if unit != "1" else ""))
         axes.set_ylabel("number of chains")
         set_title(axes, f"{chain_title(found.chain)}, {_deviations(found.scatter)}")
         place_legend(axes, own=ax is None)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -270,11 +269,7 @@ def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str,
 def _save_plot(
     runs: dict[str, Run], beads: dict[str, list[int]], plot: Path, *, forces: bool
 ) -> None:
-    from ..errors import IncompleteWarning
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", IncompleteWarning)  # already shown
-        save_figure(_drawn(runs, beads, forces=forces), plot)
+    save_figure(_drawn(runs, beads, forces=forces), plot)
 
 
 def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], *, forces: bool) -> Axes:

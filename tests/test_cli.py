@@ -814,6 +814,44 @@ def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_pat
     assert "at most 0.3, got '50%'" in run("scatter", *BALLS, "--relative", "50%")[2]
 
 
+CRYSTAL = ("spectrum", "--material", "steel-316", "--diameter", "19 mm", "--beads", 6)
+
+
+def test_spectra_have_transfer_functions(run, tmp_path):
+    command = (*CRYSTAL, "--precompression", "0.1 N", "--transfer", 4)
+    code, out, _ = run(*command, "--csv")
+    rows = np.array([line.split(",") for line in out.splitlines()[1:]], float)
+    assert (code, out.splitlines()[0]) == (0, "frequency [Hz],amplitude,phase [rad]")
+    # The beads ahead of contact 4 are two of six, which a slow force moves together.
+    assert rows[0, 1] == pytest.approx(2.0 / 6.0, rel=1e-4)
+    balls = hertzchain.Chain.from_materials("9.5 mm", "steel-316", beads=6)
+    found = hertzchain.spectrum(balls.replace(precompression="0.1 N", held_by="force"))
+    expected = found.transfer_force(rows[:, 0], 4)
+    np.testing.assert_allclose(rows[:, 1], np.abs(expected), rtol=1e-4)
+    picture = tmp_path / "transfer.svg"
+    assert run(*command, "--plot", picture)[0] == 0
+    assert "force in contact 4 per force on bead 1" in picture.read_text()
+    for words, said in (
+        (("--transfer", 4), "--transfer requires --plot FILE or --csv"),
+        (("--csv",), "--csv prints a transfer function: add --transfer CONTACT"),
+        (("--csv", "--json", "--transfer", 4), "--json and --csv cannot be combined"),
+        (("--csv", "--transfer", 6), "contact 6 carries no force, because no wall touches"),
+        (("--speed", "1 m/s"), "No such option '--speed'"),
+        (("--striker", 1), "No such option '--striker'"),
+    ):
+        code, out, err = run(*CRYSTAL, "--precompression", "0.1 N", *words)
+        assert (code, out) == (2, "")
+        assert said in err
+
+
+def test_spectra_advise_no_law_that_they_reject(run):
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", hertzchain.ModelRangeWarning)
+        code, _, err = run(*CRYSTAL, "--precompression", "20 N")
+    assert code == 0
+    assert "alone gives 3.8; reduce the precompression\n" in err
+
+
 def test_digits_of_a_scatter_follow_its_standard_deviation(run):
     # Balls of grade 10 vary by 0.1 um: the force in ppm.
     command = ("scatter", *BALLS, "--grade", 10, "--chains", 30)

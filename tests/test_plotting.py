@@ -36,10 +36,12 @@ def test_forces_of_several_runs_in_the_same_axes_have_different_colours():
 
 def test_warnings_of_plots_name_the_line_of_the_caller():
     chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
-    run = hc.simulate(chain, until=12.0)
-    for call in (lambda: plot_forces(run, [21]), lambda: run.plot_forces([21]), run.wall_force):
+    for call in (
+        lambda run: plot_forces(run, [21]), lambda run: run.plot_forces([21]), hc.Run.wall_force,
+    ):  # fmt: skip
+        run = hc.simulate(chain, until=12.0)
         with pytest.warns(hc.IncompleteWarning) as seen:
-            call()
+            call(run)
         assert [each.filename for each in seen] == [__file__]
 
 
@@ -745,6 +747,39 @@ def test_errors_of_a_comparison_are_drawn_in_percent():
     assert sizes.get_legend() is None
     with pytest.raises(hc.InputError, match="unknown quantity 'width'"):
         theory.compare(exact).plot("width")
+
+
+def test_sensitivities_name_the_chain_and_mark_its_strikers():
+    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=0.0)
+    chain = balls.replace(right_wall=hc.Wall()).struck_by(velocity=0.01, count=2)
+    for name, first in (("radii", "2 strikers"), ("stiffness", None)):
+        axes = hc.gradient(chain, "wall_force.peak", to=[name]).plot(name)
+        title = axes.get_title().replace("\n", " ")
+        assert title == "6 steel balls and 2 strikers, 10 mm, peak force on the wall"
+        labels = axes.get_legend_handles_labels()[1]
+        assert labels[:1] == ([first] if first else [])
+        if first:
+            low, high = (
+                axes.patches[0].get_extents().transformed(axes.transData.inverted()).intervalx
+            )
+            assert (low, high) == pytest.approx((0.5, 2.5))
+        plt.close(axes.figure)
+
+
+@pytest.mark.parametrize(("chain", "words"), [
+    (hc.Chain.from_materials(5e-3, "steel-52100", beads=6, precompression="0.2 N",
+                             held_by="force"), "6 steel balls, 10 mm, under 0.2 N"),
+    (hc.Chain.uniform(6).replace(gravity=0.1, precompression=1.0, held_by="force"),
+     "6 equal beads, under 1, under gravity"),
+])  # fmt: skip
+def test_titles_of_spectra_state_the_static_force(chain, words):
+    found = hc.spectrum(chain)
+    axes = found.plot("modes"), found.plot_transfer(3)
+    assert [each.get_title().replace("\n", " ") for each in axes] == [
+        words, f"{words}, force on bead 1"
+    ]  # fmt: skip
+    for each in axes:
+        plt.close(each.figure)
 
 
 @pytest.mark.parametrize("size", [1.0, 25.649, 450.3443])

@@ -266,9 +266,7 @@ def later_ends(
     return enough, float(approaches[-1, i]) if side == "right" else math.nan
 
 
-def incomplete_peak(
-    wall: WallForce, end: float, ends: tuple[float, float], chain: Chain
-) -> str:
+def incomplete_peak(wall: WallForce, end: float, ends: tuple[float, float], chain: Chain) -> str:
     """State in a sentence why the peak on a wall is not complete; ``ends`` are of `later_ends`."""
     longer, (enough, last) = "simulate for longer", ends
     if enough > end:

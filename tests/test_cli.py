@@ -817,6 +817,25 @@ def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_pat
 CRYSTAL = ("spectrum", "--material", "steel-316", "--diameter", "19 mm", "--beads", 6)
 
 
+@pytest.mark.parametrize(("words", "option"), [
+    (("pulse", "--beads", 5, "--beads", 6), "--beads"),
+    (("simulate", *BALLS, "--velocity", "2 m/s"), "--speed or --velocity"),
+    (("sweep", "run", "a.toml", "--shard", "1/2", "--shard", "2/2"), "--shard"),
+    (("verify", "--only", "a", "--only", "b"), "--only"),
+])  # fmt: skip
+def test_options_with_one_value_are_given_once(run, words, option):
+    code, out, err = run(*words)
+    assert (code, out) == (2, "")
+    assert err.endswith(f"Error: {option} is given 2 times; give it once\n")
+
+
+def test_flags_and_repeatable_options_may_be_repeated(run):
+    command = ("pulse", "--beads", 5, "--csv", "--csv", "--method", "bca", "--method", "propagate")
+    code, out, _ = run(*command)
+    assert code == 0
+    assert [line.partition(",")[0] for line in out.splitlines()[1::5]] == ["BCA", "propagation"]
+
+
 def test_spectra_have_transfer_functions(run, tmp_path):
     command = (*CRYSTAL, "--precompression", "0.1 N", "--transfer", 4)
     code, out, _ = run(*command, "--csv")

@@ -9,7 +9,14 @@ import click
 
 from .chain_options import ChainOptions, chain_from, chain_options
 from .exit_codes import DONE, FAILED
-from .options import as_typed, figure_option, json_option, measure_from, quantity_option
+from .options import (
+    StrictCommand,
+    as_typed,
+    figure_option,
+    json_option,
+    measure_from,
+    quantity_option,
+)
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -19,7 +26,7 @@ if TYPE_CHECKING:
 PERCENTILES: Final = (1, 5, 50, 95, 99)
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @chain_options
 @click.option(
     "--relative", metavar="SCATTER", help="Standard deviation of ln R, such as 0.01 or 1%."

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import Fraction, check_writable, figure_option, json_option, time_from
+from .options import Fraction, StrictCommand, check_writable, figure_option, json_option, time_from
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .run_summary import run_as_dict, show_run
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 USUAL_TIMES: Final = 400
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @chain_options
 @click.option(
     "--until",

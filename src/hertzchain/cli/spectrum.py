@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .chain_options import ChainOptions, chain_at_rest_options, chain_from
-from .options import as_typed, figure_option, json_option
+from .options import StrictCommand, as_typed, figure_option, json_option
 from .output import save_figure, show_json
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..theory.spectrum import Spectrum
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @chain_at_rest_options
 @click.option(
     "--precompression", metavar="FORCE",

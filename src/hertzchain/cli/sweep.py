@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .exit_codes import DONE, FAILED
-from .options import PICTURES, Fraction, as_typed, check_writable, json_option, with_width
+from .options import (
+    PICTURES,
+    Fraction,
+    StrictCommand,
+    as_typed,
+    check_writable,
+    json_option,
+    with_width,
+)
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -25,6 +33,8 @@ _skip_damaged = click.option(
 
 class _Sweep(click.Group):
     """A group whose first argument is a command or the specification to run."""
+
+    command_class = StrictCommand
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         if args and args[0] not in self.commands:

@@ -17,6 +17,7 @@ import hertzchain
 from hertzchain import cli
 from hertzchain.chain.tapers import TAPERS
 from hertzchain.cli import progress
+from hertzchain.representation import with_decimals
 from hertzchain.store import streaming
 
 
@@ -223,7 +224,6 @@ def test_cite(run):
         (["pulse", "--method", "bcaa"], "did you mean 'bca'"),
         (["pulse", "--quantity", "sped"], "unknown quantity 'sped'"),
         (["pulse", "--quantity", "arrival_spread"], "peak_force, velocity_error; did you mean"),
-        (["pulse", "--method", "disorder"], "use `hertzchain scatter`, or hertzchain.disorder"),
         (["pulse", "--json", "--csv"], "cannot be combined"),
         (["pulse", "--plot", "pulse.doc"], "must end in .png"),
         (["pulse", "missing.toml"], "cannot read chain file 'missing.toml'"),
@@ -823,6 +823,83 @@ def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_pat
         in run("scatter", *BALLS, "--relative", "much")[2]
     )
     assert "at most 0.3, got '50%'" in run("scatter", *BALLS, "--relative", "50%")[2]
+
+
+CRYSTAL = ("spectrum", "--material", "steel-316", "--diameter", "19 mm", "--beads", 6)
+
+
+@pytest.mark.parametrize(("words", "option"), [
+    (("pulse", "--beads", 5, "--beads", 6), "--beads"),
+    (("simulate", *BALLS, "--velocity", "2 m/s"), "--speed or --velocity"),
+    (("sweep", "run", "a.toml", "--shard", "1/2", "--shard", "2/2"), "--shard"),
+    (("verify", "--only", "a", "--only", "b"), "--only"),
+])  # fmt: skip
+def test_options_with_one_value_are_given_once(run, words, option):
+    code, out, err = run(*words)
+    assert (code, out) == (2, "")
+    assert err.endswith(f"Error: {option} is given 2 times; give it once\n")
+
+
+def test_flags_and_repeatable_options_may_be_repeated(run):
+    command = ("pulse", "--beads", 5, "--csv", "--csv", "--method", "bca", "--method", "propagate")
+    code, out, _ = run(*command)
+    assert code == 0
+    assert [line.partition(",")[0] for line in out.splitlines()[1::5]] == ["BCA", "propagation"]
+
+
+def test_spectra_have_transfer_functions(run, tmp_path):
+    command = (*CRYSTAL, "--precompression", "0.1 N", "--transfer", 4)
+    code, out, _ = run(*command, "--csv")
+    rows = np.array([line.split(",") for line in out.splitlines()[1:]], float)
+    assert (code, out.splitlines()[0]) == (0, "frequency [Hz],amplitude,phase [rad]")
+    # The beads ahead of contact 4 are two of six, which a slow force moves together.
+    assert rows[0, 1] == pytest.approx(2.0 / 6.0, rel=1e-4)
+    balls = hertzchain.Chain.from_materials("9.5 mm", "steel-316", beads=6)
+    found = hertzchain.spectrum(balls.replace(precompression="0.1 N", held_by="force"))
+    expected = found.transfer_force(rows[:, 0], 4)
+    np.testing.assert_allclose(rows[:, 1], np.abs(expected), rtol=1e-4)
+    picture = tmp_path / "transfer.svg"
+    assert run(*command, "--plot", picture)[0] == 0
+    assert "force in contact 4 per force on bead 1" in picture.read_text()
+    for words, said in (
+        (("--transfer", 4), "--transfer requires --plot FILE or --csv"),
+        (("--csv",), "--csv prints a transfer function: add --transfer CONTACT"),
+        (("--csv", "--json", "--transfer", 4), "--json and --csv cannot be combined"),
+        (("--csv", "--transfer", 6), "contact 6 carries no force, because no wall touches"),
+        (("--speed", "1 m/s"), "No such option '--speed'"),
+        (("--striker", 1), "No such option '--striker'"),
+    ):
+        code, out, err = run(*CRYSTAL, "--precompression", "0.1 N", *words)
+        assert (code, out) == (2, "")
+        assert said in err
+
+
+def test_spectra_advise_no_law_that_they_reject(run):
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", hertzchain.ModelRangeWarning)
+        code, _, err = run(*CRYSTAL, "--precompression", "20 N")
+    assert code == 0
+    assert "alone gives 3.8; reduce the precompression\n" in err
+
+
+def test_digits_of_a_scatter_follow_its_standard_deviation(run):
+    # Balls of grade 10 vary by 0.1 um: the force in ppm.
+    command = ("scatter", *BALLS, "--grade", 10, "--chains", 30)
+    found = json.loads(run(*command, "--json")[1])
+    rows = {line[2:20].strip(): line[20:].split() for line in run(*command)[1].splitlines()[2:]}
+    deviation, unit, percent = rows["standard deviation"]
+    assert (unit, percent[-1]) == ("N", "%")
+    assert float(deviation) == pytest.approx(found["standard_deviation"], rel=5e-3)
+    for name, value in {"nominal": found["nominal"], "mean": found["mean"]}.items():
+        assert float(rows[name][0]) == pytest.approx(value, abs=5e-3 * found["standard_deviation"])
+        assert len(rows[name][0].partition(".")[2]) == len(deviation.partition(".")[2])
+    part = 100.0 * found["standard_deviation"] / found["nominal"]
+    assert float(percent[:-1]) == pytest.approx(part, rel=5e-3)
+    # The same decimals, for values of any size, and plain numbers if nothing varies.
+    assert with_decimals([1.23456789e9, 2e9], 5.5e7) == ["1.2346e+09", "2.0000e+09"]
+    assert with_decimals([-1.5e-9, 0.0], 1e-10) == ["-1.500e-09", "0.000e-09"]
+    assert with_decimals([25.649, 0.0], 0.0) == ["25.649", "0"]
+    assert with_decimals([0.0], 0.0) == ["0"]
 
 
 def test_numbers_without_a_dimension_may_be_percentages(run):

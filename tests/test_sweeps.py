@@ -326,6 +326,24 @@ def test_too_many_combinations_are_rejected_before_their_values_are_made(monkeyp
     assert len(made) == 2
 
 
+def test_names_of_keys_in_a_list_of_strikers_need_its_number():
+    chain = {"diameters": "10 mm", "beads": 5, "material": "steel-52100",
+             "struck_by": [{"velocity": "0.1 m/s", "diameter": "10 mm"}]}  # fmt: skip
+    axes = {"struck_by.velocity": ["0.1 m/s", "0.2 m/s"], "struck_by.2.diameter": ["5 mm", "6 mm"]}
+    with pytest.raises(hc.InputError) as raised:
+        hc.sweep({"chain": chain, "axes": axes})
+    assert str(raised.value).splitlines()[1:] == [
+        "  axes.struck_by.velocity: struck_by is a list of 1, so the name needs a number: write "
+        "'struck_by.1.velocity' for its first item",
+        "  axes.struck_by.2.diameter: there is no item 2 in struck_by, a list of 1",
+    ]
+    axes = {"struck_by.1.velocity": ["1 mm/s", "2 mm/s"]}
+    sweep = {"methods": ["simulate"], "keep": ["velocity"], "at": "last"}
+    slow, fast = hc.sweep({"chain": chain, "axes": axes, "sweep": sweep}).velocity.values.ravel()
+    # Hertz's law has no scale of velocity.
+    assert fast == pytest.approx(2.0 * slow, rel=1e-9)
+
+
 @pytest.mark.parametrize(("points", "said"), [
     (3, r"must be tables \[\[points\]\] or the name of a CSV file, got 3"),
     ([3], r"points\[1\]: must be a table of parameters, got 3"),

@@ -10,7 +10,7 @@ import click
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import Fraction, LateHelp, figure_option, json_option
+from .options import Fraction, LateHelp, StrictCommand, figure_option, json_option
 from .output import save_figure, show_table
 from .progress import progress_bar
 from .pulse_tables import pulse_table, side_by_side
@@ -46,7 +46,7 @@ def _method_help() -> str:
     return f"Repeatable: {', '.join(_methods())}."
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @chain_options
 @click.option(
     "--method",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from .chain_options import ChainOptions, chain_from, chain_options
-from .options import figure_option, json_option, measure_from, quantity_option
+from .options import StrictCommand, figure_option, json_option, measure_from, quantity_option
 from .output import save_figure, show_json, show_table
 from .pulse_tables import table_rows
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density")
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @chain_options
 @quantity_option
 @click.option(

@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .exit_codes import DONE, FAILED
-from .options import PICTURES, Fraction, as_typed, check_writable, json_option, with_width
+from .options import (
+    PICTURES,
+    Fraction,
+    StrictCommand,
+    as_typed,
+    check_writable,
+    json_option,
+    with_width,
+)
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -25,6 +33,8 @@ _skip_damaged = click.option(
 
 class _Sweep(click.Group):
     """A group whose first argument is a command or the specification to run."""
+
+    command_class = StrictCommand
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         if args and args[0] not in self.commands:
@@ -265,7 +275,10 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
         return
     from rich.filesize import decimal
 
-    click.echo(f"{found.points} points in {found.batches} batches")
+    from ..representation import counted
+
+    batches = "1 batch" if found.batches == 1 else f"{found.batches} batches"
+    click.echo(f"{counted(found.points, 'point')} in {batches}")
     click.echo(f"at most {decimal(found.bytes_on_disk)} of values, and {METADATA}, on disk")
     click.echo(f"about {_duration(found.seconds)} of computing, without {START}, on this machine")
 

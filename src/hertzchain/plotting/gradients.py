@@ -13,6 +13,7 @@ from ..errors import InputError
 from .colours import COLOURS, grey
 from .legends import place_legend
 from .style import BeadLocator, figure_style, get_axes, set_title
+from .titles import chain_title
 
 if TYPE_CHECKING:
     from ..sensitivity.gradient import Gradient
@@ -37,15 +38,28 @@ def plot_gradient(
         raise InputError(f"{name} has one value only, which is not plotted; use relative({name!r})")
     with figure_style():
         axes = get_axes(ax)
+        joints = name in ("stiffness", "gaps")
+        strikers = 0 if found._chain is None or joints else found._chain.strikers
+        if strikers:
+            word = "striker" if strikers == 1 else f"{strikers} strikers"
+            axes.axvspan(0.5, strikers + 0.5, color="0.9", linewidth=0.0, label=word)
         if changes is None:
             axes.bar(np.arange(1, 1 + len(relative)), relative, color=COLOURS[1])
             axes.axhline(0.0, color=grey(axes), linewidth=0.8)
         else:
             bars_of_changes(axes, *changes)
         axes.xaxis.set_major_locator(BeadLocator())
-        axes.set_xlabel("contact $k$" if name in ("stiffness", "gaps") else "bead $k$")
+        axes.set_xlabel("contact $k$" if joints else "bead $k$")
         axes.set_ylabel(f"change [%] per 1% of {NOUNS.get(name, name)}")
-        set_title(axes, _label(found.quantity))
+        chain = "" if found._chain is None else f"{chain_title(found._chain)}, "
+        set_title(axes, f"{chain}{_label(found.quantity)}")
+        if strikers:
+            place_legend(axes)
+            legend = axes.get_legend()
+            assert legend is not None
+            # The range of the strikers may be below it.
+            legend.set_frame_on(True)
+            legend.get_frame().set(facecolor="white", edgecolor="none", alpha=1.0)
     return axes
 
 

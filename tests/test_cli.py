@@ -699,8 +699,27 @@ def test_a_dry_run_states_what_the_estimate_does_not_contain(run, tmp_path):
     file.write_text('[chain]\ntaper = "uniform"\n[axes]\nbeads = [20, 40]\n')
     code, out, _ = run("sweep", file, "--dry-run")
     assert code == 0
-    assert re.search(r"at most \d+ bytes of values, and 10 to 200 kB of metadata, on disk", out)
+    assert re.search(r"at most \d+ bytes of values on disk, and metadata, in about 13 files", out)
     assert "without starting and compiling" in out
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.5, "0.5 s"), (300.0, "5 min"), (5000.0, "1 h 23 min"), (400 * 3600.0, "17 days"),
+     (250998.1 * 3600.0, "29 years")],
+)  # fmt: skip
+def test_long_estimates_are_in_days_or_years(run, tmp_path, monkeypatch, seconds, text):
+    from hertzchain.sweeps.sweep import Estimate
+
+    (tmp_path / "sweep.toml").write_text('[chain]\ntaper = "uniform"\n[axes]\nbeads = [20, 40]\n')
+    for unfinished, words in ((False, "about"), (True, "more than")):
+        found = Estimate(2, 1, 320, seconds, unfinished, 13)
+        monkeypatch.setattr(
+            "hertzchain.sweeps.sweep.estimate", lambda *_, _found=found, **__: _found
+        )
+        out = run("sweep", tmp_path / "sweep.toml", "--dry-run")[1]
+        assert f"{words} {text} of computing" in out
+        assert ("not finished within ten seconds" in out) is unfinished
 
 
 def test_simulate_compares_several_chain_files(run, tmp_path):

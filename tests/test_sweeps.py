@@ -696,7 +696,7 @@ def test_the_time_for_compiling_is_not_part_of_an_estimate(monkeypatch):
 
     monkeypatch.setattr(timing, "time_of_batch", computed)
     spec = {"chain": {"taper": "uniform"}, "axes": {"beads": list(range(10, 40))}}
-    assert timing.time_per_point(read_specification(spec)) == pytest.approx(1e-3)
+    assert timing.time_per_point(read_specification(spec)).seconds == pytest.approx(1e-3)
 
 
 def test_points_are_ticked_by_whole_numbers():
@@ -997,3 +997,41 @@ def test_errors_about_missing_lists_name_only_their_axis(chain, message):
     with pytest.raises(hc.InputError) as caught:
         hc.sweep({"chain": chain, "axes": axes})
     assert str(caught.value) == f"axes.radii.5: {message}"
+
+
+LONG_RUNS = {
+    "chain": {"radii": "5 mm", "materials": "steel-52100", "beads": 300, "right_wall": {}},
+    "axes": {"velocity": {"linspace": [0.01, 0.02, 100]}},
+    "sweep": {"methods": "simulate", "keep": "wall_peak_force"},
+}
+
+
+def test_estimates_do_not_wait_for_long_runs(monkeypatch):
+    hc.sweep(LONG_RUNS | {"axes": {"beads": [4], "velocity": [0.01]}})  # compiles
+    monkeypatch.setattr(timing, "LONGEST", 0.05)
+    found = estimate(LONG_RUNS, workers=2)
+    assert found.unfinished
+    assert found.seconds == pytest.approx(100 * 0.05 / 2)
+
+
+def test_compiling_is_not_part_of_the_limit_of_an_estimate(monkeypatch):
+    # A clock that advances by an hour within the first call only.
+    times = iter([0.0, 3600.0, *(3600.0 + 0.1 * np.arange(1, 200))])
+    monkeypatch.setattr(timing.time, "perf_counter", lambda: float(next(times)))
+    limit = timing._Limit()
+    calls = 1
+    while not limit():
+        calls += 1
+    assert 0.1 * calls == pytest.approx(timing.LONGEST - timing.CALLED, abs=0.25)
+
+
+def test_estimates_of_points_of_different_length_are_lower_bounds_if_one_is_unfinished(monkeypatch):
+    def time_of(plan, batch):
+        (index, *_) = plan.indices(batch)
+        return np.inf if plan.chain(index).beads > 50 else 1e-3
+
+    monkeypatch.setattr(timing, "time_of_batch", time_of)
+    spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [*range(10, 60)]}}
+    found = timing.time_per_point(read_specification(spec | {"sweep": {"batch": 1}}))
+    assert found.unfinished
+    assert 1e-3 < found.seconds <= timing.LONGEST

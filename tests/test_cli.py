@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy_chain import wall_peak
 
 import hertzchain
 from hertzchain import cli
@@ -710,8 +711,27 @@ def test_a_dry_run_states_what_the_estimate_does_not_contain(run, tmp_path):
     file.write_text('[chain]\ntaper = "uniform"\n[axes]\nbeads = [20, 40]\n')
     code, out, _ = run("sweep", file, "--dry-run")
     assert code == 0
-    assert re.search(r"at most \d+ bytes of values, and 10 to 200 kB of metadata, on disk", out)
+    assert re.search(r"at most \d+ bytes of values on disk, and metadata, in about 13 files", out)
     assert "without starting and compiling" in out
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.5, "0.5 s"), (300.0, "5 min"), (5000.0, "1 h 23 min"), (400 * 3600.0, "17 days"),
+     (250998.1 * 3600.0, "29 years")],
+)  # fmt: skip
+def test_long_estimates_are_in_days_or_years(run, tmp_path, monkeypatch, seconds, text):
+    from hertzchain.sweeps.sweep import Estimate
+
+    (tmp_path / "sweep.toml").write_text('[chain]\ntaper = "uniform"\n[axes]\nbeads = [20, 40]\n')
+    for unfinished, words in ((False, "about"), (True, "more than")):
+        found = Estimate(2, 1, 320, seconds, unfinished, 13)
+        monkeypatch.setattr(
+            "hertzchain.sweeps.sweep.estimate", lambda *_, _found=found, **__: _found
+        )
+        out = run("sweep", tmp_path / "sweep.toml", "--dry-run")[1]
+        assert f"{words} {text} of computing" in out
+        assert ("not finished within ten seconds" in out) is unfinished
 
 
 def test_simulate_compares_several_chain_files(run, tmp_path):
@@ -769,8 +789,52 @@ def test_sensitivity_agrees_with_differences_of_runs(run, tmp_path):
     assert "peak force on the wall" in picture.read_text()
     code, out, _ = run("sensitivity", *BALLS)
     assert code == 0
-    assert f"{found['relative'][-1]:+.4f}" in out
+    assert f"{100.0 * found['change_if_larger'][-1]:+.4f}" in out
     assert run("sensitivity", *BALLS, "--quantity", "length")[0] == 2
+
+
+def listed_beads(table):
+    """Beads and changes in percent in the rows of a table of sensitivities."""
+    rows = re.findall(r"^ +(\d+) +([+-][\d.]+) +([+-][\d.]+) +\S+ *$", table, re.MULTILINE)
+    return [(int(bead), float(up), float(down)) for bead, up, down in rows]
+
+
+def test_sensitivity_lists_the_most_influential_beads_first(run):
+    chain = ("--material", "steel-52100", "--diameter", "20 mm:8 mm", "--beads", 40,
+             "--speed", "0.1 m/s", "--wall", "same")  # fmt: skip
+    code, out, _ = run("sensitivity", *chain)
+    assert code == 0
+    assert "the 26 largest of 40; --all shows every one" in out
+    found = json.loads(run("sensitivity", *chain, "--json")[1])
+    changes = np.abs([found["change_if_larger"], found["change_if_smaller"]]).max(axis=0)
+    shown = [bead for bead, *_ in listed_beads(out)]
+    assert len(shown) == 26
+    assert (np.diff(changes[np.array(shown) - 1]) <= 0.0).all()
+    # Balls 39, 38 and 2 follow the one that strikes and the one at the wall.
+    assert shown[:5] == [1, 40, 39, 38, 2]
+    left_out = set(range(1, 41)) - set(shown)
+    assert changes[[bead - 1 for bead in left_out]].max() <= changes[shown[-1] - 1]
+    every = [bead for bead, *_ in listed_beads(run("sensitivity", *chain, "--all")[1])]
+    assert every[:26] == shown
+    assert sorted(every) == list(range(1, 41))
+
+
+def test_sensitivity_lists_simulated_changes(run, tmp_path):
+    # The change for one ball is far from linear: +0.28% and -0.11%, where the derivative is 0.19.
+    diameters = 1e-3 * np.array([6.35, 5.0, 4.0, 8.0, 3.0, 8.0, 6.35, 5.0, 3.0])
+    chain = hertzchain.Chain.from_materials(0.5 * diameters, "steel-52100", velocity=0.3)
+    chain = chain.replace(right_wall=hertzchain.Wall.of("steel-52100"))
+    peaks = []
+    for factor in (1.0, 1.01, 0.99):
+        radii = chain.radii * np.where(np.arange(9) == 1, factor, 1.0)
+        peaks.append(wall_peak(chain.replace(radii=radii), 4e-4))
+    expected = [100.0 * (each / peaks[0] - 1.0) for each in peaks[1:]]
+    (tmp_path / "design.toml").write_text(hertzchain.chain_as_toml(chain))
+    rows = {
+        bead: both for bead, *both in listed_beads(run("sensitivity", tmp_path / "design.toml")[1])
+    }
+    assert rows[2] == pytest.approx(expected, abs=1e-4)
+    assert abs(sum(expected)) > 0.1
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")

@@ -366,7 +366,18 @@ class _Reader:
             known = (*KEYS, *(f"method.{name}" for name in OPTIONS))
             self._add(where, unknown_name_error("parameter", ".".join(path), known))
             return None
+        elif path[0] == "with_scatter" and path[-1] != "radii" and self._has_scattered_radii():
+            self._add(where, "has no effect, because with_scatter has the radii of the beads: give "
+                      "it a seed instead")  # fmt: skip
+            return None
         return self._try(where, Axis, path, entry)
+
+    def _has_scattered_radii(self) -> bool:
+        chain = self.document.get("chain")
+        given = chain.get("with_scatter") if isinstance(chain, Mapping) else None
+        return any(
+            "radii" in each for each in (given if isinstance(given, list) else [given or {}])
+        )
 
     def _names(self, settings: Mapping[str, Any], key: str) -> tuple[str, ...]:
         usual, known = SETTINGS[key].default, SETTINGS[key].choices

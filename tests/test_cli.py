@@ -1048,7 +1048,8 @@ def test_pulse_by_the_disorder_law(run):
         (["pulse", "--scatter", "1%"], "hertzchain scatter simulates"),
         ([*options, "--scatter", "0"], "--modulus-scatter above 0"),
         ([*options, "--scatter", "5%"], "at most 0.03"),
-        ([*options, "--scatter", "1%", "--beads", "5"], "use hertzchain scatter"),
+        (["pulse", "--beads", "5", "--method", "disorder", "--scatter", "1%"],
+         "use hertzchain scatter"),
         (["pulse", "--quantity", "velocity_spread", "--method", "bca", "--method", "local-rate"],
          "--method disorder does"),
     ):  # fmt: skip

@@ -28,8 +28,6 @@ SYNONYMS: Final = {
     "duration": "residence",
 }  # fmt: skip
 DISORDER: Final = "disorder"
-# Spreads are predicted by that method only.
-PREDICTED: Final = tuple(name for name in QUANTITIES if not name.endswith("_spread"))
 PYTHON_ONLY: Final = {
     "piecewise-local-rate": "use hertzchain.piecewise_local_rate in Python",
     "effective-chain": "use hertzchain.effective_chain in Python",
@@ -125,7 +123,7 @@ def pulse(
         # The first pulse is the reference of comparisons.
         chosen.sort(key=lambda each: each not in SIMULATIONS)
     quantity = SYNONYMS.get(quantity, quantity)
-    check_choice("quantity", quantity, QUANTITIES if DISORDER in methods else PREDICTED)
+    check_choice("quantity", quantity, QUANTITIES)
     settings = _settings(chosen, rtol, scatter, modulus_scatter)
     chains = chains_from(options)
     if len(chains) > 1 and (as_json or as_csv):

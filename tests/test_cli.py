@@ -409,6 +409,19 @@ def test_progress_that_does_not_change_is_one_line(monkeypatch, capsys):
     assert capsys.readouterr().err == "chains: 0 of 5\nchains: 3 of 5\nchains: 5 of 5\n"
 
 
+def test_the_last_line_of_progress_states_the_total(monkeypatch, capsys):
+    update = progress._lines_of_progress("chains", None)
+    update(22, 23)
+    update(23, 23)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(progress, "SECONDS_PER_LINE", 0.0)
+    update(22, 23)
+    monkeypatch.setattr(progress, "SECONDS_PER_LINE", 1e9)
+    update(23, 23)
+    update(23, 23)
+    assert capsys.readouterr().err == "chains: 22 of 23\nchains: 23 of 23\n"
+
+
 @pytest.mark.filterwarnings("default::hertzchain.ModelRangeWarning")
 def test_a_chain_in_si_units_is_shown_in_si_units(run, tmp_path):
     beads = "\n".join(["diameter [mm],material", *["10,steel-52100"] * 60])

@@ -842,6 +842,31 @@ def test_options_with_one_value_are_given_once(run, words, option):
     assert err.endswith(f"Error: {option} is given 2 times; give it once\n")
 
 
+@pytest.mark.parametrize(("words", "said"), [
+    (("--speed", "nan"), "--speed must be finite, got nan"),
+    (("--until", "nan"), "--until must be finite, got nan"),
+    (("--until", "inf"), "--until must be finite, got inf"),
+])  # fmt: skip
+def test_values_that_are_no_numbers_are_not_asked_for_a_unit(run, words, said):
+    balls = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", 5)
+    code, out, err = run("simulate", *balls, *words)
+    assert (code, out) == (2, "")
+    assert err.endswith(f"Error: {said}\n")
+
+
+def test_places_that_cannot_be_written_are_rejected_before_the_run(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(hertzchain, "simulate", None)
+    (tmp_path / "folder.nc").mkdir()
+    code, _, err = run("simulate", "--beads", 5, "--out", tmp_path / "folder.nc")
+    assert code == 2
+    assert "folder.nc is a folder; give the name of a file" in err
+    # The superuser may write everywhere.
+    monkeypatch.setattr(os, "access", lambda path, _: path != tmp_path)
+    code, _, err = run("simulate", "--beads", 5, "--plot", tmp_path / "run.png")
+    assert code == 2
+    assert f"the folder {tmp_path} is not writable" in err
+
+
 def test_flags_and_repeatable_options_may_be_repeated(run):
     command = ("pulse", "--beads", 5, "--csv", "--csv", "--method", "bca", "--method", "propagate")
     code, out, _ = run(*command)

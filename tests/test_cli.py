@@ -854,6 +854,13 @@ def test_values_that_are_no_numbers_are_not_asked_for_a_unit(run, words, said):
     assert err.endswith(f"Error: {said}\n")
 
 
+def test_advice_is_in_the_words_of_the_command_line(run):
+    code, _, err = run("pulse", "--beads", 5, "--rtol", 1e-12)
+    assert code == 2
+    assert err.endswith("got 1e-12; for smaller errors use --method simulate\n")
+    assert run("pulse", "--beads", 5, "--rtol", 1e-12, "--method", "simulate")[0] == 0
+
+
 def test_places_that_cannot_be_written_are_rejected_before_the_run(run, tmp_path, monkeypatch):
     monkeypatch.setattr(hertzchain, "simulate", None)
     (tmp_path / "folder.nc").mkdir()

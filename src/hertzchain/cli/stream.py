@@ -37,7 +37,7 @@ def stream_into(
         with progress_bar("times saved") as progress:
             stored = stream(chain, folder, times=moments, rtol=rtol, progress=progress)
     except KeyboardInterrupt:
-        click.echo("interrupted; run the same command again to resume", err=True)
+        click.echo(f"saved times are in {folder}; run the same command again to resume", err=True)
         raise
     files, end = len(stored.files), float(moments[-1])
     if as_json:

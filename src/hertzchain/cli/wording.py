@@ -30,7 +30,10 @@ WORDINGS: Final = (
 
 # ... and with commands that have an option for it.
 OPTIONS: Final = {
-    "methods": ((r"\buse simulate\b", "use --method simulate"),),
+    "methods": (
+        (r"\buse simulate\b", "use --method simulate"),
+        (r"\buse hertzchain\.simulate\([^)]*\)\.pulse\(\)", "use --method simulate"),
+    ),
     "loss": ((r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),),
 }
 

@@ -501,6 +501,9 @@ def test_percentages_and_fractions_of_inches_can_be_entered(page):
     page.tab.keyboard.press("Tab")
     page.settle()
     assert page.document()["chain"]["rate"] == 0.03
+    page.tab.fill("[id='c-chain.rate']", rate)
+    page.tab.keyboard.press("Tab")
+    page.settle()
     page.tab.select_option(MATERIAL, "steel-52100")
     page.settle()
     # A part of the text is a number: the field must not be rewritten while it is typed.

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
+from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import Fraction, LateHelp, figure_option, json_option
+from .options import Fraction, LateHelp, StrictCommand, figure_option, json_option
 from .output import save_figure, show_table
 from .progress import progress_bar
 from .pulse_tables import pulse_table, side_by_side
@@ -26,9 +27,11 @@ SYNONYMS: Final = {
     "speed": "velocity", "force": "peak_force", "overlap": "peak_overlap", "time": "arrival",
     "duration": "residence",
 }  # fmt: skip
-
-
 DISORDER: Final = "disorder"
+PYTHON_ONLY: Final = {
+    "piecewise-local-rate": "use hertzchain.piecewise_local_rate in Python",
+    "effective-chain": "use hertzchain.effective_chain in Python",
+}
 
 
 def _methods() -> tuple[str, ...]:
@@ -41,7 +44,7 @@ def _method_help() -> str:
     return f"Repeatable: {', '.join(_methods())}."
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @chain_options
 @click.option(
     "--method",
@@ -59,7 +62,7 @@ def _method_help() -> str:
     show_default=True,
     metavar="NAME",
     help="Quantity to plot and, with several methods, to show side by side: "
-    f"{', '.join(QUANTITIES)}.",
+    f"{', '.join(PREDICTED)}.",
 )
 @click.option(
     "--rtol",
@@ -112,6 +115,8 @@ def pulse(
     if as_json and as_csv:
         raise click.UsageError("--json and --csv cannot be combined")
     for method in methods:
+        if method in PYTHON_ONLY:
+            raise InputError(f"{method!r} is not a method of this command; {PYTHON_ONLY[method]}")
         check_choice("method", method, _methods())
     chosen = list(dict.fromkeys(methods))
     if not (as_json or as_csv):
@@ -186,8 +191,6 @@ def _computed(
 
 def _show_pulses(pulses: list[Pulse], quantity: str, *, every_bead: bool) -> None:
     """Print a table of one chain: all quantities of one pulse, or one quantity of several."""
-    from ..errors import InputError
-
     if len(pulses) == 1:
         show_table(pulse_table(pulses[0], every_bead))
         return

@@ -25,6 +25,7 @@ WORDINGS: Final = (
     (r"\bgive load_traces sensors=\{'([^']*)': '([^']*)'\}", r"add --sensor '\1=\2'"),
     (r"\bgive sensors to load_traces\b", "add --sensor"),
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),
+    (r"(choose a value of the others, such as) (?!--at)", r"\1 --at "),
 )  # fmt: skip
 
 # ... and with commands that have an option for it.

@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from ..validation.objects import check_choice
+from .colours import curve_colour
 from .legends import place_legend
-from .style import COLOURS, BeadLocator, figure_style, get_axes, set_title
+from .style import BeadLocator, figure_style, get_axes, set_title
 
 if TYPE_CHECKING:
     from ..pulse.pulse_table import PulseTable
@@ -34,7 +35,7 @@ def plot_pulse_table(table: PulseTable, quantity: str, *, ax: Axes | None = None
     place = np.arange(1, values.shape[1] + 1)[known]
     with figure_style():
         axes = get_axes(ax)
-        colour = COLOURS[len(axes.lines) % len(COLOURS)]
+        colour = curve_colour(axes, len(axes.lines))
         axes.fill_between(place, low, high, color=colour, alpha=BAND, linewidth=0.0,
                           label=f"{LOW}% to {HIGH}% of the chains")  # fmt: skip
         axes.plot(place, middle, color=colour, label="median")

@@ -89,7 +89,7 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     >>> pulse = hc.disorder(chain, scatter=0.01)
     >>> loss = 1 - pulse.velocity[99] / hc.local_rate(chain).velocity[99]
     >>> f"{loss:.1%}, +-{pulse.velocity_spread[99]:.1%}"
-    '0.7%, +-1.8%'
+    '0.6%, +-1.8%'
     """
     scatters = {
         "radii": number("scatter", scatter, unit=FRACTION, least=0.0, most=SCATTERS[-1]),

@@ -16,6 +16,7 @@ from hertzchain.plotting.sweeps import plot_sweep
 from hertzchain.store import sweep_export
 from hertzchain.store.sweep_export import export_sweep, tables_of
 from hertzchain.store.sweep_store import FAILED
+from hertzchain.sweeps import axes as axes_module
 from hertzchain.sweeps import timing
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.batches import Stopped, _Batch, run_batch
@@ -305,6 +306,24 @@ def test_invalid_specifications_are_rejected(change, said):
         given = {}
     with pytest.raises(hc.InputError, match=said):
         hc.sweep(given | change)
+
+
+def test_too_many_combinations_are_rejected_before_their_values_are_made(monkeypatch):
+    made = []
+    monkeypatch.setattr(axes_module, "_spaced", lambda *given: made.append(given) or [0.05])
+    million = {"linspace": [0.01, 0.1, 10**6]}
+    axes = {"rate": million, "radii": {"5": million}, "beads": {"list": [10, 20]}}
+    said = (
+        r"^axes: .* 2000000000000 points, 1000000 \(rate\) x 1000000 \(radii.5\) x 2 \(beads\); "
+        "at most 10000000000 are allowed"
+    )
+    with pytest.raises(hc.InputError, match=said):
+        read_specification({"chain": dict(FORWARD), "axes": axes})
+    assert not made
+    # Values that vary together are not combined.
+    with pytest.raises(hc.InputError, match="zip needs axes of the same length"):
+        read_specification({"chain": dict(FORWARD), "axes": axes, "sweep": {"combine": "zip"}})
+    assert len(made) == 2
 
 
 @pytest.mark.parametrize(("points", "said"), [

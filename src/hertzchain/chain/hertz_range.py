@@ -146,6 +146,15 @@ class HertzRange:
             )
         return tuple(found)
 
+    @property
+    def _below_yield(self) -> str:
+        """The largest pressure, if it is known and does not exceed its limit."""
+        at = int(np.argmax(self.yield_ratio))
+        if not 0.0 < (ratio := self.yield_ratio[at]) <= 1.0:
+            return ""
+        digits = 2 if ratio < 0.95 else 4
+        return f"pressure / yield {ratio:.{digits}g} at {_place(at, self)} (limit 1 of Hertz's law)"
+
     def _excess(self, ratio: float) -> str:
         """How little the contact yields, if the pressure exceeds its limit only slightly."""
         if ratio > SMALL_EXCESS or self.static_yield_ratio.any():

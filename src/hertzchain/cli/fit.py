@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,6 +23,7 @@ from .options import (
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .wording import on_command_line
+from .yielding import pressures_below_yield
 
 if TYPE_CHECKING:
     from ..fitting.result import FitResult
@@ -116,7 +118,7 @@ def fit(
     if defects:
         result, found = _defects(result, document)
         lines += found
-    lines.insert(0, result.summary())
+    lines.insert(0, "\n".join((result.summary(), *([] if as_json else _pressures(result)))))
     posterior = None
     if sample is not None:
         with progress_bar("steps of the walkers", rate=True) as progress:
@@ -153,12 +155,28 @@ def _defects(result: FitResult, document: dict[str, Any]) -> tuple[FitResult, li
         for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
     ]
     if not scan.found:
-        return result, [repr(scan)]
+        return result, [scan.summary()]
     with progress_bar("defects fitted") as progress:
         with_defect = scan.fit(progress=progress)
     document["fit_with_defect"] = with_defect.as_dict()
     gap = with_defect.names[-1]
-    return with_defect, [repr(scan), f"without {gap}: {result.verdict}"]
+    return with_defect, [scan.summary(), f"without {gap}: {result.verdict}"]
+
+
+def _pressures(result: FitResult) -> list[str]:
+    """A line with the largest pressure in all shots, if it is known and below the limit."""
+    import hertzchain
+
+    shots = zip(result.chains, result.traces.shots, strict=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the notes of the fit have the violations
+        runs = [
+            hertzchain.simulate(
+                chain, until=float(shot.times[-1] - shot.times[0]), times=2, check=False
+            )
+            for chain, shot in shots
+        ]
+    return pressures_below_yield(*runs)
 
 
 @contextmanager

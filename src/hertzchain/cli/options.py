@@ -108,13 +108,10 @@ def names_from(text: str | None) -> list[str] | None:
 
 def measure_from(text: str | None, chain: Chain) -> Measure:
     """A quantity of a chain; by default the peak on its wall, or the velocity of its last bead."""
-    from ..chain.bead_names import with_bead_numbers
-    from ..designs.measures import parse_measure
+    from ..designs.measures import measure_of
 
     usual = "velocity@last" if chain.right_wall is None else "wall_force.peak"
-    measure = parse_measure(usual if text is None else with_bead_numbers(chain, text))
-    measure.check(chain)
-    return measure
+    return measure_of(chain, usual if text is None else text)
 
 
 def check_writable(path: Path | None, option: str, endings: tuple[str, ...]) -> None:
@@ -146,7 +143,8 @@ def sensors_from(texts: tuple[str, ...]) -> dict[str, str] | None:
 quantity_option = click.option(
     "--quantity",
     metavar="NAME",
-    help="Such as wall_force.peak, velocity@20, 'velocity@ball 19' or arrival@last.  "
+    help="Such as wall_force.peak, velocity@20, 'velocity@ball 19', arrival@last or, in a sensor, "
+    "'sensor.first_maximum@ball 4'.  "
     "[default: wall_force.peak; without a wall, velocity@last]",
 )
 

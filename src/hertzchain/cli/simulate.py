@@ -166,7 +166,6 @@ def simulate(
         check_stream_options(
             out=out, forces=forces, plot=plot, animate=animation, sensor=sensors, budget=budget,
             waves=waves, horizon=horizon, max_steps=max_steps,
-            method=method if method != "adaptive" else None, step=step, drift=drift,
         )  # fmt: skip
     chains = chains_from(options)
     if len(chains) > 1 and (out or forces or animation or stream):
@@ -175,7 +174,9 @@ def simulate(
     if stream is not None:
         (chain,) = chains.values()
         end = time_from("--until", until, chain)
-        stream_into(stream, chain, until=end, times=times, rtol=rtol, as_json=as_json)
+        steps = {"rtol": rtol, "method": method, "step": time_from("--step", step, chain),
+                 "drift": drift}  # fmt: skip
+        stream_into(stream, chain, until=end, times=times, steps=steps, as_json=as_json)
         return
     settings = {"times": times, "rtol": rtol, "method": method, "drift": drift,
                 "max_steps": max_steps}  # fmt: skip

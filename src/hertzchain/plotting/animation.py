@@ -27,6 +27,7 @@ from ..store.writing import write_bytes
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback, check_type, file_path
+from .colours import grey
 from .runs import check_times, force_curve
 from .style import figure_style, set_title, time_axis
 from .titles import chain_title
@@ -270,7 +271,7 @@ def _draw_force(axes: Axes, run: Run, unit: float, label: str) -> Any:
         what = "force on wall"
     else:
         times, values, what = run.times, run.forces.max(axis=1), "largest force"
-    axes.plot(unit * times, values, color="black", linewidth=0.9)
+    axes.plot(unit * times, values, color=grey(axes), linewidth=0.9)
     axes.set_xlim(unit * run.times[0], unit * run.times[-1])
     axes.set_xlabel(label)
     axes.set_ylabel(what + newton)

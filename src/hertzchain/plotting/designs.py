@@ -16,10 +16,10 @@ from ..designs.measures import USUAL
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from .chains import bead_centres, draw_beads, material_legend
+from .colours import COLOURS, curve_colour, grey
 from .gradients import bars_of_changes
 from .legends import place_legend
 from .style import (
-    COLOURS,
     MUCH,
     BeadLocator,
     differ_much,
@@ -50,7 +50,7 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
                 end = factor * (bead_centres(chain)[-1] + chain.radii[-1])
                 largest = factor * chain.radii.max()
                 axes.plot([end] * 2, [row * height - largest, row * height + largest],
-                          color="black", linewidth=3.0)  # fmt: skip
+                          color=grey(axes), linewidth=3.0)  # fmt: skip
             axes.text(-0.01, row * height, f"{name} ", ha="right", va="center",
                       transform=axes.get_yaxis_transform())  # fmt: skip
         axes.set_aspect("equal")
@@ -79,13 +79,13 @@ class _Line(NamedTuple):
     """Curve of one chain, and how to draw it."""
 
     label: str
-    colour: str
+    colour: int
     curve: Curve
 
 
 def _lines(result: DesignResult) -> list[_Line]:
     """Lines of the initial chain and the design, with the peaks of forces."""
-    names = {"initial": COLOURS[0], "design": COLOURS[2]}
+    names = {"initial": 0, "design": 2}
     unit = " N" if result.chain.units == "SI" else ""
     return [
         _Line(f"{name}, peak {curve.peak:.4g}{unit}" if result.chain.right_wall else name,
@@ -123,7 +123,12 @@ def _draw_lines(result: DesignResult, lines: Sequence[_Line], axes: Axes) -> Axe
     if walled:
         factor, label = time_axis(result.chain, max(float(each.curve.x[-1]) for each in lines))
     for each in lines:
-        axes.plot(factor * each.curve.x, each.curve.y, color=each.colour, label=each.label)
+        axes.plot(
+            factor * each.curve.x,
+            each.curve.y,
+            color=curve_colour(axes, each.colour),
+            label=each.label,
+        )
     axes.set_xlabel(label)
     if not walled:
         axes.xaxis.set_major_locator(BeadLocator())

@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from ..collision import Array
 from ..designs.measures import parse_measure
 from ..errors import InputError
+from .colours import COLOURS, grey
 from .legends import place_legend
-from .style import COLOURS, BeadLocator, figure_style, get_axes, set_title
+from .style import BeadLocator, figure_style, get_axes, set_title
 
 if TYPE_CHECKING:
     from ..sensitivity.gradient import Gradient
@@ -38,7 +39,7 @@ def plot_gradient(
         axes = get_axes(ax)
         if changes is None:
             axes.bar(np.arange(1, 1 + len(relative)), relative, color=COLOURS[1])
-            axes.axhline(0.0, color="black", linewidth=0.8)
+            axes.axhline(0.0, color=grey(axes), linewidth=0.8)
         else:
             bars_of_changes(axes, *changes)
         axes.xaxis.set_major_locator(BeadLocator())
@@ -55,7 +56,7 @@ def bars_of_changes(axes: Axes, larger: Array, smaller: Array) -> bool:
     """
     larger, smaller = 100.0 * larger, 100.0 * smaller
     beads = np.arange(1, len(larger) + 1)
-    axes.axhline(0.0, color="black", linewidth=0.8)
+    axes.axhline(0.0, color=grey(axes), linewidth=0.8)
     if np.nanmax(np.abs(larger + smaller)) < MIRRORED * np.nanmax(np.abs(larger - smaller)):
         axes.bar(beads, larger, 0.7, color=COLOURS[3])
         return False

@@ -19,7 +19,8 @@ from ..theory.response import WallName
 from ..theory.spectrum import Spectrum
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_choice
-from .style import COLOURS, BeadLocator, figure_style, get_axes, set_title
+from .colours import COLOURS, curve_colour, grey
+from .style import BeadLocator, figure_style, get_axes, set_title
 from .titles import chain_title
 
 KINDS: Final = ("bands", "modes")
@@ -68,12 +69,12 @@ def plot_spectrum(
         room = ROOM if edges is None else ROOM_FOR_LEGEND
         axes.set_ylim(0.0, factor * room * top)
         gaps = None if edges is None else spectrum.gaps(cell=cell)
-        _shade(axes.axhspan, gaps, factor, room * top)
+        _shade(axes, axes.axhspan, gaps, factor, room * top)
         if edges is not None:
             # Branches may be anywhere below the top of the highest band.
             wide = axes.get_window_extent().width / axes.figure.dpi > WIDE
             axes.legend(loc="upper center", ncols=3 if wide else 2, frameon=True,
-                        facecolor="white", edgecolor="none")  # fmt: skip
+                        facecolor=axes.get_facecolor(), edgecolor="none")  # fmt: skip
         axes.set_ylabel(label)
         set_title(axes, chain_title(spectrum.chain))
     return axes
@@ -103,14 +104,14 @@ def plot_transfer(
         axes = get_axes(ax)
         # Curves that the axes already have keep their colours and remain visible.
         drawn, present = len(axes.lines), axes.get_ylim()
-        colour = COLOURS[(1 + drawn) % len(COLOURS)]
+        colour = curve_colour(axes, 1 + drawn)
         axes.semilogy(factor * shown, size, color=colour, linewidth=0.9)
         if limits := _amplitudes(size, lossless=not spectrum.contacts.dampers.any()):
             low, high = (limits, present) if drawn else (limits, limits)
             axes.set_ylim(min(low[0], high[0]), max(low[1], high[1]))
         axes.set_xlim(factor * shown[0], factor * shown[-1])
         gaps = None if _edges(spectrum, None, required=False) is None else spectrum.gaps()
-        _shade(axes.axvspan, gaps, factor, shown[-1])
+        _shade(axes, axes.axvspan, gaps, factor, shown[-1])
         if not spectrum.contacts.dampers.any():
             poles = _resonances(spectrum, drive, at)
             near = (1.0 - NEAR) * poles[(poles > shown[0]) & (poles < shown[-1])]
@@ -158,14 +159,16 @@ def frequency_axis(chain: Chain) -> tuple[float, str]:
     return (1e-3, "frequency [kHz]") if chain.units == "SI" else (1.0, "frequency $f$")
 
 
-def _shade(span: Callable[..., Any], gaps: Array | None, factor: float, end: float) -> None:
+def _shade(
+    axes: Axes, span: Callable[..., Any], gaps: Array | None, factor: float, end: float
+) -> None:
     """Shade the frequency ranges without plane waves, up to an end."""
     if gaps is None:
         return
     label = "no plane waves"
     for low, high in np.minimum(gaps, end):
         if high > low:
-            span(factor * low, factor * high, color="0.9", linewidth=0.0, label=label)
+            span(factor * low, factor * high, color=grey(axes, 0.9), linewidth=0.0, label=label)
             label = ""
 
 

@@ -231,8 +231,9 @@ class Run(Trajectory):
         """Time up to which the velocities are predictable, from a second integration.
 
         The chain is integrated again with ten times the tolerance (with a tenth of it if
-        rtol > 1e-7), which takes about as long as the run itself.  The result is stored:
-        the repr of the run shows it, and further calls take no time.
+        rtol > 1e-7), which takes about as long as the run itself, or with half the step if steps
+        are fixed, which takes twice as long.  The result is stored: the repr of the run shows it,
+        and further calls take no time.
 
         Parameters
         ----------

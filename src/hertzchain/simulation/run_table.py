@@ -15,6 +15,7 @@ from ..chain.chain import Chain
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..frozen import Frozen
+from ..pulse.quantity_names import column_name
 from ..representation import short
 from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
@@ -97,7 +98,8 @@ class RunTable(Frozen):
         return len(self.chains)
 
     def __getitem__(self, name: str) -> Array:
-        return self.columns[check_choice("quantity of this table", name, self.columns)]
+        name = check_choice("quantity of this table", column_name(name), self.columns)
+        return self.columns[name]
 
     @property
     def beads(self) -> NDArray[np.int64]:

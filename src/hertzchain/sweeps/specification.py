@@ -35,6 +35,7 @@ from typing import Any, Final
 from ..chain.chain import Chain
 from ..errors import InputError, raise_all, short_repr, unknown_name_error
 from ..pulse.quantities import QUANTITIES
+from ..pulse.quantity_names import column_name
 from ..representation import short
 from ..store.chain_as_toml import chain_as_toml
 from ..store.chain_files import chain_from
@@ -51,6 +52,7 @@ from .axes import (
     conflicts,
     duplicates,
     flattened,
+    too_many_points,
     unequal_lengths,
 )
 from .kept import KEPT, OF_RUNS
@@ -340,6 +342,9 @@ class _Reader:
             if not entries:
                 self._add("axes", "nothing varies: add parameters and their values")
             self.problems += conflicts([path for path, _ in found_axes])
+        if combine != "zip" and (excess := too_many_points(entries)):
+            self.problems += excess
+            return (), combine
         place = "points" if points is not None else "axes"
         read = [self._axis(place, path, entry) for path, entry in entries.items()]
         axes = tuple(axis for axis in read if axis is not None)
@@ -365,6 +370,7 @@ class _Reader:
         if not isinstance(listed, list | tuple) or (default and not listed):
             self._add(f"sweep.{key}", f"must be a list of names, got {short_repr(given)}")
             return default
+        listed = [column_name(name) for name in listed]
         for place, name in enumerate(listed, start=1):
             if name not in known:
                 what = {"methods": "method"}.get(key, "quantity")
@@ -430,4 +436,5 @@ class _Reader:
 
 
 def _as_document(chain: Chain) -> Any:
-    return to_json_types(tomllib.loads(chain_as_toml(chain)), "chain")
+    # Axes change radii, which then do not have the scatter of the chain.
+    return to_json_types(tomllib.loads(chain_as_toml(chain.replace(scatter=None))), "chain")

@@ -23,6 +23,7 @@ from hertzchain.designs.sizes import spline_basis
 from hertzchain.designs.smooth_tapers import promise
 from hertzchain.designs.trials import Outcome, Trials
 from hertzchain.designs.verified import quietly
+from hertzchain.plotting.legends import covers_data
 from hertzchain.store.journal import Journal
 
 WALLED = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
@@ -797,6 +798,32 @@ def test_figures_show_both_chains(softest):
     assert labels[1] == f"design, peak {softest.value:.4g}"
     with pytest.raises(hc.InputError, match="ax takes one kind"):
         softest.plot(ax=figure.axes[0])
+
+
+def test_figures_at_the_width_of_a_column_are_legible():
+    diameters = ["6.35 mm", "5 mm", "4 mm", "8 mm", "3 mm", "8 mm", "5 mm", "3.5 mm"]
+    chain = hc.Chain.from_materials(
+        diameters=diameters, materials="steel-52100", velocity="0.1 m/s", right_wall=hc.Wall()
+    )
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.order(beads="2:")])
+    result = hc.design(problem, budget=50, seed=1)
+    with hc.figure_style("single column"):
+        figure = result.plot()
+    figure.draw_without_rendering()
+    assert figure.get_figwidth() == pytest.approx(0.086 / 0.0254)
+    beads, forces = figure.axes[:2]
+    assert not covers_data(forces.get_legend())
+    for axes in figure.axes:
+        label = axes.yaxis.label
+        assert not label.get_text() or label.get_window_extent().height < axes.bbox.height
+    # Each diameter is below its bead, and none is on another.
+    texts = [text for text in beads.texts if re.fullmatch(r"[\d.]+", text.get_text())]
+    assert [float(text.get_text()) for text in texts] == pytest.approx(2e3 * result.chain.radii)
+    centres = np.cumsum(2e3 * result.chain.radii) - 1e3 * result.chain.radii
+    assert [text.get_position()[0] for text in texts] == pytest.approx(centres)
+    boxes = [text.get_window_extent() for text in texts]
+    assert not any(one.overlaps(other) for one, other in itertools.pairwise(boxes))
+    assert all(box.y0 >= beads.bbox.y0 for box in boxes)
 
 
 def test_forces_of_both_chains_end_at_the_same_time_and_do_not_end_rising():

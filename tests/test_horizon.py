@@ -120,7 +120,7 @@ def test_a_run_in_si_units_has_the_same_horizon():
         horizon = real.horizon()
     # Errors grow from rounding to 1%; a factor of 50 in the first ones is 16% of the time.
     assert horizon.time == pytest.approx(scales.time * found.time, rel=0.2)
-    assert " s;" in " ".join(repr(horizon).split())
+    assert f"until t = {1e6 * horizon.time:.4g} us;" in " ".join(repr(horizon).split())
 
 
 def test_the_largest_tolerance_is_compared_with_a_tighter_one():

@@ -10,6 +10,7 @@ from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
 import hertzchain as hc
+from hertzchain.designs.distribution import Distribution
 from hertzchain.plotting import animation
 from hertzchain.plotting.animation import animate
 from hertzchain.plotting.budget import plot_budget
@@ -37,10 +38,12 @@ def test_forces_of_several_runs_in_the_same_axes_have_different_colours():
 
 def test_warnings_of_plots_name_the_line_of_the_caller():
     chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
-    run = hc.simulate(chain, until=12.0)
-    for call in (lambda: plot_forces(run, [21]), lambda: run.plot_forces([21]), run.wall_force):
+    for call in (
+        lambda run: plot_forces(run, [21]), lambda run: run.plot_forces([21]), hc.Run.wall_force,
+    ):  # fmt: skip
+        run = hc.simulate(chain, until=12.0)
         with pytest.warns(hc.IncompleteWarning) as seen:
-            call()
+            call(run)
         assert [each.filename for each in seen] == [__file__]
 
 
@@ -874,3 +877,64 @@ def test_the_legend_of_a_large_map_explains_legible_markers():
     assert marked.get_sizes()[0] < 5.0
     assert handle.get_sizes()[0] >= 20.0
     assert handle.get_paths()[0].vertices.tolist() == marked.get_paths()[0].vertices.tolist()
+
+
+def test_sensitivities_name_the_chain_and_mark_its_strikers():
+    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=0.0)
+    chain = balls.replace(right_wall=hc.Wall()).struck_by(velocity=0.01, count=2)
+    for name, first in (("radii", "2 strikers"), ("stiffness", None)):
+        axes = hc.gradient(chain, "wall_force.peak", to=[name]).plot(name)
+        title = axes.get_title().replace("\n", " ")
+        assert title == "6 steel balls and 2 strikers, 10 mm, peak force on the wall"
+        labels = axes.get_legend_handles_labels()[1]
+        assert labels[:1] == ([first] if first else [])
+        if first:
+            low, high = (
+                axes.patches[0].get_extents().transformed(axes.transData.inverted()).intervalx
+            )
+            assert (low, high) == pytest.approx((0.5, 2.5))
+        plt.close(axes.figure)
+
+
+@pytest.mark.parametrize(("chain", "words"), [
+    (hc.Chain.from_materials(5e-3, "steel-52100", beads=6, precompression="0.2 N",
+                             held_by="force"), "6 steel balls, 10 mm, under 0.2 N"),
+    (hc.Chain.uniform(6).replace(gravity=0.1, precompression=1.0, held_by="force"),
+     "6 equal beads, under 1, under gravity"),
+])  # fmt: skip
+def test_titles_of_spectra_state_the_static_force(chain, words):
+    found = hc.spectrum(chain)
+    axes = found.plot("modes"), found.plot_transfer(3)
+    assert [each.get_title().replace("\n", " ") for each in axes] == [
+        words, f"{words}, force on bead 1"
+    ]  # fmt: skip
+    for each in axes:
+        plt.close(each.figure)
+
+
+@pytest.mark.parametrize("size", [1.0, 25.649, 450.3443])
+def test_a_narrow_distribution_has_whole_values_at_its_ticks(size):
+    values = size * (1.0 + 1e-6 * np.linspace(-1.0, 1.0, 50))
+    chain = hc.Chain.uniform(5)
+    scatter = hc.Scatter(radius=0.01)
+    found = Distribution(chain, scatter, "velocity@last", size, values)
+    axes = found.plot()
+    axes.figure.canvas.draw()
+    labels = axes.get_xticklabels()
+    assert axes.xaxis.get_offset_text().get_text() == ""
+    shown = [float(label.get_text()) for label in labels]
+    np.testing.assert_allclose(shown, axes.get_xticks(), rtol=1e-8)
+    boxes = [label.get_window_extent() for label in labels]
+    assert len(boxes) >= 3
+    assert all(left.x1 < right.x0 for left, right in itertools.pairwise(boxes))
+    plt.close(axes.figure)
+
+
+def test_times_of_a_distribution_are_in_microseconds():
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.01)
+    values = 450e-6 * (1.0 + 1e-3 * np.linspace(-1.0, 1.0, 50))
+    found = Distribution(chain, hc.Scatter(radius=0.01), "arrival@last", 450e-6, values)
+    axes = found.plot()
+    assert axes.get_xlabel() == "arrival of the last bead [µs]"
+    assert axes.get_xlim()[0] == pytest.approx(449.5, abs=0.1)
+    plt.close(axes.figure)

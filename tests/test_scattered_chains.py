@@ -177,6 +177,17 @@ def test_explore_and_sweeps_begin_with_the_radii():
         assert found.velocity.values.ravel()[i] == pytest.approx(pulse.velocity[-1], rel=1e-12)
 
 
+@pytest.mark.parametrize("several", [False, True])
+def test_sweeps_reject_axes_without_effect(several):
+    scatter = {"relative": 0.1, "radii": [1.1, 0.9, 1.0]}
+    chain = {"taper": "uniform", "beads": 3, "with_scatter": [scatter] if several else scatter}
+    for name in ("relative", "seed"):
+        axes = {f"with_scatter.{name}": [1, 2]}
+        words = rf"axes\.with_scatter\.{name}: has no effect, because with_scatter has the radii"
+        with pytest.raises(hc.InputError, match=words):
+            hc.sweep({"chain": chain, "axes": axes, "sweep": {"at": "last"}})
+
+
 def test_axes_of_sweeps_name_the_scatter():
     axes = {"with_scatter.relative": [0.01, 0.02], "with_scatter.seed": [1, 2]}
     chain = {"taper": "uniform", "beads": 8}

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
-from .options import check_writable
+from .options import StrictCommand, check_writable
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @click.option(
     "--port", type=click.IntRange(0, 65535), default=8765, show_default=True,

@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from .options import figure_option, json_option, seconds_from, sensors_from, sensors_option
+from .options import (
+    StrictCommand,
+    figure_option,
+    json_option,
+    seconds_from,
+    sensors_from,
+    sensors_option,
+)
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .wording import on_command_line
@@ -27,7 +34,7 @@ MIN_TIMES: Final = 4000
 MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @click.argument("traces", type=click.Path(path_type=Path))
 @click.argument("chain", type=click.Path(path_type=Path))
 @sensors_option

@@ -12,6 +12,7 @@ import click
 
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
 from .options import (
+    StrictCommand,
     as_typed,
     check_writable,
     figure_option,
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from ..fitting.result import FitResult
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @sensors_option
 @click.option(

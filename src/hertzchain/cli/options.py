@@ -32,6 +32,25 @@ class Fraction(click.ParamType):  # type: ignore[type-arg]
         return value if isinstance(value, float) else fraction_from(option, value)
 
 
+class StrictCommand(click.Command):
+    """A command that rejects options that are given twice, of which Click would use the last."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse the options, each of which has one value unless it is repeatable."""
+        if not ctx.resilient_parsing:
+            _, _, order = self.make_parser(ctx).parse_args(list(args))
+            for param in order:
+                if _has_one_value(param) and order.count(param) > 1:
+                    option = " or ".join(param.opts)
+                    raise click.UsageError(f"{option} is given {order.count(param)} times; give "
+                                           "it once", ctx)  # fmt: skip
+        return super().parse_args(ctx, args)
+
+
+def _has_one_value(param: click.Parameter) -> bool:
+    return isinstance(param, click.Option) and not (param.multiple or param.is_flag)
+
+
 class LateHelp(click.Option):
     """An option whose help is computed when it is shown, because it imports the library."""
 

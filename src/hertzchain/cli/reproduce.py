@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .exit_codes import OUTSIDE_TOLERANCE
-from .options import json_option, names_from, window_from
+from .options import StrictCommand, json_option, names_from, window_from
 from .output import show_json
 from .progress import progress_bar
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..paper.reproduction import Reproduction
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @click.option(
     "--only", metavar="NAMES", help="Parts, separated by commas: table1, figure5, errata, ..."
 )

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import Fraction, check_writable, figure_option, json_option, time_from
+from .options import Fraction, StrictCommand, check_writable, figure_option, json_option, time_from
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .run_summary import run_as_dict, show_run
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
 USUAL_TIMES: Final = 400
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @chain_options
 @click.option(
     "--until",
@@ -271,11 +270,7 @@ def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str,
 def _save_plot(
     runs: dict[str, Run], beads: dict[str, list[int]], plot: Path, *, forces: bool
 ) -> None:
-    from ..errors import IncompleteWarning
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", IncompleteWarning)  # already shown
-        save_figure(_drawn(runs, beads, forces=forces), plot)
+    save_figure(_drawn(runs, beads, forces=forces), plot)
 
 
 def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], *, forces: bool) -> Axes:

@@ -30,7 +30,15 @@ WORDINGS: Final = (
 
 # ... and with commands that have an option for it.
 OPTIONS: Final = {
-    "methods": ((r"\buse simulate\b", "use --method simulate"),),
+    "methods": (
+        (r"\buse simulate\b", "use --method simulate"),
+        (r"\buse propagate_many( with Chain\.with_scatter)?", "use hertzchain scatter"),
+        (
+            r"^disorder requires .*",
+            "--method disorder requires a --scatter or --modulus-scatter "
+            "above 0; for none, use --method local-rate",
+        ),
+    ),
     "loss": ((r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),),
 }
 

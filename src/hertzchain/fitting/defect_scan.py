@@ -29,7 +29,7 @@ KINDS: Final = {
     "bead": ("radius", (2e-3,)),
     "contact": ("stiffness", (0.02,)),
 }
-# What is added, where, and the sizes that are tried.
+# The kind of defect, its places, and the sizes that are tried.
 WORDS: Final = {
     "gap": ("a gap at each of", "contact", "seven sizes each"),
     "bead": ("another radius of each of", "bead", "from a change by 0.2%"),

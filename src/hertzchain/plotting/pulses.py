@@ -56,7 +56,8 @@ def plot_pulses(
     By default a label states what distinguishes a pulse from the others (its method, taper, rate,
     number of beads, ...); the title has the parts that all of them share.  If the last
     bead leaves a free end at a larger velocity, its value has a filled symbol without a line.  A
-    shaded band shows the spread of a pulse by `disorder`: one standard deviation over lots.
+    shaded band shows the spread of a pulse by `disorder`: one standard deviation over random
+    chains.
 
     Parameters
     ----------
@@ -193,7 +194,7 @@ def _draw_free_end(axes: Axes, pulse: Pulse, value: float, i: int) -> None:
 
 
 def _spread(pulse: Pulse, quantity: str) -> Array | None:
-    """Standard deviation of the logarithm of a quantity over lots of beads, if it is known."""
+    """Standard deviation of the logarithm of a quantity over random chains, if known."""
     name = f"{quantity}_spread"
     return pulse.column(name) if name in QUANTITIES else None
 

@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..pulse.quantities import RUN_QUANTITIES
 from ..simulation.run import Run
 from ..simulation.sensor_force import sensor_maxima
-from ..simulation.wall_force import walls_of
+from ..simulation.wall_force import WallForce, walls_of
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice, check_list, text
@@ -258,15 +258,19 @@ def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
         bead = named
     if not isinstance(bead, str) and whole_number("bead", bead, least=0) in walls:
         wall = run.wall_force(walls[bead])
-        largest = wall.largest_so_far_time, wall.largest_so_far
-        times, force = _with_points(wall.times, wall.force, [largest])
-        return times, force, f"{wall.side} wall", not wall.complete
+        return *wall_curve(wall), f"{wall.side} wall", not wall.complete
     number = bead_number(run.chain, bead, walls=True)
     sensor = sensor_maxima(run, number)
     maxima = [(sensor.first_maximum_time, sensor.first_maximum),
               (sensor.largest_so_far_time, sensor.largest_so_far)]  # fmt: skip
     times, force = _with_points(run.times, run.sensor(number), maxima)
     return times, force, bead_label(run.chain, number), False
+
+
+def wall_curve(wall: WallForce) -> tuple[Array, Array]:
+    """Times and forces of a wall, with the largest one."""
+    largest = wall.largest_so_far_time, wall.largest_so_far
+    return _with_points(wall.times, wall.force, [largest])
 
 
 def _with_points(

@@ -14,9 +14,10 @@ from ..chain.chain import Chain
 from ..chain.drives import Driven
 from ..collision import Array
 from ..errors import InputError
+from ..representation import measure
 from ..theory.dispersion import spring_modes
 from ..theory.response import WallName
-from ..theory.spectrum import Spectrum
+from ..theory.spectrum import ROOM, Spectrum
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_choice
 from .colours import COLOURS, curve_colour, grey
@@ -24,12 +25,9 @@ from .style import BeadLocator, figure_style, get_axes, set_title
 from .titles import chain_title
 
 KINDS: Final = ("bands", "modes")
-# Phases of a curve, and frequencies of a transfer function; none of these is the highest mode,
-# which is at the fraction 1 / ROOM of them.
+# Phases of a curve.
 PHASES: Final = 201
-FREQUENCIES: Final = 2001
-# Upper end of a frequency axis, relative to the highest band or mode.
-ROOM: Final = 1.25
+# Upper end of a frequency axis, relative to the highest band.
 ROOM_FOR_LEGEND: Final = 1.4
 # Width of axes [inch] for a legend in one row.
 WIDE: Final = 4.4
@@ -76,7 +74,7 @@ def plot_spectrum(
             axes.legend(loc="upper center", ncols=3 if wide else 2, frameon=True,
                         facecolor=axes.get_facecolor(), edgecolor="none")  # fmt: skip
         axes.set_ylabel(label)
-        set_title(axes, chain_title(spectrum.chain))
+        set_title(axes, _title(spectrum.chain))
     return axes
 
 
@@ -91,8 +89,7 @@ def plot_transfer(
 ) -> Axes:
     """Plot the amplitude of a contact force, as described in `Spectrum.plot_transfer`."""
     if frequencies is None:
-        # 0 is not included, because a constant force may accelerate the chain.
-        shown = np.linspace(0.0, ROOM * spectrum.frequencies.max(), FREQUENCIES + 1)[1:]
+        shown = spectrum._usual_frequencies
     else:
         shown = real_numbers("frequency", frequencies).reshape(-1)
         if len(shown) < 2 or not (np.diff(shown) > 0.0).all():
@@ -123,8 +120,17 @@ def plot_transfer(
         place = f"the {at}" if isinstance(at, str) else f"bead {at}"
         joined = "on" if drive == "force" else "of"
         axes.set_ylabel(f"force in contact {contact} per {drive} {joined} {place}{unit}")
-        set_title(axes, f"{chain_title(spectrum.chain)}, {drive} {joined} {place}")
+        set_title(axes, f"{_title(spectrum.chain)}, {drive} {joined} {place}")
     return axes
+
+
+def _title(chain: Chain) -> str:
+    """The chain and its static forces."""
+    parts = [chain_title(chain)]
+    if chain.precompression:
+        parts.append(f"under {measure(chain.precompression, 'N', chain.units)}")
+    parts += ["under gravity"] * (chain.gravity != 0.0)
+    return ", ".join(parts)
 
 
 def _resonances(spectrum: Spectrum, drive: Driven, at: int | WallName) -> Array:

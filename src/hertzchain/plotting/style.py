@@ -21,7 +21,13 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.rcsetup import cycler
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import (
+    FuncFormatter,
+    LogLocator,
+    MaxNLocator,
+    NullFormatter,
+    ScalarFormatter,
+)
 
 from ..chain.chain import Chain
 from ..errors import InputError
@@ -220,6 +226,16 @@ def label_log_axis(axis: Axis) -> None:
         axis.set_major_locator(LogLocator(subs=digits))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
+
+
+def label_narrow_axis(axes: Axes) -> None:
+    """Label the x axis with whole values, not with differences from a number at its end."""
+    formatter = ScalarFormatter(useOffset=False)
+    axes.xaxis.set_major_formatter(formatter)
+    letters = max(map(len, formatter.format_ticks(axes.get_xticks().tolist())))
+    inches = axes.get_window_extent().width / axes.figure.dpi
+    room = int(inches / (INCHES_PER_LETTER * (letters + 1)))
+    axes.xaxis.set_major_locator(MaxNLocator(max(2, min(9, room)), steps=[1, 2, 2.5, 5, 10]))
 
 
 def mark_horizon(axes: Axes, horizon: Horizon | None, factor: float) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..representation import short
+from ..representation import measure, short
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,14 +56,12 @@ class Horizon:
     @property
     def message(self) -> str:
         """Short description of the result."""
-        unit = " s" if self.chain.units == "SI" else ""
+        last = self.time if np.isfinite(self.time) else float(self.times[-1])
+        time = measure(last, "s", self.chain.units)
         part = f"{100.0 * self.within:g}%"
         if np.isfinite(self.time):
-            return f"velocities predictable within {part} until t = {self.time:.4g}{unit}"
-        return (
-            f"velocities predictable within {part} at all saved times, up to t = "
-            f"{self.times[-1]:.4g}{unit}"
-        )
+            return f"velocities predictable within {part} until t = {time}"
+        return f"velocities predictable within {part} at all saved times, up to t = {time}"
 
     def __repr__(self) -> str:
         compared = f"from rtol {self.rtol:g} against {self.shadow_rtol:g}"

@@ -59,6 +59,11 @@ def chain_as_toml(chain: Chain) -> str:
     return _checked_text(chain.replace(scatter=None), compact=False)
 
 
+def listed_chain_as_toml(chain: Chain) -> str:
+    """Write a chain as `chain_as_toml` does, with one radius per bead."""
+    return _checked_text(chain, compact=False)
+
+
 def _checked_text(chain: Chain, *, compact: bool) -> str:
     """Text of the chain, which describes the same chain if it is read."""
     # The materials of a scaled chain have no effect, but in a file they would select SI units.

@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import json
 import os
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,7 +36,6 @@ from ..errors import InputError, raise_all, short_repr, unknown_name_error
 from ..pulse.quantities import QUANTITIES
 from ..pulse.quantity_names import column_name
 from ..representation import short
-from ..store.chain_as_toml import chain_as_toml
 from ..store.chain_files import chain_from
 from ..store.chain_schema import KEYS, chain_schema, with_usual_names, without_units
 from ..store.schema_checks import check_document
@@ -56,6 +54,7 @@ from .axes import (
     unequal_lengths,
 )
 from .kept import KEPT, OF_RUNS
+from .listed_values import chain_as_document, missing_lists, with_lists
 from .methods import METHODS, check_option
 from .methods import OPTIONS as OPTIONS_OF
 
@@ -252,6 +251,8 @@ class _Reader:
     def __init__(self, document: Mapping[str, Any], folder: Path, heading: str = "") -> None:
         self.folder, self.heading = folder, heading
         self.problems: list[str] = []
+        # A chain that the document contains or describes by files.
+        self.inlined: Chain | None = None
         try:
             self.document = with_usual_names(document)
         except InputError as error:
@@ -267,6 +268,10 @@ class _Reader:
                 self._add("sweep", unknown_name_error("key", key, SETTINGS))
         chain, materials = self._chain()
         axes, combine = self._axes(settings)
+        if self.inlined is not None:
+            chain = chain_as_document(self.inlined, axes)["chain"]
+        chain = with_lists(chain, axes)
+        self.problems += [] if self.problems else missing_lists(chain, axes)
         methods = self._names(settings, "methods")
         keep = self._names(settings, "keep")
         errors = self._names(settings, "errors")
@@ -322,7 +327,8 @@ class _Reader:
         return (without_units(plain) if not self.problems else {}), materials
 
     def _inlined(self, chain: Chain) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-        document = self._try("chain", _as_document, chain) or {}
+        document = self._try("chain", chain_as_document, chain) or {}
+        self.inlined = chain if document else None
         return document.get("chain", {}), document.get("materials", {})
 
     def _axes(self, settings: Mapping[str, Any]) -> tuple[tuple[Axis, ...], str]:
@@ -360,7 +366,18 @@ class _Reader:
             known = (*KEYS, *(f"method.{name}" for name in OPTIONS))
             self._add(where, unknown_name_error("parameter", ".".join(path), known))
             return None
+        elif path[0] == "with_scatter" and path[-1] != "radii" and self._has_scattered_radii():
+            self._add(where, "has no effect, because with_scatter has the radii of the beads: give "
+                      "it a seed instead")  # fmt: skip
+            return None
         return self._try(where, Axis, path, entry)
+
+    def _has_scattered_radii(self) -> bool:
+        chain = self.document.get("chain")
+        given = chain.get("with_scatter") if isinstance(chain, Mapping) else None
+        return any(
+            "radii" in each for each in (given if isinstance(given, list) else [given or {}])
+        )
 
     def _names(self, settings: Mapping[str, Any], key: str) -> tuple[str, ...]:
         usual, known = SETTINGS[key].default, SETTINGS[key].choices
@@ -433,8 +450,3 @@ class _Reader:
 
     def _add(self, place: str, problem: InputError | str) -> None:
         self.problems.append(f"{place}: {problem}" if place else str(problem))
-
-
-def _as_document(chain: Chain) -> Any:
-    # Axes change radii, which then do not have the scatter of the chain.
-    return to_json_types(tomllib.loads(chain_as_toml(chain.replace(scatter=None))), "chain")

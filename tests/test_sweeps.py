@@ -659,9 +659,10 @@ def test_maps_mark_cells_outside_the_range_and_failed_ones():
     found.velocity[6, 2] = np.nan
     outside[6, 2] = False
     axes = plot_sweep(found, "velocity")
-    marks = {each.get_label(): each.get_offsets().tolist() for each in axes.collections[1:]}
-    assert marks.pop("failed") == [[0.7, 0.6]]
-    (places,) = marks.values()
+    # Those without places are for the legend.
+    marks = [each.get_offsets().tolist() for each in axes.collections[1:]]
+    failed, places = (each for each in marks if each)
+    assert failed == [[0.7, 0.6]]
     expected = [[float(found.chain_velocity[i]), float(found.ratio[j])]
                 for i, j in np.argwhere(outside)]  # fmt: skip
     assert sorted(places) == sorted(expected)

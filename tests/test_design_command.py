@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import itertools
 import json
 import os
 import re
@@ -475,6 +476,29 @@ def test_trials_that_cannot_be_simulated_are_rejected_and_counted():
     found = hc.design(overflowing(), budget=200, method="evolution")
     assert found.rejected > 0
     assert f"note: {found.rejected} trials were rejected, the first one because " in found.summary()
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
+@pytest.mark.parametrize(("until", "said"), [(9.2e-5, "no rejected"), (8.5e-5, "may be better")])
+def test_rejected_trials_are_compared_with_the_design(until, said):
+    chain = hc.Chain.from_materials("3 mm", "steel-52100", beads=4, velocity=0.1)
+    chain = chain.replace(right_wall=hc.Wall.of("steel-52100"))
+    sizes = hc.vary.balls(materials="steel-52100", diameters=["3 mm", "6 mm"], beads="2:")
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[sizes], until=until)
+    found = hc.design(problem, budget=50, method="enumerate")
+    rows = [chain.replace(radii=np.array([3e-3, *radii]))
+            for radii in itertools.product((1.5e-3, 3e-3), repeat=3)]  # fmt: skip
+    rejected = [row for row in rows if not hc.simulate(row, until=until).wall_force().complete]
+    assert found.rejected == len(rejected) > 0
+    reached = np.array([wall_peak(row, until) for row in rejected])
+    better = int((reached < found.value).sum())
+    last = found.notes[-1]
+    assert said in last
+    if better:
+        assert last.startswith(f"{better} rejected trial")
+    else:
+        assert float(last.split()[-2]) == pytest.approx(reached.min(), rel=2e-4)
+    assert "wall_force.peak is not complete: largest so far" in found.notes[-2]
 
 
 def test_a_search_without_any_result_does_not_block_a_corrected_file(file, tmp_path, run):

@@ -187,6 +187,8 @@ def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes.set_xlabel("simulations")
         single = result.problem.objective.single
         name = "score" if single is None else single.label
+        if (scatter := result.problem.scatter) is not None:
+            name = f"{scatter.statistic} of {name}"
         axes.set_ylabel(f"{name} [{unit}]" if unit else name)
     return axes
 
@@ -238,9 +240,10 @@ def plot_design(result: DesignResult) -> Figure:
         if narrow:
             heights = [0.8, 2.0 if apart else 1.0, 1.0, 1.0]
             figure.set_figheight(NARROW_HEIGHT * sum(heights))
-            panels = [*figure.add_gridspec(4, 1, height_ratios=heights)]
+            grid = figure.add_gridspec(4, 1, height_ratios=heights)
         else:
-            panels = [*figure.add_gridspec(2, 2)]
+            grid = figure.add_gridspec(2, 2)
+        panels = [grid[i] for i in range(4)]
         plot_beads(result, ax=figure.add_subplot(panels[0]))
         if apart:
             _draw_panels(result, lines, panels[1].subgridspec(2, 1))

@@ -18,6 +18,7 @@ from scipy_chain import wall_peak
 
 import hertzchain as hc
 from hertzchain.designs import trials
+from hertzchain.designs.exports import chain_text
 from hertzchain.designs.methods import method_for
 from hertzchain.designs.problem_files import load_design
 from hertzchain.designs.search_budget import budget_from, simulations_within
@@ -513,3 +514,29 @@ def test_a_search_without_any_result_does_not_block_a_corrected_file(file, tmp_p
     assert corrected.returncode == 0, corrected.stderr
     fresh = run(file, "--json", "--store", "other")
     assert json.loads(corrected.stdout)["radii"] == json.loads(fresh.stdout)["radii"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "fine"),
+    [({}, False), ({"left_wall": hc.Wall.of("steel-304")}, True), ({"gravity": 9.81}, True)],
+)  # fmt: skip
+def test_chains_whose_beads_only_move_apart_are_rejected_at_once(changes, fine):
+    chain = hc.Chain.from_materials("3 mm", "steel-304", beads=4, velocity=-0.3)
+    chain = chain.replace(right_wall=hc.Wall.of("steel-304"), **changes)
+    given = {"minimise": "largest_force", "until": 1e-3,
+             "vary": [hc.vary.radii("2 mm", "4 mm", beads="2:")]}  # fmt: skip
+    if fine:
+        assert hc.Design(chain, **given).chain is chain
+        return
+    with pytest.raises(hc.InputError, match="the velocity of bead 1 is -0.3 m/s; give a positive"):
+        hc.Design(chain, **given)
+
+
+def test_chain_files_of_designs_have_units_and_end_with_a_newline():
+    sizes = hc.vary.balls(materials="steel-304", diameters=["3 mm", "4 mm"], beads="2:")
+    chain = hc.Chain.from_materials("2 mm", "steel-304", beads=4, velocity=0.3)
+    found = hc.design(hc.Design(chain, maximise="velocity@last", vary=[sizes]), budget=30)
+    text = chain_text(found)
+    assert text.endswith("\n")
+    assert 'velocity = "0.3 m/s"\n' in text
+    assert "diameters = " in text

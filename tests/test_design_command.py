@@ -540,3 +540,27 @@ def test_chain_files_of_designs_have_units_and_end_with_a_newline():
     assert text.endswith("\n")
     assert 'velocity = "0.3 m/s"\n' in text
     assert "diameters = " in text
+
+
+@pytest.mark.parametrize(
+    ("limit", "optional", "said"),
+    [
+        ("4.9 mm", True, "length <= 4.9 mm cannot be met: the balls that do not vary have 5 mm"),
+        ("13.9 mm", False, "length <= 13.9 mm cannot be met: every row has at least 14 mm"),
+        ("14 mm", False, ""),
+    ],
+)
+def test_balls_that_are_longer_than_a_limit_need_no_search(limit, optional, said):
+    chain = hc.Chain.from_materials("2.5 mm", "steel-304", beads=4, velocity=0.01)
+    chain = chain.replace(right_wall=hc.Wall.of("steel-304"))
+    sizes = hc.vary.balls(
+        materials="steel-304", diameters=["3 mm", "4 mm"], beads="2:", optional=optional
+    )
+    found = hc.design(
+        hc.Design(chain, minimise="wall_force.peak", vary=[sizes],
+                  subject_to={"length": f"<= {limit}"}), budget=30,
+    )  # fmt: skip
+    assert found.met == (not said)
+    assert (found.runs == 1) == bool(said)
+    assert said in "".join(found.notes)
+    assert ("not searched" in found.summary()) == bool(said)

@@ -157,6 +157,8 @@ def _choices(result: DesignResult) -> tuple[int, int] | None:
 
 
 def _starts(result: DesignResult) -> list[str]:
+    if result.method == "none":
+        return ["not searched, because a constraint cannot be met (see the notes)"]
     if (choices := _choices(result)) is not None:
         done, count = choices
         if done >= count:

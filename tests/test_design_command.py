@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import itertools
 import json
 import os
 import re
@@ -19,6 +20,7 @@ import hertzchain as hc
 from hertzchain.designs import dry_run as timing
 from hertzchain.designs import trials
 from hertzchain.designs.design import dry_run
+from hertzchain.designs.exports import chain_text
 from hertzchain.designs.genetic import search
 from hertzchain.designs.methods import method_for
 from hertzchain.designs.problem_files import load_design
@@ -514,6 +516,29 @@ def test_trials_that_cannot_be_simulated_are_rejected_and_counted():
     assert f"note: {found.rejected} trials were rejected, the first one because " in found.summary()
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
+@pytest.mark.parametrize(("until", "said"), [(9.2e-5, "no rejected"), (8.5e-5, "may be better")])
+def test_rejected_trials_are_compared_with_the_design(until, said):
+    chain = hc.Chain.from_materials("3 mm", "steel-52100", beads=4, velocity=0.1)
+    chain = chain.replace(right_wall=hc.Wall.of("steel-52100"))
+    sizes = hc.vary.balls(materials="steel-52100", diameters=["3 mm", "6 mm"], beads="2:")
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[sizes], until=until)
+    found = hc.design(problem, budget=50, method="enumerate")
+    rows = [chain.replace(radii=np.array([3e-3, *radii]))
+            for radii in itertools.product((1.5e-3, 3e-3), repeat=3)]  # fmt: skip
+    rejected = [row for row in rows if not hc.simulate(row, until=until).wall_force().complete]
+    assert found.rejected == len(rejected) > 0
+    reached = np.array([wall_peak(row, until) for row in rejected])
+    better = int((reached < found.value).sum())
+    last = found.notes[-1]
+    assert said in last
+    if better:
+        assert last.startswith(f"{better} rejected trial")
+    else:
+        assert float(last.split()[-2]) == pytest.approx(reached.min(), rel=2e-4)
+    assert "wall_force.peak is not complete: largest so far" in found.notes[-2]
+
+
 def test_a_search_without_any_result_does_not_block_a_corrected_file(file, tmp_path, run):
     # The peak on a wall that no pulse reaches within this time is not known.
     file.write_text(PROBLEM.replace("seed = 2", "seed = 2\nuntil = 1.0"))
@@ -526,3 +551,53 @@ def test_a_search_without_any_result_does_not_block_a_corrected_file(file, tmp_p
     assert corrected.returncode == 0, corrected.stderr
     fresh = run(file, "--json", "--store", "other")
     assert json.loads(corrected.stdout)["radii"] == json.loads(fresh.stdout)["radii"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "fine"),
+    [({}, False), ({"left_wall": hc.Wall.of("steel-304")}, True), ({"gravity": 9.81}, True)],
+)  # fmt: skip
+def test_chains_whose_beads_only_move_apart_are_rejected_at_once(changes, fine):
+    chain = hc.Chain.from_materials("3 mm", "steel-304", beads=4, velocity=-0.3)
+    chain = chain.replace(right_wall=hc.Wall.of("steel-304"), **changes)
+    given = {"minimise": "largest_force", "until": 1e-3,
+             "vary": [hc.vary.radii("2 mm", "4 mm", beads="2:")]}  # fmt: skip
+    if fine:
+        assert hc.Design(chain, **given).chain is chain
+        return
+    with pytest.raises(hc.InputError, match="the velocity of bead 1 is -0.3 m/s; give a positive"):
+        hc.Design(chain, **given)
+
+
+def test_chain_files_of_designs_have_units_and_end_with_a_newline():
+    sizes = hc.vary.balls(materials="steel-304", diameters=["3 mm", "4 mm"], beads="2:")
+    chain = hc.Chain.from_materials("2 mm", "steel-304", beads=4, velocity=0.3)
+    found = hc.design(hc.Design(chain, maximise="velocity@last", vary=[sizes]), budget=30)
+    text = chain_text(found)
+    assert text.endswith("\n")
+    assert 'velocity = "0.3 m/s"\n' in text
+    assert "diameters = " in text
+
+
+@pytest.mark.parametrize(
+    ("limit", "optional", "said"),
+    [
+        ("4.9 mm", True, "length <= 4.9 mm cannot be met: the balls that do not vary have 5 mm"),
+        ("13.9 mm", False, "length <= 13.9 mm cannot be met: every row has at least 14 mm"),
+        ("14 mm", False, ""),
+    ],
+)
+def test_balls_that_are_longer_than_a_limit_need_no_search(limit, optional, said):
+    chain = hc.Chain.from_materials("2.5 mm", "steel-304", beads=4, velocity=0.01)
+    chain = chain.replace(right_wall=hc.Wall.of("steel-304"))
+    sizes = hc.vary.balls(
+        materials="steel-304", diameters=["3 mm", "4 mm"], beads="2:", optional=optional
+    )
+    found = hc.design(
+        hc.Design(chain, minimise="wall_force.peak", vary=[sizes],
+                  subject_to={"length": f"<= {limit}"}), budget=30,
+    )  # fmt: skip
+    assert found.met == (not said)
+    assert (found.runs == 1) == bool(said)
+    assert said in "".join(found.notes)
+    assert ("not searched" in found.summary()) == bool(said)

@@ -1,5 +1,6 @@
 """Design of chains: problems, variables, methods of search, and verified results."""
 
+import dataclasses
 import itertools
 import re
 
@@ -329,6 +330,31 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     assert outcome.score == pytest.approx(np.mean(sorted(peaks)[-2:]), rel=1e-6)
     found = hc.design(problem, budget=1600)
     assert found.verified.scattered["CVaR90 of wall_force.peak"] > found.value * 0.98
+    # The first line states what was minimised: the mean of the two worst of ten samples.
+    radii = found.chain.radii * np.exp(0.02 * scatter._draws(0, 10))
+    peaks = [hc.simulate(found.chain.replace(radii=each), times=0).wall_force().peak
+             for each in radii]  # fmt: skip
+    first = found.summary().splitlines()[0]
+    said = r"Smallest CVaR80 of wall_force.peak: (.*) in the search; (.*) without scatter"
+    values = [float(each) for each in re.fullmatch(said, first).groups()]
+    assert values == pytest.approx([np.mean(sorted(peaks)[-2:]), found.value], rel=2e-4)
+    assert found.plot("history").get_ylabel() == "CVaR80 of peak force on the wall"
+
+
+def test_samples_that_exceed_a_limit_are_marked():
+    scatter = hc.Scatter(radius=0.02, samples=10, beads="2:")
+    given = {"minimise": "wall_force.peak", "vary": [hc.vary.radii(0.5, 1.0, by="common")]}
+    free = hc.design(hc.Design(WALLED, scatter=scatter, **given), budget=300)
+    samples = free.verified.scattered
+    # Between the mean and the worst sample.
+    limit = samples["CVaR90 of wall_force.peak"] * (1.0 - 1e-6)
+    limited = hc.Design(
+        WALLED, scatter=scatter, subject_to={"wall_force.peak": f"<= {limit}"}, **given
+    )
+    result = dataclasses.replace(free, problem=limited)
+    (line,) = (each for each in result.summary().splitlines() if "new samples" in each)
+    assert line.endswith("(CVaR90 and worst exceed the limit)")
+    assert "exceed" not in free.summary()
 
 
 def test_models_of_samples_have_the_cvar_and_its_derivatives():
@@ -996,8 +1022,10 @@ def test_a_design_with_all_choices_states_the_search_and_units_of_scatter():
     count = int(problem.space.count)
     assert f"best of all {count} simulated choices" in repr(result)
     lines = [line for line in result.summary().splitlines() if "with scatter" in line]
-    assert len(lines) == 3
-    assert all(line.endswith(" N") for line in lines)
+    values = [f"{kind} {result.verified.scattered[f'{kind} of wall_force.peak']:.4g} N"
+              for kind in ("mean", "CVaR90", "worst")]  # fmt: skip
+    assert len(lines) == 1
+    assert lines[0].endswith(f"wall_force.peak {', '.join(values)}")
 
 
 def test_a_design_without_a_trial_that_meets_the_constraints_is_drawn():
@@ -1008,5 +1036,7 @@ def test_a_design_without_a_trial_that_meets_the_constraints_is_drawn():
     )  # fmt: skip
     result = hc.design(problem, method="enumerate")
     assert not result.met
+    # The forces of other trials that violate the constraints are not compared.
+    assert "median" not in hc.design(problem, method="genetic", budget=60).summary()
     texts = [text.get_text() for axes in result.plot().axes for text in axes.texts]
     assert "no trial met the constraints" in texts

@@ -472,3 +472,12 @@ def test_the_check_of_reflections_can_be_omitted():
     assert leading.outside_range.tolist() == [False, False]
     assert "1 of 2 chains outside Hertz's range;" in repr(whole)
     assert "0 of 2 chains outside Hertz's range (reflections not" in repr(leading)
+
+
+def test_sensors_of_beads_that_no_chain_has_are_rejected():
+    chains = [hc.Chain.uniform(8), hc.Chain.uniform(10)]
+    with pytest.raises(hc.InputError, match="no bead 11 for a sensor in chains of up to 10 beads"):
+        hc.simulate_many(chains, keep=["sensor_impulse"], sensors=[3, 11])
+    # The shorter chain has no bead 9.
+    table = hc.simulate_many(chains, keep=["sensor_impulse"], sensors=[9])
+    assert [*table.reasons] == [0]

@@ -1084,3 +1084,23 @@ def test_estimates_of_points_of_different_length_are_lower_bounds_if_one_is_unfi
     found = timing.time_per_point(read_specification(spec | {"sweep": {"batch": 1}}))
     assert found.unfinished
     assert 1e-3 < found.seconds <= timing.LONGEST
+
+
+def test_failed_points_are_grouped_by_their_reasons(run, tmp_path):
+    (tmp_path / "sweep.toml").write_text("""
+        [chain]
+        taper = "uniform"
+        beads = 8
+        [axes]
+        exponent = [1.4, 1.5, 1.6]
+        "method.max_steps" = [10, 20, 100000]
+        [sweep]
+        methods = "simulate"
+    """)
+    code, out, _ = run("sweep", tmp_path / "sweep.toml", "--store", tmp_path / "store")
+    assert code == 1
+    shown = [line for line in out.splitlines() if "stopped by the step limit" in line]
+    assert len(shown) == 1
+    assert "max_steps = 10" in shown[0]
+    assert "(and 5 more points, similarly)" in shown[0]
+    assert "see variable `reason`" not in out

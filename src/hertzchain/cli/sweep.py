@@ -48,6 +48,8 @@ class _Sweep(click.Group):
         return super().parse_args(ctx, args)
 
 
+# Number of failed points that are grouped by their reasons, and of reasons that are shown.
+MAX_GROUPED, MAX_REASONS = 1000, 5
 # Not contained in an estimate.
 START: Final = "starting and compiling (seconds to minutes)"
 
@@ -305,11 +307,7 @@ def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: boo
         total = sum(counts.values())
         click.echo(f"{store}: {counts['done']} of {total} points done, {counts['failed']} failed, "
                    f"{counts['missing']} missing")  # fmt: skip
-        for place, reason in failures:
-            click.echo(f"  {', '.join(f'{name} = {value}' for name, value in place.items())}: "
-                       f"{reason}")  # fmt: skip
-        if counts["failed"] > len(failures):
-            click.echo(f"  and {counts['failed'] - len(failures)} more (see variable `reason`)")
+        _show_failures(opened, counts["failed"])
         if outside:
             click.echo(f"  points outside the validity range of a method: {outside} (see "
                        "variable `outside_range`)")  # fmt: skip
@@ -318,6 +316,18 @@ def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: boo
                        "variable `incomplete`)")  # fmt: skip
     unfinished = counts["missing"] and part is None
     return FAILED if counts["failed"] or unfinished else DONE
+
+
+def _show_failures(opened: SweepStore, failed: int) -> None:
+    """Print the reasons of failed points, each with the first point that has it."""
+    groups = opened.failures_by_reason(MAX_GROUPED) if failed else []
+    for reason, count, place in groups[:MAX_REASONS]:
+        at = ", ".join(f"{name} = {value}" for name, value in place.items())
+        similar = f" (and {count - 1} more points, similarly)" if count > 1 else ""
+        click.echo(f"  {at}{similar}: {reason}")
+    shown = sum(count for _, count, _ in groups[:MAX_REASONS])
+    if failed > shown:
+        click.echo(f"  and {failed - shown} more (see variable `reason`)")
 
 
 def _duration(seconds: float) -> str:

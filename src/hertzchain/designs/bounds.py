@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..chain.chain import Chain
-from .measures import IMPULSE, Measure
+from .ball_choice import BallSpace
+from .measures import IMPULSE, Measure, in_words
 from .problem import Design
 
 
@@ -90,4 +91,26 @@ def impossible(problem: Design) -> str | None:
         for each in problem.requirements:
             if each.measure == bound.measure and not bound.allows(each.limit, each.sign):
                 return f"{each} cannot be met: {bound}"
+    return _too_small(problem)
+
+
+def _too_small(problem: Design) -> str | None:
+    """Whether the balls that every row has are longer or heavier than a limit."""
+    space, chain = problem.space, problem.chain
+    if not isinstance(space, BallSpace) or space.order or _driven(chain):
+        return None
+    fixed = np.setdiff1d(np.arange(chain.strikers, chain.beads), space.places)
+    smallest = min(2.0 * ball.radius for ball in space.balls)
+    size = {"length": 2.0 * float(chain.radii[fixed].sum()),
+            "mass": float(chain.masses[fixed].sum())}  # fmt: skip
+    if not space.optional:
+        size["length"] += smallest * space.size
+    for each in problem.requirements:
+        least = size.get(each.measure.key)
+        if least is not None and each.sign > 0 and least > each.limit * (1.0 + 1e-9):
+            shown = in_words(least, each.measure.unit, chain.units)
+            which = (
+                "the balls that do not vary have" if space.optional else "every row has at least"
+            )
+            return f"{each} cannot be met: {which} {shown}"
     return None

@@ -27,6 +27,7 @@ from .methods import Found, method_for, price_of, run_method
 from .pareto import SEARCHES, compared_points, design_front
 from .problem import Design
 from .reference_chains import evaluated_references, reference_count
+from .rejections import notes_on_rejections
 from .result import DesignResult
 from .search_budget import Budget, budget_from, simulations_within
 from .trials import Outcome, Reference, Trials
@@ -241,6 +242,7 @@ def _result(
     promise = found.promise
     space = problem.space
     parts = tuple(space.parts(best.x)) if isinstance(space, BallSpace) and not space.order else ()
+    notes = (*notes, *verified.notes, *notes_on_rejections(trials, verified))
     return DesignResult(
         problem, verified, met(problem, verified.values), best.score,
         None if promise is None else (promise.value, promise.error),
@@ -250,18 +252,8 @@ def _result(
         bounds_of(problem), found.method, np.array(found.finals),
         tuple(_verified(trials, each) for each in found.optima), others,
         np.array(trials.history, float).reshape(-1, 2), (), trials.runs, trials.gradients,
-        trials.rejected, trials.journal.seconds, (*notes, *verified.notes, *_rejected(trials)),
-        parts,
+        trials.rejected, trials.journal.seconds, notes, parts,
     )  # fmt: skip
-
-
-def _rejected(trials: Trials) -> list[str]:
-    """A note on trials that could not be simulated."""
-    if not trials.rejected:
-        return []
-    which = "one trial was" if trials.rejected == 1 else f"{trials.rejected} trials were"
-    first = "" if trials.rejected == 1 else "the first one because "
-    return [f"{which} rejected, {first or 'because '}{trials.why_rejected()}"]
 
 
 def _verified(trials: Trials, outcome: Outcome) -> Verified:

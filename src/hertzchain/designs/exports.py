@@ -25,12 +25,14 @@ if TYPE_CHECKING:
 
 def chain_text(result: DesignResult) -> str:
     """Chain file; balls of a catalogue have diameters, by which they are sold."""
-    text = chain_as_toml(result.chain)
-    if not result.discrete or result.chain.units != "SI":
+    text = chain_as_toml(result.chain) + "\n"
+    if result.chain.units != "SI":
         return text
-    sold = re.sub(r"^radii = .*$", _diameters, text, count=1, flags=re.MULTILINE)
-    same = fingerprint(chain_from(tomllib.loads(sold))) == fingerprint(result.chain)
-    return sold if same else text
+    shown = re.sub(r"^velocity = (.*)$", r'velocity = "\1 m/s"', text, flags=re.MULTILINE)
+    if result.discrete:
+        shown = re.sub(r"^radii = .*$", _diameters, shown, count=1, flags=re.MULTILINE)
+    same = fingerprint(chain_from(tomllib.loads(shown))) == fingerprint(result.chain)
+    return shown if same else text
 
 
 def _diameters(line: re.Match[str]) -> str:

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..chain.chain import Chain
 from ..errors import InputError, short_repr
 from ..representation import counted, short
@@ -105,9 +107,29 @@ class Design:
         if self.until is not None:
             until = number("until", self.until, unit=chain._unit("s"), above=0.0)
             object.__setattr__(self, "until", until)
+        self._check_impact()
         self._check_end()
         self._check_prices()
         self._check_model()
+
+    def _check_impact(self) -> None:
+        """Raise `InputError` if a simulation would begin with beads that only move apart."""
+        chain, velocities = self.chain, self.chain.velocities
+        varied = any(block.field == "velocities" for block in getattr(self.space, "blocks", ()))
+        loaded = chain.drive is not None or chain.gravity or chain.precompression
+        if varied or loaded or all(each.of_chain for each in self.measures):
+            return
+        ends = (-velocities[0] if chain.left_wall else 0.0,
+                velocities[-1] if chain.right_wall else 0.0)  # fmt: skip
+        if max(*ends, *-np.diff(velocities)) > 0.0:
+            return
+        k = int(np.argmin(velocities))
+        if velocities[k] < 0.0:
+            speed = f"{velocities[k]:g}{' m/s' if chain.units == 'SI' else ''}"
+            raise InputError(
+                "no bead moves towards another bead or a wall: the velocity of bead "
+                f"{k + 1} is {speed}; give a positive velocity"
+            )
 
     def _check_end(self) -> None:
         for each in self.measures:

@@ -32,10 +32,8 @@ def summary(result: DesignResult) -> str:
                      f"{error:.1g}")  # fmt: skip
     lines += [_requirement(result, i) for i in range(len(problem.requirements))]
     lines += [f"  bound: {bound}" for bound in result.bounds]
-    for name, value in result.verified.scattered.items():
-        unit = next((m.unit for m in problem.measures if name.endswith(f" of {m}")), "1")
-        shown = in_words(value, unit, result.chain.units)
-        lines.append(f"  with scatter, 400 new samples: {name} {shown}")
+    sampled = [each for each in problem.measures if f"mean of {each}" in result.verified.scattered]
+    lines += [f"  with scatter, 400 new samples: {_scattered(result, each)}" for each in sampled]
     if result.parts:
         lines.append("parts, without the arriving ball:" if _arrives(result) else "parts:")
         lines += [f"  {count} x {name}" for count, name in result.parts]
@@ -60,6 +58,19 @@ def front_in_words(result: DesignResult) -> str:
         return "Pareto front of the simulated choices, which may miss points"
     return (f"Pareto front of {result.runs} simulated choices ({result.runs / space.count:.2g} of "
             "all); it may miss points, fewer with a larger budget")  # fmt: skip
+
+
+def _scattered(result: DesignResult, each: Measure) -> str:
+    """Values of a measure in samples of the scatter, and whether they exceed a limit."""
+    values = {kind: result.verified.scattered[f"{kind} of {each}"]
+              for kind in ("mean", "CVaR90", "worst")}  # fmt: skip
+    parts = [f"{kind} {in_words(value, each.unit, result.chain.units)}"
+             for kind, value in values.items()]  # fmt: skip
+    limits = [limit for limit in result.problem.requirements if limit.measure == each]
+    over = [kind for kind, value in values.items() if any(x.excess(value) > 0.0 for x in limits)]
+    verb = "exceed" if len(over) > 1 else "exceeds"
+    exceeding = f" ({' and '.join(over)} {verb} the limit)" if over else ""
+    return f"{each} {', '.join(parts)}{exceeding}"
 
 
 def _of_front(point: DesignResult) -> str:
@@ -94,6 +105,11 @@ def _heading(result: DesignResult) -> list[str]:
     arriving = single is not None and _counts_arriving(result, single)
     value += " with the arriving ball" if arriving else ""
     first = f"{_first_upper(str(problem.objective))}: {value}"
+    if problem.scatter is not None and single is not None:
+        aim, _, name = str(problem.objective).partition(" ")
+        searched = result._shown(result._sign * result.expected)
+        first = (f"{_first_upper(aim)} {problem.scatter.statistic} of {name}: {searched} in the "
+                 f"search; {value} without scatter")  # fmt: skip
     if not result.met:
         first = ("No chain meets the constraints; the trial that violates them least has "
                  f"{problem.objective.single or 'the score'} {value.strip()}")  # fmt: skip
@@ -152,6 +168,8 @@ def _choices(result: DesignResult) -> tuple[int, int] | None:
 
 
 def _starts(result: DesignResult) -> list[str]:
+    if result.method == "none":
+        return ["not searched, because a constraint cannot be met (see the notes)"]
     if (choices := _choices(result)) is not None:
         done, count = choices
         if done >= count:
@@ -167,7 +185,8 @@ def _starts(result: DesignResult) -> list[str]:
     starts = counted(len(result.finals), "start")
     best, median = result.spread
     ends = f" (best {result._shown(best)}, median {result._shown(median)})"
-    spread = ends if len(result.finals) > 1 else ""
+    # Scores of trials that violate constraints are not compared.
+    spread = ends if len(result.finals) > 1 and result.met else ""
     return [f"best of {starts}{spread} by method {result.method!r}, in {work} and "
             f"{result.seconds:.0f} s"]  # fmt: skip
 

@@ -132,6 +132,11 @@ class Scatter:
             chain, draws[:, : chain.beads], self.radius, self.grade, self.beads
         )
 
+    @property
+    def statistic(self) -> str:
+        """The measure in words: ``"mean"`` or, for example, ``"CVaR90"``."""
+        return self.measure.replace("cvar", "CVaR")
+
     def _worst(self, values: Array, sign: float) -> Any:
         """Indices of the samples that count, for values of which large (sign 1) are bad."""
         order = np.argsort(sign * values, kind="stable")

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 # Tolerance of trial runs; results are verified with a tighter one.
 RTOL: Final = 1e-5
 KEPT: Final = 12
+MAX_FAILURES: Final = 1000
 # Trials that a budget of time permits at most.
 UNLIMITED: Final = 10**12
 # A budget of time is checked after this part of it, or this time [s]: at first after a few trials,
@@ -90,8 +91,8 @@ class Trials:
     memory: dict[bytes, tuple[Any, Array]] | None = None
     # Number of the best trials that are kept.
     kept: int = KEPT
-    # The first point whose chain could not be simulated.
-    failed: Any = None
+    # Points whose chains have no values, at most `MAX_FAILURES`.
+    failures: list[Any] = field(default_factory=list)
     # Verified chains by point, also of all searches of a Pareto front.
     verified: dict[bytes, Verified] = field(default_factory=dict)
     # Number of trials after which a budget of time is checked.
@@ -346,13 +347,7 @@ class Trials:
     def add_counts(self, part: Trials) -> None:
         """Continue the counts of a search that is a part of this one."""
         self.runs, self.gradients = part.runs, part.gradients
-        self.rejected, self.failed = part.rejected, part.failed
-
-    def why_rejected(self) -> str:
-        """Why the first rejected trial could not be simulated."""
-        self.reasons.clear()
-        self._values([self.failed], RTOL)
-        return next(iter(self.reasons), "it has no value of an objective or a constraint")
+        self.rejected, self.failures = part.rejected, part.failures
 
     def _journalled(self, what: str, points: Sequence[Any], compute: Callable[[], Array]) -> Array:
         joined = b"".join(np.ascontiguousarray(point).tobytes() for point in points)
@@ -382,7 +377,7 @@ class Trials:
             self.runs += cost
             if cost and not np.isfinite(each.values).all():
                 self.rejected += 1
-                self.failed = each.x if self.failed is None else self.failed
+                self.failures += [each.x] * (len(self.failures) < MAX_FAILURES)
             if each.rank < best:
                 best = each.rank
                 if each.met:

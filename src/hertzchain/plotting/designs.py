@@ -192,6 +192,8 @@ def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes.set_xlabel("simulations")
         single = result.problem.objective.single
         name = "score" if single is None else single.label
+        if (scatter := result.problem.scatter) is not None:
+            name = f"{scatter.statistic} of {name}"
         axes.set_ylabel(f"{name} [{unit}]" if unit else name)
     return axes
 

@@ -172,12 +172,18 @@ def _checked_sensors(sensors: Iterable[int | str], given: Sequence[object]) -> t
             "each; give sensors as numbers of beads"
         )
     longest = max(chains, key=lambda each: each.beads, default=None)
-    return tuple(
+    numbers = tuple(
         bead_number(longest, bead, "bead with a sensor")
         if isinstance(bead, str) and longest is not None
         else whole_number("bead with a sensor", bead, least=1)
         for bead in beads
     )
+    if longest is not None and max(numbers, default=0) > longest.beads:
+        raise InputError(
+            f"there is no bead {max(numbers)} for a sensor in chains of up to {longest.beads} "
+            f"beads; give beads from 1 to {longest.beads}"
+        )
+    return numbers
 
 
 class _Ensemble:

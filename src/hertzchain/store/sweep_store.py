@@ -13,6 +13,7 @@ import contextlib
 import hashlib
 import itertools
 import os
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -261,6 +262,13 @@ class SweepStore:
     def failures(self, most: int) -> list[tuple[dict[str, Any], str]]:
         """Coordinates of failed points, and the reasons."""
         return list(itertools.islice(self._failures(), most))
+
+    def failures_by_reason(self, most: int) -> list[tuple[str, int, dict[str, Any]]]:
+        """Reasons of failed points, how many have each but for its numbers, and the first point."""
+        found: dict[str, list[tuple[dict[str, Any], str]]] = {}
+        for place, reason in self.failures(most):
+            found.setdefault(re.sub(r"\d[\d.e+-]*", "#", reason), []).append((place, reason))
+        return [(group[0][1], len(group), group[0][0]) for group in found.values()]
 
     def _failures(self) -> Iterator[tuple[dict[str, Any], str]]:
         dataset, rows = self.open(), self.status.chunks[0]

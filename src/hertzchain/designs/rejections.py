@@ -1,0 +1,74 @@
+"""Notes on trials that have no value of an objective or a constraint."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import InputError, SimulationError
+from ..representation import counted
+from ..simulation.simulate import simulate
+from ..simulation.simulate_many import simulate_many
+from .exact_gradients import PEAK
+from .measures import in_words
+from .trials import MAX_FAILURES, RTOL, Trials
+from .verified import Verified
+
+
+def notes_on_rejections(trials: Trials, best: Verified) -> list[str]:
+    """Why trials were rejected, and whether they could be better than the design."""
+    if not trials.rejected:
+        return []
+    which = "one trial was" if trials.rejected == 1 else f"{trials.rejected} trials were"
+    first = "" if trials.rejected == 1 else "the first one "
+    notes = [f"{which} rejected, {first}because {_why(trials)}"]
+    compared = trials.problem.objective.single == PEAK and trials.problem.objective.weights[0] > 0.0
+    simulated = trials.problem.model == "simulation" and trials.problem.scatter is None
+    if compared and simulated and trials.best[0].met and trials.rejected <= MAX_FAILURES:
+        notes += _compared_with(trials, best.values[str(PEAK)])
+    return notes
+
+
+def _why(trials: Trials) -> str:
+    """Why the first rejected trial has no value."""
+    problem, point = trials.problem, trials.failures[0]
+    trials.reasons.clear()
+    values = trials._values([point], RTOL)[0]
+    if trials.reasons:
+        return next(iter(trials.reasons))
+    unknown = [each for each, value in zip(trials.measures, values, strict=True)
+               if not np.isfinite(value)]  # fmt: skip
+    if unknown == [PEAK] and problem.scatter is None:
+        chain = problem.space.chain_of(point)
+        wall = simulate(chain, times=0, until=problem.until).wall_force()
+        largest, most = (
+            in_words(value, "N", chain.units)
+            for value in (wall.largest_so_far, max(wall.bound, wall.largest_so_far))
+        )
+        return f"{PEAK} is not complete: largest so far {largest}, at most {most}"
+    return f"it has no {' and no '.join(map(str, unknown))}"
+
+
+def _compared_with(trials: Trials, value: float) -> list[str]:
+    """Whether the forces that rejected trials have reached exceed the smallest peak."""
+    chains = []
+    for point in trials.failures:
+        try:
+            chains.append(trials.problem.space.chain_of(point))
+        except InputError:
+            continue  # There is no such chain.
+    if not chains:
+        return []
+    try:
+        table = simulate_many(chains, keep=["wall_largest_so_far"], until=trials.problem.until)
+    except SimulationError:
+        return []
+    reached = table["wall_largest_so_far"]
+    # Forces that are not known may be smaller.
+    better = int((~(reached >= value)).sum())
+    unit = trials.problem.chain.units
+    if not better:
+        smallest = in_words(float(reached.min()), "N", unit)
+        return [f"no rejected trial is better: the force on the wall reached at least {smallest}"]
+    advice = "" if trials.problem.until is None else "; set a later until"
+    which = counted(better, "rejected trial")
+    return [f"{which} reached less than {in_words(value, 'N', unit)} and may be better{advice}"]

@@ -79,7 +79,10 @@ def failures(page: Path) -> Iterator[str]:
             out, err = _run(line, Path(folder), environment)
             # On a slow machine there are lines about progress and the compiler, which are not shown
             # on the page.
-            progress = r"^([\w ]+: \d+ of \d+(, .* left)?|hertzchain: compiling once.*)\n"
+            progress = (
+                r"^([\w ]+: \d+ of \d+(, .* left)?|hertzchain: compiling once.*"
+                r"|computing a few points to estimate the time)\n"
+            )
             got = out + re.sub(progress, "", err, flags=re.M)
             if not OutputChecker().check_output(_lines(expected), _lines(got), ELLIPSIS):
                 yield f"$ {line}\nexpected:\n{expected}\ngot:\n{got}"

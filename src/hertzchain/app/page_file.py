@@ -53,9 +53,9 @@ def save_page(
 
     Examples
     --------
+    >>> import hertzchain as hc
     >>> import tempfile
     >>> from pathlib import Path
-    >>> import hertzchain as hc
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "pulse.html"
     ...     hc.save_page(hc.Chain.uniform(20), file)

@@ -25,6 +25,7 @@ from .shown_values import shown_value
 from .systematics import Effect
 from .traces import Traces
 from .weak_directions import WeakDirection
+from .weights import data_residuals
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -131,12 +132,16 @@ class FitResult:
     @property
     def chi2_per_sample(self) -> dict[str, float]:
         """Mean of the squared residuals over their noise, by sensor; 1 is expected."""
-        found: dict[str, list[Array]] = {}
-        for _, name, values in self.residuals():
-            found.setdefault(name, []).append(values)
-        return {
-            name: float(np.nanmean(np.concatenate(parts) ** 2)) for name, parts in found.items()
-        }
+        found: dict[str, Array] = {}
+        begin, own = 0, data_residuals(self.problem, self.residual_vector)
+        for _, signal in self.traces:
+            counts = signal.counted
+            part = slice(begin, begin + len(counts))
+            used = ~self.problem.skipped[part]
+            sums = np.array([np.sum(own[part][used] ** 2), np.sum(1.0 / counts[used])])
+            found[signal.name] = found.get(signal.name, 0.0) + sums
+            begin += len(counts)
+        return {name: float(square / count) for name, (square, count) in found.items()}
 
     def bic(self, inflation: float | None = None) -> float:
         r"""Bayesian information criterion :math:`\chi^2/s + k \ln(n/s)`, priors included.
@@ -164,9 +169,8 @@ class FitResult:
         """
         good = self.goodness
         s = good.inflation if inflation is None else number("inflation", inflation, above=0.0)
-        total = good.samples + good.skipped
-        chi2 = self.chi2 + good.skipped + self.penalty
-        return float(chi2 / s + len(self.names) * np.log(total / s))
+        total, chi2 = good.counted + good.skipped, self.chi2 + good.skipped
+        return float(chi2 / s + self.penalty + len(self.names) * np.log(total / s))
 
     @property
     def describes(self) -> bool:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 
 from ..collision import Array
 from ..frozen import Frozen
+from .noise import correlation_of_rounding, counted_once
 from .places import Place
+
+# Errors of rounding are hardly correlated if the step is smaller than this multiple of the noise.
+COARSE: Final = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +31,8 @@ class Signal(Frozen):
     valid : ndarray of bool, shape (n,)
         Samples that a fit uses: neither missing nor saturated.
     noise : float
-        Standard deviation of the noise, in the same unit.
+        Standard deviation of the noise, in the same unit; if it is smaller than the step of the
+        digitiser, without the errors of rounding.
     quiet : int
         Number of samples from which the noise was estimated; 0 if it was given.
     step : float
@@ -58,13 +64,25 @@ class Signal(Frozen):
 
     @property
     def sigma(self) -> float:
-        """Standard deviation of a sample: its noise and, if this is larger, that of rounding."""
-        return float(np.hypot(self.noise, self.step / 12.0**0.5)) if self.coarse else self.noise
+        """Standard deviation of a sample: its noise and, if this is smaller than a step, rounding.
+
+        The noise before the pulse contains the errors of rounding to smaller steps.
+        """
+        rounded = self.step > self.noise
+        return float(np.hypot(self.noise, self.step / 12.0**0.5)) if rounded else self.noise
 
     @property
     def coarse(self) -> bool:
-        """Whether samples are rounded to steps that are larger than their noise."""
-        return self.step > self.noise
+        """Whether the errors of rounding are correlated, because the noise is small."""
+        return self.step > COARSE * self.noise
+
+    @property
+    def counted(self) -> Array:
+        """Number of samples for which each valid sample stands: 1 if it is not coarse."""
+        values = self.values[self.valid]
+        if not self.coarse:
+            return np.ones(len(values))
+        return counted_once(values, correlation_of_rounding(self.noise, self.step))
 
     @property
     def calibrated(self) -> bool:

@@ -21,6 +21,7 @@ from .noise import (
     check_names_of_noise,
     clipped_part,
     digitiser_step,
+    noise_before_rounding,
     noise_of,
     onset,
     saturated,
@@ -306,6 +307,8 @@ def _signal(
                 f"pulse arrives: record at least {MIN_QUIET}, or give noise"
             )
         known = noise_of(before)
+        if known < step:
+            known = noise_before_rounding(before, step)
         if max(known, step) == 0.0:
             raise InputError(
                 f"the samples of {place.name} before the pulse are all equal, which leaves its "

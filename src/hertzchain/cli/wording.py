@@ -24,6 +24,10 @@ WORDINGS: Final = (
     (r"(?<![-.'])\bmax_steps\b", "--max-steps"),
     (r"\bgive load_traces sensors=\{'([^']*)': '([^']*)'\}", r"add --sensor '\1=\2'"),
     (r"\bgive sensors to load_traces\b", "add --sensor"),
+    (r"\(scan_defects\)", "(--defects)"),
+    (r"\(compare_losses\)", "(--laws all)"),
+    (r"\bcompare_losses compares", "--laws all compares"),
+    (r"\badd '([^']*)' to the free parameters", r"add --also-free '\1'"),
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),
 )  # fmt: skip
 

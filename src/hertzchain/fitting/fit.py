@@ -225,11 +225,6 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     at_bounds = tuple(name for name, there in zip(names, bound, strict=True) if there)
     notes = conflict_notes(model.parameters, model.traces, values, sigmas)
     notes += _notes(model, sigmas, sizes, at_bounds, weak)
-    if {"stiffness", "exponent"} <= {name.key for name in model.names}:
-        notes += (
-            f"stiffness is the factor of the forces at an overlap of {1e6 * model.reference:.3g} "
-            "um, at which the exponent does not change them",
-        )
     if good.skipped:
         notes += (
             f"{counted(good.skipped, 'sample')} next to jumps of the force "
@@ -299,6 +294,11 @@ def _notes(
                 f"the data hardly fix {name}, whose error exceeds its size: fix it, or give it a "
                 "prior"
             )
+    if {"stiffness", "exponent"} <= {name.key for name in model.names}:
+        notes.append(
+            f"stiffness is the factor of the forces at an overlap of {1e6 * model.reference:.3g} "
+            "um, at which the exponent does not change them"
+        )
     if model.simulator.failed:
         notes.append(f"{model.simulator.failed} trial runs failed and were rejected")
     return tuple(notes)

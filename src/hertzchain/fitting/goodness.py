@@ -236,7 +236,7 @@ def _noise_error(signal: Signal) -> float:
     if not signal.quiet:
         return 0.0
     part = (signal.noise / signal.sigma) ** 2
-    return float(part * (2.0 / independent_samples(_quiet(signal))) ** 0.5)
+    return float(part * (2.0 / independent_samples(signal.quiet_values)) ** 0.5)
 
 
 def _independent_noise(part: _Part) -> float:
@@ -248,13 +248,8 @@ def _independent_noise(part: _Part) -> float:
     found = part.independent
     if part.signal.coarse or not part.signal.quiet:
         return found
-    quiet = _quiet(part.signal)
+    quiet = part.signal.quiet_values
     return max(found, len(part.residuals) * independent_samples(quiet) / len(quiet))
-
-
-def _quiet(signal: Signal) -> Array:
-    quiet = signal.values[: signal.before]
-    return quiet[np.isfinite(quiet)]
 
 
 def _correlation(parts: Sequence[_Part]) -> float:
@@ -269,7 +264,7 @@ def _correlation(parts: Sequence[_Part]) -> float:
 
 def _has_white_noise(signal: Signal) -> bool:
     """Whether the samples before the pulse are known not to be correlated."""
-    quiet = _quiet(signal) if signal.quiet else np.zeros(0)
+    quiet = signal.quiet_values if signal.quiet else np.zeros(0)
     if not len(quiet) or np.ptp(quiet) == 0.0 or signal.coarse:
         return False
     return float(autocorrelation(quiet, 1)[-1]) < SIGNIFICANT / len(quiet) ** 0.5

@@ -25,7 +25,7 @@ from .shown_values import shown_value
 from .systematics import Effect
 from .traces import Traces
 from .weak_directions import WeakDirection
-from .weights import data_residuals
+from .weights import chi2_by_sensor
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -132,16 +132,7 @@ class FitResult:
     @property
     def chi2_per_sample(self) -> dict[str, float]:
         """Mean of the squared residuals over their noise, by sensor; 1 is expected."""
-        found: dict[str, Array] = {}
-        begin, own = 0, data_residuals(self.problem, self.residual_vector)
-        for _, signal in self.traces:
-            counts = signal.counted
-            part = slice(begin, begin + len(counts))
-            used = ~self.problem.skipped[part]
-            sums = np.array([np.sum(own[part][used] ** 2), np.sum(1.0 / counts[used])])
-            found[signal.name] = found.get(signal.name, 0.0) + sums
-            begin += len(counts)
-        return {name: float(square / count) for name, (square, count) in found.items()}
+        return chi2_by_sensor(self.problem, self.residual_vector)
 
     def bic(self, inflation: float | None = None) -> float:
         r"""Bayesian information criterion :math:`\chi^2/s + k \ln(n/s)`, priors included.
@@ -289,7 +280,8 @@ class FitResult:
         if not self.converged:
             return f"{self.goodness}: the fit has {self.reason}{NO_ERRORS}"
         text = f"{self.goodness}{self.goodness.verdict}"
-        return f"{text}; but {self.prior_conflict}" if self.prior_conflict else text
+        word = "but" if self.describes else "and"
+        return f"{text}; {word} {self.prior_conflict}" if self.prior_conflict else text
 
     @property
     def warnings(self) -> tuple[str, ...]:

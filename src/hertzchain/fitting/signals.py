@@ -8,12 +8,16 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from ..errors import InputError
 from ..frozen import Frozen
+from ..representation import short
 from .noise import correlation_of_rounding, counted_once
 from .places import Place
 
 # Errors of rounding are hardly correlated if the step is smaller than this multiple of the noise.
 COARSE: Final = 3.0
+# Largest difference of times that are the same, as a part of the least step.
+SAME_TIMES: Final = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +89,12 @@ class Signal(Frozen):
         return counted_once(values, correlation_of_rounding(self.noise, self.step))
 
     @property
+    def quiet_values(self) -> Array:
+        """Samples before the pulse that are not missing."""
+        quiet = self.values[: self.before]
+        return quiet[np.isfinite(quiet)]
+
+    @property
     def calibrated(self) -> bool:
         """Whether the signal is in the unit of its quantity."""
         return self.unit != "V"
@@ -104,3 +114,28 @@ class Shot(Frozen):
 
     times: Array = field(repr=False)
     signals: tuple[Signal, ...]
+
+    def __repr__(self) -> str:
+        every = f"every {1e6 * float(np.median(np.diff(self.times))):.3g} us"
+        names = ", ".join(f"{each.name} [{each.unit}]" for each in self.signals)
+        return short("Shot", names, f"{len(self.times)} samples, {every}")
+
+
+def merged_shots(first: Shot, second: Shot) -> Shot:
+    """A shot with the signals of two that were recorded together."""
+    if len(first.times) != len(second.times):
+        raise InputError(
+            f"shots of {len(first.times)} and {len(second.times)} samples cannot be merged; both "
+            "must have the same times"
+        )
+    apart = float(np.abs(first.times - second.times).max())
+    if apart > SAME_TIMES * float(np.diff(first.times).min()):
+        raise InputError(
+            f"shots whose times differ by up to {apart:.3g} s cannot be merged; both must have the "
+            "same times"
+        )
+    names = [each.name for each in first.signals]
+    for each in second.signals:
+        if each.name in names:
+            raise InputError(f"{each.name} is in both traces to merge; leave it out of one")
+    return Shot(first.times, first.signals + second.signals)

@@ -41,3 +41,17 @@ def remaining_weights(problem: Problem, residuals: Array) -> Array:
     if np.all(problem.correlated == 1.0):
         weights[: len(problem.data)] = correlations(problem, residuals) ** -0.5
     return weights
+
+
+def chi2_by_sensor(problem: Problem, residuals: Array) -> dict[str, float]:
+    """Mean of the squared residuals over their expectation, by sensor."""
+    found: dict[str, Array] = {}
+    begin, own = 0, data_residuals(problem, residuals)
+    for _, signal in problem.model.traces:
+        counts = signal.counted
+        part = slice(begin, begin + len(counts))
+        used = ~problem.skipped[part]
+        sums = np.array([np.sum(own[part][used] ** 2), np.sum(1.0 / counts[used])])
+        found[signal.name] = found.get(signal.name, 0.0) + sums
+        begin += len(counts)
+    return {name: float(square / count) for name, (square, count) in found.items()}

@@ -166,6 +166,83 @@ def balls():
     show("genetic search, 4000 runs", "20 of 20", f"{reached} of 20", cpu, wall)
 
 
+def fronts():
+    """Parts of complete Pareto fronts that genetic searches find, in the mean over five seeds."""
+
+    def row(beads, **more):
+        return hc.Chain.from_materials("3.175 mm", "steel-52100", beads=beads, velocity=0.2, **more)
+
+    def sizes(*diameters, materials="steel-52100", **more):
+        each = [f"{size} mm" for size in diameters]
+        return [hc.vary.balls(materials=materials, diameters=each, beads="2:", **more)]
+
+    wall = {"right_wall": hc.Wall.of("steel-52100")}
+    drawer = hc.Chain.from_materials(
+        0.5e-3 * np.array([6.35] + 4 * [8.0] + 4 * [5.0] + 4 * [4.0]), "steel-52100",
+        velocity=0.2, **wall,
+    )  # fmt: skip
+    force = "wall_force.peak"
+    for name, problem in {
+        "force and mass, 5 sizes, 7 places": hc.Design(
+            row(8, **wall), minimise=[force, "mass"], vary=sizes(3, 4, 5, 6.35, 8, optional=True)),
+        "force and length, elastic": hc.Design(
+            row(8, **wall), minimise=[force, "length"], subject_to={"yield_ratio": "<= 1"},
+            vary=sizes(3, 4, 5, 6.35, 8, optional=True)),
+        "force and mass, steel and PTFE": hc.Design(
+            row(16, **wall), minimise=[force, "mass"],
+            vary=sizes(4.7625, materials=["steel-52100", "ptfe"])),
+        "force and arrival, order of 12": hc.Design(
+            drawer, minimise=[force, "arrival@last"], vary=[hc.vary.order(beads="2:")]),
+        "momentum and velocity, 4 sizes": hc.Design(
+            row(9), maximise=["momentum@last", "velocity@last"], vary=sizes(3, 4, 5, 6.35)),
+    }.items():  # fmt: skip
+        best = _costs(hc.design(problem, budget=100_000, method="enumerate"))
+        for budget in (1000, 4000):
+            found, cpu, wall_time = [], 0.0, 0.0
+            for seed in range(5):
+                one, *times = spent(hc.design, problem, budget=budget, method="genetic", seed=seed)
+                found.append(_costs(one))
+                cpu, wall_time = cpu + times[0], wall_time + times[1]
+            share = np.mean([_dominated(each, best) for each in found])
+            points = np.mean([_points_found(each, best) for each in found])
+            show(f"{name}, {budget} runs", "", f"{share:.2%} of the area", cpu / 5, wall_time / 5,
+                 f"{points:.0%} of {len(best)} points")  # fmt: skip
+
+
+def _costs(result):
+    """Both objectives of all points of a front, to be minimised."""
+    return np.array([
+        [np.sign(each.weights[0]) * point.values[str(each.single)]
+         for each in result.problem.objectives]
+        for point in result.front
+    ])  # fmt: skip
+
+
+def _dominated(front, best):
+    """Area that a front dominates, relative to that of the complete one.
+
+    Both are bounded 10% beyond the ends of the complete front.
+    """
+    low, span = best.min(axis=0), np.ptp(best, axis=0)
+
+    def area(points):
+        total, lowest = 0.0, 1.1
+        for one, other in sorted(map(tuple, (points - low) / span)):
+            if one < 1.1 and other < lowest:
+                total += (1.1 - one) * (lowest - other)
+                lowest = other
+        return total
+
+    return area(front) / area(best)
+
+
+def _points_found(front, best):
+    """Part of the points of the complete front that no point of another front misses."""
+    close = 1e-4 * np.abs(best)
+    return np.mean([(front <= point + near).all(axis=1).any()
+                    for point, near in zip(best, close, strict=True)])  # fmt: skip
+
+
 def closed_forms():
     """Optima that are known."""
     problem = hc.Design(
@@ -187,7 +264,8 @@ def closed_forms():
 
 
 ROWS = {
-    each.__name__: each for each in (gradients, errors, law, walls, scatter, balls, closed_forms)
+    each.__name__: each
+    for each in (gradients, errors, law, walls, scatter, balls, fronts, closed_forms)
 }
 
 

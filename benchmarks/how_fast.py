@@ -127,6 +127,34 @@ def ensembles() -> list[Row]:
     return rows
 
 
+def scattered() -> list[Row]:
+    """Many pulses, per chain, if the radii scatter."""
+    rows = []
+    for taper, rate, percents in (
+        ("uniform", 0.0, (0.3, 1, 3)),
+        ("backward-exponential", 0.04, (1, 3)),
+        ("forward-exponential", 0.04, (1, 3)),
+    ):
+        nominal = hc.Chain.tapered(taper, rate, beads=100) if rate else hc.Chain.uniform(100)
+        for percent in percents:
+            chains = [nominal.with_scatter(i, relative=percent / 100) for i in range(100)]
+            exact = hc.simulate(chains[0], times=0, rtol=1e-13).pulse().velocity[1:-1]
+            full = partial(hc.simulate, times=0, rtol=1e-8)
+            times = shortest({
+                "ours": partial(hc.propagate_many, chains, threads=1),
+                "full": lambda chains=chains, full=full: [full(each) for each in chains[:10]],
+            })  # fmt: skip
+            error = largest(hc.propagate_many(chains[:1]).velocity[0, 1:-1], exact)
+            error_of_full = largest(full(chains[0]).pulse().velocity[1:-1], exact)
+            name = taper if rate else "equal beads"
+            rows.append(Row(
+                f"{name}, scatter {percent:g}%, per pulse",
+                ("propagate_many", times["ours"] / len(chains), error),
+                ("`simulate`, rtol 1e-8", times["full"] / 10, error_of_full),
+            ))  # fmt: skip
+    return rows
+
+
 def scipy_pulse(chain: hc.Chain, exact: np.ndarray, rtol: float) -> tuple[str, float, float]:
     """Name, time and error of SciPy for the velocities of a pulse."""
     end = hc.simulate(chain, times=0, rtol=1e-8).end_time
@@ -274,6 +302,7 @@ PARTS: dict[str, Callable[[], list[Row]]] = {
     "transits": transits,
     "pulses": pulses,
     "ensembles": ensembles,
+    "scattered": scattered,
     "chains": ensembles_of_chains,
 }
 

@@ -10,7 +10,6 @@ to the file.  Pytest runs this check:
 ...         print(page.name, failure)
 """
 
-import doctest
 import multiprocessing
 import os
 import re
@@ -19,9 +18,9 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from doctest import ELLIPSIS, OutputChecker
 from pathlib import Path
 
-FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 # Importing these takes longer than most commands.  Commands are forked from a process that has
 # imported them, but has not yet started threads.
 CONTEXT = multiprocessing.get_context("forkserver")
@@ -46,6 +45,11 @@ def _run(line: str, folder: Path, environment: dict[str, str]) -> tuple[str, str
         process.join()
         out, err = (file.read_text("utf-8") for file in files)
     return out, err
+
+
+def _lines(text: str) -> str:
+    """The lines without the blanks at their ends, and without blank lines around them."""
+    return "\n".join(line.rstrip() for line in text.splitlines()).strip("\n") + "\n"
 
 
 def _hertzchain(line: str, folder: Path, environment: dict[str, str], files: list[Path]) -> None:
@@ -77,7 +81,7 @@ def failures(page: Path) -> Iterator[str]:
             # on the page.
             progress = r"^([\w ]+: \d+ of \d+(, .* left)?|hertzchain: compiling once.*)\n"
             got = out + re.sub(progress, "", err, flags=re.M)
-            if not doctest.OutputChecker().check_output(expected, got, FLAGS):
+            if not OutputChecker().check_output(_lines(expected), _lines(got), ELLIPSIS):
                 yield f"$ {line}\nexpected:\n{expected}\ngot:\n{got}"
 
 

@@ -19,6 +19,7 @@ from hertzchain.paper.figures import draw_figure, figure_chains, reproduce_figur
 from hertzchain.paper.listed_errata import errata_chains
 from hertzchain.paper.reproduction import integrate_chains
 from hertzchain.paper.velocity_formulas import draw_formula_errors
+from hertzchain.plotting.colours import COLOURS
 from hertzchain.plotting.designs import (
     plot_beads,
     plot_forces,
@@ -27,7 +28,7 @@ from hertzchain.plotting.designs import (
 )
 from hertzchain.plotting.pulses import plot_pulses
 from hertzchain.plotting.scoreboard import plot_scoreboard
-from hertzchain.plotting.style import COLOURS, figure_style, mark_horizon
+from hertzchain.plotting.style import figure_style, mark_horizon
 from hertzchain.plotting.sweeps import plot_sweep
 from hertzchain.theory.universal_functions import bca_growth
 

@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 from scipy.integrate import solve_ivp
 
 import hertzchain as hc
-from hertzchain.plotting.style import COLOURS, MARKERS, figure_style, label_log_axis
+from hertzchain.plotting.colours import COLOURS
+from hertzchain.plotting.style import MARKERS, figure_style, label_log_axis
 
 PAGES: Final = Path(__file__).parent
 

@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 
 import hertzchain as hc
 from hertzchain.plotting.chains import draw_beads, material_legend, scale_bar
-from hertzchain.plotting.style import COLOURS, figure_style, label_log_axis
+from hertzchain.plotting.colours import COLOURS
+from hertzchain.plotting.style import figure_style, label_log_axis
 from hertzchain.theory import long_wave_velocity, sen_manciu_velocity
 
 

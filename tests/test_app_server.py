@@ -1,5 +1,6 @@
 """The server of `hertzchain app`: its numbers, its files, and how it starts."""
 
+import base64
 import csv
 import http.client
 import io
@@ -425,6 +426,42 @@ def test_a_saved_page_contains_everything(client):
     saved = json.loads(re.search(r'id="embedded">(.*?)</script>', page)[1])
     assert saved["about"]["document"] == TAPER
     assert 'from "./' not in page
+
+
+def stored_in(file):
+    """The data in a saved page, and the parts of its results."""
+    stored = json.loads(re.search(r'id="embedded">(.*?)</script>', file.read_text("utf-8"))[1])
+    return stored, unpacked(base64.b64decode(stored["parts"]))
+
+
+def test_a_page_saved_from_python_has_the_results_of_both_chains(tmp_path):
+    row = hc.Chain.uniform(12).replace(right_wall=hc.Wall())
+    taper = hc.Chain.tapered("forward-linear", 0.05, beads=10).replace(right_wall=hc.Wall())
+    hc.save_page(taper, tmp_path / "page.html", other=row, sensors=[3, "bead 4"])
+    stored, found = stored_in(tmp_path / "page.html")
+    assert stored["view"]["view"] == {"sensors": [3, 4], "errors": "difference"}
+    runs = {header["slot"]: header for header, _ in found if header["part"] == "run"}
+    for slot, chain in (("A", taper), ("B", row)):
+        peak = hc.simulate(chain, rtol=1e-9).wall_force().peak
+        assert runs[slot]["peaks"]["right"]["largest"] == pytest.approx(peak, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"path": "page.pdf"}, r"path must end in .html, got 'page.pdf'"),
+        ({"sensors": [77]}, "bead with a sensor must be a whole number from 1 to 10, got 77"),
+        ({"sensors": range(1, 7)}, "up to 4 sensors, got 6"),
+        ({"other": hc.Chain.from_materials("5 mm", "ptfe", beads=3)}, "both be in SI units"),
+        ({"chain": hc.Chain.uniform(3000)}, "at most 2000 beads, got 3000"),
+    ],
+)
+def test_a_page_that_cannot_be_saved(tmp_path, monkeypatch, changes, said):
+    monkeypatch.chdir(tmp_path)
+    chain = hc.Chain.tapered("forward-linear", 0.05, beads=10)
+    with pytest.raises(hc.InputError, match=said):
+        hc.save_page(**({"chain": chain, "path": "page.html"} | changes))
+    assert not list(tmp_path.iterdir())
 
 
 def test_exports_reject_bad_requests(client):

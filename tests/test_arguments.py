@@ -281,7 +281,11 @@ def test_one_quantity_in_a_plot():
         hc.plot_pulses([pulse], ["velocity", "momentum"])
 
 
-def test_an_end_without_a_wall_has_no_force():
+def test_a_free_end_has_no_contact():
     run = hc.simulate(hc.Chain.uniform(5), until=10.0)
-    assert not run.force(0).any()
-    assert not run.force(5).any()
+    for contact, side in ((0, "left"), (5, "right")):
+        for ask in (run.force, run.overlap):
+            with pytest.raises(hc.InputError, match=f"the {side} end of .* add a {side}_wall"):
+                ask(contact)
+    with pytest.raises(hc.InputError, match="contact must be a whole number from 0 to 5, got 6"):
+        run.force(6)

@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.designs.measured import measured
+from hertzchain.designs.measures import NAMES, parse_measure
+from hertzchain.pulse.quantity_names import COLUMNS
+from hertzchain.sensitivity.names import KNOWN
 
 ROW = hc.Chain.from_materials("10 mm", "steel-52100", beads=6).struck_by(velocity="0.2 m/s")
 CHAIN = ROW.replace(right_wall=hc.Wall())
@@ -61,3 +65,75 @@ def test_quantities_of_commands_have_names(command, run, tmp_path):
     code, _, err = run(command, tmp_path / "row.toml", "--quantity", "velocity@ball 9", *more)
     assert code == 2
     assert "6 balls after its strikers, no ball 9" in err
+
+
+@pytest.mark.parametrize("ball", [3, 6])
+@pytest.mark.parametrize("wall", [None, hc.Wall()])
+@pytest.mark.parametrize("loss", [None, hc.Restitution(0.95)])
+def test_sensor_forces_are_those_of_a_run(ball, wall, loss):
+    chain = ROW.replace(right_wall=wall, loss=loss)
+    scatter = hc.Scatter(radius=0.01, samples=2)
+    name = f"sensor.first_maximum@ball {ball}"
+    found = hc.distribution(chain, name, scatter)
+    assert found.quantity == f"sensor.first_maximum@{ball + 1}"
+    assert found.unit == "N"
+    assert found.label == f"first maximum of the force in the sensor of bead {ball + 1}"
+    chains = [chain, *scatter.sample(chain)]
+    for each, value in zip(chains, (found.nominal, *found.values), strict=True):
+        run = hc.simulate(each, until=1e-3, times=6001)
+        sensor = run.sensor_force(ball + 1)
+        assert value == pytest.approx(sensor.first_maximum, rel=1e-5, abs=sensor.error)
+
+
+def test_a_design_limits_the_force_in_a_sensor():
+    chain = ROW.replace(right_wall=hc.Wall())
+    radii = hc.vary.radii("4 mm", "6 mm", beads="3:", by="common")
+    name, number = "sensor.first_maximum@ball 6", "sensor.first_maximum@7"
+    start = hc.simulate_many([chain], keep=["sensor.first_maximum"], sensors=["ball 6"])
+    limit = 0.9 * float(start["sensor_first_maximum"][0, 0])
+    problem = hc.Design(
+        chain, maximise="wall_force.impulse_of_impact", vary=[radii],
+        subject_to={name: f"<= {limit} N"},
+    )  # fmt: skip
+    found = hc.design(problem, budget=60, seed=1)
+    values = problem.evaluate(found.chain).values
+    assert values[number] == found.values[number]
+    assert values[number] <= limit * (1.0 + 1e-9)
+    run = hc.simulate(found.chain, until=1e-3, times=6001).sensor_force("ball 6")
+    assert values[number] == pytest.approx(run.first_maximum, rel=1e-6)
+
+
+def test_last_beads_with_sensors_of_chains_of_several_lengths():
+    chains = [ROW, hc.Chain.from_materials(5e-3, "brass", beads=6, velocity=0.1)]
+    found = measured(chains, [parse_measure("sensor.first_maximum@last")])
+    for chain, value in zip(chains, found.values[:, 0], strict=True):
+        (expected,) = hc.simulate_many(
+            [chain], keep=["sensor_first_maximum"], sensors=[chain.beads]
+        )["sensor_first_maximum"][0]
+        assert value == expected
+
+
+@pytest.mark.parametrize(
+    ("full", "column"),
+    [("wall_force.peak", "wall_peak_force"), ("wall_force.duration", "wall_duration"),
+     ("wall_force.impulse_of_impact", "wall_impulse_of_impact")],
+)  # fmt: skip
+def test_quantities_have_a_full_name_and_that_of_a_column(full, column):
+    chain = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
+    tables = [hc.simulate_many([chain], keep=[name]) for name in (full, column)]
+    values = [table[name][0] for table in tables for name in (full, column)]
+    spec = {"chain": chain, "axes": {"beads": [8]}, "sweep": {"methods": ["simulate"]}}
+    for name in (full, column):
+        spec["sweep"]["keep"] = [name]
+        values.append(hc.sweep({**spec, "chain": {"taper": "uniform", "right_wall": {}}})[column])
+        values.append(hc.gradient(chain, name).value)
+        values.append(hc.distribution(chain, name, hc.Scatter(radius=0.1, samples=2)).nominal)
+        assert hc.gradient(chain, name).quantity == full
+    np.testing.assert_allclose([float(np.ravel(each)[0]) for each in values], values[0], rtol=1e-6)
+
+
+def test_names_of_gradients_are_those_of_the_table_of_quantities():
+    for name in KNOWN:
+        if name.startswith(("wall_force.", "sensor.", "final.", "pulse.")):
+            assert name in COLUMNS or name == "wall_force.maxima"
+    assert {name for name in NAMES if "." in name} <= {*COLUMNS}

@@ -26,8 +26,8 @@ from hertzchain.sweeps.specification import specification_schema
 from hertzchain.units import UNITS
 
 DOCS = Path(__file__).parent.parent / "docs" / "how-to"
-# Arguments with another name in Python: a mapping of radii by bead, a generator.
-RENAMED = {"radii": {"bead", "radius"}, "rng": {"seed"}}
+# Arguments with another name in Python: a mapping of radii by bead.
+RENAMED = {(hc.Chain.with_defects, "radii"): {"bead", "radius"}}
 
 
 def parameters(function):
@@ -61,7 +61,7 @@ def test_keys_and_defaults_are_those_of_python(function, keys):
     for name, item in parameters(function).items():
         if function is Material and name == "name":
             continue
-        for own in RENAMED.get(name, {name}):
+        for own in RENAMED.get((function, name), {name}):
             named[own] = item.default
     own = {key.name: key for key in keys}
     assert named.keys() == own.keys()
@@ -70,14 +70,14 @@ def test_keys_and_defaults_are_those_of_python(function, keys):
             listed = own[name].per == "row"  # a table may come from a file
             assert own[name].required or listed
         elif name not in ("bead", "radius", "seed") or function is not hc.Chain.with_defects:
-            assert not own[name].required
+            assert not own[name].required or own[name].unless
             assert own[name].default == default
 
 
 def test_fields_of_a_chain_are_those_of_python():
     fields = parameters(hc.Chain)
     in_files = {key.name: key for key in SECTIONS["chain"].keys}
-    assert fields.keys() - {"taper_parameters"} <= in_files.keys() | {*PARTS}
+    assert fields.keys() - {"taper_parameters", "scatter"} <= in_files.keys() | {*PARTS}
     for name, item in fields.items():
         if name in ("exponent", "strikers", "precompression", "held_by", "gravity"):
             assert in_files[name].default == item.default

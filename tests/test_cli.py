@@ -12,11 +12,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy_chain import wall_peak
 
 import hertzchain
 from hertzchain import cli
 from hertzchain.chain.tapers import TAPERS
 from hertzchain.cli import progress
+from hertzchain.representation import with_decimals
 from hertzchain.store import streaming
 
 
@@ -222,11 +224,12 @@ def test_cite(run):
         (["pulse", "--beads", "1000000000000000"], "beads need 372529029.8 GiB of memory"),
         (["pulse", "--method", "bcaa"], "did you mean 'bca'"),
         (["pulse", "--quantity", "sped"], "unknown quantity 'sped'"),
+        (["pulse", "--quantity", "arrival_spread"], "peak_force, velocity_error; did you mean"),
         (["pulse", "--json", "--csv"], "cannot be combined"),
         (["pulse", "--plot", "pulse.doc"], "must end in .png"),
         (["pulse", "missing.toml"], "cannot read chain file 'missing.toml'"),
         (["pulse", "missing.toml", "--beads", "3"], "not both"),
-        (["pulse", "--method", "modified-bca"], "requires a tapered chain"),
+        (["pulse", "--method", "modified-bca"], "use bca or theory.two_thirds_bca for other"),
         (["simulate", "--until", "-1"], "until must be above 0"),
         (["simulate", "--rtol", "1"], "rtol must be at least 1e-14 and at most 1e-06"),
         (["simulate", "--out", "run.xls"], "must end in .nc or .csv"),
@@ -490,6 +493,16 @@ def test_a_part_that_is_not_there_leaves_no_folder(run, tmp_path, only):
     assert not (tmp_path / "report").exists()
 
 
+def test_a_quantity_of_contacts_has_one_row_per_contact(run):
+    command = ("pulse", "--method", "propagate", "--method", "bca", "--quantity", "peak_force")
+    _, out, _ = run(*command, "--beads", 12)
+    table = out.partition("BCA against")[0]
+    assert "contact k" in table
+    rows = [line.split() for line in table.splitlines() if line.strip()[:1].isdigit()]
+    assert [row[0] for row in rows] == [str(k) for k in range(1, 12)]
+    assert all(len(row) == 3 for row in rows)
+
+
 def test_verify_nothing(run):
     code, _, err = run("verify", "--only", ",")
     assert code == 2
@@ -698,8 +711,27 @@ def test_a_dry_run_states_what_the_estimate_does_not_contain(run, tmp_path):
     file.write_text('[chain]\ntaper = "uniform"\n[axes]\nbeads = [20, 40]\n')
     code, out, _ = run("sweep", file, "--dry-run")
     assert code == 0
-    assert re.search(r"at most \d+ bytes of values, and 10 to 200 kB of metadata, on disk", out)
+    assert re.search(r"at most \d+ bytes of values on disk, and metadata, in about 13 files", out)
     assert "without starting and compiling" in out
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.5, "0.5 s"), (300.0, "5 min"), (5000.0, "1 h 23 min"), (400 * 3600.0, "17 days"),
+     (250998.1 * 3600.0, "29 years")],
+)  # fmt: skip
+def test_long_estimates_are_in_days_or_years(run, tmp_path, monkeypatch, seconds, text):
+    from hertzchain.sweeps.sweep import Estimate
+
+    (tmp_path / "sweep.toml").write_text('[chain]\ntaper = "uniform"\n[axes]\nbeads = [20, 40]\n')
+    for unfinished, words in ((False, "about"), (True, "more than")):
+        found = Estimate(2, 1, 320, seconds, unfinished, 13)
+        monkeypatch.setattr(
+            "hertzchain.sweeps.sweep.estimate", lambda *_, _found=found, **__: _found
+        )
+        out = run("sweep", tmp_path / "sweep.toml", "--dry-run")[1]
+        assert f"{words} {text} of computing" in out
+        assert ("not finished within ten seconds" in out) is unfinished
 
 
 def test_simulate_compares_several_chain_files(run, tmp_path):
@@ -757,8 +789,52 @@ def test_sensitivity_agrees_with_differences_of_runs(run, tmp_path):
     assert "peak force on the wall" in picture.read_text()
     code, out, _ = run("sensitivity", *BALLS)
     assert code == 0
-    assert f"{found['relative'][-1]:+.4f}" in out
+    assert f"{100.0 * found['change_if_larger'][-1]:+.4f}" in out
     assert run("sensitivity", *BALLS, "--quantity", "length")[0] == 2
+
+
+def listed_beads(table):
+    """Beads and changes in percent in the rows of a table of sensitivities."""
+    rows = re.findall(r"^ +(\d+) +([+-][\d.]+) +([+-][\d.]+) +\S+ *$", table, re.MULTILINE)
+    return [(int(bead), float(up), float(down)) for bead, up, down in rows]
+
+
+def test_sensitivity_lists_the_most_influential_beads_first(run):
+    chain = ("--material", "steel-52100", "--diameter", "20 mm:8 mm", "--beads", 40,
+             "--speed", "0.1 m/s", "--wall", "same")  # fmt: skip
+    code, out, _ = run("sensitivity", *chain)
+    assert code == 0
+    assert "the 26 largest of 40; --all shows every one" in out
+    found = json.loads(run("sensitivity", *chain, "--json")[1])
+    changes = np.abs([found["change_if_larger"], found["change_if_smaller"]]).max(axis=0)
+    shown = [bead for bead, *_ in listed_beads(out)]
+    assert len(shown) == 26
+    assert (np.diff(changes[np.array(shown) - 1]) <= 0.0).all()
+    # Balls 39, 38 and 2 follow the one that strikes and the one at the wall.
+    assert shown[:5] == [1, 40, 39, 38, 2]
+    left_out = set(range(1, 41)) - set(shown)
+    assert changes[[bead - 1 for bead in left_out]].max() <= changes[shown[-1] - 1]
+    every = [bead for bead, *_ in listed_beads(run("sensitivity", *chain, "--all")[1])]
+    assert every[:26] == shown
+    assert sorted(every) == list(range(1, 41))
+
+
+def test_sensitivity_lists_simulated_changes(run, tmp_path):
+    # The change for one ball is far from linear: +0.28% and -0.11%, where the derivative is 0.19.
+    diameters = 1e-3 * np.array([6.35, 5.0, 4.0, 8.0, 3.0, 8.0, 6.35, 5.0, 3.0])
+    chain = hertzchain.Chain.from_materials(0.5 * diameters, "steel-52100", velocity=0.3)
+    chain = chain.replace(right_wall=hertzchain.Wall.of("steel-52100"))
+    peaks = []
+    for factor in (1.0, 1.01, 0.99):
+        radii = chain.radii * np.where(np.arange(9) == 1, factor, 1.0)
+        peaks.append(wall_peak(chain.replace(radii=radii), 4e-4))
+    expected = [100.0 * (each / peaks[0] - 1.0) for each in peaks[1:]]
+    (tmp_path / "design.toml").write_text(hertzchain.chain_as_toml(chain))
+    rows = {
+        bead: both for bead, *both in listed_beads(run("sensitivity", tmp_path / "design.toml")[1])
+    }
+    assert rows[2] == pytest.approx(expected, abs=1e-4)
+    assert abs(sum(expected)) > 0.1
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
@@ -811,6 +887,83 @@ def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_pat
         in run("scatter", *BALLS, "--relative", "much")[2]
     )
     assert "at most 0.3, got '50%'" in run("scatter", *BALLS, "--relative", "50%")[2]
+
+
+CRYSTAL = ("spectrum", "--material", "steel-316", "--diameter", "19 mm", "--beads", 6)
+
+
+@pytest.mark.parametrize(("words", "option"), [
+    (("pulse", "--beads", 5, "--beads", 6), "--beads"),
+    (("simulate", *BALLS, "--velocity", "2 m/s"), "--speed or --velocity"),
+    (("sweep", "run", "a.toml", "--shard", "1/2", "--shard", "2/2"), "--shard"),
+    (("verify", "--only", "a", "--only", "b"), "--only"),
+])  # fmt: skip
+def test_options_with_one_value_are_given_once(run, words, option):
+    code, out, err = run(*words)
+    assert (code, out) == (2, "")
+    assert err.endswith(f"Error: {option} is given 2 times; give it once\n")
+
+
+def test_flags_and_repeatable_options_may_be_repeated(run):
+    command = ("pulse", "--beads", 5, "--csv", "--csv", "--method", "bca", "--method", "propagate")
+    code, out, _ = run(*command)
+    assert code == 0
+    assert [line.partition(",")[0] for line in out.splitlines()[1::5]] == ["BCA", "propagation"]
+
+
+def test_spectra_have_transfer_functions(run, tmp_path):
+    command = (*CRYSTAL, "--precompression", "0.1 N", "--transfer", 4)
+    code, out, _ = run(*command, "--csv")
+    rows = np.array([line.split(",") for line in out.splitlines()[1:]], float)
+    assert (code, out.splitlines()[0]) == (0, "frequency [Hz],amplitude,phase [rad]")
+    # The beads ahead of contact 4 are two of six, which a slow force moves together.
+    assert rows[0, 1] == pytest.approx(2.0 / 6.0, rel=1e-4)
+    balls = hertzchain.Chain.from_materials("9.5 mm", "steel-316", beads=6)
+    found = hertzchain.spectrum(balls.replace(precompression="0.1 N", held_by="force"))
+    expected = found.transfer_force(rows[:, 0], 4)
+    np.testing.assert_allclose(rows[:, 1], np.abs(expected), rtol=1e-4)
+    picture = tmp_path / "transfer.svg"
+    assert run(*command, "--plot", picture)[0] == 0
+    assert "force in contact 4 per force on bead 1" in picture.read_text()
+    for words, said in (
+        (("--transfer", 4), "--transfer requires --plot FILE or --csv"),
+        (("--csv",), "--csv prints a transfer function: add --transfer CONTACT"),
+        (("--csv", "--json", "--transfer", 4), "--json and --csv cannot be combined"),
+        (("--csv", "--transfer", 6), "contact 6 carries no force, because no wall touches"),
+        (("--speed", "1 m/s"), "No such option '--speed'"),
+        (("--striker", 1), "No such option '--striker'"),
+    ):
+        code, out, err = run(*CRYSTAL, "--precompression", "0.1 N", *words)
+        assert (code, out) == (2, "")
+        assert said in err
+
+
+def test_spectra_advise_no_law_that_they_reject(run):
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", hertzchain.ModelRangeWarning)
+        code, _, err = run(*CRYSTAL, "--precompression", "20 N")
+    assert code == 0
+    assert "alone gives 3.8; reduce the precompression\n" in err
+
+
+def test_digits_of_a_scatter_follow_its_standard_deviation(run):
+    # Balls of grade 10 vary by 0.1 um: the force in ppm.
+    command = ("scatter", *BALLS, "--grade", 10, "--chains", 30)
+    found = json.loads(run(*command, "--json")[1])
+    rows = {line[2:20].strip(): line[20:].split() for line in run(*command)[1].splitlines()[2:]}
+    deviation, unit, percent = rows["standard deviation"]
+    assert (unit, percent[-1]) == ("N", "%")
+    assert float(deviation) == pytest.approx(found["standard_deviation"], rel=5e-3)
+    for name, value in {"nominal": found["nominal"], "mean": found["mean"]}.items():
+        assert float(rows[name][0]) == pytest.approx(value, abs=5e-3 * found["standard_deviation"])
+        assert len(rows[name][0].partition(".")[2]) == len(deviation.partition(".")[2])
+    part = 100.0 * found["standard_deviation"] / found["nominal"]
+    assert float(percent[:-1]) == pytest.approx(part, rel=5e-3)
+    # The same decimals, for values of any size, and plain numbers if nothing varies.
+    assert with_decimals([1.23456789e9, 2e9], 5.5e7) == ["1.2346e+09", "2.0000e+09"]
+    assert with_decimals([-1.5e-9, 0.0], 1e-10) == ["-1.500e-09", "0.000e-09"]
+    assert with_decimals([25.649, 0.0], 0.0) == ["25.649", "0"]
+    assert with_decimals([0.0], 0.0) == ["0"]
 
 
 def test_numbers_without_a_dimension_may_be_percentages(run):
@@ -880,6 +1033,29 @@ def test_negative_residence_times_are_explained(run, tmp_path):
     note = "residence: negative where the pulse arrives at the next bead before it arrives at this"
     assert note in run("pulse", tmp_path / "row.csv")[1]
     assert "negative" not in run("pulse", "--beads", "7")[1]
+
+
+def test_pulse_by_the_disorder_law(run):
+    options = ["pulse", "--beads", "20", "--method", "disorder"]
+    code, out, _ = run(*options, "--scatter", "1%", "--modulus-scatter", "0.05", "--json")
+    (found,) = json.loads(out)["pulses"]
+    law = hertzchain.disorder(hertzchain.Chain.uniform(20), 0.01, modulus_scatter=0.05)
+    assert code == 0
+    for name in ("velocity", "arrival_spread", "peak_force_spread"):
+        np.testing.assert_array_equal(found[name], law.columns()[name])
+    for given, message in (
+        (options, "--method disorder requires --scatter"),
+        (["pulse", "--scatter", "1%"], "hertzchain scatter simulates"),
+        ([*options, "--scatter", "0"], "--modulus-scatter above 0"),
+        ([*options, "--scatter", "5%"], "at most 0.03"),
+        (["pulse", "--beads", "5", "--method", "disorder", "--scatter", "1%"],
+         "use hertzchain scatter"),
+        (["pulse", "--quantity", "velocity_spread", "--method", "bca", "--method", "local-rate"],
+         "--method disorder does"),
+    ):  # fmt: skip
+        code, _, err = run(*given)
+        assert code == 2
+        assert message in err
 
 
 def test_pulse_has_the_tolerance_of_its_simulations(run):

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import hertzchain as hc
-from hertzchain.paper import report
+from hertzchain.paper import report_folder
 from hertzchain.store.file_lock import lock
 from hertzchain.store.sweep_store import locked
 
@@ -58,6 +58,17 @@ def test_a_place_that_cannot_be_written_is_bad_input(run):
         assert err.startswith("Error: "), command
 
 
+def test_a_plot_with_too_many_axes_names_the_option(run):
+    specification = {
+        **SWEEP, "chain": {"taper": "forward-exponential"},
+        "axes": {"beads": [10, 12], "rate": [0.02, 0.05]},
+    }  # fmt: skip
+    hc.sweep(specification, "three.zarr")
+    code, out, err = run("sweep", "plot", "three.zarr", "a.svg")
+    assert (code, out) == (2, "")
+    assert "choose a value of the others, such as --at beads=10" in err
+
+
 def test_damaged_input_is_bad_input(run):
     assert run(*STREAM, "run")[0] == 0
     part = Path("run/part-000001.nc")
@@ -84,7 +95,10 @@ def test_a_place_in_use_is_bad_input(run):
         (locked("sweep.zarr"), ("sweep", "sweep.toml")),
         (locked("b.zarr"), ("sweep", "merge", "b.zarr", "sweep.zarr")),
         (lock(Path("run/.lock"), "run"), (*STREAM, "run")),
-        (report.reserved(Path("report")), ("reproduce", "--only", "table3", "--out", "report")),
+        (
+            report_folder.reserved(Path("report")),
+            ("reproduce", "--only", "table3", "--out", "report"),
+        ),
     ):
         with held:
             code, out, err = run(*command)

@@ -189,8 +189,10 @@ def test_the_exit_code_is_that_of_the_fit_with_a_gap(run, tmp_path):
     value, error = map(float, re.findall(r"gap\[8-9\] +(\S+) \+- (\S+) um", first)[0])
     assert abs(value - 0.4) < 3.0 * error < 0.02
     assert ": the model describes the data" in first
-    assert scan.startswith("DefectScan(gap: gap[8-9]")
-    assert balls.startswith("DefectScan(bead: ")
+    assert re.match(r"scan for a gap at each of 1\d contacts, gap\[0-1\] to ", scan)
+    assert re.search(r"\n  gap\[8-9\] +\d+ +0\.\d+ um\n", scan)
+    assert scan.endswith("gap[8-9] explains more than noise would (a chi2 lower by 20)")
+    assert balls.startswith("scan for another radius of each of 15 beads, radius[1] to ")
     assert without.startswith("without gap[8-9]: chi2 ")
     assert ", far more than expected: the model does not describe the data" in without
     assert hc.load_chain(tmp_path / "fitted.toml").gaps[8] == pytest.approx(1e-6 * value, rel=1e-3)

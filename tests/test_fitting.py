@@ -340,6 +340,33 @@ def test_errors_of_laws_whose_force_jumps_are_not_too_small(law):
     assert np.mean(squares) < 3.0
 
 
+def assert_printed(scan, begin, size):
+    """A printed scan has the method, the largest changes with their sizes, and the conclusion."""
+    lines = str(scan).splitlines()
+    assert lines[0].startswith(begin)
+    assert f"chi2 {scan.result.chi2:.0f} of {scan.result.goodness.samples} samples" in lines[2]
+    shown = [line.split() for line in lines[4:9]]
+    largest = np.sort(scan.improvements)[::-1]
+    assert [float(row[1]) for row in shown] == pytest.approx(largest[:5], rel=6e-3)
+    assert [row[0] for row in shown] == [scan.names[i] for i in np.argsort(-scan.improvements)[:5]]
+    assert abs(float(shown[0][2].strip("%")) / size - 1.0) < 0.2
+    assert float(lines[9].split("at most ")[1]) == pytest.approx(largest[5], rel=6e-3)
+    assert lines[-1] == f"{scan.best} explains more than noise would (a chi2 lower by 20)"
+    assert max(map(len, lines)) <= 100
+
+
+def test_a_gap_beyond_the_sizes_that_were_tried_is_marked():
+    scan = hc.scan_defects(hc.fit(*hc.example_experiment()))
+    assert "largest gap" not in str(scan)
+    assert str(scan).endswith("no gap explains more than noise would (a chi2 lower by 20)")
+    sizes = scan.sizes.copy()
+    sizes[3] = 1.28 * units_of(scan.result.chain).scales.length
+    rows = str(dataclasses.replace(scan, sizes=sizes, improvements=np.eye(20)[3])).splitlines()
+    assert [row.split()[0] for row in rows if row.endswith("  largest gap that was tried")] == [
+        "gap[3-4]"
+    ]
+
+
 def test_hidden_gap_is_found_and_measured():
     data = measured(bench(LAW, gap=0.3e-6, behind=8), np.random.default_rng(3))
     free = ["stiffness", "struck_by.velocity", "loss.time", "time_offset", "gain[*]"]
@@ -347,6 +374,9 @@ def test_hidden_gap_is_found_and_measured():
     assert not ignored.describes
     scan = hc.scan_defects(ignored)
     assert scan.best == "gap[8-9]"
+    assert_printed(
+        scan, "scan for a gap at each of 20 contacts, gap[0-1] to gap[19-20]: seven", 0.3
+    )
     found = scan.fit(candidates=1)
     assert found.describes
     assert abs(found.values["gap[8-9]"] - 0.3e-6) < 3.0 * found.errors["gap[8-9]"] < 0.05e-6
@@ -396,7 +426,13 @@ def test_odd_bead_is_found():
     nominal = hc.Chain.from_materials(5e-3, "steel-52100", beads=20).struck_by(velocity=0.3)
     ignored = hc.fit(data, nominal.replace(right_wall=hc.Wall(), loss=LAW), free=free,
                      priors={"struck_by.velocity": (0.3, 0.003)})  # fmt: skip
-    assert hc.scan_defects(ignored, "bead").best == "radius[12]"
+    scan = hc.scan_defects(ignored, "bead")
+    assert scan.best == "radius[12]"
+    # The search changes a radius by 0.2%, and this one differs by 2%.
+    assert "extrapolated from 0.2%" in str(scan)
+    assert_printed(
+        scan, "scan for another radius of each of 20 beads, radius[1] to radius[20]: ", 2.0
+    )
 
 
 def test_random_starts_reach_the_optimum(traces):

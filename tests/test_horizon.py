@@ -33,6 +33,21 @@ def test_the_horizon_is_never_later_than_the_true_one(seed, rtol, until):
     assert 0.5 * true < found <= true
 
 
+@pytest.mark.parametrize(("method", "drift"), [("forward-4", 1e-4), ("verlet", 1e-6)])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_horizon_of_fixed_steps_is_never_later_than_the_true_one(seed, method, drift):
+    radii = np.random.default_rng(seed).uniform(0.8, 1.2, 16)
+    chain = hc.Chain.from_radii(radii).replace(**WALLS)
+    run = hc.simulate(chain, until=400.0, method=method, drift=drift)
+    exact = hc.simulate(chain, times=run.times, rtol=1e-13)
+    error = np.abs(run.velocities - exact.velocities).max(axis=1)
+    true = run.times[np.argmax(error > 0.01 * np.abs(run.velocities).max())]
+    horizon = run.horizon()
+    assert 0.5 * true < horizon.time <= true < 0.6 * run.end_time
+    assert horizon.shadow_step == 0.5 * horizon.step < 0.1
+    assert "from steps of" in " ".join(repr(horizon).split())
+
+
 def test_what_cannot_become_unpredictable_does_not():
     for chain in (
         hc.Chain.uniform(30),
@@ -105,7 +120,7 @@ def test_a_run_in_si_units_has_the_same_horizon():
         horizon = real.horizon()
     # Errors grow from rounding to 1%; a factor of 50 in the first ones is 16% of the time.
     assert horizon.time == pytest.approx(scales.time * found.time, rel=0.2)
-    assert " s;" in " ".join(repr(horizon).split())
+    assert f"until t = {1e6 * horizon.time:.4g} us;" in " ".join(repr(horizon).split())
 
 
 def test_the_largest_tolerance_is_compared_with_a_tighter_one():

@@ -231,6 +231,9 @@ def public_calls(folder):
         "TableDrive": tried(hc.TableDrive, times=[0.0, 1.0], values=[0.0, 1.0], of="force"),
         "TableDrive.value": tried(hc.TableDrive([0, 1], [0, 1]).value, times=[1.0]),
         "explore": tried(hc.explore, chain=chain, height=500),
+        "save_page": tried(
+            hc.save_page, chain=chain, path=folder / "page.html", other=chain, sensors=[2]
+        ),
         "equilibrium": tried(hc.equilibrium, chain=chain),
         "hertz_range": tried(hc.hertz_range, chain=balls, overlaps=None),
         "Dashpot": tried(hc.Dashpot, gamma=1.0, attractive=True),

@@ -329,7 +329,7 @@ def test_a_column_beyond_yield_is_told_to_reduce_gravity():
     ratio = hc.hertz_range(column).yield_ratio[1:-1]
     expected = [first_pressure(k * weight, column, k) for k in range(1, 60)]
     np.testing.assert_allclose(ratio, expected, rtol=1e-9)
-    with pytest.warns(hc.ModelRangeWarning, match="alone gives .*; reduce gravity or use loss"):
+    with pytest.warns(hc.ModelRangeWarning, match="alone gives .*; use fewer beads or use loss"):
         hc.simulate(column, until=1e-5)
     slow = column.replace(gravity=9.81)
     with warnings.catch_warnings():

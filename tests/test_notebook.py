@@ -337,6 +337,6 @@ def test_designs_have_a_value_a_search_and_a_list_of_parts():
 
 def test_the_view_of_a_disordered_chain_has_the_spread():
     chain = hc.Chain.uniform(20)
-    band = "one standard deviation of lots"
+    band = "± one standard deviation"
     assert band in hc.disorder(chain, scatter=0.02)._repr_html_()
     assert band not in hc.propagate(chain)._repr_html_()

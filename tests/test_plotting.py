@@ -6,18 +6,21 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.animation import FFMpegWriter
-from matplotlib.colors import to_hex
+from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
 import hertzchain as hc
+from hertzchain.designs.distribution import Distribution
 from hertzchain.plotting import animation
 from hertzchain.plotting.animation import animate
 from hertzchain.plotting.budget import plot_budget
 from hertzchain.plotting.chains import bead_centres, plot_chain
+from hertzchain.plotting.colours import COLOURS, signed_map
 from hertzchain.plotting.fits import _draw_crest
 from hertzchain.plotting.runs import plot_forces, plot_forces_of_runs, section_ends
-from hertzchain.plotting.style import COLOURS, figure_bytes
+from hertzchain.plotting.style import figure_bytes
 from hertzchain.plotting.titles import chain_title
+from hertzchain.store.sweep_store import MISSING
 
 
 @pytest.fixture(scope="module")
@@ -35,10 +38,12 @@ def test_forces_of_several_runs_in_the_same_axes_have_different_colours():
 
 def test_warnings_of_plots_name_the_line_of_the_caller():
     chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
-    run = hc.simulate(chain, until=12.0)
-    for call in (lambda: plot_forces(run, [21]), lambda: run.plot_forces([21]), run.wall_force):
+    for call in (
+        lambda run: plot_forces(run, [21]), lambda run: run.plot_forces([21]), hc.Run.wall_force,
+    ):  # fmt: skip
+        run = hc.simulate(chain, until=12.0)
         with pytest.warns(hc.IncompleteWarning) as seen:
-            call()
+            call(run)
         assert [each.filename for each in seen] == [__file__]
 
 
@@ -744,3 +749,192 @@ def test_errors_of_a_comparison_are_drawn_in_percent():
     assert sizes.get_legend() is None
     with pytest.raises(hc.InputError, match="unknown quantity 'width'"):
         theory.compare(exact).plot("width")
+
+
+def walled_run():
+    return hc.simulate(hc.Chain.uniform(12).replace(right_wall=hc.Wall()), until=40.0, times=200)
+
+
+def plots_with_black_lines():
+    """Plots whose first curve, zero line or marks are black or grey on white."""
+    traces, chain = hc.example_experiment()
+    pulse = hc.propagate(hc.Chain.tapered("backward-exponential", 0.05, beads=20))
+    run = walled_run()
+    sweep = hc.sweep({
+        "axes": {"rate": [0.01, 0.02], "beads": [10, 12, 14]}, "sweep": {"keep": ["momentum"]},
+        "chain": {"taper": "forward-exponential"},
+    })  # fmt: skip
+    scatter = hc.Scatter(radius=0.01, samples=20)
+    spread = hc.distribution(hc.Chain.uniform(6), "velocity@last", scatter)
+    compared = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201).compare(traces)
+    return {
+        "pulses": lambda: hc.plot_pulses([pulse, hc.bca(pulse.chain)], residuals=True),
+        "comparison": hc.bca(pulse.chain).compare(pulse).plot,
+        "forces": lambda: run.plot_forces([3, "wall"]),
+        "budget": run.budget().plot,
+        "traces": traces.plot,
+        "trace comparison": lambda: compared.plot("ball 11"),
+        "sweep": lambda: hc.plot_sweep(sweep, bead=9),
+        "distribution": spread.plot,
+    }
+
+
+def contrast(one, other):
+    """Ratio of relative luminances, as in the Web Content Accessibility Guidelines."""
+
+    def luminance(colour):
+        rgb = np.array(to_rgb(colour))
+        linear = np.where(rgb <= 0.03928, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+        return linear @ (0.2126, 0.7152, 0.0722) + 0.05
+
+    low, high = sorted((luminance(one), luminance(other)))
+    return high / low
+
+
+@pytest.mark.parametrize("style", ["default", "dark_background"])
+def test_lines_are_visible_on_the_background_of_the_style(style):
+    with plt.style.context(style):
+        for name, plot in plots_with_black_lines().items():
+            figure = plot().figure
+            seen = [line.get_color() for axes in figure.axes for line in axes.lines]
+            behind = figure.axes[0].get_facecolor()
+            assert seen, name
+            assert min(contrast(colour, behind) for colour in seen) > 2.0, name
+            legends = [axes.get_legend() for axes in figure.axes if axes.get_legend() is not None]
+            for text in (text for legend in legends for text in legend.get_texts()):
+                assert contrast(text.get_color(), behind) > 4.5, name
+            plt.close(figure)
+
+
+def test_a_first_curve_is_black_on_white_and_white_on_black():
+    pulse = hc.propagate(hc.Chain.uniform(9))
+    assert to_hex(pulse.plot().lines[0].get_color()) == "#000000"
+    # The colour of given axes decides, or that of the figure behind transparent ones.
+    _, (left, right) = plt.subplots(1, 2, facecolor="#202020")
+    left.set_facecolor("white")
+    right.set_facecolor("none")
+    assert to_hex(pulse.plot(ax=left).lines[0].get_color()) == "#000000"
+    assert to_hex(pulse.plot(ax=right).lines[0].get_color()) == "#ffffff"
+    # Of a transparent figure, that of the text.
+    clear = {"figure.facecolor": "none", "axes.facecolor": "none", "text.color": "white"}
+    with plt.rc_context(clear):
+        assert to_hex(pulse.plot().lines[0].get_color()) == "#ffffff"
+        with hc.figure_style():
+            cycle = plt.rcParams["axes.prop_cycle"].by_key()["color"]
+    assert cycle == [*COLOURS[1:], "#FFFFFF"]
+
+
+@pytest.mark.parametrize(("values", "expected"), [
+    ([0.0, 2.0, -0.019], ("Reds", 0.0, 2.0)),
+    ([0.0, 2.0, -0.021], ("RdBu_r", -2.0, 2.0)),
+    ([-3.0, 0.029], ("Blues_r", -3.0, 0.0)),
+    ([-3.0, 1.0, np.nan], ("RdBu_r", -3.0, 3.0)),
+    ([np.nan], ("Reds", 0.0, 0.0)),
+])  # fmt: skip
+def test_maps_of_one_sign_use_one_colour(values, expected):
+    assert signed_map(np.array(values)) == expected
+
+
+def test_velocity_maps_diverge_only_if_beads_move_in_both_directions():
+    mesh = walled_run().plot().collections[0]
+    assert (mesh.cmap.name, mesh.norm.vmin) == ("RdBu_r", -mesh.norm.vmax)
+    free = hc.simulate(hc.Chain.tapered("forward-exponential", 0.05, beads=12), until=20.0)
+    assert free.velocities.min() > -0.01 * free.velocities.max()
+    mesh = free.plot().collections[0]
+    assert (mesh.cmap.name, mesh.norm.vmin) == ("Reds", 0.0)
+    # Contact forces never pull.
+    assert walled_run().plot("force").collections[0].norm.vmin == 0.0
+
+
+def test_maps_of_sweeps_diverge_only_if_both_signs_occur():
+    axes = {"rate": {"linspace": [0.01, 0.1, 8]}, "beads": [*range(10, 18)]}
+    found = hc.sweep({
+        "axes": axes, "sweep": {"at": "last"}, "chain": {"taper": "forward-exponential"},
+    })  # fmt: skip
+    mesh = hc.plot_sweep(found).collections[0]
+    assert (mesh.cmap.name, mesh.norm.vmin) == ("viridis", pytest.approx(found.velocity.min()))
+    mesh = hc.plot_sweep(found.assign(velocity=-found.velocity)).collections[0]
+    assert mesh.cmap.name == "viridis"
+    mesh = hc.plot_sweep(found.assign(velocity=found.velocity - 2.0)).collections[0]
+    assert (mesh.cmap.name, mesh.norm.vmin) == ("RdBu_r", -mesh.norm.vmax)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
+def test_the_legend_of_a_large_map_explains_legible_markers():
+    axes = {"rate": {"linspace": [0.01, 0.1, 50]}, "beads": [*range(5, 55)]}
+    found = hc.sweep({
+        "axes": axes, "sweep": {"methods": ["bca"], "at": "last"},
+        "chain": {"taper": "forward-exponential"},
+    })  # fmt: skip
+    status = found.status.copy(deep=True)
+    status[10:30, 10:30] = MISSING
+    drawn = hc.plot_sweep(found.assign(status=status, velocity=found.velocity.where(status > 0)))
+    (text,) = drawn.get_legend().get_texts()
+    assert text.get_text() == "missing, not computed yet"
+    (handle,) = drawn.get_legend().legend_handles
+    marked = max(drawn.collections, key=lambda each: len(each.get_offsets()))
+    assert len(marked.get_offsets()) == 400
+    assert marked.get_sizes()[0] < 5.0
+    assert handle.get_sizes()[0] >= 20.0
+    assert handle.get_paths()[0].vertices.tolist() == marked.get_paths()[0].vertices.tolist()
+
+
+def test_sensitivities_name_the_chain_and_mark_its_strikers():
+    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=0.0)
+    chain = balls.replace(right_wall=hc.Wall()).struck_by(velocity=0.01, count=2)
+    for name, first in (("radii", "2 strikers"), ("stiffness", None)):
+        axes = hc.gradient(chain, "wall_force.peak", to=[name]).plot(name)
+        title = axes.get_title().replace("\n", " ")
+        assert title == "6 steel balls and 2 strikers, 10 mm, peak force on the wall"
+        labels = axes.get_legend_handles_labels()[1]
+        assert labels[:1] == ([first] if first else [])
+        if first:
+            low, high = (
+                axes.patches[0].get_extents().transformed(axes.transData.inverted()).intervalx
+            )
+            assert (low, high) == pytest.approx((0.5, 2.5))
+        plt.close(axes.figure)
+
+
+@pytest.mark.parametrize(("chain", "words"), [
+    (hc.Chain.from_materials(5e-3, "steel-52100", beads=6, precompression="0.2 N",
+                             held_by="force"), "6 steel balls, 10 mm, under 0.2 N"),
+    (hc.Chain.uniform(6).replace(gravity=0.1, precompression=1.0, held_by="force"),
+     "6 equal beads, under 1, under gravity"),
+])  # fmt: skip
+def test_titles_of_spectra_state_the_static_force(chain, words):
+    found = hc.spectrum(chain)
+    axes = found.plot("modes"), found.plot_transfer(3)
+    assert [each.get_title().replace("\n", " ") for each in axes] == [
+        words, f"{words}, force on bead 1"
+    ]  # fmt: skip
+    for each in axes:
+        plt.close(each.figure)
+
+
+@pytest.mark.parametrize("size", [1.0, 25.649, 450.3443])
+def test_a_narrow_distribution_has_whole_values_at_its_ticks(size):
+    values = size * (1.0 + 1e-6 * np.linspace(-1.0, 1.0, 50))
+    chain = hc.Chain.uniform(5)
+    scatter = hc.Scatter(radius=0.01)
+    found = Distribution(chain, scatter, "velocity@last", size, values)
+    axes = found.plot()
+    axes.figure.canvas.draw()
+    labels = axes.get_xticklabels()
+    assert axes.xaxis.get_offset_text().get_text() == ""
+    shown = [float(label.get_text()) for label in labels]
+    np.testing.assert_allclose(shown, axes.get_xticks(), rtol=1e-8)
+    boxes = [label.get_window_extent() for label in labels]
+    assert len(boxes) >= 3
+    assert all(left.x1 < right.x0 for left, right in itertools.pairwise(boxes))
+    plt.close(axes.figure)
+
+
+def test_times_of_a_distribution_are_in_microseconds():
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.01)
+    values = 450e-6 * (1.0 + 1e-3 * np.linspace(-1.0, 1.0, 50))
+    found = Distribution(chain, hc.Scatter(radius=0.01), "arrival@last", 450e-6, values)
+    axes = found.plot()
+    assert axes.get_xlabel() == "arrival of the last bead [µs]"
+    assert axes.get_xlim()[0] == pytest.approx(449.5, abs=0.1)
+    plt.close(axes.figure)

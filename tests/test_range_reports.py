@@ -188,3 +188,73 @@ def test_designs_state_that_the_range_is_exceeded():
         walled(), minimise="wall_force.peak", vary=[hc.vary.radii(4e-3, 6e-3, by="common")]
     )
     assert "outside Hertz's range" in " ".join(repr(hc.design(problem, budget=20)).split())
+
+
+def isolated_pressure(radius, velocity, *, wall=False):
+    """Pressure over that at first yield of a collision of two balls of steel, or with a plate.
+
+    Johnson, Contact Mechanics, Eqs. (4.22) to (4.24), with first yield at 1.6 Y.
+    """
+    steel = hc.material("steel-52100")
+    modulus = 0.5 * steel.young / (1.0 - steel.poisson**2)
+    effective = radius if wall else radius / 2
+    mass = steel.density * 4 / 3 * np.pi * radius**3
+    energy = (0.5 if wall else 0.25) * mass * velocity**2
+    overlap = (2.5 * energy / (4 / 3 * modulus * effective**0.5)) ** 0.4
+    return 2 / np.pi * modulus * (overlap / effective) ** 0.5 / 1.6 / steel.yield_strength
+
+
+def pressure_line(out):
+    (line,) = [each for each in out.splitlines() if each.startswith("pressure / yield")]
+    return line
+
+
+@pytest.mark.parametrize("speed", [0.001, 0.1, 0.2])
+def test_runs_state_the_largest_pressure_below_yield(speed, run):
+    balls = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", "2")
+    code, out, err = run("simulate", *balls, "--speed", f"{speed} m/s")
+    assert (code, err) == (0, "")
+    expected = isolated_pressure(5e-3, speed)
+    line = pressure_line(out)
+    assert line == f"pressure / yield {expected:.2g} at contact 1 (limit 1 of Hertz's law)"
+
+
+def test_the_largest_pressure_may_be_at_the_wall(run):
+    balls = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", "2", "--wall", "rigid")
+    _, out, _ = run("simulate", *balls, "--speed", "0.1 m/s")
+    assert "at the right wall (limit 1" in pressure_line(out)
+
+
+@pytest.mark.filterwarnings("default::hertzchain.ModelRangeWarning")
+def test_no_pressure_is_stated_if_it_is_unknown_or_above_the_limit(run, tmp_path):
+    _, out, _ = run("simulate", "--taper", "uniform", "--beads", "4")
+    assert "pressure" not in out
+    balls = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", "2")
+    _, out, err = run("simulate", *balls, "--speed", "1 m/s")
+    assert "pressure" not in out
+    assert "pressure / yield is" in err
+    soft = "density = 7800\nyoung = 2e11\npoisson = 0.3\n"
+    (tmp_path / "row.toml").write_text(
+        '[chain]\nradii = 0.005\nbeads = 2\nmaterial = "soft"\nvelocity = 0.1\n[materials.soft]\n'
+        + soft
+    )
+    code, out, _ = run("simulate", tmp_path / "row.toml")
+    assert code == 0
+    assert "pressure" not in out
+
+
+def test_fits_state_the_largest_pressure_of_all_shots(run):
+    traces, chain_file = hc.example_experiment("fast", "slow")
+    folder = chain_file.parent
+    code, out, err = run("fit", folder / "fast.csv", folder / "slow.csv", chain_file)
+    assert code == 0, err
+    fitted = hc.fit(traces, chain_file).chains
+    ratios = []
+    for chain, shot in zip(fitted, traces.shots, strict=True):
+        run_of_shot = hc.simulate(chain, until=float(np.ptp(shot.times)))
+        ratios.append(hc.hertz_range(chain, run_of_shot.largest_overlaps).yield_ratio.max())
+    assert len(ratios) == 2
+    assert float(pressure_line(out).split()[3]) == pytest.approx(max(ratios), abs=0.006)
+    speeds = [float(chain.velocities[0]) for chain in fitted]
+    # The pressure is proportional to the speed to the power 2/5; precompression is absent.
+    assert min(ratios) / max(ratios) == pytest.approx((min(speeds) / max(speeds)) ** 0.4, rel=0.02)

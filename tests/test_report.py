@@ -10,10 +10,10 @@ from html.parser import HTMLParser
 import matplotlib.pyplot as plt
 import pytest
 
-import hertzchain as hc
 from hertzchain.paper.drawings import Drawing, drawing_pool, drawn
 from hertzchain.paper.mathml import plain, typeset
-from hertzchain.paper.report import reserved, write_report, write_reserved
+from hertzchain.paper.report import write_report, write_reserved
+from hertzchain.paper.report_folder import reserved
 from hertzchain.paper.reproduction import reproduce
 from hertzchain.plotting.style import figure_bytes, figure_style, svg_and_png
 from hertzchain.sweeps.executors import local_pool
@@ -28,7 +28,7 @@ def folder(tmp_path_factory):
 
 def test_files(folder):
     assert {path.name for path in folder.iterdir()} == {
-        ".lock", "report.html", "verdict.json", "summary.md", "figures",
+        ".lock", ".hertzchain.json", "report.html", "verdict.json", "summary.md", "figures",
     }  # fmt: skip
     assert {path.name for path in (folder / "figures").iterdir()} == {
         f"{name}.{ending}" for name in ("figure6", "figure11") for ending in ("svg", "png", "csv")
@@ -204,12 +204,6 @@ def test_svg_is_that_of_savefig_and_png_has_its_size():
     assert shapes[0] == shapes[1]
 
 
-def test_a_report_replaces_an_earlier_one(tmp_path):
-    for part, present in (("figure6", True), ("table3", False)):
-        write_report(reproduce([part]), tmp_path)
-        assert (tmp_path / "figures" / "figure6.svg").exists() is present
-
-
 def test_a_failure_leaves_the_earlier_report(tmp_path, monkeypatch):
     result = reproduce(["figure6"])
     write_report(result, tmp_path)
@@ -223,52 +217,8 @@ def test_a_failure_leaves_the_earlier_report(tmp_path, monkeypatch):
         write_report(result, tmp_path)
     assert (tmp_path / "report.html").read_bytes() == before
     assert {path.name for path in tmp_path.iterdir()} == {
-        ".lock", "report.html", "verdict.json", "summary.md", "figures",
+        ".lock", ".hertzchain.json", "report.html", "verdict.json", "summary.md", "figures",
     }  # fmt: skip
-
-
-def test_an_unwritable_folder_is_named(tmp_path):
-    (tmp_path / "file").write_text("not a folder")
-    with pytest.raises(hc.InputError, match="cannot write .*file"):
-        write_report(reproduce(["table3"]), tmp_path / "file")
-
-
-def test_two_reports_into_one_folder_are_kept_apart(tmp_path):
-    with (
-        reserved(tmp_path),
-        pytest.raises(hc.InputError, match="another process is writing to"),
-    ):
-        write_report(reproduce(["table3"]), tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == [".lock"]
-
-
-def test_what_killed_reports_left_is_removed_and_nothing_else(tmp_path):
-    left, mine = tmp_path / ".writing-ab_c3xyz", tmp_path / ".writing-about"
-    also_mine = tmp_path / ".writing-abcdefgh"
-    for folder in (left, mine, also_mine):
-        (folder / "figures").mkdir(parents=True)
-        (folder / "figures" / "figure6.svg").touch()
-    (left / "report.html").touch()
-    (also_mine / "figures" / "thesis.svg").touch()
-    with reserved(tmp_path):
-        pass
-    assert {path.name for path in tmp_path.iterdir()} == {".lock", mine.name, also_mine.name}
-    assert (also_mine / "figures" / "thesis.svg").exists()
-
-
-def test_what_others_keep_in_the_folder_stays(tmp_path):
-    (tmp_path / "figures").mkdir()
-    (tmp_path / "figures" / "thesis.png").write_text("mine")
-    write_report(reproduce(["figure6"]), tmp_path)
-    assert (tmp_path / "figures" / "thesis.png").read_text() == "mine"
-    assert (tmp_path / "figures" / "figure6.svg").exists()
-
-
-def test_what_is_in_the_way_is_named_before_anything_is_written(tmp_path):
-    (tmp_path / "figures").write_text("a file")
-    with pytest.raises(hc.InputError, match="figures. exists and cannot be replaced"):
-        write_report(reproduce(["table3"]), tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == ["figures"]
 
 
 def test_windows_that_were_asked_for_are_said_to_be(tmp_path):

@@ -1,12 +1,17 @@
 """Runs that are read from netCDF files are the same runs, and the files describe their chain."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
+import psutil
 import pytest
 import xarray as xr
 
 import hertzchain as hc
+from hertzchain.store import stored_runs, streaming
+from hertzchain.store.manifest import Manifest
+from hertzchain.validation import memory
 
 STRUCK = hc.Chain.from_materials("10 mm", "steel-52100", beads=6).struck_by(velocity="0.2 m/s")
 CHAINS = {
@@ -75,8 +80,83 @@ def test_streams_contain_the_chain(tmp_path):
     same(stored.chain.contact_stiffness, chain.contact_stiffness)
     assert stored.chain.loss == chain.loss
     assert stored.load().attrs["chain_file"] == hc.chain_as_toml(chain)
-    with pytest.raises(hc.InputError, match=r"is not a file of Run\.save; .* StoredRun"):
+    with pytest.raises(hc.InputError, match=r"is not a file of Run\.save; .* load_run\(FOLDER\)"):
         hc.load_run(tmp_path / "long" / "part-000001.nc")
+
+
+def assert_same_run(found, expected):
+    for field in ("times", "positions", "velocities", "forces", "largest_overlaps"):
+        same(getattr(found, field), getattr(expected, field))
+    assert repr(found) == repr(expected)
+    assert found.message == expected.message
+    assert str(found.budget()) == str(expected.budget())
+    same(found.pulse().velocity, expected.pulse().velocity)
+    if found.chain.right_wall is not None:
+        assert str(found.wall_force()) == str(expected.wall_force())
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_streamed_runs_are_those_of_simulate(name, tmp_path, monkeypatch):
+    monkeypatch.setattr(streaming, "FIRST_TIMES", 7)
+    chain = CHAINS[name]
+    times = np.linspace(0.0, hc.simulate(chain).end_time, 40)
+    stored = hc.stream(chain, tmp_path / "long", times=times)
+    assert len(stored.files) > 2
+    for dataset in (stored.load(), *stored.parts()):
+        assert {*dataset.data_vars} == {"position", "velocity", "force", "mass", "radius"}
+    found, whole = hc.load_run(tmp_path / "long"), hc.simulate(chain, times=times)
+    assert_same_run(found, whole)
+    end = 1.5 * whole.end_time
+    later, usual = (hc.simulate(chain, start=each.state, until=end) for each in (found, whole))
+    same(later.velocities, usual.velocities)
+
+
+def test_incomplete_streams_are_read(tmp_path, monkeypatch):
+    monkeypatch.setattr(streaming, "FIRST_TIMES", 7)
+    chain, folder = CHAINS["walls and loss"], tmp_path / "long"
+    times = np.linspace(0.0, 2e-4, 40)
+
+    def stop(done, _):
+        if done > 10:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        hc.stream(chain, folder, times=times, progress=stop)
+    found = hc.load_run(folder)
+    done = len(found.times)
+    assert 10 < done < 40
+    whole = hc.simulate(chain, times=times)
+    for field in ("times", "positions", "velocities", "forces"):
+        same(getattr(found, field), getattr(whole, field)[:done])
+    assert found.times[-1] <= found.end_time < times[done]
+    (folder / "state.npz").unlink()  # as if the process was killed before the first state
+    (folder / "part-000002.nc").rename(tmp_path / "lost.nc")
+    with pytest.raises(hc.InputError, match=r"part-000002\.nc is missing"):
+        hc.load_run(folder)
+
+
+def test_streams_without_records_or_times_are_rejected(tmp_path, monkeypatch):
+    folder = tmp_path / "long"
+    hc.stream(CHAINS["default"], folder, times=[1.0, 2.0])
+    monkeypatch.setattr(stored_runs, "ACCUMULATORS", "none")
+    with pytest.raises(hc.InputError, match="written by an earlier version and has no records"):
+        hc.load_run(folder)
+    Manifest("", 1e-9).save(folder)
+    with pytest.raises(hc.InputError, match="has no saved times yet"):
+        hc.load_run(folder)
+    (tmp_path / "other").mkdir()
+    with pytest.raises(hc.InputError, match=r"has no manifest\.json: it is not a run of stream"):
+        hc.load_run(tmp_path / "other")
+
+
+def test_streams_that_do_not_fit_in_memory_are_rejected(tmp_path, monkeypatch):
+    hc.stream(CHAINS["default"], tmp_path / "long", times=np.linspace(0.0, 1.0, 200))
+    monkeypatch.setattr(memory, "ALWAYS_FREE", 0)
+    monkeypatch.setattr(psutil, "virtual_memory", lambda: SimpleNamespace(available=50_000))
+    with pytest.raises(
+        hc.InputError, match=r"200 times of 9 beads need .* StoredRun\(folder\)\.load"
+    ):
+        hc.load_run(tmp_path / "long")
 
 
 def changed(file, **changes):

@@ -202,3 +202,72 @@ def test_equal_times_and_unknown_places_say_what_to_do(tmp_path):
         hc.load_traces(file, sensors={"Channel A": "wall"}, noise=0.1)
     with pytest.raises(hc.InputError, match=r"sensors=\{'Channel A': 'wall'\}"):
         hc.load_traces(file, sensors={"Channel A": "sensor 1"}, noise=0.1)
+
+
+@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("separator", [";", "\t"])
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_columns_and_decimals_of_other_countries_are_read(name, separator, decimal, tmp_path):
+    text, places = FORMATS[name]
+    (tmp_path / "scope.csv").write_text(text.replace(",", separator).replace(".", decimal))
+    (tmp_path / "usual.csv").write_text(text)
+    found, usual = (
+        hc.load_traces(tmp_path / file, sensors=places) for file in ("scope.csv", "usual.csv")
+    )
+    assert found.names == usual.names
+    np.testing.assert_array_equal(found.shots[0].times, usual.shots[0].times)
+    for one, other in zip(found.shots[0].signals, usual.shots[0].signals, strict=True):
+        assert one.unit == other.unit
+        np.testing.assert_array_equal(one.values, other.values)
+
+
+def test_numbers_of_excel_in_german_are_read(tmp_path):
+    rows = [f"{1e6 * time:g};{1e3 * value:.2E};" for time, value in zip(TIMES, PULSE, strict=True)]
+    body = "\n".join(rows).replace(".", ",")
+    (tmp_path / "scope.csv").write_text(f"Zeit (us);Kraft (mV);\n{body}\n", "utf-8-sig")
+    traces = hc.load_traces(tmp_path / "scope.csv", sensors={"Kraft": "wall"})
+    np.testing.assert_allclose(traces.shots[0].times, TIMES, atol=1e-15)
+    np.testing.assert_allclose(traces.shots[0].signals[0].values, PULSE, rtol=1e-2, atol=1e-12)
+
+
+def test_decimal_commas_may_be_in_quotation_marks(tmp_path):
+    rows = [
+        f'"{time:.7f}","{value:.5f}"'.replace(".", ",")
+        for time, value in zip(TIMES, PULSE, strict=True)
+    ]
+    (tmp_path / "scope.csv").write_text("\n".join(["time [s],wall [V]", *rows]))
+    (signal,) = hc.load_traces(tmp_path / "scope.csv").shots[0].signals
+    np.testing.assert_allclose(signal.values, PULSE, atol=5.1e-6)
+
+
+@pytest.mark.parametrize(
+    ("head", "rows", "words"),
+    [
+        ("time [us];wall [V]", ["1,125;2,375", "2,125;4,125"],
+         "1,125 may be 1.125 or 1125, like all numbers of this file; save the file with decimal"),
+        ("time [us];wall [V]", ["1.125;2.375", "2.125;4.125"], "1.125 may be 1.125 or 1125"),
+        ("time [us];wall [V]", ["1.0;0,5", "2.0;0,25"],
+         "its numbers have commas and points, such as 0,5 and 1.0; save"),
+        ("time [us];wall [V]", ["1;1.234,5", "2;1.234,6"], "commas and points, such as 1.234,5"),
+        ("time [us],wall [V]", ["0,5,0,1", "1,5,0,2"],
+         "row 1 has 4 cells, the header has 2; if numbers have decimal commas, separate"),
+    ],
+)  # fmt: skip
+def test_numbers_that_can_be_read_in_two_ways_are_rejected(head, rows, words, tmp_path):
+    (tmp_path / "scope.csv").write_text("\n".join([head, *rows]))
+    with pytest.raises(hc.InputError) as caught:
+        hc.load_traces(tmp_path / "scope.csv")
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("cell", "value"), [("0,125", 0.125), ("-0,125", -0.125), (",125", 0.125), ("1,25", 1.25),
+                        ("1,125E+0", 1.125), ("1000,125", 1000.125)]
+)  # fmt: skip
+def test_one_number_decides_for_all(cell, value, tmp_path):
+    rows = [f"{i};{each}" for i, each in enumerate(["1,125", "1,375"] * 9 + [cell, "1,625"])]
+    (tmp_path / "scope.csv").write_text("\n".join(["time [us];wall [V]", *rows]))
+    (signal,) = hc.load_traces(tmp_path / "scope.csv", noise=0.1).shots[0].signals
+    assert signal.values[:2].tolist() == [1.125, 1.375]
+    assert signal.values[18] == value

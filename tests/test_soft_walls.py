@@ -160,7 +160,7 @@ def test_gradients_scatter_and_designs_on_a_soft_wall(run):
     assert found.chain.radii[1:] == pytest.approx(np.full(3, 9e-3), rel=1e-3)
 
 
-def test_changes_are_not_compared_without_complete_peaks(monkeypatch):
+def test_changes_need_complete_peaks(monkeypatch):
     from hertzchain.designs import sensitivity
 
     chain = balls(4)
@@ -170,7 +170,7 @@ def test_changes_are_not_compared_without_complete_peaks(monkeypatch):
     )
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert sensitivity.changes_at_kink(chain, found, "radii") is None
+        assert sensitivity.changes_of_peak(chain, found, "radii") is None
 
 
 def test_sweeps_flag_impulses_of_impacts_that_have_not_ended():

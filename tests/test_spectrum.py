@@ -121,8 +121,13 @@ def test_transfer_inverts_the_dynamic_stiffness(loss, ends):
         # Forces are those of the links between the beads that move.
         x = np.array([0.0, *(found.transfer(f, k, at=4) for k in range(1, n + 1)), 0.0])
         links = found.contacts.springs + 1j * w * found.contacts.dampers
-        forces = [found.transfer_force(f, c, at=4) for c in range(n + 1)]
-        np.testing.assert_allclose(forces, -links * np.diff(x), rtol=1e-10, atol=1e-13)
+        joined = np.flatnonzero(links)
+        forces = [found.transfer_force(f, c, at=4) for c in joined]
+        expected = (-links * np.diff(x))[joined]
+        np.testing.assert_allclose(forces, expected, rtol=1e-10, atol=1e-13)
+        for free in {0, n} - {*joined.tolist()}:
+            with pytest.raises(hc.InputError, match=f"contact {free} carries no force, because no"):
+                found.transfer_force(f, free)
 
 
 def test_slow_drives_keep_their_digits():

@@ -1,3 +1,4 @@
+import itertools
 import os
 import shutil
 import subprocess
@@ -9,6 +10,7 @@ import xarray as xr
 
 import hertzchain as hc
 from hertzchain.simulation import simulate
+from hertzchain.simulation.fixed_steps import FixedSteps
 from hertzchain.store import manifest, results, streaming, writing
 
 CHAIN = hc.Chain.uniform(12).replace(right_wall=hc.Wall(), loss=hc.UnloadingRatio(0.2))
@@ -100,6 +102,67 @@ def test_a_folder_holds_one_tolerance(tmp_path):
     ):
         hc.stream(CHAIN, tmp_path, times=[1.0, 2.0, 3.0], rtol=1e-12)
     assert hc.stream(CHAIN, tmp_path, times=[1.0, 2.0, 3.0], rtol=1e-10).load().sizes["time"] == 3
+
+
+BETWEEN_WALLS = hc.Chain.uniform(12).replace(left_wall=hc.Wall(), right_wall=hc.Wall())
+
+
+@pytest.mark.usefixtures("_small_files")
+def test_a_stream_by_fixed_steps_resumes_bit_for_bit(tmp_path):
+    class Stopped(Exception):
+        pass
+
+    def stop(done, _):
+        if done >= 30:
+            raise Stopped
+
+    fixed = {"method": "symplectic", "step": 0.02}
+    with pytest.raises(Stopped):
+        hc.stream(BETWEEN_WALLS, tmp_path, times=TIMES, progress=stop, **fixed)
+    # The method that "symplectic" chose and the step are those of the folder.
+    stored = hc.stream(BETWEEN_WALLS, tmp_path, times=TIMES, method="symplectic")
+    whole = hc.simulate(BETWEEN_WALLS, times=TIMES, **fixed)
+    np.testing.assert_array_equal(stored.load().velocity, whole.velocities)
+
+
+@pytest.mark.usefixtures("_small_files")
+def test_a_stream_whose_energy_drifts_begins_again_with_shorter_steps(tmp_path, monkeypatch):
+    times, reports = np.linspace(0.0, 300.0, 61), []
+
+    def note(done, _):
+        reports.append(done)
+
+    # The drift of this step exceeds the limit after the first parts are written.
+    drifts = [
+        hc.simulate(BETWEEN_WALLS, until=until, times=0, method="forward-4", step=0.05).energy_drift
+        for until in (60.0, 300.0)
+    ]
+    limit = float(np.sqrt(np.prod(drifts)))
+    monkeypatch.setattr(streaming, "fixed_steps", lambda *_: FixedSteps("forward-4", 0.05, limit))
+    stored = hc.stream(
+        BETWEEN_WALLS, tmp_path, times=times, method="forward-4", drift=limit, progress=note
+    )
+    assert len(stored.files) > 2
+    assert any(later < earlier for earlier, later in itertools.pairwise(reports))
+    written = manifest.load_manifest(tmp_path)
+    same = hc.simulate(BETWEEN_WALLS, times=times, method=written.method, step=written.step)
+    np.testing.assert_array_equal(stored.load().velocity, same.velocities)
+    assert same.energy_drift <= limit < drifts[1]
+    assert written.step < 0.05
+
+
+def test_a_folder_holds_one_method_and_step(tmp_path):
+    fixed = {"method": "verlet", "step": 0.02}
+    hc.stream(BETWEEN_WALLS, tmp_path, times=[1.0, 2.0], **fixed)
+    with pytest.raises(
+        hc.InputError, match="by method 'verlet', but now .* is 'adaptive'; .* with method 'verlet'"
+    ):
+        hc.stream(BETWEEN_WALLS, tmp_path, times=[1.0, 2.0])
+    with pytest.raises(hc.InputError, match="step = 0.02, but now step is 0.03; resume .* 0.02"):
+        hc.stream(BETWEEN_WALLS, tmp_path, times=[1.0, 2.0], **(fixed | {"step": 0.03}))
+    with pytest.raises(hc.InputError, match="supports elastic contacts only"):
+        hc.stream(CHAIN, tmp_path / "lossy", times=[1.0], method="symplectic")
+    assert not (tmp_path / "lossy").exists()
 
 
 def test_a_folder_holds_one_run(tmp_path):

@@ -16,6 +16,7 @@ from hertzchain.plotting.sweeps import plot_sweep
 from hertzchain.store import sweep_export
 from hertzchain.store.sweep_export import export_sweep, tables_of
 from hertzchain.store.sweep_store import FAILED
+from hertzchain.sweeps import axes as axes_module
 from hertzchain.sweeps import timing
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.batches import Stopped, _Batch, run_batch
@@ -244,9 +245,9 @@ BAD = [
     ({"axes": {"method": {"rtl": [1]}}}, "unknown option 'rtl'.*did you mean 'rtol'"),
     ({"axes": {"rate": [0.1, 0.2], "beads": [9]}, "sweep": {"combine": "zip"}},
      "axes: zip needs axes of the same length, but rate has 2, beads has 1 values"),
-    ({"chain": {"radii": 1.0, "beads": 4}, "axes": {"radii.2": [0.8, 0.9]}},
-     "value 2 can only vary in a list, and \\[chain\\] has one value, 1.0, for all: give a list"),
-    ({"axes": {"radii.2": [0.8, 0.9]}}, "and \\[chain\\] has none: give a list"),
+    ({"chain": {"radii": 1.0}, "axes": {"radii.2": [0.8, 0.9]}},
+     "\\[chain\\] has one value of radii, 1.0, for all: list the radii"),
+    ({"axes": {"radii.2": [0.8, 0.9]}}, "\\[chain\\] has no list radii: list the radii"),
     ({"sweep": {"methods": ["propgate"]}}, "sweep.methods\\[1\\]: .*did you mean 'propagate'"),
     ({"sweep": {"methods": []}}, "sweep.methods: must be a list of names"),
     ({"sweep": {"keep": ["speed"]}}, "sweep.keep\\[1\\]: unknown quantity 'speed'"),
@@ -305,6 +306,42 @@ def test_invalid_specifications_are_rejected(change, said):
         given = {}
     with pytest.raises(hc.InputError, match=said):
         hc.sweep(given | change)
+
+
+def test_too_many_combinations_are_rejected_before_their_values_are_made(monkeypatch):
+    made = []
+    monkeypatch.setattr(axes_module, "_spaced", lambda *given: made.append(given) or [0.05])
+    million = {"linspace": [0.01, 0.1, 10**6]}
+    axes = {"rate": million, "radii": {"5": million}, "beads": {"list": [10, 20]}}
+    said = (
+        r"^axes: .* 2000000000000 points, 1000000 \(rate\) x 1000000 \(radii.5\) x 2 \(beads\); "
+        "at most 10000000000 are allowed"
+    )
+    with pytest.raises(hc.InputError, match=said):
+        read_specification({"chain": dict(FORWARD), "axes": axes})
+    assert not made
+    # Values that vary together are not combined.
+    with pytest.raises(hc.InputError, match="zip needs axes of the same length"):
+        read_specification({"chain": dict(FORWARD), "axes": axes, "sweep": {"combine": "zip"}})
+    assert len(made) == 2
+
+
+def test_names_of_keys_in_a_list_of_strikers_need_its_number():
+    chain = {"diameters": "10 mm", "beads": 5, "material": "steel-52100",
+             "struck_by": [{"velocity": "0.1 m/s", "diameter": "10 mm"}]}  # fmt: skip
+    axes = {"struck_by.velocity": ["0.1 m/s", "0.2 m/s"], "struck_by.2.diameter": ["5 mm", "6 mm"]}
+    with pytest.raises(hc.InputError) as raised:
+        hc.sweep({"chain": chain, "axes": axes})
+    assert str(raised.value).splitlines()[1:] == [
+        "  axes.struck_by.velocity: struck_by is a list of 1, so the name needs a number: write "
+        "'struck_by.1.velocity' for its first item",
+        "  axes.struck_by.2.diameter: there is no item 2 in struck_by, a list of 1",
+    ]
+    axes = {"struck_by.1.velocity": ["1 mm/s", "2 mm/s"]}
+    sweep = {"methods": ["simulate"], "keep": ["velocity"], "at": "last"}
+    slow, fast = hc.sweep({"chain": chain, "axes": axes, "sweep": sweep}).velocity.values.ravel()
+    # Hertz's law has no scale of velocity.
+    assert fast == pytest.approx(2.0 * slow, rel=1e-9)
 
 
 @pytest.mark.parametrize(("points", "said"), [
@@ -622,15 +659,27 @@ def test_maps_mark_cells_outside_the_range_and_failed_ones():
     found.velocity[6, 2] = np.nan
     outside[6, 2] = False
     axes = plot_sweep(found, "velocity")
-    marks = {each.get_label(): each.get_offsets().tolist() for each in axes.collections[1:]}
-    assert marks.pop("failed") == [[0.7, 0.6]]
-    (places,) = marks.values()
+    # Those without places are for the legend.
+    marks = [each.get_offsets().tolist() for each in axes.collections[1:]]
+    failed, places = (each for each in marks if each)
+    assert failed == [[0.7, 0.6]]
     expected = [[float(found.chain_velocity[i]), float(found.ratio[j])]
                 for i, j in np.argwhere(outside)]  # fmt: skip
     assert sorted(places) == sorted(expected)
     names = [each.get_text() for each in axes.get_legend().get_texts()]
     assert names == ["failed", "outside the range of the method or of Hertz's law"]
     assert axes.get_ylabel() == "radius of the last bead / that of the first"
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_scaled_curves_have_no_range_of_hertz_law():
+    found = hc.sweep({
+        "chain": {"taper": "forward-exponential", "beads": 30}, "axes": {"rate": [0.02, 0.05, 0.3]},
+        "sweep": {"methods": ["local-rate"], "keep": ["velocity"], "at": "last"},
+    })  # fmt: skip
+    assert found.outside_range.values.any()
+    names = plot_sweep(found).get_legend_handles_labels()[1]
+    assert "outside the range of the method" in names
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
@@ -696,7 +745,7 @@ def test_the_time_for_compiling_is_not_part_of_an_estimate(monkeypatch):
 
     monkeypatch.setattr(timing, "time_of_batch", computed)
     spec = {"chain": {"taper": "uniform"}, "axes": {"beads": list(range(10, 40))}}
-    assert timing.time_per_point(read_specification(spec)) == pytest.approx(1e-3)
+    assert timing.time_per_point(read_specification(spec)).seconds == pytest.approx(1e-3)
 
 
 def test_points_are_ticked_by_whole_numbers():
@@ -927,3 +976,111 @@ def test_short_times_are_plotted_in_microseconds():
     expected = 1e6 * found.wall_duration.squeeze().values
     np.testing.assert_allclose(axes.lines[0].get_ydata(), expected)
     assert 10.0 < expected.min() < 100.0
+
+
+def sizes_of_one_bead(key, values):
+    """Peaks on the wall of a row of equal balls, for velocities and sizes of bead 5."""
+    row = hc.Chain.from_materials(
+        ["5 mm"] * 8, "steel-52100", velocity="0.1 m/s", right_wall=hc.Wall()
+    )
+    found = hc.sweep({
+        "chain": row, "axes": {"velocity": [0.1, 0.2], f"{key}.5": values},
+        "sweep": {"methods": "simulate", "keep": "wall_peak_force", "at": "last"},
+    })  # fmt: skip
+    return row, found.wall_peak_force.values.squeeze()
+
+
+@pytest.mark.parametrize(("key", "values"), [("radii", [0.004, 0.006]),
+                                             ("diameters", ["8 mm", "12 mm"])])  # fmt: skip
+def test_one_bead_of_a_chain_of_equal_beads_varies(key, values):
+    row, peaks = sizes_of_one_bead(key, values)
+    expected = np.empty((2, 2))
+    for i, velocity in enumerate((0.1, 0.2)):
+        for j, radius in enumerate((0.004, 0.006)):
+            radii = np.where(np.arange(8) == 4, radius, 0.005)
+            chain = row.replace(radii=radii, velocities=velocity * (np.arange(8) == 0))
+            expected[i, j] = hc.simulate(chain, times=0).wall_force().peak
+    np.testing.assert_allclose(peaks, expected, rtol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("chain", "axis", "same", "values"),
+    [
+        # One value for all, in a chain file.
+        ({"radii": 1.0, "beads": 6}, "radii.3", {"radii": [1.0] * 6}, [0.9, 1.0]),
+        ({"radii": "5 mm", "beads": 6, "materials": "steel-52100"}, "radii.3",
+         {"radii": ["5 mm"] * 6, "materials": "steel-52100"}, ["4 mm", "5 mm"]),
+        ({"diameters": ["8 mm", "9 mm", "8 mm"], "materials": "steel-52100"}, "materials.3",
+         {"diameters": ["8 mm", "9 mm", "8 mm"], "materials": ["steel-52100"] * 3},
+         ["ptfe", "steel-52100"]),
+        # Chains that are written as tapers, and contacts without gaps.
+        (hc.Chain.tapered("forward-exponential", 0.05, beads=6), "radii.3",
+         {"radii": hc.Chain.tapered("forward-exponential", 0.05, beads=6).radii.tolist()},
+         [0.9, 1.0]),
+        (hc.Chain.from_materials("5 mm", "steel-52100", beads=4), "gaps.2",
+         {"radii": "5 mm", "beads": 4, "materials": "steel-52100", "gaps": [0.0] * 3},
+         ["1 um", "2 um"]),
+    ],
+)  # fmt: skip
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_axes_of_single_values_need_no_list(chain, axis, same, values):
+    rest = {"axes": {axis: values}, "sweep": {"methods": "simulate", "at": "last"}}
+    found, expected = (hc.sweep({"chain": each} | rest) for each in (chain, same))
+    assert (found.status == 1).all()
+    np.testing.assert_allclose(found.velocity, expected.velocity, rtol=1e-12)
+    assert np.ptp(found.velocity.values) > 0.0
+
+
+@pytest.mark.parametrize(
+    ("chain", "message"),
+    [
+        ({"taper": "uniform"}, "[chain] has no list radii: list the radii"),
+        ({"diameters": "5 mm", "beads": 9, "materials": "ptfe"},
+         "[chain] has no list radii: list the radii, or vary diameters.5"),
+        ({"radii": "5 mm", "materials": "ptfe"},
+         "[chain] has one value of radii, '5 mm', for all: list the radii"),
+    ],
+)  # fmt: skip
+def test_errors_about_missing_lists_name_only_their_axis(chain, message):
+    axes = {"velocity": [0.1, 0.2], "radii.5": ["4 mm", "5 mm"]}
+    with pytest.raises(hc.InputError) as caught:
+        hc.sweep({"chain": chain, "axes": axes})
+    assert str(caught.value) == f"axes.radii.5: {message}"
+
+
+LONG_RUNS = {
+    "chain": {"radii": "5 mm", "materials": "steel-52100", "beads": 300, "right_wall": {}},
+    "axes": {"velocity": {"linspace": [0.01, 0.02, 100]}},
+    "sweep": {"methods": "simulate", "keep": "wall_peak_force"},
+}
+
+
+def test_estimates_do_not_wait_for_long_runs(monkeypatch):
+    hc.sweep(LONG_RUNS | {"axes": {"beads": [4], "velocity": [0.01]}})  # compiles
+    monkeypatch.setattr(timing, "LONGEST", 0.05)
+    found = estimate(LONG_RUNS, workers=2)
+    assert found.unfinished
+    assert found.seconds == pytest.approx(100 * 0.05 / 2)
+
+
+def test_compiling_is_not_part_of_the_limit_of_an_estimate(monkeypatch):
+    # A clock that advances by an hour within the first call only.
+    times = iter([0.0, 3600.0, *(3600.0 + 0.1 * np.arange(1, 200))])
+    monkeypatch.setattr(timing.time, "perf_counter", lambda: float(next(times)))
+    limit = timing._Limit()
+    calls = 1
+    while not limit():
+        calls += 1
+    assert 0.1 * calls == pytest.approx(timing.LONGEST - timing.CALLED, abs=0.25)
+
+
+def test_estimates_of_points_of_different_length_are_lower_bounds_if_one_is_unfinished(monkeypatch):
+    def time_of(plan, batch):
+        (index, *_) = plan.indices(batch)
+        return np.inf if plan.chain(index).beads > 50 else 1e-3
+
+    monkeypatch.setattr(timing, "time_of_batch", time_of)
+    spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [*range(10, 60)]}}
+    found = timing.time_per_point(read_specification(spec | {"sweep": {"batch": 1}}))
+    assert found.unfinished
+    assert 1e-3 < found.seconds <= timing.LONGEST

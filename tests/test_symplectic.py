@@ -132,11 +132,5 @@ def test_invalid_requests(changes, options, said):
         hc.simulate(chain, until=10.0, **({"method": "symplectic"} | options))
 
 
-def test_a_symplectic_run_has_no_horizon():
-    run = hc.simulate(CHAINS["walls"], until=10.0, method="symplectic")
-    with pytest.raises(hc.InputError, match="a run by fixed steps has no horizon"):
-        run.horizon()
-
-
 def test_all_methods_have_a_cost():
     assert COSTS.keys() <= SPLITTINGS.keys()

@@ -111,6 +111,17 @@ def test_an_incomplete_peak_is_none(until):
     assert wall.impulse == pytest.approx(np.trapezoid(wall.force, wall.times), abs=1e-5)
 
 
+def test_each_run_warns_once_about_each_incomplete_wall():
+    chain = uniform(left_wall=WALL)
+    for run in [hc.simulate(chain, until=5.0, times=50) for _ in range(2)]:
+        for side in ("right", "left"):
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                for _ in range(3):
+                    assert np.isnan(run.wall_force(side).peak)
+            assert [each.category for each in caught] == [hc.IncompleteWarning]
+
+
 def test_the_bound_is_met_by_one_bead_and_a_wall():
     """All energy of the last bead goes into the wall: the force is the bound."""
     chain = uniform(3, velocities=[0.0, 0.0, 0.7], right_wall=hc.Wall(stiffness=3.0, gap=0.5))

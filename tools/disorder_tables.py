@@ -2,7 +2,7 @@
 
 Each ensemble has PAIRS pairs of exponential chains with opposite deviations, normally distributed;
 all ensembles have the same deviations, in units of the scatter.  600 pairs take three minutes of
-one core.
+one core.  With 0 pairs, only the tables of first derivatives are written.
 """
 
 import sys
@@ -11,7 +11,17 @@ from pathlib import Path
 import numpy as np
 
 import hertzchain as hc
-from hertzchain.theory.disorder_table import END, MEANS, RATES, SCATTERS, SPREADS, START
+from hertzchain.theory.disorder_table import (
+    DELAYED,
+    DELAYS,
+    END,
+    MEANS,
+    OFFSETS,
+    RATES,
+    SCATTERS,
+    SPREADS,
+    START,
+)
 
 BEADS = 84
 # Scatter of moduli, of which the mean is of second order, and step of first derivatives.
@@ -19,10 +29,10 @@ MODULUS_SCATTER, STEP = 0.01, 1e-4
 RTOL = 1e-7
 
 
-def radii_table(rows, rtol=RTOL):
-    """Logarithms of velocity, peak force and residence time, in units of R_1 = 1."""
-    table = hc.propagate_many(rows, rtol=rtol, threads=1)
-    size = np.log(rows[:, :1])
+def radius_table(radii, deviations, rtol=RTOL):
+    """Logarithms of velocity, peak force and residence time, in the units of the nominal chain."""
+    table = hc.propagate_many(radii * np.exp(deviations), rtol=rtol, threads=1)
+    size = deviations[:, :1]
     return logarithms(table, 2.0 * size, size)
 
 
@@ -55,45 +65,58 @@ def mean_row(columns, clean, scatter):
     ]
 
 
-def spread_row(response, clean):
+def spread_row(response):
     """Variances over the squared scatter: those of early beads, from start and local beads."""
-    velocity, force, time = (np.square(each) for each in response)
+    velocity, force = (np.square(each) for each in response[:2])
     near, within = slice(0, START), 60
     row = []
-    for values, last in ((velocity, BEADS), (force, BEADS - 1)):
-        row += [*values[:, 1 : START + 1].sum(axis=0), values[near, within].sum()]
+    for values, first, last in ((velocity, 1, BEADS), (force, 0, BEADS - 1)):
+        row += [*values[:, first : START + first].sum(axis=0), values[near, within].sum()]
         row += [values[START:, k].sum() for k in (within, *range(last - END, last))]
-    # Effect of one bead on all residence times around it, in units of its own.
-    own = np.exp(clean[2][0])
-    delay = (response[2][40, 30:60] * own[30:60]).sum() / own[40]
-    return [*row, delay**2, time[START:, within].sum()]
+    return row
+
+
+def delay_row(response):
+    """Derivatives of ln T with respect to the deviations of beads around the contact, by stage."""
+    padded = np.pad(response, ((-OFFSETS[0], OFFSETS[-1]), (0, 0)))
+    contacts = (*range(DELAYED), 40, BEADS - 2)
+    rows = [padded[k : k + len(OFFSETS), k] for k in contacts]
+    # Beads near the impact change all later residence times.
+    return [*np.concatenate(rows), *response[: len(OFFSETS), 60]]
 
 
 def main(folder, pairs):
-    """Write both tables."""
-    rng = np.random.default_rng(20260)
-    lots = rng.standard_normal((pairs, BEADS))
-    lots /= np.sqrt(np.mean(lots**2, axis=0))
-    lots = np.concatenate((lots, -lots))
-    means, spreads = [], []
+    """Write the tables."""
+    means, spreads, delays = [], [], []
+    step = STEP * np.eye(BEADS)
     for rate in RATES:
         radii = np.exp(rate * np.arange(BEADS))
-        clean = radii_table(radii[np.newaxis], 1e-10)
-        for scatter in SCATTERS:
-            found = radii_table(radii * np.exp(scatter * lots))
-            means.append([rate, scatter, *mean_row(found, clean, scatter)])
-        single = STEP * np.eye(BEADS)
-        soft = modulus_table(radii, MODULUS_SCATTER * lots)
-        means.append([rate, 0.0, *mean_row(soft, clean, MODULUS_SCATTER)])
-        steps = single, -single
-        changed = [radii_table(radii * np.exp(step), 1e-10) for step in steps]
-        softened = [modulus_table(radii, step, 1e-10) for step in steps]
-        for up, down in (changed, softened):
+        if pairs:
+            means += mean_rows(rate, radii, pairs)
+        for table in (radius_table, modulus_table):
+            up, down = table(radii, step, 1e-10), table(radii, -step, 1e-10)
             response = [(a - b) / (2.0 * STEP) for a, b in zip(up, down, strict=True)]
-            spreads.append([rate, *spread_row(response, clean)])
+            spreads.append([rate, *spread_row(response)])
+            delays.append([rate, *delay_row(response[2])])
         print(rate, flush=True)
-    write(folder / "means.csv", MEANS, means)
+    if pairs:
+        write(folder / "means.csv", MEANS, means)
     write(folder / "spreads.csv", SPREADS, spreads)
+    write(folder / "delays.csv", DELAYS, delays)
+
+
+def mean_rows(rate, radii, pairs):
+    """Rows of means at one rate: one for each scatter of radii, and one for moduli."""
+    lots = np.random.default_rng(20260).standard_normal((pairs, BEADS))
+    lots /= np.sqrt(np.mean(lots**2, axis=0))
+    lots = np.concatenate((lots, -lots))
+    clean = radius_table(radii, np.zeros((1, BEADS)), 1e-10)
+    found = []
+    for scatter in SCATTERS:
+        table = radius_table(radii, scatter * lots)
+        found.append([rate, scatter, *mean_row(table, clean, scatter)])
+    soft = modulus_table(radii, MODULUS_SCATTER * lots)
+    return [*found, [rate, 0.0, *mean_row(soft, clean, MODULUS_SCATTER)]]
 
 
 def write(path, names, rows):

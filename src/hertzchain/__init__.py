@@ -5,7 +5,7 @@
 >>> exact = hc.propagate(chain)
 >>> theory = hc.bca(chain)
 >>> round(float(theory.velocity[49] / exact.velocity[49]), 3)
-1.439
+1.44
 """
 
 import lazy_loader

@@ -4,6 +4,7 @@ from . import paper as paper
 from . import plotting as plotting
 from . import theory as theory
 from .app.explore import explore as explore
+from .app.page_file import save_page as save_page
 from .calibration import Calibration as Calibration
 from .calibration import calibrate as calibrate
 from .chain.chain import Chain as Chain
@@ -93,7 +94,7 @@ from .store.chain_files import load_chain as load_chain
 from .store.results import load_state as load_state
 from .store.results import save_run as save_run
 from .store.results import save_state as save_state
-from .store.run_files import load_run as load_run
+from .store.stored_runs import load_run as load_run
 from .store.streaming import StoredRun as StoredRun
 from .store.streaming import stream as stream
 from .store.sweep_export import export_sweep as export_sweep

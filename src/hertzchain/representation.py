@@ -42,12 +42,17 @@ def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:
     """A number with four digits and, unless it is scaled, its unit; short times in us or ms."""
     if units != "SI":
         return f"{value:.{digits}g}"
-    factor, prefix = 1.0, ""
+    factor, prefixed = usual_unit(value, unit)
+    return f"{factor * value:.{digits}g} {prefixed}"
+
+
+def usual_unit(value: float, unit: str) -> tuple[float, str]:
+    """Factor and unit in which a value is shown: us or ms for short times."""
     if unit == "s" and 0.0 < abs(value) < MICROSECONDS:
-        factor, prefix = 1e6, "u"
-    elif unit == "s" and 0.0 < abs(value) < MILLISECONDS:
-        factor, prefix = 1e3, "m"
-    return f"{factor * value:.{digits}g} {prefix}{unit}"
+        return 1e6, "us"
+    if unit == "s" and 0.0 < abs(value) < MILLISECONDS:
+        return 1e3, "ms"
+    return 1.0, unit
 
 
 def listed(words: Sequence[str], last: str = "and") -> str:
@@ -59,7 +64,7 @@ def with_error(value: float, error: float) -> str:
     """``0.6231 +- 0.0020``: the error with two digits, the value with the same decimals."""
     if not 0.0 < error < math.inf:
         return f"{value:.5g}"
-    last = int(f"{error:.1e}".partition("e")[2]) - 1
+    last = _second_digit(error)
     first = math.floor(math.log10(max(abs(value), error)))
     if first - last > MAX_DIGITS:
         return f"{value:.{MAX_DIGITS}g} +- {error:.2g}"
@@ -69,6 +74,24 @@ def with_error(value: float, error: float) -> str:
     decimals = max(-last, 0)
     both = (round(each, -last) for each in (value, error))
     return " +- ".join(f"{each:z.{decimals}f}" for each in both)
+
+
+def with_decimals(values: Sequence[float], spread: float) -> list[str]:
+    """Values with the same decimals, which are those of three digits of their spread."""
+    largest = max(map(abs, values))
+    if not 0.0 < spread < math.inf or not largest < math.inf:
+        return [f"{value:.5g}" for value in values]
+    first = math.floor(math.log10(largest))
+    last = max(_second_digit(spread) - 1, first - MAX_DIGITS)
+    power = first if first < SMALLEST or first > LARGEST else 0
+    decimals, unit = max(power - last, 0), 10.0**power
+    end = f"e{power:+03d}" if power else ""
+    return [f"{value / unit:z.{decimals}f}{end}" for value in values]
+
+
+def _second_digit(error: float) -> int:
+    """Power of ten of the second digit of a number, rounded to two digits."""
+    return int(f"{error:.1e}".partition("e")[2]) - 1
 
 
 def counted(count: int, noun: str) -> str:

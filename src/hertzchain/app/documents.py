@@ -91,7 +91,15 @@ def document_of_file(path: str | os.PathLike[str]) -> dict[str, Any]:
         document = with_usual_names(tomllib.loads(Path(path).read_text("utf-8-sig")))
         if not any(_files(document)):
             return as_json(document)
-    return as_json(tomllib.loads(chain_as_toml(chain)))
+    return document_of_chain(chain)
+
+
+def document_of_chain(chain: Chain) -> dict[str, Any]:
+    """The chain as a document; raises `InputError` if the page cannot show it."""
+    _check_beads(chain.beads)
+    document = as_json(tomllib.loads(chain_as_toml(chain)))
+    chain_of(document)
+    return document
 
 
 def document_as_toml(given: object) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -12,12 +11,11 @@ from typing import Any
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..errors import InputError, SimulationError
-from ..store.chain_as_toml import chain_as_toml
 from ..validation.json_types import finite
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from .about import about
-from .documents import as_json, chain_of, document_of_toml
+from .documents import chain_of, document_of_chain, document_of_toml
 from .exports import export
 from .latest import Latest
 from .requests import Request
@@ -65,8 +63,8 @@ def explore(chain: Chain | None = None, *, height: int = 900) -> Any:
     document = None
     if chain is not None:
         require_chain("explore", chain)
-        document = as_json(tomllib.loads(chain_as_toml(chain)))
-        chain_of(document)
+        # The page changes radii, which then do not have the scatter of the chain.
+        document = document_of_chain(chain.replace(scatter=None))
     return _widget_class()(document, height)
 
 

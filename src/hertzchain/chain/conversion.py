@@ -127,6 +127,9 @@ def _converted_chain(chain: Chain, scales: Scales, *, to_si: bool) -> Chain:
         own_units = [f"force/length^{each}" for each in p.tolist()]
         changes["stiffness"] = _in_units(chain.stiffness, own_units, scales, axis=0, to_si=to_si)
         changes["exponent"] = p
+    if chain.scatter is not None:
+        scatter = converted(chain.scatter, scales, to_si=to_si)
+        changes["scatter"] = scatter.with_radii(scatter.radii)
     if chain.drive is not None:
         changes["drive"] = converted(chain.drive, scales, to_si=to_si)
     laws = _resolved_laws(chain)

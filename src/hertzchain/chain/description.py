@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..collision import Array
+from ..collision import HERTZ_EXPONENT, Array
 from ..representation import MAX_DIGITS, measure
 from .materials import Material
 from .repeated_cells import cell_repeats, smallest_cell
@@ -20,35 +20,47 @@ def beads_description(
     taper: str | None,
     parameters: Sequence[tuple[str, float]],
     cells: str = "",
+    scatter: str = "",
     *,
     scaled: bool,
 ) -> str:
-    """Such as ``uniform, 20 beads``, or ``20 steel-52100 beads, diameter 10 mm``."""
-    beads = f"{len(radii)} beads"
+    """Such as ``uniform, 20 beads``, or ``20 steel-52100 beads, diameter 10 mm``.
+
+    With a scatter, radii and taper are those without it.
+    """
+    beads = ", ".join(filter(None, (scatter, f"{len(radii)} beads")))
     if taper is not None:
         symbols = taper_named(taper).symbols
         values = ", ".join(f"{symbols[name]} = {value:g}" for name, value in parameters)
         return f"{taper}, {values}, {beads}"
     if scaled:
-        return f"{cells or ('uniform' if np.all(radii == 1.0) else 'given radii')}, {beads}"
+        return f"{cells or ('uniform' if np.ptp(radii) == 0.0 else 'given radii')}, {beads}"
     names = list(dict.fromkeys(each.name for each in materials or ()))
     diameters = "diameter" if np.ptp(radii) == 0.0 else "diameters"
     counted = beads_of(len(radii), "beads", names or ["SI"])
-    return f"{counted}, {diameters} {sizes_in_words(radii)}"
+    sizes = f"{diameters} {sizes_in_words(radii)}"
+    return ", ".join(filter(None, (counted, sizes, scatter)))
 
 
-def cells_in_words(radii: Array, masses: Array, *, given: bool) -> str:
+def cells_in_words(radii: Array, masses: Array | None) -> str:
     """Such as ``dimer, mass ratio 0.3`` or ``cells of 3 beads``; empty without repeated cells.
 
-    The argument ``given`` states whether masses are given, instead of computed from radii.
+    Masses are `None` if they follow from the radii.
     """
-    if np.ptp(radii) == 0.0 and np.ptp(masses) == 0.0:
+    both = (radii,) if masses is None else (radii, masses)
+    if all(np.ptp(each) == 0.0 for each in both):
         return ""
-    size = smallest_cell(radii, masses)
+    size = smallest_cell(*both)
     if size == 2:
-        name, values = ("mass", masses) if given else ("radius", radii)
+        name, values = ("radius", radii) if masses is None else ("mass", masses)
         return f"dimer, {name} ratio {values[1] / values[0]:.4g}"
     return "" if size is None else f"cells of {size} beads"
+
+
+def law_in_words(exponents: Array | float) -> str:
+    """Such as ``, p = 2``, if one exponent of all contacts is not that of Hertz."""
+    hertz = not isinstance(exponents, float) or exponents == HERTZ_EXPONENT
+    return "" if hertz else f", p = {exponents:g}"
 
 
 def beads_of(count: int, noun: str, materials: Sequence[str]) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT, Array
-from ..errors import InputError, InputWarning, unknown_name_error, warn_user
+from ..errors import InputError, unknown_name_error
 from ..frozen import Frozen
 from ..representation import short
 from ..validation.keywords import checked_methods, show_fields
@@ -35,7 +35,13 @@ from .boundary_checks import (
     check_precompression,
 )
 from .contact_groups import ContactGroup, group_contacts, loading_forces
-from .description import beads_description, cells_in_words, features_in_words, impact_in_words
+from .description import (
+    beads_description,
+    cells_in_words,
+    features_in_words,
+    impact_in_words,
+    law_in_words,
+)
 from .drives import Drive
 from .laws import Loss
 from .mass_and_stiffness import contact_stiffness, sphere_masses, wall_stiffness
@@ -50,8 +56,9 @@ from .per_contact import (
     contact_losses,
     given_laws,
 )
+from .scattered_radii import ScatteredRadii, check_scatter_of
 from .static_forces import Loads, check_static_overlaps, static_forces
-from .tapers import parameter_pairs, taper_named
+from .tapers import checked_parameters
 from .walls import Wall, materials_with_walls
 
 Units = Literal["scaled", "SI"]
@@ -87,6 +94,7 @@ class ChainFields(Frozen):
     right_wall: Wall | None = None
     drive: Drive | None = None
     loss: Losses = None
+    scatter: ScatteredRadii | None = None
     # Names of the derived fields that were given.
     given: frozenset[str] = field(init=False, repr=False)
 
@@ -97,7 +105,9 @@ class ChainFields(Frozen):
         self._check_radii()
         self._set("exponent", checked_exponents(self.exponent, self.beads - 1))
         self._set("loss", checked_losses(self.loss, self.beads - 1))
-        self._check_taper()
+        parameters = checked_parameters(self.taper, self.taper_parameters, self.radii)
+        self._set("taper_parameters", parameters)
+        check_scatter_of(self.scatter, self.beads)
         self._check_masses_and_stiffness()
         self._check_start()
         self._check_parts()
@@ -139,20 +149,6 @@ class ChainFields(Frozen):
             input_checks.check_unit_of_length(float(self.radii[strikers]), strikers=strikers)
         if self.units == "SI":
             input_checks.warn_large_radius(self.radii)
-
-    def _check_taper(self) -> None:
-        given = parameter_pairs(self.taper_parameters)
-        if self.taper is None:
-            if given:
-                raise InputError("taper_parameters require a taper; use Chain.tapered")
-            return
-        taper = taper_named(self.taper)
-        values = taper.parameters(given, self.beads)
-        self._set("taper_parameters", tuple(values.items()))
-        if not np.array_equal(self.radii, taper.radii_of(self.beads, values)):
-            raise InputError(
-                f"these radii are not those of a {self.taper} taper; use Chain.tapered"
-            )
 
     def _check_masses_and_stiffness(self) -> None:
         """Check masses and stiffness, or compute them from radii and materials."""
@@ -196,12 +192,8 @@ class ChainFields(Frozen):
             unit = self._unit("m")
             gaps = per_bead_array("gap", self.gaps, self.beads - 1, "contact", unit=unit, least=0.0)
         self._set("gaps", _read_only(gaps))
-        if self.units == "SI" and gaps.max() > (length := 2.0 * float(self.radii.sum())):
-            warn_user(
-                f"gap {int(np.argmax(gaps)) + 1} is {gaps.max():g} m, but the beads are only "
-                f"{length:.3g} m long in total; gaps are in metres, so check their unit",
-                InputWarning,
-            )
+        if self.units == "SI":
+            input_checks.warn_large_gap(gaps, self.radii)
         gravity = number("gravity", self.gravity, unit=self._unit("m/s**2"))
         self._set("gravity", gravity)
 
@@ -243,7 +235,7 @@ class ChainFields(Frozen):
             if name not in DERIVED or name in self.given
         }
         if "radii" in changes:
-            kept |= {"taper": None, "taper_parameters": ()}
+            kept |= {"taper": None, "taper_parameters": (), "scatter": None}
         return type(self)(**(kept | changes))
 
     @property
@@ -423,16 +415,17 @@ class ChainFields(Frozen):
         return self.__dict__.get("_described_as") or self._own_description()
 
     def _own_description(self) -> str:
-        p = self.exponents
-        law = f", p = {p:g}" if isinstance(p, float) and p != HERTZ_EXPONENT else ""
-        own, given = slice(self.strikers, None), "masses" in self.given
-        cells = cells_in_words(self.radii[own], self.masses[own], given=given)
+        law, own = law_in_words(self.exponents), slice(self.strikers, None)
+        shape: ChainFields | ScatteredRadii = self.scatter or self
+        scatter = self.scatter.words(self.radii, self.strikers) if self.scatter else ""
+        masses = self.masses[own] if "masses" in self.given else None
+        cells = cells_in_words(shape.radii[own], masses)
         # The name of a dimer implies equal contacts.
         implied = cells.startswith("dimer, mass") and self.scaled and (self.stiffness == 1.0).all()
         left_out = ["SI units", "masses", "stiffness"] if implied else ["SI units"]
         rest = features_in_words(self.features, left_out, self.strikers, self.velocities)
-        shape = self.radii, self.materials, self.taper, self.taper_parameters
-        beads = beads_description(*shape, cells, scaled=self.scaled)
+        kind = shape.radii, self.materials, shape.taper, shape.taper_parameters
+        beads = beads_description(*kind, cells, scatter, scaled=self.scaled)
         still = self._at_rest_by_default and self.drive is None and not self.velocities.any()
         return f"{beads}{law}{rest}{', at rest' * still}"
 

@@ -118,6 +118,10 @@ class HertzRange:
     @property
     def violations(self) -> tuple[str, ...]:
         """One sentence for each limit that is exceeded; yield comes first."""
+        return self._violations()
+
+    def _violations(self, *, linear: bool = False) -> tuple[str, ...]:
+        """The same; ``linear`` motions cannot have a law with yield."""
         found = []
         at = int(np.argmax(self.yield_ratio))
         if (ratio := self.yield_ratio[at]) > 1.0:
@@ -125,12 +129,15 @@ class HertzRange:
             besides = f", and above 1 at {others} more" if others else ""
             digits = 3 if ratio > 1.05 else 5
             cautious = ", which is cautious for polymers" if self.soft[at] else ""
+            other = (
+                f" or use loss=ElasticPlastic({'yield_overlap=...' if self.given[at] else ''})"
+                f"{self._replaced}"
+            )
             found.append(
                 f"pressure / yield is {ratio:.{digits}g} at {_place(at, self)}{besides} (limit 1 "
                 f"of Hertz's law{cautious}){self._basis(at)}; {self._excess(ratio)}"
-                f"{self._advice(ratio, self.static_yield_ratio, 1.0, digits)} or "
-                f"use loss=ElasticPlastic({'yield_overlap=...' if self.given[at] else ''})"
-                f"{self._replaced}"
+                f"{self._advice(ratio, self.static_yield_ratio, 1.0, digits)}"
+                f"{'' if linear else other}"
             )
         at = int(np.argmax(self.overlap_ratio))
         if (ratio := self.overlap_ratio[at]) > MAX_OVERLAP_RATIO:
@@ -145,6 +152,15 @@ class HertzRange:
                 "law); reduce the velocity"
             )
         return tuple(found)
+
+    @property
+    def _below_yield(self) -> str:
+        """The largest pressure, if it is known and does not exceed its limit."""
+        at = int(np.argmax(self.yield_ratio))
+        if not 0.0 < (ratio := self.yield_ratio[at]) <= 1.0:
+            return ""
+        digits = 2 if ratio < 0.95 else 4
+        return f"pressure / yield {ratio:.{digits}g} at {_place(at, self)} (limit 1 of Hertz's law)"
 
     def _excess(self, ratio: float) -> str:
         """How little the contact yields, if the pressure exceeds its limit only slightly."""
@@ -173,7 +189,10 @@ class HertzRange:
             return f"reduce {motion}"
         # The motion matters if it adds more than is printed.
         also = f" and {motion}" if f"{ratio:.2g}" != f"{alone:.2g}" else ""
-        return f"the static force alone gives {alone:.{digits}g}; reduce {load}{also}"
+        # The weight is that of the beads.
+        by_weight = "use fewer beads" + (f" and reduce {motion}" if also else "")
+        advice = by_weight if load == "gravity" else f"reduce {load}{also}"
+        return f"the static force alone gives {alone:.{digits}g}; {advice}"
 
     def __repr__(self) -> str:
         overlap, pressure = int(np.argmax(self.overlap_ratio)), int(np.argmax(self.yield_ratio))
@@ -293,13 +312,15 @@ def warn_outside_hertz(chain: Chain, overlaps: ArrayLike | None = None) -> None:
             warn_user(violation, ModelRangeWarning)
 
 
-def warn_outside_static(chain: Chain) -> None:
+def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:
     """Issue a warning for each limit of Hertz's law that the static forces alone exceed.
 
     Parameters
     ----------
     chain : Chain
         Any chain; there is no warning if it has no materials.
+    linear : bool
+        Whether the motion is linearised, for which contacts cannot have a law with yield.
 
     Examples
     --------
@@ -309,7 +330,7 @@ def warn_outside_static(chain: Chain) -> None:
     """
     if chain.units == "SI" and chain.materials is not None and chain.static_state.forces.any():
         at_rest = replace(hertz_range(chain, chain.static_state.overlaps), speed_ratio=0.0)
-        for violation in at_rest.violations:
+        for violation in at_rest._violations(linear=linear):
             warn_user(violation, ModelRangeWarning)
 
 
@@ -355,11 +376,11 @@ def _causes(chain: Chain) -> tuple[str, str]:
     """Names of the causes of the motion and of the static force."""
     driven = chain.drive is not None
     motion = ["the velocity"] if chain.velocities.any() or not driven else []
-    load = ["the precompression"] if chain.precompression > 0.0 else []
-    return (
-        " or ".join(motion + ["the drive"] * driven),
-        " or ".join(load + ["gravity"] * (chain.gravity != 0.0)),
-    )
+    # Of both, only the precompression can be chosen.
+    load = "the precompression" if chain.precompression > 0.0 else "gravity"
+    return " or ".join(
+        motion + ["the drive"] * driven
+    ), load if chain.static_state.forces.any() else ""
 
 
 def _collisions(chain: Chain, static: Array) -> Array:

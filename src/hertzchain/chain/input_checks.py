@@ -126,6 +126,16 @@ def warn_large_radius(radii: Array) -> None:
         _warn_of_metres(f"bead {k + 1} has a radius of {radii[k]:g} m")
 
 
+def warn_large_gap(gaps: Array, radii: Array) -> None:
+    """Warn about gaps in metres that are probably in another unit."""
+    if gaps.max() > (length := 2.0 * float(radii.sum())):
+        warn_user(
+            f"gap {int(np.argmax(gaps)) + 1} is {gaps.max():g} m, but the beads are only "
+            f"{length:.3g} m long in total; gaps are in metres, so check their unit",
+            InputWarning,
+        )
+
+
 def warn_large_limit(low: float, high: float, radii: Array) -> None:
     """Warn about limits in metres, for beads of these radii, that are probably in millimetres."""
     if high >= min(LARGE_RADIUS, LARGE_RATIO * radii.max()):

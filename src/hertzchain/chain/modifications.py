@@ -8,11 +8,12 @@ from collections.abc import Mapping
 from typing import Any, Final, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..collision import Array
 from ..errors import InputError, short_repr
 from ..validation.keywords import checked_arguments
-from ..validation.numbers import FRACTION, number, whole_number
+from ..validation.numbers import FRACTION, number, per_bead_array, whole_number
 from .fields import ChainFields
 from .input_checks import checked_beads
 from .laws import Loss
@@ -23,6 +24,7 @@ from .random_radii import (
     check_scatter,
     random_draws,
     relative_scatter,
+    scattered,
     with_random_radii,
 )
 
@@ -128,11 +130,12 @@ def with_defects(self: C, radii: Mapping[int, float], *, material: MaterialLike 
 @checked_arguments("with_scatter", aliases={"rng": "seed"})
 def with_scatter(
     self: C,
-    seed: np.random.Generator | int,
+    seed: np.random.Generator | int | None = None,
     *,
     relative: float | None = None,
     grade: int | None = None,
     beads: Any = None,
+    radii: ArrayLike | None = None,
 ) -> C:
     r"""Return the chain with random deviations of the radii, like those of real balls.
 
@@ -143,6 +146,9 @@ def with_scatter(
 
     Strikers keep their sizes.  If the chain has none, bead 1 is the projectile, whose size
     changes the impact itself; ``beads="2:"`` keeps it.
+
+    The chain remembers the scatter (``chain.scatter``) for its description, in titles and files,
+    until its radii are changed.
 
     Parameters
     ----------
@@ -157,17 +163,24 @@ def with_scatter(
     beads : str or list of int, optional
         Beads that deviate, such as ``"2:"`` or ``[3, 4]``; by default all but the strikers.  The
         deviation of a bead does not depend on this choice.
+    radii : array_like, shape (N,), optional
+        Radii of all beads [scaled, or m] instead of a seed: measured ones, or those of a chain
+        file.
 
     Raises
     ------
     InputError
-        If not exactly one of ``relative`` and ``grade`` is given, the grade does not exist, or
-        the chain has given masses or stiffness, which do not follow from its radii.
+        If not exactly one of ``relative`` and ``grade`` is given, and of ``seed`` and ``radii``,
+        the grade does not exist, or the chain has given masses or stiffness, which do not follow
+        from its radii.
 
     Examples
     --------
     >>> import hertzchain as hc
-    >>> hc.Chain.uniform(4).with_scatter(1, relative=0.1).radii.round(3)
+    >>> chain = hc.Chain.uniform(4).with_scatter(1, relative=0.1)
+    >>> chain
+    Chain(uniform, 10% scatter, 4 beads)
+    >>> chain.radii.round(3)
     array([1.035, 1.086, 1.034, 0.878])
     >>> hc.Chain.uniform(4).with_scatter(1, relative=0.1, beads="3:").radii.round(3)
     array([1.   , 1.   , 1.034, 0.878])
@@ -178,9 +191,17 @@ def with_scatter(
         relative = relative_scatter("relative scatter", relative, least=0.0)
     else:
         check_grade(grade)
+    check_scatter(self, grade, beads)
+    if radii is not None:
+        if seed is not None or beads is not None:
+            raise InputError("radii with a scatter are those of all beads: omit seed and beads")
+        unit = self._unit("m")
+        given = per_bead_array("radius", radii, self.beads, "bead", unit=unit, above=0.0)
+        return scattered(self, given, relative, grade)
+    if seed is None:
+        raise InputError("with_scatter needs a seed of the random numbers, or radii")
     if not isinstance(seed, np.random.Generator):
         seed = whole_number("seed of a scatter", seed, least=0)
-    check_scatter(self, grade, beads)
     draws = random_draws(np.random.default_rng(seed), (1, self.beads), grade)
     return with_random_radii(self, draws, relative, grade, beads)[0]
 

@@ -98,9 +98,13 @@ def reversed_beads(self: C) -> C:
             "a chain with strikers or several moving beads cannot be reversed: call reversed "
             "first, then struck_by or replace(velocities=...)"
         )
-    changes = {name: value[::-1] for name, value in _cut(self, 0, self.beads).items()}
+    changes = {
+        name: value[::-1] for name, value in _cut(self, 0, self.beads).items() if name != "scatter"
+    }
     if "velocities" in changes:
         changes["velocities"] = self.velocities
+    if self.scatter is not None:
+        changes["scatter"] = self.scatter.with_radii(self.scatter.radii[::-1])
     return _rescaled(self, changes)
 
 
@@ -138,6 +142,9 @@ def joined(self: C, other: C) -> C:
     }
     if self.materials is not None and other.materials is not None:
         changes["materials"] = self.materials + other.materials
+    if self.scatter is not None and other.scatter is not None and self.scatter.like(other.scatter):
+        nominal = np.concatenate((self.scatter.radii, other.scatter.radii))
+        changes["scatter"] = self.scatter.with_radii(nominal)
     given = self.given | other.given
     if "masses" in given:
         changes["masses"] = np.concatenate((self.masses, other.masses))
@@ -169,6 +176,8 @@ def _require_slice(beads: object) -> None:
 def _cut(chain: ChainFields, start: int, stop: int) -> dict[str, Any]:
     """Fields of a part of the beads that have one value per bead or contact."""
     changes: dict[str, Any] = {"radii": chain.radii[start:stop]}
+    if chain.scatter is not None:
+        changes["scatter"] = chain.scatter.with_radii(chain.scatter.radii[start:stop])
     if chain.materials is not None:
         changes["materials"] = chain.materials[start:stop]
     for name in ("masses", "velocities"):
@@ -211,6 +220,9 @@ def _rescaled(chain: C, changes: dict[str, Any]) -> C:
             )
         with np.errstate(over="ignore", under="ignore"):
             changes["radii"] = radii / first
+            if "scatter" in changes:
+                nominal = changes["scatter"].radii / first
+                changes["scatter"] = changes["scatter"].with_radii(nominal)
     return chain.replace(**changes)
 
 

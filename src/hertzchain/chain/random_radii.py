@@ -18,6 +18,7 @@ from ..errors import InputError, short_repr
 from ..validation.numbers import FRACTION, number
 from .fields import ChainFields
 from .places import places_from
+from .scattered_radii import ScatteredRadii
 
 C = TypeVar("C", bound=ChainFields)
 
@@ -97,5 +98,13 @@ def with_random_radii(
     chain: C, draws: Array, relative: float | None, grade: int | None, beads: Any
 ) -> list[C]:
     """One chain for each row of draws; masses and contacts follow from its radii."""
+    if relative == 0.0:
+        return [chain] * len(draws)
     rows = deviating_radii(chain, draws, relative, grade, beads)
-    return [chain.replace(radii=radii) for radii in rows]
+    return [scattered(chain, radii, relative, grade) for radii in rows]
+
+
+def scattered(chain: C, radii: Array, relative: float | None, grade: int | None) -> C:
+    """The chain with these radii, which have a scatter."""
+    scatter = ScatteredRadii(chain.radii, relative, grade, chain.taper, chain.taper_parameters)
+    return chain.replace(radii=radii, scatter=scatter)

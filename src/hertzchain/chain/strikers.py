@@ -119,6 +119,8 @@ def struck_by(
         "gaps": np.concatenate((np.zeros(count - 1), [distance], self.gaps)),
         "strikers": self.strikers + count,
     }
+    if self.scatter is not None:
+        new["scatter"] = self.scatter.behind(count, drawn, self.radii[self.strikers :])
     if own is not None and self.materials is not None:
         new["materials"] = (own,) * count + self.materials
     if mass is not None or "masses" in self.given:

@@ -82,6 +82,22 @@ def taper_named(name: str) -> Taper:
     return TAPERS[name]
 
 
+def checked_parameters(
+    taper: str | None, given: Any, radii: Array
+) -> tuple[tuple[str, float], ...]:
+    """Parameters of the taper with these radii; none without a taper."""
+    pairs = parameter_pairs(given)
+    if taper is None:
+        if pairs:
+            raise InputError("taper_parameters require a taper; use Chain.tapered")
+        return ()
+    kind = taper_named(taper)
+    values = kind.parameters(pairs, len(radii))
+    if not np.array_equal(radii, kind.radii_of(len(radii), values)):
+        raise InputError(f"these radii are not those of a {taper} taper; use Chain.tapered")
+    return tuple(values.items())
+
+
 def rate_symbol(taper: str) -> str:
     """Symbol of the rate of a taper: S if it is linear, q if it is exponential."""
     return taper_named(taper).symbols["rate"]

@@ -6,15 +6,33 @@ from pathlib import Path
 
 import click
 
+from .options import StrictCommand, check_writable
 
-@click.command()
+
+@click.command(cls=StrictCommand)
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @click.option(
     "--port", type=click.IntRange(0, 65535), default=8765, show_default=True,
     help="Port of the server; if it is taken, the next free one. 0 is any free port.",
 )  # fmt: skip
 @click.option("--no-open", is_flag=True, help="Print the address, but open no browser.")
-def app(file: Path | None, port: int, no_open: bool) -> None:
+@click.option(
+    "--save", type=click.Path(path_type=Path), metavar="PAGE",
+    help="Instead of serving the page, save it with the results of FILE to PAGE (.html), which "
+    "needs neither Python nor a network.",
+)  # fmt: skip
+@click.option(
+    "--compare", "other", type=click.Path(path_type=Path), metavar="FILE",
+    help="With --save, the chain file of a second chain to compare with.",
+)  # fmt: skip
+@click.option(
+    "--sensor", "sensors", multiple=True, metavar="BEAD",
+    help="With --save, a bead with a sensor, such as 12 or 'ball 11'; up to four times.",
+)  # fmt: skip
+def app(
+    file: Path | None, port: int, no_open: bool, save: Path | None, other: Path | None,
+    sensors: tuple[str, ...],
+) -> None:  # fmt: skip
     """Build, strike and compare chains in the browser.
 
     FILE is the chain to begin with: a TOML chain file, or CSV with one row per bead.
@@ -28,7 +46,13 @@ def app(file: Path | None, port: int, no_open: bool) -> None:
       hertzchain app
       hertzchain app experiment.toml --port 9000
       hertzchain app --no-open
+      hertzchain app absorber.toml --compare row.toml --save absorber.html
     """
+    if save is not None:
+        _save(file, other, sensors, save)
+        return
+    if other is not None or sensors:
+        raise click.UsageError("--compare and --sensor require --save")
     from ..app.serve import RunningServer, open_browser
 
     document = None
@@ -50,3 +74,18 @@ def app(file: Path | None, port: int, no_open: bool) -> None:
         server.run(None if no_open else opened)
     except KeyboardInterrupt:
         click.echo("stopped", err=True)
+
+
+def _save(file: Path | None, other: Path | None, sensors: tuple[str, ...], page: Path) -> None:
+    """Save the page of one or two chain files."""
+    if file is None:
+        raise click.UsageError("--save requires a chain FILE")
+    check_writable(page, "--save", (".html",))
+    from ..app.documents import document_of_file
+    from ..app.page_file import write_page
+
+    document = document_of_file(file)
+    compared = None if other is None else document_of_file(other)
+    beads = [int(each) if each.strip().isdecimal() else each for each in sensors]
+    write_page(document, compared, beads, page)
+    click.echo(f"{page} written: open it in a browser")

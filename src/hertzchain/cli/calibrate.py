@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .options import check_writable, json_option, numbers_from, window_from
+from .options import StrictCommand, check_writable, json_option, numbers_from, window_from
 from .output import show_json, show_table
 from .progress import progress_bar
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..calibration import Calibration
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @click.option(
     "--taper",
     "tapers",

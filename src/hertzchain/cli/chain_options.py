@@ -18,6 +18,24 @@ from .options import Fraction, as_typed
 if TYPE_CHECKING:
     from ..chain.chain import Chain
 
+# Options of the impact.
+IMPACT: Final = (
+    click.option(
+        "--speed",
+        "--velocity",
+        "speed",
+        metavar="SPEED",
+        help="Velocity of the impact, such as '0.1 m/s'; replaces that of a FILE.  [default: "
+        "1 m/s, at which steel balls yield]",
+    ),
+    click.option(
+        "--striker",
+        type=int,
+        metavar="COUNT",
+        help="Strike the chain, at rest, with this number of beads like the first.  [default: "
+        "bead 1 moves]",
+    ),
+)
 OPTIONS: Final = (
     click.argument("files", nargs=-1, metavar="[FILE]...", type=click.Path(path_type=Path)),
     click.option(
@@ -51,21 +69,7 @@ OPTIONS: Final = (
         shell_complete=complete_materials,
         help="Material of the beads, such as steel-52100 (SI units).",
     ),
-    click.option(
-        "--speed",
-        "--velocity",
-        "speed",
-        metavar="SPEED",
-        help="Velocity of the impact, such as '0.1 m/s'; replaces that of a FILE.  [default: "
-        "1 m/s, at which steel balls yield]",
-    ),
-    click.option(
-        "--striker",
-        type=int,
-        metavar="COUNT",
-        help="Strike the chain, at rest, with this number of beads like the first.  [default: "
-        "bead 1 moves]",
-    ),
+    *IMPACT,
     click.option(
         "--wall",
         metavar="NAME",
@@ -105,13 +109,21 @@ class ChainOptions:
 
 def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options that describe a chain; the command gets them as its first argument."""
+    return _with_options(command, OPTIONS)
 
+
+def chain_at_rest_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The same without the options of an impact."""
+    return _with_options(command, tuple(each for each in OPTIONS if each not in IMPACT))
+
+
+def _with_options(command: Callable[..., Any], options: tuple[Any, ...]) -> Callable[..., Any]:
     @functools.wraps(command)
     def with_chain(**given: Any) -> Any:
-        own = {each.name: given.pop(each.name) for each in fields(ChainOptions)}
-        return command(ChainOptions(**own), **given)
+        names = given.keys() & {each.name for each in fields(ChainOptions)}
+        return command(ChainOptions(**{name: given.pop(name) for name in names}), **given)
 
-    for option in OPTIONS[::-1]:
+    for option in options[::-1]:
         with_chain = option(with_chain)
     return with_chain
 

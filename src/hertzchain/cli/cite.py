@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import click
 
+from .options import StrictCommand
 
-@click.command()
+
+@click.command(cls=StrictCommand)
 def cite() -> None:
     """Print the references to cite: paper, methods and software.
 

@@ -9,16 +9,23 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from .options import figure_option, json_option, seconds_from, sensors_from, sensors_option
+from .options import (
+    StrictCommand,
+    figure_option,
+    json_option,
+    seconds_from,
+    sensors_from,
+    sensors_option,
+)
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .wording import on_command_line
+from .yielding import pressures_below_yield
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
     from ..fitting.trace_comparison import TraceComparison
     from ..fitting.traces import Traces
-    from ..simulation.run import Run
 
 # Least number of saved times; signals are interpolated between them.
 MIN_TIMES: Final = 4000
@@ -27,7 +34,7 @@ MIN_TIMES: Final = 4000
 MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @click.argument("traces", type=click.Path(path_type=Path))
 @click.argument("chain", type=click.Path(path_type=Path))
 @sensors_option
@@ -84,17 +91,7 @@ def compare(
         show_json(_as_dict(found))
     else:
         shown = on_command_line(found.summary())
-        click.echo("\n".join((described.description, *_within_yield(run), shown)))
-
-
-def _within_yield(run: Run) -> list[str]:
-    """Largest pressure over that at first yield, if it is known and below the limit."""
-    from ..chain.hertz_range import hertz_range
-
-    if run.chain.materials is None:
-        return []
-    ratio = float(hertz_range(run.chain, run.largest_overlaps).yield_ratio.max())
-    return [f"pressure / yield {ratio:.2g} (limit 1 of Hertz's law)"] if 0.0 < ratio <= 1.0 else []
+        click.echo("\n".join((described.description, *pressures_below_yield(run), shown)))
 
 
 def _check_unit_of_times(chain: Chain, data: Traces, end: float) -> None:

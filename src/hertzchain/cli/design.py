@@ -9,13 +9,13 @@ import click
 
 from .exit_codes import DONE, OUTSIDE_TOLERANCE
 from .interrupts import exit_soon
-from .options import check_writable, figure_option, json_option
+from .options import StrictCommand, check_writable, figure_option, json_option
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .wording import on_command_line
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.toml")
 @click.option(
     "--budget",

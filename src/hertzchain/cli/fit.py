@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,7 @@ import click
 
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
 from .options import (
+    StrictCommand,
     as_typed,
     check_writable,
     figure_option,
@@ -22,13 +24,14 @@ from .options import (
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .wording import on_command_line
+from .yielding import pressures_below_yield
 
 if TYPE_CHECKING:
     from ..fitting.result import FitResult
     from ..fitting.traces import Traces
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @sensors_option
 @click.option(
@@ -123,7 +126,7 @@ def fit(
     if defects:
         result, found = _defects(result, document)
         lines += found
-    lines.insert(0, result.summary())
+    lines.insert(0, "\n".join((result.summary(), *([] if as_json else _pressures(result)))))
     posterior = None
     if sample is not None:
         with progress_bar("steps of the walkers", rate=True) as progress:
@@ -178,7 +181,7 @@ def _defects(result: FitResult, document: dict[str, Any]) -> tuple[FitResult, li
         for scan in scans
         for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
     ]
-    lines, found = [repr(scan) for scan in scans], []
+    lines, found = [scan.summary() for scan in scans], []
     for scan in scans:
         if scan.found:
             with progress_bar("defects fitted") as progress:
@@ -188,6 +191,22 @@ def _defects(result: FitResult, document: dict[str, Any]) -> tuple[FitResult, li
     best = min(found, key=lambda each: each.chi2 + each.penalty)
     document["fit_with_defect"] = best.as_dict()
     return best, [*lines, f"without {best.names[-1]}: {result.verdict}"]
+
+
+def _pressures(result: FitResult) -> list[str]:
+    """A line with the largest pressure in all shots, if it is known and below the limit."""
+    import hertzchain
+
+    shots = zip(result.chains, result.traces.shots, strict=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the notes of the fit have the violations
+        runs = [
+            hertzchain.simulate(
+                chain, until=float(shot.times[-1] - shot.times[0]), times=2, check=False
+            )
+            for chain, shot in shots
+        ]
+    return pressures_below_yield(*runs)
 
 
 @contextmanager

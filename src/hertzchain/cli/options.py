@@ -32,6 +32,25 @@ class Fraction(click.ParamType):  # type: ignore[type-arg]
         return value if isinstance(value, float) else fraction_from(option, value)
 
 
+class StrictCommand(click.Command):
+    """A command that rejects options that are given twice, of which Click would use the last."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse the options, each of which has one value unless it is repeatable."""
+        if not ctx.resilient_parsing:
+            _, _, order = self.make_parser(ctx).parse_args(list(args))
+            for param in order:
+                if _has_one_value(param) and order.count(param) > 1:
+                    option = " or ".join(param.opts)
+                    raise click.UsageError(f"{option} is given {order.count(param)} times; give "
+                                           "it once", ctx)  # fmt: skip
+        return super().parse_args(ctx, args)
+
+
+def _has_one_value(param: click.Parameter) -> bool:
+    return isinstance(param, click.Option) and not (param.multiple or param.is_flag)
+
+
 class LateHelp(click.Option):
     """An option whose help is computed when it is shown, because it imports the library."""
 
@@ -108,13 +127,10 @@ def names_from(text: str | None) -> list[str] | None:
 
 def measure_from(text: str | None, chain: Chain) -> Measure:
     """A quantity of a chain; by default the peak on its wall, or the velocity of its last bead."""
-    from ..chain.bead_names import with_bead_numbers
-    from ..designs.measures import parse_measure
+    from ..designs.measures import measure_of
 
     usual = "velocity@last" if chain.right_wall is None else "wall_force.peak"
-    measure = parse_measure(usual if text is None else with_bead_numbers(chain, text))
-    measure.check(chain)
-    return measure
+    return measure_of(chain, usual if text is None else text)
 
 
 def check_writable(path: Path | None, option: str, endings: tuple[str, ...]) -> None:
@@ -146,7 +162,8 @@ def sensors_from(texts: tuple[str, ...]) -> dict[str, str] | None:
 quantity_option = click.option(
     "--quantity",
     metavar="NAME",
-    help="Such as wall_force.peak, velocity@20, 'velocity@ball 19' or arrival@last.  "
+    help="Such as wall_force.peak, velocity@20, 'velocity@ball 19', arrival@last or, in a sensor, "
+    "'sensor.first_maximum@ball 4'.  "
     "[default: wall_force.peak; without a wall, velocity@last]",
 )
 

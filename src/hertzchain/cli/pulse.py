@@ -7,16 +7,19 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
+from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import Fraction, LateHelp, figure_option, json_option
+from .options import Fraction, LateHelp, StrictCommand, figure_option, json_option
 from .output import save_figure, show_table
 from .progress import progress_bar
 from .pulse_tables import pulse_table, side_by_side
 from .wording import in_words_of_the_command
 
 if TYPE_CHECKING:
+    from ..chain.chain import Chain
     from ..pulse.pulse import Pulse
+    from ..validation.objects import Progress
 
 
 # Names that users give to quantities.
@@ -24,15 +27,24 @@ SYNONYMS: Final = {
     "speed": "velocity", "force": "peak_force", "overlap": "peak_overlap", "time": "arrival",
     "duration": "residence",
 }  # fmt: skip
+DISORDER: Final = "disorder"
+PYTHON_ONLY: Final = {
+    "piecewise-local-rate": "use hertzchain.piecewise_local_rate in Python",
+    "effective-chain": "use hertzchain.effective_chain in Python",
+}
+
+
+def _methods() -> tuple[str, ...]:
+    from ..sweeps.methods import METHODS
+
+    return (*METHODS, DISORDER)
 
 
 def _method_help() -> str:
-    from ..sweeps.methods import METHODS
-
-    return f"Repeatable: {', '.join(METHODS)}."
+    return f"Repeatable: {', '.join(_methods())}."
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @chain_options
 @click.option(
     "--method",
@@ -50,12 +62,23 @@ def _method_help() -> str:
     show_default=True,
     metavar="NAME",
     help="Quantity to plot and, with several methods, to show side by side: "
-    f"{', '.join(QUANTITIES)}.",
+    f"{', '.join(PREDICTED)}.",
 )
 @click.option(
     "--rtol",
     type=Fraction(),
     help="Relative tolerance per step of propagate and simulate.  [default: 1e-13]",
+)
+@click.option(
+    "--scatter",
+    type=Fraction(),
+    help="Scatter of the radii for --method disorder, the theory of the mean and spread of random "
+    "chains: standard deviation of ln R, such as 1%, at most 3%.",
+)
+@click.option(
+    "--modulus-scatter",
+    type=Fraction(),
+    help="The same of the Young's moduli, at most 10%.",
 )
 @click.option("--log", is_flag=True, help="Use a logarithmic y axis.")
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
@@ -67,7 +90,8 @@ def _method_help() -> str:
 )
 def pulse(
     options: ChainOptions, methods: tuple[str, ...], quantity: str, rtol: float | None,
-    every_bead: bool, as_json: bool, as_csv: bool, plot: Path | None, log: bool,
+    scatter: float | None, modulus_scatter: float | None, every_bead: bool, as_json: bool,
+    as_csv: bool, plot: Path | None, log: bool,
 ) -> None:  # fmt: skip
     """Compute the leading pulse by one or several methods.
 
@@ -82,34 +106,32 @@ def pulse(
       hertzchain pulse --material steel-52100 --diameter "20 mm:5 mm" --beads 40
       hertzchain pulse chain.toml --csv > pulse.csv
       hertzchain pulse equal.toml tapered.toml --quantity momentum --plot momentum.png
+      hertzchain pulse chain.toml --method disorder --scatter 1%
     """
     from ..store import results
-    from ..sweeps.methods import METHODS, SIMULATIONS, pulse_by
+    from ..sweeps.methods import SIMULATIONS
     from ..validation.objects import check_choice
 
     if as_json and as_csv:
         raise click.UsageError("--json and --csv cannot be combined")
     for method in methods:
-        check_choice("method", method, METHODS)
+        if method in PYTHON_ONLY:
+            raise InputError(f"{method!r} is not a method of this command; {PYTHON_ONLY[method]}")
+        check_choice("method", method, _methods())
     chosen = list(dict.fromkeys(methods))
     if not (as_json or as_csv):
         # The first pulse is the reference of comparisons.
         chosen.sort(key=lambda each: each not in SIMULATIONS)
     quantity = SYNONYMS.get(quantity, quantity)
     check_choice("quantity", quantity, QUANTITIES)
-    settings = {} if rtol is None else {"rtol": rtol}
-    if settings and not {*chosen} & {*SIMULATIONS}:
-        raise click.UsageError("--rtol requires --method propagate or --method simulate")
+    settings = _settings(chosen, rtol, scatter, modulus_scatter)
     chains = chains_from(options)
     if len(chains) > 1 and (as_json or as_csv):
         raise click.UsageError("--json and --csv require one chain FILE")
     found = {}
     with progress_bar("beads passed") as progress, in_words_of_the_command():
         for name, chain in chains.items():
-            found[name] = [
-                pulse_by(each, chain, progress, **(settings if each in SIMULATIONS else {}))
-                for each in chosen
-            ]
+            found[name] = [_computed(each, chain, progress, settings[each]) for each in chosen]
     pulses = [pulse for each in found.values() for pulse in each]
     if plot is not None:
         from ..plotting.pulses import plot_pulses
@@ -131,15 +153,50 @@ def pulse(
             _show_pulses(each, quantity, every_bead=every_bead)
 
 
+def _settings(
+    methods: list[str], rtol: float | None, scatter: float | None, modulus_scatter: float | None
+) -> dict[str, dict[str, float]]:
+    """Options of each method."""
+    from ..sweeps.methods import SIMULATIONS
+
+    of_simulations = {} if rtol is None else {"rtol": rtol}
+    if of_simulations and not {*methods} & {*SIMULATIONS}:
+        raise click.UsageError("--rtol requires --method propagate or --method simulate")
+    given = {"scatter": scatter, "modulus_scatter": modulus_scatter}
+    of_disorder = {name: value for name, value in given.items() if value is not None}
+    if DISORDER in methods and not of_disorder:
+        raise click.UsageError(
+            "--method disorder requires --scatter, such as 1%, or --modulus-scatter"
+        )
+    if of_disorder and DISORDER not in methods:
+        raise click.UsageError(
+            "--scatter and --modulus-scatter require --method disorder; hertzchain scatter "
+            "simulates random chains"
+        )
+    of = {**dict.fromkeys(SIMULATIONS, of_simulations), DISORDER: of_disorder}
+    return {method: of.get(method, {}) for method in methods}
+
+
+def _computed(
+    method: str, chain: Chain, progress: Progress | None, settings: dict[str, float]
+) -> Pulse:
+    """The pulse by a method of the command."""
+    from ..sweeps.methods import pulse_by
+    from ..theory.disorder import disorder
+
+    if method == DISORDER:
+        return disorder(chain, **settings)
+    return pulse_by(method, chain, progress, **settings)
+
+
 def _show_pulses(pulses: list[Pulse], quantity: str, *, every_bead: bool) -> None:
     """Print a table of one chain: all quantities of one pulse, or one quantity of several."""
-    from ..errors import InputError
-
     if len(pulses) == 1:
         show_table(pulse_table(pulses[0], every_bead))
         return
     for missing in (other for other in pulses if other.column(quantity) is None):
-        raise InputError(f"{missing.method} does not predict {quantity}")
+        hint = " (--method disorder does)" if quantity.endswith("_spread") else ""
+        raise InputError(f"{missing.method} does not predict {quantity}{hint}")
     show_table(side_by_side(pulses, quantity, every_bead))
     for other in pulses[1:]:
         click.echo(f"\n{other.compare(pulses[0])}")

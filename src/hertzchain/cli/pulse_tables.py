@@ -39,10 +39,14 @@ def pulse_table(pulse: Pulse, every_bead: bool) -> Table:
 
 def side_by_side(pulses: list[Pulse], quantity: str, every_bead: bool) -> Table:
     """Table of one quantity with one column per pulse."""
+    from ..pulse.quantities import QUANTITIES
+
     chain = pulses[0].chain
-    rows = table_rows(chain.beads, every_bead)
+    per = QUANTITIES[quantity].per
+    count = chain.beads - (per == "contact")
+    rows = table_rows(count, every_bead)
     unit = "" if chain.units == "scaled" else f" in {pulses[0].unit(quantity)}"
-    table = _bead_table(f"{quantity}{unit}: {chain.description}", len(rows), chain.beads)
+    table = _bead_table(f"{quantity}{unit}: {chain.description}", len(rows), count, per)
     columns = [pulse.column(quantity) for pulse in pulses]
     for pulse in pulses:
         table.add_column(pulse.method, justify="right")
@@ -77,13 +81,13 @@ def _add_notes(table: Table, pulses: list[Pulse], more: str = "") -> None:
         table.caption = "\n".join(lines + list(dict.fromkeys(notes)))
 
 
-def _bead_table(title: str, shown: int, beads: int) -> Table:
+def _bead_table(title: str, shown: int, count: int, per: str = "bead") -> Table:
     from rich import box
     from rich.table import Table
 
-    caption = None if shown == beads else f"{shown} of {beads} beads; --all shows every one"
+    caption = None if shown == count else f"{shown} of {count} {per}s; --all shows every one"
     table = Table(title=title, caption=caption, box=box.SIMPLE_HEAD, title_justify="left")
-    table.add_column("bead k", justify="right")
+    table.add_column(f"{per} k", justify="right")
     return table
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .exit_codes import OUTSIDE_TOLERANCE
-from .options import json_option, names_from, window_from
+from .options import StrictCommand, json_option, names_from, window_from
 from .output import show_json
 from .progress import progress_bar
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..paper.reproduction import Reproduction
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @click.option(
     "--only", metavar="NAMES", help="Parts, separated by commas: table1, figure5, errata, ..."
 )
@@ -51,8 +51,10 @@ def reproduce(
 
     The results are compared with the numbers printed in the paper.
 
-    The command writes report.html, verdict.json, summary.md and figures/ to a folder.  It exits
-    with code 3 if anything is outside its tolerance.
+    The command writes report.html, verdict.json, summary.md and figures/ to a folder, and exits
+    with code 3 if anything is outside its tolerance.  In a folder that it wrote before, it
+    replaces the report and the figures of the parts, and keeps all other figures.  It never
+    replaces files that were written or changed by others.
 
     \b
     Examples:
@@ -60,7 +62,7 @@ def reproduce(
       hertzchain reproduce --only table1,figure5 --out check
     """
     from ..calibration import BEADS, beads_in_window
-    from ..paper import report, reproduction
+    from ..paper import report, report_folder, reproduction
     from ..paper.drawings import drawing_pool
     from ..paper.published import published_figures
 
@@ -72,7 +74,8 @@ def reproduce(
     for window in windows.values():
         beads_in_window(window, BEADS)
     figures = len(parts.intersection(published_figures()))
-    with report.reserved(out), drawing_pool(figures) as pool:
+    with report_folder.reserved(out, parts), drawing_pool(figures) as pool:
+        replaced = report_folder.replaced_report(out, parts)
         with progress_bar("chains integrated") as progress:
             result = reproduction.reproduce(parts, windows=windows, progress=progress)  # type: ignore[arg-type]
         with progress_bar("figures drawn") as progress:
@@ -82,6 +85,8 @@ def reproduce(
     else:
         _show_reproduction(result)
         click.echo(f"Report: {page}")
+    if replaced:
+        click.echo(replaced, err=True)
     if not result.within_tolerance:
         sys.exit(OUTSIDE_TOLERANCE)
 

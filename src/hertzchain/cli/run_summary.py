@@ -10,7 +10,7 @@ import click
 
 from .output import show_table
 from .wording import on_command_line
-from .yielding import peak_with_yielding_contacts
+from .yielding import peak_with_yielding_contacts, pressures_below_yield
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -61,7 +61,12 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None
     click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
     click.echo(f"{len(run.times)} saved times, {run.evaluations} force evaluations")
     if run._unfinished:
-        click.echo(f"{run._unfinished}; to see the velocities after the impact, give --until")
+        click.echo(
+            f"{run._unfinished}; to see the velocities after the impact, give a later "
+            "time with --until"
+        )
+    for line in pressures_below_yield(run):
+        click.echo(line)
     for wall in _walls(run):
         click.echo(_wall_lines(wall))
     if (last := last_bead_of(run)) is not None:

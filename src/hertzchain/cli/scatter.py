@@ -9,7 +9,14 @@ import click
 
 from .chain_options import ChainOptions, chain_from, chain_options
 from .exit_codes import DONE, FAILED
-from .options import as_typed, figure_option, json_option, measure_from, quantity_option
+from .options import (
+    StrictCommand,
+    as_typed,
+    figure_option,
+    json_option,
+    measure_from,
+    quantity_option,
+)
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -19,7 +26,7 @@ if TYPE_CHECKING:
 PERCENTILES: Final = (1, 5, 50, 95, 99)
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @chain_options
 @click.option(
     "--relative", metavar="SCATTER", help="Standard deviation of ln R, such as 0.01 or 1%."
@@ -46,6 +53,8 @@ def scatter(
     Many chains with random radii are simulated, and the distribution of the quantity is printed.
     All chains have the materials, walls and impact of the given one.  If there is no striker, bead
     1 is the projectile; with --only 2: it keeps its radius, and with it the momentum of the impact.
+    Without simulations, `hertzchain pulse --method disorder` predicts mean and spread of the
+    leading pulse.
 
     \b
     Examples:
@@ -108,7 +117,7 @@ def _document(found: Distribution) -> dict[str, Any]:
 
 def _table(found: Distribution) -> str:
     """Lines with values, each also relative to the nominal chain."""
-    from ..representation import measure
+    from ..representation import usual_unit, with_decimals
 
     rows = {"nominal": found.nominal, "mean": found.mean,
             "standard deviation": found.standard_deviation}  # fmt: skip
@@ -116,8 +125,17 @@ def _table(found: Distribution) -> str:
     good = len(found.values)
     lines = [found.chain.description]
     lines.append(f"{found.quantity} of {good} of {good + found.failed} random chains")
-    for name, value in rows.items():
-        shown = measure(value, found.unit, "scaled" if found.unit == "1" else "SI", 5)
-        part = "" if name == "nominal" else f"{100.0 * value / found.nominal:9.2f}%"
-        lines.append(f"  {name:18}  {shown:>12}{part}")
+    factor, unit = usual_unit(found.nominal, found.unit) if found.unit != "1" else (1.0, "")
+    shown = with_decimals(
+        [factor * value for value in rows.values()], factor * found.standard_deviation
+    )
+    shown = [f"{value} {unit}".rstrip() for value in shown]
+    parts = [""] * len(rows)
+    if found.nominal:
+        relative = [100.0 * value / found.nominal for value in rows.values()]
+        spread = 100.0 * found.standard_deviation / abs(found.nominal)
+        parts = ["", *(f"{part}%" for part in with_decimals(relative, spread)[1:])]
+    wide, long = (max(map(len, column)) for column in (shown, parts))
+    for name, value, part in zip(rows, shown, parts, strict=True):
+        lines.append(f"  {name:18}  {value:>{wide}}  {part:>{long}}".rstrip())
     return "\n".join(lines)

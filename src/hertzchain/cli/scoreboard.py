@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..pulse.quantities import QUANTITIES
-from .options import figure_option, json_option
+from .options import StrictCommand, figure_option, json_option
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..evaluation.scoreboard import Scoreboard
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @click.option(
     "--quantity",
     default="velocity",

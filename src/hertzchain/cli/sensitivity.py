@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import click
 
 from .chain_options import ChainOptions, chain_from, chain_options
-from .options import figure_option, json_option, measure_from, quantity_option
+from .options import StrictCommand, figure_option, json_option, measure_from, quantity_option
 from .output import save_figure, show_json, show_table
-from .pulse_tables import table_rows
+from .pulse_tables import TABLE_ROWS
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density")
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @chain_options
 @quantity_option
 @click.option(
@@ -42,9 +43,9 @@ def sensitivity(
     """Show which beads a quantity depends on.
 
     The table states by how many percent the quantity changes if the radius (or another parameter)
-    of one bead grows by 1%.  The derivatives are exact and follow from one run.  If the force on
-    the wall has several maxima that can overtake each other within this change, simulated changes
-    for +1% and -1% are listed instead.
+    of one bead changes by 1%, the largest changes first.  The changes of the peak force on the wall
+    are simulated, for +1% and -1%; those of other quantities follow from the derivatives, which
+    are exact.
 
     \b
     Examples:
@@ -55,7 +56,7 @@ def sensitivity(
     import hertzchain
 
     from ..designs.exact_gradients import name_of
-    from ..designs.sensitivity import changes_at_kink
+    from ..designs.sensitivity import changes_of_peak, derivatives_mislead
     from ..errors import InputError
 
     chain = chain_from(options)
@@ -64,7 +65,7 @@ def sensitivity(
     if name is None:
         raise InputError(f"{measure} has no derivatives; use wall_force.peak or velocity@last")
     found = hertzchain.gradient(chain, name, to=by)
-    changes = changes_at_kink(chain, found, by)
+    changes = changes_of_peak(chain, found, by)
     if plot is not None:
         from ..plotting.gradients import plot_gradient
 
@@ -77,15 +78,15 @@ def sensitivity(
         document |= {"gradient": found[by].tolist(), "gradient_unit": found.units[by]}
         document |= {"relative": found.relative(by).tolist(), "error": found.error}
         if changes:
-            larger, smaller = changes
-            document |= {"change_if_larger": larger.tolist(), "change_if_smaller": smaller.tolist()}
+            for key, values in zip(("larger", "smaller"), changes, strict=True):
+                document[f"change_if_{key}"] = [None if isnan(x) else x for x in values.tolist()]
         show_json(document)
     else:
         click.echo(f"{chain.description}\n{found!r}")
-        if changes:
+        if changes and derivatives_mislead(found, by, changes):
             click.echo(
-                "Other maxima of the force can become the largest. The changes by 1% are\n"
-                "simulated; those of several beads do not add up: use hertzchain scatter."
+                "Other maxima of the force can become the largest. The changes by 1% of several\n"
+                "beads do not add up: use hertzchain scatter."
             )
         show_table(_table(found, by, changes, every_bead))
 
@@ -97,19 +98,28 @@ def _table(
     from rich.markup import escape
     from rich.table import Table
 
-    absolute, relative = found[by], found.relative(by)
-    rows = table_rows(len(absolute), every_bead)
-    few = f"{len(rows)} of {len(absolute)}; --all shows every one"
-    table = Table(box=box.SIMPLE_HEAD, caption=None if len(rows) == len(absolute) else few)
-    unit = f" [{found.units[by]}]" if found.units[by] else ""
-    place = "contact k" if by == "stiffness" else "bead k"
-    shown = {"% per 1%": relative}
+    absolute = found[by]
+    shown = {"% per 1%": found.relative(by)}
     if changes:
         shown = {"% for +1%": 100.0 * changes[0], "% for -1%": 100.0 * changes[1]}
+    rows = _by_influence([*shown.values()], absolute)
+    total = len(rows)
+    rows = rows if every_bead else rows[:TABLE_ROWS]
+    few = f"the {len(rows)} largest of {total}; --all shows every one"
+    table = Table(box=box.SIMPLE_HEAD, caption=None if len(rows) == total else few)
+    unit = f" [{found.units[by]}]" if found.units[by] else ""
+    place = "contact k" if by == "stiffness" else "bead k"
     for column in (place, *shown, f"derivative{unit}"):
         table.add_column(escape(column), justify="right", no_wrap=True)
     for i in rows:
-        table.add_row(
-            f"{i + 1}", *(f"{each[i]:+.4f}" for each in shown.values()), f"{absolute[i]:.5g}"
-        )
+        cells = ("-" if isnan(each[i]) else f"{each[i]:+.4f}" for each in shown.values())
+        table.add_row(f"{i + 1}", *cells, f"{absolute[i]:.5g}")
     return table
+
+
+def _by_influence(changes: list[Array], derivatives: Array) -> list[int]:
+    """Indices in the order of the larger change; derivatives decide between beads without any."""
+    import numpy as np
+
+    largest = np.max(np.nan_to_num(np.abs(changes)), axis=0)
+    return [int(i) for i in np.lexsort((-np.abs(derivatives), -largest))]

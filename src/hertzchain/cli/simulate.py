@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import Fraction, check_writable, figure_option, json_option, time_from
+from .options import Fraction, StrictCommand, check_writable, figure_option, json_option, time_from
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .run_summary import run_as_dict, show_run
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
 USUAL_TIMES: Final = 400
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @chain_options
 @click.option(
     "--until",
@@ -166,7 +165,6 @@ def simulate(
         check_stream_options(
             out=out, forces=forces, plot=plot, animate=animation, sensor=sensors, budget=budget,
             waves=waves, horizon=horizon, max_steps=max_steps,
-            method=method if method != "adaptive" else None, step=step, drift=drift,
         )  # fmt: skip
     chains = chains_from(options)
     if len(chains) > 1 and (out or forces or animation or stream):
@@ -175,7 +173,9 @@ def simulate(
     if stream is not None:
         (chain,) = chains.values()
         end = time_from("--until", until, chain)
-        stream_into(stream, chain, until=end, times=times, rtol=rtol, as_json=as_json)
+        steps = {"rtol": rtol, "method": method, "step": time_from("--step", step, chain),
+                 "drift": drift}  # fmt: skip
+        stream_into(stream, chain, until=end, times=times, steps=steps, as_json=as_json)
         return
     settings = {"times": times, "rtol": rtol, "method": method, "drift": drift,
                 "max_steps": max_steps}  # fmt: skip
@@ -270,11 +270,7 @@ def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str,
 def _save_plot(
     runs: dict[str, Run], beads: dict[str, list[int]], plot: Path, *, forces: bool
 ) -> None:
-    from ..errors import IncompleteWarning
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", IncompleteWarning)  # already shown
-        save_figure(_drawn(runs, beads, forces=forces), plot)
+    save_figure(_drawn(runs, beads, forces=forces), plot)
 
 
 def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], *, forces: bool) -> Axes:

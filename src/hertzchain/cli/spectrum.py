@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .chain_options import ChainOptions, chain_from, chain_options
-from .options import as_typed, figure_option, json_option
+from .chain_options import ChainOptions, chain_at_rest_options, chain_from
+from .options import StrictCommand, as_typed, figure_option, json_option
 from .output import save_figure, show_json
 
 if TYPE_CHECKING:
@@ -18,18 +18,25 @@ if TYPE_CHECKING:
     from ..theory.spectrum import Spectrum
 
 
-@click.command()
-@chain_options
+@click.command(cls=StrictCommand)
+@chain_at_rest_options
 @click.option(
     "--precompression", metavar="FORCE",
-    help="Static force on every contact, such as '20 N'.  [default: that of FILE]",
+    help="Static force on every contact, such as '20 N'.  A wall at rest holds its end; an end "
+    "without a wall is free to move under this constant force.  [default: that of FILE]",
 )  # fmt: skip
 @click.option("--all", "every_mode", is_flag=True, help="List the frequencies of all modes.")
+@click.option(
+    "--transfer", "contact", type=int, metavar="CONTACT",
+    help="With --plot or --csv, plot or print the force in this contact per harmonic force on "
+    "bead 1, instead of the bands; contact k is between beads k and k + 1.",
+)  # fmt: skip
 @json_option()
+@click.option("--csv", "as_csv", is_flag=True, help="With --transfer, print it as CSV.")
 @figure_option("Plot the bands, or the modes, to FILE.")
 def spectrum(
-    options: ChainOptions, precompression: str | None, every_mode: bool, as_json: bool,
-    plot: Path | None,
+    options: ChainOptions, precompression: str | None, every_mode: bool, contact: int | None,
+    as_json: bool, as_csv: bool, plot: Path | None,
 ) -> None:  # fmt: skip
     """Show frequencies, bands and gaps of a precompressed chain.
 
@@ -42,13 +49,23 @@ def spectrum(
       hertzchain spectrum --material steel-316 --diameter "19 mm" --beads 20 \\
           --precompression "20 N"
       hertzchain spectrum crystal.toml --plot bands.png
+      hertzchain spectrum crystal.toml --transfer 16 --plot transfer.png
     """
     import hertzchain
 
+    if contact is None and as_csv:
+        raise click.UsageError("--csv prints a transfer function: add --transfer CONTACT")
+    if contact is not None and not (plot or as_csv):
+        raise click.UsageError("--transfer requires --plot FILE or --csv")
+    if as_json and as_csv:
+        raise click.UsageError("--json and --csv cannot be combined")
     found = hertzchain.spectrum(_compressed(chain_from(options), precompression))
+    table = "" if contact is None else _transfer(found, contact)
     if plot is not None:
-        save_figure(found.plot(), plot)
-    if as_json:
+        save_figure(found.plot() if contact is None else found.plot_transfer(contact), plot)
+    if as_csv:
+        click.echo(table)
+    elif as_json:
         show_json(_document(found))
     else:
         click.echo(_table(found, every_mode=every_mode))
@@ -68,6 +85,19 @@ def _compressed(chain: Chain, force: str | None) -> Chain:
         raise click.UsageError(f"--precompression {force} has no unit; write '{force.strip()} N'")
     walls = chain.left_wall is not None and chain.right_wall is not None
     return chain.replace(precompression=given, held_by="walls" if walls else "force")
+
+
+def _transfer(found: Spectrum, contact: int) -> str:
+    """The force in a contact per force on bead 1 as CSV."""
+    import numpy as np
+
+    frequencies = found._usual_frequencies
+    values = found.transfer_force(frequencies, contact)
+    unit = " [Hz]" if found.chain.units == "SI" else ""
+    lines = [f"frequency{unit},amplitude,phase [rad]"]
+    rows = zip(frequencies, np.abs(values), np.angle(values), strict=True)
+    lines += [",".join(f"{value:.10g}" for value in row) for row in rows]
+    return "\n".join(lines)
 
 
 def _bands(found: Spectrum) -> tuple[Any, Any, float | None]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -24,7 +24,13 @@ def check_stream_options(**others: object) -> None:
 
 
 def stream_into(
-    folder: Path, chain: Chain, *, until: float | None, times: int, rtol: float, as_json: bool
+    folder: Path,
+    chain: Chain,
+    *,
+    until: float | None,
+    times: int,
+    steps: dict[str, Any],
+    as_json: bool,
 ) -> None:
     """Write a run to a folder, or resume the run in it, and summarise it."""
     from ..representation import counted, measure
@@ -35,7 +41,7 @@ def stream_into(
     moments = _saved_times(until, times)
     try:
         with progress_bar("times saved") as progress:
-            stored = stream(chain, folder, times=moments, rtol=rtol, progress=progress)
+            stored = stream(chain, folder, times=moments, progress=progress, **steps)
     except KeyboardInterrupt:
         click.echo("interrupted; run the same command again to resume", err=True)
         raise

@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .exit_codes import DONE, FAILED
-from .options import PICTURES, Fraction, as_typed, check_writable, json_option, with_width
+from .options import (
+    PICTURES,
+    Fraction,
+    StrictCommand,
+    as_typed,
+    check_writable,
+    json_option,
+    with_width,
+)
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -26,6 +34,8 @@ _skip_damaged = click.option(
 class _Sweep(click.Group):
     """A group whose first argument is a command or the specification to run."""
 
+    command_class = StrictCommand
+
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         if args and args[0] not in self.commands:
             args = ["run", *args]
@@ -38,8 +48,7 @@ class _Sweep(click.Group):
         return super().parse_args(ctx, args)
 
 
-# Not contained in an estimate; disks store files in blocks.
-METADATA: Final = "10 to 200 kB of metadata"
+# Not contained in an estimate.
 START: Final = "starting and compiling (seconds to minutes)"
 
 
@@ -256,18 +265,27 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
     from ..store.results import SCHEMA_VERSION
     from ..sweeps.sweep import estimate
 
+    click.echo("computing a few points to estimate the time", err=True)
     found = estimate(specification, workers=workers)
     if as_json:
         show_json({
             "schema_version": SCHEMA_VERSION, "points": found.points, "batches": found.batches,
-            "bytes_on_disk": found.bytes_on_disk, "seconds": found.seconds,
+            "bytes_on_disk": found.bytes_on_disk, "files": found.files, "seconds": found.seconds,
+            "unfinished": found.unfinished,
         })  # fmt: skip
         return
     from rich.filesize import decimal
 
-    click.echo(f"{found.points} points in {found.batches} batches")
-    click.echo(f"at most {decimal(found.bytes_on_disk)} of values, and {METADATA}, on disk")
-    click.echo(f"about {_duration(found.seconds)} of computing, without {START}, on this machine")
+    from ..representation import counted
+
+    batches = "1 batch" if found.batches == 1 else f"{found.batches} batches"
+    click.echo(f"{counted(found.points, 'point')} in {batches}")
+    click.echo(f"at most {decimal(found.bytes_on_disk)} of values on disk, and metadata, in about "
+               f"{found.files} files")  # fmt: skip
+    about = "more than" if found.unfinished else "about"
+    click.echo(f"{about} {_duration(found.seconds)} of computing, without {START}, on this machine")
+    if found.unfinished:
+        click.echo("a point was not finished within ten seconds; shorter chains take less time")
 
 
 def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: bool) -> int:
@@ -305,5 +323,11 @@ def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: boo
 def _duration(seconds: float) -> str:
     if seconds < 60:
         return f"{seconds:.2g} s"
-    hours, minutes = divmod(round(seconds / 60), 60)
-    return f"{hours} h {minutes} min" if hours else f"{minutes} min"
+    minutes = round(seconds / 60)
+    if minutes < 60:
+        return f"{minutes} min"
+    hours, minutes = divmod(minutes, 60)
+    if hours < 48:
+        return f"{hours} h {minutes} min"
+    days = seconds / 86400
+    return f"{days:.2g} days" if days < 730 else f"{days / 365.25:.2g} years"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from .exit_codes import OUTSIDE_TOLERANCE
-from .options import json_option, names_from
+from .options import StrictCommand, json_option, names_from
 from .output import show_json, show_table
 from .progress import progress_bar
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..verification.verify import Verdict
 
 
-@click.command()
+@click.command(cls=StrictCommand)
 @click.option(
     "--only", metavar="NAMES", help="Groups of cases, separated by commas: walls, dimers, ..."
 )

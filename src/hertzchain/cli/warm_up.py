@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import click
 
-from .options import json_option
+from .options import StrictCommand, json_option
 from .output import show_json
 from .progress import progress_bar
 
 
-@click.command("warm-up")
+@click.command("warm-up", cls=StrictCommand)
 @click.option(
     "--first", is_flag=True, help="Only the kernels needed first: pulses, walls, most losses."
 )

@@ -85,6 +85,8 @@ def horizon_as_dict(horizon: Horizon) -> dict[str, Any]:
             "error": float(horizon.error[-1]),
             "rtol": horizon.rtol,
             "shadow_rtol": horizon.shadow_rtol,
+            "step": horizon.step,
+            "shadow_step": horizon.shadow_step,
         }
     )
     return found

@@ -29,11 +29,20 @@ WORDINGS: Final = (
     (r"\bcompare_losses compares", "--laws all compares"),
     (r"\badd '([^']*)' to the free parameters", r"add --also-free '\1'"),
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),
+    (r"(choose a value of the others, such as) (?!--at)", r"\1 --at "),
 )  # fmt: skip
 
 # ... and with commands that have an option for it.
 OPTIONS: Final = {
-    "methods": ((r"\buse simulate\b", "use --method simulate"),),
+    "methods": (
+        (r"\buse simulate\b", "use --method simulate"),
+        (r"\buse propagate_many( with Chain\.with_scatter)?", "use hertzchain scatter"),
+        (
+            r"^disorder requires .*",
+            "--method disorder requires a --scatter or --modulus-scatter "
+            "above 0; for none, use --method local-rate",
+        ),
+    ),
     "loss": ((r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),),
 }
 

@@ -1,4 +1,4 @@
-"""The peak on the right wall with contacts that yield, beside that of elastic contacts."""
+"""The largest pressure in comparison with yield, and the peak on a wall with yielding contacts."""
 
 from __future__ import annotations
 
@@ -11,6 +11,17 @@ if TYPE_CHECKING:
 
 # Largest number of beads for which the second run, of contacts with kinks, takes about a second.
 MAX_BEADS: Final = 100
+
+
+def pressures_below_yield(*runs: Run) -> list[str]:
+    """A line with the largest pressure of all runs, if it is known and below its limit."""
+    from ..chain.hertz_range import hertz_range
+
+    if any(run.chain.materials is None or run.chain.units != "SI" for run in runs):
+        return []
+    found = [hertz_range(run.chain, run.largest_overlaps) for run in runs]
+    line = max(found, key=lambda each: float(each.yield_ratio.max()))._below_yield
+    return [line] if line else []
 
 
 def peak_with_yielding_contacts(run: Run) -> float | None:

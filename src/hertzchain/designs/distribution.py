@@ -21,7 +21,7 @@ from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback, check_type
 from .measured import measured
-from .measures import Measure, parse_measure
+from .measures import Measure, measure_of, parse_measure
 from .scatter import Scatter, scatter_from
 
 if TYPE_CHECKING:
@@ -174,8 +174,8 @@ def distribution(
     chain : Chain
         The chain without deviations.
     quantity : str
-        Name such as ``"wall_force.peak"``, ``"velocity@20"`` or ``"arrival@last"``; all those of
-        `Design` are available.
+        Name such as ``"wall_force.peak"``, ``"velocity@20"``, ``"arrival@last"`` or, for a sensor
+        in a ball, ``"sensor.first_maximum@ball 4"``; all those of `Design` are available.
     scatter : Scatter
         Deviations, with the number of chains, ``samples``.  Its ``measure`` is not used.
     seed : int
@@ -219,8 +219,7 @@ def distribution(
     deviations = scatter_from(scatter)
     if deviations is None:
         raise InputError("a distribution needs a scatter, such as Scatter(radius=0.01)")
-    measure = parse_measure(quantity)
-    measure.check(chain)
+    measure = measure_of(chain, quantity)
     if not measure.ends(chain):
         raise InputError(
             f"{measure} has no natural end in a chain with a right wall, precompression or "

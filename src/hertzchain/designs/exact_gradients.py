@@ -17,7 +17,7 @@ from ..errors import IncompleteWarning, InputError, ModelRangeWarning, Simulatio
 from ..sensitivity.equation import has_gradient
 from ..sensitivity.gradient import gradients, quantity_values
 from .bounds import impact_varies
-from .measures import LARGEST, PULSE, SHARES, Measure
+from .measures import IMPULSE, LARGEST, PULSE, SENSOR, SHARES, Measure
 from .problem import Design
 from .size_space import SizeSpace
 
@@ -33,7 +33,8 @@ SAMPLE_RTOL: Final = 1e-7
 COST: Final = 2
 NAMES: Final = {
     "wall_force.peak": "wall_force.peak",
-    "wall_force.impulse": "wall_force.impulse_of_impact",
+    "wall_force.impulse": IMPULSE,
+    IMPULSE: IMPULSE,
     "wall_force.duration": "wall_force.duration",
 }
 PEAK: Final = Measure("wall_force.peak")
@@ -48,6 +49,8 @@ def name_of(measure: Measure, beads: int) -> str | None:
         return f"pulse.{SHARES.get(measure.key, measure.key)}@{measure.index(beads) + 1}"
     if measure.key in LARGEST:
         return f"bead.{measure.key}@{measure.index(beads) + 1}"
+    if measure.key == SENSOR:
+        return f"{SENSOR}@{measure.index(beads) + 1}"
     return NAMES.get(measure.key)
 
 

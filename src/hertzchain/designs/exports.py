@@ -105,6 +105,7 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
              "with_yielding_contacts": dict(point.verified.yielding)} | _balls(point)
             for point in result.front
         ],
+        "front_is_complete": result.front_is_complete if result.front else None,
         "notes": list(result.notes),
     }  # fmt: skip
     found: dict[str, Any] = finite(document)

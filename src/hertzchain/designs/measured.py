@@ -16,7 +16,7 @@ from ..simulation.simulate_many import DEFAULT_RTOL, simulate_ensemble
 from ..validation.numbers import worker_count
 from ..validation.objects import Progress
 from .exact_gradients import value_in_whole_run
-from .measures import Measure
+from .measures import Measure, sensors_of
 
 
 class Measured(NamedTuple):
@@ -38,11 +38,14 @@ def measured(
     check_range: bool = False,
 ) -> Measured:
     """Simulate chains and collect measures; the range of Hertz's law is checked on request."""
+    sensors = sensors_of(measures, chains)
+    if sensors and len({chain.beads for chain in chains}) > 1:
+        return _by_length(chains, measures, until, rtol, threads)
     values, reasons = np.full((len(chains), len(measures)), np.nan), list[str]()
     table: RunTable | None = None
     names = sorted({name for each in measures for name in each.columns})
     if names and chains:
-        request = Request(tuple(names), (), until, rtol, None, check_range)
+        request = Request(tuple(names), sensors, until, rtol, None, check_range)
         table = simulate_ensemble(chains, request, threads, progress)
         reasons += table.reasons.values()
     for j, each in enumerate(measures):
@@ -53,6 +56,21 @@ def measured(
         elif chains:
             values[:, j] = _in_whole_runs(each, chains, until, rtol, threads)
     return Measured(values, reasons, table)
+
+
+def _by_length(
+    chains: Sequence[Chain], measures: Sequence[Measure], until: float | None, rtol: float,
+    threads: int | None,
+) -> Measured:  # fmt: skip
+    """Values of chains of several lengths, whose last beads with sensors are not the same."""
+    values, reasons = np.full((len(chains), len(measures)), np.nan), list[str]()
+    for beads in sorted({chain.beads for chain in chains}):
+        rows = [i for i, chain in enumerate(chains) if chain.beads == beads]
+        some = [chains[i] for i in rows]
+        found = measured(some, measures, until=until, rtol=rtol, threads=threads)
+        values[rows] = found.values
+        reasons += found.reasons
+    return Measured(values, reasons, None)
 
 
 def _in_whole_runs(

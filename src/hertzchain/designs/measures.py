@@ -3,7 +3,9 @@
 ======================================================  ===========================================
 name                                                    meaning
 ======================================================  ===========================================
-``wall_force.peak``, ``.impulse``, ``.duration``        force on the right wall
+``wall_force.peak``, ``.impulse``, ``.duration``        force on the right wall; the impulse is also
+                                                        called ``wall_force.impulse_of_impact``
+``sensor.first_maximum@k``                              force in a sensor in bead k
 ``velocity@k``, ``momentum@k``, ``energy@k``,           leading pulse at bead k, or ``@last``
 ``arrival@k``, ``residence@k``, ``peak_force@k``
 ``largest_velocity@k``, ``largest_momentum@k``,         at the largest forward velocity of bead k in
@@ -20,29 +22,33 @@ name                                                    meaning
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
+from ..chain.bead_names import with_bead_numbers
 from ..chain.chain import Chain
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..errors import InputError, short_repr, unknown_name_error
 from ..pulse.pulse import Pulse
-from ..pulse.quantities import QUANTITIES
+from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..pulse.quantity_names import COLUMNS
 from ..representation import measure as shown
 from ..sensitivity.equation import has_gradient
 from ..simulation.run_table import RunTable
 from ..validation.numbers import whole_number
 
+IMPULSE: Final = "wall_force.impulse_of_impact"
+# Columns of a `RunTable` with the force on the wall; the impulse is that of the impact.
 WALL: Final = {
-    "wall_force.peak": ("wall_peak_force", "N"),
-    "wall_force.impulse": ("wall_impulse_of_impact", "N s"),
-    "wall_force.duration": ("wall_duration", "s"),
+    **{name: COLUMNS[name] for name in ("wall_force.peak", "wall_force.duration")},
+    **dict.fromkeys(("wall_force.impulse", IMPULSE), COLUMNS[IMPULSE]),
 }
 PULSE: Final = ("velocity", "momentum", "energy", "arrival", "residence", "peak_force")
+SENSOR: Final = "sensor.first_maximum"
 LARGEST: Final = ("largest_velocity", "largest_momentum", "largest_energy")
 SHARES: Final = {"energy_share": "energy", "momentum_share": "momentum"}
 RANGE: Final[tuple[str, ...]] = ("yield_ratio", "overlap_ratio")
@@ -50,11 +56,15 @@ OF_CHAIN: Final = {
     "length": "m", "mass": "kg", "beads": "1", "price": "1",
     "smallest_radius": "m", "largest_radius": "m",
 }  # fmt: skip
-AT_BEAD: Final = (*PULSE, *SHARES, *LARGEST)
+CURVES: Final = (*PULSE, *SHARES, *LARGEST)
+AT_BEAD: Final = (*CURVES, SENSOR)
+# Names of columns, which are accepted, too.
+BY_COLUMN: Final = {column: name for name, column in WALL.items()} | {COLUMNS[SENSOR]: SENSOR}
 WORDS: Final = {
-    "wall_force.peak": "peak force on the wall", "wall_force.impulse": "impulse on the wall",
+    "wall_force.peak": "peak force on the wall",
+    "wall_force.impulse": "impulse on the wall", IMPULSE: "impulse on the wall",
     "wall_force.duration": "impulse / peak of the force on the wall",
-    "largest_force": "largest force",
+    "largest_force": "largest force", SENSOR: "first maximum of the force in the sensor",
     "yield_ratio": "pressure / pressure at first yield", "overlap_ratio": "overlap / radius",
     "length": "length of the chain", "mass": "mass of the chain", "beads": "number of beads",
 }  # fmt: skip
@@ -99,10 +109,10 @@ class Measure:
         if self.over is not None:
             return "1"
         if self.key in WALL:
-            return WALL[self.key][1]
+            return WALL_QUANTITIES[WALL[self.key]].unit
         if self.key in (*PULSE, *LARGEST):
             return QUANTITIES[self.quantity].unit
-        return "N" if self.key == "largest_force" else OF_CHAIN.get(self.key, "1")
+        return "N" if self.key in ("largest_force", SENSOR) else OF_CHAIN.get(self.key, "1")
 
     @property
     def has_kinks(self) -> bool:
@@ -126,7 +136,9 @@ class Measure:
         if self.over is not None:
             return (*self._numerator.columns, *self.over.columns)
         if self.key in WALL:
-            return (WALL[self.key][0],)
+            return (WALL[self.key],)
+        if self.key == SENSOR:
+            return (COLUMNS[SENSOR],)
         if self.of_whole_run:
             return ()
         if self.key in AT_BEAD:
@@ -142,7 +154,7 @@ class Measure:
         return (self.bead or self._count(beads)) - 1
 
     def _count(self, beads: int) -> int:
-        return QUANTITIES[self.quantity].count(beads)
+        return beads if self.key == SENSOR else QUANTITIES[self.quantity].count(beads)
 
     def check(self, chain: Chain) -> None:
         """Raise `InputError` if a chain does not have the measure."""
@@ -173,6 +185,9 @@ class Measure:
             return self._numerator.from_table(table) / self.over.from_table(table)
         if self.key in WALL:
             return np.array(table[self.columns[0]])
+        if self.key == SENSOR:
+            bead = self.index(int(table.beads.max(initial=2))) + 1
+            return np.array(table[self.columns[0]][:, table.sensors.index(bead)])
         if self.key in AT_BEAD:
             column, counts = table[self.columns[0]], table.beads
             rows = np.arange(len(table))
@@ -238,10 +253,24 @@ class Measure:
         return found
 
 
+def sensors_of(measures: Iterable[Measure], chains: Iterable[Chain]) -> tuple[int, ...]:
+    """Numbers of the beads with sensors that measures of these chains need."""
+    beads = {chain.beads for chain in chains}
+    numbers = {each.index(n) + 1 for each in measures if each.key == SENSOR for n in beads}
+    return tuple(sorted(numbers))
+
+
 def in_words(value: float, unit: str, units: str) -> str:
     """A value with its unit, lengths in mm and masses in g."""
     factor, usual = USUAL.get(unit, (1.0, unit)) if units == "SI" else (1.0, unit)
     return shown(factor * value, "" if usual == "1" else usual, units).strip()
+
+
+def measure_of(chain: Chain, name: object) -> Measure:
+    """The measure of a chain with this name, which may have the name of a ball."""
+    measure = parse_measure(with_bead_numbers(chain, name) if isinstance(name, str) else name)
+    measure.check(chain)
+    return measure
 
 
 def parse_measure(text: object) -> Measure:
@@ -260,6 +289,7 @@ def parse_measure(text: object) -> Measure:
             )
         return Measure(one.key, one.bead, other)
     key, at, place = text.removeprefix("pulse.").partition("@")
+    key = BY_COLUMN.get(key, key)
     if key not in NAMES:
         raise unknown_name_error("measure", text, NAMES)
     if key not in AT_BEAD:

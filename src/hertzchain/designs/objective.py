@@ -12,7 +12,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, short_repr
 from ..validation.numbers import number, real_numbers
-from .measures import AT_BEAD, Measure, parse_measure
+from .measures import CURVES, Measure, measure_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,9 +86,7 @@ def objectives_from(
 def _of(weights: Mapping[Any, Any], sign: float, chain: Chain) -> Objective:
     if not weights:
         raise InputError("the objective has no measures: give a name, such as 'wall_force.peak'")
-    measures = tuple(map(parse_measure, weights))
-    for each in measures:
-        each.check(chain)
+    measures = tuple(measure_of(chain, name) for name in weights)
     values = [sign * number(f"weight of {m}", w)
               for m, w in zip(measures, weights.values(), strict=True)]  # fmt: skip
     if not any(values):
@@ -104,8 +102,8 @@ def _curve(chain: Chain, match: object) -> Objective:
             f"{{'velocity': [...]}}, got {short_repr(match)}"
         )
     ((name, curve),) = match.items()
-    if name not in AT_BEAD:
-        raise InputError(f"the curve to match must be one of {', '.join(AT_BEAD)}, got {name!r}")
+    if name not in CURVES:
+        raise InputError(f"the curve to match must be one of {', '.join(CURVES)}, got {name!r}")
     values = np.atleast_1d(np.asarray(curve, float) if _has_nan(curve) else real_numbers(
         "value to match", curve))  # fmt: skip
     measures = [Measure(name, k) for k in range(1, len(values) + 1) if np.isfinite(values[k - 1])]

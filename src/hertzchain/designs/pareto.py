@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..collision import Array
 from ..errors import InputError
+from .dominance import undominated
+from .front_search import search_front
 from .methods import Found, method_for, run_method
 from .reference_chains import evaluated_references
 from .requirements import Requirement
@@ -25,8 +26,6 @@ Finish = Callable[[Trials, Found, tuple[str, ...]], "DesignResult"]
 
 # Points of a front of sizes unless given, and largest number of those of a front of choices.
 SEARCHES, MOST_CHOICES = 9, 100
-# Relative differences that are rounding errors of sums, and those of trial simulations.
-ROUNDED, TRIAL_ERROR = 1e-9, 1e-5
 
 
 def design_front(
@@ -34,8 +33,8 @@ def design_front(
 ) -> DesignResult:  # fmt: skip
     """The front of two objectives, from the best of the first one to that of the second.
 
-    The result is the first point.  Sizes are searched at several levels of the second objective.
-    Choices of balls are those of all trials that no other trial beats.
+    The result is the first point.  Sizes, and balls with scatter, are searched at several levels
+    of the second objective.  Choices of balls are those of all trials that no other trial beats.
     """
     problem = trials.problem
     first, second = (objective.single for objective in problem.objectives)
@@ -44,6 +43,8 @@ def design_front(
     trials.memory = {} if trials.draws is None else None
     if method == "enumerate":
         found = [_solve(trials, problem._only(0), method, 1.0, finish)]
+    elif method == "genetic" and trials.memory is not None:
+        found = [_searched_together(trials, finish)]
     else:
         found = _searched(trials, method, points or SEARCHES, finish)
     best = found[0]
@@ -77,6 +78,21 @@ def _searched(trials: Trials, method: str, points: int, finish: Finish) -> list[
     return [*found, ends[1]]
 
 
+def _searched_together(trials: Trials, finish: Finish) -> DesignResult:
+    """The best of the first objective, after a search for the whole front."""
+    parts = []
+    for i in (0, 1):
+        part = dataclasses.replace(trials, problem=trials.problem._only(i), best=[], history=[])
+        part.clock = trials.clock
+        parts.append(part)
+    first, second = parts
+    first.references = evaluated_references(first)
+    one, other = (_sign(each) for each in trials.problem.objectives)
+    ends = search_front(first, second, trials.seed, (one, other))
+    trials.add_counts(first)
+    return finish(first, Found("genetic", ends), ())
+
+
 def _of_all_trials(
     trials: Trials, best: DesignResult, points: int, finish: Finish
 ) -> list[DesignResult]:  # fmt: skip
@@ -102,21 +118,6 @@ def _of_all_trials(
         part = dataclasses.replace(trials, problem=problem, best=[each])
         found.append(finish(part, Found(best.method, [each]), ()))
     return found
-
-
-def undominated(costs: Array) -> list[int]:
-    """Rows of two costs that no other row beats, in the order of the first cost."""
-    if not len(costs):
-        return []
-    size = np.abs(costs[:, 1]).max() or 1.0
-    rounded = np.round(costs[:, 1] / (ROUNDED * size))
-    found: list[int] = []
-    lowest = np.inf
-    for i in np.lexsort((costs[:, 0], rounded)):
-        if not found or costs[i, 0] < lowest - TRIAL_ERROR * abs(lowest):
-            found.append(int(i))
-            lowest = costs[i, 0]
-    return found[::-1]
 
 
 def _front(found: list[DesignResult], problem: Design) -> list[DesignResult]:

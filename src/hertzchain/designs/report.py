@@ -45,10 +45,21 @@ def summary(result: DesignResult) -> str:
         lines.append("local optima:")
         lines += [f"  {_point(result, i)}" for i in range(len(result.optima))]
     if result.front:
-        lines.append("Pareto front:")
+        lines.append(f"{front_in_words(result)}:")
         lines += [f"  {i}: {_of_front(point)}" for i, point in enumerate(result.front, start=1)]
     lines += [f"note: {note}" for note in result.notes]
     return "\n".join(lines)
+
+
+def front_in_words(result: DesignResult) -> str:
+    """The front, and the part of the choices among which it was found."""
+    space = result.problem.space
+    if not isinstance(space, BallSpace) or result.front_is_complete:
+        return "Pareto front"
+    if result.problem.scatter is not None:
+        return "Pareto front of the simulated choices, which may miss points"
+    return (f"Pareto front of {result.runs} simulated choices ({result.runs / space.count:.2g} of "
+            "all); it may miss points, fewer with a larger budget")  # fmt: skip
 
 
 def _of_front(point: DesignResult) -> str:

@@ -144,6 +144,14 @@ class DesignResult:
         return float(objective.score(row)[0])
 
     @property
+    def front_is_complete(self) -> bool:
+        """Whether all choices of balls or orders were simulated, and a front misses no point."""
+        space, scatter = self.problem.space, self.problem.scatter
+        if not isinstance(space, BallSpace) or (scatter is not None and self.method == "genetic"):
+            return False
+        return self.runs >= space.count * (1 if scatter is None else scatter.samples)
+
+    @property
     def unit(self) -> str:
         """Unit of the value; empty in scaled variables."""
         single = self.problem.objective.single

@@ -38,23 +38,29 @@ def changes(problem: Design, chain: Chain, part: float) -> tuple[Array, Array]:
     return np.expm1(larger), np.expm1(smaller)
 
 
-def changes_at_kink(chain: Chain, found: Gradient, by: str) -> tuple[Array, Array] | None:
-    """Simulated relative changes of the peak on the wall for +1% and -1%, if derivatives mislead.
+def changes_of_peak(chain: Chain, found: Gradient, by: str) -> tuple[Array, Array] | None:
+    """Simulated relative changes of the peak on the wall if one value grows or shrinks by 1%.
 
-    Another maximum of the force may become the largest.  `None` if no derivative misleads.
+    `None` for other quantities, for parameters such as Young's modulus, and if no changed
+    chain has a complete peak.
     """
     if found.quantity != "wall_force.peak" or by not in FIELDS:
         return None
-    expected = 0.01 * found.relative(by)
 
     def peaks(chains: list[Chain]) -> Array:
         return measured(chains, [PEAK], rtol=RTOL).values[:, 0]
 
-    up, down = np.expm1(_changes_of_logarithm(peaks, chain, by, (1.01, 0.99)))
-    differences = np.maximum(np.abs(up - expected), np.abs(down + expected))
+    larger, smaller = np.expm1(_changes_of_logarithm(peaks, chain, by, (1.01, 0.99)))
+    return None if np.isnan([larger, smaller]).all() else (larger, smaller)
+
+
+def derivatives_mislead(found: Gradient, by: str, changes: tuple[Array, Array]) -> bool:
+    """Whether derivatives predict other changes by 1%, as at a kink, where two maxima are equal."""
+    larger, smaller = changes
+    expected = 0.01 * found.relative(by)
+    differences = np.maximum(np.abs(larger - expected), np.abs(smaller + expected))
     # Chains without a complete peak have no changes.
-    largest = np.nanmax(differences, initial=0.0)
-    return (up, down) if largest > MISLEADING * np.abs(expected).max() else None
+    return bool(np.nanmax(differences) > MISLEADING * np.abs(expected).max())
 
 
 def _changes_of_objective(problem: Design, chain: Chain, factors: tuple[float, float]) -> Array:

@@ -19,7 +19,7 @@ from ..simulation.simulate import simulate
 from ..simulation.simulate_many import simulate_many
 from .exact_gradients import value_in_whole_run
 from .measured import measured
-from .measures import OF_CHAIN, RANGE, Measure
+from .measures import OF_CHAIN, RANGE, Measure, sensors_of
 from .problem import Design
 from .requirements import violation
 
@@ -77,7 +77,8 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     walled = chain.right_wall is not None
     names += ["wall_largest_so_far", "wall_peak_force"] if walled else []
     keep = list(dict.fromkeys(names))
-    table = simulate_many([chain], keep=keep, rtol=RTOL, until=problem.until)
+    sensors = sensors_of(measures, [chain])
+    table = simulate_many([chain], keep=keep, sensors=sensors, rtol=RTOL, until=problem.until)
     notes += table.reasons.values()
     values = {
         str(m): m.from_chain(chain, price) if m.of_chain else _value(problem, chain, m, table)
@@ -119,7 +120,8 @@ def _with_yielding_contacts(
     names = sorted({name for each in measures for name in each.columns})
     if not names:
         return {}
-    table = simulate_many([dented], keep=names, until=problem.until)
+    sensors = sensors_of(measures, [dented])
+    table = simulate_many([dented], keep=names, sensors=sensors, until=problem.until)
     if table.reasons:
         return {}
     of_chain = {name: value for name, value in values.items() if name in OF_CHAIN}

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..errors import InputError
+from ..representation import listed
 from .places import Place
 from .signals import Signal
 from .traces import Traces, with_couplings
@@ -71,5 +72,5 @@ def coupling_notes(traces: Traces, chains: Sequence[Chain]) -> tuple[str, ...]:
     forces = dict.fromkeys(f"{each:.3g}" for each in found.values())
     return (
         f"AC coupling of {', '.join(found)}: the signal is 0 before the pulse and does not contain "
-        f'the static force of {" and ".join(forces)} N; if it does, set coupling = "DC"',
+        f'the static force of {listed([*forces])} N; if it does, set coupling = "DC"',
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, SimulationError
-from ..representation import short
+from ..representation import counted, short
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback, check_choice, check_type
@@ -29,8 +29,18 @@ KINDS: Final = {
     "bead": ("radius", (2e-3,)),
     "contact": ("stiffness", (0.02,)),
 }
+# The kind of defect, its places, and the sizes that are tried.
+WORDS: Final = {
+    "gap": ("a gap at each of", "contact", "seven sizes each"),
+    "bead": ("another radius of each of", "bead", "from a change by 0.2%"),
+    "contact": ("another stiffness of each of", "contact", "from a change by 2%"),
+}
 # Least reduction of chi-squared by a defect that is reported.
 FOUND: Final = 20.0
+# Number of defects in a summary, and the multiple of the change that was tried above which a size
+# is only an extrapolation.
+SHOWN: Final = 5
+EXTRAPOLATED: Final = 3.0
 
 
 @checked_methods
@@ -67,6 +77,63 @@ class DefectScan:
     def found(self) -> bool:
         """Whether the best defect explains more than noise would."""
         return float(self.improvements.max()) > FOUND
+
+    @property
+    def changes(self) -> Array:
+        """Estimated gaps [m], or relative changes of radii or stiffnesses."""
+        model = self.result.model
+        names = [_name(self.kind, self.result, i) for i in range(len(self.names))]
+        nominal = np.array([kind_and_value(n, model.traces, model.chains)[1] for n in names])
+        return self.sizes if self.kind == "gap" else self.sizes / nominal - 1.0
+
+    def summary(self) -> str:
+        """Method, the defects that would explain the most, their sizes, and the conclusion.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> scan = hc.scan_defects(hc.fit(*hc.example_experiment()))
+        >>> print(scan.summary().splitlines()[-1])
+        no gap explains more than noise would (a chi2 lower by 20)
+        """
+        what, place, tried = WORDS[self.kind]
+        fit = self.result
+        lines = [
+            f"scan for {what} {counted(len(self.names), place)}, {self.names[0]} to "
+            f"{self.names[-1]}: {tried};",
+            "the other parameters of the fit adjust linearly",
+            f"the fit without it: chi2 {_rounded(fit.chi2)} of {fit.goodness.samples} samples",
+            f"  {'defect':<16}{'lowers chi2 by':>16}{'size':>12}",
+        ]
+        order = np.argsort(-self.improvements, kind="stable")[:SHOWN]
+        lines += [
+            f"  {self.names[i]:<16}{_rounded(self.improvements[i]):>16}{self._size(i):>12}"
+            + self._remark(i)
+            for i in order
+        ]
+        if rest := len(self.names) - len(order):
+            lines.append(f"  {counted(rest, f'other {place}')}: at most "
+                         f"{_rounded(np.sort(self.improvements)[-SHOWN - 1])}")  # fmt: skip
+        if self.found:
+            lines.append(f"{self.best} explains more than noise would (a chi2 lower by {FOUND:g})")
+        else:
+            lines.append(f"no {self.kind} explains more than noise would (a chi2 lower by "
+                         f"{FOUND:g})")  # fmt: skip
+        return "\n".join(lines)
+
+    def _size(self, i: int) -> str:
+        change = float(self.changes[i])
+        return f"{1e6 * change:.3g} um" if self.kind == "gap" else f"{100.0 * change:+.2g}%"
+
+    def _remark(self, i: int) -> str:
+        """Whether the size is beyond those that were tried."""
+        tried, change = KINDS[self.kind][1], float(self.changes[i])
+        if self.kind == "gap":
+            largest = tried[-1] * units_of(self.result.chain).scales.length
+            return "  largest gap that was tried" if change > 0.999 * largest else ""
+        return (
+            f"  extrapolated from {tried[-1]:.1%}" if abs(change) > EXTRAPOLATED * tried[-1] else ""
+        )
 
     def fit(self, candidates: int | None = None, *, progress: Progress | None = None) -> FitResult:
         """Fit the defects, each in a separate fit, and return the best fit.
@@ -129,6 +196,8 @@ class DefectScan:
 
         return defect_scan_html(self)
 
+    __str__ = summary
+
     def __repr__(self) -> str:
         i = int(np.argmax(self.improvements))
         factor, unit = (1e6, " um") if self.kind == "gap" else (1.0, "")
@@ -141,6 +210,10 @@ class DefectScan:
         if not self.found:
             text, other = f"no {self.kind} explains more than noise would", ""
         return short("DefectScan", self.kind, text, other)
+
+
+def _rounded(chi2: float) -> str:
+    return f"{chi2:.0f}" if abs(chi2) >= 100.0 else f"{chi2:.3g}"
 
 
 @checked_arguments("scan_defects")

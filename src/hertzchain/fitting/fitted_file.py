@@ -106,12 +106,14 @@ def _measure(value: float, unit: str) -> Any:
 
 
 def readable_chain(chain: Chain) -> str:
-    """Text of a chain in SI units, to seven digits; empty if it has features of other files."""
+    """Text of a chain in SI units, to seven digits; empty if it has other features."""
     given = set(chain.given) & set(OTHERS)
     single = isinstance(chain.exponents, float) and (
         chain.loss is None or isinstance(chain.loss, Loss)
     )
     if chain.materials is None or chain.units != "SI" or given or chain.drive or not single:
+        return ""
+    if chain.scatter is not None:
         return ""
     lines = ["[chain]", *_items(_beads(chain))]
     for k in range(chain.strikers - 1, -1, -1):

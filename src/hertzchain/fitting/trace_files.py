@@ -10,12 +10,13 @@ import numpy as np
 from ..collision import Array
 from ..errors import InputError, errors_at
 from ..representation import counted
-from ..store.csv_tables import csv_rows, split_header
+from ..store.csv_tables import split_header
 from ..units import converted
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_list, file_path, shown_path, text
 from .noise import check_names_of_noise
 from .places import Place, place_named
+from .sample_rows import sample_rows
 from .scope_files import MISSING, header_and_samples
 from .trace_headers import header_of, without_unit
 from .traces import Traces, make_shot, with_coupling
@@ -38,6 +39,7 @@ def load_traces(
     parentheses, as in ``Time (s)``, or in a row of their own below the names, as in
     ``second,Volt``, and the times may be called ``t``.  Lines above the header, such as the
     settings of an oscilloscope, are not read, except ``Horizontal Units`` and ``Vertical Units``.
+    Columns may also be separated by semicolons or tabs, and numbers may have decimal commas.
     Sampling may be uneven; empty and infinite cells are missing samples.  Saturated samples are
     recognised and not used.  A column ``shot`` with whole numbers divides a file into shots.
 
@@ -102,7 +104,7 @@ def load_traces(
                 "the traces first and the chain file last, as in fit data.csv chain.toml"
             )
         with errors_at(shown_path(path)):
-            shots += _shots(csv_rows(file), wanted, noise)
+            shots += _shots(sample_rows(file), wanted, noise)
     found = Traces(tuple(shots))
     check_names_of_noise(noise, found.names)
     return with_coupling(found, coupling)
@@ -142,9 +144,12 @@ def _shots(
         )
     for number, row in enumerate(body, start=1):
         if len(row) != len(header):
+            advice = "complete or remove the row"
+            if len(row) == 2 * len(header):
+                advice = "if numbers have decimal commas, separate the columns by semicolons"
             raise InputError(
                 f"row {number} has {counted(len(row), 'cell')}, the header has {len(header)}; "
-                "complete or remove the row"
+                f"{advice}"
             )
     header, wanted = _with_times(header, wanted)
     time, shot, columns = _columns(header, wanted)

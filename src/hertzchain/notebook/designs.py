@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ..designs.report import references_in_words, search_in_words
+from ..designs.report import front_in_words, references_in_words, search_in_words
 from ..designs.result import DesignResult
+from ..representation import counted
 from .drawing import note, numbers, page, table
 
 
@@ -22,6 +23,8 @@ def design_html(result: DesignResult) -> str:
         value = result.values[str(each.measure)]
         met = "" if each.excess(value) <= 1e-6 else ", NOT met"
         found[str(each)] = f"{each.shown(value)}{met}"
+    if result.front:
+        found[front_in_words(result)] = counted(len(result.front), "point")
     parts = [numbers(found)]
     if result.parts:
         parts.append(table(["count", "ball"], [[str(n), name] for n, name in result.parts]))

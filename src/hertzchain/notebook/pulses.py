@@ -24,7 +24,7 @@ from .drawing import (
 # Ratio of the largest and smallest velocity from which the axis is logarithmic.
 LOG_RANGE: Final = 30.0
 # Label of the band of a spread.
-SPREAD: Final = "one standard deviation of lots"
+SPREAD: Final = "± one standard deviation"
 # Errors below this fraction of the largest are not drawn.
 MIN_SHOWN: Final = 1e-4
 

@@ -5,22 +5,18 @@
 `verdict.json`        all results as JSON; ``schema_version`` is increased by changes
 `summary.md`          a short summary
 `figures/`            each figure as SVG and PNG, and its data as CSV
+`.hertzchain.json`    checksums of these files, which show whether a file was changed
 ====================  =========================================================
 """
 
 from __future__ import annotations
 
 import base64
-import contextlib
 import functools
 import importlib.metadata
 import json
-import os
 import platform
-import re
-import shutil
 import tempfile
-from collections.abc import Iterator
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, Final
@@ -29,11 +25,10 @@ from jinja2 import Environment, PackageLoader, select_autoescape
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from ..chain.tapers import rate_symbol
-from ..errors import InputError
 from ..evaluation.cases import GROUPS
 from ..evaluation.scoreboard import QUANTITIES, Scoreboard, percentage
 from ..plotting.scoreboard import plot_scoreboard
-from ..store.file_lock import lock
+from ..representation import listed
 from ..store.writing import cannot_write
 from ..validation.keywords import checked_arguments
 from ..validation.objects import Progress
@@ -42,16 +37,12 @@ from ..verification.verify import as_dict
 from .drawings import Drawing, drawn
 from .figures import Figure, draw_figure, figure_csv
 from .mathml import plain, typeset
+from .report_folder import HINT, WRITING, earlier_figures, move_report, reserved
 from .reproduction import Reproduction
 from .tables import WINDOWS, Table
 from .velocity_formulas import draw_formula_errors
 
 SCHEMA_VERSION: Final = 1
-PAGES: Final = ("report.html", "verdict.json", "summary.md")
-WRITING: Final = ".writing-"
-# Names given by `tempfile`.
-LEFT_BEHIND: Final = re.compile(rf"{re.escape(WRITING)}[a-z0-9_]{{8}}")
-OUR_FIGURE: Final = re.compile(r"(figure\d+|errata|scoreboard)\.(svg|png|csv)")
 
 
 @checked_arguments("write_report")
@@ -63,35 +54,18 @@ def write_report(
 ) -> Path:
     """Write the report of a reproduction to a folder.
 
-    All files are first written to a temporary folder and then moved, so that an earlier
-    report stays complete if writing fails.
+    All files are first written to a temporary folder and then moved; an earlier report
+    therefore stays complete if writing fails.  Figures of an earlier report that are not part
+    of this one are kept.
+
+    Raises
+    ------
+    InputError
+        If the folder contains files but was not written by `write_report`, or if a file that
+        the report would replace has been changed.
     """
-    with reserved(out):
+    with reserved(out, reproduction.parts):
         return write_reserved(reproduction, out, progress=progress)
-
-
-@contextlib.contextmanager
-def reserved(out: Path) -> Iterator[None]:
-    """Lock a folder, and remove temporary folders of processes that were killed."""
-    check_writable(out)
-    with lock(out / ".lock", out):
-        for left in out.glob(f"{WRITING}*"):
-            if _is_ours(left):
-                shutil.rmtree(left, ignore_errors=True)
-        yield
-
-
-def _is_ours(folder: Path) -> bool:
-    """Whether a folder is the temporary folder of a process that was killed."""
-    if folder.is_symlink() or not LEFT_BEHIND.fullmatch(folder.name):
-        return False
-    files = [path for path in folder.rglob("*") if not path.is_dir()]
-    pages = [folder / name for name in PAGES]
-    figures = folder / "figures"
-    return all(
-        file in pages or (file.parent == figures and OUR_FIGURE.fullmatch(file.name))
-        for file in files
-    )
 
 
 def write_reserved(
@@ -106,50 +80,24 @@ def write_reserved(
         with tempfile.TemporaryDirectory(dir=out, prefix=WRITING) as folder:
             fresh = Path(folder)
             images = _write_figures(reproduction, fresh / "figures", progress, pool)
-            _write_pages(reproduction, fresh, images)
-            _replace(fresh, out)
+            earlier = earlier_figures(out, reproduction.parts)
+            _write_pages(reproduction, fresh, images, earlier)
+            move_report(fresh, out, reproduction.parts)
     except OSError as error:
-        raise cannot_write(out, error, "choose another folder with --out") from None
+        raise cannot_write(out, error, HINT) from None
     return out / "report.html"
 
 
-def _write_pages(reproduction: Reproduction, folder: Path, images: dict[str, str]) -> None:
+def _write_pages(
+    reproduction: Reproduction, folder: Path, images: dict[str, str], earlier: list[str]
+) -> None:
     plain = json.dumps(verdict(reproduction), indent=2, allow_nan=False) + "\n"
     (folder / "verdict.json").write_text(plain, "utf-8")
-    (folder / "summary.md").write_text(_render("summary.md.j2", reproduction), "utf-8")
-    page = _render("report.html.j2", reproduction, images=images)
+    (folder / "summary.md").write_text(
+        _render("summary.md.j2", reproduction, earlier=earlier), "utf-8"
+    )
+    page = _render("report.html.j2", reproduction, images=images, earlier=earlier)
     (folder / "report.html").write_text(page, "utf-8")
-
-
-def _replace(fresh: Path, out: Path) -> None:
-    """Replace an old report by a new one; other files in the folder are not changed."""
-    figures = out / "figures"
-    figures.mkdir(exist_ok=True)
-    for path in figures.iterdir():
-        if OUR_FIGURE.fullmatch(path.name):
-            path.unlink()
-    for path in (fresh / "figures").iterdir():
-        path.replace(figures / path.name)
-    for name in PAGES:
-        (fresh / name).replace(out / name)
-
-
-def check_writable(out: Path) -> None:
-    """Create a folder and check that files can be written to it."""
-    blocked = [name for name in PAGES if (out / name).is_dir()]
-    if (out / "figures").exists() and not (out / "figures").is_dir():
-        blocked.append("figures")
-    if blocked:
-        raise InputError(
-            f"{os.fspath(out / blocked[0])!r} exists and cannot be replaced by the report; choose "
-            "another folder with --out"
-        )
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=out):
-            pass
-    except OSError as error:
-        raise cannot_write(out, error, "choose another folder with --out") from None
 
 
 @checked_arguments("verdict")
@@ -282,6 +230,7 @@ def _render(template: str, reproduction: Reproduction, **more: Any) -> str:
         rows=_rows,
         scores=_scores(reproduction.scoreboard) if reproduction.scoreboard else None,
         origins=ORIGINS,
+        listed=listed,
         default_windows=dict(reproduction.windows) == WINDOWS,
         **more,
     )  # fmt: skip

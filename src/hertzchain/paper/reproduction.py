@@ -81,6 +81,20 @@ class Reproduction(ShortDir):
     all_errata: bool = False
 
     @property
+    def parts(self) -> tuple[str, ...]:
+        """Names of the recomputed parts, as in `reproduce`."""
+        others = {
+            "errata": self.all_errata,
+            "scoreboard": self.scoreboard is not None,
+            "verification": bool(self.verification),
+        }
+        return (
+            *(table.published.name for table in self.tables),
+            *(figure.published.name for figure in self.figures),
+            *(part for part, present in others.items() if present),
+        )
+
+    @property
     def entries(self) -> int:
         """Number of entries in the reproduced tables."""
         return sum(len(table.entries) for table in self.tables)

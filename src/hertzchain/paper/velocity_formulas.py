@@ -12,7 +12,8 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from ..calibration import RATES, WINDOW, Window
 from ..chain.tapers import rate_symbol
 from ..collision import Array
-from ..plotting.style import COLOURS, figure_style
+from ..plotting.colours import COLOURS
+from ..plotting.style import figure_style
 from ..pulse.pulse import Pulse
 from ..theory.bca import backward_linear_prefactor, bca
 from ..theory.modified_bca import (

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import os
 import tempfile
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -20,14 +19,15 @@ from matplotlib.patches import Rectangle
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..errors import IncompleteWarning, InputError
+from ..errors import InputError
 from ..simulation.budget import overlaps_of
 from ..simulation.run import Run
 from ..store.writing import write_bytes
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback, check_type, file_path
-from .runs import check_times, force_curve
+from .colours import grey
+from .runs import check_times, wall_curve
 from .style import figure_style, set_title, time_axis
 from .titles import chain_title
 
@@ -264,13 +264,11 @@ def _draw_force(axes: Axes, run: Run, unit: float, label: str) -> Any:
     """The force on the right wall, or the largest contact force; returns the marker of the time."""
     newton = " [N]" if run.chain.units == "SI" else ""
     if run.chain.right_wall is not None:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", IncompleteWarning)
-            times, values, *_ = force_curve(run, run.chain.beads + 1)
+        times, values = wall_curve(run._wall_force("right"))
         what = "force on wall"
     else:
         times, values, what = run.times, run.forces.max(axis=1), "largest force"
-    axes.plot(unit * times, values, color="black", linewidth=0.9)
+    axes.plot(unit * times, values, color=grey(axes), linewidth=0.9)
     axes.set_xlim(unit * run.times[0], unit * run.times[-1])
     axes.set_xlabel(label)
     axes.set_ylabel(what + newton)

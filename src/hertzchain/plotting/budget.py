@@ -14,6 +14,7 @@ from ..simulation.budget import BALANCED, COLOURS, Balanced, Budget
 from ..simulation.horizon import Horizon
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_type
+from .colours import grey
 from .style import (
     figure_style,
     get_axes,
@@ -89,9 +90,9 @@ def plot_budget(
                 base += part
             axes.fill_between([], [], [], facecolor=colour, hatch=hatch, edgecolor="white",
                               label=name)  # fmt: skip
-        axes.plot(times, total, color="black", linewidth=1.0, label="total input")
+        axes.plot(times, total, color=grey(axes), linewidth=1.0, label="total input")
         if np.any(below < 0.0):
-            axes.axhline(0.0, color="black", linewidth=0.6)
+            axes.axhline(0.0, color=grey(axes), linewidth=0.6)
             for height, text in ((0.98, "+ forward"), (0.02, "− backward")):
                 axes.text(0.015, height, text, transform=axes.transAxes, fontsize=8.5,
                           va="top" if height > 0.5 else "bottom")  # fmt: skip

@@ -15,7 +15,8 @@ from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..collision import Array
 from ..validation.keywords import checked_arguments
-from .style import COLOURS, figure_style, get_axes, literal, set_title
+from .colours import COLOURS, grey
+from .style import figure_style, get_axes, literal, set_title
 from .titles import chain_title
 
 # Colours of the materials of the package, and those from which other materials receive one.
@@ -157,7 +158,7 @@ def scale_bar(chain: Chain, axes: Axes) -> None:
     power = 10.0 ** np.floor(np.log10(2.0 * largest))
     length = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= 2.0 * largest)
     begin, height = factor * bead_centres(chain)[0] - factor * chain.radii[0], -1.35 * largest
-    axes.plot([begin, begin + length], [height] * 2, color="black", linewidth=2.0,
+    axes.plot([begin, begin + length], [height] * 2, color=grey(axes), linewidth=2.0,
               solid_capstyle="butt")  # fmt: skip
     axes.annotate(f"{length:g} {unit}", (begin + length, height), xytext=(4, 0),
                   textcoords="offset points", va="center", fontsize=8)  # fmt: skip

@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..pulse.quantities import QUANTITIES
+from .colours import curve_colour, grey
 from .legends import place_legend
-from .style import COLOURS, MARKERS, BeadLocator, figure_style, get_axes, label_log_axis, set_title
+from .style import MARKERS, BeadLocator, figure_style, get_axes, label_log_axis, set_title
 
 if TYPE_CHECKING:
     from ..pulse.comparison import Comparison
@@ -29,14 +30,14 @@ def plot_comparison(
             # The reference of bead 1 may be 0, and its error a difference.
             axes.plot(
                 beads[1:], (np.abs(errors) if log else errors)[1:],
-                color=COLOURS[i % len(COLOURS)], marker=MARKERS[i % len(MARKERS)],
+                color=curve_colour(axes, i), marker=MARKERS[i % len(MARKERS)],
                 markevery=max(1, len(beads) // 10), label=name.replace("_", " "),
             )  # fmt: skip
         if log:
             axes.set_yscale("log")
             label_log_axis(axes.yaxis)
         else:
-            axes.axhline(0.0, color="black", linewidth=0.8)
+            axes.axhline(0.0, color=grey(axes), linewidth=0.8)
         contacts = {QUANTITIES[name].per == "contact" for name in quantities}
         axes.set_xlabel("bead or contact $k$" if len(contacts) > 1 else
                         "contact $k$" if contacts == {True} else "bead $k$")  # fmt: skip

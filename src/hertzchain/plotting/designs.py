@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.gridspec import GridSpecBase
 
+from ..chain.chain import Chain
 from ..designs.curves import Curve, initial_and_final, plotted_quantity
 from ..designs.measures import USUAL
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from .chains import bead_centres, draw_beads, material_legend
+from .colours import COLOURS, curve_colour, grey
 from .gradients import bars_of_changes
-from .legends import place_legend
+from .legends import POINTS_PER_INCH, figure_of, place_legend
 from .style import (
-    COLOURS,
     MUCH,
     BeadLocator,
     differ_much,
@@ -35,6 +39,11 @@ if TYPE_CHECKING:
 
 # Part of the larger force at which the smaller one is visible on the same axis.
 VISIBLE: Final = 0.03
+# Width of a figure [inch] below which its panels are below each other, the height of a panel
+# [inch], and the longest line of the label of its y axis.
+NARROW, NARROW_HEIGHT, MAX_CHARACTERS = 5.0, 1.7, 18
+# Width of a character, relative to the size of the font.
+CHARACTER: Final = 0.6
 
 
 def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
@@ -50,16 +59,41 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
                 end = factor * (bead_centres(chain)[-1] + chain.radii[-1])
                 largest = factor * chain.radii.max()
                 axes.plot([end] * 2, [row * height - largest, row * height + largest],
-                          color="black", linewidth=3.0)  # fmt: skip
+                          color=grey(axes), linewidth=3.0)  # fmt: skip
             axes.text(-0.01, row * height, f"{name} ", ha="right", va="center",
                       transform=axes.get_yaxis_transform())  # fmt: skip
         axes.set_aspect("equal")
         axes.autoscale_view()
+        if result.chain.units == "SI":
+            _write_diameters(result.chain, axes, height - result.chain.radii.max() * factor)
         axes.set_yticks([])
         axes.set_xlabel(f"position{unit}")
         material_legend([*chains.values()], axes, fontsize=8, loc="upper center",
                         bbox_to_anchor=(0.5, 1.3), ncols=3)  # fmt: skip
     return axes
+
+
+def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
+    """Write the diameters [mm] below the beads, upright if they are narrow, if there is room."""
+    figure = figure_of(axes)
+    size = 0.8 * float(FontProperties(size=rcParams["font.size"]).get_size_in_points())
+    low, high = axes.get_xlim()
+    # The layout of the figure may change, but hardly its width.
+    point = (high - low) / (POINTS_PER_INCH * figure.get_figwidth() * axes.get_position().width)
+    texts = [f"{2e3 * radius:.4g}" for radius in chain.radii]
+    centres = 1e3 * bead_centres(chain)
+    apart = np.diff(centres) / (point * size)
+    if apart.min(initial=np.inf) < 1.0:
+        return
+    lengths = CHARACTER * np.array([len(text) for text in texts])
+    upright = bool((apart < 0.5 * (lengths[1:] + lengths[:-1]) + 0.5 * CHARACTER).any())
+    tall = lengths.max() if upright else 1.0
+    for text, centre in zip(texts, centres, strict=True):
+        axes.text(centre, height - 0.3 * size * point, text, fontsize=size, ha="center", va="top",
+                  rotation=90.0 * upright)  # fmt: skip
+    axes.text(-0.01, height - 0.3 * size * point, "diameter [mm] ", fontsize=size, ha="right",
+              va="top", transform=axes.get_yaxis_transform())  # fmt: skip
+    axes.set_ylim(bottom=height - size * point * (0.6 + tall))
 
 
 def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
@@ -79,13 +113,13 @@ class _Line(NamedTuple):
     """Curve of one chain, and how to draw it."""
 
     label: str
-    colour: str
+    colour: int
     curve: Curve
 
 
 def _lines(result: DesignResult) -> list[_Line]:
     """Lines of the initial chain and the design, with the peaks of forces."""
-    names = {"initial": COLOURS[0], "design": COLOURS[2]}
+    names = {"initial": 0, "design": 2}
     unit = " N" if result.chain.units == "SI" else ""
     return [
         _Line(f"{name}, peak {curve.peak:.4g}{unit}" if result.chain.right_wall else name,
@@ -123,7 +157,12 @@ def _draw_lines(result: DesignResult, lines: Sequence[_Line], axes: Axes) -> Axe
     if walled:
         factor, label = time_axis(result.chain, max(float(each.curve.x[-1]) for each in lines))
     for each in lines:
-        axes.plot(factor * each.curve.x, each.curve.y, color=each.colour, label=each.label)
+        axes.plot(
+            factor * each.curve.x,
+            each.curve.y,
+            color=curve_colour(axes, each.colour),
+            label=each.label,
+        )
     axes.set_xlabel(label)
     if not walled:
         axes.xaxis.set_major_locator(BeadLocator())
@@ -192,19 +231,29 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_design(result: DesignResult) -> Figure:
-    """Plot beads, forces, history, and the sensitivity or the Pareto front."""
+    """Plot beads, forces, history, and the sensitivity or the Pareto front.
+
+    The panels are in two columns or, at the width of a column of a journal, below each other.
+    """
     with figure_style():
         figure = plt.figure(figsize=figure_size(10.0, 6.4), layout="constrained")
-        grid = figure.add_gridspec(2, 2)
         lines = _lines(result)
         apart = _differ(result, lines)
-        plot_beads(result, ax=figure.add_subplot(grid[0, 0]))
-        if apart:
-            _draw_panels(result, lines, grid[0, 1].subgridspec(2, 1))
+        narrow = figure.get_figwidth() < NARROW
+        if narrow:
+            heights = [0.8, 2.0 if apart else 1.0, 1.0, 1.0]
+            figure.set_figheight(NARROW_HEIGHT * sum(heights))
+            grid = figure.add_gridspec(4, 1, height_ratios=heights)
         else:
-            _draw_lines(result, lines, figure.add_subplot(grid[0, 1]))
-        plot_history(result, ax=figure.add_subplot(grid[1, 0]))
-        last = figure.add_subplot(grid[1, 1])
+            grid = figure.add_gridspec(2, 2)
+        panels = [grid[i] for i in range(4)]
+        plot_beads(result, ax=figure.add_subplot(panels[0]))
+        if apart:
+            _draw_panels(result, lines, panels[1].subgridspec(2, 1))
+        else:
+            _draw_lines(result, lines, figure.add_subplot(panels[1]))
+        plot_history(result, ax=figure.add_subplot(panels[2]))
+        last = figure.add_subplot(panels[3])
         if result.front:
             plot_front(result, ax=last)
         elif "masses" in result.chain.given:
@@ -214,6 +263,9 @@ def plot_design(result: DesignResult) -> Figure:
             last.set_ylabel("mass $m_k$")
         else:
             plot_sensitivity(result, ax=last)
+        if narrow:
+            for axes in figure.axes:
+                axes.set_ylabel(textwrap.fill(axes.get_ylabel(), MAX_CHARACTERS))
     return figure
 
 

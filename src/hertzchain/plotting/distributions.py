@@ -6,31 +6,30 @@ from typing import TYPE_CHECKING
 
 from matplotlib.axes import Axes
 
+from ..chain.scattered_radii import scatter_in_words
+from ..representation import usual_unit
+from .colours import COLOURS, grey
 from .legends import place_legend
-from .style import COLOURS, figure_style, get_axes, set_title
+from .style import figure_style, get_axes, label_narrow_axis, set_title
 from .titles import chain_title
 
 if TYPE_CHECKING:
     from ..designs.distribution import Distribution
-    from ..designs.scatter import Scatter
 
 
 def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
     """Plot a histogram of a `hertzchain.Distribution`, with the nominal value and the mean."""
     with figure_style():
         axes = get_axes(ax)
-        axes.hist(found.values, bins="auto", color=COLOURS[5])
-        axes.axvline(found.nominal, color="black", label="nominal chain")
-        axes.axvline(found.mean, color=COLOURS[2], linestyle="--", label="mean")
-        axes.set_xlabel(found.label + (f" [{found.unit}]" if found.unit != "1" else ""))
+        factor, unit = usual_unit(found.nominal, found.unit)
+        unit = unit.replace("us", "µs")
+        axes.hist(factor * found.values, bins="auto", color=COLOURS[5])
+        axes.axvline(factor * found.nominal, color=grey(axes), label="nominal chain")
+        axes.axvline(factor * found.mean, color=COLOURS[2], linestyle="--", label="mean")
+        label_narrow_axis(axes)
+        axes.set_xlabel(found.label + (f" [{unit}]" if unit != "1" else ""))
         axes.set_ylabel("number of chains")
-        set_title(axes, f"{chain_title(found.chain)}, {_deviations(found.scatter)}")
+        deviations = scatter_in_words(found.scatter.radius, found.scatter.grade)
+        set_title(axes, f"{chain_title(found.chain)}, {deviations}")
         place_legend(axes, own=ax is None)
     return axes
-
-
-def _deviations(scatter: Scatter) -> str:
-    if scatter.grade is not None:
-        return f"grade {scatter.grade}"
-    assert scatter.radius is not None
-    return f"radii with a scatter of {100.0 * scatter.radius:g}%"

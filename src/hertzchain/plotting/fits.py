@@ -13,8 +13,9 @@ from matplotlib.figure import Figure
 from ..fitting.goodness import autocorrelation
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice
+from .colours import COLOURS, curve_colour, grey
 from .legends import place_legend
-from .style import COLOURS, TIME_LABELS, figure_style, get_axes, get_two_axes, seconds_axis
+from .style import TIME_LABELS, figure_style, get_axes, get_two_axes, seconds_axis
 from .widths import figure_size
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) 
             if relative:
                 largest = float(np.nanmax(np.abs(values)))
                 values, name = values / largest, f"{name}: {largest:.3g} {signal.unit}"
-            colour = COLOURS[i % len(COLOURS)]
+            colour = curve_colour(axes, i)
             axes.plot(times, np.where(signal.valid, values, np.nan), color=colour, label=name)
             unused = ~signal.valid & np.isfinite(values)
             axes.plot(times[unused], values[unused], "x", color=colour)
@@ -148,8 +149,10 @@ def plot_fitted_sensor(
 def _draw_residuals(
     axes: Axes, times: Any, residuals: Any, limit: float, size: float = 1.0
 ) -> None:
-    axes.plot(times, residuals, ".", color="0.35", markersize=2.0 * size, markeredgewidth=0.0)
-    axes.axhline(0.0, color="black", linewidth=0.6)
+    axes.plot(
+        times, residuals, ".", color=grey(axes, 0.35), markersize=2.0 * size, markeredgewidth=0.0
+    )
+    axes.axhline(0.0, color=grey(axes), linewidth=0.6)
     axes.set_ylim(-limit, limit)
 
 
@@ -159,7 +162,7 @@ def _draw_signal(
     shown = np.where(signal.valid, signal.values, np.nan)
     _draw_data_and_model(axes, times, shown, model, point=1.8 * size, line=3.5 * size, name=name)
     unused = ~signal.valid & np.isfinite(signal.values)
-    axes.plot(times[unused], signal.values[unused], "x", color="0.55", markersize=3.0)
+    axes.plot(times[unused], signal.values[unused], "x", color=grey(axes, 0.55), markersize=3.0)
     axes.set_ylabel(_signal_label(signal))
     axes.set_title(signal.name)
     axes.margins(x=0.0)
@@ -170,8 +173,8 @@ def _draw_data_and_model(
     name: str = "model",
 ) -> None:  # fmt: skip
     """Draw the narrower of points and line in front, which hides neither."""
-    axes.plot(times, data, "o", color="0.25", markersize=point, markeredgewidth=0.0, label="data",
-              zorder=3.0)  # fmt: skip
+    axes.plot(times, data, "o", color=grey(axes, 0.25), markersize=point, markeredgewidth=0.0,
+              label="data", zorder=3.0)  # fmt: skip
     axes.plot(times, model, color=COLOURS[6], linewidth=line, label=name,
               zorder=2.0 if line > point else 4.0)  # fmt: skip
 
@@ -221,20 +224,20 @@ def plot_fit_residuals(result: FitResult) -> Figure:
         for i, (shot, name, values) in enumerate(result.residuals()):
             seen = values[np.isfinite(values)]
             label = name + (f", shot {shot}" if len(result.traces.shots) > 1 else "")
-            colour = COLOURS[i % len(COLOURS)]
+            colour = curve_colour(left, i)
             left.hist(np.clip(seen, -5.0, 5.0), edges, density=True, histtype="step", color=colour,
                       label=label)  # fmt: skip
             rho = autocorrelation(seen, 40)
             right.plot(np.arange(1, len(rho)), rho[1:], color=colour, linewidth=1.0)
         grid = np.linspace(-5.0, 5.0, 201)
-        left.plot(grid, np.exp(-0.5 * grid**2) / np.sqrt(2.0 * np.pi), "k--", linewidth=0.9,
-                  label="normal")  # fmt: skip
+        left.plot(grid, np.exp(-0.5 * grid**2) / np.sqrt(2.0 * np.pi), "--", color=grey(left),
+                  linewidth=0.9, label="normal")  # fmt: skip
         left.set_xlabel("residual / noise")
         left.set_ylabel("density")
         place_legend(left)
         bound = 2.0 / np.sqrt(result.goodness.samples / max(1, len(result.residuals())))
-        right.axhspan(-bound, bound, color="0.85")
-        right.axhline(0.0, color="black", linewidth=0.6)
+        right.axhspan(-bound, bound, color=grey(right, 0.85))
+        right.axhline(0.0, color=grey(right), linewidth=0.6)
         right.set_xlabel("lag [samples]")
         right.set_ylabel("autocorrelation")
     return figure

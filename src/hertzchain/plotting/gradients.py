@@ -10,8 +10,10 @@ from matplotlib.axes import Axes
 from ..collision import Array
 from ..designs.measures import parse_measure
 from ..errors import InputError
+from .colours import COLOURS, grey
 from .legends import place_legend
-from .style import COLOURS, BeadLocator, figure_style, get_axes, set_title
+from .style import BeadLocator, figure_style, get_axes, set_title
+from .titles import chain_title
 
 if TYPE_CHECKING:
     from ..sensitivity.gradient import Gradient
@@ -28,23 +30,37 @@ def plot_gradient(
 ) -> Axes:  # fmt: skip
     """Plot by how many percent a quantity changes if a parameter of each bead grows by 1%.
 
-    ``changes`` are simulated relative changes for +1% and -1%, which replace misleading
-    derivatives.
+    ``changes`` are simulated relative changes for +1% and -1%, which replace the derivatives.
     """
     relative = found.relative(name)
     if relative.ndim != 1:
         raise InputError(f"{name} has one value only, which is not plotted; use relative({name!r})")
     with figure_style():
-        axes = get_axes(ax)
+        axes, noun = get_axes(ax), NOUNS.get(name, name)
+        joints = name in ("stiffness", "gaps")
+        strikers = 0 if found._chain is None or joints else found._chain.strikers
+        if strikers:
+            word = "striker" if strikers == 1 else f"{strikers} strikers"
+            axes.axvspan(0.5, strikers + 0.5, color="0.9", linewidth=0.0, label=word)
         if changes is None:
             axes.bar(np.arange(1, 1 + len(relative)), relative, color=COLOURS[1])
-            axes.axhline(0.0, color="black", linewidth=0.8)
+            axes.axhline(0.0, color=grey(axes), linewidth=0.8)
+            label = f"change [%] per 1% of {noun}"
         else:
-            bars_of_changes(axes, *changes)
+            both = bars_of_changes(axes, *changes)
+            label = f"change [%] if {noun} {'changes' if both else 'grows'} by 1%"
         axes.xaxis.set_major_locator(BeadLocator())
-        axes.set_xlabel("contact $k$" if name in ("stiffness", "gaps") else "bead $k$")
-        axes.set_ylabel(f"change [%] per 1% of {NOUNS.get(name, name)}")
-        set_title(axes, _label(found.quantity))
+        axes.set_xlabel("contact $k$" if joints else "bead $k$")
+        axes.set_ylabel(label)
+        chain = "" if found._chain is None else f"{chain_title(found._chain)}, "
+        set_title(axes, f"{chain}{_label(found.quantity)}")
+        if strikers:
+            place_legend(axes)
+            legend = axes.get_legend()
+            assert legend is not None
+            # The range of the strikers may be below it.
+            legend.set_frame_on(True)
+            legend.get_frame().set(facecolor=axes.get_facecolor(), edgecolor="none", alpha=1.0)
     return axes
 
 
@@ -55,7 +71,7 @@ def bars_of_changes(axes: Axes, larger: Array, smaller: Array) -> bool:
     """
     larger, smaller = 100.0 * larger, 100.0 * smaller
     beads = np.arange(1, len(larger) + 1)
-    axes.axhline(0.0, color="black", linewidth=0.8)
+    axes.axhline(0.0, color=grey(axes), linewidth=0.8)
     if np.nanmax(np.abs(larger + smaller)) < MIRRORED * np.nanmax(np.abs(larger - smaller)):
         axes.bar(beads, larger, 0.7, color=COLOURS[3])
         return False

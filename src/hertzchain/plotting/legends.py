@@ -58,7 +58,13 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
                 return
     if not _place_above(axes, own=own):
         # Its text stays legible on the data below it.
-        axes.legend(loc="best", frameon=True, facecolor="white", edgecolor="none", framealpha=0.8)
+        axes.legend(
+            loc="best",
+            frameon=True,
+            facecolor=axes.get_facecolor(),
+            edgecolor="none",
+            framealpha=0.8,
+        )
 
 
 def covers_data(legend: Legend) -> bool:

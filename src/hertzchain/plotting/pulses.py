@@ -14,10 +14,10 @@ from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_list, check_type
+from .colours import curve_colour, grey
 from .labels import distinguish
 from .legends import place_legend
 from .style import (
-    COLOURS,
     MARKERS,
     BeadLocator,
     figure_style,
@@ -37,7 +37,7 @@ JUMP: Final = 1.2
 BAND: Final = 0.25
 # Labels of symbols at free ends and of bands.
 FREE_END: Final = "last bead (free end)"
-LOTS: Final = "one standard deviation of lots"
+LOTS: Final = "± one standard deviation"
 
 
 @checked_arguments("plot_pulses")
@@ -56,7 +56,8 @@ def plot_pulses(
     By default a label states what distinguishes a pulse from the others (its method, taper, rate,
     number of beads, ...); the title has the parts that all of them share.  If the last
     bead leaves a free end at a larger velocity, its value has a filled symbol without a line.  A
-    shaded band shows the spread of a pulse by `disorder`: one standard deviation over lots.
+    shaded band shows the spread of a pulse by `disorder`: one standard deviation over random
+    chains.
 
     Parameters
     ----------
@@ -188,12 +189,12 @@ def _ends_free(pulse: Pulse, quantity: str) -> bool:
 
 def _draw_free_end(axes: Axes, pulse: Pulse, value: float, i: int) -> None:
     """A filled symbol, which no line joins to the other beads."""
-    colour, marker = COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]
+    colour, marker = curve_colour(axes, i), MARKERS[i % len(MARKERS)]
     axes.plot(pulse.bead[-1:], [value], color=colour, marker=marker, linestyle="none")
 
 
 def _spread(pulse: Pulse, quantity: str) -> Array | None:
-    """Standard deviation of the logarithm of a quantity over lots of beads, if it is known."""
+    """Standard deviation of the logarithm of a quantity over random chains, if known."""
     name = f"{quantity}_spread"
     return pulse.column(name) if name in QUANTITIES else None
 
@@ -205,7 +206,7 @@ def _draw_spread(axes: Axes, pulse: Pulse, quantity: str, i: int, *, free: bool)
         return
     values = pulse.columns()[quantity]
     bead, low, high = pulse.bead[: len(values)], values * np.exp(-spread), values * np.exp(spread)
-    colour, end = COLOURS[i % len(COLOURS)], len(values) - free
+    colour, end = curve_colour(axes, i), len(values) - free
     axes.fill_between(bead[:end], low[:end], high[:end], color=colour, alpha=BAND, linewidth=0.0)
     if free:
         axes.vlines(bead[-1], low[-1], high[-1], color=colour, alpha=BAND, linewidth=3.0)
@@ -218,16 +219,18 @@ def _label_parts(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
     for label in {LOTS, FREE_END} & present.keys():
         present[label].remove()
     if LOTS in present or any(_spread(pulse, quantity) is not None for pulse in pulses):
-        axes.fill_between([], [], [], color="0.4", alpha=BAND, linewidth=0.0, label=LOTS)
+        axes.fill_between([], [], [], color=grey(axes, 0.4), alpha=BAND, linewidth=0.0, label=LOTS)
     if FREE_END in present or any(_ends_free(pulse, quantity) for pulse in pulses):
-        axes.plot([], [], color="0.4", marker=MARKERS[0], linestyle="none", label=FREE_END)
+        axes.plot(
+            [], [], color=grey(axes, 0.4), marker=MARKERS[0], linestyle="none", label=FREE_END
+        )
 
 
 def _draw(axes: Axes, pulse: Pulse, values: Array, i: int, label: str | None) -> None:
     axes.plot(
         pulse.bead[: len(values)],
         values,
-        color=COLOURS[i % len(COLOURS)],
+        color=curve_colour(axes, i),
         marker=MARKERS[i % len(MARKERS)],
         markerfacecolor="none",
         # Markers of different pulses at different beads do not hide each other.
@@ -240,7 +243,7 @@ def _draw(axes: Axes, pulse: Pulse, values: Array, i: int, label: str | None) ->
 def _draw_residuals(axes: Axes, pulses: Sequence[Pulse], quantity: str, begin: int) -> None:
     """Relative differences from the first pulse, in percent."""
     first = pulses[0].columns()[quantity]
-    axes.axhline(0.0, color="0.6", linewidth=0.7)
+    axes.axhline(0.0, color=grey(axes, 0.6), linewidth=0.7)
     for i, pulse in enumerate(pulses[1:], start=begin + 1):
         other = pulse.columns()[quantity]
         both = min(len(first), len(other))

@@ -17,13 +17,13 @@ from ..errors import InputError
 from ..pulse.quantities import RUN_QUANTITIES
 from ..simulation.run import Run
 from ..simulation.sensor_force import sensor_maxima
-from ..simulation.wall_force import walls_of
+from ..simulation.wall_force import WallForce, walls_of
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice, check_list, text
+from .colours import curve_colour, grey, signed_map
 from .legends import place_legend
 from .style import (
-    COLOURS,
     TIME_LABELS,
     BeadLocator,
     differ_much,
@@ -43,8 +43,6 @@ CUT_OFF = " (peak not complete)"
 SECTION, MAX_SECTIONS = 2, 8
 # Fewest times of a map.
 MAP_TIMES: Final = 1000
-# Velocities that are less negative, relative to the largest, are not given separate colours.
-NO_RETURN = 0.01
 
 
 @checked_arguments("plot_run")
@@ -79,27 +77,25 @@ def plot_run(
         raise InputError(f"a map needs at least 2 saved times, the run has {len(run.times)}")
     check_choice("quantity of a map", quantity, ("velocity", "force"))
     factor, time_label = time_axis(run.chain, float(run.times[-1]))
-    # White is at rest, red forwards, blue backwards; without backward motion, a scale from 0.
-    values, low, colours = run.velocities, -1.0, "RdBu_r"
-    numbers = np.arange(1, run.chain.beads + 1)
     if quantity == "force":
-        values, low, colours = run.forces, 0.0, "afmhot_r"
-        numbers = np.arange(run.chain.beads + 1)
+        values, numbers = run.forces, np.arange(run.chain.beads + 1)
+        colours, low, high = "afmhot_r", 0.0, float(np.abs(values).max())
+    else:
+        # White is at rest, red forwards, blue backwards; motion in one direction uses one half.
+        values, numbers = run.velocities, np.arange(1, run.chain.beads + 1)
+        colours, low, high = signed_map(values)
     drawn = RUN_QUANTITIES[quantity]
     label = f"{quantity} [{drawn.unit}]" if run.chain.units == "SI" else drawn.label
     with figure_style():
         axes = get_axes(ax)
-        largest = float(np.abs(values).max())
-        if low < 0.0 and values.min() > -NO_RETURN * largest:
-            low, colours = 0.0, "Reds"
         times, values = _with_many_times(run.times, values)
         mesh = axes.pcolormesh(
             factor * times,
             numbers,
             values.T,
             cmap=colours,
-            vmin=low * largest,
-            vmax=largest,
+            vmin=low,
+            vmax=high,
             shading="nearest",
             rasterized=True,
         )
@@ -109,7 +105,7 @@ def plot_run(
         axes.yaxis.set_major_locator(BeadLocator(int(numbers[0])))
         for k in section_ends(run.chain):
             at = k if quantity == "force" else k + 0.5
-            axes.axhline(at, color="0.25", linewidth=0.7, linestyle="--")
+            axes.axhline(at, color=grey(axes, 0.25), linewidth=0.7, linestyle="--")
         mark_horizon(axes, run.known_horizon, factor)
         set_title(axes, chain_title(run.chain))
     return axes
@@ -196,7 +192,7 @@ def plot_forces(
             axes.plot(
                 factor * times,
                 force,
-                color=COLOURS[i % len(COLOURS)],
+                color=curve_colour(axes, i),
                 # Lines differ also in print without colours.
                 linestyle=("-", "--", "-.", ":")[i % 4],
                 marker="o" if cut_off else None,
@@ -262,15 +258,19 @@ def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
         bead = named
     if not isinstance(bead, str) and whole_number("bead", bead, least=0) in walls:
         wall = run.wall_force(walls[bead])
-        largest = wall.largest_so_far_time, wall.largest_so_far
-        times, force = _with_points(wall.times, wall.force, [largest])
-        return times, force, f"{wall.side} wall", not wall.complete
+        return *wall_curve(wall), f"{wall.side} wall", not wall.complete
     number = bead_number(run.chain, bead, walls=True)
     sensor = sensor_maxima(run, number)
     maxima = [(sensor.first_maximum_time, sensor.first_maximum),
               (sensor.largest_so_far_time, sensor.largest_so_far)]  # fmt: skip
     times, force = _with_points(run.times, run.sensor(number), maxima)
     return times, force, bead_label(run.chain, number), False
+
+
+def wall_curve(wall: WallForce) -> tuple[Array, Array]:
+    """Times and forces of a wall, with the largest one."""
+    largest = wall.largest_so_far_time, wall.largest_so_far
+    return _with_points(wall.times, wall.force, [largest])
 
 
 def _with_points(

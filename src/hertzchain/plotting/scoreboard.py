@@ -12,7 +12,8 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from ..evaluation.cases import GROUPS
 from ..evaluation.scoreboard import Scoreboard, Statistic
 from ..validation.keywords import checked_arguments
-from .style import COLOURS, MARKERS, figure_style
+from .colours import curve_colour, grey
+from .style import MARKERS, figure_style
 from .widths import figure_size
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def plot_scoreboard(
                     100.0 * errors[theory].to_numpy()[rows],
                     raised[rows],
                     MARKERS[style % len(MARKERS)],
-                    color=COLOURS[style % len(COLOURS)],
+                    color=curve_colour(axes, style),
                     markerfacecolor="none",
                     markeredgewidth=1.2,
                     markersize=6.0,
@@ -91,7 +92,7 @@ def plot_scoreboard(
         axes.set_yticks(heights, list(errors.index))
         axes.set_ylim(max(heights) + 0.7, -0.7)
         axes.tick_params(axis="y", length=0)
-        axes.grid(color="0.88", linewidth=0.6)
+        axes.grid(color=grey(axes, 0.88), linewidth=0.6)
         axes.set_axisbelow(True)
         for height, text in headings:
             axes.text(-0.01, height, text, transform=axes.get_yaxis_transform(), ha="right",

@@ -14,21 +14,20 @@ from ..chain.chain import Chain
 from ..chain.drives import Driven
 from ..collision import Array
 from ..errors import InputError
+from ..representation import measure
 from ..theory.dispersion import spring_modes
 from ..theory.response import WallName
-from ..theory.spectrum import Spectrum
+from ..theory.spectrum import ROOM, Spectrum
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_choice
-from .style import COLOURS, BeadLocator, figure_style, get_axes, set_title
+from .colours import COLOURS, curve_colour, grey
+from .style import BeadLocator, figure_style, get_axes, set_title
 from .titles import chain_title
 
 KINDS: Final = ("bands", "modes")
-# Phases of a curve, and frequencies of a transfer function; none of these is the highest mode,
-# which is at the fraction 1 / ROOM of them.
+# Phases of a curve.
 PHASES: Final = 201
-FREQUENCIES: Final = 2001
-# Upper end of a frequency axis, relative to the highest band or mode.
-ROOM: Final = 1.25
+# Upper end of a frequency axis, relative to the highest band.
 ROOM_FOR_LEGEND: Final = 1.4
 # Width of axes [inch] for a legend in one row.
 WIDE: Final = 4.4
@@ -68,14 +67,14 @@ def plot_spectrum(
         room = ROOM if edges is None else ROOM_FOR_LEGEND
         axes.set_ylim(0.0, factor * room * top)
         gaps = None if edges is None else spectrum.gaps(cell=cell)
-        _shade(axes.axhspan, gaps, factor, room * top)
+        _shade(axes, axes.axhspan, gaps, factor, room * top)
         if edges is not None:
             # Branches may be anywhere below the top of the highest band.
             wide = axes.get_window_extent().width / axes.figure.dpi > WIDE
             axes.legend(loc="upper center", ncols=3 if wide else 2, frameon=True,
-                        facecolor="white", edgecolor="none")  # fmt: skip
+                        facecolor=axes.get_facecolor(), edgecolor="none")  # fmt: skip
         axes.set_ylabel(label)
-        set_title(axes, chain_title(spectrum.chain))
+        set_title(axes, _title(spectrum.chain))
     return axes
 
 
@@ -90,8 +89,7 @@ def plot_transfer(
 ) -> Axes:
     """Plot the amplitude of a contact force, as described in `Spectrum.plot_transfer`."""
     if frequencies is None:
-        # 0 is not included, because a constant force may accelerate the chain.
-        shown = np.linspace(0.0, ROOM * spectrum.frequencies.max(), FREQUENCIES + 1)[1:]
+        shown = spectrum._usual_frequencies
     else:
         shown = real_numbers("frequency", frequencies).reshape(-1)
         if len(shown) < 2 or not (np.diff(shown) > 0.0).all():
@@ -103,14 +101,14 @@ def plot_transfer(
         axes = get_axes(ax)
         # Curves that the axes already have keep their colours and remain visible.
         drawn, present = len(axes.lines), axes.get_ylim()
-        colour = COLOURS[(1 + drawn) % len(COLOURS)]
+        colour = curve_colour(axes, 1 + drawn)
         axes.semilogy(factor * shown, size, color=colour, linewidth=0.9)
         if limits := _amplitudes(size, lossless=not spectrum.contacts.dampers.any()):
             low, high = (limits, present) if drawn else (limits, limits)
             axes.set_ylim(min(low[0], high[0]), max(low[1], high[1]))
         axes.set_xlim(factor * shown[0], factor * shown[-1])
         gaps = None if _edges(spectrum, None, required=False) is None else spectrum.gaps()
-        _shade(axes.axvspan, gaps, factor, shown[-1])
+        _shade(axes, axes.axvspan, gaps, factor, shown[-1])
         if not spectrum.contacts.dampers.any():
             poles = _resonances(spectrum, drive, at)
             near = (1.0 - NEAR) * poles[(poles > shown[0]) & (poles < shown[-1])]
@@ -122,8 +120,17 @@ def plot_transfer(
         place = f"the {at}" if isinstance(at, str) else f"bead {at}"
         joined = "on" if drive == "force" else "of"
         axes.set_ylabel(f"force in contact {contact} per {drive} {joined} {place}{unit}")
-        set_title(axes, f"{chain_title(spectrum.chain)}, {drive} {joined} {place}")
+        set_title(axes, f"{_title(spectrum.chain)}, {drive} {joined} {place}")
     return axes
+
+
+def _title(chain: Chain) -> str:
+    """The chain and its static forces."""
+    parts = [chain_title(chain)]
+    if chain.precompression:
+        parts.append(f"under {measure(chain.precompression, 'N', chain.units)}")
+    parts += ["under gravity"] * (chain.gravity != 0.0)
+    return ", ".join(parts)
 
 
 def _resonances(spectrum: Spectrum, drive: Driven, at: int | WallName) -> Array:
@@ -158,14 +165,16 @@ def frequency_axis(chain: Chain) -> tuple[float, str]:
     return (1e-3, "frequency [kHz]") if chain.units == "SI" else (1.0, "frequency $f$")
 
 
-def _shade(span: Callable[..., Any], gaps: Array | None, factor: float, end: float) -> None:
+def _shade(
+    axes: Axes, span: Callable[..., Any], gaps: Array | None, factor: float, end: float
+) -> None:
     """Shade the frequency ranges without plane waves, up to an end."""
     if gaps is None:
         return
     label = "no plane waves"
     for low, high in np.minimum(gaps, end):
         if high > low:
-            span(factor * low, factor * high, color="0.9", linewidth=0.0, label=label)
+            span(factor * low, factor * high, color=grey(axes, 0.9), linewidth=0.0, label=label)
             label = ""
 
 

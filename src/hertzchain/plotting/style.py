@@ -20,20 +20,26 @@ from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.rcsetup import cycler
+from matplotlib.ticker import (
+    FuncFormatter,
+    LogLocator,
+    MaxNLocator,
+    NullFormatter,
+    ScalarFormatter,
+)
 
 from ..chain.chain import Chain
 from ..errors import InputError
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_list, check_type
+from .colours import COLOURS, grey, style_is_dark
 from .widths import figure_size, journal_settings, journal_width, styled, width_in_inches
 
 if TYPE_CHECKING:
     from ..simulation.horizon import Horizon
 
-# Colours of Okabe and Ito, which colour-blind readers can distinguish; markers repeat the
-# distinction for prints in grey.
-COLOURS: Final = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+# Markers distinguish curves in prints in grey.
 MARKERS: Final = ("o", "+", "x", "s", "^", "v", "D")
 
 # Dates in the fonts of Matplotlib, which are before 1970, would be reported with each PDF file.
@@ -94,6 +100,8 @@ def _styled(inches: float | None) -> Iterator[None]:
     style = resources.files("hertzchain").joinpath("figures.mplstyle")
     inches = journal_width.get() if inches is None else inches
     settings = {} if inches is None else journal_settings(inches)
+    if style_is_dark():
+        settings["axes.prop_cycle"] = cycler("color", [*COLOURS[1:], "#FFFFFF"])
     outer, unstyled = journal_width.set(inches), styled.set(True)
     try:
         with (
@@ -220,6 +228,16 @@ def label_log_axis(axis: Axis) -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
+def label_narrow_axis(axes: Axes) -> None:
+    """Label the x axis with whole values, not with differences from a number at its end."""
+    formatter = ScalarFormatter(useOffset=False)
+    axes.xaxis.set_major_formatter(formatter)
+    letters = max(map(len, formatter.format_ticks(axes.get_xticks().tolist())))
+    inches = axes.get_window_extent().width / axes.figure.dpi
+    room = int(inches / (INCHES_PER_LETTER * (letters + 1)))
+    axes.xaxis.set_major_locator(MaxNLocator(max(2, min(9, room)), steps=[1, 2, 2.5, 5, 10]))
+
+
 def mark_horizon(axes: Axes, horizon: Horizon | None, factor: float) -> None:
     """Mark the horizon of a run, and shade the times beyond it."""
     if horizon is None or not np.isfinite(horizon.time):
@@ -227,7 +245,7 @@ def mark_horizon(axes: Axes, horizon: Horizon | None, factor: float) -> None:
     begin, end = factor * horizon.time, factor * horizon.times[-1]
     axes.axvspan(begin, max(begin, end), color="0.5", alpha=0.25, linewidth=0.0)
     label = f"horizon: error {100.0 * horizon.within:g}%"
-    axes.axvline(begin, color="black", linestyle=":", linewidth=1.2, label=label)
+    axes.axvline(begin, color=grey(axes), linestyle=":", linewidth=1.2, label=label)
 
 
 def label_right_ends(axes: Axes, labels: Sequence[tuple[float, float, str, str]]) -> None:

@@ -18,6 +18,9 @@ LABELS: Final = MappingProxyType(
         "ratio": "radius of the last bead / that of the first",
         "mass_ratio": "mass of light beads / that of heavy ones",
         "decorated.ratio": "radius of small beads / mean of neighbours",
+        "with_scatter.relative": "scatter of the radii",
+        "with_scatter.grade": "ball grade",
+        "with_scatter.seed": "seed of the radii",
     }
 )
 # Names of parameters with one value for each bead or contact, in a label.

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.ticker import MaxNLocator
 
+from ..collision import Array
 from ..errors import IncompleteWarning, InputError, InputWarning, unknown_name_error, warn_user
 from ..representation import MICROSECONDS, MILLISECONDS, counted
 from ..store.sweep_export import check_sweep
@@ -18,8 +19,9 @@ from ..store.sweep_store import FAILED, MISSING
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list, check_type
+from .colours import curve_colour, grey, signed_map
 from .legends import place_legend
-from .style import COLOURS, MARKERS, figure_style, label_log_axis, literal, set_title
+from .style import MARKERS, figure_style, label_log_axis, literal, set_title
 from .sweep_labels import axis_label, coordinate_text, quantity_label, short_value
 
 if TYPE_CHECKING:
@@ -31,8 +33,12 @@ FLAGS = ("outside_range", "incomplete")
 PLACES, SAME = ("bead", "contact", "point"), 1e-9
 # Largest number of values of an axis for one curve per value.
 MAX_CURVES: Final = 6
+# Colour map of values of one sign.
+SEQUENTIAL: Final = "viridis"
 # Total area of the markers of all cells of a map, in square points.
 MARKED_AREA: Final = 9000.0
+# Largest area of one of them, which those of the legend have, in square points.
+LEGEND_AREA: Final = 24.0
 
 
 @checked_arguments("plot_sweep")
@@ -121,7 +127,8 @@ def plot_sweep(
     with figure_style():
         axes = ax if ax is not None else plt.subplots()[1]
         if by is not None:
-            _curves(drawn, _outside(dataset, drawn, at), axes, by=by, log=log)
+            outside = _outside(dataset, drawn, at).rename(_outside_label(dataset))
+            _curves(drawn, outside, axes, by=by, log=log)
         else:
             _map(drawn, axes, log=log, levels=levels)
             _mark_cells(dataset, drawn, axes, at)
@@ -277,7 +284,7 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, 
         if log and by == "approach" and len(names) > 1 and not (curve > 0.0).any():
             # The error of the reference is 0, which a logarithmic scale cannot show.
             continue
-        colour, places = COLOURS[i % len(COLOURS)], _places(curve[along])
+        colour, places = curve_colour(axes, i), _places(curve[along])
         axes.plot(
             places,
             curve,
@@ -290,11 +297,11 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, 
         )
         if flags.any():
             axes.plot(places[flags.values], curve[flags.values], "o", color=colour, alpha=0.3,
-                      markersize=9.0, markeredgecolor="none")  # fmt: skip
+                      markersize=8.0, markeredgecolor="none")  # fmt: skip
             marked = True
     if marked:
-        axes.plot([], [], "o", color="0.6", alpha=0.5, markersize=9.0, markeredgecolor="none",
-                  label="outside the range of the method or of Hertz's law")  # fmt: skip
+        axes.plot([], [], "o", color="0.6", alpha=0.5, markersize=8.0, markeredgecolor="none",
+                  label=outside.name)  # fmt: skip
     axes.set_ylabel(quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
     _set_axis(axes, "x", drawn[along])
@@ -316,13 +323,14 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
     down, across = drawn.dims[1], drawn.dims[0]
     x, y = (_places(drawn[name]) for name in (across, down))
     values = drawn.transpose(down, across).to_numpy()
-    norm = None
+    norm, (colours, low, high) = None, _colours(values)
     if log:
         shown = values[values > 0.0]
         if not shown.size:
             raise InputError(f"{drawn.name} has no values above 0; omit log")
-        norm = LogNorm(shown.min(), shown.max())
-    mesh = axes.pcolormesh(_edges(x), _edges(y), values, cmap="viridis", norm=norm, rasterized=True)
+        norm, colours, low, high = LogNorm(shown.min(), shown.max()), SEQUENTIAL, None, None
+    mesh = axes.pcolormesh(_edges(x), _edges(y), values, cmap=colours, norm=norm, vmin=low,
+                           vmax=high, rasterized=True)  # fmt: skip
     bar = axes.figure.colorbar(mesh, ax=axes, label=quantity_label(drawn))
     if norm is not None:
         label_log_axis(bar.ax.yaxis)
@@ -337,30 +345,50 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
         limit(edges[0], edges[-1])
 
 
+def _colours(values: Array) -> tuple[str, float | None, float | None]:
+    """Colour map and limits: white at 0 if both signs occur."""
+    colours, low, high = signed_map(values)
+    return (colours, low, high) if low < 0.0 < high else (SEQUENTIAL, None, None)
+
+
+def _outside_label(dataset: xr.Dataset) -> str:
+    """Scaled chains have no materials, and therefore no range of Hertz's law."""
+    law = " or of Hertz's law" if dataset.attrs.get("units") == "SI" else ""
+    return f"outside the range of the method{law}"
+
+
 def _mark_cells(
     dataset: xr.Dataset, drawn: xr.DataArray, axes: Axes, at: Mapping[str, Any]
 ) -> None:
     """Mark cells outside the range of a method, incomplete ones and those that failed."""
     status = _flags(dataset, "status", at).broadcast_like(drawn)
+    dark = grey(axes, 0.1)
     kinds: dict[str, tuple[xr.DataArray, dict[str, Any]]] = {
-        "failed": (status == FAILED, {"marker": "x", "c": "0.1", "linewidths": 1.0}),
-        "missing": (status == MISSING, {"marker": "_", "c": "0.1", "linewidths": 1.0}),
-    }
+        "failed": (status == FAILED, {"marker": "x", "c": dark, "linewidths": 1.0}),
+        "missing, not computed yet": (
+            status == MISSING, {"marker": "_", "c": dark, "linewidths": 1.0}
+        ),
+    }  # fmt: skip
     if "incomplete" in dataset:
         incomplete = _flags(dataset, "incomplete", at).astype(bool).broadcast_like(drawn)
-        kinds["not complete"] = (incomplete, {"marker": "+", "c": "0.1", "linewidths": 1.0})
+        kinds["not complete"] = (
+            incomplete,
+            {"marker": "+", "c": dark, "linewidths": 1.0},
+        )
     if "outside_range" in dataset:
-        kinds["outside the range of the method or of Hertz's law"] = (
+        kinds[_outside_label(dataset)] = (
             _outside(dataset, drawn, at) & (status != FAILED) & (status != MISSING),
             {"marker": "o", "c": "white", "edgecolors": "black", "linewidths": 0.5},
         )
     down, across = drawn.dims[1], drawn.dims[0]
     x, y = np.meshgrid(_places(drawn[across]), _places(drawn[down]))
-    size = min(24.0, MARKED_AREA / drawn.size)
+    size = min(LEGEND_AREA, MARKED_AREA / drawn.size)
     for label, (flags, style) in kinds.items():
         there = flags.transpose(down, across).to_numpy().astype(bool)
         if there.any():
-            axes.scatter(x[there], y[there], size, label=label, zorder=3.0, **style)
+            axes.scatter(x[there], y[there], size, zorder=3.0, **style)
+            # Markers of many cells are small; those of the legend are legible.
+            axes.scatter([], [], LEGEND_AREA, label=label, **style)
     if axes.get_legend_handles_labels()[1]:
         axes.legend(loc="upper left", bbox_to_anchor=(0.0, -0.15), fontsize=8)
 

@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.description import beads_of, length_in_words, sizes_in_words
+from ..chain.description import beads_of, law_in_words, length_in_words, sizes_in_words
 from ..chain.laws.restitution import Restitution
 from ..chain.materials import Material
-from ..collision import HERTZ_EXPONENT
 from .style import literal
 
 
@@ -22,11 +21,10 @@ def chain_words(chain: Chain) -> str:
     if chain.units == "SI":
         balls = beads_of(count - first, "balls", _materials(chain.materials, first) or ["SI"])
         title = f"{balls}{_strikers(chain)}"
-    elif chain.taper is None and np.all(chain.radii == 1.0):
+    elif chain.taper is None and np.ptp(chain.radii) == 0.0:
         title = f"{count} equal beads"
-    p = chain.exponents
-    law = f", p = {p:g}" if isinstance(p, float) and p != HERTZ_EXPONENT else ""
-    return ", ".join(filter(None, (title + law, _wall(chain), _loss(chain))))
+    title += law_in_words(chain.exponents)
+    return ", ".join(filter(None, (title, _wall(chain), _loss(chain))))
 
 
 def chain_title(chain: Chain) -> str:
@@ -36,13 +34,15 @@ def chain_title(chain: Chain) -> str:
 
 def _strikers(chain: Chain) -> str:
     """Sizes of the balls, and strikers with their size if it is another one."""
-    first = chain.strikers
-    balls = sizes_in_words(chain.radii[first:])
+    first, radii = chain.strikers, (chain.scatter or chain).radii
+    balls = sizes_in_words(radii[first:])
+    if chain.scatter is not None and (scatter := chain.scatter.words(chain.radii, first)):
+        balls += f", {scatter}"
     if not first:
         return f", {balls}"
     strikers = "a striker" if first == 1 else f"{first} strikers"
     # The radius of a striker of a given mass need not be its size.
-    own = balls if "masses" in chain.given else sizes_in_words(chain.radii[:first])
+    own = balls if "masses" in chain.given else sizes_in_words(radii[:first])
     return f" and {strikers}, {balls}" if own == balls else f", {balls}, and {strikers}, {own}"
 
 

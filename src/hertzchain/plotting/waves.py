@@ -7,8 +7,9 @@ from matplotlib.axes import Axes
 from ..simulation.waves import DIRECTIONS, Waves
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool
+from .colours import COLOURS
 from .legends import place_legend
-from .style import COLOURS, BeadLocator, figure_style, get_axes, set_title, time_axis
+from .style import BeadLocator, figure_style, get_axes, set_title, time_axis
 from .titles import chain_title
 
 LINES = {1: (COLOURS[1], "-"), -1: (COLOURS[2], "--")}

@@ -74,10 +74,11 @@ class Pulse(Columns):
         the residence time may be negative; among several strikers it is not defined.
     velocity_error : ndarray, shape (N,), or None
         Estimated relative error of each velocity, if the method estimates it; 0 for bead 1.
-        It exceeds 98% of the errors of many chains, but errors in one chain are correlated.
+        It exceeds about 97% of the errors of random chains, but errors in one chain are correlated.
     velocity_spread, arrival_spread : ndarray, shape (N,), or None
     peak_force_spread : ndarray, shape (N - 1,), or None
-        Standard deviations of the logarithms over lots of beads that scatter, by `disorder`.
+        Standard deviations of ln v, ln t and ln F over random chains, by `disorder`.  Other
+        columns have other ones.
     notes : dict of str
         For each quantity with missing values, where it is NaN and why; also where a quantity has
         another meaning than usual.  A column without a note has no NaN.

@@ -207,18 +207,18 @@ QUANTITIES: Final = _by_name(
             inputs=("loading_force", "peak_overlap"), formula=lambda force, d: force(d),
         ),
         Quantity(
-            "velocity_spread", "sd_v", "standard deviation of ln v over lots of beads that scatter",
+            "velocity_spread", "sd_v", "standard deviation of ln v over random chains",
             unit="1", scale="1", label=r"standard deviation of $\ln v_k$",
             estimate=True, values="positive after the strikers",
         ),
         Quantity(
-            "arrival_spread", "sd_t", "standard deviation of ln t over lots of beads that scatter",
+            "arrival_spread", "sd_t", "standard deviation of ln t over random chains",
             unit="1", scale="1", label=r"standard deviation of $\ln t_k$",
             estimate=True, values="positive after the strikers",
         ),
         Quantity(
             "peak_force_spread", "sd_F",
-            "standard deviation of ln F over lots of beads that scatter",
+            "standard deviation of ln F over random chains",
             unit="1", scale="1", label=r"standard deviation of $\ln F_k$", per="contact",
             estimate=True,
         ),

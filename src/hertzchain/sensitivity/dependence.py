@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..collision import Array
+from ..representation import measure
 from ..simulation.ensemble_input import LEAST_PART
 from .backward_pass import Dependence, Place, Slopes, place_of_event
 from .gauges import (
@@ -54,6 +55,11 @@ class Reader:
     def _equation(self) -> Any:
         return self.record.equation
 
+    @property
+    def _end(self) -> str:
+        """Time of the end of the run."""
+        return f"t = {measure(self.record.time, 's', self._equation.chain.units, 6)}"
+
     def _zero(self) -> Slopes:
         return Slopes.zero(self._equation.beads)
 
@@ -64,7 +70,7 @@ class Reader:
         """State at the first event of a kind."""
         place = place_of_event(self.record, self._target(kind, first))
         if place is None:
-            raise Missing(f"{what} before the end of the run at t = {self.record.time:g}")
+            raise Missing(f"{what} before the end of the run at {self._end}")
         return place
 
     def _pulse(self, name: Name) -> Dependence:
@@ -253,8 +259,8 @@ class Reader:
             place = largest(self.record, target)
         if place is None:
             raise Missing(
-                f"the force in bead {name.bead} has no maximum before the end of the run at t = "
-                f"{self.record.time:g}"
+                f"the force in bead {name.bead} has no maximum before the end of the run at "
+                f"{self._end}"
             )
         read = self._gauge_time if name.item.endswith("time") else self._gauge
         return read(place, contacts)
@@ -279,8 +285,7 @@ class Reader:
         place = largest(self.record, target)
         if place is None:
             raise Missing(
-                "the force on the wall has no maximum before the end of the run at t = "
-                f"{self.record.time:g}"
+                f"the force on the wall has no maximum before the end of the run at {self._end}"
             )
         if name.item == "peak_time":
             return [(name, self._gauge_time(place, contacts), note)]
@@ -324,9 +329,7 @@ class Reader:
         forces = stage_forces(self.record, contacts)
         ended = np.flatnonzero((total[:-1] > least) & (forces[1:, 0] == 0.0))
         if not len(ended):
-            raise Missing(
-                f"the first contact with the wall has not ended at t = {self.record.time:g}"
-            )
+            raise Missing(f"the first contact with the wall has not ended at {self._end}")
         return int(ended[0]) + 1
 
     def _last_place(self) -> Place:

@@ -75,6 +75,7 @@ class Gradient(Frozen):
     unit: str = field(default="", repr=False)
     units: Mapping[str, str] = field(default_factory=dict, repr=False)
     parameters: Mapping[str, Array] = field(default_factory=dict, repr=False)
+    _chain: Chain | None = field(default=None, repr=False, compare=False)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         super().__setstate__(state)
@@ -435,7 +436,7 @@ def _read(
         unit = unit_of_quantity(chain, name)
         units = {key: per_unit(unit, unit_of_parameter(chain, key)) for key in to}
         accuracy = Accuracy(least, second, index, len(read))
-        out.append(Gradient(label, value, arrays, status, steps, accuracy, unit, units, own))
+        out.append(Gradient(label, value, arrays, status, steps, accuracy, unit, units, own, chain))
     return out
 
 

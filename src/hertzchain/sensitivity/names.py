@@ -9,6 +9,7 @@ from ..chain.bead_names import bead_number, with_bead_numbers
 from ..chain.chain import Chain
 from ..errors import InputError, unknown_name_error
 from ..pulse.quantities import QUANTITIES
+from ..pulse.quantity_names import full_name
 from ..validation.numbers import whole_number
 
 PULSE: Final = (
@@ -64,6 +65,7 @@ def parse(chain: Chain, given: object, bead: int | str | None, until: float | No
     given = with_bead_numbers(chain, given) if isinstance(given, str) else given
     bead = bead_number(chain, bead) if isinstance(bead, str) else bead
     text, at, number = given.partition("@") if isinstance(given, str) else (given, "", "")
+    text = full_name(text) if isinstance(text, str) else text
     text = f"pulse.{text}" if text in PULSE else text
     if text not in KNOWN:
         raise unknown_name_error("quantity", text, KNOWN)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..collision import Array
 from ..errors import SimulationError
+from ..representation import measure
 from ..validation.memory import check_memory
 from .equation import Equation
 
@@ -214,14 +215,15 @@ def run(
         if status == layout.BLOCK_FULL and finished(record):
             break
     if status in (layout.STEP_TOO_SMALL, layout.STEP_LIMIT):
-        raise _failure(status == layout.STEP_LIMIT, most_steps, record.time)
+        raise _failure(status == layout.STEP_LIMIT, most_steps, record)
     return record
 
 
-def _failure(limit: bool, most_steps: int, time: float) -> SimulationError:
+def _failure(limit: bool, most_steps: int, record: Record) -> SimulationError:
+    time = measure(record.time, "s", record.equation.chain.units, 6)
     reason = f"reached the limit of {most_steps} steps" if limit else "needs too short steps"
     return SimulationError(
-        f"the integration for the gradient {reason} at t = {time:g}; use a larger rtol or a "
+        f"the integration for the gradient {reason} at t = {time}; use a larger rtol or a "
         "shorter until"
     )
 

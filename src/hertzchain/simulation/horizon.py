@@ -8,7 +8,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..representation import short
+from ..representation import measure, short
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,9 @@ class Horizon:
     within : float
         Bound of the error.
     rtol, shadow_rtol : float
-        Tolerances of the run and of its shadow.
+        Tolerances of the run and of its shadow; NaN for fixed steps.
+    step, shadow_step : float
+        Fixed steps of the run and of its shadow [scaled, or s]; NaN for the adaptive method.
 
     Examples
     --------
@@ -42,6 +44,8 @@ class Horizon:
     within: float
     rtol: float
     shadow_rtol: float
+    step: float = np.nan
+    shadow_step: float = np.nan
 
     @property
     def time(self) -> float:
@@ -52,16 +56,17 @@ class Horizon:
     @property
     def message(self) -> str:
         """Short description of the result."""
-        unit = " s" if self.chain.units == "SI" else ""
+        last = self.time if np.isfinite(self.time) else float(self.times[-1])
+        time = measure(last, "s", self.chain.units)
         part = f"{100.0 * self.within:g}%"
         if np.isfinite(self.time):
-            return f"velocities predictable within {part} until t = {self.time:.4g}{unit}"
-        return (
-            f"velocities predictable within {part} at all saved times, up to t = "
-            f"{self.times[-1]:.4g}{unit}"
-        )
+            return f"velocities predictable within {part} until t = {time}"
+        return f"velocities predictable within {part} at all saved times, up to t = {time}"
 
     def __repr__(self) -> str:
-        tolerances = f"from rtol {self.rtol:g} against {self.shadow_rtol:g}"
-        error = f"estimated error {self.error[-1]:.1e} at the end, {tolerances}"
+        compared = f"from rtol {self.rtol:g} against {self.shadow_rtol:g}"
+        if np.isnan(self.rtol):
+            unit = " s" if self.chain.units == "SI" else ""
+            compared = f"from steps of {self.step:.3g} against {self.shadow_step:.3g}{unit}"
+        error = f"estimated error {self.error[-1]:.1e} at the end, {compared}"
         return short("Horizon", "", self.message, error)

@@ -267,14 +267,19 @@ def _inflow(run: Trajectory, first: int, second: int, begin: float, end: float) 
     return here - there
 
 
+def _time(chain: Chain, time: float) -> str:
+    return f"t = {measure(time, 's', chain.units, 6)}"
+
+
 def _check_count(run: Trajectory, found: Reflection) -> None:
     """Raise an error if the incident wave has not passed, or waves are not resolved."""
     incident = found.incident
     if found.until <= incident.end:
-        reason = f"; another wave enters at t = {found.until:g}" if found.disturbed else ""
+        until, end = (_time(run.chain, each) for each in (found.until, incident.end))
+        reason = f"; another wave enters at {until}" if found.disturbed else ""
         raise SimulationError(
-            f"no coefficients: the incident wave passes contact {found.before} until t = "
-            f"{incident.end:g}{reason}; choose other contacts, since or until, or use "
+            f"no coefficients: the incident wave passes contact {found.before} until {end}"
+            f"{reason}; choose other contacts, since or until, or use "
             "run.energy_flux()"
         )
     require_resolved(run, incident, "the incident wave")
@@ -297,8 +302,8 @@ def _warn_of_balance(found: Reflection) -> None:
         if found.disturbed:
             advice = "another wave enters then; choose contacts nearer to the object between them"
         reason = (
-            f"{found.kept_energy:.0%} of the incident energy is still between the contacts at t = "
-            f"{found.until:g}; {advice}"
+            f"{found.kept_energy:.0%} of the incident energy is still between the contacts at "
+            f"{_time(found.chain, found.until)}; {advice}"
         )
     else:
         return

@@ -176,7 +176,8 @@ class Run(Trajectory):
         Warns
         -----
         IncompleteWarning
-            If the run ended before the peak was complete; ``peak`` is then NaN.
+            If the run ended before the peak was complete; ``peak`` is then NaN.  Each run warns
+            once for each wall.
 
         Examples
         --------
@@ -187,11 +188,10 @@ class Run(Trajectory):
         (True, 1.2432, 2.3454)
         """
         wall = self._wall_force(side)
-        if not wall.complete:
-            persistent = self.chain.lossless and bool(self.chain.static_state.forces.all())
+        if not wall.complete and side not in self._reported:
+            self._reported.add(side)
             ends = later_ends(side, self._completion, self._approaches, self.chain)
-            sentence = incomplete_peak(wall, self.end_time, ends, persistent=persistent)
-            warn_user(sentence, IncompleteWarning)
+            warn_user(incomplete_peak(wall, self.end_time, ends, self.chain), IncompleteWarning)
         return wall
 
     def _wall_force(self, side: Side) -> WallForce:
@@ -231,8 +231,9 @@ class Run(Trajectory):
         """Time up to which the velocities are predictable, from a second integration.
 
         The chain is integrated again with ten times the tolerance (with a tenth of it if
-        rtol > 1e-7), which takes about as long as the run itself.  The result is stored:
-        the repr of the run shows it, and further calls take no time.
+        rtol > 1e-7), which takes about as long as the run itself, or with half the step if steps
+        are fixed, which takes twice as long.  The result is stored: the repr of the run shows it,
+        and further calls take no time.
 
         Parameters
         ----------

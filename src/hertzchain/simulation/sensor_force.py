@@ -152,8 +152,9 @@ def sensor_force_of(self: Trajectory, bead: int | str) -> SensorForce:
     found = sensor_maxima(self, bead)
     if math.isnan(found.first_maximum):
         warn_user(
-            f"the force in bead {bead} had no maximum before t = {self.times[-1]:g}; simulate "
-            "for longer, or save more times",
+            f"the force in bead {bead} had no maximum before t = "
+            f"{measure(float(self.times[-1]), 's', self.chain.units, 6)}; simulate for longer, or "
+            "save more times",
             IncompleteWarning,
         )
     if found.error > COARSE * found.largest_so_far:

@@ -14,6 +14,7 @@ from ..chain.feature_support import require_chain, require_same_units
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..pulse.quantities import SENSOR_QUANTITIES
+from ..pulse.quantity_names import column_name
 from ..threads import STOP, Signal, run_in_threads
 from ..validation.keywords import checked_arguments
 from ..validation.memory import check_memory
@@ -75,7 +76,8 @@ def simulate_many(
         ``"wall_impulse_of_impact"`` or ``"wall_duration"``; of sensors, such as
         ``"sensor_first_maximum"``; of the end of the run, such as ``"final_velocity"``,
         ``"end_time"`` or ``"energy_backward"``; and of the whole run, ``"largest_overlap"`` and,
-        for chains of materials, ``"yield_ratio"``.
+        for chains of materials, ``"yield_ratio"``.  Full names, such as ``"wall_force.peak"``, are
+        accepted, too.
         Energies, such as ``"energy_lost"``, are fractions of the total with the lost energy (that
         of the impact, without a drive); those of `Run.budget` are in joules.
     sensors : iterable of int or str
@@ -156,7 +158,8 @@ def _checked_names(keep: str | Iterable[str]) -> tuple[str, ...]:
     names = [keep] if isinstance(keep, str) else check_list("keep", keep, "names of quantities")
     if not names:
         raise InputError("keep must have at least one quantity, such as 'velocity', got none")
-    return tuple(dict.fromkeys(check_choice("quantity", name, KEPT) for name in names))
+    columns = map(column_name, names)
+    return tuple(dict.fromkeys(check_choice("quantity", name, KEPT) for name in columns))
 
 
 def _checked_sensors(sensors: Iterable[int | str], given: Sequence[object]) -> tuple[int, ...]:

@@ -85,6 +85,11 @@ class Trajectory(ShortDir):
         return np.pad(self.chain.stiffness * overlap**self.chain.exponents, ((0, 0), (1, 1)))
 
     @cached_property
+    def _reported(self) -> set[str]:
+        """Walls whose incomplete peak was reported."""
+        return set()
+
+    @cached_property
     def largest_overlaps(self) -> Array:
         """Largest overlap of each contact, shape (N + 1,) [scaled, or m].
 
@@ -199,7 +204,7 @@ class Trajectory(ShortDir):
         ----------
         contact : int
             Number of the contact, as in `forces`: 0 is the contact with the left wall, N the one
-            with the right wall.  At an end without a wall, the force is zero.
+            with the right wall.
 
         Returns
         -------
@@ -209,7 +214,7 @@ class Trajectory(ShortDir):
         Raises
         ------
         InputError
-            If there is no such contact.
+            If there is no such contact, or if it belongs to a free end.
 
         Examples
         --------
@@ -218,7 +223,7 @@ class Trajectory(ShortDir):
         >>> bool(0.63 < run.force(10).max() < 0.65)
         True
         """
-        return self.forces[:, whole_number("contact", contact, least=0, most=self.chain.beads)]
+        return self.forces[:, self._joined(contact, "force")]
 
     def overlap(self, contact: int) -> Array:
         """Overlap of one contact at the saved times; negative where the bodies are apart.
@@ -245,10 +250,19 @@ class Trajectory(ShortDir):
         >>> bool(0.73 < run.overlap(10).max() < 0.75)
         True
         """
+        k = self._joined(contact, "overlap")
+        return overlaps_of(self.chain, self.times, self.positions)[:, k]
+
+    def _joined(self, contact: int, what: str) -> int:
+        """Number of a contact that is not at a free end."""
         k = whole_number("contact", contact, least=0, most=self.chain.beads)
         if self.chain.contact_stiffness[k] == 0.0:
-            raise InputError(f"contact {k} has no overlap: this end of the chain is free")
-        return overlaps_of(self.chain, self.times, self.positions)[:, k]
+            side = "left" if k == 0 else "right"
+            raise InputError(
+                f"contact {k} has no {what}: the {side} end of this chain is free; give a contact "
+                f"from 1 to {self.chain.beads - 1}, or add a {side}_wall"
+            )
+        return k
 
     def position(self, bead: int | str) -> Array:
         """Displacement of one bead from where the beads touched, as `velocity` [scaled, or m].

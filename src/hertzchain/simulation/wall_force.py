@@ -266,14 +266,8 @@ def later_ends(
     return enough, float(approaches[-1, i]) if side == "right" else math.nan
 
 
-def incomplete_peak(
-    wall: WallForce, end: float, ends: tuple[float, float], *, persistent: bool = False
-) -> str:
-    """State in a sentence why the peak on a wall is not complete.
-
-    ``ends`` are those of `later_ends`; ``persistent`` states that the chain is precompressed and
-    without losses.
-    """
+def incomplete_peak(wall: WallForce, end: float, ends: tuple[float, float], chain: Chain) -> str:
+    """State in a sentence why the peak on a wall is not complete; ``ends`` are of `later_ends`."""
     longer, (enough, last) = "simulate for longer", ends
     if enough > end:
         longer += f", until t = {measure(enough, 's', wall.units, digits=6)}"
@@ -286,7 +280,7 @@ def incomplete_peak(
         return f"{found}, and {wall.reason}; {longer}" if wall.bound else found
     largest = measure(wall.largest_so_far, "N", wall.units, digits=6)
     advice = f"{longer}, or use largest_so_far"
-    if persistent:
+    if chain.lossless and chain.static_state.forces.all():
         advice = (
             "waves in a precompressed chain without losses do not decay: use largest_so_far, or "
             "add a loss"

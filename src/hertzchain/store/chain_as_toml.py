@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -52,10 +53,15 @@ def chain_as_toml(chain: Chain) -> str:
     right_wall = {rigid = true, gap = 0.0}
     """
     require_chain("chain_as_toml", chain)
-    try:
-        return _checked_text(chain, compact=True)
-    except InputError:
-        return _checked_text(chain, compact=False)
+    for compact in (True, False):
+        with contextlib.suppress(InputError):
+            return _checked_text(chain, compact=compact)
+    return _checked_text(chain.replace(scatter=None), compact=False)
+
+
+def listed_chain_as_toml(chain: Chain) -> str:
+    """Write a chain as `chain_as_toml` does, with one radius per bead."""
+    return _checked_text(chain, compact=False)
 
 
 def _checked_text(chain: Chain, *, compact: bool) -> str:
@@ -91,7 +97,9 @@ def _beads_entries(
     chain: Chain, names: Mapping[Material, str], kinds: Sequence[str], *, compact: bool
 ) -> dict[str, Any]:
     """Keys of [chain] that describe the beads, of which ``kinds`` are the materials."""
-    entries = compact_beads(chain, kinds) if compact else listed_beads(chain, kinds)
+    described, scatter = _without_scatter(chain)
+    entries = compact_beads(described, kinds) if compact else listed_beads(described, kinds)
+    entries |= scatter
     usual = {item.name: item.default for item in dataclasses.fields(chain)}
     if isinstance(chain.exponent, MaterialPairs):
         entries["exponent"] = [
@@ -108,6 +116,16 @@ def _beads_entries(
         entries["velocity"] = float(chain.velocities[0])
         del entries["velocities"]
     return entries
+
+
+def _without_scatter(chain: Chain) -> tuple[Chain, dict[str, Any]]:
+    """The chain without deviations of its radii, and the key that adds them."""
+    if chain.scatter is None:
+        return chain, {}
+    own = {name: getattr(chain.scatter, name) for name in ("radii", "taper", "taper_parameters")}
+    size = {"relative": chain.scatter.relative, "grade": chain.scatter.grade}
+    given = {name: value for name, value in size.items() if value is not None}
+    return chain.replace(**own), {"with_scatter": given | {"radii": chain.radii.tolist()}}
 
 
 def _names_of_materials(chain: Chain, kinds: Sequence[Material]) -> dict[Material, str]:

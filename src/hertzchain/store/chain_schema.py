@@ -129,7 +129,7 @@ _DEFECTS: Final = (
     _MATERIAL,
 )
 _SCATTER: Final = (
-    Key("seed", "integer", "seed of the random numbers", required=True, least=0),
+    Key("seed", "integer", "seed of the random numbers", required=True, least=0, unless="radii"),
     _number(
         "relative",
         "standard deviation of the logarithm of the radius",
@@ -139,6 +139,7 @@ _SCATTER: Final = (
     ),
     Key("grade", "integer", "ball grade of ISO 3290-1, instead of relative"),
     Key("beads", "text", "beads that deviate, such as 2:; all but the strikers if omitted"),
+    _number("radii", "radius of each bead, instead of a seed", "length", above=0.0, per="bead"),
 )
 _STRUCK_BY: Final = (
     _number("velocity", "velocity of the strikers", "velocity", default=1.0),

@@ -110,6 +110,15 @@ def read_csv(path: str | os.PathLike[str], known: Mapping[str, Column]) -> CsvTa
 
 def csv_rows(path: str | os.PathLike[str]) -> list[list[str]]:
     r"""Rows of a CSV file as text, without empty lines and lines that begin with ``#``."""
+    lines = csv_lines(path)
+    rows = parsed_lines(lines, ",")
+    if rows:
+        _check_separator(lines[0])
+    return rows
+
+
+def csv_lines(path: str | os.PathLike[str]) -> list[str]:
+    r"""Lines of a CSV file, without empty lines and lines that begin with ``#``."""
     try:
         text = Path(path).read_text("utf-8-sig")
     except OSError as error:
@@ -118,14 +127,16 @@ def csv_rows(path: str | os.PathLike[str]) -> list[list[str]]:
         ) from None
     except UnicodeDecodeError:
         raise InputError("is not UTF-8 text; save the table as CSV in UTF-8") from None
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    return [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+
+
+def parsed_lines(lines: Sequence[str], separator: str) -> list[list[str]]:
+    """Cells of lines, without spaces around them."""
     try:
-        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, strict=True)]
+        reader = csv.reader(lines, delimiter=separator, strict=True)
+        return [[cell.strip() for cell in row] for row in reader]
     except csv.Error as error:
         raise InputError(f"is not a CSV table ({error}); check its quotation marks") from None
-    if rows:
-        _check_separator(lines[0])
-    return rows
 
 
 def _check_separator(header: str) -> None:

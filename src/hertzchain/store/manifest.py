@@ -21,7 +21,7 @@ from ..errors import InputError
 from .damage import DamagedFileError
 from .writing import write_bytes
 
-SCHEMA: Final = "hertzchain stream 2"
+SCHEMA: Final = "hertzchain stream 3"
 MANIFEST_FILE: Final = "manifest.json"
 RESTORE: Final = "restore it from a copy, or stream again into another folder"
 SKIP: Final = f"skip_damaged=True reads the other parts; to read all parts, {RESTORE}"
@@ -82,6 +82,10 @@ class Manifest:
         Tolerated error of a step.
     chain_file : str
         The chain as a chain file; empty if it has none.
+    method : str
+        ``"adaptive"``, or the method of fixed steps.
+    step : float
+        Fixed step [scaled, or s]; 0 for the adaptive method.
     parts : tuple of Part
         Existing files, in order of time.
     announced : Part, optional
@@ -91,8 +95,17 @@ class Manifest:
     chain: str
     rtol: float
     chain_file: str = ""
+    method: str = "adaptive"
+    step: float = 0.0
     parts: tuple[Part, ...] = ()
     announced: Part | None = None
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Options of `simulate` with which the run continues."""
+        if self.step > 0.0:
+            return {"method": self.method, "step": self.step}
+        return {"rtol": self.rtol}
 
     def present(self, folder: Path) -> tuple[Part, ...]:
         """The parts, including the announced one if its file exists."""
@@ -162,7 +175,10 @@ def _manifest_from(file: Path, document: Mapping[str, Any]) -> Manifest:
         if part.file != part_name(number) or not behind:
             how = f"lists {part.file} as part {number}, from t = {part.first:g} on: parts overlap"
             raise DamagedFileError(file, how, file.parent, RESTORE)
-    return Manifest(document["chain"], document["rtol"], document["chain_file"], parts, announced)
+    return Manifest(
+        document["chain"], document["rtol"], document["chain_file"], document["method"],
+        document["step"], parts, announced,
+    )  # fmt: skip
 
 
 def _document_digest(document: Mapping[str, Any]) -> str:

@@ -19,8 +19,6 @@ from ..errors import InputError
 from ..simulation.checked_state import check_state
 from ..simulation.run import Run
 from ..simulation.state import State, fingerprint
-from ..validation.keywords import checked_arguments
-from ..validation.objects import file_path
 from .chain_as_toml import chain_as_toml
 from .chain_files import chain_from
 
@@ -30,6 +28,8 @@ if TYPE_CHECKING:
 # Attribute with the chain as a chain file, and the variable with the records of a run.
 CHAIN_FILE: Final = "chain_file"
 RECORDS: Final = "run_records"
+# Variable of a part of a stream with the accumulators at the saved times.
+ACCUMULATORS: Final = "run_accumulators"
 # Fields of a run that are saved as variables of the dataset, and other numbers and texts.
 SAVED: Final = {"time": "times", "position": "positions", "velocity": "velocities"}
 NUMBERS: Final = (
@@ -43,11 +43,17 @@ ARRAYS: Final = (
 
 
 def run_as_netcdf(run: Run, chain_file: str, *, records: bool = False) -> bytes:
-    """Content of a netCDF file with the trajectories, the chain file and, if asked, the records."""
+    """Content of a netCDF file with the trajectories and the chain file.
+
+    With all records, it is a file of `Run.save`; otherwise it is a part of a stream.
+    """
     dataset = run.to_xarray().assign_attrs({CHAIN_FILE: chain_file})
     if records:
         what = {"long_name": "records of the run, read by hertzchain.load_run"}
         dataset[RECORDS] = ("byte", np.frombuffer(_records(run), np.int8), what)
+    else:
+        what = {"long_name": "exchanged energies and momenta, read by hertzchain.load_run"}
+        dataset[ACCUMULATORS] = (("time", "accumulator"), run._accumulators, what)
     # SciPy writes netCDF 3, which every netCDF reader supports, without another library.
     return bytes(dataset.to_netcdf(engine="scipy"))
 
@@ -83,45 +89,14 @@ def _digest(arrays: Mapping[str, Array]) -> str:
     return found.hexdigest()
 
 
-@checked_arguments("load_run")
-def load_run(path: str | os.PathLike[str]) -> Run:
-    """Read a run from a netCDF file of `Run.save` or ``hertzchain simulate --out``.
-
-    Parameters
-    ----------
-    path : path-like
-        File, ``.nc``.
-
-    Returns
-    -------
-    Run
-        The saved run with its chain; all its numbers are the same, bit for bit.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, damaged, changed, not a file of `Run.save`, or from another
-        version of hertzchain; or if its chain cannot be described by a chain file, such as one
-        with a loss law of your own.
-
-    Examples
-    --------
-    >>> import hertzchain as hc, tempfile
-    >>> from pathlib import Path
-    >>> run = hc.simulate(hc.Chain.uniform(9).replace(right_wall=hc.Wall()))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     run.save(Path(folder) / "run.nc")
-    ...     again = hc.load_run(Path(folder) / "run.nc")
-    >>> again.wall_force().peak == run.wall_force().peak
-    True
-    """
-    file = file_path("file of a run", path)
+def read_run(file: Path) -> Run:
+    """Read a file of `Run.save`."""
     name = os.fspath(file)
     saved, attributes = _read(file)
     if RECORDS not in saved:
         raise InputError(
             f"{name!r} is not a file of Run.save; read other netCDF files with "
-            "xarray.open_dataset, and the folder of a stream with StoredRun"
+            "xarray.open_dataset, and a part of a stream with load_run(FOLDER)"
         )
     if (version := attributes.get("hertzchain_version")) != __version__:
         raise InputError(

@@ -137,7 +137,7 @@ def _check_keys(
             yield str(unknown_name_error(f"key of {place}", name, known or tuple(own)))
     if complete:
         for key in keys:
-            if key.required and key.name not in table:
+            if key.required and table.keys().isdisjoint((key.name, key.unless)):
                 yield f"{place} has no {key.name}: {key.description}"
 
 

@@ -32,6 +32,8 @@ class Key:
         Value if the key is omitted; `None` if the value then follows from other keys.
     required : bool
         Whether the key must be present.
+    unless : str
+        Name of another key with which a required key may be omitted.
     dimension : str
         A key of `hertzchain.units.UNITS`, if the value has a unit in SI chains; text such as
         ``"5 mm"`` is then allowed.  Scaled chains accept only plain numbers.  A stiffness is in
@@ -62,6 +64,7 @@ class Key:
     description: str
     default: float | bool | str | None = None
     required: bool = False
+    unless: str = ""
     dimension: str = ""
     fraction: bool = False
     dimension_if_displacement: str = ""

@@ -13,12 +13,11 @@ import io
 import math
 import numbers
 import os
-import re
 import sys
 import time
 import warnings
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -38,6 +37,7 @@ from ..errors import (
     warn_user,
 )
 from ..representation import short
+from ..simulation.fixed_steps import FixedSteps, fixed_steps
 from ..simulation.run import Run, beginning_of
 from ..simulation.saved_times import increasing_times
 from ..simulation.simulate import DEFAULT_RTOL, checked_rtol, simulate
@@ -55,8 +55,9 @@ from .manifest import (
     Part,
     load_manifest,
 )
-from .results import load_state, save_state
-from .run_files import chain_file_of, run_as_netcdf, stored_chain
+from .results import save_state
+from .run_files import ACCUMULATORS, chain_file_of, run_as_netcdf, stored_chain
+from .stream_resume import STATE_FILE, start_again, where_it_stopped
 from .writing import cannot_write, write_bytes
 
 if TYPE_CHECKING:
@@ -68,9 +69,8 @@ FILE_SIZE: Final = 2**24
 # and an interruption loses at most one file.
 FIRST_TIMES: Final = 100
 SECONDS_PER_FILE: Final = 10.0
-STATE_FILE: Final = "state.npz"
-# Names of unfinished files of a killed run.
-TEMPORARY: Final = re.compile(r"\.(part-\d{6}\.nc|state\.npz|manifest\.json)\.\d+\.partial")
+# Margin of the drift of a run that begins again, because its rest may drift further.
+DRIFT_MARGIN: Final = 2.0
 
 
 @checked_fields
@@ -140,7 +140,8 @@ class StoredRun:
         ...     [part.sizes["time"] for part in stored.parts()]
         [2]
         """
-        yield from self._read(-math.inf, math.inf, check_bool("skip_damaged", skip_damaged))
+        for part in self._read(-math.inf, math.inf, check_bool("skip_damaged", skip_damaged)):
+            yield part.drop_vars(ACCUMULATORS, errors="ignore")
 
     def load(
         self,
@@ -177,7 +178,8 @@ class StoredRun:
         check_bool("skip_damaged", skip_damaged)
         first, last = self._checked_time("start", start), self._checked_time("stop", stop)
         within = (
-            part.sel(time=slice(first, last)) for part in self._read(first, last, skip_damaged)
+            part.drop_vars(ACCUMULATORS, errors="ignore").sel(time=slice(first, last))
+            for part in self._read(first, last, skip_damaged)
         )
         # A view would keep the other times of the part in memory.
         chosen = [part.copy(deep=True) for part in within if part.sizes["time"]]
@@ -186,6 +188,10 @@ class StoredRun:
                 f"{os.fspath(self.folder)!r} has no saved times from {first:g} to {last:g}"
             )
         return xr.concat(chosen, "time", data_vars="minimal", combine_attrs="override")
+
+    def _saved_times(self) -> Array:
+        """All saved times."""
+        return np.concatenate([np.array(part.time) for part in self.parts()] or [np.empty(0)])
 
     def _checked_time(self, name: str, given: object) -> float:
         # The unit is in the parts, which need not be read for a plain number.
@@ -232,6 +238,9 @@ def stream(
     *,
     times: ArrayLike,
     rtol: float = DEFAULT_RTOL,
+    method: str = "adaptive",
+    step: float | None = None,
+    drift: float | None = None,
     progress: Progress | None = None,
 ) -> StoredRun:
     """Simulate a chain and write saved times to a folder during the run.
@@ -248,15 +257,20 @@ def stream(
     times : array_like
         Increasing times >= 0 at which to save [scaled, or s].
     rtol : float
-        Tolerated error of a step.
+        Tolerated error of a step of the adaptive method.
+    method, step, drift : str, float, float, optional
+        As in `simulate`: ``"symplectic"`` takes fixed steps, which are faster in long runs of
+        elastic chains.  If the energy drift exceeds ``drift``, the run begins again with shorter
+        steps.  A run that is resumed keeps its step.
     progress : callable, optional
         Called as ``progress(times_saved, times)``.
 
     Raises
     ------
     InputError
-        If times are not increasing, or the folder contains another run, a run with another
-        tolerance or other files, is in use by another process, is damaged or cannot be written.
+        If times are not increasing, the method does not support the chain, or the folder contains
+        another run, a run with another tolerance, method or step, or other files, is in use by
+        another process, is damaged or cannot be written.
     hertzchain.StoreError
         If the disk is full; files written before remain readable.
     SimulationError
@@ -274,17 +288,29 @@ def stream(
     rtol = checked_rtol(rtol)
     stored = StoredRun(file_path("folder", folder))
     wanted = increasing_times(chain, times)
+    fixed = fixed_steps(chain, method, step, drift, float(wanted[-1]) or None)
+    new = Manifest(fingerprint(chain), rtol, chain_file_of(chain))
+    if fixed is not None:
+        new = replace(new, method=fixed.name, step=fixed.step)
     _make_folder(stored.folder)
     with lock(stored.folder / ".lock", stored.folder):
-        _resume(chain, stored, wanted, rtol, progress)
+        found = where_it_stopped(
+            chain, stored.folder, wanted, new, stored._saved_times, any_step=step is None
+        )
+        _resume(chain, stored, wanted, found, fixed, progress)
     return stored
 
 
 def _resume(
-    chain: Chain, stored: StoredRun, wanted: Array, rtol: float, progress: Progress | None
+    chain: Chain,
+    stored: StoredRun,
+    wanted: Array,
+    found: tuple[Manifest, State | None, int],
+    fixed: FixedSteps | None,
+    progress: Progress | None,
 ) -> None:
     """Compute the missing times and write them, one file at a time."""
-    manifest, state, done = _where_it_stopped(chain, stored, wanted, rtol)
+    manifest, state, done = found
     most = max(1, FILE_SIZE // (8 * (3 * chain.beads + 1)))
     count = min(FIRST_TIMES, most)
     overlaps = np.zeros(chain.beads + 1)
@@ -292,7 +318,15 @@ def _resume(
         started, chunk = time.monotonic(), wanted[done : done + count]
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ModelRangeWarning)  # once, at the end
-            run = simulate(chain, start=state, times=chunk, rtol=rtol, max_steps=sys.maxsize)
+            run = simulate(
+                chain, start=state, times=chunk, max_steps=sys.maxsize, **manifest.options
+            )
+        if fixed is not None and run.energy_drift > fixed.drift:
+            excess = DRIFT_MARGIN * run.energy_drift / fixed.drift
+            now = replace(fixed, step=manifest.step).shorter(excess)
+            manifest = start_again(stored.folder, manifest, now.step)
+            state, done, overlaps[:] = None, 0, 0.0
+            continue
         overlaps = np.maximum(overlaps, run.largest_overlaps)
         if done + count < len(wanted):
             # The last step was shortened, so times saved within it are computed again.
@@ -342,64 +376,6 @@ def _make_folder(folder: Path) -> None:
         raise InputError(
             f"{name!r} contains {found[0]!r} but no run of stream; choose a new or empty folder"
         )
-
-
-def _where_it_stopped(
-    chain: Chain, stored: StoredRun, wanted: Array, rtol: float
-) -> tuple[Manifest, State | None, int]:
-    """Manifest of the folder, state to resume from, and number of stored times."""
-    folder, name = stored.folder, os.fspath(stored.folder)
-    _remove_temporary(folder)
-    if not (folder / MANIFEST_FILE).exists():
-        return Manifest(fingerprint(chain), rtol, chain_file_of(chain)), None, 0
-    manifest = load_manifest(folder)
-    if manifest.chain != fingerprint(chain):
-        raise InputError(
-            f"{name!r} contains a run of another chain than {chain.description}; choose another "
-            "folder"
-        )
-    if manifest.rtol != rtol:
-        raise InputError(
-            f"{name!r} contains a run with rtol = {manifest.rtol:g}, but now rtol is {rtol:g}; "
-            f"resume it with {manifest.rtol:g}, or choose another folder"
-        )
-    saved = np.concatenate([np.array(part.time) for part in stored.parts()] or [np.empty(0)])
-    if len(saved) > len(wanted) or not np.array_equal(saved, wanted[: len(saved)]):
-        raise InputError(f"{name!r} contains a run with other times; choose another folder")
-    if len(manifest.present(folder)) > len(manifest.parts):
-        manifest = manifest.written()
-    state = _state_after(folder, manifest, chain)
-    # A part is written before its state, so the last part may be later than the stored state.
-    while manifest.parts and (state is None or state.time < manifest.parts[-1].first):
-        manifest = manifest.without_last()
-        manifest.save(folder)
-        assert manifest.announced is not None
-        (folder / manifest.announced.file).unlink()
-    done = sum(part.times for part in manifest.parts)
-    if state is not None and done < len(wanted) and state.time >= wanted[done]:
-        how = f"has the time t = {state.time:g}, which is after the end of the last part"
-        raise DamagedFileError(folder / STATE_FILE, how, folder, RESTORE)
-    return manifest, state, done
-
-
-def _state_after(folder: Path, manifest: Manifest, chain: Chain) -> State | None:
-    """The stored state; `None` if there is none yet."""
-    file = folder / STATE_FILE
-    if file.exists():
-        return load_state(file, chain)
-    if len(manifest.parts) > 1:
-        raise DamagedFileError(file, "is missing", folder, RESTORE)
-    return None
-
-
-def _remove_temporary(folder: Path) -> None:
-    """Remove unfinished files of a killed run."""
-    try:
-        for file in folder.iterdir():
-            if TEMPORARY.fullmatch(file.name):
-                file.unlink(missing_ok=True)
-    except OSError as error:
-        raise cannot_write(folder, error) from None
 
 
 def _checked_parts(folder: Path, damaged: Callable[[DamagedFileError], None]) -> tuple[Part, ...]:

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import prod
 from pathlib import Path
 from typing import Any, Final
 
@@ -25,8 +26,9 @@ from ..validation.objects import file_path
 SPACINGS: Final = ("list", "linspace", "geomspace")
 # Largest first or last value of a linspace: their difference must be finite, too.
 MAX_END: Final = 1e300
-# Largest number of values of one axis.
+# Largest numbers of values of one axis, and of points in every combination of values.
 MAX_VALUES: Final = 10_000_000
+MAX_COMBINATIONS: Final = 10**10
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,6 +265,30 @@ def unequal_lengths(axes: Sequence[Axis]) -> list[str]:
         return []
     lengths = ", ".join(f"{axis.long_name} has {len(axis)}" for axis in axes)
     return [f"axes: zip needs axes of the same length, but {lengths} values"]
+
+
+def too_many_points(entries: Mapping[tuple[str, ...], Any]) -> list[str]:
+    """Find out whether all combinations are too many, without making the values."""
+    sizes = {".".join(path): _size(entry) for path, entry in entries.items()}
+    points = prod(sizes.values())
+    if points <= MAX_COMBINATIONS:
+        return []
+    lengths = " x ".join(f"{size} ({name})" for name, size in sizes.items() if size > 1)
+    return [
+        f"axes: every combination of values gives {points} points, {lengths}; at most "
+        f"{MAX_COMBINATIONS} are allowed: use fewer values, or combine = 'zip'"
+    ]
+
+
+def _size(entry: Any) -> int:
+    """Number of values of an entry; 1 of an invalid one, which is reported later."""
+    if not isinstance(entry, Mapping):
+        return max(1, len(entry)) if isinstance(entry, Sequence) else 1
+    for key in ("linspace", "geomspace"):
+        match entry.get(key):
+            case [_, _, int(count)] if 0 < count <= MAX_VALUES:
+                return count
+    return _size(entry["list"]) if "list" in entry else 1
 
 
 def duplicates(axes: Sequence[Axis]) -> list[str]:

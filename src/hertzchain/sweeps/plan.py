@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -21,6 +21,7 @@ from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
 from ..store.chain_files import METHODS, chain_from
 from ..validation.numbers import has_unit
 from .axes import Axis
+from .change_value import path_in_document, with_value
 from .methods import SIMULATIONS, pulse_by, record_warnings
 from .specification import (
     TAKEN,
@@ -131,9 +132,20 @@ class Plan:
         }  # fmt: skip
         places = index * len(spec.axes) if self.zipped else index
         for axis, place in zip(spec.axes, places, strict=True):
-            path = axis.path if axis.path[0] == "method" else ("chain", *axis.path)
-            found = with_value(found, path, axis.values[place])
+            found = with_value(found, path_in_document(axis), axis.values[place])
         return found
+
+    def unknown_places(self, index: Index) -> dict[int, str]:
+        """Axes without a place in the document of a point, and why."""
+        spec, reasons = self.specification, {}
+        found: dict[str, Any] = {"chain": spec.chain, "method": spec.options}
+        places = index * len(spec.axes) if self.zipped else index
+        for i, (axis, place) in enumerate(zip(spec.axes, places, strict=True)):
+            try:
+                found = with_value(found, path_in_document(axis), axis.values[place])
+            except InputError as error:
+                reasons[i] = str(error)
+        return reasons
 
     def chain(self, index: Index) -> Chain:
         """Make the chain of a point."""
@@ -299,33 +311,13 @@ class Plan:
 
 
 def _full_name(axis: Axis) -> str:
-    return "_".join(axis.path if axis.path[0] == "method" else ("chain", *axis.path))
+    return "_".join(path_in_document(axis))
 
 
 @lru_cache(maxsize=4)
 def plan_of(text: str) -> Plan:
     """Plan of a specification given as JSON text, cached for the next batch."""
     return Plan(specification_from_json(text))
-
-
-def with_value(document: Any, path: tuple[str, ...], value: Any) -> Any:
-    """Copy a document with one value changed; the other values are shared."""
-    key, rest = path[0], path[1:]
-    if isinstance(document, list):
-        if not (key.isdigit() and 1 <= int(key) <= len(document)):
-            raise InputError(f"there is no value {key} in a list of {len(document)} values")
-        changed = list(document)
-        old = changed[int(key) - 1]
-        changed[int(key) - 1] = with_value(old, rest, value) if rest else value
-        return changed
-    if key.isdigit():
-        one = "none" if document is None else f"one value, {document!r}, for all"
-        raise InputError(f"value {key} can only vary in a list, and [chain] has {one}: give a list")
-    if document is not None and not isinstance(document, Mapping):
-        raise InputError(f"cannot set {'.'.join(path)} of {document!r}: it is not a table")
-    table = dict(document or {})
-    table[key] = with_value(table.get(key), rest, value) if rest else value
-    return table
 
 
 def spread(count: int) -> list[int]:
@@ -363,12 +355,17 @@ def _bad_requests(plan: Plan) -> list[str]:
 
 def _bad_values(plan: Plan) -> list[str]:
     """Find values of an axis with which no chain can be made at either end of the others."""
+    axes = plan.specification.axes
+    ends = (0,) * len(plan.shape), tuple(n - 1 for n in plan.shape)
+    # A value that has no place would be reported for each axis.
+    first, last = map(plan.unknown_places, ends)
+    problems = [f"axes.{axes[i].long_name}: {why}" for i, why in first.items() if i in last]
+    if problems:
+        return problems
     if plan.zipped:
         reasons = [plan.trial(index).reason for index in plan.tried()]
         return [f"axes: {reasons[0]}"] if all(reasons) else []
-    ends = (0,) * len(plan.shape), tuple(n - 1 for n in plan.shape)
-    problems = []
-    for place, axis in enumerate(plan.specification.axes):
+    for place, axis in enumerate(axes):
         bad = {}
         for i in spread(len(axis)):
             places = ((*end[:place], i, *end[place + 1 :]) for end in ends)

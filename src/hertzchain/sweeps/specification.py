@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import json
 import os
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,8 +34,8 @@ from typing import Any, Final
 from ..chain.chain import Chain
 from ..errors import InputError, raise_all, short_repr, unknown_name_error
 from ..pulse.quantities import QUANTITIES
+from ..pulse.quantity_names import column_name
 from ..representation import short
-from ..store.chain_as_toml import chain_as_toml
 from ..store.chain_files import chain_from
 from ..store.chain_schema import KEYS, chain_schema, with_usual_names, without_units
 from ..store.schema_checks import check_document
@@ -51,9 +50,11 @@ from .axes import (
     conflicts,
     duplicates,
     flattened,
+    too_many_points,
     unequal_lengths,
 )
 from .kept import KEPT, OF_RUNS
+from .listed_values import chain_as_document, missing_lists, with_lists
 from .methods import METHODS, check_option
 from .methods import OPTIONS as OPTIONS_OF
 
@@ -250,6 +251,8 @@ class _Reader:
     def __init__(self, document: Mapping[str, Any], folder: Path, heading: str = "") -> None:
         self.folder, self.heading = folder, heading
         self.problems: list[str] = []
+        # A chain that the document contains or describes by files.
+        self.inlined: Chain | None = None
         try:
             self.document = with_usual_names(document)
         except InputError as error:
@@ -265,6 +268,10 @@ class _Reader:
                 self._add("sweep", unknown_name_error("key", key, SETTINGS))
         chain, materials = self._chain()
         axes, combine = self._axes(settings)
+        if self.inlined is not None:
+            chain = chain_as_document(self.inlined, axes)["chain"]
+        chain = with_lists(chain, axes)
+        self.problems += [] if self.problems else missing_lists(chain, axes)
         methods = self._names(settings, "methods")
         keep = self._names(settings, "keep")
         errors = self._names(settings, "errors")
@@ -320,7 +327,8 @@ class _Reader:
         return (without_units(plain) if not self.problems else {}), materials
 
     def _inlined(self, chain: Chain) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-        document = self._try("chain", _as_document, chain) or {}
+        document = self._try("chain", chain_as_document, chain) or {}
+        self.inlined = chain if document else None
         return document.get("chain", {}), document.get("materials", {})
 
     def _axes(self, settings: Mapping[str, Any]) -> tuple[tuple[Axis, ...], str]:
@@ -340,6 +348,9 @@ class _Reader:
             if not entries:
                 self._add("axes", "nothing varies: add parameters and their values")
             self.problems += conflicts([path for path, _ in found_axes])
+        if combine != "zip" and (excess := too_many_points(entries)):
+            self.problems += excess
+            return (), combine
         place = "points" if points is not None else "axes"
         read = [self._axis(place, path, entry) for path, entry in entries.items()]
         axes = tuple(axis for axis in read if axis is not None)
@@ -355,7 +366,18 @@ class _Reader:
             known = (*KEYS, *(f"method.{name}" for name in OPTIONS))
             self._add(where, unknown_name_error("parameter", ".".join(path), known))
             return None
+        elif path[0] == "with_scatter" and path[-1] != "radii" and self._has_scattered_radii():
+            self._add(where, "has no effect, because with_scatter has the radii of the beads: give "
+                      "it a seed instead")  # fmt: skip
+            return None
         return self._try(where, Axis, path, entry)
+
+    def _has_scattered_radii(self) -> bool:
+        chain = self.document.get("chain")
+        given = chain.get("with_scatter") if isinstance(chain, Mapping) else None
+        return any(
+            "radii" in each for each in (given if isinstance(given, list) else [given or {}])
+        )
 
     def _names(self, settings: Mapping[str, Any], key: str) -> tuple[str, ...]:
         usual, known = SETTINGS[key].default, SETTINGS[key].choices
@@ -365,6 +387,7 @@ class _Reader:
         if not isinstance(listed, list | tuple) or (default and not listed):
             self._add(f"sweep.{key}", f"must be a list of names, got {short_repr(given)}")
             return default
+        listed = [column_name(name) for name in listed]
         for place, name in enumerate(listed, start=1):
             if name not in known:
                 what = {"methods": "method"}.get(key, "quantity")
@@ -427,7 +450,3 @@ class _Reader:
 
     def _add(self, place: str, problem: InputError | str) -> None:
         self.problems.append(f"{place}: {problem}" if place else str(problem))
-
-
-def _as_document(chain: Chain) -> Any:
-    return to_json_types(tomllib.loads(chain_as_toml(chain)), "chain")

@@ -40,6 +40,8 @@ if TYPE_CHECKING:
 
 # Fraction of the free disk or memory that a sweep may use.
 USABLE_PART: Final = 0.95
+# Approximate number of files of a store without batches.
+FILES_OF_METADATA: Final = 10
 
 
 @dataclass(frozen=True)
@@ -54,12 +56,18 @@ class Estimate:
         Number of bytes of all results, without text and before compression.
     seconds : float
         Time on this machine, extrapolated from a few points.
+    unfinished : bool
+        Whether a timed point took so long that it was not finished: ``seconds`` is a lower bound.
+    files : int
+        Approximate number of files on disk.
     """
 
     points: int
     batches: int
     bytes_on_disk: int
     seconds: float
+    unfinished: bool
+    files: int
 
 
 @checked_arguments("sweep")
@@ -200,9 +208,11 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     spec = read_specification(specification)
     plan = Plan(spec)
     check_plan(plan, _heading(specification))
-    size = bytes_of(plan)
-    seconds = time_per_point(spec) * plan.points / count
-    return Estimate(plan.points, plan.batches, size, seconds)
+    each = time_per_point(spec)
+    seconds = each.seconds * plan.points / count
+    # Each batch has a file of each variable, of its status and of its digest.
+    files = FILES_OF_METADATA + plan.batches * (len(plan.variables) + 2)
+    return Estimate(plan.points, plan.batches, bytes_of(plan), seconds, each.unfinished, files)
 
 
 @checked_arguments("merge_sweeps")

@@ -1,13 +1,14 @@
-r"""The disorder law: the leading pulse of a chain whose beads scatter, mean and spread over lots.
+r"""The disorder law: mean and spread of the leading pulse of random chains.
 
 Deviations of the beads from their nominal radii reflect a part of the pulse, which decays by
-:math:`d\ln v/dk = -c\,\sigma^2` more than in the nominal chain.  The deviation of a single lot
+:math:`d\ln v/dk = -c\,\sigma^2` more than in the nominal chain.  The deviation of a single chain
 from this mean comes from the beads near the impact and from those that the pulse has just reached;
 the spread therefore does not grow along the chain.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -20,7 +21,16 @@ from ..pulse.chain_units import in_units_of, scaled_chain
 from ..pulse.pulse import Pulse
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
-from .disorder_table import END, RATES, SCATTERS, START, DisorderTables, disorder_tables
+from .disorder_table import (
+    DELAYED,
+    END,
+    OFFSETS,
+    RATES,
+    SCATTERS,
+    START,
+    DisorderTables,
+    disorder_tables,
+)
 from .local_rate import local_rate
 
 METHOD: Final = "the disorder law"
@@ -31,7 +41,7 @@ MIN_BEADS: Final = START + END + 2
 
 @checked_arguments("disorder")
 def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0) -> Pulse:
-    r"""Leading pulse of a lot of beads that scatter about a nominal chain: mean and spread.
+    r"""Leading pulse of chains that scatter about a nominal chain: mean and spread.
 
     .. math::
 
@@ -58,10 +68,10 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     Returns
     -------
     Pulse
-        Geometric means over lots: velocity, arrival, residence time and, in terms of the
-        nominal stiffness, peak overlap and force; and the standard deviations of the logarithms,
-        ``velocity_spread``, ``arrival_spread`` and ``peak_force_spread``.  The impact velocity
-        does not scatter.
+        Geometric means of all columns, in the units of the nominal chain; and the standard
+        deviations of ln v, ln t and ln F, ``velocity_spread``, ``arrival_spread`` and
+        ``peak_force_spread``.  Those of other columns differ: the momentum also has the scatter of
+        the mass.  The impact velocity does not scatter.
 
     Raises
     ------
@@ -70,14 +80,14 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
 
     Examples
     --------
-    Balls whose radii scatter by 1%; two lots in three are within 1.8% of the mean:
+    Balls whose radii scatter by 1%; two chains in three are within 1.8% of the mean:
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.uniform(110)
     >>> pulse = hc.disorder(chain, scatter=0.01)
     >>> loss = 1 - pulse.velocity[99] / hc.local_rate(chain).velocity[99]
     >>> f"{loss:.1%}, +-{pulse.velocity_spread[99]:.1%}"
-    '0.7%, +-1.8%'
+    '0.6%, +-1.8%'
     """
     scatters = {
         "radii": number("scatter", scatter, unit=FRACTION, least=0.0, most=SCATTERS[-1]),
@@ -96,15 +106,15 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     shift, jitter = np.zeros((3, scaled.beads - 1)), np.zeros(scaled.beads - 1)
     for name, sigma in scatters.items():
         if sigma:
-            tables = disorder_tables()[name]
-            shift += sigma**2 * _mean_shift(tables, sigma, rates)
-            jitter += sigma**2 * tables.variance("time", rates)
+            shift += sigma**2 * _mean_shift(disorder_tables()[name], sigma, rates)
+            jitter += sigma**2 * Delays.of(disorder_tables()[name], rates).variance()
     loss = np.concatenate(([0.0], np.cumsum(shift[0])))
     velocity = clean.velocity * np.exp(-loss)
     residence = clean.residence * np.exp(shift[2] + 0.2 * loss[:-1])
-    # Arrival times are sums, in which deviations of single residence times average out.
-    arrival = np.concatenate(([0.0], np.cumsum(residence * np.exp(0.5 * jitter))))
     spread = _spread(scatters, rates, residence)
+    # The sum of arithmetic means is one, too.
+    arrival = np.concatenate(([0.0], np.cumsum(residence * np.exp(0.5 * jitter))))
+    arrival *= np.exp(-0.5 * spread[1] ** 2)
     pulse = Pulse(
         chain=scaled,
         method=f"disorder law, {_description(scatters)}",
@@ -171,14 +181,58 @@ def _spread(
     arrival = np.zeros(contacts + 1)
     for name, sigma in scatters.items():
         tables, square = disorder_tables()[name], sigma**2
-        start = tables.variance("velocity", rates[:1])[0, START]
-        velocity[1:] += square * _along(tables.variance("velocity", rates), start)
-        force += square * _along(
-            tables.variance("force", rates), tables.variance("force", rates[:1])[0, START]
-        )
-        delays = np.cumsum(tables.variance("delay", rates) * residence**2)
-        arrival[1:] += square * (0.04 * start + delays / np.cumsum(residence) ** 2)
+        start = tables.at("velocity", rates[:1])[0, START]
+        velocity[1:] += square * _along(tables.at("velocity", rates), start)
+        force += square * _along(tables.at("force", rates), tables.at("force", rates[:1])[0, START])
+        arrival[1:] += square * Delays.of(tables, rates).arrival_variance(residence)
     return np.sqrt(velocity), np.sqrt(arrival), np.sqrt(force)
+
+
+@dataclass(frozen=True, eq=False)
+class Delays:
+    """Derivatives of all residence times, ln T, with respect to the deviations of all beads.
+
+    ``around`` has those of each contact with respect to the beads around it, and ``first`` those
+    of all later contacts with respect to the first beads, which change the pulse permanently.
+    """
+
+    around: Array
+    first: Array
+
+    @classmethod
+    def of(cls, tables: DisorderTables, rates: Array) -> Delays:
+        """Derivatives in a taper, each from the exponential chain with the contact's rate."""
+        contacts = np.arange(len(rates))
+        stages = np.minimum(contacts, DELAYED)
+        stages[-1] = DELAYED + 1
+        tabulated = tables.at("delay", rates)
+        return cls(tabulated[contacts, stages], tabulated[0, -1])
+
+    def variance(self) -> Array:
+        """Variance of each ln T."""
+        early = np.arange(len(self.around)) < DELAYED
+        return np.square(self.around).sum(axis=1) + ~early * np.square(self.first).sum()
+
+    def arrival_variance(self, residence: Array) -> Array:
+        """Variance of ln t of beads 2 to N: the sum of the squares of its derivatives."""
+        contacts, width = len(residence), len(OFFSETS)
+        steps = np.arange(width)
+        # Delays by bead j at the contacts from j - 2 on, which are the first that it changes.
+        bead = np.arange(contacts + 1)[:, np.newaxis]
+        contact = bead - OFFSETS[-1] + steps
+        exists = (contact >= 0) & (contact < contacts)
+        contact = np.clip(contact, 0, contacts - 1)
+        delay = exists * residence[contact] * self.around[contact, width - 1 - steps]
+        delay = np.cumsum(delay, axis=1)
+        late = np.cumsum(residence * (np.arange(contacts) >= DELAYED))
+        variance = np.zeros(contacts)
+        for j in range(min(width, contacts + 1)):
+            step = np.arange(contacts) - j + OFFSETS[-1]
+            found = np.where(step < 0, 0.0, delay[j, np.clip(step, 0, width - 1)])
+            variance += np.square(found + self.first[j] * late)
+        grown = exists * np.diff(np.square(delay), axis=1, prepend=0.0)
+        later = np.bincount(contact[width:].ravel(), grown[width:].ravel(), contacts)
+        return (variance + np.cumsum(later)) / np.cumsum(residence) ** 2
 
 
 def _along(table: Array, start: float) -> Array:

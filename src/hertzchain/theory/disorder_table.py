@@ -1,4 +1,4 @@
-r"""Tables of the disorder law: mean and variance over lots, on exponential chains.
+r"""Tables of the disorder law: mean and variance over random chains, on exponential chains.
 
 `tools/disorder_tables.py` determines them from ensembles of simulated pulses.
 """
@@ -28,13 +28,20 @@ STAGES: Final = (*(f"start {k + 1}" for k in range(START)), "within",
 MEANS: Final = ("s", "scatter", *(f"{of}, {stage}" for of in ("velocity", "force", "time")
                                   for stage in STAGES))  # fmt: skip
 _SPLIT: Final = (*STAGES[:START], "start", *STAGES[START:])
-SPREADS: Final = ("s", *(f"{of}, {stage}" for of in ("velocity", "force") for stage in _SPLIT),
-                  "delay", "time")  # fmt: skip
+SPREADS: Final = ("s", *(f"{of}, {stage}" for of in ("velocity", "force")
+                         for stage in _SPLIT))  # fmt: skip
+# Contacts whose residence times depend on the impact, and beads around a contact.
+DELAYED: Final = 8
+OFFSETS: Final = range(-10, 3)
+DELAYS: Final = ("s", *(f"{stage}, {offset}"
+                        for stage in (*(f"start {k + 1}" for k in range(DELAYED)), "within", "end")
+                        for offset in OFFSETS),
+                 *(f"bead {j + 1}" for j in range(len(OFFSETS))))  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
 class DisorderTables:
-    """Means and variances over lots, in units of the squared scatter, by rate.
+    """Means and variances over random chains, in units of the squared scatter, by rate.
 
     Attributes
     ----------
@@ -43,17 +50,16 @@ class DisorderTables:
     velocity, force : ndarray, shape (rates, stages + 1)
         Variances: total of the early stages, part from the beads near the impact, part from the
         beads around the pulse.
-    delay : ndarray, shape (rates,)
-        Squared change of the arrival time by one bead, in units of its residence time.
-    time : ndarray, shape (rates,)
-        Variance of ln T by the beads around the pulse.
+    delay : ndarray, shape (rates, stages, offsets)
+        Derivatives of ln T with respect to ln R or ln E of the beads around the contact, for the
+        early contacts, those within and the last one; and finally those of the later contacts
+        with respect to the first beads.
     """
 
     means: Array
     velocity: Array
     force: Array
     delay: Array
-    time: Array
 
     def mean(self, scatter: float, rates: Array) -> Array:
         """Means at a scatter and each contact's rate, shape (contacts, 3, stages)."""
@@ -65,8 +71,8 @@ class DisorderTables:
             table = PchipInterpolator(np.log(SCATTERS), self.means)(at)
         return np.asarray(PchipInterpolator(RATES, table)(rates))
 
-    def variance(self, name: str, rates: Array) -> Array:
-        """``velocity``, ``force``, ``delay`` or ``time`` at each rate."""
+    def at(self, name: str, rates: Array) -> Array:
+        """``velocity``, ``force`` or ``delay`` at each rate."""
         from scipy.interpolate import PchipInterpolator
 
         return np.asarray(PchipInterpolator(RATES, getattr(self, name))(rates))
@@ -76,15 +82,19 @@ class DisorderTables:
 def disorder_tables() -> dict[str, DisorderTables]:
     """Tables for scatter of ``"radii"`` and of ``"moduli"``."""
     means, spreads = _read("means.csv", MEANS), _read("spreads.csv", SPREADS)
+    delays = _read("delays.csv", DELAYS)[:, 1:].reshape(len(RATES), 2, -1, len(OFFSETS))
     rates = len(RATES)
     values = means[:, 2:].reshape(rates, 1 + len(SCATTERS), 3, len(STAGES))
     spreads = spreads[:, 1:].reshape(rates, 2, -1)
     found = {}
     for kind, name in enumerate(("radii", "moduli")):
         chosen = values[:, -1:] if kind else values[:, :-1]
-        of = spreads[:, kind]
+        velocity, force = np.split(spreads[:, kind], 2, axis=1)
         found[name] = DisorderTables(
-            np.moveaxis(chosen, 1, 0), *np.split(of[:, :-2], 2, axis=1), *of[:, -2:].T
+            np.moveaxis(chosen, 1, 0),
+            velocity,
+            force,
+            delays[:, kind],
         )
     return found
 

@@ -326,6 +326,7 @@ def _warn_outside(chain: Chain, functions: UniversalFunctions, bead: int) -> Non
             f"{size} at {place}"
         )
     warn_user(
-        f"local_rate is unreliable for this chain ({chain.description}): {reason}; use propagate",
+        f"local_rate is unreliable for this chain ({chain.description}): {reason}; use "
+        "propagate, or piecewise_local_rate for steps and odd beads",
         ModelRangeWarning,
     )

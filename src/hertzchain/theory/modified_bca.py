@@ -102,7 +102,7 @@ class PowerLawCorrection:
     >>> import numpy as np
     >>> correction = hc.theory.PowerLawCorrection(c0=1.64, x=0.0259, d0=0.211, y=1.83)
     >>> correction.velocity(np.array([1.0]), 0.05, np.array([20])).round(3)
-    array([0.65])
+    array([0.651])
     """
 
     c0: float
@@ -228,12 +228,12 @@ def modified_bca(
     if chain.taper not in FITTED_RATES or chain.rate is None:
         raise InputError(
             f"modified_bca requires a tapered chain ({', '.join(FITTED_RATES)}), got "
-            f"{chain.description}; use bca for other chains"
+            f"{chain.description}; use bca or theory.two_thirds_bca for other chains"
         )
     if chain.exponents != HERTZ_EXPONENT:
         raise InputError(
             f"modified_bca has constants for Hertz contacts (exponent 1.5), got p = "
-            f"{chain.exponents:g}; use bca"
+            f"{chain.exponents:g}; use bca or theory.two_thirds_bca"
         )
     if not isinstance(coefficients, Correction):
         check_choice("coefficients", coefficients, ("calibrated", "printed"))

@@ -36,6 +36,10 @@ from .response import Complex, Response, WallName, driven_place
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+# Number of frequencies of a transfer function, and the last one relative to the highest mode, which
+# is none of these frequencies.
+FREQUENCIES, ROOM = 2001, 1.25
+
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
@@ -184,7 +188,7 @@ class Spectrum(BandStructure):
         Raises
         ------
         InputError
-            As for `transfer`.
+            As for `transfer`, or if the contact is at a free end.
 
         Examples
         --------
@@ -200,7 +204,18 @@ class Spectrum(BandStructure):
         """
         response = Response(self.contacts, _angular(frequencies))
         c = whole_number("contact", contact, least=0, most=self.chain.beads)
+        if self.contacts.springs[c] == 0.0:
+            raise InputError(
+                f"contact {c} carries no force, because no wall touches the chain at this end; "
+                f"give a contact from 1 to {self.chain.beads - 1}, or a wall"
+            )
         return response.force(c, drive, driven_place(response, drive, at))
+
+    @property
+    def _usual_frequencies(self) -> Array:
+        """Frequencies of a transfer function, to a quarter above the highest mode."""
+        # 0 is not included, because a constant force may accelerate the chain.
+        return np.linspace(0.0, ROOM * self.frequencies.max(), FREQUENCIES + 1)[1:]
 
     def plot(
         self, kind: str | None = None, *, cell: int | None = None, ax: Axes | None = None
@@ -345,7 +360,7 @@ def spectrum(chain: Chain) -> Spectrum:
     """
     require_chain("spectrum", chain)
     contacts = linear_contacts(chain)
-    warn_outside_static(chain)
+    warn_outside_static(chain, linear=True)
     eigenvalues, modes = eigenmodes(contacts)
     for array in (eigenvalues, modes, contacts.springs, contacts.dampers):
         array.setflags(write=False)

@@ -64,7 +64,7 @@ class Restitution(Loss, name="restitution"):
     @property
     def damping_ratio(self) -> float:
         r"""Damping ratio :math:`\zeta` of the equivalent linear oscillator."""
-        log = -math.log(self.coefficient)
+        log = abs(math.log(self.coefficient))
         if self.attractive:
             return log / math.hypot(log, math.pi)
         return _ratio_without_pull(log)

@@ -1,0 +1,93 @@
+"""The page of the app in a file: one or two chains with their results."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any, Final
+
+from ..chain.bead_names import bead_number
+from ..chain.chain import Chain
+from ..chain.feature_support import require_chain
+from ..errors import InputError
+from ..store.writing import write_bytes
+from ..validation.keywords import checked_arguments
+from ..validation.objects import check_list, file_path
+from .documents import chain_of, document_of_chain
+from .exports import export
+from .requests import MAX_SENSORS
+
+ENDING: Final = ".html"
+
+
+@checked_arguments("save_page")
+def save_page(
+    chain: Chain,
+    path: str | os.PathLike[str],
+    *,
+    other: Chain | None = None,
+    sensors: Iterable[int | str] = (),
+) -> None:
+    """Save a page that shows a chain and its results, and needs neither Python nor a network.
+
+    It is the page of ``hertzchain app``: the animation, the leading pulse with all theories, the
+    map of velocities or forces, the forces on walls and in sensors, and the energy over time.
+
+    Parameters
+    ----------
+    chain : Chain
+        The chain, of at most 2000 beads.
+    path : path-like
+        File to write, ``.html``; an existing file is replaced when the new one is complete.
+    other : Chain, optional
+        A second chain in the same units, with which the first one is compared.
+    sensors : iterable of int or str
+        Up to four beads with sensors, as numbers or names such as ``"ball 4"``.
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range, the chain is not struck, or the file cannot be written.
+    SimulationError
+        If a run fails, or takes longer than 20 s.
+
+    Examples
+    --------
+    >>> import hertzchain as hc, tempfile
+    >>>     >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "pulse.html"
+    ...     hc.save_page(hc.Chain.uniform(20), file)
+    ...     file.stat().st_size > 100_000
+    True
+    """
+    require_chain("save_page", chain)
+    if other is not None:
+        require_chain("save_page", other)
+    write_page(
+        document_of_chain(chain), None if other is None else document_of_chain(other), sensors, path
+    )
+
+
+def write_page(
+    document: Mapping[str, Any],
+    other: Mapping[str, Any] | None,
+    sensors: Iterable[int | str],
+    path: str | os.PathLike[str],
+) -> None:
+    """`save_page` for documents, which keep the units of their chain files."""
+    file = file_path("path", path)
+    if file.suffix != ENDING:
+        raise InputError(f"path must end in {ENDING}, got {os.fspath(path)!r}")
+    chain = chain_of(document)
+    if other is not None and chain_of(other).units != chain.units:
+        raise InputError("the two chains must both be in SI units, or both be scaled")
+    beads = check_list("sensors", sensors, "numbers or names of beads, such as 5 or 'ball 4'")
+    if len(beads) > MAX_SENSORS:
+        raise InputError(f"a page shows up to {MAX_SENSORS} sensors, got {len(beads)}")
+    numbers = [bead_number(chain, each, "bead with a sensor") for each in beads]
+    errors = "theories" if other is None else "difference"
+    given = {
+        "kind": "page", "document": document, "other": other, "sensors": numbers,
+        "view": {"B": other, "view": {"sensors": numbers, "errors": errors}},
+    }  # fmt: skip
+    write_bytes(file, export(given, lambda: False).content)

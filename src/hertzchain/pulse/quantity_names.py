@@ -1,0 +1,33 @@
+"""Two names of a quantity: ``wall_force.peak`` of a run, and ``wall_peak_force`` of a column."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, Final
+
+from .quantities import FINAL_QUANTITIES, QUANTITIES, SENSOR_QUANTITIES, WALL_QUANTITIES
+
+# Full names, and those of the columns of tables, datasets and files.
+_OF_RUNS: Final = {
+    **{f"wall_force.{each.attribute}": name for name, each in WALL_QUANTITIES.items()},
+    **{
+        f"sensor.{name.removeprefix('sensor_').replace('_so_far', '')}": name
+        for name in SENSOR_QUANTITIES
+    },
+    **{name.replace("final_", "final."): name for name in FINAL_QUANTITIES if "final_" in name},
+}
+COLUMNS: Final[Mapping[str, str]] = MappingProxyType(
+    {**_OF_RUNS, **{f"pulse.{name}": name for name in QUANTITIES}}
+)
+_FULL_NAMES: Final = {column: name for name, column in _OF_RUNS.items()}
+
+
+def column_name(name: Any) -> Any:
+    """Name of the column of a quantity; anything else is returned unchanged."""
+    return COLUMNS.get(name, name) if isinstance(name, str) else name
+
+
+def full_name(name: str) -> str:
+    """Name of a quantity of a wall, a sensor or the last state, from that of its column."""
+    return _FULL_NAMES.get(name, name)

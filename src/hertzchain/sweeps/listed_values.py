@@ -1,0 +1,74 @@
+"""Lists in [chain] of which an axis such as ``radii.5`` varies one value."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from ..chain.chain import Chain
+from ..store.chain_as_toml import chain_as_toml, listed_chain_as_toml
+from ..store.chain_files import ARRAYS
+from ..validation.json_types import to_json_types
+from .axes import Axis
+
+# Keys of [chain] with one value for all beads, or one per bead.
+FOR_ALL: Final = ("radii", "diameters", "materials")
+OTHER_SIZE: Final = {"radii": "diameters", "diameters": "radii"}
+
+
+def chain_as_document(chain: Chain, axes: Sequence[Axis] = ()) -> Any:
+    """Tables of a chain file, with lists of the values of which axes vary a single one."""
+    # Axes change radii, which then do not have the scatter of the chain.
+    chain, keys = chain.replace(scatter=None), _keys(axes)
+    if not keys:
+        return to_json_types(tomllib.loads(chain_as_toml(chain)), "chain")
+    document = to_json_types(tomllib.loads(listed_chain_as_toml(chain)), "chain")
+    table = document["chain"]
+    if "radii" in keys and "taper" in table and chain.radii[0] == 1.0:
+        for name in ("taper", "beads", *dict(chain.taper_parameters)):
+            table.pop(name)
+        table["radii"] = chain.radii.tolist()
+    if "diameters" in keys and chain.units == "SI":
+        table["diameters"] = (2.0 * chain.radii).tolist()
+        del table["radii"]
+    for key in keys & {*ARRAYS}:
+        table[key] = getattr(chain, key).tolist()
+    if "velocities" in keys:
+        table.pop("velocity", None)
+    return document | {"chain": with_lists(table, axes)}
+
+
+def with_lists(table: Mapping[str, Any], axes: Sequence[Axis]) -> dict[str, Any]:
+    """[chain] with a list instead of one value for all beads, if their number does not vary."""
+    found = dict(table)
+    counts = [len(table[key]) for key in FOR_ALL if isinstance(table.get(key), list)]
+    counts += [each for each in [table.get("beads")] if isinstance(each, int)]
+    if counts and ("beads",) not in [axis.path for axis in axes]:
+        for key in _keys(axes) & {*FOR_ALL}:
+            if isinstance(found.get(key), str | int | float):
+                found[key] = [found[key]] * counts[0]
+    if any(isinstance(found.get(key), list) for key in _keys(axes) & OTHER_SIZE.keys()):
+        found.pop("beads", None)
+    return found
+
+
+def missing_lists(table: Mapping[str, Any], axes: Sequence[Axis]) -> list[str]:
+    """Find axes of single values for which [chain] and the other axes have no list."""
+    whole = {axis.path[0] for axis in axes if len(axis.path) == 1}
+    problems = []
+    for axis in axes:
+        key = axis.path[0]
+        if key in whole or key not in _keys([axis]) or isinstance(table.get(key), list):
+            continue
+        has = f"one value of {key}, {table[key]!r}, for all" if key in table else f"no list {key}"
+        advice = f"list the {key}"
+        if OTHER_SIZE.get(key) in table:
+            advice = f"list the {key}, or vary {OTHER_SIZE[key]}.{axis.path[1]}"
+        problems.append(f"axes.{axis.long_name}: [chain] has {has}: {advice}")
+    return problems
+
+
+def _keys(axes: Sequence[Axis]) -> set[str]:
+    """Keys of [chain] of which single values vary, ``radii`` of ``radii.5``."""
+    return {axis.path[0] for axis in axes if len(axis.path) > 1 and axis.path[1].isdigit()}

@@ -94,11 +94,12 @@ def show(kind, name, scatter, result):
 
 
 def summarize(results):
-    """Print the largest errors over tapers and beads, one row per quantity, as Markdown."""
+    """Print the largest errors of means and the range of those of spreads, by quantity."""
     by_scatter = {}
     for (kind, _, scatter), result in results.items():
         by_scatter.setdefault((kind, scatter), []).append(result)
     print("\n| quantity | " + " | ".join(f"{s:.1%} ({kind})" for kind, s in by_scatter) + " |")
+    print("|---" * (1 + len(by_scatter)) + "|")
     for quantity in dict.fromkeys(quantity for quantity, _ in next(iter(results.values()))):
         cells = []
         for each in by_scatter.values():
@@ -106,10 +107,8 @@ def summarize(results):
             error, uncertain, found, law = np.array(rows).T
             worst = np.argmax(np.abs(error))
             part = 100.0 * (law / found - 1.0)
-            cells.append(
-                f"{100 * abs(error[worst]):.4f}% (+-{100 * uncertain[worst]:.4f}); "
-                f"{part.min():+.2f} to {part.max():+.2f}%"
-            )
+            spread = f"; {part.min():+.2f} to {part.max():+.2f}%" if np.isfinite(part).all() else ""
+            cells.append(f"{100 * abs(error[worst]):.4f}% (+-{100 * uncertain[worst]:.4f}){spread}")
         print(f"| {quantity} | " + " | ".join(cells) + " |")
 
 

@@ -495,6 +495,15 @@ def test_percentages_and_fractions_of_inches_can_be_entered(page):
     rate = page.document()["chain"]["rate"]
     assert rate.endswith("%")
     assert dict(check_numbers(page).taper_parameters)["rate"] > 0.08
+    # The percent sign is part of the text: a number without it is not a percentage.
+    assert page.tab.input_value("[id='c-chain.rate']") == rate
+    page.tab.fill("[id='c-chain.rate']", "0.03")
+    page.tab.keyboard.press("Tab")
+    page.settle()
+    assert page.document()["chain"]["rate"] == 0.03
+    page.tab.fill("[id='c-chain.rate']", rate)
+    page.tab.keyboard.press("Tab")
+    page.settle()
     page.tab.select_option(MATERIAL, "steel-52100")
     page.settle()
     # A part of the text is a number: the field must not be rewritten while it is typed.
@@ -536,6 +545,8 @@ def test_a_bad_link_is_explained_above_the_views(page):
     assert "'unifrm'" in shown.text_content()
     box = shown.bounding_box()
     assert box["y"] + box["height"] < 300
+    # Views without results have no axes.
+    assert tab.locator(".plot svg text").count() == 0
     tab.evaluate("location.hash = '#taper=uniform&beads=20'")
     tab.wait_for_selector("#title-A:has-text('uniform, 20 beads')", timeout=COMPILING)
 

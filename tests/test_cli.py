@@ -224,7 +224,7 @@ def test_cite(run):
         (["pulse", "--beads", "1000000000000000"], "beads need 372529029.8 GiB of memory"),
         (["pulse", "--method", "bcaa"], "did you mean 'bca'"),
         (["pulse", "--quantity", "sped"], "unknown quantity 'sped'"),
-        (["pulse", "--quantity", "arrival_spread"], "peak_force, velocity_error; did you mean"),
+        (["pulse", "--quantity", "arrival_spread"], "arrival_spread requires --method disorder"),
         (["pulse", "--json", "--csv"], "cannot be combined"),
         (["pulse", "--plot", "pulse.doc"], "must end in .png"),
         (["pulse", "missing.toml"], "cannot read chain file 'missing.toml'"),
@@ -409,6 +409,19 @@ def test_progress_that_does_not_change_is_one_line(monkeypatch, capsys):
     for done in (0, 0, 0, 3, 3, 5):
         update(done, 5)
     assert capsys.readouterr().err == "chains: 0 of 5\nchains: 3 of 5\nchains: 5 of 5\n"
+
+
+def test_the_last_line_of_progress_states_the_total(monkeypatch, capsys):
+    update = progress._lines_of_progress("chains", None)
+    update(22, 23)
+    update(23, 23)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(progress, "SECONDS_PER_LINE", 0.0)
+    update(22, 23)
+    monkeypatch.setattr(progress, "SECONDS_PER_LINE", 1e9)
+    update(23, 23)
+    update(23, 23)
+    assert capsys.readouterr().err == "chains: 22 of 23\nchains: 23 of 23\n"
 
 
 @pytest.mark.filterwarnings("default::hertzchain.ModelRangeWarning")
@@ -904,6 +917,38 @@ def test_options_with_one_value_are_given_once(run, words, option):
     assert err.endswith(f"Error: {option} is given 2 times; give it once\n")
 
 
+@pytest.mark.parametrize(("words", "said"), [
+    (("--speed", "nan"), "--speed must be finite, got nan"),
+    (("--until", "nan"), "--until must be finite, got nan"),
+    (("--until", "inf"), "--until must be finite, got inf"),
+])  # fmt: skip
+def test_values_that_are_no_numbers_are_not_asked_for_a_unit(run, words, said):
+    balls = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", 5)
+    code, out, err = run("simulate", *balls, *words)
+    assert (code, out) == (2, "")
+    assert err.endswith(f"Error: {said}\n")
+
+
+def test_advice_is_in_the_words_of_the_command_line(run):
+    code, _, err = run("pulse", "--beads", 5, "--rtol", 1e-12)
+    assert code == 2
+    assert err.endswith("got 1e-12; for smaller errors use --method simulate\n")
+    assert run("pulse", "--beads", 5, "--rtol", 1e-12, "--method", "simulate")[0] == 0
+
+
+def test_places_that_cannot_be_written_are_rejected_before_the_run(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(hertzchain, "simulate", None)
+    (tmp_path / "folder.nc").mkdir()
+    code, _, err = run("simulate", "--beads", 5, "--out", tmp_path / "folder.nc")
+    assert code == 2
+    assert "folder.nc is a folder; give the name of a file" in err
+    # The superuser may write everywhere.
+    monkeypatch.setattr(os, "access", lambda path, _: path != tmp_path)
+    code, _, err = run("simulate", "--beads", 5, "--plot", tmp_path / "run.png")
+    assert code == 2
+    assert f"the folder {tmp_path} is not writable" in err
+
+
 def test_flags_and_repeatable_options_may_be_repeated(run):
     command = ("pulse", "--beads", 5, "--csv", "--csv", "--method", "bca", "--method", "propagate")
     code, out, _ = run(*command)
@@ -1051,7 +1096,7 @@ def test_pulse_by_the_disorder_law(run):
         (["pulse", "--beads", "5", "--method", "disorder", "--scatter", "1%"],
          "use hertzchain scatter"),
         (["pulse", "--quantity", "velocity_spread", "--method", "bca", "--method", "local-rate"],
-         "--method disorder does"),
+         "velocity_spread requires --method disorder"),
     ):  # fmt: skip
         code, _, err = run(*given)
         assert code == 2

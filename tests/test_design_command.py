@@ -16,10 +16,15 @@ import pytest
 from scipy_chain import wall_peak
 
 import hertzchain as hc
+from hertzchain.designs import dry_run as timing
 from hertzchain.designs import trials
+from hertzchain.designs.design import dry_run
+from hertzchain.designs.genetic import search
 from hertzchain.designs.methods import method_for
 from hertzchain.designs.problem_files import load_design
 from hertzchain.designs.search_budget import budget_from, simulations_within
+from hertzchain.designs.trials import Trials
+from hertzchain.store.journal import Journal
 
 WALLED = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
 PROBLEM = """
@@ -203,6 +208,38 @@ def test_a_dry_run_states_the_search_and_the_given_chain(file, tmp_path, run):
     assert document["values"]["wall_force.peak"] == pytest.approx(peak, rel=1e-6)
     assert 0.0 < document["seconds_per_trial"] < 1.0
     assert not list(tmp_path.glob("*.design"))
+    # No choice is tried twice.
+    document = json.loads(run(file, "--dry-run", "--json").stdout)
+    assert document["seconds"] == pytest.approx(84 * document["seconds_per_trial"])
+
+
+def test_the_time_of_a_genetic_search_is_estimated_with_its_batches(monkeypatch):
+    """A trial takes 1 ms, and a batch 5 ms more, as with calls that several threads share."""
+    clock = [0.0]
+
+    def values(_trials, points, _rtol):
+        clock[0] += 5e-3 + 1e-3 * len(points)
+        # Three neighbours matter together, and there are many local optima.
+        rows = np.array(points)
+        triples = rows[:, :-2] + 2 * rows[:, 1:-1] + 4 * rows[:, 2:]
+        return np.sin(37.0 * triples * np.arange(1, rows.shape[1] - 1)).sum(axis=1, keepdims=True)
+
+    chain = hc.Chain.from_materials(
+        "2.38125 mm", "steel-52100", beads=17, velocity="1 m/s",
+        right_wall=hc.Wall.of("steel-52100"),
+    )  # fmt: skip
+    balls = hc.vary.balls(
+        materials=["steel-52100", "ptfe"], diameters=["4.7625 mm"], beads="2:"
+    )  # fmt: skip
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[balls])
+    monkeypatch.setattr(Trials, "_values", values)
+    monkeypatch.setattr(timing.time, "perf_counter", lambda: clock[0])
+    found = dry_run(problem, budget=3000, method="genetic", threads=1)
+    whole = Trials(problem, budget_from(3000), Journal(None, ""), 0, 1)
+    begun = clock[0]
+    search(whole, 1.0, 0)
+    # The two chains to compare with take 3.5 ms each, which would be 10.5 s.
+    assert 1.3 > (clock[0] - begun) / found.seconds > 1.0 / 1.3
 
 
 def test_the_summary_states_that_the_arriving_ball_counts(file, run):

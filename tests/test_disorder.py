@@ -193,6 +193,24 @@ def test_plots_show_the_spread_as_a_band(quantity):
         assert low[0] == high[0] == 40
 
 
+def test_tables_of_pulses_are_plotted_with_a_band():
+    chain = hc.Chain.uniform(20)
+    chains = [chain.with_scatter(seed, relative=0.03) for seed in range(40)]
+    table = hc.propagate_many([*chains, hc.Chain.uniform(30)], threads=1)
+    axes = table.plot("arrival")
+    (line,) = axes.lines
+    expected = np.nanmedian(table.arrival, axis=0)
+    np.testing.assert_allclose(line.get_ydata(), expected)
+    (corners,) = (path.vertices for path in axes.collections[0].get_paths())
+    band = corners[corners[:, 0] == 15, 1]
+    low, high = np.percentile(table.arrival[:, 14], (5, 95))
+    assert (band.min(), band.max()) == pytest.approx((low, high), rel=1e-12)
+    assert axes.get_title() == "41 chains of up to 30 beads"
+    assert table.plot("peak_force").get_xlabel() == "contact $k$"
+    with pytest.raises(hc.InputError, match="quantity"):
+        table.plot("speed of light")
+
+
 def test_plots_have_no_band_where_the_spread_is_not_known():
     pulse = hc.disorder(hc.Chain.uniform(40), scatter=0.02)
     assert not pulse.plot("momentum").collections

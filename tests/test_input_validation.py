@@ -369,6 +369,7 @@ def public_calls(folder):
         "Pulse.plot": tried(pulse.plot, quantity="velocity", label="a", legend=True, ax=None),
         "PulseTable.chain": tried(table.chain, index=0),
         "PulseTable.column": tried(table.column, quantity="velocity"),
+        "PulseTable.plot": tried(table.plot, quantity="velocity", ax=None),
         "PulseTable[...]": tried(lambda index: table[index], index=0),
         "Budget.residual": tried(budget.residual, of="energy"),
         "Budget.to_dataframe": tried(budget.to_dataframe, of="energy"),

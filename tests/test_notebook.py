@@ -335,6 +335,28 @@ def test_designs_have_a_value_a_search_and_a_list_of_parts():
         assert cells[cells.index(ball) - 1] == str(count)
 
 
+@pytest.mark.parametrize("units", UNITS)
+def test_a_distribution_has_its_numbers(units):
+    chain = balls(10, units).replace(right_wall=hc.Wall())
+    found = hc.distribution(chain, "wall_force.peak", hc.Scatter(radius=0.02, samples=40))
+    _, shown = parsed(found)
+    unit = "N" if units == "SI" else ""
+    for value in (found.nominal, found.mean, found.standard_deviation, found.percentile(95)):
+        assert engineering(value, unit, units) in shown
+    assert "peak force on the wall" in shown
+    assert "number of chains" in shown
+
+
+@pytest.mark.parametrize("units", UNITS)
+def test_an_effective_chain_has_its_numbers(units):
+    found = hc.effective_chain(balls(21, units).decorated(0.3))
+    _, shown = parsed(found)
+    assert "21 of 41" in shown
+    for value in (found.masses.min(), found.masses.max()):
+        assert engineering(value, "kg", units) in shown
+    assert f"{found.stiffness[5]:.4g}" in shown
+
+
 def test_the_view_of_a_disordered_chain_has_the_spread():
     chain = hc.Chain.uniform(20)
     band = "± one standard deviation"

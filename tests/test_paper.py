@@ -161,6 +161,21 @@ def test_the_last_errata_hold(reproduction):
     assert lost > 2.0
 
 
+@pytest.mark.parametrize("name", ["figure6", "figure9", "figure12"])
+def test_symbols_and_legends_fit_in_a_column(reproduction, name):
+    figure = next(f for f in reproduction.figures if f.published.name == name)
+    with hc.figure_style("single column"):
+        canvas = draw_figure(figure)
+        canvas.draw_without_rendering()
+    (axes,) = canvas.axes
+    for line in (line for line in axes.lines if line.get_marker() in ("o", "+")):
+        places = np.unique(axes.transData.transform(line.get_xydata())[:, 0])
+        size = line.get_markersize() * canvas.dpi / 72.0
+        assert np.diff(places).min(initial=np.inf) > size or axes.get_xscale() == "log"
+    assert axes.get_legend().get_window_extent().x1 <= canvas.bbox.x1
+    plt.close("all")
+
+
 def test_recalibrated_constants_are_named(reproduction):
     for figure in reproduction.figures:
         named = figure.published.number in (10, 12, 13, 14)

@@ -562,9 +562,9 @@ def test_a_mode_with_a_node_at_the_drive_is_not_excited():
 def test_the_axis_of_a_transfer_function_names_the_driven_place():
     found = hc.spectrum(crystal())
     label = found.plot_transfer(3, at=2).get_ylabel()
-    assert label == "force in contact 3 per force on bead 2"
+    assert label == "force in contact 3\nper force on bead 2"
     label = found.plot_transfer(3, drive="displacement").get_ylabel()
-    assert label == "force in contact 3 per displacement of bead 1 [N/m]"
+    assert label == "force in contact 3\nper displacement of bead 1 [N/m]"
 
 
 @pytest.mark.parametrize("frequencies", [[1.0], [2.0, 1.0]])

@@ -14,7 +14,9 @@ test("short numbers keep their size and sign", () => {
 });
 
 test("percentages of theories have decimals instead of powers", () => {
-  assert.deepEqual([10, 0.001, 0.0001, -0.0005, 0.00001].map(percent), ["10%", "0.001%", "0.0001%", "−0.0005%", "1e−5%"]);
+  assert.deepEqual([10, 0.001, 0.0001, -0.0005, 0.0000567, 1e-7].map((each) => percent(each)),
+    ["10%", "0.001%", "0.0001%", "−0.0005%", "0.000057%", "1e−7%"]);
+  assert.equal(percent(12.345, 2), "12%");
 });
 
 test("ticks are round, within the ends and equally spaced", () => {

@@ -53,8 +53,10 @@ def save_page(
 
     Examples
     --------
-    >>> import hertzchain as hc, tempfile
-    >>>     >>> with tempfile.TemporaryDirectory() as folder:
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import hertzchain as hc
+    >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "pulse.html"
     ...     hc.save_page(hc.Chain.uniform(20), file)
     ...     file.stat().st_size > 100_000

@@ -37,7 +37,11 @@ def at_speed(chain: Chain, speed: str) -> Chain:
 
 def require_unit_of_speed(speed: str) -> None:
     """Reject a speed without a unit, which could be meant in any."""
-    if isinstance(as_typed(speed), float):
+    from ..validation.numbers import number
+
+    value = as_typed(speed)
+    if isinstance(value, float):
+        number("--speed", value)
         raise click.UsageError(f"--speed {speed} has no unit; write, for example, "
                                f"--speed '{speed.strip()} m/s'")  # fmt: skip
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -212,7 +213,7 @@ def _require_units(options: ChainOptions, sizes: dict[str, Any]) -> None:
     """Reject a length or a speed without a unit, which could be meant in any."""
     option = "--radius" if options.diameter is None else "--diameter"
     for size in sizes.values():
-        if isinstance(size, float):
+        if isinstance(size, float) and math.isfinite(size):
             raise click.UsageError(f"{option} {size:g} has no unit; write, for example, "
                                    f"{option} '{size:g} mm'")  # fmt: skip
     if options.speed is not None:

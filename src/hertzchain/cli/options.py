@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import functools
+import math
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
@@ -96,7 +98,7 @@ def seconds_from(option: str, text: str) -> float:
     from ..validation.numbers import number
 
     value = as_typed(text)
-    if isinstance(value, float) and value:
+    if isinstance(value, float) and value and math.isfinite(value):
         raise click.UsageError(
             f"{option} {text} has no unit; write, for example, {option} '{measure(value, 's')}'"
         )
@@ -141,6 +143,11 @@ def check_writable(path: Path | None, option: str, endings: tuple[str, ...]) -> 
         raise click.UsageError(f"{option} {path} must end in {' or '.join(endings)}")
     if not path.parent.is_dir():
         raise click.UsageError(f"{option} {path}: the folder {path.parent} does not exist")
+    if path.is_dir():
+        raise click.UsageError(f"{option} {path} is a folder; give the name of a file")
+    # A file is replaced by a new one, which its folder must allow.
+    if not os.access(path.parent, os.W_OK):
+        raise click.UsageError(f"{option} {path}: the folder {path.parent} is not writable")
 
 
 sensors_option = click.option(

@@ -110,8 +110,10 @@ def _lines_of_progress(what: str, pace: _Pace | None) -> Callable[[int, int], No
         nonlocal begun, latest
         now = time.monotonic()
         told = pace.text(done, total) if pace else ""
+        # After a first line, the last one states the total.
+        due = now - begun >= SECONDS_PER_LINE or (done >= total and latest >= 0)
         # While functions are compiled, nothing changes.
-        if now - begun < SECONDS_PER_LINE or done == latest:
+        if not due or done == latest:
             return
         click.echo(f"{what}: {done} of {total}" + (f", {told}" if told else ""), err=True)
         begun, latest = now, done

@@ -28,6 +28,8 @@ SYNONYMS: Final = {
     "duration": "residence",
 }  # fmt: skip
 DISORDER: Final = "disorder"
+# Spreads are predicted by that method only.
+PREDICTED: Final = tuple(name for name in QUANTITIES if not name.endswith("_spread"))
 PYTHON_ONLY: Final = {
     "piecewise-local-rate": "use hertzchain.piecewise_local_rate in Python",
     "effective-chain": "use hertzchain.effective_chain in Python",
@@ -62,7 +64,8 @@ def _method_help() -> str:
     show_default=True,
     metavar="NAME",
     help="Quantity to plot and, with several methods, to show side by side: "
-    f"{', '.join(PREDICTED)}.",
+    f"{', '.join(PREDICTED)}; with --method disorder also "
+    f"{', '.join(name for name in QUANTITIES if name not in PREDICTED)}.",
 )
 @click.option(
     "--rtol",
@@ -124,6 +127,8 @@ def pulse(
         chosen.sort(key=lambda each: each not in SIMULATIONS)
     quantity = SYNONYMS.get(quantity, quantity)
     check_choice("quantity", quantity, QUANTITIES)
+    if quantity not in PREDICTED and DISORDER not in methods:
+        raise click.UsageError(f"--quantity {quantity} requires --method disorder")
     settings = _settings(chosen, rtol, scatter, modulus_scatter)
     chains = chains_from(options)
     if len(chains) > 1 and (as_json or as_csv):

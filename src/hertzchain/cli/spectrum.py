@@ -81,7 +81,7 @@ def _compressed(chain: Chain, force: str | None) -> Chain:
             )
         return chain
     given = as_typed(force)
-    if isinstance(given, float) and not chain.scaled:
+    if isinstance(given, float) and math.isfinite(given) and not chain.scaled:
         raise click.UsageError(f"--precompression {force} has no unit; write '{force.strip()} N'")
     walls = chain.left_wall is not None and chain.right_wall is not None
     return chain.replace(precompression=given, held_by="walls" if walls else "force")

@@ -43,7 +43,7 @@ def stream_into(
         with progress_bar("times saved") as progress:
             stored = stream(chain, folder, times=moments, progress=progress, **steps)
     except KeyboardInterrupt:
-        click.echo("interrupted; run the same command again to resume", err=True)
+        click.echo(f"saved times are in {folder}; run the same command again to resume", err=True)
         raise
     files, end = len(stored.files), float(moments[-1])
     if as_json:

@@ -20,6 +20,7 @@ WORDINGS: Final = (
     (r"\buse largest_so_far\b", "use the largest force so far"),
     (r"\bsimulate with until='([^']*)'", r"add --until '\1'"),
     (r"\buntil='([^']*)'", r"--until '\1'"),
+    (r"; give (.*), or until$", r"; give \1, or --until"),
     # In a specification of a sweep, it is the key method.max_steps.
     (r"(?<![-.'])\bmax_steps\b", "--max-steps"),
     (r"\bgive load_traces sensors=\{'([^']*)': '([^']*)'\}", r"add --sensor '\1=\2'"),
@@ -42,6 +43,7 @@ OPTIONS: Final = {
             "--method disorder requires a --scatter or --modulus-scatter "
             "above 0; for none, use --method local-rate",
         ),
+        (r"\buse hertzchain\.simulate\([^)]*\)\.pulse\(\)", "use --method simulate"),
     ),
     "loss": ((r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),),
 }

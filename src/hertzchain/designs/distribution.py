@@ -136,6 +136,11 @@ class Distribution(Frozen):
 
         return plot_distribution(self, ax=ax)
 
+    def _repr_html_(self) -> str:
+        from ..notebook.designs import distribution_html
+
+        return distribution_html(self)
+
     def __repr__(self) -> str:
         nominal, mean, deviation = (
             with_unit(value, self.unit, "scaled" if self.unit == "1" else "SI")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
+import math
 import time
 from dataclasses import dataclass
 from typing import Any, Final
@@ -11,6 +13,7 @@ import numpy as np
 
 from ..representation import counted
 from .ball_choice import BallSpace
+from .genetic import BATCH, Population, search
 from .measures import in_words
 from .problem import Design
 from .reference_chains import reference_points
@@ -19,6 +22,8 @@ from .trials import RTOL, Trials
 
 # Number of trials that are timed, the second time after the kernels were compiled.
 TIMED: Final = 32
+# Among balls, a short search is timed: its least and largest number of trials, and its time [s].
+LEAST, MOST, TIME = 50, 2000, 0.7
 
 
 @dataclass(frozen=True)
@@ -41,6 +46,8 @@ class Estimate:
         Time of a trial on this machine [s].
     samples : int
         Simulations per trial.
+    choices : float
+        Number of choices; infinite for sizes, whose searches may end before the budget is used.
     """
 
     method: str
@@ -50,11 +57,13 @@ class Estimate:
     given: dict[str, float]
     trial: float
     samples: int
+    choices: float = math.inf
 
     @property
     def seconds(self) -> float:
-        """Time of the search [s]; small searches end earlier."""
-        return min(self.budget.seconds, self.budget.runs / self.samples * self.trial)
+        """Time of the search [s], with one trial of each choice at most."""
+        trials = min(self.budget.runs / self.samples, self.choices)
+        return min(self.budget.seconds, trials * self.trial)
 
 
 def estimate(problem: Design, method: str, budget: Budget, trials: Trials) -> Estimate:
@@ -68,15 +77,37 @@ def estimate(problem: Design, method: str, budget: Budget, trials: Trials) -> Es
         begun = time.perf_counter()
         trials._values(timed, RTOL)
         spent = time.perf_counter() - begun
-    space = problem.space
+    space, each, choices = problem.space, spent / len(timed), math.inf
     if isinstance(space, BallSpace):
+        choices = space.count
+        if problem.scatter is None:
+            # The first trials may need further kernels.
+            for count in (LEAST, int(np.clip(TIME / each, LEAST, MOST))):
+                each = _time_of_search(trials, space, method, count)
         size = f"{counted(space.count, 'choice')} for {counted(space.size, 'place')}"
     else:
         size = counted(space.size, "variable")
     return Estimate(
         method, size, len(points), budget, problem.evaluate(problem.chain).values,
-        spent / len(timed), trials.samples,
+        each, trials.samples, choices,
     )  # fmt: skip
+
+
+def _time_of_search(trials: Trials, space: BallSpace, method: str, count: int) -> float:
+    """Time per trial of a short search, with its batches and the work between them.
+
+    Smaller batches than that of the chains to compare with use several threads less well.
+    """
+    problem = trials.problem._only(0)
+    part = dataclasses.replace(trials, problem=problem, budget=Budget(runs=count), best=[])
+    begun = time.perf_counter()
+    if method == "genetic":
+        search(part, 1.0, part.seed)
+    else:
+        made = Population(part, np.random.default_rng(part.seed))
+        rows = list(filter(space.long_enough, (made.random() for _ in range(count))))
+        part.evaluate_all(rows[i : i + BATCH] for i in range(0, len(rows), BATCH))
+    return (time.perf_counter() - begun) / max(1, part.runs)
 
 
 def in_lines(problem: Design, found: Estimate) -> str:
@@ -93,6 +124,7 @@ def in_lines(problem: Design, found: Estimate) -> str:
     shown = (f"{name} {in_words(value, units[name], problem.chain.units)}"
              for name, value in found.given.items() if value == value)  # fmt: skip
     lines.append(f"the given chain: {', '.join(shown)}")
-    lines.append(f"about {1e3 * found.trial:.2g} ms per trial on this machine, at most about "
+    most = "at most " if found.choices == math.inf else ""
+    lines.append(f"about {1e3 * found.trial:.2g} ms per trial on this machine, {most}about "
                  f"{found.seconds:.2g} s without the verification")  # fmt: skip
     return "\n".join(lines)

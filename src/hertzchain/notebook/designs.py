@@ -1,11 +1,14 @@
-"""HTML representation of the result of a design: its value, constraints and balls."""
+"""HTML representations of designs and of distributions over random chains."""
 
 from __future__ import annotations
 
+import numpy as np
+
+from ..designs.distribution import Distribution
 from ..designs.report import front_in_words, references_in_words, search_in_words
 from ..designs.result import DesignResult
 from ..representation import counted
-from .drawing import note, numbers, page, table
+from .drawing import Curve, axis_unit, chart, engineering, note, numbers, page, table
 
 
 def design_html(result: DesignResult) -> str:
@@ -30,3 +33,25 @@ def design_html(result: DesignResult) -> str:
         parts.append(table(["count", "ball"], [[str(n), name] for n, name in result.parts]))
     parts += [note(f"{each[:1].upper()}{each[1:]}.") for each in result.notes]
     return page("DesignResult", str(problem.objective), *parts)
+
+
+def distribution_html(found: Distribution) -> str:
+    """Histogram of the values, and their mean, spread and percentiles."""
+    units = "scaled" if found.unit == "1" else "SI"
+    factor, unit = axis_unit(found.values, found.unit, units)
+    counts, edges = np.histogram(factor * found.values, bins="auto")
+    height = np.repeat(counts, 2).astype(float)
+    steps = Curve(np.repeat(edges, 2)[1:-1], height, base=np.zeros(len(height)))
+    figure = chart([steps], f"{found.label}{unit}", "number of chains")
+    shown = {"nominal": found.nominal, "mean": found.mean,
+             "standard deviation": found.standard_deviation}  # fmt: skip
+    shown |= {f"{percent}% are below": found.percentile(percent) for percent in (5, 50, 95)}
+    own = "" if found.unit == "1" else found.unit
+    words = {name: engineering(value, own, units) for name, value in shown.items()}
+    if found.failed:
+        words["failed"] = f"{found.failed}"
+    notes = []
+    if found.outside_range:
+        notes = [note(f"{found.outside_range} chains exceed the limits of Hertz's law.")]
+    about = f"{found.quantity} of {len(found.values)} random chains: {found.chain.description}"
+    return page("Distribution", about, figure, numbers(words), *notes)

@@ -1,12 +1,24 @@
-"""HTML representations of the solitary wave and of calibrations."""
+"""HTML representations of the solitary wave, of calibrations and of effective chains."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..calibration import Calibration
+from ..theory.effective_chain import EffectiveChain
 from ..theory.solitary_wave import SolitaryWave
-from .drawing import COLOURS, Curve, chart, legend, note, numbers, page, table
+from .drawing import (
+    COLOURS,
+    Curve,
+    axis_unit,
+    chart,
+    engineering,
+    legend,
+    note,
+    numbers,
+    page,
+    table,
+)
 
 # Distance from the crest in figures [beads].
 DISTANCE = 4.0
@@ -62,3 +74,26 @@ def calibration_html(found: Calibration) -> str:
         table(("constant", "value", "standard error", "in the paper"), rows, numeric=True),
         note("The printed constants include misprints, which hertzchain reproduce lists."),
     )  # fmt: skip
+
+
+def effective_chain_html(found: EffectiveChain) -> str:
+    """Masses of the large beads, and the ranges of masses and stiffness."""
+    units, places = found.units, found.large_beads.astype(float)
+    factor, unit = axis_unit(found.masses, "kg", units)
+    figure = chart([Curve(places, factor * found.masses)], "bead k", f"effective mass{unit}",
+                   whole=True)  # fmt: skip
+    own = " N/m^p" if units == "SI" else ""
+    stiffness = _range([f"{each:.4g}{own}" for each in np.sort(found.stiffness)[[0, -1]]])
+    masses = [engineering(each, "kg", units) for each in np.sort(found.masses)[[0, -1]]]
+    shown = {
+        "large beads": f"{len(found.masses)} of {found.large_beads[-1]}",
+        "effective masses": _range(masses),
+        "effective stiffness": stiffness,
+        "exponent p": f"{found.exponent:g}",
+        "velocity of bead 1": engineering(found.velocity, "m/s", units),
+    }
+    return page("EffectiveChain", "large beads of a decorated chain", figure, numbers(shown))
+
+
+def _range(ends: list[str]) -> str:
+    return " to ".join(dict.fromkeys(ends))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal
@@ -28,6 +29,10 @@ from .simulated_chains import Pulses, integrate_chains
 
 # Last bead in the figures; chains have 100 beads, and the last ten are affected by the free end.
 LAST_BEAD: Final = 90
+# Width of figures in inches for which the numbers of symbols were chosen.
+WIDTH: Final = 5.4
+# Number of characters of a legend that fit in a row of a narrower figure.
+LONG: Final = 30
 
 # With its printed constants, the modified BCA does not describe the simulation; see the errata.
 RECALIBRATED: Final = "modified BCA (recalibrated)"
@@ -208,7 +213,7 @@ def draw_figure(figure: Figure) -> MatplotlibFigure:
     """Draw one figure as described in its caption.
 
     Circles represent the simulation, + symbols the theory.  Each curve shows about thirty
-    beads, so that the symbols do not overlap.
+    beads, and fewer in narrow figures, so that the symbols do not overlap.
     """
     published, layout = figure.published, LAYOUTS[figure.published.number]
     symbol = rate_symbol(published.taper)
@@ -217,19 +222,20 @@ def draw_figure(figure: Figure) -> MatplotlibFigure:
         canvas, axes = plt.subplots()
         axes.set_xscale(layout.xscale)
         axes.set_yscale(layout.yscale)
-        shown = _shown_beads(layout)
+        shown = _shown_beads(layout, canvas.get_figwidth() / WIDTH)
+        size = 1.25 * matplotlib.rcParams["lines.markersize"]
         for curve, colour in zip(figure.curves, colours, strict=True):
             ours = curve.values(curve.integration, published.quantity)
             axes.plot(curve.k[shown], ours[shown], "o", color=colour, markerfacecolor="none")
             if layout.theory != "none":
                 theory = curve.values(curve.theory, published.quantity)
-                axes.plot(curve.k[shown], theory[shown], "+", color=colour, markersize=5)
+                axes.plot(curve.k[shown], theory[shown], "+", color=colour, markersize=size)
         if layout.lines is not None:
             layout.lines(axes)
         axes.set_xlabel("bead $k$")
         axes.set_ylabel(LABELS[published.quantity])
         axes.set_xlim(right=LAST_BEAD * (1.06 if layout.xscale == "log" else 1.01))
-        _legend(axes, layout)
+        _legend(axes, layout, narrow=canvas.get_figwidth() < WIDTH)
         label_right_ends(
             axes,
             [
@@ -260,15 +266,16 @@ def figure_csv(figure: Figure) -> str:
     return "\n".join(rows) + "\n"
 
 
-def _shown_beads(layout: Layout) -> Array:
-    """Indices of the beads in a figure, evenly spaced on the axis."""
+def _shown_beads(layout: Layout, width: float) -> Array:
+    """Indices of the beads in a figure of a relative width, evenly spaced on the axis."""
+    part = min(width, 1.0)
     if layout.xscale == "log":
-        k = np.geomspace(layout.first_bead, LAST_BEAD, 30)
+        k = np.geomspace(layout.first_bead, LAST_BEAD, round(30 * part))
         return np.unique(k.round().astype(int)) - 1
-    return np.arange(LAST_BEAD, layout.first_bead - 1, -3)[::-1] - 1
+    return np.arange(LAST_BEAD, layout.first_bead - 1, -math.ceil(3.0 / part))[::-1] - 1
 
 
-def _legend(axes: Axes, layout: Layout) -> None:
+def _legend(axes: Axes, layout: Layout, *, narrow: bool) -> None:
     def symbol(marker: str, size: float) -> Line2D:
         return Line2D([], [], color="0.25", marker=marker, ms=size, mfc="none", linestyle="none")
 
@@ -278,8 +285,15 @@ def _legend(axes: Axes, layout: Layout) -> None:
     else:
         handles = [symbol("o", 4), symbol("+", 5), *handles]
         labels = ["simulation", layout.theory, *labels]
+    rows = narrow and sum(map(len, labels)) > LONG
     # Above the axes, the legend covers no curve.
-    axes.legend(handles, labels, ncols=len(handles), loc="lower left", bbox_to_anchor=(0.0, 1.0))
+    axes.legend(
+        handles,
+        labels,
+        ncols=1 if rows else len(handles),
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+    )
 
 
 def _worst_error(curve: Curve, velocity: Array) -> float:

@@ -119,7 +119,7 @@ def plot_transfer(
         axes.set_xlabel(label)
         place = f"the {at}" if isinstance(at, str) else f"bead {at}"
         joined = "on" if drive == "force" else "of"
-        axes.set_ylabel(f"force in contact {contact} per {drive} {joined} {place}{unit}")
+        axes.set_ylabel(f"force in contact {contact}\nper {drive} {joined} {place}{unit}")
         set_title(axes, f"{_title(spectrum.chain)}, {drive} {joined} {place}")
     return axes
 

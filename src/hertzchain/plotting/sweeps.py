@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
 from matplotlib.colors import LogNorm
 from matplotlib.ticker import MaxNLocator
 
@@ -386,11 +387,13 @@ def _mark_cells(
     for label, (flags, style) in kinds.items():
         there = flags.transpose(down, across).to_numpy().astype(bool)
         if there.any():
-            axes.scatter(x[there], y[there], size, zorder=3.0, **style)
-            # Markers of many cells are small; those of the legend are legible.
-            axes.scatter([], [], LEGEND_AREA, label=label, **style)
+            axes.scatter(x[there], y[there], size, label=label, zorder=3.0, **style)
     if axes.get_legend_handles_labels()[1]:
-        axes.legend(loc="upper left", bbox_to_anchor=(0.0, -0.15), fontsize=8)
+        legend = axes.legend(loc="upper left", bbox_to_anchor=(0.0, -0.15), fontsize=8)
+        # Markers of many cells are small; those of the legend are legible.
+        for handle in legend.legend_handles:
+            if isinstance(handle, PathCollection):
+                handle.set_sizes([LEGEND_AREA])
 
 
 def _set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) -> None:

@@ -21,6 +21,7 @@ from .quantities import BEAD_QUANTITIES, QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
 
 
 @checked_methods
@@ -241,6 +242,37 @@ class PulseTable(Columns):
             },
             attrs={"method": "propagation"},
         )
+
+    def plot(self, quantity: str = "velocity", *, ax: Axes | None = None) -> Axes:
+        """Plot the median of a quantity along the chains, and a band with 90% of the chains.
+
+        Parameters
+        ----------
+        quantity : str
+            Name of a column.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into.  By default, a new figure is created.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If no chain has the quantity.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(20)
+        >>> many = [chain.with_scatter(seed, relative=0.03) for seed in range(50)]
+        >>> hc.propagate_many(many).plot("arrival").get_ylabel()
+        'arrival time $t_k$'
+        """
+        from ..plotting.pulse_tables import plot_pulse_table
+
+        return plot_pulse_table(self, quantity, ax=ax)
 
     def _repr_html_(self) -> str:
         from ..notebook.tables import pulse_table_html

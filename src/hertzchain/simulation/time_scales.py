@@ -123,7 +123,7 @@ def check_length(chain: Chain, until: float) -> None:
     transits = until / float(transit_times(chain).sum())
     if transits > MANY_TRANSITS:
         warn_user(
-            f"until = {until:g} s is {transits:.0f} transits of a pulse; times are in s, so check "
+            f"until = {until:g} s is {transits:.4g} transits of a pulse; times are in s, so check "
             "the unit ('500 us' is possible, too)",
             InputWarning,
         )

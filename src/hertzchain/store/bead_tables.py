@@ -18,13 +18,13 @@ from .csv_tables import Column, CsvTable, read_csv
 
 BEAD_COLUMNS: Final = {
     "bead": Column("number"),
-    "radius": Column("length"),
-    "diameter": Column("length"),
-    "mass": Column("mass"),
+    "radius": Column("length", above=0.0),
+    "diameter": Column("length", above=0.0),
+    "mass": Column("mass", above=0.0),
     "material": Column("text"),
     "velocity": Column("velocity"),
-    "gap": Column("length", between_rows=True),
-    "stiffness": Column("stiffness", between_rows=True),
+    "gap": Column("length", between_rows=True, least=0.0),
+    "stiffness": Column("stiffness", between_rows=True, above=0.0),
 }
 DRIVE_COLUMNS: Final = {
     "time": Column("time"),

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from ..errors import InputError, unknown_name_error
-from ..units import UNITS, converted
+from ..units import UNITS, converted, quantity
 
 # A name, and a unit in brackets or parentheses.
 _HEADER: Final = re.compile(
@@ -36,17 +36,21 @@ class Column:
         A key of `UNITS`; ``"text"`` or ``"number"`` for columns without a unit.
     between_rows : bool
         Whether values belong to a row and the next one; the last row then has none.
+    above, least : float or None
+        Bounds of the values.
 
     Examples
     --------
     >>> import hertzchain as hc
     >>> from hertzchain.store.csv_tables import Column
     >>> Column("length")
-    Column(dimension='length', between_rows=False)
+    Column(dimension='length', between_rows=False, above=None, least=None)
     """
 
     dimension: str
     between_rows: bool = False
+    above: float | None = None
+    least: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,18 +182,32 @@ def _values(
             raise InputError(f"row {row} of column {name!r} is empty")
     if column.dimension == "text":
         return list(cells)
-    numbers = [_number(cell, row, name) for row, cell in enumerate(cells, start=1)]
+    numbers = [_number(cell, row, name, unit) for row, cell in enumerate(cells, start=1)]
+    for row, value in enumerate(numbers, start=1):
+        _check_bounds(value, f"row {row} of column {name!r} is {cells[row - 1]!r}", unit, column)
     if unit is None:
         return numbers
     return [converted(name, cell, unit, UNITS[column.dimension][0]) for cell in cells]
 
 
-def _number(cell: str, row: int, name: str) -> float:
+def _check_bounds(value: float, where: str, unit: str | None, column: Column) -> None:
+    """Compare a number with bounds, which are the same in all units if they are 0."""
+    low = column.above is not None and value <= column.above
+    if low or (column.least is not None and value < column.least):
+        allowed = f"above {column.above:g}" if low else f"at least {column.least:g}"
+        raise InputError(f"{where}{'' if unit is None else f' [{unit}]'}: it must be {allowed}")
+
+
+def _number(cell: str, row: int, name: str, unit: str | None) -> float:
     try:
         value = float(cell)
     except ValueError:
         decimal = re.fullmatch(r"[+-]?\d+,\d+", cell)
         advice = f"; use a decimal point: {cell.replace(',', '.')}" if decimal else ""
+        if (parts := quantity(cell)) is not None:
+            advice = f"; write {parts[0]}, and the unit in the header: {name} [{unit or parts[1]}]"
+            if unit is not None and unit != parts[1]:
+                advice = f"; convert it to {unit}, the unit in the header"
         raise InputError(
             f"row {row} of column {name!r} is {cell!r}: it must be a number{advice}"
         ) from None

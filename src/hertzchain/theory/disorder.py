@@ -52,7 +52,9 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     rates :math:`s_k = \ln(R_{k+1}/R_k)` that were tabulated from ensembles of simulated pulses.  In
     nearly equal beads, c depends on the scatter: the attenuation is not proportional to
     :math:`\sigma^2`.
-    The law is not in the paper; it is derived in the explanation "Disorder".
+    Up to a scatter of 1%, means are within 0.06% and standard deviations within 0.8% of those of
+    simulated ensembles.  The law is not in the paper; it is derived, with that for arrival times
+    and the accuracy of all columns, in the explanation "Disorder".
 
     Parameters
     ----------

@@ -163,6 +163,11 @@ class EffectiveChain(Frozen):
         constant = solitary_wave(p).speed_constant
         return np.asarray((mass / self.stiffness) ** s * mean ** (-(p - 1.0) * s) / constant)
 
+    def _repr_html_(self) -> str:
+        from ..notebook.theories import effective_chain_html
+
+        return effective_chain_html(self)
+
     def __repr__(self) -> str:
         total = int(self.large_beads[-1])
         return f"EffectiveChain({len(self.masses)} large beads of {total}, p = {self.exponent:g})"

@@ -4,14 +4,14 @@
 import { percent, powers, short, ticks } from "./numbers.js";
 
 /** @typedef {{name: string, label: string, x: ArrayLike<number>, y: ArrayLike<number>, base?: ArrayLike<number>,
- *   points?: boolean, note?: string}} Series */
-/** @typedef {{xLabel: string, yLabel: string, log?: boolean, zero?: boolean,
+ *   points?: boolean}} Series */
+/** @typedef {{xLabel: string, yLabel: string, log?: boolean,
  *   percent?: boolean, message?: string, most?: number}} Axes */
 
 const SVG = "http://www.w3.org/2000/svg";
 /** Values below this part of the largest are cut off on logarithmic axes. */
 const SMALLEST = 1e-7;
-const LEFT = 54, RIGHT = 20, TOP = 20, BOTTOM = 32;
+const LEFT = 62, RIGHT = 20, TOP = 20, BOTTOM = 32;
 
 /** @param {string} name @param {Record<string, string | number>} [attributes] @param {string} [text] */
 export function svg(name, attributes = {}, text) {
@@ -67,7 +67,7 @@ export class Chart {
     this.message.textContent = axes.message ?? "";
     this.message.hidden = !axes.message;
     this.fit(series, axes);
-    if (axes.message && !series.length) this.axes.replaceChildren();
+    if (!series.length) this.axes.replaceChildren();
     else this.drawAxes(axes);
     this.plot.replaceChildren(...series.map((each) => this.path(each)));
     this.cursor(this.at);
@@ -94,8 +94,8 @@ export class Chart {
       this.y = [Math.max(y0, y1 * SMALLEST) / 1.3, y1 * 1.3];
       return;
     }
-    if (axes.zero !== false && y0 > 0 && y0 < 0.6 * y1) y0 = 0;
-    if (axes.zero !== false && y1 < 0 && y1 > 0.6 * y0) y1 = 0;
+    if (y0 > 0 && y0 < 0.6 * y1) y0 = 0;
+    if (y1 < 0 && y1 > 0.6 * y0) y1 = 0;
     if (y0 === y1) [y0, y1] = y0 === 0 ? [-1, 1] : [y0 - 0.1 * Math.abs(y0), y1 + 0.1 * Math.abs(y1)];
     const room = 0.05 * (y1 - y0);
     this.y = [y0 === 0 ? 0 : y0 - room, y1 === 0 ? 0 : y1 + room];

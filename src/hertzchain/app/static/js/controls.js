@@ -345,19 +345,19 @@ export class Controls {
     box.oninput = box.onchange = (/** @type {Event} */ { type }) => {
       const given = entered(box.value);
       typing = type === "input";
-      if (typeof given === "number") write(given, typing);
+      if (typeof given === "number") this.put(place, valued(given, this.unitOf(key, read()).replace("%", "")), typing);
       else if (!typing) this.put(place, given);
     };
     box.onblur = () => { typing = false; };
     this.updates.push(() => {
       const value = read(), shown = parsed(value, this.unitOf(key, value));
       if (document.activeElement !== slider) range = rangeNow();
-      if (!typing) box.value = shown.number === null ? value ?? "" : plain(shown.number);
+      if (!typing) box.value = shown.number === null ? value ?? "" : plain(shown.number) + (shown.unit === "%" ? "%" : "");
       const position = positionOf(shown.number ?? usual, range);
       if (document.activeElement !== slider || Math.abs(valueAt(Number(slider.value), range) - (shown.number ?? NaN)) > 1e-9 * Math.abs(shown.number ?? 1)) slider.value = String(position);
       slider.setAttribute("aria-valuetext", shown.number === null ? "default" : `${plain(shown.number)} ${shown.unit}`);
       slider.classList.toggle("idle", value === undefined);
-      unit.textContent = shown.unit;
+      unit.textContent = shown.unit.replace("%", "");
       clear.hidden = value === undefined || key.required || ["rate", "beads", "cells", "mass_ratio"].includes(key.name);
     });
     return make("div", { className: "row", title: key.description }, make("label", { for: id }, label), make("span", { className: "value" }, clear, box, unit), slider);

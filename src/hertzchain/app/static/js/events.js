@@ -1,7 +1,7 @@
 // @ts-check
 /** Events of the page: its choices, buttons and keys. */
 
-import { $ } from "./controls.js";
+import { $, make } from "./controls.js";
 import { fromLink } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -20,7 +20,7 @@ export const SELECTS = [["quantity", "quantity"], ["camera", "camera"], ["map-of
 export function listen(app) {
   const { about, state, view } = app;
   for (const name of Object.keys(about.quantities)) {
-    if (!about.quantities[name].estimate) $("quantity").append(Object.assign(document.createElement("option"), { value: name, textContent: name.replaceAll("_", " ") }));
+    if (!about.quantities[name].estimate) $("quantity").append(make("option", { value: name }, name.replaceAll("_", " ")));
   }
   for (const [id, name, again] of SELECTS) {
     $(id).onchange = () => {

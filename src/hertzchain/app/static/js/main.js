@@ -68,6 +68,8 @@ function other() {
   return state.B ? results[state.active === "A" ? "B" : "A"] : null;
 }
 
+const upper = (/** @type {string} */ text) => text.charAt(0).toUpperCase() + text.slice(1);
+
 /** @param {string} text @param {boolean} [bad] */
 function say(text, bad = false) {
   $("status").textContent = text;
@@ -90,10 +92,9 @@ function change(document, moving) {
 /** @param {Partial<import("./state.js").View>} some */
 function view(some) {
   Object.assign(state.view, some);
-  dirty.pulse = dirty.times = dirty.map = dirty.table = true;
   showView();
   keepAddress();
-  wake();
+  redraw();
 }
 
 /** @param {string | undefined} found */
@@ -127,6 +128,10 @@ function showAll() {
   controls.show(/** @type {any} */ (state[state.active]));
   showView();
   showHistory();
+  redraw();
+}
+
+function redraw() {
   dirty.pulse = dirty.times = dirty.map = dirty.table = true;
   wake();
 }
@@ -253,9 +258,9 @@ function problem(slot) {
   document.body.classList.toggle("stale", stale);
   controls.problem(text);
   if (stale) return say(text, true);
-  const message = found.run.header?.message;
+  const { message, energy_drift, success } = found.run.header ?? {};
   if (found.pending.length && !found.motion) say(whyBlank(found));
-  else if (message) say(`${message.charAt(0).toUpperCase()}${message.slice(1)}; energy is conserved to ${found.run.header.energy_drift.toExponential(0)}.`, !found.run.header.success);
+  else if (message) say(`${upper(message)}; energy is conserved to ${energy_drift.toExponential(0)}.`, !success);
 }
 
 function wake() {
@@ -338,12 +343,12 @@ function showTitles() {
     const header = results[slot].beads.header;
     if (header) $(`title-${slot}`).textContent = (state.B ? `${slot}: ` : "") + header.description;
   }
-  const beads = own().beads.header?.beads, list = own().warnings.map((text) => text.charAt(0).toUpperCase() + text.slice(1));
+  const beads = own().beads.header?.beads, list = own().warnings.map(upper);
   if (beads) $("bead").max = String(beads);
   if (beads < state.view.bead) select(beads);
   $("warnings").hidden = !list.length;
   $("warnings-count").textContent = list.length > 1 ? `${list.length} warnings: ${list[0]}` : list.join();
-  $("warnings-list").replaceChildren(...list.slice(1).map((text) => Object.assign(document.createElement("li"), { textContent: text })));
+  $("warnings-list").replaceChildren(...list.slice(1).map((text) => make("li", {}, text)));
 }
 
 /** @param {boolean} on */

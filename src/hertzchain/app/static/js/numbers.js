@@ -49,10 +49,10 @@ export function short(value, digits = 4) {
   return String(+value.toPrecision(digits)).replace("-", "−");
 }
 
-/** A percentage, with decimals down to 0.0001%. @param {number} value */
-export function percent(value) {
+/** A percentage, with decimals down to 0.000001%. @param {number} value @param {number} [digits] */
+export function percent(value, digits) {
   const size = Math.abs(value);
-  return (size >= 1e-4 && size < 1e-3 ? value.toFixed(4).replace("-", "−") : short(value)) + "%";
+  return (size >= 1e-6 && size < 1e-3 ? plain(+value.toPrecision(2)).replace("-", "−") : short(value, digits)) + "%";
 }
 
 /** The shortest text of a number to 12 digits. @param {number} value */

@@ -3,7 +3,7 @@
 
 import { Chart, svg } from "./chart.js";
 import { $, make } from "./controls.js";
-import { placeAt, prefixed, short } from "./numbers.js";
+import { percent, placeAt, prefixed, short } from "./numbers.js";
 import { title } from "./results.js";
 
 /** @typedef {import("./results.js").Results} Results */
@@ -63,18 +63,19 @@ export class Views {
     if (compared && other?.si === own.si && !hidden.includes("other")) series.unshift(line("other", "other chain", compared, factor));
     if (exact && !hidden.includes("exact")) series.unshift(line("exact", "simulation", exact, factor));
     const label = inUnit(info.description, unit);
-    const message = series.length ? "" : this.reason(own, quantity);
+    const message = series.length ? "" : this.reason(own);
     this.pulse.draw(series, { xLabel: info.per === "contact" ? "contact k" : "bead k", yLabel: label, log: state.view.log, message },
       `${label} along the chain: ${summary(series)}`);
     this.legend(own, other, quantity, hidden);
     this.drawErrors(state, own, other, shown);
+    for (const [name, { note }] of own.theories) for (const each of document.querySelectorAll(`.plot .${name}`)) each.classList.toggle("pale", !!note);
   }
 
-  /** Why no curve is shown. @param {Results} own @param {string} quantity */
-  reason(own, quantity) {
+  /** Why no curve is shown. @param {Results} own */
+  reason(own) {
     if (!own.pulse.header) return whyBlank(own);
     const refusal = own.theories.map(([, each]) => each.refusal).find(Boolean);
-    return this.about.quantities[quantity].estimate ? "Only theories that estimate their own error have this quantity." : refusal ?? "No value";
+    return refusal ?? "No value";
   }
 
   /** @param {State} state @param {Results} own @param {Results | null} other @param {string[]} shown */
@@ -97,7 +98,7 @@ export class Views {
     if (exact && estimate && !hidden.includes("local-rate")) series.push({ ...line("estimate", "estimate of the local-rate law", estimate, 100) });
     replace($("legend-error"), series.at(-1)?.name === "estimate" ? [key("estimate", "error estimated by the law")] : []);
     card.hidden = !series.length && !other && !!own.pulse.header;
-    const message = series.length ? "" : !own.pulse.header ? this.reason(own, quantity) : shown.length ? "No values to compare with." : "None of the theories shown supports this chain.";
+    const message = series.length ? "" : !own.pulse.header ? this.reason(own) : shown.length ? "No values to compare with." : "None of the theories shown supports this chain.";
     this.error.draw(series, { xLabel: "bead k", yLabel: "error relative to the simulation", log: true, percent: true, message, most: 1000 }, `Errors of the theories: ${summary(series)}`);
   }
 
@@ -118,8 +119,8 @@ export class Views {
     const reasons = new Map();
     for (const [name, each] of own.theories) {
       if (own.theory(name, quantity)) {
-        const error = exact && !this.about.quantities[quantity].estimate ? worst(own.theory(name, quantity), exact, free) : NaN;
-        entries.push(entry(name, title(name) + (error >= 0 ? ` ${short(error, 2)}%` : ""), each.note || `largest error from bead 2 on${free ? ", without the last bead" : ""}`));
+        const error = exact ? worst(own.theory(name, quantity), exact, free) : NaN;
+        entries.push(entry(name, title(name) + (error >= 0 ? ` ${percent(error, 2)}` : ""), each.note || `largest error from bead 2 on${free ? ", without the last bead" : ""}`));
         if (each.note) reasons.set(each.note, [...(reasons.get(each.note) ?? []), title(name)]);
       } else {
         const reason = each.refusal ?? `has no ${this.about.quantities[quantity].description}`;

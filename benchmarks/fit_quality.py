@@ -4,7 +4,7 @@
 
 All data are synthetic: 20 steel balls in front of a wall, struck at 0.3 m/s, sensors in balls 6,
 11 and 16 and in the wall, 1 MHz, 500 us, 14 bits over 200 N, noise of 0.1 N.  Each draw has its
-own stiffness, velocity, loss, gains, time offset and noise.
+own stiffness, velocity, loss, gains, time offset and noise.  The rounded samples have 8 bits.
 """
 
 import argparse
@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from synthetic_traces import bench, measured, recorded, signals
+from synthetic_traces import STEP, bench, measured, recorded, signals
 
 import hertzchain as hc
 from hertzchain.fitting.sensors import Sensor, filtered, with_crosstalk
@@ -41,14 +41,14 @@ START = {
 }  # fmt: skip
 
 
-def draw(law, seed, noise=0.1, **options):
+def draw(law, seed, noise=0.1, step=STEP, phase=0.0, **options):
     """Traces, the truth by name, and priors of one draw."""
     rng = np.random.default_rng(seed)
     factor, velocity = 1.0 + 0.05 * rng.normal(), 0.3 * (1.0 + 0.02 * rng.normal())
     gains = 1.0 + 0.03 * rng.normal(size=4)
     offset, own = rng.uniform(0.0, 30e-6), LAWS[law][0](rng)
     chain = bench(own, velocity=velocity, factor=factor, **options)
-    traces = measured(chain, rng, offset=offset, gains=gains, noise=noise)
+    traces = measured(chain, rng, offset=offset, gains=gains, noise=noise, step=step, phase=phase)
     truth = {"stiffness": factor, "exponent": 1.5, "struck_by.velocity": velocity,
              "time_offset": offset}  # fmt: skip
     truth |= {f"gain[{name}]": gain for name, gain in zip(traces.names, gains, strict=True)}
@@ -112,6 +112,35 @@ def coverage(draws):
             "not converged or not describing": misses,
         }  # fmt: skip
         print(law, found[law], flush=True)
+    return found
+
+
+def rounded(draws):
+    """Coverage of the errors, with priors, of 8 bits over 100 N and noise of a part of a step."""
+    step, found = 100 / 2**8, {}
+    for part in (0.0, 0.05, 0.15, 0.25, 0.35, 0.55, 1.0):
+        scores, ratios, above, misses = [], [], 0, 0
+        for seed in range(draws):
+            phase = np.random.default_rng(90_000 + seed).uniform(-0.5, 0.5, 4)
+            digitiser = {"step": step, "phase": phase}
+            traces, truth, priors = draw("viscoelastic", 80_000 + seed, part * step, **digitiser)
+            free = [*[name for name in NINE if name != "exponent"], "loss.time"]
+            result = hc.fit(traces, bench(START["viscoelastic"]), free=free, priors=priors)
+            misses += not result.converged or not result.describes
+            ratios.append(result.goodness.ratio)
+            errors, gate = result.errors, priors["struck_by.velocity"][1]
+            above += errors["struck_by.velocity"] > gate or any(
+                errors[f"gain[{name}]"] > 0.03 for name in traces.names
+            )
+            scores.append([(result.values[n] - truth[n]) / errors[n] for n in result.names])
+        z = np.abs(np.array(scores))
+        found[part] = {
+            "within 1 sigma": float(np.mean(z < 1.0)), "within 2 sigma": float(np.mean(z < 2.0)),
+            "rms of z": float(np.sqrt(np.mean(z**2))), "mean chi2 ratio": float(np.mean(ratios)),
+            "sd of chi2 ratio": float(np.std(ratios)), "errors above their prior": int(above),
+            "not converged or not describing": misses,
+        }  # fmt: skip
+        print(part, found[part], flush=True)
     return found
 
 
@@ -223,7 +252,7 @@ def degeneracies(_):
     return found
 
 
-SECTIONS = (cost, degeneracies, starts, gaps, sensors, coverage, laws)
+SECTIONS = (cost, degeneracies, starts, gaps, sensors, coverage, rounded, laws)
 
 
 def main():

@@ -31,9 +31,13 @@ def signals(chain, duration, offset, balls=BALLS, spacing=1e-6):
     return times, seen
 
 
-def recorded(times, seen, rng, *, gains=1.0, noise=0.1, balls=BALLS):
-    """Traces with noise and the steps of a 14-bit digitiser."""
-    values = STEP * np.round((gains * seen + rng.normal(0.0, noise, seen.shape)) / STEP)
+def recorded(times, seen, rng, *, gains=1.0, noise=0.1, balls=BALLS, step=STEP, phase=0.0):
+    """Traces with noise and the steps of a digitiser, by default with 14 bits.
+
+    Zero is at the phase within a step, from -0.5 to 0.5.
+    """
+    noisy = gains * seen + rng.normal(0.0, noise, seen.shape)
+    values = step * (np.round(noisy / step + phase) - phase)
     names = [*(f"ball {k} [N]" for k in balls), "wall [N]"]
     return hc.Traces.from_arrays(times, dict(zip(names, values.T, strict=True)))
 

@@ -93,7 +93,8 @@ def test_another_exponent_is_named_rather_than_a_lag():
 def test_no_effect_of_sensors_is_named_for_a_gap(gap):
     result = fitted(gap=gap)
     assert result.advice == (NOTHING_EXPLAINS,)
-    assert "--defects" in result.summary()
+    assert "(scan_defects)" in result.summary()
+    assert "--" not in result.summary().replace("+-", "")
 
 
 def test_levels_before_the_pulse_are_named_even_if_there_is_another_cause():

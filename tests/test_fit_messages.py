@@ -185,16 +185,48 @@ def test_the_exit_code_is_that_of_the_fit_with_a_gap(run, tmp_path):
     code, out, err = run("fit", *files, *free, "--starts", 1, "--defects",
                          "--out", tmp_path / "fitted.toml")  # fmt: skip
     assert code == 0, err
-    first, scan, without = out.strip().split("\n\n")
+    first, scan, balls, without = out.strip().split("\n\n")
     value, error = map(float, re.findall(r"gap\[8-9\] +(\S+) \+- (\S+) um", first)[0])
     assert abs(value - 0.4) < 3.0 * error < 0.02
     assert ": the model describes the data" in first
     assert re.match(r"scan for a gap at each of 1\d contacts, gap\[0-1\] to ", scan)
     assert re.search(r"\n  gap\[8-9\] +\d+ +0\.\d+ um\n", scan)
     assert scan.endswith("gap[8-9] explains more than noise would (a chi2 lower by 20)")
+    assert balls.startswith("scan for another radius of each of 15 beads, radius[1] to ")
     assert without.startswith("without gap[8-9]: chi2 ")
     assert ", far more than expected: the model does not describe the data" in without
     assert hc.load_chain(tmp_path / "fitted.toml").gaps[8] == pytest.approx(1e-6 * value, rel=1e-3)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
+def test_an_odd_ball_is_found_and_parameters_are_added(run, tmp_path):
+    row = chain(loss=hc.Viscoelastic(0.6e-6))
+    radii = row.radii.copy()
+    radii[8] *= 1.03
+    odd = hc.Chain.from_materials(radii[1:], "steel-52100").struck_by(velocity=0.26)
+    odd = odd.replace(right_wall=row.right_wall, loss=row.loss)
+    times = 0.7e-6 * np.arange(900)
+    seen = hc.simulate(odd, times=times)
+    rng, before = np.random.default_rng(4), 80
+    signals = {"ball 5": seen.sensor("ball 5"), "ball 12": seen.sensor("ball 12")}
+    signals["wall"] = seen.forces[:, -1]
+    columns = [0.7 * np.arange(before + 900)]
+    for values in signals.values():
+        noise = 0.05 * rng.standard_normal(before + 900)
+        columns.append(np.concatenate((np.zeros(before), values)) + noise)
+    header = ",".join(["time [us]", *(f"{name} [N]" for name in signals)])
+    np.savetxt(tmp_path / "data.csv", np.column_stack(columns), delimiter=",", header=header,
+               comments="", fmt="%.6g")  # fmt: skip
+    (tmp_path / "row.toml").write_text(hc.chain_as_toml(row))
+    files = (tmp_path / "data.csv", tmp_path / "row.toml")
+    free = ("--free", "stiffness", "--free", "time_offset", "--also-free", "struck_by.velocity")
+    code, out, err = run("fit", *files, *free, "--starts", 1, "--defects")
+    assert code == 0, err
+    names = [line.split()[0] for line in out.splitlines()[1:5]]
+    assert names == ["stiffness", "time_offset", "struck_by.velocity", "radius[8]"]
+    value, error, unit = re.findall(r"radius\[8\] +(\S+) \+- (\S+) (\w+)", out)[0]
+    unit_in_m = {"m": 1.0, "mm": 1e-3, "um": 1e-6}[unit]
+    assert abs(unit_in_m * float(value) - 5.15e-3) < 4.0 * unit_in_m * float(error) < 1e-4
 
 
 @pytest.mark.parametrize(

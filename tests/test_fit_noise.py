@@ -2,12 +2,20 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import make_interp_spline
 from scipy.signal import lfilter
-from scipy_row import FREE, TRUTH, chain, recorded
+from scipy_row import BEFORE, FREE, SPACING, TRUTH, chain, forces, recorded
+from synthetic_traces import bench, signals
+from synthetic_traces import recorded as synthetic
 
 import hertzchain as hc
 from hertzchain.fitting.goodness import goodness_of
-from hertzchain.fitting.noise import independent_samples, noise_of
+from hertzchain.fitting.noise import (
+    correlation_of_rounding,
+    independent_samples,
+    noise_before_rounding,
+    noise_of,
+)
 
 
 def first_order(rng, rho, shape):
@@ -110,3 +118,99 @@ def test_coarse_steps_are_part_of_the_noise():
     for _, signal in rounded(0.01, 0):
         assert not signal.coarse
         assert signal.sigma == signal.noise
+
+
+@pytest.mark.parametrize(("part", "bias"), [(0.05, 0.15), (0.25, 0.05), (0.55, 0.03), (0.9, 0.03)])
+def test_noise_smaller_than_a_step_is_separated_from_rounding(part, bias):
+    rng = np.random.default_rng(6)
+    found = [
+        noise_before_rounding(np.round(rng.uniform(-0.5, 0.5) + part * each), 1.0)
+        for each in rng.standard_normal((300, 400))
+    ]
+    # Errors of rounding are uniform if the mean may be anywhere within a step.
+    variance = np.mean(np.square(found)) + 1.0 / 12.0
+    assert variance == pytest.approx(part**2 + 1.0 / 12.0, rel=bias)
+
+
+@pytest.mark.parametrize("part", [0.05, 0.15, 0.3])
+def test_correlation_of_rounding_errors(part):
+    rng = np.random.default_rng(7)
+    true = rng.uniform(-0.5, 0.5, 200_000)
+    one, two = (np.round(true + part * rng.standard_normal(len(true))) - true for _ in range(2))
+    expected = np.corrcoef(one, two)[0, 1]
+    assert correlation_of_rounding(part, 1.0) == pytest.approx(expected, abs=0.01)
+
+
+def drawn(seed, part, step=0.4):
+    """Rounded traces with noise of a part of a step, the true gains, and a measured velocity."""
+    rng = np.random.default_rng(seed)
+    columns, gains, signals = {}, 1.0 + 0.03 * rng.standard_normal(3), forces()
+    begin = TRUTH["time_offset"] - rng.uniform(0.0, SPACING)
+    for (name, force), gain in zip(signals.items(), gains, strict=True):
+        after = SPACING * np.arange(BEFORE + len(force)) - begin
+        spline = make_interp_spline(SPACING * np.arange(len(force)), force, k=3)
+        seen = np.where(after > 0.0, spline(np.clip(after, 0.0, SPACING * (len(force) - 1))), 0.0)
+        phase, noise = rng.uniform(-0.5, 0.5), part * rng.standard_normal(len(seen))
+        columns[f"{name} [N]"] = step * (np.round(gain * seen / step + noise + phase) - phase)
+    data = hc.Traces.from_arrays(SPACING * np.arange(len(seen)), columns)
+    truth = {**TRUTH, "time_offset": begin}
+    truth |= {f"gain[{name}]": gain for name, gain in zip(signals, gains, strict=True)}
+    sigma = 0.01 * TRUTH["struck_by.velocity"]
+    gate = TRUTH["struck_by.velocity"] + sigma * rng.standard_normal()
+    return data, truth, {"struck_by.velocity": (gate, sigma), "gain[*]": (1.0, 0.03)}
+
+
+@pytest.mark.parametrize("part", [0.05, 0.25, 0.55])
+def test_errors_and_chi_squared_of_8_bits_are_right_with_priors(part):
+    scores, ratios = [], []
+    for seed in range(12):
+        data, truth, priors = drawn(1000 + seed, part)
+        result = hc.fit(data, chain(), free=[*FREE, "gain[*]"], priors=priors)
+        errors = result.errors
+        # No error exceeds that of the prior.
+        assert errors["struck_by.velocity"] < priors["struck_by.velocity"][1]
+        assert max(errors[f"gain[{name}]"] for name in data.names) < 0.03
+        scores.append([(result.values[name] - truth[name]) / errors[name] for name in truth])
+        ratios.append(result.goodness.ratio)
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.15)
+    # Most parameters are correlated, and the mean of 12 squares scatters by a third.
+    assert np.sqrt(np.mean(np.square(scores))) == pytest.approx(1.0, abs=0.3)
+    assert np.mean(np.abs(scores) < 1.0) == pytest.approx(0.683, abs=0.2)
+    assert np.mean(np.abs(scores) < 2.0) > 0.85
+
+
+def test_the_posterior_of_rounded_samples_has_the_prior():
+    # Without a loss, no trial requires a simulation.
+    row, rng = bench(), np.random.default_rng(9)
+    times, seen = signals(row, 700e-6, 60e-6)
+    data = synthetic(times, seen, rng, noise=0.04, step=0.4, phase=rng.uniform(-0.5, 0.5, 4))
+    priors = {"struck_by.velocity": (0.3, 3e-4), "gain[*]": (1.0, 0.03)}
+    free = ["stiffness", "struck_by.velocity", "time_offset", "gain[*]"]
+    result = hc.fit(data, row, free=free, priors=priors)
+    assert result.errors["struck_by.velocity"] == pytest.approx(3e-4, rel=0.05)
+    sampled = result.sample(1500, seed=1).errors
+    for name, error in result.errors.items():
+        assert sampled[name] == pytest.approx(error, rel=0.2)
+
+
+def test_priors_keep_their_weight_with_slow_noise():
+    times, columns = recorded(5, noise=0.0)
+    slow = 0.3 * first_order(np.random.default_rng(8), 0.9, (3, len(times)))
+    noisy = {name: seen + own for (name, seen), own in zip(columns.items(), slow, strict=True)}
+    data = hc.Traces.from_arrays(times, noisy, noise=0.3)
+    priors = {"struck_by.velocity": (TRUTH["struck_by.velocity"], 3e-5)}
+    result = hc.fit(data, chain(), free=FREE, priors=priors)
+    assert result.describes
+    assert result.goodness.inflation > 5.0
+    # The data alone determine the velocity less accurately than the prior.
+    assert 2.4e-5 < result.errors["struck_by.velocity"] < 3e-5
+    assert abs(result.prior_deviations["struck_by.velocity"]) < 1.0
+
+
+def test_residuals_smaller_than_their_noise_are_noted():
+    times, columns = recorded()
+    data = hc.Traces.from_arrays(times, columns, noise=0.15)
+    result = hc.fit(data, chain(), free=FREE)
+    assert result.goodness.ratio == pytest.approx(1.0 / 1.5**2, rel=0.1)
+    assert "the residuals are smaller than their noise: check it" in result.verdict
+    assert "multiply all errors by 0.67" in result.verdict

@@ -130,6 +130,7 @@ def public_calls(folder):
         "Traces.from_arrays": tried(
             hc.Traces.from_arrays, times=moved.times, signals=signal, noise=0.01
         ),
+        "Traces.merge": tried(traces.merge, other=traces),
         "Traces.plot": tried(traces.plot, legend=False, ax=None),
         "load_traces": tried(
             lambda path, sensors, noise: hc.load_traces(path, sensors=sensors, noise=noise),

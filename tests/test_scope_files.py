@@ -156,6 +156,54 @@ def test_sensors_of_the_command_line_have_units(run, tmp_path):
     assert " V " in out
 
 
+def test_channels_in_files_of_their_own_are_merged(tmp_path):
+    times, rng = 1e-6 * np.arange(80), np.random.default_rng(2)
+    pulse = np.exp(-(((times - 50e-6) / 6e-6) ** 2))
+    parts = []
+    for name, place in (("CH1", "ball 4 [V]"), ("CH2", "wall [V]")):
+        seen = pulse + 0.01 * rng.standard_normal(80)
+        rows = "\n".join(
+            f"{time!r},{value!r}" for time, value in zip(times.tolist(), seen.tolist(), strict=True)
+        )
+        # GW Instek writes seconds as S.
+        (tmp_path / name).write_text(
+            f"Horizontal Units,S\nVertical Units,V\nTIME,{name}\n{rows}\n", "utf-8"
+        )
+        parts.append(hc.load_traces(tmp_path / name, sensors={name: place}))
+    both = parts[0].merge(parts[1])
+    assert both.names == ("ball 4", "wall")
+    assert len(both.shots) == 1
+    np.testing.assert_array_equal(both.shots[0].times, times)
+    assert repr(both.shots[0]) == "Shot(ball 4 [V], wall [V]: 80 samples, every 1 us)"
+    with pytest.raises(hc.InputError, match="ball 4 is in both traces"):
+        both.merge(parts[0])
+    later = hc.Traces.from_arrays(times + 1e-6, {"ball 5 [V]": pulse}, noise=0.01)
+    with pytest.raises(hc.InputError, match="must have the same times"):
+        both.merge(later)
+    with pytest.raises(hc.InputError, match="1 shot cannot be merged with 2 shots"):
+        both.merge(later + later)
+
+
+def test_samples_beyond_the_range_are_not_used(tmp_path):
+    places = {"TIME": "time [s]", "CH1": "ball 4 [V]", "CH2": "wall [V]"}
+    rows = lines().splitlines()
+    rows[60] = rows[60].rpartition(",")[0] + ",∞"
+    (tmp_path / "scope.csv").write_text("TIME,CH1,CH2\n" + "\n".join(rows), "utf-8")
+    data = hc.load_traces(tmp_path / "scope.csv", sensors=places)
+    assert np.flatnonzero(np.isnan(data.shots[0].signals[1].values)).tolist() == [60]
+
+
+def test_equal_times_and_unknown_places_say_what_to_do(tmp_path):
+    file = tmp_path / "scope.csv"
+    file.write_text("time [s],Channel A [V]\n0.0001,0\n0.0001,1\n0.0002,0\n")
+    with pytest.raises(
+        hc.InputError, match="samples 1 and 2 are both at 0.0001 s; write the times"
+    ):
+        hc.load_traces(file, sensors={"Channel A": "wall"}, noise=0.1)
+    with pytest.raises(hc.InputError, match=r"sensors=\{'Channel A': 'wall'\}"):
+        hc.load_traces(file, sensors={"Channel A": "sensor 1"}, noise=0.1)
+
+
 @pytest.mark.parametrize("name", FORMATS)
 @pytest.mark.parametrize("separator", [";", "\t"])
 @pytest.mark.parametrize("decimal", [".", ","])

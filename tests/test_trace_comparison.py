@@ -275,3 +275,45 @@ def test_arrivals_in_another_order_are_noted(first, second):
         compared = run.compare(turned)
     assert "check the names of these columns" in compared.summary()
     assert not any("before" in each for each in run.compare(data).notes)
+
+
+@pytest.mark.parametrize("factor", [0.0195, 0.2, 5.0, 300.0])
+def test_a_column_in_a_wrong_unit_is_aligned(factor):
+    data = traces(("ball 5", "ball 10", "wall"))
+    right = simulated(7e-4).compare(data)
+    wrong = {
+        f"{signal.name} [N]": signal.values * (factor if signal.name == "wall" else 1.0)
+        for signal in data.shots[0].signals
+    }
+    with pytest.warns(hc.InputWarning, match="the measured peak of wall is"):
+        found = simulated(7e-4).compare(hc.Traces.from_arrays(data.shots[0].times, wrong))
+    assert found.time_offset == pytest.approx(right.time_offset, abs=0.1 * SPACING)
+    expected = factor / right.sensors[2].peak_ratio
+    assert f"the measured peak of wall is {expected:.3g} times" in found.notes[0]
+
+
+def test_the_level_before_the_pulse_does_not_change_a_comparison():
+    def compared(level):
+        pairs = zip(("ball 5 [V]", "wall [N]"), traces().shots[0].signals, (0.0125, 1), strict=True)
+        columns = {
+            name: factor * (signal.values + level) for name, signal, factor in pairs
+        }  # fmt: skip
+        return simulated(7e-4).compare(hc.Traces.from_arrays(traces().shots[0].times, columns))
+
+    plain, shifted = compared(0.0), compared(4.0)
+    for one, two in zip(plain.sensors, shifted.sensors, strict=True):
+        assert two.scale == pytest.approx(one.scale, rel=1e-9)
+        assert two.simulated_peak == pytest.approx(one.simulated_peak, rel=1e-9)
+    assert shifted.sensors[0].residual == pytest.approx(plain.sensors[0].residual, rel=1e-9)
+    np.testing.assert_allclose(shifted.scaled[0] - plain.scaled[0], 0.0125 * 4.0, rtol=1e-9)
+    (note,) = (each for each in shifted.notes if "before the pulse" in each)
+    assert "before the pulse, wall is at 4 N, the simulation at 0 N" in note
+    assert not any("before the pulse" in each for each in plain.notes)
+
+
+def test_a_run_with_few_saved_times_is_not_compared():
+    run = hc.simulate(chain(), until=7e-4, times=30)
+    with pytest.raises(hc.InputError, match="too few saved times to compare: [1-4] are") as caught:
+        run.compare(traces())
+    needed = int(re.search(r"at least times=(\d+)", str(caught.value))[1])
+    assert hc.simulate(chain(), until=7e-4, times=needed).compare(traces()).covered > 0.9

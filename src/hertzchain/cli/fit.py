@@ -28,6 +28,7 @@ from .yielding import pressures_below_yield
 
 if TYPE_CHECKING:
     from ..fitting.result import FitResult
+    from ..fitting.traces import Traces
 
 
 @click.command(cls=StrictCommand)
@@ -39,6 +40,12 @@ if TYPE_CHECKING:
     metavar="NAME",
     help="Free parameter, such as loss.time or 'gain[*]'; repeatable.  [default: those of the "
     "table [fit] of the chain file]",
+)
+@click.option(
+    "--also-free",
+    multiple=True,
+    metavar="NAME",
+    help="Parameter that is free in addition to those of --free or the chain file; repeatable.",
 )
 @click.option(
     "--prior",
@@ -57,7 +64,7 @@ if TYPE_CHECKING:
 @click.option(
     "--defects",
     is_flag=True,
-    help="Search for the gap that explains most of the residuals, and fit it.",
+    help="Search for the gap or odd ball that explains most of the residuals, and fit it.",
 )
 @click.option(
     "--sample",
@@ -75,8 +82,8 @@ if TYPE_CHECKING:
 @json_option()
 def fit(
     files: tuple[Path, ...], sensors: tuple[str, ...], free: tuple[str, ...],
-    priors: tuple[str, ...], starts: int, laws: str | None, defects: bool, sample: int | None,
-    plot: Path | None, out: Path | None, as_json: bool,
+    also_free: tuple[str, ...], priors: tuple[str, ...], starts: int, laws: str | None,
+    defects: bool, sample: int | None, plot: Path | None, out: Path | None, as_json: bool,
 ) -> int:  # fmt: skip
     """Fit a chain and its sensors to measured traces.
 
@@ -86,8 +93,8 @@ def fit(
 
     The exit code is 1 if the search does not converge, and 3 if the model does not describe the
     data within their noise, or only with values that contradict their priors.  If --defects finds a
-    gap, the fit that includes it is printed first, and the exit code, --out, --plot and --sample
-    refer to this fit.
+    gap or an odd ball, the fit that includes it is printed first, and the exit code, --out, --plot
+    and --sample refer to this fit.
 
     \b
     Examples:
@@ -103,7 +110,7 @@ def fit(
     check_writable(out, "--out", (".toml",))
     traces = hertzchain.load_traces(*files[:-1], sensors=sensors_from(sensors))
     known = dict(_prior(text) for text in priors)
-    settings: dict[str, Any] = {"free": list(free) or None, "priors": known}
+    settings: dict[str, Any] = {"free": _free(traces, files[-1], free, also_free), "priors": known}
     with _simulations() as progress:
         result = hertzchain.fit(traces, files[-1], starts=starts, progress=progress, **settings)
     document = result.as_dict()
@@ -145,23 +152,45 @@ def fit(
     return DONE if good else OUTSIDE_TOLERANCE
 
 
-def _defects(result: FitResult, document: dict[str, Any]) -> tuple[FitResult, list[str]]:
-    """Scan for a gap and fit it if there is one; return the last fit and lines to print."""
+def _free(
+    traces: Traces, chain: Path, free: tuple[str, ...], more: tuple[str, ...]
+) -> list[str] | None:
+    """Names of free parameters; `None` for those of the chain file."""
+    from ..fitting.parameters import default_names
+    from ..fitting.settings import load_experiment
+
+    if not more:
+        return list(free) or None
     import hertzchain
 
-    with progress_bar("contacts tried") as progress:
-        scan = hertzchain.scan_defects(result, progress=progress)
+    data, chains, settings = load_experiment(traces, chain, hertzchain.load_traces)
+    usual = settings.free or default_names(data, chains[0])
+    return [*(free or usual), *more]
+
+
+def _defects(result: FitResult, document: dict[str, Any]) -> tuple[FitResult, list[str]]:
+    """Scan for a gap or odd ball and fit it if there is one; return the last fit and lines."""
+    import hertzchain
+
+    scans = []
+    for kind, what in (("gap", "contacts tried"), ("bead", "balls tried")):
+        with progress_bar(what) as progress:
+            scans.append(hertzchain.scan_defects(result, kind, progress=progress))
     document["defects"] = [
         {"name": name, "value": float(size), "chi2_improvement": float(gained)}
+        for scan in scans
         for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
     ]
-    if not scan.found:
-        return result, [scan.summary()]
-    with progress_bar("defects fitted") as progress:
-        with_defect = scan.fit(progress=progress)
-    document["fit_with_defect"] = with_defect.as_dict()
-    gap = with_defect.names[-1]
-    return with_defect, [scan.summary(), f"without {gap}: {result.verdict}"]
+    lines, found = [scan.summary() for scan in scans], []
+    for scan in scans:
+        if scan.found:
+            with progress_bar("defects fitted") as progress:
+                found.append(scan.fit(progress=progress))
+    if not found:
+        return result, lines
+    best = min(found, key=lambda each: each.chi2 + each.penalty)
+    document["fit_with_defect"] = best.as_dict()
+    return best, [*lines, f"without {best.names[-1]}: {result.verdict}"]
 
 
 def _pressures(result: FitResult) -> list[str]:

@@ -25,6 +25,10 @@ WORDINGS: Final = (
     (r"(?<![-.'])\bmax_steps\b", "--max-steps"),
     (r"\bgive load_traces sensors=\{'([^']*)': '([^']*)'\}", r"add --sensor '\1=\2'"),
     (r"\bgive sensors to load_traces\b", "add --sensor"),
+    (r"\(scan_defects\)", "(--defects)"),
+    (r"\(compare_losses\)", "(--laws all)"),
+    (r"\bcompare_losses compares", "--laws all compares"),
+    (r"\badd '([^']*)' to the free parameters", r"add --also-free '\1'"),
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),
     (r"(choose a value of the others, such as) (?!--at)", r"\1 --at "),
 )  # fmt: skip

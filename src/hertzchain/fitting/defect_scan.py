@@ -298,7 +298,7 @@ def _explained(result: FitResult, name: Name, inverse: Array) -> tuple[float, fl
 
     def residuals_at(size: float) -> Array:
         predicted = changed.predicted({**values, name: size})
-        found = (predicted - problem.data) / problem.sigma
+        found = (predicted - problem.data) / problem.scale
         found[problem.skipped] = 0.0
         return np.concatenate((found, result.residual_vector[len(found) :]))
 

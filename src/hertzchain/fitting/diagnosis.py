@@ -46,8 +46,8 @@ LOSS: Final = "viscoelastic"
 # effect of several sensors beyond this number of standard deviations.
 CERTAIN: Final = 5.0
 OTHERS: Final = (
-    "gaps and odd balls (scan_defects, --defects), other loss laws (--laws all), the exponent of "
-    "the wall, and the sizes and materials of striker, balls and wall"
+    "gaps and odd balls (scan_defects), other loss laws (compare_losses), the exponent of the "
+    "wall, and the sizes and materials of striker, balls and wall"
 )
 NOTHING_EXPLAINS: Final = (
     "none of the effects tested explains the residuals (offsets, gains, delays, signs, units and "
@@ -200,7 +200,7 @@ def _losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
         yield replace(cause, what=f"a {LOSS} loss, {cause.what}", advice=(
             f"add a loss to the chain, such as loss = {{law = '{LOSS}', time = "
             f"'{1e6 * cause.result.values[str(name)]:.3g} us'}}, and {str(name)!r} to the free "
-            "parameters; compare_losses (--laws all) compares other laws"
+            "parameters; compare_losses compares other laws"
         ))  # fmt: skip
 
 

@@ -18,8 +18,7 @@ from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
 from .coupling import coupling_notes
 from .diagnosis import diagnosed
-from .goodness import goodness_of
-from .least_squares import Solution, solve
+from .least_squares import Solution, solve, solve_again
 from .misread_columns import inversion_notes
 from .model import Model, make_model
 from .names import Name
@@ -35,6 +34,7 @@ from .systematics import effects_of
 from .trace_files import load_traces
 from .traces import Traces
 from .weak_directions import WeakDirection, weak_directions
+from .weights import correlations, goodness_of_problem, remaining_weights
 
 Path_ = str | os.PathLike[str]
 TracesLike = Traces | Path_ | Sequence[Path_]
@@ -155,6 +155,12 @@ def fitted(problem: Problem, start: Mapping[str, float], starts: int) -> FitResu
     problem = _with_signs(problem, values)
     align = not any(each.startswith(("time_offset", "stiffness")) for each in start)
     solution = solve(problem, values, starts, align=align)
+    good = goodness_of_problem(problem, solution.residuals)
+    correlated = correlations(problem, solution.residuals)
+    # Residuals of a wrong model are correlated, too, but they do not measure the noise.
+    if (good.describes or good.undecided) and np.any(correlated != 1.0):
+        problem.set_correlated(correlated)
+        solution = solve_again(problem, solution)
     return result_of(problem, solution)
 
 
@@ -186,7 +192,9 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     values = model.values(variables)
     names = tuple(map(str, model.names))
     count = len(problem.data)
-    good = goodness_of(model.traces, solution.residuals[:count], ~problem.skipped, len(names))
+    good = goodness_of_problem(problem, solution.residuals)
+    weights = remaining_weights(problem, solution.residuals)
+    jacobian, residuals = weights[:, None] * solution.jacobian, weights * solution.residuals
     low, high = problem.bounds()
     bound = (variables - low < AT_BOUND * np.maximum(1.0, np.abs(low))) | (
         high - variables < AT_BOUND * np.maximum(1.0, np.abs(high))
@@ -194,12 +202,12 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     free = ~bound
     # No simulation is needed.
     change = differences(lambda u: np.array([*model.values(u).values()]), variables)
-    covariance = _covariance(solution.jacobian, change, free) * good.inflation
+    covariance = _covariance(jacobian, change, free)
     sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     sigmas[bound] = np.inf
     estimates = np.array([values[name] for name in model.names])
     sizes = _sizes(model, estimates)
-    physical = solution.jacobian[:count] @ np.linalg.inv(change)
+    physical = jacobian[:count] @ np.linalg.inv(change)
     priors = {
         str(each): each.prior[1] / size
         for each, size in zip(model.parameters, sizes, strict=True)
@@ -217,17 +225,12 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     at_bounds = tuple(name for name, there in zip(names, bound, strict=True) if there)
     notes = conflict_notes(model.parameters, model.traces, values, sigmas)
     notes += _notes(model, sigmas, sizes, at_bounds, weak)
-    if {"stiffness", "exponent"} <= {name.key for name in model.names}:
-        notes += (
-            f"stiffness is the factor of the forces at an overlap of {1e6 * model.reference:.3g} "
-            "um, at which the exponent does not change them",
-        )
     if good.skipped:
         notes += (
             f"{counted(good.skipped, 'sample')} next to jumps of the force "
             f"{'is' if good.skipped == 1 else 'are'} not used",
         )
-    effects = effects_of(problem, values, solution.jacobian, solution.residuals, good.inflation)
+    effects = effects_of(problem, values, jacobian, residuals)
     simulations = model.simulator.count
     duration = float(model.traces.shots[0].times[-1] - model.traces.shots[0].times[0])
     notes += (
@@ -291,6 +294,11 @@ def _notes(
                 f"the data hardly fix {name}, whose error exceeds its size: fix it, or give it a "
                 "prior"
             )
+    if {"stiffness", "exponent"} <= {name.key for name in model.names}:
+        notes.append(
+            f"stiffness is the factor of the forces at an overlap of {1e6 * model.reference:.3g} "
+            "um, at which the exponent does not change them"
+        )
     if model.simulator.failed:
         notes.append(f"{model.simulator.failed} trial runs failed and were rejected")
     return tuple(notes)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ..collision import Array
-from .noise import SIGNIFICANT, independent_samples
+from .noise import SIGNIFICANT, independent_samples, level_runs
 from .signals import Signal
 from .traces import Traces
 
@@ -35,13 +36,15 @@ class Goodness:
     Attributes
     ----------
     chi2 : float
-        Sum of the squared residuals of the data over their noise.
-    samples, effective_samples : int, float
-        Number of samples, and of independent ones: residuals of real sensors are correlated.
+        Sum of the squared residuals of the data over their noise.  Of samples that are rounded to
+        coarse steps, equal successive ones count as one.
+    samples, counted, effective_samples : int, float, float
+        Number of samples; of these if equal ones count once; and of independent ones: residuals of
+        real sensors are correlated.
     skipped : int
         Number of valid samples that are not used, because they are next to a jump of the force.
     freedom : int
-        Samples minus free parameters.
+        Counted samples minus free parameters.
     uncertainty : float
         Standard deviation of `ratio`: chi-squared scatters, and the noise may have been estimated
         from a few samples.
@@ -62,6 +65,10 @@ class Goodness:
     uncertainty: float
     correlation: float
     noise_error: float = 0.0
+    counted: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "counted", self.counted or float(self.samples))
 
     @property
     def ratio(self) -> float:
@@ -98,13 +105,15 @@ class Goodness:
     @property
     def noise_uncertain(self) -> bool:
         """Whether only the uncertainty of the noise makes the residuals consistent with it."""
-        known = 2.0 / max(self.effective_samples - (self.samples - self.freedom), 1.0)
+        known = 2.0 / max(self.effective_samples - (self.counted - self.freedom), 1.0)
         far = abs(self.ratio - 1.0) > UNLIKELY * known**0.5
         return self.describes and self.noise_error > 0.0 and bool(far)
 
     @property
     def reservation(self) -> str:
         """Addition to the verdict that the model describes the data, if it depends on the noise."""
+        if self.excess < -UNLIKELY:
+            return f", but the residuals are smaller than their noise: check it; {self.if_measured}"
         if not self.noise_uncertain:
             return ""
         return (
@@ -153,75 +162,109 @@ class Goodness:
 
     @property
     def inflation(self) -> float:
-        """Samples per independent sample, the factor of all variances."""
-        return self.samples / self.effective_samples
+        """Counted samples per independent sample."""
+        return self.counted / self.effective_samples
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """The residuals of a signal that are used, and the number of samples that each stands for."""
+
+    signal: Signal
+    residuals: Array
+    counts: Array
+    values: Array
+
+    @property
+    def counted(self) -> float:
+        """Number of samples if equal ones count once."""
+        return float(np.sum(1.0 / self.counts))
+
+    @property
+    def independent(self) -> float:
+        """Number of independent residuals."""
+        return self.counted / correlation_length(self._series)
+
+    @property
+    def _series(self) -> Array:
+        """The residuals; of coarse samples, the mean of those with equal successive values."""
+        if not self.signal.coarse or not len(self.values):
+            return self.residuals
+        first = level_runs(self.values)
+        lengths = np.diff(np.append(first, len(self.values)))
+        return np.asarray(np.add.reduceat(self.residuals * self.counts**0.5, first) / lengths)
+
+
+def _parts(traces: Traces, residuals: Array, used: Array) -> list[_Part]:
+    parts, begin = [], 0
+    for _, signal in traces:
+        counts = signal.counted
+        own = slice(begin, begin + len(counts))
+        mask = used[own]
+        values = signal.values[signal.valid][mask]
+        parts.append(_Part(signal, residuals[own][mask], counts[mask], values))
+        begin += len(counts)
+    return parts
+
+
+def correlated_samples(traces: Traces, residuals: Array, used: Array) -> Array:
+    """Number of samples per independent one of each signal, for each of its valid samples."""
+    return np.concatenate([
+        np.full(int(part.signal.valid.sum()), part.counted / part.independent)
+        for part in _parts(traces, residuals, used)
+    ])  # fmt: skip
 
 
 def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) -> Goodness:
     """Chi-squared of the weighted residuals that are used, signal after signal."""
-    parts, begin = [], 0
-    for _, signal in traces:
-        count = int(signal.valid.sum())
-        own = slice(begin, begin + count)
-        parts.append((residuals[own][used[own]], signal))
-        begin += count
-    effective = sum(_independent(part, signal) for part, signal in parts)
+    parts = _parts(traces, residuals, used)
     residuals = residuals[used]
-    chi2, count = float(residuals @ residuals), len(residuals)
-    freedom = count - parameters
+    chi2, counted = float(residuals @ residuals), sum(part.counted for part in parts)
+    freedom = round(counted) - parameters
     # The noise of each signal has a separate error.
-    noise = sum(
-        (len(part) / count) ** 2 * 2.0 / independent_samples(_quiet(signal))
-        for part, signal in parts if signal.quiet and not signal.coarse
-    )  # fmt: skip
-    independent = sum(_independent_noise(part, signal) for part, signal in parts)
+    noise = sum((part.counted / counted * _noise_error(part.signal)) ** 2 for part in parts)
+    independent = sum(map(_independent_noise, parts))
     variance = 2.0 / max(independent - parameters, 1.0) + noise
     return Goodness(
-        chi2, count, float(effective), int(np.sum(~used)), freedom, float(variance**0.5),
-        _correlation(traces, [part for part, _ in parts]), float(noise**0.5),
+        chi2, len(residuals), sum(part.independent for part in parts), int(np.sum(~used)), freedom,
+        float(variance**0.5), _correlation(parts), float(noise**0.5), counted,
     )  # fmt: skip
 
 
-def _independent(residuals: Array, signal: Signal) -> float:
-    """Number of independent residuals; of rounded samples, equal successive ones count once."""
-    found = len(residuals) / correlation_length(residuals)
-    if not signal.coarse:
-        return found
-    values = signal.values[signal.valid]
-    return min(found, 1.0 + np.count_nonzero(np.diff(values)))
+def _noise_error(signal: Signal) -> float:
+    """Relative standard deviation of the variance of a sample, if its noise was estimated."""
+    if not signal.quiet:
+        return 0.0
+    part = (signal.noise / signal.sigma) ** 2
+    return float(part * (2.0 / independent_samples(signal.quiet_values)) ** 0.5)
 
 
-def _independent_noise(residuals: Array, signal: Signal) -> float:
+def _independent_noise(part: _Part) -> float:
     """Number of independent samples of the noise among the residuals.
 
     An incomplete model has slow residuals, and their own number is then too small: used alone, it
     would excuse them.
     """
-    found = _independent(residuals, signal)
-    if signal.coarse or not signal.quiet:
+    found = part.independent
+    if part.signal.coarse or not part.signal.quiet:
         return found
-    quiet = _quiet(signal)
-    return max(found, len(residuals) * independent_samples(quiet) / len(quiet))
+    quiet = part.signal.quiet_values
+    return max(found, len(part.residuals) * independent_samples(quiet) / len(quiet))
 
 
-def _quiet(signal: Signal) -> Array:
-    quiet = signal.values[: signal.before]
-    return quiet[np.isfinite(quiet)]
-
-
-def _correlation(traces: Traces, residuals: list[Array]) -> float:
+def _correlation(parts: Sequence[_Part]) -> float:
     """Correlation of successive residuals in standard deviations, where the noise has none."""
     total, count = 0.0, 0
-    for (_, signal), part in zip(traces, residuals, strict=True):
-        if _has_white_noise(signal) and len(part) > signal.quiet:
-            total += len(part) * float(autocorrelation(part, 1)[-1])
-            count += len(part)
+    for part in parts:
+        if _has_white_noise(part.signal) and len(part.residuals) > part.signal.quiet:
+            total += len(part.residuals) * float(autocorrelation(part.residuals, 1)[-1])
+            count += len(part.residuals)
     return float(total / count**0.5) if count else 0.0
 
 
 def _has_white_noise(signal: Signal) -> bool:
     """Whether the samples before the pulse are known not to be correlated."""
-    quiet = _quiet(signal) if signal.quiet else np.zeros(0)
+    quiet = signal.quiet_values if signal.quiet else np.zeros(0)
     if not len(quiet) or np.ptp(quiet) == 0.0 or signal.coarse:
         return False
     return float(autocorrelation(quiet, 1)[-1]) < SIGNIFICANT / len(quiet) ** 0.5

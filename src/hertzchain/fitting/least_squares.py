@@ -64,7 +64,7 @@ def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bo
     tried = 1
     # A mass has one optimum above and one below that of the other balls.
     least = 2 if any(name.key == "mass" for name in problem.model.names) else 1
-    if best.cost > GOOD * len(best.residuals):
+    if best.cost > GOOD * problem.expected:
         for start in further_starts(problem.model, first, starts):
             found = _from(problem, problem.model.variables(start))
             tried += 1
@@ -72,11 +72,16 @@ def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bo
             same = abs(found.cost - best.cost) < SAME * best.cost
             if found.cost < best.cost:
                 best = found
-            if (same and tried > least) or best.cost <= GOOD * len(best.residuals):
+            if (same and tried > least) or best.cost <= GOOD * problem.expected:
                 break
     if problem.jumps:
         best = _without_jumps(problem, best)
     return replace(best, starts=tried)
+
+
+def solve_again(problem: Problem, solution: Solution) -> Solution:
+    """The solution with other weights of the samples, from one with the former weights."""
+    return replace(_from(problem, solution.variables), starts=solution.starts)
 
 
 def _without_jumps(problem: Problem, best: Solution) -> Solution:

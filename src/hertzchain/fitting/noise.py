@@ -39,6 +39,9 @@ WIDER, STEEPER = 1.5, 2.5
 BESIDE: Final = 1
 # Fraction of the height above which samples belong to a pulse.
 PULSE: Final = 0.05
+# Trial values, in steps, of a noise that is smaller than a step, and of the level within a step.
+TRIAL_NOISES: Final = np.linspace(0.01, 1.2, 120)
+TRIAL_LEVELS: Final = np.linspace(-0.5, 0.5, 100, endpoint=False)
 
 
 def check_names_of_noise(noise: object, names: Sequence[str]) -> None:
@@ -64,6 +67,59 @@ def noise_of(quiet: Array) -> float:
     """Standard deviation of a quiet part, whose mean absorbs a part of slow noise."""
     independent = independent_samples(quiet)
     return float(np.std(quiet) * (independent / (independent - 1.0)) ** 0.5)
+
+
+def noise_before_rounding(quiet: Array, step: float) -> float:
+    """Standard deviation of a quiet part without the errors of rounding to a large step.
+
+    The standard deviation of rounded samples depends on the position of their mean within a step,
+    which is unknown.  This is the maximum of their likelihood, averaged over all positions.
+    """
+    from scipy.special import logsumexp, ndtr
+
+    levels, counts = np.unique(np.round((quiet - np.median(quiet)) / step), return_counts=True)
+    if len(levels) == 1:
+        return 0.0
+    distance = (levels[:, None] - TRIAL_LEVELS)[:, None, :]
+    ends = [ndtr((distance + side) / TRIAL_NOISES[:, None]) for side in (-0.5, 0.5)]
+    chances = np.log(np.maximum(ends[1] - ends[0], np.finfo(float).tiny))
+    part = independent_samples(quiet) / len(quiet)
+    likelihood = logsumexp(np.tensordot(part * counts, chances, 1), axis=1)
+    return step * float(TRIAL_NOISES[np.argmax(likelihood)])
+
+
+def correlation_of_rounding(noise: float, step: float) -> float:
+    """Correlation of the errors of two rounded samples with the same value before the noise.
+
+    This is the mean over all positions within a step, from the Fourier series of the error (B.
+    Widrow and I. Kollar, Quantization Noise, Cambridge, 2008).
+    """
+    orders = np.arange(1.0, 200.0)
+    series = np.exp(-((2.0 * np.pi * orders * noise / step) ** 2)) / orders**2
+    common = step**2 / (2.0 * np.pi**2) * float(series.sum())
+    return common / (noise**2 + step**2 / 12.0)
+
+
+def level_runs(values: Array) -> Array:
+    """First samples of the runs of equal rounded samples.
+
+    Runs are one if the samples return to the same value after another one, as noise makes them.
+    """
+    first = np.concatenate(([0], 1 + np.flatnonzero(np.diff(values))))
+    begins = np.ones(len(first), bool)
+    returns = values[first[2:]] == values[first[:-2]]
+    begins[1:-1] &= ~returns
+    begins[2:] &= ~returns
+    return np.asarray(first[begins])
+
+
+def counted_once(values: Array, part: float) -> Array:
+    """Number of samples for which each sample of a run of equal ones stands.
+
+    ``part`` of the variance of their errors is common to all of them.
+    """
+    lengths = np.diff(np.append(level_runs(values), len(values)))
+    return np.repeat(1.0 + part * (lengths - 1.0), lengths)
 
 
 def independent_samples(quiet: Array) -> float:

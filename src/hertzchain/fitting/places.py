@@ -63,16 +63,24 @@ class Place:
         return run.sensor(bead) if self.quantity == "force" else run.velocity(bead)
 
 
-def place_named(name: str, written: str | None = None, *, example: str = "wall") -> Place:
-    """The place with a name; raises `InputError`, with the name as it is written, for others."""
+def place_named(
+    name: str, written: str | None = None, *, example: str = "wall", column: str | None = None
+) -> Place:
+    """The place with a name; raises `InputError`, with the name as it is written, for others.
+
+    ``column`` is the header for which the place is given, if it is not part of it.
+    """
     text = " ".join(name.lower().split())
     found = NAME.fullmatch(text)
     quantity = (found[4] or "force") if found else ""
     if found is None or quantity not in QUANTITIES or (found[1] is None and quantity != "force"):
+        own = written or name
+        what = f"column {own!r} does not name the place of its sensor"
+        if column is not None:
+            what = f"{own!r}, given for column {column!r}, does not name the place of a sensor"
         raise InputError(
-            f"column {written or name!r} does not name the place of its sensor; write 'ball 6', "
-            "'bead 7', 'wall' or 'ball 3 velocity', with a unit such as [N], or give load_traces "
-            f"sensors={{{written or name!r}: {example!r}}}"
+            f"{what}; write 'ball 6', 'bead 7', 'wall' or 'ball 3 velocity', with a unit such as "
+            f"[N], or give load_traces sensors={{{column or own!r}: {example!r}}}"
         )
     body = found[1] or found[3] or "right"
     return Place(text.removesuffix(" force"), body, int(found[2] or 0), quantity)

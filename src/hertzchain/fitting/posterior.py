@@ -14,6 +14,7 @@ from ..validation.keywords import checked_methods
 from ..validation.memory import check_memory
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
+from .weights import remaining_weights
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -134,26 +135,26 @@ def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) 
         ) from None
     problem = result.problem
     low, high = problem.bounds()
-    inflation = result.goodness.inflation
+    weights = remaining_weights(problem, result.residual_vector)
 
     def log_probability(variables: Array) -> float:
         if np.any(variables < low) or np.any(variables > high):
             return -np.inf
         try:
-            residuals = problem.residuals(variables)
+            residuals = weights * problem.residuals(variables)
         except (SimulationError, InputError):
             return -np.inf
         squares = float(residuals @ residuals)
-        return -0.5 * squares / inflation if np.isfinite(squares) else -np.inf
+        return -0.5 * squares if np.isfinite(squares) else -np.inf
 
     count = len(result.variables)
     walkers = max(MIN_WALKERS, 2 * count + 2)
     needed = 8 * steps * walkers * (count + 1)
     check_memory(f"{steps} steps of {walkers} walkers", needed, "use fewer steps")
     random = np.random.default_rng(seed)
-    inverse = np.linalg.pinv(result.jacobian, rcond=1e-10)
+    inverse = np.linalg.pinv(weights[:, None] * result.jacobian, rcond=1e-10)
     spread = np.linalg.svd(inverse @ inverse.T)
-    root = spread[0] * np.sqrt(spread[1] * inflation)
+    root = spread[0] * np.sqrt(spread[1])
     begin = result.variables + random.normal(size=(walkers, count)) @ root.T
     begin = np.clip(begin, low + 1e-9, high - 1e-9)
     sampler: Any = emcee.EnsembleSampler(walkers, count, log_probability)

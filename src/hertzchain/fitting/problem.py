@@ -40,11 +40,18 @@ def differences(function: Callable[[Array], Array], variables: Array) -> Array:
 
 @dataclass(eq=False)
 class Problem:
-    """Weighted residuals of data and priors as a function of the variables of a fit."""
+    """Weighted residuals of data and priors as a function of the variables of a fit.
+
+    A sample that is not independent of others counts less: in the likelihood of the data, not in
+    that of the priors.
+    """
 
     model: Model
     data: Array = field(init=False)
+    # Standard deviation of a sample times the root of the number of samples for which it stands.
     sigma: Array = field(init=False)
+    # Samples per independent sample, because noise is correlated; known only after a fit.
+    correlated: Array = field(init=False)
     last_failure: str = ""
     # Samples that are not used because they are next to a jump, once these have been determined.
     skipped: Array = field(init=False)
@@ -54,8 +61,25 @@ class Problem:
     def __post_init__(self) -> None:
         pairs = [signal for _, signal in self.model.traces]
         self.data = np.concatenate([each.values[each.valid] for each in pairs])
-        self.sigma = np.concatenate([np.full(each.valid.sum(), each.sigma) for each in pairs])
+        self.sigma = np.concatenate([each.sigma * each.counted**0.5 for each in pairs])
+        self.correlated = np.ones(len(self.data))
         self.skipped = np.zeros(len(self.data), bool)
+
+    @property
+    def scale(self) -> Array:
+        """Deviations of samples whose residuals are 1."""
+        return np.asarray(self.sigma * self.correlated**0.5)
+
+    @property
+    def expected(self) -> float:
+        """Expected sum of the squared residuals of data with the standard deviations `sigma`."""
+        pairs = [signal for _, signal in self.model.traces]
+        priors = sum(each.prior is not None for each in self.model.parameters)
+        return priors + float(sum(np.sum(1.0 / each.counted) for each in pairs))
+
+    def set_correlated(self, correlated: Array) -> None:
+        """Set the number of samples per independent one, for each sample."""
+        self.correlated, self._latest = correlated, None
 
     def skip_next_to_jumps(self, variables: Array, *, more: bool) -> bool:
         """Skip the samples next to jumps, alone or in addition; return whether any mask changes.
@@ -113,7 +137,7 @@ class Problem:
         values = self.model.values(variables)
         try:
             with np.errstate(over="ignore", invalid="ignore"):
-                found = (self.predicted(values) - self.data) / self.sigma
+                found = (self.predicted(values) - self.data) / self.scale
         except (SimulationError, InputError) as error:
             self.last_failure = str(error)
             found = np.full(len(self.data), np.inf)
@@ -144,7 +168,8 @@ class Problem:
             if shot:
                 columns = columns @ self._conversion(variables, shot)
             rows.append(columns)
-        rows = [np.where(self.skipped[:, None], 0.0, np.concatenate(rows))]
+        used = ~self.skipped[:, None]
+        rows = [np.where(used, np.concatenate(rows) / self.scale[:, None], 0.0)]
         priors = differences(lambda u: self.prior_residuals(self.model.values(u)), variables)
         return np.concatenate((*rows, priors))
 
@@ -153,17 +178,14 @@ class Problem:
         return differences(lambda u: self.model.variables(self.model.values(u), shot), variables)
 
     def _shot_jacobian(self, shot: int, variables: Array) -> Array:
-        """Derivatives of the residuals of one shot with respect to its variables."""
+        """Derivatives of the predicted values of one shot with respect to its variables."""
         here = self.predicted(self.model.values(variables, shot), shot)
         columns = [
             self._column(shot, variables, here, j)
             if each.shot in (None, shot) else np.zeros(len(here))
             for j, each in enumerate(self.model.parameters)
         ]  # fmt: skip
-        sigma = np.concatenate([
-            np.full(each.valid.sum(), each.sigma) for each in self.model.traces.shots[shot].signals
-        ])  # fmt: skip
-        return np.column_stack(columns) / sigma[:, None]
+        return np.column_stack(columns)
 
     def _column(self, shot: int, variables: Array, here: Array, j: int) -> Array:
         """Derivatives for one variable: central differences if they require no simulation."""

@@ -25,6 +25,7 @@ from .shown_values import shown_value
 from .systematics import Effect
 from .traces import Traces
 from .weak_directions import WeakDirection
+from .weights import chi2_by_sensor
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -131,12 +132,7 @@ class FitResult:
     @property
     def chi2_per_sample(self) -> dict[str, float]:
         """Mean of the squared residuals over their noise, by sensor; 1 is expected."""
-        found: dict[str, list[Array]] = {}
-        for _, name, values in self.residuals():
-            found.setdefault(name, []).append(values)
-        return {
-            name: float(np.nanmean(np.concatenate(parts) ** 2)) for name, parts in found.items()
-        }
+        return chi2_by_sensor(self.problem, self.residual_vector)
 
     def bic(self, inflation: float | None = None) -> float:
         r"""Bayesian information criterion :math:`\chi^2/s + k \ln(n/s)`, priors included.
@@ -164,9 +160,8 @@ class FitResult:
         """
         good = self.goodness
         s = good.inflation if inflation is None else number("inflation", inflation, above=0.0)
-        total = good.samples + good.skipped
-        chi2 = self.chi2 + good.skipped + self.penalty
-        return float(chi2 / s + len(self.names) * np.log(total / s))
+        total, chi2 = good.counted + good.skipped, self.chi2 + good.skipped
+        return float(chi2 / s + self.penalty + len(self.names) * np.log(total / s))
 
     @property
     def describes(self) -> bool:
@@ -285,7 +280,8 @@ class FitResult:
         if not self.converged:
             return f"{self.goodness}: the fit has {self.reason}{NO_ERRORS}"
         text = f"{self.goodness}{self.goodness.verdict}"
-        return f"{text}; but {self.prior_conflict}" if self.prior_conflict else text
+        word = "but" if self.describes else "and"
+        return f"{text}; {word} {self.prior_conflict}" if self.prior_conflict else text
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -11,10 +11,11 @@ from ..units import UNITS
 
 Rows = list[list[str]]
 
-MISSING: Final = ("", "nan", "NaN", "NA")
+# Empty cells, and samples beyond the range of the digitiser.
+MISSING: Final = ("", "nan", "NaN", "NA", "∞", "-∞", "+∞", "inf", "-inf", "Infinity", "-Infinity")
 # Units that oscilloscopes write as words.
 WORDS: Final = {
-    "second": "s", "seconds": "s", "sec": "s", "volt": "V", "volts": "V", "newton": "N",
+    "s": "s", "second": "s", "seconds": "s", "sec": "s", "volt": "V", "volts": "V", "newton": "N",
 }  # fmt: skip
 # Settings of Tektronix files that have units of columns.
 TIME_UNIT, SIGNAL_UNITS, SOURCE = "horizontal units", "vertical units", "source"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -14,6 +15,7 @@ from ..errors import InputError
 from ..representation import measure
 from ..simulation.run import Run
 from .misread_columns import POLARITY, PREFIXES, TOLERANCE, extreme, level_of
+from .noise import independent_samples
 from .signals import Shot, Signal
 
 # A signal has arrived at this fraction of its peak, where its width is measured, too.
@@ -34,6 +36,10 @@ MILLISECONDS, SECONDS = 0.01, 10.0
 # A simulated pulse shorter than this number of steps between saved times is not resolved; the
 # measured one is then too long for the unit of its times if it lasts this many times as long.
 RESOLVED, TOO_LONG = 3.0, 30.0
+# Least number of saved times within the half width of a simulated pulse, for its peak to 1%.
+LEAST_TIMES: Final = 5.0
+# Levels before the pulse that differ by more than this number of standard errors are noted.
+CERTAIN: Final = 5.0
 # Arrivals that differ by less than this number of samples have no order.
 SAME_TIME: Final = 3
 
@@ -126,10 +132,27 @@ HEADINGS: Final = (
 HEADING: Final = _aligned(*HEADINGS)
 
 
-def compared_sensor(times: Array, signal: Signal, model: Array, scale: float) -> SensorComparison:
+def scale_of(signal: Signal, model: Array) -> float:
+    """Factor of a simulated signal that fits an uncalibrated one best; otherwise 1."""
+    if signal.calibrated:
+        return 1.0
+    ok = signal.valid & np.isfinite(model)
+    seen, own = signal.values[ok] - level_of(signal), model[ok] - model[ok][0]
+    return float(seen @ own / (own @ own))
+
+
+def scaled(signal: Signal, model: Array) -> Array:
+    """A simulated signal; for an uncalibrated one, scaled and from the level of the data on."""
+    if signal.calibrated:
+        return model
+    first = model[signal.valid & np.isfinite(model)][0]
+    return np.asarray(level_of(signal) + scale_of(signal, model) * (model - first))
+
+
+def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorComparison:
     """Peaks, arrivals and residual of a signal and its model at the same times."""
     ok = signal.valid & np.isfinite(model)
-    seen, own = signal.values - level_of(signal), scale * model
+    seen, own = signal.values - level_of(signal), scaled(signal, model)
     rest = float(np.sqrt(np.mean((signal.values - own)[ok] ** 2)))
     clipped = _saturated(signal) & np.isfinite(model)
     ok |= clipped
@@ -142,7 +165,7 @@ def compared_sensor(times: Array, signal: Signal, model: Array, scale: float) ->
     return SensorComparison(
         signal.name, signal.unit, signal.place.quantity, *peaks,
         _reached(times[ok], measured, levels[0]), _reached(times[ok], simulated, levels[1]),
-        rest / abs(peaks[0]), scale, saturated,
+        rest / abs(peaks[0]), scale_of(signal, model), saturated,
     )  # fmt: skip
 
 
@@ -185,6 +208,23 @@ def check_arrivals(run: Run, shot: Shot, columns: Sequence[Array], grid: Array) 
         if here <= NOTHING * needed or (rising and here < ARRIVING * needed):
             raise InputError(_too_short(run, shot, signal, here, measured))
     check_durations(shot, columns, grid)
+
+
+def check_resolved(shot: Shot, columns: Sequence[Array]) -> None:
+    """Raise `InputError` if too few times of a run are within the pulse at a sensor."""
+    widths = {
+        signal.name: _width(np.arange(float(len(column))), column - column[0])
+        for signal, column in zip(shot.signals, columns, strict=True)
+        if np.ptp(column) > 0.0
+    }
+    name = min(widths, key=lambda each: widths[each], default="")
+    if name and widths[name] < LEAST_TIMES:
+        needed = math.ceil(2.0 * len(columns[0]) * LEAST_TIMES / max(widths[name], 1.0))
+        raise InputError(
+            f"too few saved times to compare: {widths[name]:.0f} are within the half width of the "
+            f"pulse at {name}, but at least {LEAST_TIMES:.0f} are required; give simulate at least "
+            f"times={needed}"
+        )
 
 
 def check_durations(shot: Shot, columns: Sequence[Array], grid: Array) -> None:
@@ -280,6 +320,23 @@ def order_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
                 "the names of these columns"
             ]
     return []
+
+
+def level_notes(shot: Shot, signals: Sequence[Array]) -> list[str]:
+    """Notes on calibrated sensors whose level before the pulse is not that of the simulation."""
+    notes = []
+    for signal, model in zip(shot.signals, signals, strict=True):
+        if not signal.before or not signal.calibrated:
+            continue
+        first = float(model[np.isfinite(model)][0])
+        error = signal.sigma / independent_samples(signal.quiet_values) ** 0.5
+        if abs(signal.level - first) > CERTAIN * error:
+            notes.append(
+                f"before the pulse, {signal.name} is at {signal.level:.3g} {signal.unit}, the "
+                f"simulation at {first:.3g} {signal.unit}; the difference is part of the residual: "
+                "check the zero of the sensor"
+            )
+    return notes
 
 
 def saturation_notes(sensors: Sequence[SensorComparison]) -> list[str]:

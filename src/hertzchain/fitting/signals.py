@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 
 from ..collision import Array
+from ..errors import InputError
 from ..frozen import Frozen
+from ..representation import short
+from .noise import correlation_of_rounding, counted_once
 from .places import Place
+
+# Errors of rounding are hardly correlated if the step is smaller than this multiple of the noise.
+COARSE: Final = 3.0
+# Largest difference of times that are the same, as a part of the least step.
+SAME_TIMES: Final = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +35,8 @@ class Signal(Frozen):
     valid : ndarray of bool, shape (n,)
         Samples that a fit uses: neither missing nor saturated.
     noise : float
-        Standard deviation of the noise, in the same unit.
+        Standard deviation of the noise, in the same unit; if it is smaller than the step of the
+        digitiser, without the errors of rounding.
     quiet : int
         Number of samples from which the noise was estimated; 0 if it was given.
     step : float
@@ -58,13 +68,31 @@ class Signal(Frozen):
 
     @property
     def sigma(self) -> float:
-        """Standard deviation of a sample: its noise and, if this is larger, that of rounding."""
-        return float(np.hypot(self.noise, self.step / 12.0**0.5)) if self.coarse else self.noise
+        """Standard deviation of a sample: its noise and, if this is smaller than a step, rounding.
+
+        The noise before the pulse contains the errors of rounding to smaller steps.
+        """
+        rounded = self.step > self.noise
+        return float(np.hypot(self.noise, self.step / 12.0**0.5)) if rounded else self.noise
 
     @property
     def coarse(self) -> bool:
-        """Whether samples are rounded to steps that are larger than their noise."""
-        return self.step > self.noise
+        """Whether the errors of rounding are correlated, because the noise is small."""
+        return self.step > COARSE * self.noise
+
+    @property
+    def counted(self) -> Array:
+        """Number of samples for which each valid sample stands: 1 if it is not coarse."""
+        values = self.values[self.valid]
+        if not self.coarse:
+            return np.ones(len(values))
+        return counted_once(values, correlation_of_rounding(self.noise, self.step))
+
+    @property
+    def quiet_values(self) -> Array:
+        """Samples before the pulse that are not missing."""
+        quiet = self.values[: self.before]
+        return quiet[np.isfinite(quiet)]
 
     @property
     def calibrated(self) -> bool:
@@ -86,3 +114,28 @@ class Shot(Frozen):
 
     times: Array = field(repr=False)
     signals: tuple[Signal, ...]
+
+    def __repr__(self) -> str:
+        every = f"every {1e6 * float(np.median(np.diff(self.times))):.3g} us"
+        names = ", ".join(f"{each.name} [{each.unit}]" for each in self.signals)
+        return short("Shot", names, f"{len(self.times)} samples, {every}")
+
+
+def merged_shots(first: Shot, second: Shot) -> Shot:
+    """A shot with the signals of two that were recorded together."""
+    if len(first.times) != len(second.times):
+        raise InputError(
+            f"shots of {len(first.times)} and {len(second.times)} samples cannot be merged; both "
+            "must have the same times"
+        )
+    apart = float(np.abs(first.times - second.times).max())
+    if apart > SAME_TIMES * float(np.diff(first.times).min()):
+        raise InputError(
+            f"shots whose times differ by up to {apart:.3g} s cannot be merged; both must have the "
+            "same times"
+        )
+    names = [each.name for each in first.signals]
+    for each in second.signals:
+        if each.name in names:
+            raise InputError(f"{each.name} is in both traces to merge; leave it out of one")
+    return Shot(first.times, first.signals + second.signals)

@@ -79,13 +79,9 @@ class Effect:
 
 
 def effects_of(
-    problem: Problem, values: Mapping[Name, float], jacobian: Array, residuals: Array,
-    inflation: float,
-) -> tuple[Effect, ...]:  # fmt: skip
-    """All effects that a fit does not include, in the linearised problem at its optimum.
-
-    All variances are multiplied by the number of samples per independent sample.
-    """
+    problem: Problem, values: Mapping[Name, float], jacobian: Array, residuals: Array
+) -> tuple[Effect, ...]:
+    """All effects that a fit does not include, in the linearised problem at its optimum."""
     model = problem.model
     included = {name.key for name in model.names}
     found = []
@@ -96,10 +92,7 @@ def effects_of(
         extended = derivative(problem, values, Name(key), residuals)
         # There is no crosstalk between sensors in different units.
         if extended.any():
-            scale = inflation**-0.5
-            found.append(_effect(
-                key, scale * extended, model, scale * jacobian, scale * residuals
-            ))  # fmt: skip
+            found.append(_effect(key, extended, model, jacobian, residuals))
     return tuple(found)
 
 
@@ -115,7 +108,7 @@ def derivative(
         model.simulator, model.reference,
     )  # fmt: skip
     shifted = Problem(more).predicted({**values, name: neutral + step})
-    change = (shifted - problem.predicted(values)) / problem.sigma / step
+    change = (shifted - problem.predicted(values)) / problem.scale / step
     priors = np.zeros(len(residuals) - len(problem.data))
     return np.concatenate((np.where(problem.skipped, 0.0, change), priors))
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..collision import Array
 from .misread_columns import PREFIXES, TOLERANCE, extreme, level_of, polarity_of
+from .sensor_comparison import ABOVE_NOISE
 from .signals import Shot, Signal
 
 if TYPE_CHECKING:
@@ -89,9 +90,12 @@ def _pair(shot: Shot, signal: Signal, column: Array) -> Pair:
     seen = polarity_of(signal) * (signal.values[signal.valid] - level)
     ratio = abs(extreme(seen)) / max(abs(extreme(own)), np.finfo(float).tiny)
     if signal.calibrated:
+        # A peak of another size may be in a wrong unit, or incomplete.
         wrong = [unit for unit in PREFIXES if 1.0 / TOLERANCE < ratio / unit < TOLERANCE]
-        middle = wrong[0] if wrong else 1.0
-        scales = middle / FREE, middle * FREE
+        ends = (wrong[0], wrong[0]) if wrong else (min(1.0, ratio), max(1.0, ratio))
+        if abs(extreme(seen)) < ABOVE_NOISE * signal.sigma:
+            ends = 1.0, 1.0
+        scales = ends[0] / FREE, ends[1] * FREE
     else:
         scales = ratio / FREE, ratio * CUT
     signed = signal.place.quantity == "velocity" and not signal.calibrated

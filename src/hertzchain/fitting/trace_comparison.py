@@ -24,10 +24,14 @@ from .sensor_comparison import (
     check_arrivals,
     check_contained,
     check_durations,
+    check_resolved,
     compared_sensor,
+    level_notes,
     order_notes,
     pulse_notes,
     saturation_notes,
+    scale_of,
+    scaled,
     unit_notes,
 )
 from .sensors import sampled
@@ -82,15 +86,15 @@ class TraceComparison:
         """Peaks, arrivals and residual of each sensor."""
         shot = self.traces.shots[0]
         return tuple(
-            compared_sensor(shot.times, signal, model, scale)
-            for signal, model, scale in zip(shot.signals, self.signals, self.scales, strict=True)
+            compared_sensor(shot.times, signal, model)
+            for signal, model in zip(shot.signals, self.signals, strict=True)
         )
 
     @property
     def differences(self) -> dict[str, float]:
         """Rms of data minus simulation, relative to the measured peak, by sensor.
 
-        Uncalibrated sensors are first scaled to the simulation.
+        For uncalibrated sensors, the simulation is scaled to the data.
         """
         return {each.name: each.residual for each in self.sensors}
 
@@ -110,8 +114,12 @@ class TraceComparison:
     @property
     def scales(self) -> tuple[float, ...]:
         """Factors of the simulation that fit the data best; 1 for calibrated sensors."""
-        signals = self.traces.shots[0].signals
-        return tuple(map(_scale, signals, self.signals))
+        return tuple(map(scale_of, self.traces.shots[0].signals, self.signals))
+
+    @property
+    def scaled(self) -> tuple[Array, ...]:
+        """Simulated signals, for uncalibrated sensors scaled and at the level of the data."""
+        return tuple(map(scaled, self.traces.shots[0].signals, self.signals))
 
     def summary(self) -> str:
         """Table of peaks, arrivals and residuals, the compared interval, and notes.
@@ -138,9 +146,9 @@ class TraceComparison:
             "peak: from the level before the pulse; arrival: at half of the peak;",
             "residual: rms of data minus simulation over the measured peak",
         ]
-        scaled = [f"{each.name} by {each.scaling}" for each in self.sensors if each.unit == "V"]
-        if scaled:
-            lines.append(f"without calibration, the simulation is scaled: {', '.join(scaled)}")
+        factors = [f"{each.name} by {each.scaling}" for each in self.sensors if each.unit == "V"]
+        if factors:
+            lines.append(f"without calibration, the simulation is scaled: {', '.join(factors)}")
         return "\n".join((*lines, *self.notes))
 
     @overload
@@ -200,14 +208,6 @@ class TraceComparison:
         return short("TraceComparison", about, rows, covered, offset, *self.notes)
 
 
-def _scale(signal: Signal, model: Array) -> float:
-    """Factor of a simulated signal that fits an uncalibrated one best; otherwise 1."""
-    if signal.calibrated:
-        return 1.0
-    ok = signal.valid & np.isfinite(model)
-    return float(signal.values[ok] @ model[ok] / (model[ok] @ model[ok]))
-
-
 def compare_traces(
     run: Run, traces: Traces, *, time_offset: float | None = None
 ) -> TraceComparison:
@@ -217,6 +217,7 @@ def compare_traces(
     shot = traces.shots[0]
     grid, columns = _columns(run, shot)
     check_arrivals(run, shot, columns, grid)
+    check_resolved(shot, columns)
     spacing = float(grid[1] - grid[0])
     given = time_offset is not None
     if time_offset is not None:
@@ -234,6 +235,7 @@ def compare_traces(
     notes = (
         *suspicious,
         *inversion_notes({each.name: each.scale for each in found.sensors}),
+        *level_notes(shot, signals),
         *saturation_notes(found.sensors),
         *pulse_notes(run, shot, columns, inside, float(shot.times[-1]) - time_offset),
         *coupling_notes(traces, [run.chain]),
@@ -269,7 +271,8 @@ def _require_comparable(run: Run, traces: Traces) -> None:
         )
     if len(traces.shots) != 1:
         raise InputError(
-            f"there are {len(traces.shots)} shots; compare a run with one shot: Traces(shots[:1])"
+            f"there are {len(traces.shots)} shots; compare a run with one shot, such as "
+            "hc.Traces(traces.shots[:1]), or merge the channels of one shot: first.merge(second)"
         )
 
 

@@ -40,8 +40,8 @@ def load_traces(
     ``second,Volt``, and the times may be called ``t``.  Lines above the header, such as the
     settings of an oscilloscope, are not read, except ``Horizontal Units`` and ``Vertical Units``.
     Columns may also be separated by semicolons or tabs, and numbers may have decimal commas.
-    Sampling may be uneven, and empty cells are missing samples.  Saturated samples are recognised
-    and not used.  A column ``shot`` with whole numbers divides a file into shots.
+    Sampling may be uneven; empty and infinite cells are missing samples.  Saturated samples are
+    recognised and not used.  A column ``shot`` with whole numbers divides a file into shots.
 
     Parameters
     ----------
@@ -51,7 +51,8 @@ def load_traces(
         Names of the sensors to read, such as ``["ball 6", "wall"]``; by default all.  A mapping
         from names of columns to places reads files with other names, such as
         ``{"Force": "wall", "CH2": "ball 6 [V]"}``; the place has a unit if the file has none.
-        ``{"X": "time [s]"}`` names the column of the times.
+        ``{"X": "time [s]"}`` names the column of the times.  Files with one channel each are
+        combined by `Traces.merge`.
     noise : float or mapping, optional
         Standard deviation of the noise of all sensors, or by name, in N, m/s or V or with a
         unit, such as ``"3 mV"``.  By default it is estimated from the samples before the pulse

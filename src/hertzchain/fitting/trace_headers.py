@@ -65,7 +65,7 @@ def _place_and_unit(named: str, header: str, unit: str | None) -> tuple[Place, s
             f"column {header!r} has the unit {unit}, but the sensor is given as {named!r}; "
             "leave out its unit, or correct the header"
         )
-    return place_named(name, without_unit(named)), own or unit
+    return place_named(name, without_unit(named), column=without_unit(header)), own or unit
 
 
 def _without_any_unit(header: str, place: Place, named: str | None) -> str:

@@ -41,13 +41,14 @@ def trace_notes(shots: Sequence[Shot]) -> tuple[str, ...]:
 
 
 def _coarse_notes(shot: Shot, number: int) -> list[str]:
-    """Notes on signals that are rounded to steps larger than their noise."""
+    """Notes on signals that are rounded to steps much larger than their noise."""
     steps: dict[str, list[str]] = {}
     for signal in shot.signals:
         if signal.coarse:
             steps.setdefault(f"{signal.step:.3g} {signal.unit}", []).append(signal.name)
     return [
         f"the samples of {', '.join(names)} in shot {number} are rounded to steps of {step}, more "
-        "than their noise: rounding errors are not random, and equal successive samples count once"
+        "than three times their noise: rounding errors are then correlated, and equal successive "
+        "samples count less"
         for step, names in steps.items()
     ]

@@ -21,12 +21,13 @@ from .noise import (
     check_names_of_noise,
     clipped_part,
     digitiser_step,
+    noise_before_rounding,
     noise_of,
     onset,
     saturated,
 )
 from .places import Place
-from .signals import Shot, Signal
+from .signals import Shot, Signal, merged_shots
 from .trace_headers import header_of, positive_noise
 from .trace_notes import trace_notes
 
@@ -128,6 +129,40 @@ class Traces:
 
     def __add__(self, other: Traces) -> Traces:
         return Traces(self.shots + other.shots)
+
+    def merge(self, other: Traces) -> Traces:
+        """Combine sensors that were recorded together, such as one file for each channel.
+
+        Parameters
+        ----------
+        other : Traces
+            Signals of other sensors, in the same shots and at the same times.
+
+        Returns
+        -------
+        Traces
+
+        Raises
+        ------
+        InputError
+            If shots or times differ, or a sensor is in both.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> times = [0.0, 1e-6, 2e-6]
+        >>> first = hc.Traces.from_arrays(times, {"ball 6 [N]": [0.0, 4.0, 1.0]}, noise=0.1)
+        >>> second = hc.Traces.from_arrays(times, {"wall [N]": [0.0, 0.5, 7.0]}, noise=0.1)
+        >>> first.merge(second).names
+        ('ball 6', 'wall')
+        """
+        check_type("other", other, Traces, "hc.load_traces returns them")
+        if len(self.shots) != len(other.shots):
+            raise InputError(
+                f"traces of {counted(len(self.shots), 'shot')} cannot be merged with "
+                f"{counted(len(other.shots), 'shot')}; both must have the same shots"
+            )
+        return Traces(tuple(map(merged_shots, self.shots, other.shots)))
 
     def __iter__(self) -> Iterator[tuple[int, Signal]]:
         """Pairs of the index of the shot and the signal."""
@@ -243,9 +278,15 @@ def make_shot(
         raise InputError(f"the time of sample {row} is missing; each sample needs one")
     if np.any(np.diff(times) <= 0.0):
         row = int(np.argmax(np.diff(times) <= 0.0)) + 1
+        if times[row] == times[row - 1]:
+            raise InputError(
+                f"times must increase, but samples {row} and {row + 1} are both at "
+                f"{times[row]:.15g} s; write the times with more digits, or give each shot its own "
+                "file"
+            )
         raise InputError(
-            f"times must increase, but sample {row + 1} is at {times[row]:g} s and the one before "
-            f"it at {times[row - 1]:g} s; sort the rows, or give each shot its own file"
+            f"times must increase, but sample {row + 1} is at {times[row]:.9g} s and the one "
+            f"before it at {times[row - 1]:.9g} s; sort the rows, or give each shot its own file"
         )
     for (place, _), values in columns.items():
         _check_values(place, values, len(times))
@@ -306,6 +347,8 @@ def _signal(
                 f"pulse arrives: record at least {MIN_QUIET}, or give noise"
             )
         known = noise_of(before)
+        if known < step:
+            known = noise_before_rounding(before, step)
         if max(known, step) == 0.0:
             raise InputError(
                 f"the samples of {place.name} before the pulse are all equal, which leaves its "

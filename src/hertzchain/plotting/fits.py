@@ -270,7 +270,7 @@ def plot_sensor(comparison: TraceComparison, sensor: str, *, ax: Axes | None = N
     factor, label = _time_axis(comparison.traces)
     with figure_style():
         axes = get_axes(ax)
-        model = comparison.scales[i] * comparison.signals[i]
+        model = comparison.scaled[i]
         _draw_signal(axes, factor * shot.times, shot.signals[i], model, name="simulation")
         axes.set_xlabel(label)
         place_legend(axes, own=ax is None)
@@ -294,7 +294,7 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
             if i >= count:
                 axes.remove()
                 continue
-            model = comparison.scales[i] * comparison.signals[i]
+            model = comparison.scaled[i]
             _draw_signal(axes, factor * shot.times, shot.signals[i], model, name="simulation")
             if i >= count - columns:
                 axes.set_xlabel(label)

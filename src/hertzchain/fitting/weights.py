@@ -1,0 +1,57 @@
+"""Weights of correlated samples in the likelihood of the data.
+
+Samples per independent one are estimated from residuals, and they divide the squares of the data
+only: priors keep their weight.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..collision import Array
+from .goodness import Goodness, correlated_samples, goodness_of
+from .problem import Problem
+
+
+def data_residuals(problem: Problem, residuals: Array) -> Array:
+    """Residuals of the data as if samples were not correlated."""
+    return np.asarray(residuals[: len(problem.data)] * problem.correlated**0.5)
+
+
+def goodness_of_problem(problem: Problem, residuals: Array) -> Goodness:
+    """Chi-squared of the residuals of a problem."""
+    parameters = len(problem.model.parameters)
+    own = data_residuals(problem, residuals)
+    return goodness_of(problem.model.traces, own, ~problem.skipped, parameters)
+
+
+def correlations(problem: Problem, residuals: Array) -> Array:
+    """Samples per independent one, for each sample."""
+    own = data_residuals(problem, residuals)
+    return correlated_samples(problem.model.traces, own, ~problem.skipped)
+
+
+def remaining_weights(problem: Problem, residuals: Array) -> Array:
+    """Factors of all residuals for correlated samples whose weights the problem does not include.
+
+    A model that does not describe the data is fitted without them, because its residuals do not
+    measure the noise; its errors include them.
+    """
+    weights = np.ones(len(residuals))
+    if np.all(problem.correlated == 1.0):
+        weights[: len(problem.data)] = correlations(problem, residuals) ** -0.5
+    return weights
+
+
+def chi2_by_sensor(problem: Problem, residuals: Array) -> dict[str, float]:
+    """Mean of the squared residuals over their expectation, by sensor."""
+    found: dict[str, Array] = {}
+    begin, own = 0, data_residuals(problem, residuals)
+    for _, signal in problem.model.traces:
+        counts = signal.counted
+        part = slice(begin, begin + len(counts))
+        used = ~problem.skipped[part]
+        sums = np.array([np.sum(own[part][used] ** 2), np.sum(1.0 / counts[used])])
+        found[signal.name] = found.get(signal.name, 0.0) + sums
+        begin += len(counts)
+    return {name: float(square / count) for name, (square, count) in found.items()}

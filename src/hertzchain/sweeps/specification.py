@@ -375,9 +375,8 @@ class _Reader:
     def _has_scattered_radii(self) -> bool:
         chain = self.document.get("chain")
         given = chain.get("with_scatter") if isinstance(chain, Mapping) else None
-        return any(
-            "radii" in each for each in (given if isinstance(given, list) else [given or {}])
-        )
+        listed = given if isinstance(given, list) else [given or {}]
+        return any("radii" in each for each in listed)
 
     def _names(self, settings: Mapping[str, Any], key: str) -> tuple[str, ...]:
         usual, known = SETTINGS[key].default, SETTINGS[key].choices
@@ -424,10 +423,9 @@ class _Reader:
         for name, value in given.items():
             self._try(f"method.{name}", check_option, name, value, methods)
         for axis in axes:
-            if axis.path[0] == "method":
-                for value in axis.values:
-                    where = f"axes.{axis.long_name}"
-                    self._try(where, check_option, axis.path[1], value, methods)
+            where = f"axes.{axis.long_name}"
+            for value in axis.values if axis.path[0] == "method" else ():
+                self._try(where, check_option, axis.path[1], value, methods)
         return given
 
     def _table(self, name: str) -> Mapping[str, Any]:

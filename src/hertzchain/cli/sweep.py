@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from contextlib import ExitStack
 from pathlib import Path
@@ -267,7 +268,8 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
     from ..store.results import SCHEMA_VERSION
     from ..sweeps.sweep import estimate
 
-    click.echo("computing a few points to estimate the time", err=True)
+    if sys.stderr.isatty():
+        click.echo("computing a few points to estimate the time", err=True)
     found = estimate(specification, workers=workers)
     if as_json:
         show_json({

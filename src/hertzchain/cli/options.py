@@ -143,11 +143,13 @@ def check_writable(path: Path | None, option: str, endings: tuple[str, ...]) -> 
         raise click.UsageError(f"{option} {path} must end in {' or '.join(endings)}")
     if not path.parent.is_dir():
         raise click.UsageError(f"{option} {path}: the folder {path.parent} does not exist")
+    from ..errors import InputError
+
     if path.is_dir():
-        raise click.UsageError(f"{option} {path} is a folder; give the name of a file")
+        raise InputError(f"{option} {path} is a folder; give the name of a file")
     # A file is replaced by a new one, which its folder must allow.
     if not os.access(path.parent, os.W_OK):
-        raise click.UsageError(f"{option} {path}: the folder {path.parent} is not writable")
+        raise InputError(f"{option} {path}: the folder {path.parent} is not writable")
 
 
 sensors_option = click.option(

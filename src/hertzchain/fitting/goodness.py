@@ -233,10 +233,10 @@ def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) 
 
 def _noise_error(signal: Signal) -> float:
     """Relative standard deviation of the variance of a sample, if its noise was estimated."""
-    if not signal.quiet:
+    if not signal.quiet or not signal.noise:
         return 0.0
-    part = (signal.noise / signal.sigma) ** 2
-    return float(part * (2.0 / independent_samples(signal.quiet_values)) ** 0.5)
+    # Errors of rounding are known, but they make the noise less certain.
+    return float((2.0 / independent_samples(signal.quiet_values)) ** 0.5)
 
 
 def _independent_noise(part: _Part) -> float:

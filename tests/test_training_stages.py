@@ -10,7 +10,7 @@ from training.sensitivities import law_states
 from training.stored import Stored
 
 from hertzchain.theory import universal_functions as tables
-from hertzchain.theory.universal_functions import INPUTS, universal_functions
+from hertzchain.theory.universal_functions import INPUTS, START, universal_functions
 
 
 @pytest.mark.parametrize(
@@ -39,9 +39,7 @@ def test_the_second_order_of_the_first_contacts_is_found():
     law = universal_functions(1.5)
     knots, coefficients = tables.read_response(tables.table_folder(1.5) / "response.csv")
     put_in = coefficients.copy()
-    refined = start_fit.REFINED
-    factors = random.uniform(0.5, 1.5, (refined, len(tables.PAIRS), 1, 1))
-    put_in[:refined, len(INPUTS) :] *= factors
+    put_in[:START, len(INPUTS) :] *= random.uniform(0.5, 1.5, (START, len(tables.PAIRS), 1, 1))
 
     def functions(response):
         pieces = tables.cubic_pieces(knots, np.moveaxis(response, 2, 0))
@@ -51,13 +49,13 @@ def test_the_second_order_of_the_first_contacts_is_found():
     rates = training_chains.starting_rates(random, 900, 16)
     states = [law_states(functions(put_in), row) for row in rates]
     found = start_fit.fit_start(functions, anchors, coefficients, [Chains(rates, states)])
-    np.testing.assert_array_equal(found[refined:], coefficients[refined:])
+    np.testing.assert_array_equal(found[START], coefficients[START])
     np.testing.assert_array_equal(found[:, : len(INPUTS)], coefficients[:, : len(INPUTS)])
 
     def missed(response):
         of = functions(response)
         pairs = zip(rates, states, strict=True)
-        return np.median([np.abs(law_states(of, a) - b)[:refined].max() for a, b in pairs])
+        return np.median([np.abs(law_states(of, a) - b)[:START].max() for a, b in pairs])
 
     assert missed(found) < 0.1 * missed(coefficients)
 

@@ -18,8 +18,6 @@ from .response_fit import UNIT, UNITS, Anchors, inputs, terms
 from .second_degree import Chains, divided
 from .sensitivities import law_states
 
-# The fourth contact responds to slow changes more accurately as it is fitted to ramps.
-REFINED: Final = START - 1
 RIDGE: Final = 1e-3
 # Errors are relative to the square of the changes plus this value.
 FLOOR: Final = 3e-4
@@ -42,7 +40,7 @@ def fit_start(
     states = [row for each in chains for row in each.states]
     slow = np.array([divided(row)[0][: START + len(INPUTS)] for row in rates])
     found, before = response.copy(), None
-    for k in range(REFINED):
+    for k in range(START):
         law = functions(found)
         rest = [true[k] - law_states(law, row)[k] for row, true in zip(rates, states, strict=True)]
         x, basis = inputs(anchors, k, slow, k, before), anchors.splines(slow[:, k])

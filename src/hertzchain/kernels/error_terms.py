@@ -17,7 +17,7 @@ SLOW_PARTS, PARTS = 4, 16
 # forgotten the impact.  The first contacts have functions of their own, which are more accurate.
 RECURSIVE, SETTLED = 12, 24
 # Large changes there have errors of higher order.
-FIRST, MORE_ACCURATE, LARGE_START = 4, 0.15, 600.0
+FIRST, MORE_ACCURATE, LARGE_START = 3, 0.15, 600.0
 # Part of the square of an early error that strong backward tapers keep, up to a rate.
 PERSISTENT, PERSISTENT_UP_TO = 0.06, 0.25
 # First contacts, whose slow rates follow the rates closely, and whose products of fast changes are

@@ -27,7 +27,7 @@ SEEDS: Final = (40404, 40405, 40406, 40407, 60606, 901, 902)
 # Number of chains of each class for each seed.
 COUNT: Final = 100
 RTOL: Final = 1e-9
-# What is wanted in each class: percentage of beads covered, median of estimate/error, and largest
+# Wanted in each class: percentage of beads covered, median of estimate/error, and largest
 # error/estimate of each chain; in the last one, a margin is left to the limit of 6.
 COVERED, MEDIAN, LARGEST_RATIO = 97.4, 7.3, 4.2
 # In chains far outside the law, errors are of any size, and the median means nothing.

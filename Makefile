@@ -66,8 +66,8 @@ calibrate: .venv/installed
 
 # Determine the universal functions of the local-rate law from simulations.
 universal: .venv/installed
-	PYTHONPATH=tools $(BIN)/python -m training 1.5 src/hertzchain/theory/universal_tables
-	PYTHONPATH=tools $(BIN)/python -m training 2 src/hertzchain/theory/universal_tables
+	PYTHONPATH=tools $(BIN)/python -m training 1.5 src/hertzchain/theory/universal_tables build/p1.5
+	PYTHONPATH=tools $(BIN)/python -m training 2 src/hertzchain/theory/universal_tables build/p2
 	PYTHONPATH=tools $(BIN)/python -m training.exponents build/exponents src/hertzchain/theory/universal_tables
 
 # Newest compatible versions, without the address of a package index.

@@ -19,7 +19,7 @@ from itertools import cycle
 from pathlib import Path
 
 import numpy as np
-from local_rate_chains import chains_by_kind, steep_chains
+from local_rate_chains import all_chains
 
 import hertzchain as hc
 
@@ -101,8 +101,7 @@ def show_worst(by_class: dict[str, list[dict]]) -> None:
 def main(options: argparse.Namespace) -> None:
     """Evaluate all classes and print tables."""
     by_class: dict[str, list[dict]] = {}
-    chains = chains_by_kind(options.count, options.seed, options.lowest)
-    chains += steep_chains(options.count, options.seed, options.lowest)
+    chains = all_chains(options.count, options.seed, options.lowest)
     for (name, rates), exponent in zip(chains, cycle(options.exponent), strict=False):
         try:
             by_class.setdefault(name, []).append(evaluate(rates, exponent))

@@ -177,3 +177,28 @@ def steep_chains(count: int, seed: int, lowest: float = -0.14) -> Named:
             if rates.min() > 1.17 * lowest and rates.max() < 1.1:
                 found.append((f"steep tapers, {change}", rates))
     return found
+
+
+def forward_chains(count: int, seed: int, lowest: float = -0.14) -> Named:
+    """Forward tapers whose radii scatter, and tapers that begin with quick changes."""
+    random = np.random.default_rng((seed, 1))
+    found: Named = []
+    for i in range(count):
+        for scatter in SCATTERS[1:3]:
+            mean = random.uniform(0.7 * lowest, 0.25 * lowest)
+            rates = np.full(59, mean)
+            if i % 2:
+                wave = shape(random, SMOOTH[i % 8], 59)
+                rates += random.uniform(0.2, 0.6) * abs(mean) * wave / np.abs(wave).max()
+            rates += scattered(random, scatter, 60)
+            found.append((f"forward tapers, scatter {scatter:.1%}", rates))
+        beads = np.arange(1.0, random.integers(30, 120))
+        radii = (beads + random.uniform(0.0, 10.0)) ** random.uniform(-0.5, 1.5)
+        found.append(("power laws from the start", np.diff(np.log(radii))))
+    return found
+
+
+def all_chains(count: int, seed: int, lowest: float = -0.14) -> Named:
+    """Chains of all classes."""
+    makers = (chains_by_kind, steep_chains, forward_chains)
+    return [each for make in makers for each in make(count, seed, lowest)]

@@ -219,7 +219,7 @@ def test_no_error_above_one_per_cent_is_without_a_warning(monkeypatch, exponents
     monkeypatch.syspath_prepend(ROOT / "benchmarks")
     evaluate = runpy.run_path(str(ROOT / "benchmarks" / "local_rate_accuracy.py"))["evaluate"]
     generators = runpy.run_path(str(ROOT / "benchmarks" / "local_rate_chains.py"))
-    chains = generators["chains_by_kind"](2, 20, lowest) + generators["steep_chains"](3, 20, lowest)
+    chains = generators["all_chains"](2, 20, lowest)
     results = [
         evaluate(rates, exponents[i % len(exponents)]) for i, (_, rates) in enumerate(chains)
     ]

@@ -17,6 +17,7 @@ from training import (
     sensitivities,
     training_chains,
 )
+from training.second_degree import Chains
 from training.table_writer import write_error, write_fast, write_tables
 from training.training_chains import wavy_rates
 
@@ -189,7 +190,7 @@ def test_tables_are_read_as_they_were_written(tmp_path):
         "second": random.normal(size=(len(second_degree.KNOTS) + 2, 18 * 105)),
         "steady": np.array(0.25),
         "last_knots": last_fit.KNOTS,
-        "last": 100.0 * random.normal(size=(len(last_fit.KNOTS) + 2, 84)),
+        "last": 100.0 * random.normal(size=(len(last_fit.KNOTS) + 2, tables.LAST)),
         "bases": alternation.BASES,
         "alternating": random.normal(size=(len(alternation.BASES), 18, 36)),
     }
@@ -316,7 +317,7 @@ def fraction_missed(functions, unfitted, rates, states):
 
 def test_products_that_were_put_in_are_found():
     _, unfitted, rates, states = products_put_in(np.random.default_rng(8), same=True)
-    fitted = fitted_functions(unfitted, second_degree.fit(unfitted, rates, states))
+    fitted = fitted_functions(unfitted, second_degree.fit(unfitted, [Chains(rates, states)]))
     assert fraction_missed(fitted, unfitted, rates, states) < 0.1
 
 
@@ -324,7 +325,7 @@ def test_products_at_both_ends_are_found_from_derivatives():
     random = np.random.default_rng(8)
     put_in, unfitted, rates, states = products_put_in(random, same=False)
     chains = [sensitivities.law_slopes(put_in, row) for row in wavy_rates(random, 60, 40)]
-    within = second_degree.fit(unfitted, rates, states, chains)
+    within = second_degree.fit(unfitted, [Chains(rates, states)], chains)
     second = second_degree.fit_stages(fitted_functions(unfitted, within), within, chains)
     fitted = fitted_functions(unfitted, second)
     # Measured: 0.19.
@@ -422,23 +423,27 @@ def test_stored_tables_of_all_exponents_are_those_that_were_packed():
             np.testing.assert_allclose(found, expected, rtol=0.0, atol=5.0 * STEPS[name])
 
 
-def test_the_response_of_the_last_contact_that_was_put_in_is_found():
+def test_the_response_of_the_last_contacts_that_was_put_in_is_found():
     random = np.random.default_rng(11)
     put_in = universal_functions(1.5)
     nothing = put_in.fast._replace(last=np.zeros_like(put_in.fast.last))
     unfitted = dataclasses.replace(put_in, fast=nothing)
     rates = training_chains.ending_rates(random, 700)
-    chains = [hc.Chain.from_radii(np.exp(np.append(0.0, np.cumsum(row)))) for row in rates]
-    made_up = [solve(chain, put_in).states for chain in chains]
-    before = [solve(chain, unfitted).states[-1] for chain in chains]
-    last = tables.cubic_pieces(last_fit.KNOTS, last_fit.fit_last(unfitted, rates, made_up))
-    fitted = dataclasses.replace(unfitted, fast=nothing._replace(last=last))
-    after = [solve(chain, fitted).states[-1] for chain in chains]
-    true = np.array([states[-1] for states in made_up])
+    states = [sensitivities.law_states(put_in, row) for row in rates]
+    found = last_fit.fit_last(unfitted, Chains(rates, states))
+    pieces = tables._by_contact(tables.cubic_pieces(last_fit.KNOTS, found))
+    fitted = dataclasses.replace(unfitted, fast=nothing._replace(last=pieces))
+    before, after = (
+        np.array([sensitivities.law_states(functions, row)[-4:] for row in rates])
+        for functions in (unfitted, fitted)
+    )
+    true = np.array([row[-4:] for row in states])
     # Larger errors than 10% are not fitted; the smaller ones count most.
     missed, without = np.abs(after - true), np.abs(before - true)
-    assert np.median(missed) < 0.05 * np.median(without)
-    assert np.quantile(missed, 0.9) < 0.1 * np.quantile(without, 0.9)
+    for contact in range(4):
+        assert np.median(missed[:, contact]) < 0.05 * np.median(without[:, contact])
+        upper, typical = np.quantile(missed[:, contact], 0.9), np.quantile(without[:, contact], 0.9)
+        assert upper < 0.1 * typical
 
 
 def test_scaled_rates_leave_growing_tapers_alone():

@@ -15,6 +15,8 @@ from hertzchain.kernels.fast_changes import END
 from hertzchain.theory.local_rate import solve
 from hertzchain.theory.universal_functions import UniversalFunctions
 
+from .second_degree import Chains
+
 # Fraction of the errors below the estimate.
 COVERED: Final = 0.965
 # Errors of the reference, and larger ones than can be estimated.
@@ -88,12 +90,10 @@ def _typical_ratio(errors: Array, part: Array) -> float:
     return float(np.quantile(ratio, GUESSED)) + SMALLEST
 
 
-def terms_and_errors(
-    functions: UniversalFunctions, rates: Sequence[Array], states: Sequence[Array]
-) -> tuple[Array, Array, Array]:
+def terms_and_errors(functions: UniversalFunctions, chains: Chains) -> tuple[Array, Array, Array]:
     """Terms of the estimate, errors of the velocities and weights, for all contacts of chains."""
     parts, errors, weights = [], [], []
-    for row, true in zip(rates, states, strict=True):
+    for row, true in zip(chains.rates, chains.states, strict=True):
         radii = np.exp(np.concatenate([[0.0], np.cumsum(row)]))
         solution = solve(Chain.from_radii(radii, exponent=functions.exponent), functions)
         contact = np.arange(len(row))
@@ -105,11 +105,9 @@ def terms_and_errors(
     return part[kept], error[kept], weight[kept] / weight[kept].sum()
 
 
-def error_constants(
-    functions: UniversalFunctions, classes: Sequence[tuple[Sequence[Array], Sequence[Array]]]
-) -> Array:
+def error_constants(functions: UniversalFunctions, classes: Sequence[Chains]) -> Array:
     """Constants of the estimated errors of velocities; all classes of chains weigh the same."""
-    found = [terms_and_errors(functions, *chains) for chains in classes]
+    found = [terms_and_errors(functions, chains) for chains in classes]
     parts, errors, weights = (np.concatenate(each) for each in zip(*found, strict=True))
     fitted = quantile_fit(parts[:, :FITTED], errors, weights=weights, reference=REFERENCE)
     return np.append(CAUTION * fitted, JAGGED)

@@ -31,10 +31,12 @@ from hertzchain.theory.universal_functions import INPUTS, functions_of
 
 from .error_fit import FITTED, REFERENCE, quantile_fit, terms_and_errors
 from .estimate_chains import estimate_chains
-from .train import Effort, fast_changes, simulated, slow_tables
+from .fast_data import Effort, simulated
+from .stored import Stored
+from .train import fast_changes, slow_tables
 
 # Less than for Hertz contacts: the differences between neighbouring exponents would show no more.
-EFFORT: Final = Effort(1600, 600, 9, 500, 2, 2, 5, ((63, 700, 100, 0, 0),), 0, (0, 0))
+EFFORT: Final = Effort(1600, 600, 9, 500, 2, 2, 5, ((63, 700, 100, 0, 0),), 0, (0, 0), 0, 0)
 # The constants of the error estimate are piecewise linear in the logarithm of the exponent.  They
 # are determined at that many random exponents, so that they include errors of the interpolation.
 ERROR_EXPONENTS: Final = np.geomspace(LOWEST, HIGHEST, 8)
@@ -54,8 +56,9 @@ RARE: Final = 0.01
 def one_exponent(exponent: float, report: Callable[[str], None]) -> dict[str, Array]:
     """Tables of one exponent."""
     shrink = shrink_of(exponent)
-    slow = slow_tables(exponent, shrink, EFFORT, report)
-    response, measured, _ = fast_changes(exponent, slow, shrink, EFFORT, report)
+    stored = Stored(None, lambda stage: report(f"p = {exponent:.4g}: {stage}"))
+    slow = stored("slow changes", lambda: slow_tables(exponent, shrink, EFFORT))
+    response, measured, _ = fast_changes(exponent, slow, shrink, EFFORT, stored)
     anchors = slow.anchors
     return {
         "nodes": anchors.nodes, "values": anchors.values, "knots": anchors.knots,
@@ -109,7 +112,7 @@ def add_estimate(folder: Path, report: Callable[[str], None]) -> None:
         classes = estimate_chains(random, HELD_OUT, shrink_of(exponent))
         chains = [rates for each in classes for rates in each]
         functions = functions_of(exponent, interpolated_tables(folder, exponent))
-        found.append(terms_and_errors(functions, *simulated(chains, exponent)))
+        found.append(terms_and_errors(functions, simulated(chains, exponent)))
     with np.load(folder / FILE) as stored:
         tables = dict(stored)
     tables["errors"] = error_constants(logs, found)

@@ -29,6 +29,7 @@ KNOTS: Final = np.array(
 )
 # Unit of the deviations in the fits, which penalise large coefficients.
 UNIT: Final = 0.1
+UNITS: Final = UNIT ** np.array([1] * len(INPUTS) + [2] * len(PAIRS))[:, None, None]
 RIDGES: Final = {"start": 1e-4, "within": 1e-3}
 # Number of fits, in which outliers get a smaller weight each time.
 ROUNDS: Final = 4

@@ -2,12 +2,14 @@
 
 Two kinds of equations determine it: the states of random chains, and the derivatives of the states
 of other random chains with respect to all rates.  States alone do not: a response that reaches too
-far explains them as well, but has wrong derivatives.
+far explains them as well, but has wrong derivatives.  Derivatives alone do not, either: in chains
+whose rates change quickly all along, small errors of all contacts add up.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -58,12 +60,21 @@ SUMMED_SLOPES: Final = 3
 # Step of the derivatives of slow and fast rates.
 STEP: Final = 1e-6
 # First contacts with products of their own.
-FIRST_CONTACTS: Final = 7
+FIRST_CONTACTS: Final = 10
 # Contacts that are neither affected by the impact nor by the free end.
 INSIDE: Final = slice(EARLY + 2, -END - 1)
 # Larger errors of a contact are not those of a second degree, nor are those of its derivatives.
 LARGEST, LARGEST_SLOPE = 0.3, 1.0
 Equations = tuple[Array, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Chains:
+    """Rates and simulated states of chains, and the weight of their equations."""
+
+    rates: Sequence[Array]
+    states: Sequence[Array]
+    weight: float = 1.0
 
 
 def surroundings(fast: Array) -> Array:
@@ -136,15 +147,13 @@ def divided(rates: Array) -> tuple[Array, Array]:
     return slow, fast[BEHIND : BEHIND + len(rates)]
 
 
-def value_equations(
-    functions: UniversalFunctions, rates: Sequence[Array], states: Sequence[Array], count: int
-) -> Equations:
+def value_equations(functions: UniversalFunctions, chains: Chains, count: int) -> Equations:
     """Normal equations of the states of random chains, for so many products."""
     knots, steady = functions.fast.knots, functions.fast.steady
     unknowns = count * (len(knots) + 1)
     matrix, right = np.zeros((unknowns, unknowns)), np.zeros((unknowns, STATES))
     used = slice(START, -END)
-    for row, true in zip(rates, states, strict=True):
+    for row, true in zip(chains.rates, chains.states, strict=True):
         rest = true - law_states(functions, row)
         if np.abs(rest).max() > LARGEST:
             continue
@@ -163,7 +172,7 @@ def value_equations(
         ):
             matrix += factor**2 * part.T @ part
             right += factor**2 * part.T @ value
-    return matrix, right
+    return chains.weight * matrix, chains.weight * right
 
 
 def slope_weight(fast: Array) -> float:
@@ -221,22 +230,20 @@ def solve_normal(matrix: Array, right: Array, ridge: float) -> Array:
 
 
 def fit(
-    functions: UniversalFunctions,
-    rates: Sequence[Array],
-    states: Sequence[Array],
-    chains: Sequence[Sensitivity] = (),
+    functions: UniversalFunctions, values: Sequence[Chains], sloped: Sequence[Sensitivity] = ()
 ) -> Array:
     """Coefficients of B-splines for functions that have none yet.
 
     From states alone, those of products of two fast changes, (splines, 84), which are used for all
     stages; with derivatives, those of the slow change, too, for each stage, (splines, 1890).
     """
-    if not chains:
-        return _arranged(solve_normal(*value_equations(functions, rates, states, PAIRS), RIDGE))
-    matrix, right = value_equations(functions, rates, states, PRODUCTS)
-    of_slopes = slope_equations(functions, chains)
-    within = solve_normal(matrix + of_slopes[0], right + of_slopes[1], RIDGE)
-    return np.tile(_arranged(within), (1, STAGES))
+    count = PRODUCTS if sloped else PAIRS
+    equations = [value_equations(functions, chains, count) for chains in values]
+    if sloped:
+        equations.append(slope_equations(functions, sloped))
+    matrix, right = (sum(each[i] for each in equations) for i in (0, 1))
+    within = _arranged(solve_normal(matrix, right, RIDGE))
+    return np.tile(within, (1, STAGES)) if sloped else within
 
 
 def _arranged(found: Array) -> Array:
@@ -248,9 +255,15 @@ def _arranged(found: Array) -> Array:
 
 
 def fit_stages(
-    functions: UniversalFunctions, second: Array, chains: Sequence[Sensitivity]
+    functions: UniversalFunctions,
+    second: Array,
+    chains: Sequence[Sensitivity],
+    starting: Chains | None = None,
 ) -> Array:
-    """Add to the coefficients ``second`` of functions what the first and last contacts lack."""
+    """Add to the coefficients ``second`` of functions what the first and last contacts lack.
+
+    The states of the first contacts of chains that are ``starting`` with quick changes count, too.
+    """
     knots, steady = functions.fast.knots, functions.fast.steady
     unknowns = PRODUCTS * (len(knots) + 1)
     contacts = [*range(FIRST_CONTACTS), *range(-END, 0)]
@@ -271,7 +284,27 @@ def fit_stages(
             ):
                 matrix[at] += (factor * weight) ** 2 * left @ left.T
                 right[at] += (factor * weight) ** 2 * left @ wanted.T
+    if starting is not None:
+        add_starting(functions, starting, matrix, right)
     found = second.reshape(len(second), STAGES, -1).copy()
     for at, stage in enumerate(stages):
         found[:, stage] += _arranged(solve_normal(matrix[at], right[at], RIDGE_OF_STAGE))
     return found.reshape(second.shape)
+
+
+def add_starting(
+    functions: UniversalFunctions, chains: Chains, matrix: Array, right: Array
+) -> None:
+    """Add the normal equations of the states of the first contacts."""
+    knots, steady = functions.fast.knots, functions.fast.steady
+    for rates, states in zip(chains.rates, chains.states, strict=True):
+        rest = states - law_states(functions, rates)
+        slow, fast = divided(rates)
+        values, splines = terms(slow, fast, knots, steady)
+        factor = chains.weight * (OF_STATES * slope_weight(fast)) ** 2
+        for k in range(FIRST_CONTACTS):
+            if np.abs(rest[k]).max() > LARGEST:
+                continue
+            equation = (values[k][:, None] * splines[k]).ravel()
+            matrix[k] += factor * equation[:, None] * equation
+            right[k] += factor * equation[:, None] * rest[k]

@@ -14,11 +14,9 @@ from hertzchain.collision import Array
 from hertzchain.kernels.error_terms import PARTS
 from hertzchain.kernels.fast_changes import PAIRS as FAST_PAIRS
 from hertzchain.kernels.fast_changes import STATES
-from hertzchain.kernels.last_contact import PRODUCTS as LAST_PRODUCTS
 from hertzchain.theory.exponents import scaled, steady_gain
 from hertzchain.theory.universal_functions import (
-    INPUTS,
-    PAIRS,
+    LAST,
     START,
     WITHIN,
     UniversalFunctions,
@@ -28,81 +26,39 @@ from hertzchain.theory.universal_functions import (
 )  # fmt: skip
 
 from .alternation import BASES, coefficients
+from .balance import balance, beads_of, estimate_pulses
 from .error_fit import JAGGED, REFERENCE, error_constants
 from .estimate_chains import estimate_chains
+from .fast_data import Effort, fast_data, simulated
 from .last_fit import KNOTS as LAST_KNOTS
 from .last_fit import fit_last
-from .response_fit import UNIT, Anchors, fit_contact
+from .response_fit import UNITS, Anchors, fit_contact
 from .responses import measure
 from .rollout import UNTIL, missing_states, refine
 from .second_degree import KNOTS as FAST_KNOTS
-from .second_degree import fit, fit_stages
-from .sensitivities import Sensitivity, simulate_slopes
+from .second_degree import Chains, fit, fit_stages
+from .start_fit import fit_start
+from .stored import Stored
 from .table_writer import write_error, write_fast, write_tables
 from .training_chains import (
     COARSE_NODES,
     DOUBLE_RAMPS,
     EARLY_CONTACTS,
-    NODES,
     Sample,
     double_ramp_rates,
-    ending_rates,
     exponential_rates,
     follow,
     gentle,
     join_samples,
-    odd_rates,
     ramp_rates,
-    random_rates,
-    states_of,
-    steep_rates,
-    wavy_rates,
 )  # fmt: skip
 
-
-@dataclass(frozen=True)
-class Effort:
-    """Numbers of simulations, and of steps of the Gauss-Newton fit.
-
-    Attributes
-    ----------
-    ramps, double_ramps, early : int
-        Numbers of ramps with one and two changes; early ramps begin at every so many nodes.
-    followed, repeated, rounds, every : int
-        Number of ramps in the Gauss-Newton fit, weight of the exponential chains, on which the
-        law should be exact, number of its steps, and the contacts between those that are compared.
-    random : tuple
-        Numbers of contacts, and of rough, smooth, odd and steep random chains with as many, for
-        the products of fast changes.
-    ending : int
-        Number of chains for the second order of the last contact, which is omitted if it is 0.
-    slopes : tuple
-        Numbers of long and of short chains whose derivatives are simulated for the products of
-        fast changes; without them, there are no products with the slow change.
-    """
-
-    ramps: int
-    double_ramps: int
-    early: int
-    followed: int
-    repeated: int
-    rounds: int
-    every: int
-    random: tuple[tuple[int, int, int, int, int], ...]
-    ending: int
-    slopes: tuple[int, int]
-
-
 FULL: Final = Effort(
-    4000, DOUBLE_RAMPS, 3, 1500, 3, 3, 4, ((63, 2600, 300, 300, 0),), 4000, (400, 900)
+    4000, DOUBLE_RAMPS, 3, 1500, 3, 3, 4, ((63, 2600, 300, 300, 0),), 4000, (400, 900), 1500, 600
 )
 # Added to the constant c of the gain of products whose derivatives are fitted: unlike the
 # attenuation, the second derivatives of single states do not vanish in equal beads.
 REGULAR: Final = 0.03
-# Contacts of the chains whose derivatives are simulated.
-LONG, SHORT = 59, 30
-# Units of the terms of the response in the fits.
-UNITS: Final = UNIT ** np.array([1] * len(INPUTS) + [2] * len(PAIRS))[:, None, None]
 # Exponent of the constants of reference.
 HERTZ: Final = 1.5
 # Number of chains of each class of the error estimate.
@@ -180,109 +136,88 @@ def first_guess(exponent: float) -> Array | None:
     return read_response(file)[1] if file.exists() else None
 
 
-def random_chains(
-    random: np.random.Generator,
-    plan: tuple[tuple[int, int, int, int, int], ...],
-    exponent: float,
-    shrink: float = 1.0,
-) -> tuple[list[Array], list[Array]]:
-    """Rates and simulated states of random chains."""
-    rates: list[Array] = []
-    for contacts, rough, smooth, odd, steep in plan:
-        rates += random_rates(random, rough, contacts, smooth=False, shrink=shrink)
-        rates += random_rates(random, smooth, contacts, smooth=True, shrink=shrink)
-        rates += odd_rates(random, odd, contacts, shrink)
-        rates += steep_rates(random, steep, contacts, shrink)
-    return simulated(rates, exponent)
-
-
-def simulated(rates: list[Array], exponent: float) -> tuple[list[Array], list[Array]]:
-    """Rates and simulated states of the chains for which the simulation succeeds."""
-    found = states_of(rates, exponent)
-    kept = [index for index, states in enumerate(found) if states is not None]
-    return [rates[i] for i in kept], [states for states in found if states is not None]
-
-
-def sloped_chains(
-    effort: Effort, exponent: float, shrink: float
-) -> tuple[list[Sensitivity], list[Sensitivity]]:
-    """Simulated derivatives on long and short random chains."""
-    random, (long, short) = np.random.default_rng(4), effort.slopes
-    rates = wavy_rates(random, long, LONG, shrink), wavy_rates(random, short, SHORT, shrink)
-    return simulate_slopes(rates[0], exponent), simulate_slopes(rates[1], exponent)
-
-
-def slow_tables(
-    exponent: float, shrink: float, effort: Effort, report: Callable[[str], None]
-) -> Slow:
+def slow_tables(exponent: float, shrink: float, effort: Effort) -> Slow:
     """States of exponential chains, and the response to slow changes."""
     random = np.random.default_rng(0)
-    report(f"p = {exponent:g}: {len(NODES)} exponential chains")
     exponential = follow(exponential_rates(shrink), exponent)
     anchors = Anchors(exponential, shrink)
     single = random.permutation(ramp_rates(COARSE_NODES[::2], shrink))[: effort.ramps]
     rates = np.concatenate([single, double_ramp_rates(random, effort.double_ramps, shrink)])
     first = ramp_rates(COARSE_NODES[:: effort.early], shrink, early=True)
-    report(f"{len(rates)} ramps, {len(first)} early ramps")
     # In random order, because only the first ones are used in the Gauss-Newton fit.
     ramps, early = follow(random.permutation(rates), exponent), follow(first, exponent)
-    report("response to slow changes")
     return slow_response(exponent, anchors, exponential, ramps, early, effort)
 
 
 def fast_changes(
-    exponent: float, slow: Slow, shrink: float, effort: Effort, report: Callable[[str], None]
+    exponent: float, slow: Slow, shrink: float, effort: Effort, stored: Stored
 ) -> tuple[Array, dict[str, Array], UniversalFunctions]:
     """Response, tables of fast changes, and functions without an error estimate."""
-    random, anchors, found = np.random.default_rng(1), slow.anchors, slow.response
-    report("responses to single changes")
-    measured = measure(exponent, shrink)
+    anchors, found = slow.anchors, slow.response
+    measured = dict(stored("responses to single changes", lambda: measure(exponent, shrink)))
     measured["knots"] = scaled(FAST_KNOTS, shrink)
     measured["steady"] = np.array(steady_gain(exponent) + (REGULAR if effort.slopes[0] else 0.0))
 
+    def of_response(response: Array) -> UniversalFunctions:
+        slow = anchors.nodes, anchors.values, anchors.knots
+        return assemble(exponent, *slow, response, measured, np.zeros(PARTS))
+
     def functions() -> UniversalFunctions:
-        return assemble(
-            exponent, anchors.nodes, anchors.values, anchors.knots, found, measured, np.zeros(PARTS)
-        )
+        return of_response(found)
 
     measured["second"] = np.zeros((len(FAST_KNOTS) + 2, STATES * FAST_PAIRS))
     measured["last_knots"] = scaled(LAST_KNOTS, shrink)
-    measured["last"] = np.zeros((len(LAST_KNOTS) + 2, STATES * LAST_PRODUCTS))
-    report("second order of slow changes")
-    found = second_order(slow, functions(), effort)
-    report("products of fast changes")
-    chains = random_chains(random, effort.random, exponent, shrink)
-    long, short = sloped_chains(effort, exponent, shrink)
-    measured["second"] = fit(functions(), *chains, long)
+    measured["last"] = np.zeros((len(LAST_KNOTS) + 2, LAST))
+    found = stored("second order of slow changes", lambda: second_order(slow, functions(), effort))
+    data = stored("chains with fast changes", lambda: fast_data(effort, exponent, shrink))
+    if effort.starting:
+        refined = found
+        found = stored(
+            "first contacts", lambda: fit_start(of_response, anchors, refined, [data.starting])
+        )
+    values, sloped = data.weighted(), [*data.short, *data.long]
+    measured["second"] = stored(
+        "products of fast changes", lambda: fit(functions(), values, data.long)
+    )
     if effort.ending:
-        report("last contact")
-        ending = simulated(ending_rates(random, effort.ending, shrink), exponent)
-        measured["last"] = fit_last(functions(), *ending, [*short, *long])
+        measured["last"] = stored(
+            "last contacts", lambda: fit_last(functions(), data.ending, sloped)
+        )
     if effort.slopes[1]:
-        report("products of fast changes at both ends")
-        measured["second"] = fit_stages(functions(), measured["second"], [*short, *long])
+        within = measured["second"]
+        measured["second"] = stored(
+            "products of fast changes at both ends",
+            lambda: fit_stages(functions(), within, sloped, data.starting),
+        )
     return found, measured, functions()
 
 
-def train(exponent: float, folder: Path, report: Callable[[str], None]) -> None:
+def train(
+    exponent: float, folder: Path, report: Callable[[str], None], work: Path | None = None
+) -> None:
     """Determine the universal functions of an exponent and write their tables."""
-    folder = folder / f"p{exponent:g}"
-    slow = slow_tables(exponent, 1.0, FULL, report)
-    found, measured, functions = fast_changes(exponent, slow, 1.0, FULL, report)
-    report("alternating rates")
-    measured |= {"bases": BASES, "alternating": coefficients(functions)}
+    folder, stored = folder / f"p{exponent:g}", Stored(work, report)
+    report(f"p = {exponent:g}")
+    slow = stored("slow changes", lambda: slow_tables(exponent, 1.0, FULL))
+    found, measured, functions = fast_changes(exponent, slow, 1.0, FULL, stored)
+    alternating = stored("alternating rates", lambda: coefficients(functions))
+    measured |= {"bases": BASES, "alternating": alternating}
     write_tables(folder, slow.anchors, found)
     write_fast(folder, measured)
     report("error estimate")
     fast = fast_tables(exponent, functions.tables, **measured)
-    train_error(dataclasses.replace(functions, fast=fast), folder)
+    functions = dataclasses.replace(functions, fast=fast)
+    write_error(folder, estimate_constants(functions, stored))
 
 
-def train_error(functions: UniversalFunctions, folder: Path) -> None:
-    """Determine the constants of the error estimate, and write their table."""
+def estimate_constants(functions: UniversalFunctions, stored: Stored) -> Array:
+    """Constants of the error estimate."""
     if functions.exponent == HERTZ:
-        write_error(folder, np.append(REFERENCE, JAGGED))
-        return
-    classes = estimate_chains(np.random.default_rng(2), HELD_OUT)
-    held_out = [simulated(rates, functions.exponent) for rates in classes]
-    write_error(folder, error_constants(functions, held_out))
+        pulses = stored("chains of the estimate", estimate_pulses)
+        return balance(beads_of(functions, pulses), np.append(REFERENCE, JAGGED))
+
+    def held_out() -> list[Chains]:
+        classes = estimate_chains(np.random.default_rng(2), HELD_OUT)
+        return [simulated(rates, functions.exponent) for rates in classes]
+
+    return error_constants(functions, stored("chains of the estimate", held_out))

@@ -276,6 +276,49 @@ def ending_rates(random: np.random.Generator, count: int, shrink: float = 1.0) -
     return found
 
 
+def starting_rates(
+    random: np.random.Generator, count: int, contacts: int, shrink: float = 1.0
+) -> list[Array]:
+    """Rates that change quickly behind the impact and become constant, some with odd radii."""
+    k = np.arange(contacts)
+    found: list[Array] = []
+    while len(found) < count:
+        base = 0.01 * random.normal() if random.random() < 0.4 else random.uniform(-0.12, 0.12)
+        if random.random() < 0.5:
+            # Radii that follow a power of the distance from a point in front of the chain.
+            shape = np.log1p(1.0 / (k + random_size(random, 0.8, 12.0)))
+            rates = base + random.uniform(-0.4, 1.6) * shape
+        else:
+            size = random_sign(random) * random_size(random, 0.01, 0.4)
+            rates = base + size * np.exp(-k / random_size(random, 1.0, 12.0))
+        if random.random() < 0.5:
+            odd = random.normal(size=contacts + 1) * (random.random(contacts + 1) < 0.5)
+            rates += random_size(random, 2e-4, 0.01) * np.diff(odd)
+        rates = scaled(rates, shrink)
+        if rates.min() > shrink * LOWEST_RANDOM and rates.max() < HIGHEST:
+            found.append(rates)
+    return found
+
+
+def oscillating_rates(
+    random: np.random.Generator, count: int, contacts: int, shrink: float = 1.0
+) -> list[Array]:
+    """Rates that oscillate quickly about a constant one, some with scattered radii."""
+    k = np.arange(contacts)
+    found: list[Array] = []
+    while len(found) < count:
+        base = 0.01 * random.normal() if random.random() < 0.5 else random.uniform(-0.05, 0.1)
+        cycles = k / random_size(random, 8.0, 26.0) + random.random()
+        rates = base + random_size(random, 0.004, 0.06) * np.sin(2.0 * np.pi * cycles)
+        if random.random() < 0.5:
+            size = random_size(random, 2e-4, 0.01)
+            rates += np.diff(size * random.normal(size=contacts + 1))
+        rates = scaled(rates, shrink)
+        if rates.min() > -0.12 * shrink:
+            found.append(rates)
+    return found
+
+
 def wavy_rates(
     random: np.random.Generator, count: int, contacts: int, shrink: float = 1.0
 ) -> list[Array]:

@@ -5,18 +5,19 @@ contact if the rates alternate, this module computes
 
 .. math::
 
-    d_k = \frac{(-1)^k}{16}\,(s_{k-2} - 4s_{k-1} + 6s_k - 4s_{k+1} + s_{k+2}), \qquad
-    a_k = \langle d\rangle_k, \qquad
-    w_k = \max\left(0,\; \frac{\langle d\rangle_k^2/\langle d^2\rangle_k - w_0}{1 - w_0}\right)^2
+    \delta_k = \frac{(-1)^k}{16}\,(s_{k-2} - 4s_{k-1} + 6s_k - 4s_{k+1} + s_{k+2}), \qquad
+    a_k = (-1)^k \langle\delta\rangle_k, \qquad
+    \kappa_k = \max\left(0,\;
+        \frac{\langle\delta\rangle_k^2/\langle\delta^2\rangle_k - \kappa_0}{1 - \kappa_0}\right)^2
 
 with means over the contacts k-8 to k+3 (at the first contacts, up to the eighth) that have all
 these neighbours, and adds
 
-.. math:: w_k\,T\bigl(s_k - (-1)^k d_k,\; (-1)^k a_k\bigr)
+.. math:: \kappa_k\,Z\bigl(s_k - (-1)^k \delta_k,\; a_k\bigr)
 
-to the state.  T is the state on a simulated chain whose rates alternate with this amplitude about
-this rate, less that of the law.  The factor w is 1 if rates alternate, and small if they are
-random.  On smooth tapers, d vanishes.
+to the state.  Z is the state on a simulated chain whose rates alternate with this amplitude about
+this rate, less that of the law.  The factor :math:`\kappa` is 1 if rates alternate, and small if
+they are random.  On smooth tapers, :math:`\delta` vanishes.
 """
 
 from __future__ import annotations
@@ -40,9 +41,9 @@ FOURTH = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16.0
 SIDE = 2
 # Contacts of the means, behind and ahead, and the least last one.
 BEFORE, AFTER, LEAST = 8, 3, 7
-# Coherence w_0 below which rates do not count as alternating.
+# Coherence kappa_0 below which rates do not count as alternating.
 INCOHERENT = 0.5
-# Amplitude of the unit of the powers, beyond which T is constant, and negligible amplitude.
+# Amplitude of the unit of the powers, beyond which Z is constant, and negligible amplitude.
 TOP, NEGLIGIBLE = 0.12, 3e-4
 # Fast changes of rates that alternate with amplitude 1: a local polynomial has the opposite sign.
 FAST = 1.0 - float(CUBICS[HALF] @ (-1.0) ** np.arange(-HALF, HALF + 1))
@@ -51,7 +52,7 @@ LOWEST_RATE = -0.13
 # Larger amplitudes, and rates of backward tapers, for which the effect is known less and less.
 BEYOND = 0.02
 BACKWARD_FROM, FADED = 0.07, 0.06
-# T is a sum of these powers of the amplitude, and of the same with its sign.
+# Z is a sum of these powers of the amplitude, and of the same with its sign.
 LOWEST, POWERS = 2, 6
 COUNT = 2 * POWERS
 # Numbers that `from_alternation` needs for a contact.
@@ -101,7 +102,7 @@ def means_of(differences, contact):
 
 @compiled
 def weight_of(mean, square):
-    """Factor w, and its derivatives with respect to the means of differences and of squares."""
+    """Factor kappa, and its derivatives with respect to the means of differences and of squares."""
     excess = (mean * mean / square - INCOHERENT) / (1.0 - INCOHERENT)
     if excess <= 0.0:
         return 0.0, 0.0, 0.0

@@ -17,9 +17,9 @@ SLOW_PARTS, PARTS = 4, 16
 # forgotten the impact.  The first contacts have functions of their own, which are more accurate.
 RECURSIVE, SETTLED = 12, 24
 # Large changes there have errors of higher order.
-FIRST, MORE_ACCURATE, LARGE_START = 4, 0.05, 600.0
-# Part of the square of an early error that strong backward tapers keep.
-PERSISTENT = 0.06
+FIRST, MORE_ACCURATE, LARGE_START = 3, 0.15, 600.0
+# Part of the square of an early error that strong backward tapers keep, up to a rate.
+PERSISTENT, PERSISTENT_UP_TO = 0.06, 0.25
 # First contacts, whose slow rates follow the rates closely, and whose products of fast changes are
 # those within the chain, but should not be: there, squares of the curvature of the rates count.
 EARLY, UNKNOWN = 6, 0.45
@@ -97,7 +97,8 @@ def start_size(rate, square):
     # Forward tapers remember them longer.
     steep = (max(-rate, 0.0) / 0.04) ** 2
     forward = 1.0 + steep + 0.6 * steep * steep
-    remembered = PERSISTENT + (1.0 - PERSISTENT) * memory(rate, 0.07)
+    remembered = PERSISTENT * memory(rate, PERSISTENT_UP_TO)
+    remembered += (1.0 - PERSISTENT) * memory(rate, 0.07)
     # Near the rate 0, the first order is smoothed, and its slope is not that of the simulation.
     smoothed = 1.0 + 2.5 / (1.0 + ((rate - 0.01) / 0.01) ** 4)
     return square * (1.0 + LARGE_START * square) * forward * remembered * smoothed
@@ -205,14 +206,16 @@ def write_parts(contacts, slow, fast, doubts, regular, parts):
         recent = forgotten * (1.0 + LESS_KNOWN * (1.0 - memory(q, 0.05)))
         faded = FADING * faded + both * recent
         steep = FADING * steep + both * doubtful
-        slope = FADING * slope + (1.0 - FADING) * step
+        # At the free end, the slow rates of alternating rates change, too.
+        slope = FADING * slope + (1.0 - FADING) * doubted * step
         mean, mean_size = FADING * mean + q, FADING * mean_size + abs(q)
         weight = FADING * weight + 1.0
         train = train_behind(q, train)
         if q > CATCHING:
             overtaken = max(overtaken, 0.05 * min(1.0, train * train))
         at_end = contacts - k <= END
-        alternating = REGULAR_SLOW * regular[k, 0] / (1.0 + (q / 0.02) ** 4)
+        regular_slow = EXACT if at_end else REGULAR_SLOW
+        alternating = regular_slow * regular[k, 0] / (1.0 + (q / 0.02) ** 4)
         # Near the free end of steep forward tapers, the state has kinks.
         kinks = 1.0 + 100.0 * (max(-0.1 - q, 0.0) / 0.03) ** 2
         parts[k, 0], parts[k, 1] = 1.0, exponential
@@ -220,7 +223,7 @@ def write_parts(contacts, slow, fast, doubts, regular, parts):
             parts[k, 2 + i] = doubts[k, i] * (1.0 - alternating)
         parts[k, 6], parts[k, 7], parts[k, 8] = third, tapered, np.sqrt(mixed)
         parts[k, 9], parts[k, 10] = faded + ahead * recent, steep + ahead * doubtful
-        parts[k, 11] = step * step * kinks if at_end else 0.0
+        parts[k, 11] = doubted * step * step * kinks if at_end else 0.0
         if k == contacts - 1:
             parts[k, 11] += STEEP_END * abs(slope) ** 3
         parts[k, 12] = size if at_end else 0.0

@@ -1,26 +1,25 @@
 r"""Linear response of the local-rate law, products of fast changes, and the free end.
 
 The rates are divided into slow rates q, by local cubic polynomials, and the rest e (which
-vanishes in strong backward tapers).  To the states
-on a chain of the slow rates, this module adds
+vanishes in strong backward tapers).  To the states :math:`\zeta_k` on a chain of the slow rates,
+this module adds
 
 .. math::
 
-    \Delta z_k = \sum_o G_o(q_k)\,e_{k+o}
+    \sum_o G_o(q_k)\,e_{k+o} + h(q_k) + \sum_o H_o(q_k)\,(q_{k+o} - q_{k+o-1})
         + g_k \sum_{i\le j} A_{ij}(q_k)\,e_{k+i}\,e_{k+j}
-        + b_k \sum_i K_i(q_k)\,e_{k+i}
-        + h(q_k) + \sum_o H_o(q_k)\,(q_{k+o} - q_{k+o-1}),
+        + \gamma_k \sum_i K_i(q_k)\,e_{k+i},
     \qquad
-    g_k = \frac{c}{1 + \rho_k^2/\rho_0^2}
-        + \frac{(4q_k^2 + \rho_k^2)^{1/4}}{(1 + \rho_k^2/\rho_0^2)^{5/4}},
+    g_k = \frac{c_p}{1 + \epsilon_k^2/\epsilon_0^2}
+        + \frac{(4q_k^2 + \epsilon_k^2)^{1/4}}{(1 + \epsilon_k^2/\epsilon_0^2)^{5/4}},
 
-where :math:`\rho_k` is the root mean square of the fast changes near the contact, c depends on
-the exponent of the contact force, and :math:`b_k` is the mean change of the slow rate from contact
-k - 4 to k + 2, on which the response to fast changes depends, too.  G is the
+where :math:`\epsilon_k` is the root mean square of the fast changes near the contact, :math:`c_p`
+depends on the exponent of the contact force, and :math:`\gamma_k` is the mean change of the slow
+rate from contact k - 4 to k + 2, on which the response to fast changes depends, too.  G is the
 response of the simulated state to a small change of one rate, and H the difference between the
-simulated response to slow rates and that of the recursion
-(`hertzchain.theory.linear_response`).  The state h on an exponential chain, less that of the
-recursion, differs from zero after the impact and near the free end.
+simulated response to slow rates and that of the recursion (`hertzchain.theory.linear_response`).
+The state h on an exponential chain, less that of the recursion, differs from zero after the impact
+and near the free end.
 """
 
 from __future__ import annotations

@@ -5,13 +5,13 @@ The state of contact k follows from that of the contact before
 
 .. math::
 
-    z_k = z^*(s_k) + \sum_i c_i(s_k)\,x_i + \sum_{i\le j} c_{ij}(s_k)\,x_i x_j, \qquad
-    x = \left(z_{k-1} - z^*(s_{k-1}),\; s_{k-1} - s_{k-2},\; s_k - s_{k-1},\;
-                 s_{k+1} - s_k,\; s_{k+2} - s_{k+1}\right)
+    \zeta_k = z^*_k(q_k) + \sum_i L_i(q_k)\,y_i + \sum_{i\le j} M_{ij}(q_k)\,y_i y_j, \qquad
+    y = \left(\zeta_{k-1} - z^*_{k-1}(q_{k-1}),\; q_{k-1} - q_{k-2},\; q_k - q_{k-1},\;
+                 q_{k+1} - q_k,\; q_{k+2} - q_{k+1}\right)
 
-:math:`z^*` and c are piecewise cubic polynomials of the rate, one set for each stage: the first
-four contacts, those within the chain.  The rates are slow; `hertzchain.kernels.fast_changes` adds
-the response to fast changes.  The backward pass evaluates the coefficients again, already added
+:math:`z^*`, L and M are piecewise cubic polynomials of the slow rate q, one set for each stage: the
+first four contacts, and those within the chain.  `hertzchain.kernels.fast_changes` adds the
+response to fast changes.  The backward pass evaluates the coefficients again, already added
 up with the derivatives with respect to the three components, which is faster than storing them.
 """
 

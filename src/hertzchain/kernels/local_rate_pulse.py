@@ -21,7 +21,7 @@ from .fast_changes import (
     smooth,
     write_steps,
 )
-from .last_contact import add_last, from_last
+from .last_contacts import add_last, from_last
 from .local_rate import WORK as SLOW_WORK
 from .local_rate import backward, forward
 
@@ -110,8 +110,7 @@ def evaluate(
     steps = np.empty(len(fast))
     write_steps(slow, steps)
     sound = add_response(contacts, slow, fast, steps, fast_tables, work, states)
-    if len(states) == contacts:
-        add_last(slow, fast, fast_tables, states)
+    add_last(contacts, slow, fast, fast_tables, states)
     differences = np.empty(contacts)
     alternating = add_alternation(rates, fast_tables, differences, work, states, regular)
     write_parts(contacts, slow, fast, doubts, regular, parts)
@@ -199,8 +198,7 @@ def gradient(
     from_response(
         len(rates), slow, fast, steps, fast_tables, seeds, work, sound, to_slow, to_fast, to_steps
     )
-    if followed == len(rates):
-        from_last(slow, fast, fast_tables, seeds[-1], to_slow, to_fast)
+    from_last(len(rates), slow, fast, fast_tables, seeds, to_slow, to_fast)
     if alternating:
         differences, to_differences = np.empty(len(rates)), np.empty(len(rates))
         from_alternation(rates, fast_tables, differences, work, seeds, to_differences, to_rates)

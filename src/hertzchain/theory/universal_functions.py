@@ -62,8 +62,8 @@ FAST_VALUES: Final = ("single", "early", "end", "end_slopes", "second", "last", 
 # Arguments of the tables of fast changes.
 FAST_ARGUMENTS: Final = ("places", "knots", "last_knots", "bases", "steady")
 NOTHING: Final = np.zeros(0)
-# Number of coefficients of the last contact.
-LAST: Final = 84
+# Number of coefficients of the last four contacts.
+LAST: Final = 792
 MIN_BEADS: Final = 9
 
 
@@ -88,8 +88,8 @@ class FastTables(NamedTuple):
         change of the slow rate, for each stage and component.
     last_knots : ndarray, shape (L + 1,)
         Ends of the intervals of ``last``.
-    last : ndarray, shape (L, 4, 84)
-        Coefficients B of the last contact, see `hertzchain.kernels.last_contact`.
+    last : ndarray, shape (4, L, 4, 198)
+        Coefficients B of the last four contacts, see `hertzchain.kernels.last_contacts`.
     steady : float
         Constant c of the factor of the products of two fast changes.
     bases : ndarray, shape (B + 1,)
@@ -250,7 +250,7 @@ def fast_tables(
     Values at the places are ``single`` (n + 1, 18, 48), ``early`` (n + 1, 12, 3), the states of
     the first contacts on exponential chains, ``end`` (n + 1, 5, 51), and ``end_slopes``,
     the derivatives of those of exponential chains, (n + 1, 5, 3).  ``second`` (K + 3, 1890) and
-    ``last`` (L + 3, 84) are coefficients of B-splines, ``alternating`` (B + 1, 18, 36) values at
+    ``last`` (L + 3, 792) are coefficients of B-splines, ``alternating`` (B + 1, 18, 36) values at
     the bases.  Without ``early``, the tables belong to a recursion whose first order is not
     completed.
     """
@@ -280,7 +280,7 @@ def fast_tables(
         knots=knots,
         second=_by_stage(cubic_pieces(knots, second)),
         last_knots=last_knots,
-        last=np.ascontiguousarray(cubic_pieces(last_knots, last)),
+        last=_by_contact(cubic_pieces(last_knots, last)),
         steady=exponents.steady_gain(exponent) if steady is None else float(steady),
         bases=bases,
         alternating=_alternating(bases, alternating),
@@ -312,6 +312,14 @@ def _by_stage(pieces: Array) -> Array:
         pieces = np.repeat(padded, STAGES, axis=2)
     by_stage = pieces.reshape(*pieces.shape[:2], STAGES, -1)
     return np.ascontiguousarray(np.moveaxis(by_stage, 2, 0))
+
+
+def _by_contact(pieces: Array) -> Array:
+    """Coefficients of each of the last contacts, (contacts, intervals, 4, 198)."""
+    from ..kernels.last_contacts import LAST as CONTACTS
+
+    by_contact = pieces.reshape(*pieces.shape[:2], CONTACTS, -1)
+    return np.ascontiguousarray(np.moveaxis(by_contact, 2, 0))
 
 
 def _alternating(bases: Array, values: Array) -> Array:
@@ -353,7 +361,7 @@ def universal_functions(exponent: float) -> UniversalFunctions:
 
 def functions_of(exponent: float, of: dict[str, Array]) -> UniversalFunctions:
     """Universal functions from interpolated tables."""
-    # The second order of the last contact has no table, as it varies too much with the exponent.
+    # The second order of the last contacts has no table, as it varies too much with the exponent.
     last = {"last_knots": of["fast_knots"][[0, -1]], "last": np.zeros((4, LAST))}
     names = "places", "single", "early", "end", "end_slopes", "second"
     fast = {name: of[name] for name in names if name in of}

@@ -72,12 +72,12 @@ def local_rate(chain: Chain) -> Pulse:
         A chain of at least nine beads, struck by its first bead or by another body
         (`Chain.struck_by`).  The ratio of neighbouring radii may be from 0.85 to 3.  Radii may also
         scatter from bead to bead by up to 0.3%, or alternate by up to 3%, without a warning (0.05%
-        and 0.2% for exponents other than 3/2 and 2; less in steep tapers).  Beyond, the estimated
-        error is cautious: with scatter of 1%, or radii that alternate by 10%, the error is usually
-        about 0.3% or less, but a warning is issued.  Chains struck by their first bead may lose
-        energy by `Restitution` from 0.9, `UnloadingRatio` up to 0.1, or `Viscoelastic` up to
-        :math:`A (k/m)^{2/5} v^{1/5} = 0.06` at any bead.  The exponent of the contact force may be
-        from 1.25 to 3; below 1.6, the smallest ratio is larger, 0.95 for the exponent 1.25.
+        and 0.2% for exponents other than 3/2 and 2; less in steep tapers).  Beyond these limits,
+        the estimate is several times too large: if radii scatter by 1%, or alternate by 10%, the
+        error is usually less than 0.1%, but a warning is issued. Chains struck by their first bead
+        may lose energy by `Restitution` from 0.9, `UnloadingRatio` up to 0.1, or `Viscoelastic` up
+        to :math:`A (k/m)^{2/5} v^{1/5} = 0.06` at any bead. The exponent of the contact force may
+        be from 1.25 to 3; below 1.6, the smallest ratio is larger, 0.95 for the exponent 1.25.
 
     Returns
     -------
@@ -326,7 +326,7 @@ def _warn_outside(chain: Chain, functions: UniversalFunctions, bead: int) -> Non
             f"{size} at {place}"
         )
     warn_user(
-        f"local_rate is unreliable for this chain ({chain.description}): {reason}; use "
+        f"local_rate may be inaccurate for this chain ({chain.description}): {reason}; use "
         "propagate, or piecewise_local_rate for steps and odd beads",
         ModelRangeWarning,
     )

@@ -130,7 +130,12 @@ def public_calls(folder):
         "Traces.from_arrays": tried(
             hc.Traces.from_arrays, times=moved.times, signals=signal, noise=0.01
         ),
-        "Traces.merge": tried(traces.merge, other=traces),
+        "Traces.merge": tried(
+            traces.merge,
+            other=hc.Traces.from_arrays(
+                moved.times, {"wall [N]": next(iter(signal.values()))}, noise=0.01
+            ),
+        ),
         "Traces.plot": tried(traces.plot, legend=False, ax=None),
         "load_traces": tried(
             lambda path, sensors, noise: hc.load_traces(path, sensors=sensors, noise=noise),

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from ..errors import InputError, unknown_name_error
-from ..units import UNITS, converted, quantity
+from ..units import UNITS, converted, is_unit, quantity
 
 # A name, and a unit in brackets or parentheses.
 _HEADER: Final = re.compile(
@@ -204,7 +204,7 @@ def _number(cell: str, row: int, name: str, unit: str | None) -> float:
     except ValueError:
         decimal = re.fullmatch(r"[+-]?\d+,\d+", cell)
         advice = f"; use a decimal point: {cell.replace(',', '.')}" if decimal else ""
-        if (parts := quantity(cell)) is not None:
+        if (parts := quantity(cell)) is not None and is_unit(parts[1]):
             advice = f"; write {parts[0]}, and the unit in the header: {name} [{unit or parts[1]}]"
             if unit is not None and unit != parts[1]:
                 advice = f"; convert it to {unit}, the unit in the header"

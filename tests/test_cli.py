@@ -969,7 +969,8 @@ def test_spectra_have_transfer_functions(run, tmp_path):
     np.testing.assert_allclose(rows[:, 1], np.abs(expected), rtol=1e-4)
     picture = tmp_path / "transfer.svg"
     assert run(*command, "--plot", picture)[0] == 0
-    assert "force in contact 4 per force on bead 1" in picture.read_text()
+    label = " ".join(re.findall(r"<!-- (.*) -->", picture.read_text()))
+    assert "force in contact 4 per force on bead 1" in label
     for words, said in (
         (("--transfer", 4), "--transfer requires --plot FILE or --csv"),
         (("--csv",), "--csv prints a transfer function: add --transfer CONTACT"),

@@ -309,7 +309,8 @@ def test_bad_members_do_not_stop_the_others():
     few = hc.simulate_many([walled, walled.replace(loss=hc.Restitution(0.5))], max_steps=10)
     assert all("stopped by the step limit" in reason for reason in few.reasons.values())
     assert len(few.reasons) == 2
-    short = hc.simulate_many([walled], keep=["sensor_impulse"], sensors=[6])
+    longer = hc.Chain.uniform(6).replace(right_wall=WALL)
+    short = hc.simulate_many([walled, longer], keep=["sensor_impulse"], sensors=[6])
     assert short.reasons == {0: "there is no bead 6 with a sensor among 5"}
     falling = walled.replace(right_wall=None, gravity=0.1, left_wall=hc.Wall())
     assert "gravity accelerates this chain" in hc.simulate_many([falling]).reasons[0]

@@ -660,7 +660,12 @@ def test_one_sensor_of_a_comparison_is_drawn_into_given_axes():
     drawn = {line.get_label(): line.get_ydata() for line in right.lines}
     signal = traces.shots[0].signals[1]
     np.testing.assert_array_equal(drawn["data"], signal.values)
-    np.testing.assert_array_equal(drawn["simulation"], compared.scales[1] * compared.signals[1])
+    # The simulation is drawn from the level of the data before the pulse.
+    before = drawn["simulation"][0]
+    model = before + compared.scales[1] * compared.signals[1]
+    np.testing.assert_allclose(drawn["simulation"], model, rtol=1e-12)
+    quiet = signal.values[compared.signals[1] < 1e-9 * compared.signals[1].max()]
+    assert before == pytest.approx(quiet.mean(), abs=5.0 * quiet.std() / np.sqrt(len(quiet)))
     assert (right.get_ylabel(), right.get_title()) == ("signal [V]", "ball 11")
     with pytest.raises(hc.InputError, match="sensor"):
         compared.plot("ball 12")

@@ -1040,3 +1040,29 @@ def test_a_design_without_a_trial_that_meets_the_constraints_is_drawn():
     assert "median" not in hc.design(problem, method="genetic", budget=60).summary()
     texts = [text.get_text() for axes in result.plot().axes for text in axes.texts]
     assert "no trial met the constraints" in texts
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_gaps_of_balls_can_vary_by_the_usual_method(seed):
+    row = hc.Chain.from_materials(
+        diameters="6.35 mm", materials="steel-52100", beads=5, velocity="0.2 m/s",
+        right_wall=hc.Wall.of("steel-52100"),
+    )  # fmt: skip
+    problem = hc.Design(row, minimise="wall_force.peak", vary=[hc.vary.gaps("0 um", "20 um")])
+    found = hc.design(problem, budget=600, seed=seed)
+    assert found.verified.values["wall_force.peak"] <= 1.0001 * hc.simulate(row).wall_force().peak
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_a_larger_force_after_the_first_maximum_is_a_note():
+    # A small ball before the sensor makes a weak precursor of the pulse.
+    row = hc.Chain.from_materials(
+        diameters=["10 mm", *["6 mm"] * 5], materials="steel-52100", velocity="0.1 m/s",
+        right_wall=hc.Wall.of("steel-52100"),
+    )  # fmt: skip
+    sizes = hc.vary.radii("1.5 mm", "5 mm", beads="2:")
+    found = hc.design(hc.Design(row, minimise="sensor.first_maximum@5", vary=[sizes]), budget=600)
+    force = hc.simulate(found.chain).sensor_force(5)
+    assert force.largest_so_far > 1.01 * force.first_maximum
+    (note,) = (each for each in found.notes if "first maximum of the force" in each)
+    assert f"{force.largest_so_far / force.first_maximum:.2g}" in note

@@ -146,7 +146,8 @@ def _rows_of_pieces(
     present = np.full(samples, -np.inf)
     np.maximum.at(present, current.pieces[:, 0].astype(int), current.pieces[:, 1])
     rows, right = [], []
-    for each in bundle:
+    # After many points that were not better, the present one is no longer in the bundle.
+    for each in (current, *(other for other in bundle if other is not current)):
         shift = current.point - each.point
         if np.abs(shift).max(initial=0.0) > 4.0 * box:
             continue

@@ -23,6 +23,7 @@ from ..validation.objects import Progress, callback, check_type, file_path
 from .ball_choice import BallSpace
 from .bounds import bounds_of, impossible
 from .dry_run import Estimate, estimate
+from .measures import in_words
 from .methods import Found, method_for, price_of, run_method
 from .pareto import SEARCHES, compared_points, design_front
 from .problem import Design
@@ -34,6 +35,8 @@ from .trials import Outcome, Reference, Trials
 from .verified import Verified, met, quietly
 
 RUNNERS_UP: Final = 4
+# Relative difference of an objective between search and verification that causes a note.
+DIFFERENT: Final = 0.01
 
 
 @checked_arguments("design")
@@ -242,7 +245,8 @@ def _result(
     promise = found.promise
     space = problem.space
     parts = tuple(space.parts(best.x)) if isinstance(space, BallSpace) and not space.order else ()
-    notes = (*notes, *verified.notes, *notes_on_rejections(trials, verified))
+    notes = (*notes, *_differs(trials, best, verified), *verified.notes,
+             *notes_on_rejections(trials, verified))  # fmt: skip
     return DesignResult(
         problem, verified, met(problem, verified.values), best.score,
         None if promise is None else (promise.value, promise.error),
@@ -254,6 +258,24 @@ def _result(
         np.array(trials.history, float).reshape(-1, 2), (), trials.runs, trials.gradients,
         trials.rejected, trials.journal.seconds, notes, parts,
     )  # fmt: skip
+
+
+def _differs(trials: Trials, best: Outcome, verified: Verified) -> list[str]:
+    """A note if the verified value of the objective is not that of the search."""
+    problem = trials.problem
+    measure = problem.objective.single
+    if measure is None or problem.scatter is not None:
+        return []
+    searched = float(best.values[trials.terms][0])
+    value = verified.values[str(measure)]
+    if abs(value - searched) <= DIFFERENT * abs(searched):
+        return []
+    before, after = (in_words(each, measure.unit, verified.chain.units)
+                     for each in (searched, value))  # fmt: skip
+    return [
+        f"{measure} was {before} in the search and is {after} in the verification: it jumps "
+        "between designs that hardly differ; repeat the search with another seed"
+    ]
 
 
 def _verified(trials: Trials, outcome: Outcome) -> Verified:

@@ -19,7 +19,7 @@ from ..simulation.simulate import simulate
 from ..simulation.simulate_many import simulate_many
 from .exact_gradients import value_in_whole_run
 from .measured import measured
-from .measures import OF_CHAIN, RANGE, Measure, sensors_of
+from .measures import OF_CHAIN, RANGE, SENSOR, Measure, in_words, sensors_of
 from .problem import Design
 from .requirements import violation
 
@@ -87,6 +87,7 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     if not table.reasons and walled and problem.until is None:
         notes += _later_peak(chain, table["wall_peak_force"][0], float(table["end_time"][0]))
     notes += _later_motion(problem, chain, values)
+    notes += _later_force(problem, chain, values)
     limits = None
     if chain.materials is not None and chain.units == "SI" and not table.reasons:
         limits = hertz_range(chain, table._overlaps[0, : chain.beads + 1])
@@ -147,6 +148,27 @@ def _later_motion(problem: Design, chain: Chain, values: dict[str, float]) -> li
                 f"bead {place + 1} moves faster later: its velocity has a first maximum of "
                 f"{earlier}, to which velocity, momentum and energy refer, and reaches {later} in "
                 f"the run, {largest / peak:.3g} times as much"
+            )
+    return found
+
+
+def _later_force(problem: Design, chain: Chain, values: dict[str, float]) -> list[str]:
+    """Notes on sensors whose force is larger after its first maximum."""
+    measures = [m for m in problem.measures if m.key == SENSOR and np.isfinite(values[str(m)])]
+    if not measures or len(measures) > MAX_CHECKED:
+        return []
+    run = simulate(chain, times=TIMES, until=problem.until)
+    found = []
+    for measure in measures:
+        first = values[str(measure)]
+        largest = run.sensor_force(measure.index(chain.beads) + 1).largest_so_far
+        if largest > (1.0 + LATER) * first:
+            earlier, later = (
+                in_words(each, measure.unit, chain.units) for each in (first, largest)
+            )
+            found.append(
+                f"{measure} is the first maximum of the force, {earlier}; the force reaches "
+                f"{later} in the run, {largest / first:.3g} times as much"
             )
     return found
 

@@ -159,9 +159,17 @@ def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) 
     begin = np.clip(begin, low + 1e-9, high - 1e-9)
     sampler: Any = emcee.EnsembleSampler(walkers, count, log_probability)
     sampler.random_state = np.random.RandomState(seed).get_state()
-    for done, _ in enumerate(sampler.sample(begin, iterations=steps), start=1):
-        if progress is not None:
-            progress(done, steps)
+    try:
+        for done, _ in enumerate(sampler.sample(begin, iterations=steps), start=1):
+            if progress is not None:
+                progress(done, steps)
+    except ValueError as error:
+        # Walkers that differ in fewer directions than there are parameters.
+        reasons = "; ".join(str(each) for each in result.weak) or str(error)
+        raise InputError(
+            "the posterior cannot be sampled, because the data do not determine all parameters: "
+            f"{reasons}; fix one of them, or give it a prior"
+        ) from None
     kept = sampler.get_chain(discard=int(BURN_IN * steps), flat=True)
     model = problem.model
     values = np.array([[*model.values(each).values()] for each in kept])

@@ -420,7 +420,8 @@ class FitResult:
         Raises
         ------
         InputError
-            If emcee is not installed, for fewer than 10 steps, or a seed out of range.
+            If emcee is not installed, the data do not determine all parameters, for fewer than 10
+            steps, or a seed out of range.
 
         Examples
         --------

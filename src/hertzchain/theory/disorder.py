@@ -73,7 +73,8 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
         Geometric means of all columns, in the units of the nominal chain; and the standard
         deviations of ln v, ln t and ln F, ``velocity_spread``, ``arrival_spread`` and
         ``peak_force_spread``.  Those of other columns differ: the momentum also has the scatter of
-        the mass.  The impact velocity does not scatter.
+        the mass.  The impact velocity does not scatter.  ``velocity_error`` is the estimate of
+        `local_rate` for the nominal chain, which does not depend on the scatter.
 
     Raises
     ------

@@ -264,11 +264,12 @@ def _differs(trials: Trials, best: Outcome, verified: Verified) -> list[str]:
     """A note if the verified value of the objective is not that of the search."""
     problem = trials.problem
     measure = problem.objective.single
-    if measure is None or problem.scatter is not None:
+    if measure is None or problem.scatter is not None or problem.model != "simulation":
         return []
     searched = float(best.values[trials.terms][0])
     value = verified.values[str(measure)]
-    if abs(value - searched) <= DIFFERENT * abs(searched):
+    # Other notes state why there is no value.
+    if not abs(value - searched) > DIFFERENT * abs(searched):
         return []
     before, after = (in_words(each, measure.unit, verified.chain.units)
                      for each in (searched, value))  # fmt: skip

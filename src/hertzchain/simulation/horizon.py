@@ -66,7 +66,9 @@ class Horizon:
     def __repr__(self) -> str:
         compared = f"from rtol {self.rtol:g} against {self.shadow_rtol:g}"
         if np.isnan(self.rtol):
-            unit = " s" if self.chain.units == "SI" else ""
-            compared = f"from steps of {self.step:.3g} against {self.shadow_step:.3g}{unit}"
+            step, shadow = (
+                measure(each, "s", self.chain.units, 3) for each in (self.step, self.shadow_step)
+            )
+            compared = f"from steps of {step} against {shadow}"
         error = f"estimated error {self.error[-1]:.1e} at the end, {compared}"
         return short("Horizon", "", self.message, error)

@@ -130,19 +130,23 @@ class Plan:
         found: dict[str, Any] = {
             "chain": spec.chain, "materials": spec.materials, "method": spec.options
         }  # fmt: skip
-        places = index * len(spec.axes) if self.zipped else index
-        for axis, place in zip(spec.axes, places, strict=True):
-            found = with_value(found, path_in_document(axis), axis.values[place])
+        for axis, value in self._values(index):
+            found = with_value(found, path_in_document(axis), value)
         return found
+
+    def _values(self, index: Index) -> Iterator[tuple[Axis, Any]]:
+        """The axes with their values at a point."""
+        axes = self.specification.axes
+        for axis, place in zip(axes, index * len(axes) if self.zipped else index, strict=True):
+            yield axis, axis.values[place]
 
     def unknown_places(self, index: Index) -> dict[int, str]:
         """Axes without a place in the document of a point, and why."""
         spec, reasons = self.specification, {}
         found: dict[str, Any] = {"chain": spec.chain, "method": spec.options}
-        places = index * len(spec.axes) if self.zipped else index
-        for i, (axis, place) in enumerate(zip(spec.axes, places, strict=True)):
+        for i, (axis, value) in enumerate(self._values(index)):
             try:
-                found = with_value(found, path_in_document(axis), axis.values[place])
+                found = with_value(found, path_in_document(axis), value)
             except InputError as error:
                 reasons[i] = str(error)
         return reasons

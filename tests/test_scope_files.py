@@ -190,7 +190,34 @@ def test_samples_beyond_the_range_are_not_used(tmp_path):
     rows[60] = rows[60].rpartition(",")[0] + ",∞"
     (tmp_path / "scope.csv").write_text("TIME,CH1,CH2\n" + "\n".join(rows), "utf-8")
     data = hc.load_traces(tmp_path / "scope.csv", sensors=places)
+    # A spike far from the pulse is missing.
     assert np.flatnonzero(np.isnan(data.shots[0].signals[1].values)).tolist() == [60]
+
+
+@pytest.mark.parametrize(("cell", "sign"), [("∞", 1), ("+∞", 1), ("-∞", -1), ("-inf", -1)])
+def test_arrays_and_files_have_the_same_samples_beyond_the_range(cell, sign, tmp_path):
+    times = 1e-6 * np.arange(200)
+    rng = np.random.default_rng(2)
+    force = sign * 20.0 * np.exp(-(((times - 120e-6) / 9e-6) ** 2)) + rng.normal(0.0, 0.05, 200)
+    beyond = sign * force > 15.0
+    rows = [
+        f"{t!r},{cell if over else repr(float(value))}"
+        for t, value, over in zip(times.tolist(), force, beyond, strict=True)
+    ]
+    (tmp_path / "data.csv").write_text("time [s],wall [N]\n" + "\n".join(rows), "utf-8")
+    one = hc.load_traces(tmp_path / "data.csv")
+    two = hc.Traces.from_arrays(times, {"wall [N]": np.where(beyond, sign * np.inf, force)})
+    for each in (one, two):
+        (signal,) = each.shots[0].signals
+        assert not signal.valid[beyond].any()
+        assert signal.valid.sum() >= (~beyond).sum() - 3
+        # The limit of the range is at least the largest sample within it.
+        limit = sign * (sign * force[~beyond]).max()
+        np.testing.assert_array_equal(signal.values, np.where(beyond, limit, force))
+        assert f"{200 - signal.valid.sum()} samples of wall in shot 1 are saturated" in repr(
+            each.notes()
+        )
+    assert repr(one) == repr(two)
 
 
 def test_equal_times_and_unknown_places_say_what_to_do(tmp_path):

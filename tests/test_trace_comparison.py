@@ -263,6 +263,59 @@ def test_saturated_signals_are_noted_and_compared_at_the_same_height(limit):
     assert np.isnan(weak.sensors[1].delay)
 
 
+def with_gap(value, begin, end):
+    """The data of two sensors; samples of the wall have another value between two times."""
+    (shot,) = traces().shots
+    columns = {f"{signal.name} [N]": signal.values.copy() for signal in shot.signals}
+    gap = (shot.times > begin) & (shot.times < end)
+    columns["wall [N]"][gap] = value
+    return hc.Traces.from_arrays(shot.times, columns), columns["wall [N]"][~gap].max()
+
+
+CREST = END + SPACING * int(np.argmax(forces()["wall"]))
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize(("before", "after"), [(4e-6, 4e-6), (3e-6, 10e-6), (10e-6, 3e-6)])
+def test_peaks_without_a_crest_are_lower_bounds(value, before, after):
+    run = hc.simulate(true_chain(), until=7e-4, times=6000)
+    data, largest = with_gap(value, CREST - before, CREST + after)
+    compared = run.compare(data, time_offset=END)
+    ball, wall = compared.sensors
+    assert (ball.lower_bound, wall.lower_bound) == (False, True)
+    assert (wall.saturated, wall.crest_missing) == (np.isinf(value), np.isnan(value))
+    assert wall.measured_peak == pytest.approx(largest, abs=4 * NOISE)
+    assert wall.measured_peak < 0.99 * forces()["wall"].max()
+    # The simulated peak is that of the whole pulse, and both arrive at the same height.
+    assert wall.simulated_peak == pytest.approx(forces()["wall"].max(), rel=1e-3)
+    assert wall.delay == pytest.approx(0.0, abs=0.2 * SPACING)
+    row = next(line for line in str(compared).splitlines() if line.startswith("  wall"))
+    assert row.split()[1] == f">{wall.measured_peak:.4g}"
+    assert ("saturated" if np.isinf(value) else "no crest") in row
+    (note,) = compared.notes
+    words = "is saturated at" if np.isinf(value) else "samples of wall are missing at its crest"
+    assert words in note
+    assert f"{wall.measured_peak:.4g} N" in note
+
+
+@pytest.mark.parametrize(
+    ("begin", "end"), [(-0.6e-6, 0.6e-6), (-25e-6, -12e-6), (12e-6, 25e-6), (-300e-6, -200e-6)]
+)
+def test_missing_samples_beside_a_crest_do_not_change_the_peak(begin, end):
+    run = hc.simulate(true_chain(), until=7e-4, times=6000)
+    compared = run.compare(with_gap(np.nan, CREST + begin, CREST + end)[0], time_offset=END)
+    assert not compared.sensors[1].lower_bound
+    assert compared.sensors[1].measured_peak == pytest.approx(forces()["wall"].max(), rel=0.01)
+    assert compared.notes == ()
+
+
+def test_the_peak_of_data_that_end_before_the_crest_is_a_lower_bound():
+    run = hc.simulate(true_chain(), until=7e-4, times=6000)
+    compared = run.compare(cut(traces(), CREST - 6e-6), time_offset=END)
+    assert [each.crest_missing for each in compared.sensors] == [False, True]
+    assert "the data end before it" in compared.notes[-1]
+
+
 @pytest.mark.parametrize(("first", "second"), [("ball 5", "wall"), ("ball 5", "ball 10")])
 def test_arrivals_in_another_order_are_noted(first, second):
     data = traces((first, second))

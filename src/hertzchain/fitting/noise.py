@@ -156,6 +156,21 @@ def base_level(values: Array) -> float:
     return float(np.median(values[:FIRST]))
 
 
+def at_limits(values: Array) -> Array:
+    """Samples in which infinite ones, which are beyond the range, are at its limits.
+
+    A single one among low samples is a spike, which counts as missing.
+    """
+    seen = values[np.isfinite(values)]
+    level = base_level(seen)
+    low = np.abs(values - level) < CERTAIN * np.abs(seen - level).max()
+    limited = np.where(values == np.inf, seen.max(), values)
+    limited = np.where(values == -np.inf, seen.min(), limited)
+    spikes = np.isinf(values[1:-1]) & low[:-2] & low[2:]
+    limited[1:-1][spikes] = np.nan
+    return np.asarray(limited)
+
+
 def saturated(values: Array) -> Array:
     """Mask of samples at a flat top or bottom where the signal would have a crest.
 

@@ -5,14 +5,17 @@ from __future__ import annotations
 import re
 from typing import Final
 
+import numpy as np
+
 from ..errors import InputError
 from ..store.csv_tables import split_header
 from ..units import UNITS
 
 Rows = list[list[str]]
 
-# Empty cells, and samples beyond the range of the digitiser.
-MISSING: Final = ("", "nan", "NaN", "NA", "∞", "-∞", "+∞", "inf", "-inf", "Infinity", "-Infinity")
+# Missing samples, and those beyond the range of the digitiser.
+MISSING: Final = ("", "nan", "NaN", "NA")
+INFINITE: Final = {"∞": np.inf, "+∞": np.inf, "-∞": -np.inf}
 # Units that oscilloscopes write as words.
 WORDS: Final = {
     "s": "s", "second": "s", "seconds": "s", "sec": "s", "volt": "V", "volts": "V", "newton": "N",
@@ -61,6 +64,11 @@ def _header_row(rows: Rows) -> int:
     return max(next(units, end if end < len(rows) else 0) - 1, 0)
 
 
+def sample(cell: str) -> float:
+    """Value of a cell: NaN if it is missing, infinite beyond the range of the digitiser."""
+    return np.nan if cell in MISSING else INFINITE.get(cell) or float(cell)
+
+
 def _names(row: list[str]) -> list[str]:
     return [(split_header(cell) or ("", None))[0] for cell in row]
 
@@ -73,10 +81,10 @@ def _time_column(header: list[str]) -> int:
 
 def _is_numeric(row: list[str]) -> bool:
     try:
-        numbers = [float(cell) for cell in row if cell not in MISSING]
+        found = [sample(cell) for cell in row]
     except ValueError:
         return False
-    return bool(numbers) and row[0] not in MISSING
+    return bool(np.isfinite(found).any()) and row[0] not in MISSING
 
 
 def _is_unit_row(row: list[str], time: int) -> bool:

@@ -40,6 +40,9 @@ RESOLVED, TOO_LONG = 3.0, 30.0
 LEAST_TIMES: Final = 5.0
 # Levels before the pulse that differ by more than this number of standard errors are noted.
 CERTAIN: Final = 5.0
+# A gap between samples, as a part of the width of a pulse, in which its crest may be higher than
+# its ends by 1%.
+SHORT: Final = 0.14
 # Arrivals that differ by less than this number of samples have no order.
 SAME_TIME: Final = 3
 
@@ -49,8 +52,9 @@ class SensorComparison:
     """Measured and simulated signal of one sensor.
 
     Peaks are the largest deviations from the level before the pulse, arrivals the times of the
-    data at which a signal reaches half of its peak, in the compared interval.  The measured peak of
-    a saturated signal is the level of saturation, and both arrivals are those at half of it.
+    data at which a signal reaches half of its peak, in the compared interval.  If the crest of the
+    measured signal is missing, its peak is a lower bound, such as the level of saturation, and both
+    arrivals are those at half of it.
 
     Attributes
     ----------
@@ -68,6 +72,9 @@ class SensorComparison:
         Factor of the simulation; 1 for calibrated sensors.
     saturated : bool
         Whether the data are saturated, so that their crest is missing.
+    crest_missing : bool
+        Whether the crest is missing for another reason: samples are missing there, or the data end
+        before it.
     """
 
     name: str
@@ -80,6 +87,12 @@ class SensorComparison:
     residual: float
     scale: float
     saturated: bool = False
+    crest_missing: bool = False
+
+    @property
+    def lower_bound(self) -> bool:
+        """Whether the measured peak is a lower bound."""
+        return self.saturated or self.crest_missing
 
     @property
     def peak_ratio(self) -> float:
@@ -99,9 +112,11 @@ class SensorComparison:
     @property
     def cells(self) -> tuple[str, ...]:
         """Peaks, arrivals and residual as text."""
-        difference = "saturated" if self.saturated else f"{self.peak_ratio - 1.0:+.1%}"
+        difference = f"{self.peak_ratio - 1.0:+.1%}"
+        if self.lower_bound:
+            difference = "saturated" if self.saturated else "no crest"
         return (
-            f"{'>' * self.saturated}{self.measured_peak:.4g} {self.unit}",
+            f"{'>' * self.lower_bound}{self.measured_peak:.4g} {self.unit}",
             f"{self.simulated_peak:.4g} {self.unit}", difference,
             *(_time(each) for each in (self.measured_arrival, self.simulated_arrival)),
             _time(self.delay, "+"),
@@ -155,18 +170,43 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
     seen, own = signal.values - level_of(signal), scaled(signal, model)
     rest = float(np.sqrt(np.mean((signal.values - own)[ok] ** 2)))
     clipped = _saturated(signal) & np.isfinite(model)
-    ok |= clipped
-    measured, simulated = seen[ok], (own - own[0])[ok]
+    covered = np.isfinite(model)
+    present = covered & np.isfinite(signal.values)
+    measured, simulated = seen[present], (own - own[0])[covered]
     peaks = extreme(measured), extreme(simulated)
     saturated = bool(clipped.any())
-    # A saturated signal and its model are compared at the same height.
-    half = HALF * (abs(peaks[0]) if saturated else abs(peaks[1]))
+    missing = not saturated and crest_is_missing(
+        times[covered], seen[covered] / peaks[0], _width(times[covered], simulated)
+    )
+    # A signal without a crest and its model are compared at the same height.
+    half = HALF * abs(peaks[0 if saturated or missing else 1])
     levels = HALF * peaks[0], float(np.copysign(half, peaks[1]))
     return SensorComparison(
         signal.name, signal.unit, signal.place.quantity, *peaks,
-        _reached(times[ok], measured, levels[0]), _reached(times[ok], simulated, levels[1]),
-        rest / abs(peaks[0]), scale_of(signal, model), saturated,
+        _reached(times[present], measured, levels[0]),
+        _reached(times[covered], simulated, levels[1]),
+        rest / abs(peaks[0]), scale_of(signal, model), saturated, missing,
     )  # fmt: skip
+
+
+def crest_is_missing(times: Array, height: Array, width: float) -> bool:
+    """Whether a signal may be higher in a gap between its samples, or after the last one.
+
+    ``height`` is relative to the peak, and NaN where samples are missing; ``width`` is that of the
+    pulse at half of its height.
+    """
+    present = np.flatnonzero(np.isfinite(height))
+    times, height = times[present], height[present]
+    if times[-1] - times[int(np.argmax(height))] < 0.5 * SHORT * width:
+        return True
+    lengths = np.diff(times)
+    for before in np.flatnonzero((np.diff(present) > 1) & (lengths > SHORT * width)):
+        ends, length = (before, before + 1), lengths[before]
+        near = (times >= times[ends[0]] - length) & (times <= times[ends[1]] + length)
+        top = int(np.argmax(np.where(near, height, -np.inf)))
+        if top in ends and height[top] > HALF:
+            return True
+    return False
 
 
 def _saturated(signal: Signal) -> Array:
@@ -292,7 +332,7 @@ def unit_notes(sensors: Sequence[SensorComparison]) -> list[str]:
             notes.append(f"{problem}: {POLARITY}")
         elif any(1.0 / TOLERANCE < ratio / prefix < TOLERANCE for prefix in PREFIXES):
             notes.append(f"{problem}: check the unit in the header of this column")
-        else:
+        elif ratio > 1.0 or not each.lower_bound:
             notes.append(
                 f"{problem}: check its gain and unit, and the velocity and sizes of the chain"
             )
@@ -339,13 +379,22 @@ def level_notes(shot: Shot, signals: Sequence[Array]) -> list[str]:
     return notes
 
 
-def saturation_notes(sensors: Sequence[SensorComparison]) -> list[str]:
-    """Notes on saturated sensors."""
-    return [
-        f"{each.name} is saturated at {each.measured_peak:.4g} {each.unit}: its crest is missing, "
-        "and is not part of the residual"
-        for each in sensors if each.saturated
-    ]  # fmt: skip
+def crest_notes(sensors: Sequence[SensorComparison]) -> list[str]:
+    """Notes on sensors whose measured peak is a lower bound."""
+    notes = []
+    for each in sensors:
+        peak = f"{each.measured_peak:.4g} {each.unit}"
+        if each.saturated:
+            notes.append(
+                f"{each.name} is saturated at {peak}: its crest is missing, and is not part of the "
+                "residual"
+            )
+        elif each.crest_missing:
+            notes.append(
+                f"samples of {each.name} are missing at its crest, or the data end before it: "
+                f"{peak} is the largest of the others, a lower bound of the peak"
+            )
+    return notes
 
 
 def pulse_notes(

@@ -31,7 +31,8 @@ class Signal(Frozen):
     unit : str
         ``"N"``, ``"m/s"`` or, without a calibration, ``"V"``.
     values : ndarray, shape (n,)
-        Samples, in this unit; NaN where one is missing.
+        Samples, in this unit; NaN where one is missing.  Samples beyond the range of the digitiser
+        have the largest or smallest of the other values.
     valid : ndarray of bool, shape (n,)
         Samples that a fit uses: neither missing nor saturated.
     noise : float
@@ -90,9 +91,8 @@ class Signal(Frozen):
 
     @property
     def quiet_values(self) -> Array:
-        """Samples before the pulse that are not missing."""
-        quiet = self.values[: self.before]
-        return quiet[np.isfinite(quiet)]
+        """Valid samples before the pulse."""
+        return self.values[: self.before][self.valid[: self.before]]
 
     @property
     def calibrated(self) -> bool:

@@ -17,7 +17,7 @@ from ..validation.objects import check_list, file_path, shown_path, text
 from .noise import check_names_of_noise
 from .places import Place, place_named
 from .sample_rows import sample_rows
-from .scope_files import MISSING, header_and_samples
+from .scope_files import header_and_samples, sample
 from .trace_headers import header_of, without_unit
 from .traces import Traces, make_shot, with_coupling
 
@@ -40,8 +40,9 @@ def load_traces(
     ``second,Volt``, and the times may be called ``t``.  Lines above the header, such as the
     settings of an oscilloscope, are not read, except ``Horizontal Units`` and ``Vertical Units``.
     Columns may also be separated by semicolons or tabs, and numbers may have decimal commas.
-    Sampling may be uneven; empty and infinite cells are missing samples.  Saturated samples are
-    recognised and not used.  A column ``shot`` with whole numbers divides a file into shots.
+    Sampling may be uneven.  Empty cells are missing samples; those with an infinity sign are beyond
+    the range of the digitiser.  Saturated samples are recognised and not used.  A column ``shot``
+    with whole numbers divides a file into shots.
 
     Parameters
     ----------
@@ -159,8 +160,8 @@ def _shots(
         for key, (index, factor) in columns.items()
     }
     labels = np.ones(len(body)) if shot is None else _numbers(body, shot, "shot")
-    if np.isnan(labels).any():
-        raise InputError(f"row {int(np.argmax(np.isnan(labels))) + 1} has no shot")
+    if not np.isfinite(labels).all():
+        raise InputError(f"row {int(np.argmin(np.isfinite(labels))) + 1} has no shot")
     return [
         make_shot(
             times[labels == label], {k: v[labels == label] for k, v in samples.items()}, noise
@@ -229,14 +230,12 @@ def _time_factor(header: str) -> float:
 
 def _numbers(body: list[list[str]], index: int, name: str) -> Array:
     try:
-        return np.array(
-            [float(row[index]) if row[index] not in MISSING else np.nan for row in body]
-        )
+        return np.array([sample(row[index]) for row in body])
     except ValueError:
         pass
     for number, row in enumerate(body, start=1):
         try:
-            float(row[index] if row[index] not in MISSING else "nan")
+            sample(row[index])
         except ValueError:
             raise InputError(
                 f"row {number} of column {name!r} is {row[index]!r}: it must be a number, or empty "

@@ -18,6 +18,7 @@ from ..validation.objects import check_choice, check_list, check_type
 from .noise import (
     MIN_QUIET,
     QUIET_PART,
+    at_limits,
     check_names_of_noise,
     clipped_part,
     digitiser_step,
@@ -88,7 +89,8 @@ class Traces:
         times : array_like, shape (n,)
             Increasing times [s].
         signals : mapping
-            Samples by sensor and unit, such as ``"ball 6 [N]"``; NaN where one is missing.
+            Samples by sensor and unit, such as ``"ball 6 [N]"``; NaN where one is missing, and
+            infinite where the signal is beyond the range of the digitiser.
         noise : float or mapping, optional
             Standard deviation of the noise of all sensors, or by name, in N, m/s or V, or with
             a unit.  By default it is estimated from the samples before the pulse arrives.
@@ -299,11 +301,6 @@ def make_shot(
 def _check_values(place: Place, values: Array, count: int) -> None:
     if values.shape != (count,):
         raise InputError(f"there are {count} times, but {values.size} samples of {place.name}")
-    if np.isinf(values).any():
-        raise InputError(
-            f"sample {int(np.argmax(np.isinf(values))) + 1} of {place.name} is infinite; leave "
-            "missing samples empty"
-        )
     seen = values[np.isfinite(values)]
     if not len(seen) or np.ptp(seen) == 0.0:
         raise InputError(
@@ -314,7 +311,8 @@ def _check_values(place: Place, values: Array, count: int) -> None:
 def _quiet_samples(columns: Sequence[Array] | Any) -> int:
     """Number of samples at the beginning in which no sensor has a signal."""
     first = [
-        onset(np.where(np.isfinite(values), values, np.nanmedian(values))) for values in columns
+        onset(np.where(np.isnan(values), np.nanmedian(values), values))
+        for values in map(at_limits, columns)
     ]
     return int(QUIET_PART * min(first))
 
@@ -322,10 +320,13 @@ def _quiet_samples(columns: Sequence[Array] | Any) -> int:
 def _signal(
     place: Place, unit: str, values: Array, quiet: int, noise: float | Mapping[str, float] | None
 ) -> Signal:
+    beyond = np.isinf(values)
+    values = at_limits(values)
     present = np.isfinite(values)
+    beyond &= present
     step = digitiser_step(values[present])
-    valid = present.copy()
-    flat = saturated(values[present])
+    valid = present & ~beyond
+    flat = saturated(values[present]) | beyond[present]
     valid[present] = ~flat
     clipped, pulse = clipped_part(values[present], flat)
     if clipped > MAX_CLIPPED * pulse:
@@ -335,7 +336,7 @@ def _signal(
             "column"
         )
     known = noise.get(place.name) if isinstance(noise, Mapping) else noise
-    before = values[:quiet][present[:quiet]]
+    before = values[:quiet][valid[:quiet]]
     level, used = float(before.mean()) if len(before) else np.nan, 0
     if known is not None:
         known = positive_noise(place.name, known, unit)

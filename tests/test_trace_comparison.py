@@ -229,9 +229,10 @@ def test_data_without_a_pulse_are_noted():
     rng = np.random.default_rng(1)
     noise = NOISE * rng.standard_normal(1000)
     data = hc.Traces.from_arrays(0.7e-6 * np.arange(1000), {"wall [N]": noise}, noise=NOISE)
-    with pytest.warns(hc.InputWarning, match="check its gain and unit"):
+    with pytest.warns(hc.InputWarning, match="the data of wall have no pulse above their noise"):
         compared = simulated(7e-4).compare(data)
     assert "no pulse above their noise" in compared.summary()
+    assert "the simulated pulse of" not in compared.summary()
 
 
 @pytest.mark.parametrize("limit", [30.0, 45.0])
@@ -328,6 +329,68 @@ def test_arrivals_in_another_order_are_noted(first, second):
         compared = run.compare(turned)
     assert "check the names of these columns" in compared.summary()
     assert not any("before" in each for each in run.compare(data).notes)
+
+
+def from_later(begin, names, noise=NOISE):
+    """The data of SciPy that begin this time after the impact, after 40 us without any signal."""
+    rng, count = np.random.default_rng(5), round(40e-6 / SPACING)
+    first = round(begin / SPACING)
+    columns = {}
+    for name in names:
+        seen = np.concatenate((np.zeros(count), forces()[name][first:]))
+        columns[f"{name} [N]"] = seen + noise * rng.standard_normal(len(seen))
+    return hc.Traces.from_arrays(SPACING * (np.arange(len(seen)) + first - count), columns)
+
+
+@pytest.mark.parametrize("name", ["ball 5", "ball 10"])
+def test_records_that_begin_after_the_first_pulse_say_that_later_ones_are_compared(name):
+
+    run = simulated(7e-4)
+    words = f"first pulse arrives at {name} before the record begins, and later pulses"
+    with pytest.warns(hc.InputWarning, match=words):
+        compared = run.compare(from_later(2.8e-4, [name]))
+    assert compared.time_offset == pytest.approx(0.0, abs=20e-6)
+    assert "the simulated pulse of" not in str(compared)
+
+
+def test_a_reflected_pulse_in_another_order_is_noted():
+    words = "the measured pulse arrives at ball 10 .* before ball 5, .* whether the record begins"
+    with pytest.warns(hc.InputWarning, match=words):
+        simulated(7e-4).compare(from_later(3.3e-4, ["ball 5", "ball 10"]))
+
+
+def test_another_time_offset_that_agrees_almost_as_well_is_noted():
+    # Without losses, both pulses in the ball have nearly the same height; the short run contains
+    # only the first one.
+    row = hc.Chain.from_materials(RADIUS, "steel-52100", beads=15).struck_by(velocity=VELOCITY)
+    row = row.replace(right_wall=hc.Wall.of("steel-52100"))
+    run = hc.simulate(row, until=7e-4, times=6000)
+    rng = np.random.default_rng(4)
+    times = SPACING * np.arange(-80, 1000)
+    seen = np.interp(times, run.times, run.sensor("ball 5"))
+    seen += NOISE * rng.standard_normal(len(times))
+    data = hc.Traces.from_arrays(times, {"ball 5 [N]": seen})
+    short = hc.simulate(row, until=3e-4, times=3000)
+    with pytest.warns(hc.InputWarning, match="with a time offset of about .* larger: a reflected"):
+        compared = short.compare(data)
+    (note,) = (each for each in compared.notes if "a reflected pulse may be" in each)
+    other = float(re.search(r"about (-?[0-9.]+) us", note)[1]) * 1e-6
+    first, second = sorted((compared.time_offset, other))
+    assert first == pytest.approx(0.0, abs=2e-6)
+
+    near = run.times > 4e-4
+    later = run.times[near][np.argmax(run.sensor("ball 5")[near])]
+    sooner = run.times[~near][np.argmax(run.sensor("ball 5")[~near])]
+    assert second == pytest.approx(later - sooner, abs=5e-6)
+    # The whole run decides.
+    assert not any("reflected" in each for each in run.compare(data).notes)
+
+
+def test_simulated_pulses_outside_the_record_are_noted():
+    run = simulated(7e-4)
+    with pytest.warns(hc.InputWarning, match="the simulated pulse of wall is not in the record"):
+        compared = run.compare(traces(["wall"]), time_offset=4.75e-4)
+    assert not any("times the simulated one" in each for each in compared.notes)
 
 
 @pytest.mark.parametrize("factor", [0.0195, 0.2, 5.0, 300.0])

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -43,8 +42,6 @@ CERTAIN: Final = 5.0
 # A gap between samples, as a part of the width of a pulse, in which its crest may be higher than
 # its ends by 1%.
 SHORT: Final = 0.14
-# Arrivals that differ by less than this number of samples have no order.
-SAME_TIME: Final = 3
 
 
 @dataclass(frozen=True)
@@ -169,7 +166,7 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
     ok = signal.valid & np.isfinite(model)
     seen, own = signal.values - level_of(signal), scaled(signal, model)
     rest = float(np.sqrt(np.mean((signal.values - own)[ok] ** 2)))
-    clipped = _saturated(signal) & np.isfinite(model)
+    clipped = saturated_samples(signal) & np.isfinite(model)
     covered = np.isfinite(model)
     present = covered & np.isfinite(signal.values)
     measured, simulated = seen[present], (own - own[0])[covered]
@@ -183,8 +180,8 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
     levels = HALF * peaks[0], float(np.copysign(half, peaks[1]))
     return SensorComparison(
         signal.name, signal.unit, signal.place.quantity, *peaks,
-        _reached(times[present], measured, levels[0]),
-        _reached(times[covered], simulated, levels[1]),
+        reached(times[present], measured, levels[0]),
+        reached(times[covered], simulated, levels[1]),
         rest / abs(peaks[0]), scale_of(signal, model), saturated, missing,
     )  # fmt: skip
 
@@ -209,12 +206,12 @@ def crest_is_missing(times: Array, height: Array, width: float) -> bool:
     return False
 
 
-def _saturated(signal: Signal) -> Array:
+def saturated_samples(signal: Signal) -> Array:
     """Mask of the saturated samples; the others that a fit does not use are missing."""
     return ~signal.valid & np.isfinite(signal.values)
 
 
-def _reached(times: Array, values: Array, level: float) -> float:
+def reached(times: Array, values: Array, level: float) -> float:
     """Time at which a signal first reaches a level, between samples; NaN if it does not."""
     height = values / level
     first = int(np.argmax(height >= 1.0))
@@ -318,10 +315,15 @@ def check_contained(shot: Shot, inside: Array) -> None:
             )
 
 
-def unit_notes(sensors: Sequence[SensorComparison]) -> list[str]:
-    """Notes on peaks of calibrated sensors that differ by a power of ten, or much."""
+def unit_notes(sensors: Sequence[SensorComparison], outside: Collection[str]) -> list[str]:
+    """Notes on peaks of calibrated sensors that differ by a power of ten, or much.
+
+    ``outside`` has the sensors whose simulated pulse is not in the record.
+    """
     notes = []
     for each in sensors:
+        if each.name in outside:
+            continue
         ratio = 1.0 / each.peak_ratio
         if each.quantity == "velocity":
             ratio = abs(ratio)  # reflected waves change the sign of the largest velocity
@@ -337,29 +339,6 @@ def unit_notes(sensors: Sequence[SensorComparison]) -> list[str]:
                 f"{problem}: check its gain and unit, and the velocity and sizes of the chain"
             )
     return notes
-
-
-def order_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
-    """A note if the pulse arrives in another order than in the simulation."""
-    least = SAME_TIME * float(np.median(np.diff(shot.times)))
-    arrivals: list[tuple[Signal, float, float]] = []
-    for signal, column in zip(shot.signals, columns, strict=True):
-        ok = signal.valid | _saturated(signal)
-        pairs = (shot.times[ok], (signal.values - level_of(signal))[ok]), (grid, column - column[0])
-        seen, own = (_reached(each, values, HALF * extreme(values)) for each, values in pairs)
-        if abs(extreme(pairs[0][1])) > ABOVE_NOISE * signal.sigma:
-            arrivals.append((signal, seen, own))
-    for (one, seen, own), (two, seen_later, own_later) in itertools.combinations(arrivals, 2):
-        measured, simulated = seen_later - seen, own_later - own
-        same_kind = (one.place.quantity, one.unit) == (two.place.quantity, two.unit)
-        if same_kind and measured * simulated < 0.0 and min(abs(measured), abs(simulated)) > least:
-            early, late = (one, two) if measured > 0.0 else (two, one)
-            return [
-                f"the measured pulse arrives at {early.name} {measure(abs(measured), 's')} before "
-                f"{late.name}, the simulated one {measure(abs(simulated), 's')} after it: check "
-                "the names of these columns"
-            ]
-    return []
 
 
 def level_notes(shot: Shot, signals: Sequence[Array]) -> list[str]:
@@ -400,12 +379,9 @@ def crest_notes(sensors: Sequence[SensorComparison]) -> list[str]:
 def pulse_notes(
     run: Run, shot: Shot, columns: Sequence[Array], inside: Array, until: float
 ) -> list[str]:
-    """Notes on data without a pulse, on incomplete peaks and on the end of the record."""
+    """Notes on incomplete simulated peaks and on the end of the record."""
     notes = []
     for signal, column in zip(shot.signals, columns, strict=True):
-        seen = np.abs((signal.values - level_of(signal))[signal.valid & inside])
-        if seen.max() < ABOVE_NOISE * signal.sigma:
-            notes.append(f"the data of {signal.name} have no pulse above their noise")
         if np.argmax(np.abs(column - column[0])) >= len(column) - 2:
             notes.append(
                 f"the simulated peak of {signal.name} is not complete, because the run ends first; "

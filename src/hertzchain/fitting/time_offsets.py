@@ -30,6 +30,9 @@ NOTHING: Final = 1e-12
 # Offsets of the finer search, on each side, and their range as a part of the width of a pulse.
 STEPS, RANGE = 16, 0.25
 MAX_ROUNDS: Final = 8
+# Offsets compare different pulses if they are further apart than this multiple of the width, and
+# agree almost as well as the best one if the rms differences are larger by less than this factor.
+APART, SIMILAR = 2.0, 1.15
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,18 +72,21 @@ class Pair:
         return np.asarray(inside - 2.0 * scale * product + scale**2 * size)
 
 
-def best_offset(shot: Shot, columns: Sequence[Array], spacing: float) -> float:
+def best_offset(
+    shot: Shot, columns: Sequence[Array], spacing: float
+) -> tuple[float, tuple[float, float] | None]:
     """Time of the data at which the simulated signals begin, by least squares.
 
-    The amplitude of each signal is free within a factor.
+    The amplitude of each signal is free within a factor.  If another offset, which compares other
+    pulses, agrees almost as well, it is also returned, with the ratio of the rms differences.
     """
     pairs = [
         _pair(shot, signal, column) for signal, column in zip(shot.signals, columns, strict=True)
     ]
     pairs = [pair for pair in pairs if pair.own.any() and pair.energy > 0.0]
-    found = _coarse(pairs, shot.times, spacing)
+    found, other = _coarse(pairs, shot.times, spacing)
     reach = max(RANGE * min(_width(pair.own) for pair in pairs) * spacing, 2.0 * spacing)
-    return _refined(pairs, found, reach, spacing)
+    return _refined(pairs, found, reach, spacing), other
 
 
 def _pair(shot: Shot, signal: Signal, column: Array) -> Pair:
@@ -112,8 +118,10 @@ def _width(own: Array) -> int:
     return (int(after[0]) if len(after) else len(own)) - first
 
 
-def _coarse(pairs: Sequence[Pair], times: Array, spacing: float) -> float:
-    """The best offset that is a multiple of the spacing.
+def _coarse(
+    pairs: Sequence[Pair], times: Array, spacing: float
+) -> tuple[float, tuple[float, float] | None]:
+    """The best offset that is a multiple of the spacing, and the best far from it if it is similar.
 
     Samples beyond the run count as differences: otherwise, few of them would agree best.
     """
@@ -138,8 +146,14 @@ def _coarse(pairs: Sequence[Pair], times: Array, spacing: float) -> float:
         rest += pair.rest(inside, correlate(seen, pair.own), size) / sums[-1]
         covered += inside / sums[-1]
         reached |= counts[last] > counts[first]
-    cost = np.where(reached, rest - covered, np.inf)
-    return float(times[0] + spacing * lags[int(np.argmin(cost))])
+    cost = np.where(reached, rest - covered + len(pairs), np.inf)
+    offsets, best = times[0] + spacing * lags, int(np.argmin(cost))
+    near = APART * max(_width(pair.own) for pair in pairs)
+    cost_there = np.where(np.abs(lags - lags[best]) > near, cost, np.inf)
+    second = int(np.argmin(cost_there))
+    ratio = float(np.sqrt(cost_there[second] / max(cost[best], np.finfo(float).tiny)))
+    other = (float(offsets[second]), ratio) if ratio < SIMILAR else None
+    return float(offsets[best]), other
 
 
 def _refined(pairs: Sequence[Pair], start: float, reach: float, spacing: float) -> float:

@@ -16,6 +16,13 @@ from ..simulation.run import Run
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_type
+from .arrival_notes import (
+    order_notes,
+    other_offset_notes,
+    outside_notes,
+    sensors_outside,
+    silent_notes,
+)
 from .coupling import coupling_notes, resolved_coupling, static_force
 from .misread_columns import inversion_notes
 from .sensor_comparison import (
@@ -28,7 +35,6 @@ from .sensor_comparison import (
     compared_sensor,
     crest_notes,
     level_notes,
-    order_notes,
     pulse_notes,
     scale_of,
     scaled,
@@ -62,8 +68,8 @@ class TraceComparison:
         differences, with a free amplitude of each signal.
     notes : tuple of str
         Remarks, one sentence each: samples that the run does not cover, incomplete peaks, peaks
-        that suggest another unit, arrivals in another order, saturated sensors, and sensors without
-        the static force.
+        that suggest another unit, arrivals in another order or outside the record, another time
+        offset that agrees almost as well, saturated sensors, and sensors without the static force.
 
     Examples
     --------
@@ -219,17 +225,25 @@ def compare_traces(
     check_arrivals(run, shot, columns, grid)
     check_resolved(shot, columns)
     spacing = float(grid[1] - grid[0])
-    given = time_offset is not None
+    given, other = time_offset is not None, None
     if time_offset is not None:
         time_offset = number("time_offset", time_offset, unit="s")
     else:
-        time_offset = best_offset(shot, columns, spacing)
+        time_offset, other = best_offset(shot, columns, spacing)
     moments = shot.times - time_offset - run.times[0]
     inside = _inside(moments, float(grid[-1] - grid[0]), time_offset)
     check_contained(shot, inside)
     signals = tuple(_at(moments, inside, column, spacing, time_offset) for column in columns)
     found = TraceComparison(traces, signals, float(time_offset), given)
-    suspicious = [*unit_notes(found.sensors), *order_notes(shot, columns, grid)]
+    outside = sensors_outside(shot, columns, signals)
+    grid = grid - run.times[0]
+    suspicious = [
+        *unit_notes(found.sensors, outside),
+        *(order_notes(shot, columns, grid)
+          or outside_notes(shot, columns, grid, time_offset, outside)),
+        *other_offset_notes(shot, time_offset, other),
+        *silent_notes(shot, inside),
+    ]  # fmt: skip
     for note in suspicious:
         warn_user(note, InputWarning)
     notes = (

@@ -1,0 +1,107 @@
+"""Notes on arrivals: pulses outside the record, in another order, or compared with a later one."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from ..representation import listed, measure
+from .misread_columns import extreme, level_of
+from .sensor_comparison import ABOVE_NOISE, HALF, reached, saturated_samples
+from .signals import Shot, Signal
+
+# Arrivals that differ by less than this number of samples have no order.
+SAME_TIME: Final = 3
+# Part of the simulated peak that must be in the record for a comparison of peaks.
+IN_RECORD: Final = 0.1
+
+
+def order_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
+    """A note if the pulse arrives in another order than in the simulation."""
+    least = SAME_TIME * float(np.median(np.diff(shot.times)))
+    arrivals: list[tuple[Signal, float, float]] = []
+    for signal, column in zip(shot.signals, columns, strict=True):
+        ok = signal.valid | saturated_samples(signal)
+        pairs = (shot.times[ok], (signal.values - level_of(signal))[ok]), (grid, column - column[0])
+        seen, own = (reached(each, values, HALF * extreme(values)) for each, values in pairs)
+        if _has_pulse(signal):
+            arrivals.append((signal, seen, own))
+    for (one, seen, own), (two, seen_later, own_later) in itertools.combinations(arrivals, 2):
+        measured, simulated = seen_later - seen, own_later - own
+        same_kind = (one.place.quantity, one.unit) == (two.place.quantity, two.unit)
+        if same_kind and measured * simulated < 0.0 and min(abs(measured), abs(simulated)) > least:
+            early, late = (one, two) if measured > 0.0 else (two, one)
+            return [
+                f"the measured pulse arrives at {early.name} {measure(abs(measured), 's')} before "
+                f"{late.name}, the simulated one {measure(abs(simulated), 's')} after it: check "
+                "the names of these columns, and whether the record begins before the first pulse "
+                "arrives"
+            ]
+    return []
+
+
+def silent_notes(shot: Shot, inside: Array) -> list[str]:
+    """Notes on compared data without a pulse."""
+    return [
+        f"the data of {signal.name} have no pulse above their noise"
+        for signal in shot.signals if not _has_pulse(signal, inside)
+    ]  # fmt: skip
+
+
+def _has_pulse(signal: Signal, inside: Array | None = None) -> bool:
+    ok = np.isfinite(signal.values) if inside is None else np.isfinite(signal.values) & inside
+    return abs(extreme(signal.values[ok] - level_of(signal))) > ABOVE_NOISE * signal.sigma
+
+
+def sensors_outside(shot: Shot, columns: Sequence[Array], models: Sequence[Array]) -> list[str]:
+    """Sensors whose simulated signal in the record has less than a tenth of its peak."""
+    return [
+        signal.name
+        for signal, column, model in zip(shot.signals, columns, models, strict=True)
+        if np.nanmax(np.abs(model - column[0])) < IN_RECORD * np.abs(column - column[0]).max()
+    ]
+
+
+def outside_notes(
+    shot: Shot, columns: Sequence[Array], grid: Array, time_offset: float, outside: Sequence[str]
+) -> list[str]:
+    """Notes on simulated first pulses that arrive before the record begins, or after it ends."""
+    early, missing = [], []
+    for signal, column in zip(shot.signals, columns, strict=True):
+        own = column - column[0]
+        begin = float(shot.times[0]) - time_offset
+        if own.any() and reached(grid, own, HALF * extreme(own)) < begin:
+            early.append(signal.name)
+        elif signal.name in outside and _has_pulse(signal):
+            missing.append(signal.name)
+    notes = []
+    if early:
+        notes.append(
+            f"the simulated first pulse arrives at {listed(early)} before the record begins, and "
+            "later pulses, such as reflected ones, are compared; if the record contains the first "
+            "pulse, give time_offset"
+        )
+    if missing:
+        notes.append(
+            f"the simulated pulse of {listed(missing)} is not in the record; check the time offset"
+        )
+    return notes
+
+
+def other_offset_notes(
+    shot: Shot, time_offset: float, other: tuple[float, float] | None
+) -> list[str]:
+    """A note if another offset, with its larger differences, agrees almost as well."""
+    if other is None or not any(map(_has_pulse, shot.signals)):
+        return []
+    offset, larger = other
+    return [
+        f"with a time offset of about {measure(offset, 's', digits=3)} instead of "
+        f"{measure(time_offset, 's', digits=3)}, the differences are only {larger - 1.0:.0%} "
+        "larger: a reflected pulse may be compared with the first one; give time_offset if you "
+        "know it"
+    ]

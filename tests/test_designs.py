@@ -1066,3 +1066,38 @@ def test_a_larger_force_after_the_first_maximum_is_a_note():
     assert force.largest_so_far > 1.01 * force.first_maximum
     (note,) = (each for each in found.notes if "first maximum of the force" in each)
     assert f"{force.largest_so_far / force.first_maximum:.2g}" in note
+    assert "sensor.largest@5" in note
+    # The largest force of a design for it is below that of the best chain of equal sizes.
+    largest = hc.design(hc.Design(row, minimise="sensor.largest@5", vary=[sizes]), budget=600)
+    assert largest.value < largest.objective_of(found.references["chain of equal sizes"].chain)
+    assert largest.value < force.largest_so_far
+    assert hc.simulate(largest.chain, times=4000).sensor_force(5).largest_so_far == pytest.approx(
+        largest.value, rel=1e-6
+    )
+    assert not [each for each in largest.notes if "sensor" in each]
+
+
+@pytest.mark.parametrize("wall", [None, hc.Wall()])
+@pytest.mark.parametrize("loss", [None, hc.Restitution(0.9)])
+def test_slopes_of_the_largest_force_in_a_sensor_are_exact(wall, loss):
+    chain = hc.Chain.uniform(8).replace(right_wall=wall, loss=loss)
+    objective = {"sensor.largest@4": 1.0, "velocity@3": 1.0}
+    given = hc.Design(chain, minimise=objective, vary=[hc.vary.radii(0.5, 1.0)])
+    assert covered(given)
+    point = np.linspace(0.9, 0.2, 7)
+    chain = given.space.chain_of(point)
+    values, slopes, _ = values_and_slopes(given, point)
+
+    def largest(chain):
+        run = hc.simulate(chain, times=4000, rtol=1e-11)
+        return run.sensor_force(4).largest_so_far
+
+    assert values[0] == pytest.approx(largest(chain), rel=1e-6)
+    for place in (2, 5):
+        radii, step = chain.radii, 1e-3 * chain.radii[place]
+        up, down = (
+            largest(chain.replace(radii=radii + sign * step * np.eye(8)[place]))
+            for sign in (1.0, -1.0)
+        )
+        expected = (up - down) / (2.0 * step) * chain.radii[place] * np.log(2.0)
+        assert slopes[0, place - 1] == pytest.approx(expected, rel=2e-3, abs=1e-5)

@@ -135,6 +135,43 @@ def test_real_chains_walls_and_losses():
     assert not found.incomplete.any()
 
 
+@pytest.mark.parametrize("coefficient", [1.0, 0.9])
+def test_forces_in_sensors_are_those_of_runs(coefficient):
+    chain = {"diameters": "6 mm", "materials": "steel-52100", "beads": 6,
+             "right_wall": {"material": "steel-52100"}}  # fmt: skip
+    chain["struck_by"] = {"radius": "5 mm", "velocity": "0.1 m/s"}
+    if coefficient < 1.0:
+        chain["loss"] = {"law": "restitution", "coefficient": coefficient}
+    names = ["sensor.largest@ball 5", "sensor.first_maximum@2", "sensor.impulse@last"]
+    for keep in (names, names[:2]):
+        found = hc.sweep({
+            "chain": chain, "axes": {"beads": [3, 6]},
+            "sweep": {"methods": ["simulate"], "keep": keep},
+        })  # fmt: skip
+        law = None if coefficient == 1.0 else hc.Restitution(coefficient)
+        for i, beads in enumerate((3, 6)):
+            row = hc.Chain.from_materials("3 mm", "steel-52100", beads=beads, loss=law)
+            row = row.struck_by(radius="5 mm", velocity="0.1 m/s")
+            run = hc.simulate(row.replace(right_wall=hc.Wall.of("steel-52100")), times=4000)
+            second = run.sensor_force(2).first_maximum
+            assert found.sensor_first_maximum_2[i, 0] == pytest.approx(second, rel=1e-5)
+            if beads == 6:
+                largest = run.sensor_force("ball 5").largest_so_far
+                assert found.sensor_largest_so_far_ball_5[i, 0] == pytest.approx(largest, rel=1e-5)
+            if keep == names:
+                impulse = np.trapezoid(run.sensor_force(run.chain.beads).force, run.times)
+                assert found.sensor_impulse_last[i, 0] == pytest.approx(impulse, rel=1e-3)
+        assert np.isnan(found.sensor_largest_so_far_ball_5[0, 0])
+        assert "sensor.largest@ball 5: there is no such bead among 4" in str(found.reason[0, 0])
+        assert (found.status == 1).all()
+    assert found.sensor_largest_so_far_ball_5.attrs["units"] == "N"
+    assert plot_sweep(found, "sensor.first_maximum@2").get_ylabel() == (
+        "first maximum of the force in bead 2 [N]"
+    )
+    with pytest.raises(hc.InputError, match="unknown quantity of this sweep 'sensor.largest@3'"):
+        plot_sweep(found, "sensor.largest@3")
+
+
 def test_si_chains_by_scaled_methods_are_in_si():
     chain = {"radii": 5e-3, "materials": "glass", "velocity": 0.01}
     found = swept(chain, {"beads": [10, 12]}, methods=["propagate", "bca"], keep=["peak_force"])
@@ -288,6 +325,13 @@ BAD = [
     ({"axes": {"radii.3": [0.5], "radii": [[1, 1]]}}, "axes.radii: would undo axes.radii.3"),
     ({"axes": {"loss": {"gamma": [1]}, "loss.gamma": [2]}}, "loss.gamma: would undo axes.loss.gam"),
     ({"sweep": {"methods": [["bca"]]}}, "sweep.methods\\[1\\]: unknown method \\['bca'\\]"),
+    ({"sweep": {"methods": ["simulate"], "keep": ["sensor.largest"]}},
+     "sweep.keep\\[1\\]: sensor.largest needs the bead .* sensor.largest@5 or"),
+    ({"sweep": {"methods": ["simulate"], "keep": ["sensor.largest@bal 3"]}}, "needs the bead"),
+    ({"sweep": {"methods": ["simulate"], "keep": ["velocity", "sensor.largest@99"]}},
+     "sweep.keep\\[2\\]: sensor.largest@99: there is no such bead in"),
+    ({"sweep": {"keep": ["sensor.largest@5"]}}, "only the method 'simulate' gives it"),
+    ({"sweep": {"keep": ["velocity@5"]}}, "is velocity of one bead: keep velocity, .*at = \\[5\\]"),
     ({"sweep": {"combine": np.arange(3)}}, "sweep.combine: unknown combination \\[0, 1, 2\\]"),
     ({"sweep": {"reference": np.arange(3)}}, "sweep.reference: unknown reference"),
     ({"sweep": {"at": [[1]]}}, "sweep.at: bead must be a whole number"),
@@ -561,6 +605,9 @@ def test_curves_and_maps():
     np.testing.assert_array_equal(
         curves.lines[1].get_ydata(), found.momentum.sel(beads=20, approach="bca")
     )
+    assert plot_sweep(found, "pulse.momentum", beads=20).get_ylabel() == curves.get_ylabel()
+    with pytest.raises(hc.InputError, match="'momentum@20' is momentum of one bead: .* at bead=20"):
+        plot_sweep(found, "momentum@20")
     drawn = plot_sweep(found, "worst_error_of_velocity", approach="bca", log=True, levels=[0.4])
     assert (drawn.get_xlabel(), drawn.get_ylabel()) == ("rate", "beads")
     np.testing.assert_array_equal(

@@ -172,7 +172,7 @@ quantity_option = click.option(
     "--quantity",
     metavar="NAME",
     help="Such as wall_force.peak, velocity@20, 'velocity@ball 19', arrival@last or, in a sensor, "
-    "'sensor.first_maximum@ball 4'.  "
+    "'sensor.largest@ball 4' and 'sensor.first_maximum@ball 4'.  "
     "[default: wall_force.peak; without a wall, velocity@last]",
 )
 

@@ -180,7 +180,7 @@ def distribution(
         The chain without deviations.
     quantity : str
         Name such as ``"wall_force.peak"``, ``"velocity@20"``, ``"arrival@last"`` or, for a sensor
-        in a ball, ``"sensor.first_maximum@ball 4"``; all those of `Design` are available.
+        in a ball, ``"sensor.largest@ball 4"``; all those of `Design` are available.
     scatter : Scatter
         Deviations, with the number of chains, ``samples``.  Its ``measure`` is not used.
     seed : int

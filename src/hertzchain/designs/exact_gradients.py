@@ -15,9 +15,10 @@ from ..chain.laws.velocity_power import VelocityPower
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError
 from ..sensitivity.equation import has_gradient
-from ..sensitivity.gradient import gradients, quantity_values
+from ..sensitivity.gradient import Gradient, gradients, quantity_values
+from ..simulation.simulate import simulate
 from .bounds import impact_varies
-from .measures import IMPULSE, LARGEST, PULSE, SENSOR, SHARES, Measure
+from .measures import IMPULSE, LARGEST, LARGEST_IN_SENSOR, PULSE, SENSORS, SHARES, Measure
 from .problem import Design
 from .size_space import SizeSpace
 
@@ -38,6 +39,8 @@ NAMES: Final = {
     "wall_force.duration": "wall_force.duration",
 }
 PEAK: Final = Measure("wall_force.peak")
+# Several gradients, one for each maximum of the force on the wall.
+MAXIMA: Final = "wall_force.maxima"
 NOT_COVERED: Final = (InputError, SimulationError)
 
 
@@ -49,8 +52,8 @@ def name_of(measure: Measure, beads: int) -> str | None:
         return f"pulse.{SHARES.get(measure.key, measure.key)}@{measure.index(beads) + 1}"
     if measure.key in LARGEST:
         return f"bead.{measure.key}@{measure.index(beads) + 1}"
-    if measure.key == SENSOR:
-        return f"{SENSOR}@{measure.index(beads) + 1}"
+    if measure.key in SENSORS:
+        return f"{measure.key}@{measure.index(beads) + 1}"
     return NAMES.get(measure.key)
 
 
@@ -102,9 +105,9 @@ def _slopes_by_field(
     names = {i: name_of(m, chain.beads) for i, m in enumerate(measures) if not m.of_chain}
     asked = [str(name) for name in names.values()]
     if PEAK in measures:
-        asked.append("wall_force.maxima")
+        asked.append(MAXIMA)
     rtol = elastic_rtol if chain.lossless else DAMPED_RTOL
-    found = gradients(chain, asked, to=fields, rtol=rtol, until=problem.until)
+    found = _gradients(chain, asked, fields, rtol, problem.until)
     maxima = found[len(names) :]
     count = len(measures) + len(maxima)
     values = np.full(count, np.nan)
@@ -124,6 +127,22 @@ def _slopes_by_field(
             for field in fields:
                 slopes[field][row] = measure.slope_of_chain(chain, field)
     return values, slopes, len(maxima)
+
+
+def _gradients(
+    chain: Chain, names: list[str], fields: tuple[str, ...], rtol: float, until: float | None
+) -> list[Gradient]:
+    """Gradients by name, then those of all maxima; largest forces in sensors are of whole runs."""
+    whole = [name for name in names if name.startswith(LARGEST_IN_SENSOR)]
+    if until is not None or not whole:
+        return gradients(chain, names, to=fields, rtol=rtol, until=until)
+    others = [name for name in names if name not in whole]
+    found = gradients(chain, others, to=fields, rtol=rtol) if others else []
+    end = simulate(chain, times=0, rtol=RTOL).end_time
+    of_run = gradients(chain, whole, to=fields, rtol=rtol, until=end)
+    plain = [name for name in others if name != MAXIMA]
+    by_name = dict(zip(plain, found, strict=False)) | dict(zip(whole, of_run, strict=True))
+    return [by_name[name] for name in names if name != MAXIMA] + found[len(plain) :]
 
 
 def values_and_slopes(problem: Design, point: Array) -> tuple[Array, Array, Array]:

@@ -5,7 +5,9 @@ name                                                    meaning
 ======================================================  ===========================================
 ``wall_force.peak``, ``.impulse``, ``.duration``        force on the right wall; the impulse is also
                                                         called ``wall_force.impulse_of_impact``
-``sensor.first_maximum@k``                              force in a sensor in bead k
+``sensor.largest@k``                                    largest force in a sensor in bead k in the
+                                                        run
+``sensor.first_maximum@k``                              its first maximum
 ``velocity@k``, ``momentum@k``, ``energy@k``,           leading pulse at bead k, or ``@last``
 ``arrival@k``, ``residence@k``, ``peak_force@k``
 ``largest_velocity@k``, ``largest_momentum@k``,         at the largest forward velocity of bead k in
@@ -48,7 +50,8 @@ WALL: Final = {
     **dict.fromkeys(("wall_force.impulse", IMPULSE), COLUMNS[IMPULSE]),
 }
 PULSE: Final = ("velocity", "momentum", "energy", "arrival", "residence", "peak_force")
-SENSOR: Final = "sensor.first_maximum"
+FIRST_MAXIMUM, LARGEST_IN_SENSOR = "sensor.first_maximum", "sensor.largest"
+SENSORS: Final = (LARGEST_IN_SENSOR, FIRST_MAXIMUM)
 LARGEST: Final = ("largest_velocity", "largest_momentum", "largest_energy")
 SHARES: Final = {"energy_share": "energy", "momentum_share": "momentum"}
 RANGE: Final[tuple[str, ...]] = ("yield_ratio", "overlap_ratio")
@@ -57,14 +60,17 @@ OF_CHAIN: Final = {
     "smallest_radius": "m", "largest_radius": "m",
 }  # fmt: skip
 CURVES: Final = (*PULSE, *SHARES, *LARGEST)
-AT_BEAD: Final = (*CURVES, SENSOR)
+AT_BEAD: Final = (*CURVES, *SENSORS)
 # Names of columns, which are accepted, too.
-BY_COLUMN: Final = {column: name for name, column in WALL.items()} | {COLUMNS[SENSOR]: SENSOR}
+BY_COLUMN: Final = {column: name for name, column in WALL.items()} | {
+    COLUMNS[name]: name for name in SENSORS
+}
 WORDS: Final = {
     "wall_force.peak": "peak force on the wall",
     "wall_force.impulse": "impulse on the wall", IMPULSE: "impulse on the wall",
     "wall_force.duration": "impulse / peak of the force on the wall",
-    "largest_force": "largest force", SENSOR: "first maximum of the force in the sensor",
+    "largest_force": "largest force", LARGEST_IN_SENSOR: "largest force in the sensor",
+    FIRST_MAXIMUM: "first maximum of the force in the sensor",
     "yield_ratio": "pressure / pressure at first yield", "overlap_ratio": "overlap / radius",
     "length": "length of the chain", "mass": "mass of the chain", "beads": "number of beads",
 }  # fmt: skip
@@ -112,13 +118,13 @@ class Measure:
             return WALL_QUANTITIES[WALL[self.key]].unit
         if self.key in (*PULSE, *LARGEST):
             return QUANTITIES[self.quantity].unit
-        return "N" if self.key in ("largest_force", SENSOR) else OF_CHAIN.get(self.key, "1")
+        return "N" if self.key in ("largest_force", *SENSORS) else OF_CHAIN.get(self.key, "1")
 
     @property
     def has_kinks(self) -> bool:
         """Whether its derivatives jump, because it is the largest of several peaks."""
-        kinks = ("wall_force.peak", "wall_force.duration", "largest_force", *RANGE, *LARGEST)
-        return self.key in kinks
+        kinks = ("wall_force.peak", "wall_force.duration", "largest_force", LARGEST_IN_SENSOR)
+        return self.key in (*kinks, *RANGE, *LARGEST)
 
     @property
     def of_whole_run(self) -> bool:
@@ -137,8 +143,8 @@ class Measure:
             return (*self._numerator.columns, *self.over.columns)
         if self.key in WALL:
             return (WALL[self.key],)
-        if self.key == SENSOR:
-            return (COLUMNS[SENSOR],)
+        if self.key in SENSORS:
+            return (COLUMNS[self.key],)
         if self.of_whole_run:
             return ()
         if self.key in AT_BEAD:
@@ -154,7 +160,7 @@ class Measure:
         return (self.bead or self._count(beads)) - 1
 
     def _count(self, beads: int) -> int:
-        return beads if self.key == SENSOR else QUANTITIES[self.quantity].count(beads)
+        return beads if self.key in SENSORS else QUANTITIES[self.quantity].count(beads)
 
     def check(self, chain: Chain) -> None:
         """Raise `InputError` if a chain does not have the measure."""
@@ -185,7 +191,7 @@ class Measure:
             return self._numerator.from_table(table) / self.over.from_table(table)
         if self.key in WALL:
             return np.array(table[self.columns[0]])
-        if self.key == SENSOR:
+        if self.key in SENSORS:
             bead = self.index(int(table.beads.max(initial=2))) + 1
             return np.array(table[self.columns[0]][:, table.sensors.index(bead)])
         if self.key in AT_BEAD:
@@ -256,7 +262,7 @@ class Measure:
 def sensors_of(measures: Iterable[Measure], chains: Iterable[Chain]) -> tuple[int, ...]:
     """Numbers of the beads with sensors that measures of these chains need."""
     beads = {chain.beads for chain in chains}
-    numbers = {each.index(n) + 1 for each in measures if each.key == SENSOR for n in beads}
+    numbers = {each.index(n) + 1 for each in measures if each.key in SENSORS for n in beads}
     return tuple(sorted(numbers))
 
 

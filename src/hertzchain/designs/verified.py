@@ -13,13 +13,22 @@ from ..chain.hertz_range import HertzRange, hertz_range
 from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..collision import Array
 from ..errors import InputError
+from ..pulse.quantity_names import COLUMNS
 from ..representation import measure as shown
 from ..simulation.run_table import RunTable
 from ..simulation.simulate import simulate
 from ..simulation.simulate_many import simulate_many
 from .exact_gradients import value_in_whole_run
 from .measured import measured
-from .measures import OF_CHAIN, RANGE, SENSOR, Measure, in_words, sensors_of
+from .measures import (
+    FIRST_MAXIMUM,
+    LARGEST_IN_SENSOR,
+    OF_CHAIN,
+    RANGE,
+    Measure,
+    in_words,
+    sensors_of,
+)
 from .problem import Design
 from .requirements import violation
 
@@ -87,7 +96,7 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     if not table.reasons and walled and problem.until is None:
         notes += _later_peak(chain, table["wall_peak_force"][0], float(table["end_time"][0]))
     notes += _later_motion(problem, chain, values)
-    notes += _later_force(problem, chain, values)
+    notes += _later_force(problem, chain, values, float(table["end_time"][0]))
     limits = None
     if chain.materials is not None and chain.units == "SI" and not table.reasons:
         limits = hertz_range(chain, table._overlaps[0, : chain.beads + 1])
@@ -152,25 +161,39 @@ def _later_motion(problem: Design, chain: Chain, values: dict[str, float]) -> li
     return found
 
 
-def _later_force(problem: Design, chain: Chain, values: dict[str, float]) -> list[str]:
-    """Notes on sensors whose force is larger after its first maximum."""
-    measures = [m for m in problem.measures if m.key == SENSOR and np.isfinite(values[str(m)])]
-    if not measures or len(measures) > MAX_CHECKED:
+def _later_force(
+    problem: Design, chain: Chain, values: dict[str, float], end: float
+) -> list[str]:  # fmt: skip
+    """Notes on sensors whose force is larger after its first maximum, or after the run."""
+    sensors = [m for m in problem.measures if m.key in (FIRST_MAXIMUM, LARGEST_IN_SENSOR)
+               and np.isfinite(values[str(m)])]  # fmt: skip
+    if not sensors or len(sensors) > MAX_CHECKED:
         return []
     run = simulate(chain, times=TIMES, until=problem.until)
     found = []
-    for measure in measures:
-        first = values[str(measure)]
-        largest = run.sensor_force(measure.index(chain.beads) + 1).largest_so_far
-        if largest > (1.0 + LATER) * first:
-            earlier, later = (
-                in_words(each, measure.unit, chain.units) for each in (first, largest)
-            )
-            found.append(
-                f"{measure} is the first maximum of the force, {earlier}; the force reaches "
-                f"{later} in the run, {largest / first:.3g} times as much"
-            )
+    for measure in sensors:
+        value, bead = values[str(measure)], measure.index(chain.beads) + 1
+        if measure.key == FIRST_MAXIMUM:
+            largest = run.sensor_force(bead).largest_so_far
+            what, when = f"{measure} is the first maximum of the force", "in the run"
+            advice = f" ({LARGEST_IN_SENSOR}@{bead})"
+        elif problem.until is None:
+            largest = _largest_in_longer_run(chain, bead, end)
+            what, when = f"{measure} is the largest force in the run", "in a run twice as long"
+            advice = "; give until"
+        else:
+            continue
+        if largest > (1.0 + LATER) * value:
+            now, later = (in_words(each, measure.unit, chain.units) for each in (value, largest))
+            found.append(f"{what}, {now}; the force reaches {later} {when}, "
+                         f"{largest / value:.3g} times as much{advice}")  # fmt: skip
     return found
+
+
+def _largest_in_longer_run(chain: Chain, bead: int, end: float) -> float:
+    column = COLUMNS[LARGEST_IN_SENSOR]
+    longer = simulate_many([chain], keep=[column], sensors=[bead], until=LONGER * end, rtol=RTOL)
+    return float(longer[column][0, 0])
 
 
 def _speed(chain: Chain, value: float) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from ..sweeps.kept import KEPT
+from ..sweeps.kept import KEPT, sensor_of
 from ..units import PERCENT
 from .style import literal
 
@@ -46,6 +46,9 @@ def axis_label(coordinate: xr.DataArray) -> str:
 def quantity_label(drawn: xr.DataArray) -> str:
     """Label of the quantity with its unit; the index of the last bead is N, not k."""
     name = str(drawn.name)
+    if (sensor := sensor_of(name)) is not None:
+        text = f"{sensor.quantity.label.removesuffix(' so far')} in {sensor.where}"
+        return _with_unit(text, drawn)
     quantity = KEPT.get(name)
     text = name.replace("_", " ") if quantity is None else quantity.label
     if quantity is not None and not {"bead", "contact"} & set(drawn.coords):

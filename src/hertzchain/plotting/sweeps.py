@@ -17,6 +17,7 @@ from ..errors import IncompleteWarning, InputError, InputWarning, unknown_name_e
 from ..representation import MICROSECONDS, MILLISECONDS, counted
 from ..store.sweep_export import check_sweep
 from ..store.sweep_store import FAILED, MISSING
+from ..sweeps.kept import variable_name
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list, check_type
@@ -165,10 +166,22 @@ def _selected(dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any]) 
         if name not in ("status", "reason", *FLAGS, "beads")
     ]  # fmt: skip
     known = [*names, *(name for name in (*FLAGS, "beads") if name in dataset.data_vars)]
-    chosen = (
-        names[0] if quantity is None else check_choice("quantity of this sweep", quantity, known)
-    )
+    chosen = names[0] if quantity is None else _variable(quantity, known)
     return _selected_at(dataset[chosen], at, warn=warn_user)
+
+
+def _variable(quantity: Any, known: list[str]) -> str:
+    """The variable of a quantity, which may have its name in designs, as ``wall_force.peak``."""
+    name = variable_name(quantity) if isinstance(quantity, str) else quantity
+    own, at, bead = str(quantity).partition("@")
+    if at and name not in known and (own := variable_name(own)) in known:
+        raise InputError(
+            f"{quantity!r} is {own} of one bead: plot the quantity {own} at bead={bead}, if the "
+            "sweep has kept several beads"
+        )
+    return check_choice(
+        "quantity of this sweep", name if name in known else quantity, known
+    )  # fmt: skip
 
 
 def _selected_at(

@@ -337,7 +337,7 @@ def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:
         values = {name: getattr(wall, each.attribute) for name, each in WALL_QUANTITIES.items()}
         found |= {name: np.nan if each is None else each for name, each in values.items()}
     if any(name in SENSOR_QUANTITIES for name in keep):
-        found |= _sensors_of(run, request.sensors)
+        found |= sensors_of_run(run, request.sensors)
     if any(name in FINAL_QUANTITIES for name in keep):
         found |= _final_of(run, options)
     found["largest_overlap"] = run.largest_overlaps[1:-1]
@@ -348,7 +348,7 @@ def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:
     return Outcome(columns, [run.status], complete, run.largest_overlaps[np.newaxis], {})
 
 
-def _sensors_of(run: Run, beads: Sequence[int]) -> dict[str, Array]:
+def sensors_of_run(run: Run, beads: Sequence[int]) -> dict[str, Array]:
     """Quantities of sensors."""
     rows = []
     for bead in beads:

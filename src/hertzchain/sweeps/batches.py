@@ -16,13 +16,14 @@ from ..propagation.propagate import propagate_many
 from ..pulse.notes import notes_in_words
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
-from ..simulation.ensemble_columns import largest_yield_ratio
+from ..simulation.ensemble_columns import largest_yield_ratio, sensors_of_run
 from ..simulation.ensemble_input import is_covered
 from ..simulation.run import Run
+from ..simulation.sensor_force import MANY_TIMES
 from ..simulation.simulate import DEFAULT_RTOL, simulate
 from ..simulation.simulate_many import simulate_many
 from ..store.sweep_store import DONE, FAILED
-from .kept import PER_PLACE, PER_RUN
+from .kept import PER_PLACE, PER_RUN, sensor_of
 from .methods import OPTIONS, pulse_by, record_warnings
 from .plan import Index, Plan, plan_of
 
@@ -113,9 +114,11 @@ class _Batch:
         self.whole: dict[str, Array] = {
             name: np.full((*shape, PER_PLACE[name].count(plan.longest)), np.nan) for name in wide
         }
+        found = {name: sensor_of(name) for name in spec.keep}
+        self.sensors = {name: sensor for name, sensor in found.items() if sensor is not None}
         self.single = {
             name: np.full(shape, np.nan) for name in plan.variables
-            if name in PER_RUN or name.startswith("worst_error_of_")
+            if name in PER_RUN or name in self.sensors or name.startswith("worst_error_of_")
         }  # fmt: skip
         self.relative: dict[str, Array] = {}
 
@@ -151,47 +154,67 @@ class _Batch:
     def may_simulate_together(self) -> bool:
         """Whether `simulate_many` gives all that is kept, as `simulate` does."""
         walls = {name for name in self.single if name in WALL_QUANTITIES}
-        return not self.varied_options and walls <= SIMULATED_TOGETHER
+        # The integral over a whole run depends on its last step, too.
+        impulses = any(each.column == "sensor_impulse" for each in self.sensors.values())
+        return not (self.varied_options or impulses) and walls <= SIMULATED_TOGETHER
 
     def simulate_together(self, place: int) -> None:
         """Simulate all chains that the kernel of `simulate_many` covers in one call."""
         options = self._options("simulate", self.indices[0])
-        rows, chains = [], []
+        groups: dict[tuple[int, ...], list[int]] = {}
         for row in range(len(self.indices)):
             self._check_stop()
             try:
                 chain = self.chain(row)
                 if is_covered(chain, options.get("until")):
-                    rows.append(row)
-                    chains.append(chain)
+                    beads = tuple(each.bead(chain) for each in self.sensors.values())
+                    groups.setdefault(beads, []).append(row)
                     continue
             except InputError as error:
                 self._fail(row, place, error)
                 continue
             self._one(row, place, "simulate")
+        for beads, rows in groups.items():
+            self._simulate_group(place, rows, beads, options)
+
+    def _simulate_group(
+        self, place: int, rows: list[int], sensors: tuple[int, ...], options: dict[str, Any]
+    ) -> None:
+        """Simulate chains whose sensors have the same numbers; 0 is that of a missing one."""
         walls = [name for name in self.single if name in WALL_QUANTITIES]
         keep = [name for name in self.whole if not PER_PLACE[name].estimate]
         keep += [name for name in self.single if name in PER_RUN]
-        if not chains or not keep:
+        there = {name: (each.column, bead)
+                 for (name, each), bead in zip(self.sensors.items(), sensors, strict=True)
+                 if bead}  # fmt: skip
+        columns = dict.fromkeys([*keep, *(column for column, _ in there.values())])
+        if not columns:
+            for row in rows:
+                self._one(row, place, "simulate")
             return
+        chains = [self.chain(row) for row in rows]
         table = simulate_many(
-            chains, keep=keep, threads=1, progress=self._check_stop,
-            **{"rtol": DEFAULT_RTOL, **options},
+            chains, keep=list(columns), sensors=sorted({bead for _, bead in there.values()}),
+            threads=1, progress=self._check_stop, **{"rtol": DEFAULT_RTOL, **options},
         )  # fmt: skip
         for i, row in enumerate(rows):
             beads = self.beads[row] = chains[i].beads
             found = {name: values[i] for name, values in table.columns.items()}
-            pulse = [found[name][: PER_PLACE[name].count(beads)] for name in keep
-                     if name in self.whole]  # fmt: skip
-            if i in table.reasons or any(np.isnan(values).any() for values in pulse):
+            needed = [found[name][: PER_PLACE[name].count(beads)] for name in keep
+                      if name in self.whole]  # fmt: skip
+            found |= {name: found[column][table.sensors.index(bead)]
+                      for name, (column, bead) in there.items()}  # fmt: skip
+            needed += [found[name] for name in there]
+            if i in table.reasons or any(np.isnan(each).any() for each in needed):
                 # `simulate` has the reasons why values are absent.
                 self._one(row, place, "simulate")
                 continue
-            for name in keep:
+            for name in (*keep, *there):
                 if name in self.whole:
                     self.whole[name][row, place, : len(found[name])] = found[name]
                 else:
                     self.single[name][row, place] = found[name]
+            self.reason[row][place] = "; ".join(self._missing_sensors(chains[i]))
             self.outside_range[row, place] = table.outside_range[i]
             self.incomplete[row, place] = bool(walls) and not table.complete[i]
 
@@ -231,13 +254,15 @@ class _Batch:
     def _keep(self, row: int, place: int, method: str, chain: Chain) -> None:
         options = self._options(method, self.indices[row])
         if method == "simulate":
-            run = simulate(chain, times=0, progress=self._check_stop, **options)
+            times = MANY_TIMES if self.sensors else 0
+            run = simulate(chain, times=times, progress=self._check_stop, **options)
             self._keep_wall(row, place, run)
             self._keep_largest(row, place, run)
             if self._of_pulse:
                 self._keep_pulse(row, place, run.pulse())
                 if run.beads_passed < chain.beads:
                     self.status[row, place] = FAILED
+            self._keep_sensors(row, place, run)
         else:
             self._keep_pulse(row, place, pulse_by(method, chain, **options))
 
@@ -257,6 +282,23 @@ class _Batch:
             for name in wanted:
                 value = getattr(wall, WALL_QUANTITIES[name].attribute)
                 self.single[name][row, place] = np.nan if value is None else value
+
+    def _keep_sensors(self, row: int, place: int, run: Run) -> None:
+        """Keep quantities of sensors, or why there are none."""
+        reasons = [self.reason[row][place], *self._missing_sensors(run.chain)]
+        for name, sensor in self.sensors.items():
+            if not (bead := sensor.bead(run.chain)):
+                continue
+            value = sensors_of_run(run, [bead])[sensor.column][0]
+            self.single[name][row, place] = value
+            if np.isnan(value):
+                reasons.append(f"{sensor.name}: the force has no maximum in the run")
+        self.reason[row][place] = "; ".join(filter(None, reasons))
+
+    def _missing_sensors(self, chain: Chain) -> list[str]:
+        """Why a chain has no values of some sensors."""
+        return [f"{each.name}: there is no such bead among {chain.beads}"
+                for each in self.sensors.values() if not each.bead(chain)]  # fmt: skip
 
     def _keep_largest(self, row: int, place: int, run: Run) -> None:
         """Keep the largest values of the whole run."""

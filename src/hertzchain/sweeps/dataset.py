@@ -17,7 +17,7 @@ from ..store.sweep_store import MEANINGS, plain_text
 from ..units import UNITS
 from .axes import Axis
 from .batches import Result
-from .kept import PER_PLACE, PER_RUN
+from .kept import PER_PLACE, PER_RUN, sensor_of
 from .plan import Plan
 
 if TYPE_CHECKING:
@@ -132,6 +132,10 @@ def _kept(plan: Plan, name: str) -> Variable:
     spec = plan.specification
     if name in PER_RUN:
         return _by_method(plan, "f8", PER_RUN[name].attributes(plan.units))
+    if (sensor := sensor_of(name)) is not None:
+        attributes = sensor.quantity.attributes(plan.units)
+        label = f"{attributes['long_name']}, {sensor.where}"
+        return _by_method(plan, "f8", {**attributes, "long_name": label})
     if name.startswith("worst_error_of_"):
         what = name.removeprefix("worst_error_of_")
         label = f"largest error of {what} relative to {spec.reference}, k >= 2"

@@ -34,7 +34,6 @@ from typing import Any, Final
 from ..chain.chain import Chain
 from ..errors import InputError, raise_all, short_repr, unknown_name_error
 from ..pulse.quantities import QUANTITIES
-from ..pulse.quantity_names import column_name
 from ..representation import short
 from ..store.chain_files import chain_from
 from ..store.chain_schema import KEYS, chain_schema, with_usual_names, without_units
@@ -53,22 +52,15 @@ from .axes import (
     too_many_points,
     unequal_lengths,
 )
-from .kept import KEPT, OF_RUNS
+from .kept import KEPT, OF_RUNS, sensor_of, unknown_quantity, variable_name
 from .listed_values import chain_as_document, missing_lists, with_lists
 from .methods import METHODS, check_option
 from .methods import OPTIONS as OPTIONS_OF
 
 # Names that the dataset uses itself; an axis of such a name gets its full path as name.
 TAKEN: Final = (
-    "approach",
-    "bead",
-    "contact",
-    "point",
-    "status",
-    "reason",
-    "outside_range",
-    "incomplete",
-)
+    "approach", "bead", "contact", "point", "status", "reason", "outside_range", "incomplete",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +83,7 @@ class Specification:
     methods : tuple of str
         Names of `hertzchain.sweeps.methods.METHODS`.
     keep : tuple of str
-        Quantities of the pulse, the right wall or the whole run.
+        Quantities of the pulse, the right wall, sensors or the whole run.
     at : str or tuple of int
         ``"every"`` bead, the ``"last"`` one, or the numbers of beads.
     errors : tuple of str
@@ -174,6 +166,10 @@ def _sorted(table: Mapping[str, Any]) -> Any:
     return json.loads(json.dumps(table, sort_keys=True))
 
 
+def _unknown_method(name: object, known: Sequence[str]) -> InputError:
+    return unknown_name_error("method", name, known)
+
+
 # Tables of a specification, and its title.
 TABLES: Final = ("title", "chain", "materials", "axes", "points", "sweep", "method")
 
@@ -182,7 +178,8 @@ _SWEEP: Final = (
         default="product", choices=("product", "zip")),
     Key("methods", "choice", "simulations and theories", default="propagate", choices=METHODS,
         per="item", one_for_all=True),
-    Key("keep", "choice", "quantities of the pulse, the right wall or the whole run",
+    Key("keep", "choice", "quantities of the pulse, the right wall or the whole run, or of "
+        "sensors, such as 'sensor.largest@ball 4'",
         default="velocity", choices=(*KEPT,), per="item", one_for_all=True),
     Key("at", "choice", "beads to keep: every, the last, or a list of their numbers",
         default="every", choices=("every", "last")),
@@ -280,7 +277,7 @@ class _Reader:
             self._add("sweep.reference", unknown_name_error("reference", reference, methods))
         if errors and len(methods) == 1:
             self._add("sweep.errors", f"there is only one method, {methods[0]}: add others")
-        of_runs = [name for name in keep if name in OF_RUNS]
+        of_runs = [name for name in keep if name in OF_RUNS or sensor_of(name)]
         if "simulate" not in methods and of_runs:
             self._add("sweep.keep", f"{', '.join(of_runs)}: only the method 'simulate' gives it")
         title, batch = self._title(), self._batch(settings)
@@ -386,15 +383,17 @@ class _Reader:
         if not isinstance(listed, list | tuple) or (default and not listed):
             self._add(f"sweep.{key}", f"must be a list of names, got {short_repr(given)}")
             return default
-        listed = [column_name(name) for name in listed]
-        for place, name in enumerate(listed, start=1):
-            if name not in known:
-                what = {"methods": "method"}.get(key, "quantity")
-                self._add(f"sweep.{key}[{place}]", unknown_name_error(what, name, known))
-        names = tuple(name for name in listed if name in known)
+        names = []
+        for place, entry in enumerate(listed, start=1):
+            name = variable_name(entry) if isinstance(entry, str) and key != "methods" else entry
+            if name in known or (key == "keep" and isinstance(name, str) and sensor_of(name)):
+                names.append(name)
+                continue
+            explained = _unknown_method if key == "methods" else unknown_quantity
+            self._add(f"sweep.{key}[{place}]", explained(entry, known))
         if len(set(names)) < len(names):
             self._add(f"sweep.{key}", f"has one name twice: {', '.join(names)}")
-        return names or default
+        return tuple(names) or default
 
     def _at(self, given: Any) -> str | tuple[int, ...]:
         if given in SETTINGS["at"].choices:

@@ -136,6 +136,44 @@ def test_times_show_each_bead_equally_long():
     assert np.searchsorted(even, arrival[20]) < 0.25 * len(even)
 
 
+@pytest.mark.parametrize("clock", ["beads", "time"])
+@pytest.mark.parametrize("gaps", [[0.0], [0.02], [0.02, 0.0], [1e-5, 0.0, 0.0]], ids=str)
+def test_short_chains_are_shown_until_the_last_bead_has_separated(gaps, clock):
+    chain = {"radii": [0.01] * (len(gaps) + 1), "materials": "steel-52100", "velocity": 0.2}
+    document = {"chain": {**chain, "gaps": gaps}}
+    arrays = computed(document, frames=320, clock=clock)["run"][1]
+    exact = hc.simulate(chain_of(document), until=0.3, times=0).pulse()
+    last = arrays["velocities"][-1, -1] / 32767 * arrays["velocities.scale"][-1]
+    assert last == pytest.approx(exact.velocity[-1], rel=1e-4)
+    if len(gaps) == 1:  # Two equal balls exchange their velocities.
+        assert last == pytest.approx(0.2, rel=1e-4)
+    assert np.all(np.diff(arrays["times"]) > 0.0)
+
+
+@pytest.mark.parametrize("clock", ["beads", "time"])
+@pytest.mark.parametrize("gap", [1e-4, 0.02, 0.2])
+def test_the_impact_on_a_distant_wall_is_shown(gap, clock):
+    # One ball struck by another, which flies to the wall with the velocity of the striker.
+    chain = {"radii": [0.01, 0.01], "materials": "steel-52100", "velocity": 0.2, "gaps": [0.003],
+             "right_wall": {"material": "steel-52100", "gap": gap}}  # fmt: skip
+    header, arrays = computed({"chain": chain}, frames=320, clock=clock)["run"]
+    arrival = (0.003 + gap) / 0.2
+    assert arrival < header["peaks"]["right"]["largest_time"] < arrival + 3e-4
+    assert arrays["times"][-1] > header["peaks"]["right"]["largest_time"]
+
+
+def test_a_long_flight_to_the_wall_does_not_take_the_frames_of_the_passage():
+    wall = {"material": "steel-52100", "gap": "20 mm"}
+    document = {"chain": {**STEEL["chain"], "right_wall": wall}}
+    header, arrays = computed(document, frames=320)["run"]
+    times, force = arrays["times"], arrays["force.right"]
+    passed = hc.propagate(chain_of(STEEL)).arrival[-1]
+    assert np.count_nonzero(times < passed) > 120
+    assert times[-1] > 20 * passed
+    # The impact itself is resolved.
+    assert force.max() > 0.95 * header["peaks"]["right"]["largest"]
+
+
 def test_theories_that_do_not_cover_a_chain_give_their_reason():
     theories = computed(WALL)["beads"][0]["theories"]
     with pytest.raises(hc.InputError) as error:

@@ -28,7 +28,8 @@ from hertzchain.app.messages import Part
 from hertzchain.app.results import Cancelled, limited
 from hertzchain.app.serve import RunningServer, bind
 from hertzchain.app.warm_up import WarmUp
-from hertzchain.app.wording import on_the_page, sentences
+from hertzchain.app.wording import chain_in_words, on_the_page, sentences
+from hertzchain.cli import cli
 from hertzchain.theory.catalogue import THEORIES
 from hertzchain.warm_start import Stage
 
@@ -470,6 +471,36 @@ def stored_in(file):
     """The data in a saved page, and the parts of its results."""
     stored = json.loads(re.search(r'id="embedded">(.*?)</script>', file.read_text("utf-8"))[1])
     return stored, unpacked(base64.b64decode(stored["parts"]))
+
+
+def test_a_page_names_its_files_strikers_and_impact(tmp_path):
+    text = """[chain]
+        diameters = ["20 mm", "10 mm"]
+        materials = "steel-52100"
+        struck_by = {velocity = "0.1 m/s", diameter = "24 mm", gap = "1 mm"}"""
+    (tmp_path / "a<b>.toml").write_text(text)
+    (tmp_path / "equal.toml").write_text(text.replace('"10 mm"', '"20 mm"'))
+    files = [str(tmp_path / each) for each in ("a<b>.toml", "equal.toml", "page.html")]
+    cli.main(["app", files[0], "--compare", files[1], "--save", files[2]], standalone_mode=False)
+    assert "<title>a&lt;b&gt;.toml – hertzchain</title>" in Path(files[2]).read_text("utf-8")
+    _, found = stored_in(tmp_path / "page.html")
+    words = [header["description"] for header, _ in found if header["part"] == "beads"]
+    striker = "striker (24 mm, gap 1 mm), impact at 0.1 m/s"
+    assert words == [
+        f"a<b>.toml: 2 steel-52100 beads, diameters 20 mm to 10 mm, {striker}",
+        f"equal.toml: 2 steel-52100 beads, diameter 20 mm, {striker}",
+    ]
+
+
+def test_chains_in_words_name_strikers():
+    plain = hc.Chain.uniform(10)
+    assert chain_in_words(plain) == "uniform, 10 beads"
+    two = plain.struck_by(count=2, radius=1.5, gap=0.5)
+    assert chain_in_words(two) == "uniform, 10 beads, 2 strikers (radius 1.5, gap 0.5)"
+    flat = hc.Chain.from_materials("5 mm", "brass", beads=9).struck_by(
+        radius=np.inf, mass="10 g", velocity="0.2 m/s"
+    )
+    assert chain_in_words(flat).endswith("striker (10 g), impact at 0.2 m/s")
 
 
 def test_a_page_saved_from_python_has_the_results_of_both_chains(tmp_path):

@@ -24,7 +24,7 @@ from .documents import chain_of
 from .messages import Part, columns_as_int16
 from .requests import Request
 from .shown_times import pulse_of, saved_times
-from .wording import on_the_page, sentences
+from .wording import chain_in_words, on_the_page, sentences
 
 MAX_SECONDS: Final = 20.0
 # Theories with compiled functions, which are evaluated after the others.
@@ -109,7 +109,7 @@ def _description(chain: Chain) -> dict[str, Any]:
     p = chain.exponents
     walls = ("left wall", "right wall")
     return {
-        "description": chain.description, "beads": chain.beads, "units": chain.units,
+        "description": chain_in_words(chain), "beads": chain.beads, "units": chain.units,
         "features": list(chain.features), "strikers": chain.strikers,
         "exponent": p if isinstance(p, float) else None,
         "walls": [name.removesuffix(" wall") for name in walls if name in chain.features],

@@ -68,6 +68,11 @@ def saved_times(
         known_times = np.append(arrival, after)
         places = np.append(places[: count + 1], count * (1.0 + np.cumsum(FLIGHT_AND_IMPACT)))
         last = float(places[-1])
+    # Half of the frames of a flight in a gap show the impact at its end.
+    before = HALF_IMPACT * transit_times(chain)
+    flown = np.flatnonzero(np.diff(arrival) > 2.0 * before)
+    known_times = np.insert(known_times, flown + 1, (arrival[1:] - before)[flown])
+    places = np.insert(places, flown + 1, flown + 0.5)
     return np.unique(np.interp(np.linspace(0.0, last, frames), places, known_times))
 
 

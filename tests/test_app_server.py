@@ -28,7 +28,8 @@ from hertzchain.app.messages import Part
 from hertzchain.app.results import Cancelled, limited
 from hertzchain.app.serve import RunningServer, bind
 from hertzchain.app.warm_up import WarmUp
-from hertzchain.app.wording import on_the_page, sentences
+from hertzchain.app.wording import chain_in_words, on_the_page, sentences
+from hertzchain.cli import cli
 from hertzchain.theory.catalogue import THEORIES
 from hertzchain.warm_start import Stage
 
@@ -134,6 +135,44 @@ def test_times_show_each_bead_equally_long():
     even = computed(TAPER, frames=200, clock="time")["run"][1]["times"]
     assert np.diff(even).max() < 1.001 * np.diff(even).min()
     assert np.searchsorted(even, arrival[20]) < 0.25 * len(even)
+
+
+@pytest.mark.parametrize("clock", ["beads", "time"])
+@pytest.mark.parametrize("gaps", [[0.0], [0.02], [0.02, 0.0], [1e-5, 0.0, 0.0]], ids=str)
+def test_short_chains_are_shown_until_the_last_bead_has_separated(gaps, clock):
+    chain = {"radii": [0.01] * (len(gaps) + 1), "materials": "steel-52100", "velocity": 0.2}
+    document = {"chain": {**chain, "gaps": gaps}}
+    arrays = computed(document, frames=320, clock=clock)["run"][1]
+    exact = hc.simulate(chain_of(document), until=0.3, times=0).pulse()
+    last = arrays["velocities"][-1, -1] / 32767 * arrays["velocities.scale"][-1]
+    assert last == pytest.approx(exact.velocity[-1], rel=1e-4)
+    if len(gaps) == 1:  # Two equal balls exchange their velocities.
+        assert last == pytest.approx(0.2, rel=1e-4)
+    assert np.all(np.diff(arrays["times"]) > 0.0)
+
+
+@pytest.mark.parametrize("clock", ["beads", "time"])
+@pytest.mark.parametrize("gap", [1e-4, 0.02, 0.2])
+def test_the_impact_on_a_distant_wall_is_shown(gap, clock):
+    # One ball struck by another, which flies to the wall with the velocity of the striker.
+    chain = {"radii": [0.01, 0.01], "materials": "steel-52100", "velocity": 0.2, "gaps": [0.003],
+             "right_wall": {"material": "steel-52100", "gap": gap}}  # fmt: skip
+    header, arrays = computed({"chain": chain}, frames=320, clock=clock)["run"]
+    arrival = (0.003 + gap) / 0.2
+    assert arrival < header["peaks"]["right"]["largest_time"] < arrival + 3e-4
+    assert arrays["times"][-1] > header["peaks"]["right"]["largest_time"]
+
+
+def test_a_long_flight_to_the_wall_does_not_take_the_frames_of_the_passage():
+    wall = {"material": "steel-52100", "gap": "20 mm"}
+    document = {"chain": {**STEEL["chain"], "right_wall": wall}}
+    header, arrays = computed(document, frames=320)["run"]
+    times, force = arrays["times"], arrays["force.right"]
+    passed = hc.propagate(chain_of(STEEL)).arrival[-1]
+    assert np.count_nonzero(times < passed) > 120
+    assert times[-1] > 20 * passed
+    # The impact itself is resolved.
+    assert force.max() > 0.95 * header["peaks"]["right"]["largest"]
 
 
 def test_theories_that_do_not_cover_a_chain_give_their_reason():
@@ -432,6 +471,36 @@ def stored_in(file):
     """The data in a saved page, and the parts of its results."""
     stored = json.loads(re.search(r'id="embedded">(.*?)</script>', file.read_text("utf-8"))[1])
     return stored, unpacked(base64.b64decode(stored["parts"]))
+
+
+def test_a_page_names_its_files_strikers_and_impact(tmp_path):
+    text = """[chain]
+        diameters = ["20 mm", "10 mm"]
+        materials = "steel-52100"
+        struck_by = {velocity = "0.1 m/s", diameter = "24 mm", gap = "1 mm"}"""
+    (tmp_path / "a<b>.toml").write_text(text)
+    (tmp_path / "equal.toml").write_text(text.replace('"10 mm"', '"20 mm"'))
+    files = [str(tmp_path / each) for each in ("a<b>.toml", "equal.toml", "page.html")]
+    cli.main(["app", files[0], "--compare", files[1], "--save", files[2]], standalone_mode=False)
+    assert "<title>a&lt;b&gt;.toml – hertzchain</title>" in Path(files[2]).read_text("utf-8")
+    _, found = stored_in(tmp_path / "page.html")
+    words = [header["description"] for header, _ in found if header["part"] == "beads"]
+    striker = "striker (24 mm, gap 1 mm), impact at 0.1 m/s"
+    assert words == [
+        f"a<b>.toml: 2 steel-52100 beads, diameters 20 mm to 10 mm, {striker}",
+        f"equal.toml: 2 steel-52100 beads, diameter 20 mm, {striker}",
+    ]
+
+
+def test_chains_in_words_name_strikers():
+    plain = hc.Chain.uniform(10)
+    assert chain_in_words(plain) == "uniform, 10 beads"
+    two = plain.struck_by(count=2, radius=1.5, gap=0.5)
+    assert chain_in_words(two) == "uniform, 10 beads, 2 strikers (radius 1.5, gap 0.5)"
+    flat = hc.Chain.from_materials("5 mm", "brass", beads=9).struck_by(
+        radius=np.inf, mass="10 g", velocity="0.2 m/s"
+    )
+    assert chain_in_words(flat).endswith("striker (10 g), impact at 0.2 m/s")
 
 
 def test_a_page_saved_from_python_has_the_results_of_both_chains(tmp_path):

@@ -16,6 +16,18 @@ from ..theory.catalogue import THEORIES
 from ..units import PERCENT, UNITS, converted
 from .documents import DEFAULT, MAX_BEADS, chain_of
 
+# Titles of tables of chain files, and of the ways to describe beads; others have their own names.
+TITLES: Final = {
+    "struck_by": "Strikers", "left_wall": "Left wall", "right_wall": "Right wall",
+    "loss": "Loss in contacts", "drive": "Drive", "decorated": "Small beads between",
+    "with_defects": "Defects", "with_scatter": "Random scatter",
+    "with_contacts": "Shapes of contacts",
+}  # fmt: skip
+FORMS: Final = {
+    "taper": "a taper and its rate", "first": "end radii", "first_diameter": "end diameters",
+    "radii": "a list of radii", "diameters": "a list of diameters", "cell": "a repeated cell",
+    "mass_ratio": "a dimer’s mass ratio",
+}  # fmt: skip
 # Number of beads in a picture of the gallery.
 MAX_THUMBNAIL: Final = 40
 
@@ -49,6 +61,8 @@ def about(document: object = None) -> dict[str, Any]:
     return {
         "version": __version__,
         "schema": chain_schema(),
+        "titles": TITLES,
+        "forms": FORMS,
         "tapers": {name: dict(taper.symbols) for name, taper in TAPERS.items()},
         "materials": list(catalogue()),
         "quantities": {

@@ -23,6 +23,7 @@ from ..theory.effective_chain import effective_chain
 from ..validation.numbers import number
 from ..validation.objects import check_choice
 from .documents import chain_of, document_as_toml
+from .messages import Part
 from .requests import Request
 from .results import Stop, limited, motion, results
 from .saved_page import saved_page
@@ -271,7 +272,14 @@ def _sensors(chain: Chain, sensors: Any) -> list[int]:
 
 def _page(given: Mapping[str, Any], stop: Stop) -> Export:
     """A page that contains its results and needs no server."""
-    raw = b""
+    return Export("chain.html", "text/html; charset=utf-8", page_with_results(given, stop))
+
+
+def page_with_results(
+    given: Mapping[str, Any], stop: Stop, names: Mapping[str, str] | None = None
+) -> bytes:
+    """The saved page of one or two chains, which may have the names of their files."""
+    raw, names = b"", names or {}
     documents = {"A": given.get("document"), "B": given.get("other")}
     for slot, document in documents.items():
         if slot == "B" and document is None:
@@ -280,8 +288,16 @@ def _page(given: Mapping[str, Any], stop: Stop) -> Export:
         for part in results(Request.of({**given, **changes, "document": document}), stop):
             if part.header["part"] in ("error", "cancelled"):
                 raise SimulationError(part.header.get("message", "the export was cancelled"))
-            raw += part.pack()
-    return Export("chain.html", "text/html; charset=utf-8", saved_page(given, raw))
+            raw += _named(part, names.get(slot)).pack()
+    return saved_page(given, raw, names.get("A"))
+
+
+def _named(part: Part, name: str | None) -> Part:
+    """The description of the chain, after the name of its file."""
+    if name is None or part.header["part"] != "beads":
+        return part
+    header = {**part.header, "description": f"{name}: {part.header['description']}"}
+    return Part(header, part.arrays)
 
 
 EXPORTS: Final[Mapping[str, Callable[[Mapping[str, Any], Stop], Export]]] = {

@@ -11,10 +11,11 @@ from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..errors import InputError
 from ..store.writing import write_bytes
+from ..sweeps.methods import record_warnings
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_list, file_path
 from .documents import chain_of, document_of_chain
-from .exports import export
+from .exports import page_with_results
 from .requests import MAX_SENSORS
 
 ENDING: Final = ".html"
@@ -75,8 +76,9 @@ def write_page(
     other: Mapping[str, Any] | None,
     sensors: Iterable[int | str],
     path: str | os.PathLike[str],
+    names: Mapping[str, str] | None = None,
 ) -> None:
-    """`save_page` for documents, which keep the units of their chain files."""
+    """`save_page` for documents, which keep the units and names of their chain files."""
     file = file_path("path", path)
     if file.suffix != ENDING:
         raise InputError(f"path must end in {ENDING}, got {os.fspath(path)!r}")
@@ -89,7 +91,9 @@ def write_page(
     numbers = [bead_number(chain, each, "bead with a sensor") for each in beads]
     errors = "theories" if other is None else "difference"
     given = {
-        "kind": "page", "document": document, "other": other, "sensors": numbers,
+        "document": document, "other": other, "sensors": numbers,
         "view": {"B": other, "view": {"sensors": numbers, "errors": errors}},
     }  # fmt: skip
-    write_bytes(file, export(given, lambda: False).content)
+    with record_warnings():
+        content = page_with_results(given, lambda: False, names)
+    write_bytes(file, content)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -16,7 +16,6 @@ from ..propagation.propagate import propagate
 from ..pulse.pulse import Pulse
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
-from ..simulation.time_scales import transit_times
 from ..sweeps.methods import record_warnings
 from ..theory.catalogue import THEORIES
 from ..theory.effective_chain import effective_chain
@@ -24,23 +23,22 @@ from ..theory.spectrum import spectrum
 from .documents import chain_of
 from .messages import Part, columns_as_int16
 from .requests import Request
-from .wording import on_the_page, sentences
+from .shown_times import pulse_of, saved_times
+from .wording import chain_in_words, on_the_page, sentences
 
 MAX_SECONDS: Final = 20.0
 # Theories with compiled functions, which are evaluated after the others.
 COMPILED: Final = ("local-rate",)
 # The budget of a longer chain takes as long as a draft of its motion.
 MAX_BEADS_OF_DRAFT_BUDGET: Final = 300
-# Extra time after the pulse has left, in units of its transit: with a wall, and without.
-ECHO: Final = {True: 1.0, False: 0.12}
+# Number of times that a run is continued to twice its time if nothing has reached the wall.
+MAX_CONTINUATIONS: Final = 4
 # The run that is shown lasts at least until this multiple of the time of the peak on the wall.
 END_AFTER_PEAK: Final = 1.05
 # Saved times in each of the two intervals next to the maximum of the force in a sensor.
 NEAR_MAXIMA: Final = 65
 # A run of more beads is not repeated for the sake of its sensors.
 MAX_BEADS_OF_REPETITION: Final = 300
-# Tolerance of the run that determines how long a pulse takes to pass a chain.
-ROUGH: Final = 1e-6
 
 Stop = Callable[[], bool]
 
@@ -92,7 +90,7 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
         run, whole, warned = motion(chain, exact, request, progress)
         sensed = _sensor_run(run, request, progress)
         if exact is None:
-            pulse = _pulse_of(run)
+            pulse = pulse_of(run)
             note = refusal if pulse is None else ""
             yield _pulse_part(request, pulse, compiled, [], began, note)
         if request.run:
@@ -111,7 +109,7 @@ def _description(chain: Chain) -> dict[str, Any]:
     p = chain.exponents
     walls = ("left wall", "right wall")
     return {
-        "description": chain.description, "beads": chain.beads, "units": chain.units,
+        "description": chain_in_words(chain), "beads": chain.beads, "units": chain.units,
         "features": list(chain.features), "strikers": chain.strikers,
         "exponent": p if isinstance(p, float) else None,
         "walls": [name.removesuffix(" wall") for name in walls if name in chain.features],
@@ -173,13 +171,6 @@ def _propagated(chain: Chain) -> tuple[Pulse | None, str]:
         return None, str(error)
 
 
-def _pulse_of(run: Run) -> Pulse | None:
-    try:
-        return run.pulse()
-    except SimulationError:
-        return None
-
-
 def _pulse_part(
     request: Request, exact: Pulse | None, compiled: _Theories, warned: list[Warning],
     began: float, note: str = "",
@@ -235,7 +226,7 @@ def motion(
         return run, run, warned
     try:
         with record_warnings() as of_whole:
-            whole = simulate(chain, start=run.state, times=0, **options)
+            whole = _to_the_wall(simulate(chain, start=run.state, times=0, **options), options)
     except (InputError, SimulationError):
         # Nothing ends this run, for example because its drive does not end, or it takes too long.
         return run, run, warned
@@ -244,10 +235,23 @@ def motion(
     if wall.complete_since is not None:
         later = max(later, whole.end_time)
     if later > times[-1]:
+        peak = wall.largest_so_far_time
         with record_warnings():
-            times = saved_times(chain, exact, request.frames, request.clock, progress, later)
+            times = saved_times(chain, exact, request.frames, request.clock, progress, later, peak)
             run = simulate(chain, times=times, **options)
     return run, whole, of_whole
+
+
+def _to_the_wall(run: Run, options: Mapping[str, Any]) -> Run:
+    """Continue a run that has reached its longest time before any bead has reached the wall."""
+    for _ in range(MAX_CONTINUATIONS):
+        if run.status != "transit limit" or run._wall_force("right").largest_so_far > 0.0:
+            break
+        later = simulate(run.chain, start=run.state, until=2.0 * run.end_time, times=0, **options)
+        if later._wall_force("right").largest_so_far > 0.0:
+            return later
+        run = later
+    return run
 
 
 def _sensors(chain: Chain, request: Request) -> list[int]:
@@ -273,51 +277,6 @@ def _sensor_run(run: Run, request: Request, progress: Callable[..., None]) -> Ru
         return simulate(run.chain, times=times, rtol=request.rtol, check=False, progress=progress)
     except SimulationError:
         return run  # A repetition would take too long.
-
-
-def saved_times(
-    chain: Chain, exact: Pulse | None, frames: int, clock: str, progress: Any = None,
-    end: float = 0.0,
-) -> Array:  # fmt: skip
-    """Times to save: the same number for each bead that the pulse passes, or equally spaced.
-
-    After the pulse has left, the times continue with the residence times in reverse order, at
-    the rate of an echo, and at least until ``end``.
-    """
-    least = end
-    if exact is not None and exact.arrival is not None:
-        arrival = exact.arrival
-    else:
-        arrival, rough_end = _rough_arrivals(chain, progress)
-        end = max(end, rough_end)
-    echo = ECHO[chain.right_wall is not None]
-    known = np.isfinite(arrival)
-    arrival = np.maximum.accumulate(arrival[known])
-    # A driven wave has no single arrival: its crests change on their way.
-    if chain.drive is not None or np.count_nonzero(np.diff(arrival)) < 2 or not known.all():
-        return np.linspace(0.0, max(end, 1.2 * float(arrival.max(initial=0.0))), frames)
-    if clock == "time":
-        return np.linspace(0.0, max(arrival[-1] * (1.0 + echo), end), frames)
-    steps = np.diff(arrival)[::-1]
-    back_and_forth = np.concatenate((steps, steps[::-1]))
-    echoes = 1 + int(max(least - arrival[-1], 0.0) / back_and_forth.sum())
-    whole = np.concatenate((arrival, arrival[-1] + np.cumsum(np.tile(back_and_forth, echoes))))
-    last = max((len(arrival) - 1) * (1.0 + echo), float(np.searchsorted(whole, least)))
-    beads_passed = np.linspace(0.0, last, frames)
-    return np.unique(np.interp(beads_passed, np.arange(len(whole)), whole))
-
-
-def _rough_arrivals(chain: Chain, progress: Any) -> tuple[Array, float]:
-    """Arrivals and end of a quick run, for chains that `propagate` does not support."""
-    try:
-        rough = simulate(chain, times=0, rtol=ROUGH, check=False, progress=progress)
-    except InputError:
-        # Nothing ends this run, for example because its drive does not end.
-        end = 1.5 * float(transit_times(chain).sum())
-        rough = simulate(chain, until=end, times=0, rtol=ROUGH, check=False, progress=progress)
-    pulse = _pulse_of(rough)
-    arrival = np.array([np.nan]) if pulse is None or pulse.arrival is None else pulse.arrival
-    return arrival, rough.end_time
 
 
 def _run_part(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import html
 import json
 import re
 from collections.abc import Mapping
@@ -20,9 +21,9 @@ POLICY: Final = (
 )
 
 
-def saved_page(given: Mapping[str, Any], parts: bytes) -> bytes:
+def saved_page(given: Mapping[str, Any], parts: bytes, name: str | None = None) -> bytes:
     """The page with the messages of its requests, and the state of its views."""
-    return embedded_page(
+    page = embedded_page(
         {
             "kind": "saved",
             "about": about(given.get("document")),
@@ -30,6 +31,10 @@ def saved_page(given: Mapping[str, Any], parts: bytes) -> bytes:
             "parts": base64.b64encode(parts).decode(),
         }
     )
+    if name is None:
+        return page
+    title = f"<title>{html.escape(name)} – hertzchain</title>"
+    return re.sub(rb"<title>.*?</title>", lambda _: title.encode(), page, count=1)
 
 
 def embedded_page(stored: Mapping[str, Any]) -> bytes:

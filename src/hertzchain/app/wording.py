@@ -6,6 +6,10 @@ import re
 from collections.abc import Iterable
 from typing import Final
 
+from ..chain.chain import Chain
+from ..chain.description import impact_in_words, length_in_words, sizes_in_words
+from ..notebook.drawing import engineering
+
 # Python expressions in messages, and the choice on the page instead.
 WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(\)", "choose the loss elastic-plastic"),
@@ -31,3 +35,26 @@ def title(name: str) -> str:
     """Name of a theory on the page, as in `results.js`."""
     words = re.sub("-printed$", ", as printed", name).replace("-", " ")
     return words.replace("bca", "BCA")
+
+
+def chain_in_words(chain: Chain) -> str:
+    """Description of a chain with its strikers and impact velocity."""
+    count = chain.strikers
+    if not count:
+        return chain.description + impact_in_words(chain.velocities, chain.units)
+    radii = chain.radii[:count]
+    if not chain.scaled and {"masses", "stiffness"} & {*chain.features}:
+        # Such as a flat striker, which is represented by a sphere of its mass.
+        size = engineering(1e3 * float(chain.masses[:count].sum()), "g")
+    elif chain.scaled:
+        size = (
+            f"radius {' to '.join(dict.fromkeys(f'{each:.4g}' for each in (radii[0], radii[-1])))}"
+        )
+    else:
+        size = sizes_in_words(radii)
+    apart = float(chain.gaps[:count].max())
+    if apart > 0.0:
+        size += f", gap {f'{apart:.4g}' if chain.scaled else length_in_words(apart)}"
+    name = "striker" if count == 1 else f"{count} strikers"
+    speed = impact_in_words(chain.velocities, chain.units)
+    return f"{chain[count:].description}, {name} ({size}){speed}"

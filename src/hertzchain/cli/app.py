@@ -87,5 +87,6 @@ def _save(file: Path | None, other: Path | None, sensors: tuple[str, ...], page:
     document = document_of_file(file)
     compared = None if other is None else document_of_file(other)
     beads = [int(each) if each.strip().isdecimal() else each for each in sensors]
-    write_page(document, compared, beads, page)
+    names = {"A": file.name} | ({} if other is None else {"B": other.name})
+    write_page(document, compared, beads, page, names)
     click.echo(f"{page} written: open it in a browser")

@@ -8,14 +8,6 @@ import { at, changed, listed } from "./state.js";
 /** @typedef {(document: Document, moving: boolean, path: string) => void} Change */
 /** @typedef {(string | number)[]} Path */
 
-/** Titles of tables; others are shown by their names.
- * @type {Record<string, string>} */
-const TITLES = {
-  struck_by: "Strikers", left_wall: "Left wall", right_wall: "Right wall", loss: "Loss in contacts", drive: "Drive",
-  decorated: "Small beads between", with_defects: "Defects", with_scatter: "Random scatter", with_contacts: "Shapes of contacts",
-};
-/** @type {Record<string, string>} */
-const FORMS = { taper: "a taper and its rate", first: "end radii", first_diameter: "end diameters", radii: "a list of radii", diameters: "a list of diameters", cell: "a repeated cell", mass_ratio: "a dimer’s mass ratio" };
 /** Values with which a new table begins, where its schema has no default.
  * @type {Record<string, any>} */
 const BEGIN = {
@@ -143,7 +135,7 @@ export class Controls {
       // The last bead has one control.
       .filter((key) => !/^(last|ratio|length)/.test(key.name) || key.name in chain);
     const fields = shown.map((key) => this.field(["chain"], key, symbols[key.name] ? `${words(key.name)} ${symbols[key.name]}` : undefined));
-    const select = this.select("form", "defined by", choices.map((name) => [name, FORMS[name] ?? words(name)]), () => form, (name) => this.changeForm(name));
+    const select = this.select("form", "defined by", choices.map((name) => [name, this.about.forms[name] ?? words(name)]), () => form, (name) => this.changeForm(name));
     const material = this.materialField(keys.find((key) => key.name === "materials"));
     const more = ["velocity", "exponent"].filter((name) => (name !== "velocity" || this.si) && typeof listed(chain[name])[0] !== "object")
       .map((name) => this.field(["chain"], keys.find((key) => key.name === name), name === "velocity" ? "impact velocity" : undefined));
@@ -170,7 +162,7 @@ export class Controls {
 
   /** A table of the schema: on or off, or several. @param {string} name */
   table(name) {
-    const key = name.replace("chain.", ""), section = this.schema[name], title = TITLES[key] ?? words(key);
+    const key = name.replace("chain.", ""), section = this.schema[name], title = this.about.titles[key] ?? words(key);
     const present = this.chain[key] !== undefined;
     const entries = listed(this.chain[key]), several = section.repeated && key !== "loss";
     const path = (/** @type {number} */ i) => /** @type {Path} */ (Array.isArray(this.chain[key]) ? ["chain", key, i] : ["chain", key]);

@@ -186,16 +186,16 @@ export class Views {
     const traces = forcesOf(own), theirs = other?.motion && other.si === own.si ? forcesOf(other) : [];
     const [factor, unit] = own.si ? prefixed(Math.max(...[...traces, ...theirs].map((each) => each.peak.force), 0), "N") : [1, ""];
     const series = [...traces, ...theirs].map((each, i) => {
-      const x = [...each.times], y = [...each.values], { force, time } = each.peak, next = Math.ceil(placeAt(x, time) * (x.length - 1));
+      const x = [...each.times], y = [...each.values], { what, force, time } = each.peak, next = Math.ceil(placeAt(x, time) * (x.length - 1));
       // Saved times may be on both sides of a short peak.
       x.splice(next, 0, time);
       y.splice(next, 0, force);
       const [faint, label] = i < traces.length ? ["", each.label] : [" faint", `other chain, ${each.label}`];
-      return { name: each.name + faint, label, x: times(x, axis.factor), y: times(y, factor) };
+      return { name: each.name + faint, label, x: times(x, axis.factor), y: times(y, factor), note: `${label}: ${what} ${short(force * factor)} ${unit} at ${short(time * axis.factor)} ${axis.unit}` };
     });
     const message = series.length ? "" : "Click a bead for a sensor, or add a wall.";
     this.force.draw(series, { xLabel: axis.label, yLabel: inUnit("force", unit), message }, `Forces: ${summary(series)}`);
-    replace($("legend-force"), traces.map(({ name, label, peak: { what, force, time } }) => key(name, `${label}: ${what} ${short(force * factor)} ${unit} at ${short(time * axis.factor)} ${axis.unit}`)));
+    replace($("legend-force"), series.map(({ name, note }) => key(name, note)));
   }
 
   /** Main numbers of both chains, and their ratios. @param {State} state @param {Results} own @param {Results | null} other */

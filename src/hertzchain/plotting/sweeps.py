@@ -172,8 +172,10 @@ def _selected(dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any]) 
 
 def _variable(quantity: Any, known: list[str]) -> str:
     """The variable of a quantity, which may have its name in designs, as ``wall_force.peak``."""
-    name = variable_name(quantity) if isinstance(quantity, str) else quantity
-    own, at, bead = str(quantity).partition("@")
+    if not isinstance(quantity, str):
+        return check_choice("quantity of this sweep", quantity, known)
+    name = variable_name(quantity)
+    own, at, bead = quantity.partition("@")
     if at and name not in known and (own := variable_name(own)) in known:
         raise InputError(
             f"{quantity!r} is {own} of one bead: plot the quantity {own} at bead={bead}, if the "

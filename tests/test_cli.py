@@ -892,7 +892,7 @@ def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_pat
     assert np.percentile(found["values"], 95) == found["percentiles"]["95"]
     code, out, _ = run(*command)
     assert code == 0
-    assert "wall_force.peak of 400 of 400 random chains" in out
+    assert "wall_force.peak: 400 of 400 random chains" in out
     assert "peak force on the wall [N]" in picture.read_text()
     assert run("scatter", *BALLS)[0] == 2
     assert (

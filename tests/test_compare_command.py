@@ -129,3 +129,24 @@ def test_mistakes_of_compare_are_explained(run, files):
     assert code == 2
     assert "for example with --until '" in err
     assert run("compare", files / "row.toml", files / "one.csv")[0] == 2
+
+
+@pytest.mark.parametrize("function", [hc.fit, lambda traces, chain, free: hc.simulate(  # noqa: ARG005
+    chain, until=3e-4, times=4000).compare(traces)])  # fmt: skip
+def test_a_sensor_that_is_named_twice_is_rejected(function):
+    # Bead 6 is ball 5 behind one striker.
+    times, columns = recorded()
+    twice = {"ball 5 [N]": columns["ball 5 [N]"], "bead 6 [N]": columns["ball 5 [N]"]}
+    data = hc.Traces.from_arrays(times, twice)
+    assert chain().strikers == 1
+    with pytest.raises(hc.InputError, match="'ball 5' and 'bead 6' are the same sensor"):
+        function(data, chain(), free=["velocity"])
+
+
+def test_shots_that_do_not_exist_and_times_without_a_unit_are_explained(run, files):
+    code, _, err = run("compare", files / "one.csv", files / "row.toml", *PLACES, "--shot", "2")
+    assert code == 2
+    assert "the file has one shot" in err
+    code, _, err = run("compare", files / "one.csv", files / "row.toml", *PLACES, "--until", "700")
+    assert code == 2
+    assert "--until '700 us'" in err

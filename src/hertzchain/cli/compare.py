@@ -121,6 +121,8 @@ def _one_shot(traces: Traces, shot: int | None) -> Traces:
     count = len(traces.shots)
     if shot is None and count > 1:
         raise click.UsageError(f"the file has {count} shots: add --shot with a number from 1")
+    if shot is not None and count == 1 and shot != 1:
+        raise click.UsageError(f"the file has one shot, so --shot {shot} does not exist; omit it")
     number = whole_number("--shot", 1 if shot is None else shot, least=1, most=count)
     return Traces(traces.shots[number - 1 : number])
 

@@ -99,8 +99,10 @@ def seconds_from(option: str, text: str) -> float:
 
     value = as_typed(text)
     if isinstance(value, float) and value and math.isfinite(value):
+        # Runs last microseconds to milliseconds, so a number above 1 is not meant in seconds.
+        example = measure(value, "s") if abs(value) < 1.0 else f"{value:g} us"
         raise click.UsageError(
-            f"{option} {text} has no unit; write, for example, {option} '{measure(value, 's')}'"
+            f"{option} {text} has no unit; write, for example, {option} '{example}'"
         )
     return number(option, value, unit="s")
 

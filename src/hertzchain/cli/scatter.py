@@ -124,7 +124,7 @@ def _table(found: Distribution) -> str:
     rows |= {f"{percent}% are below": found.percentile(percent) for percent in PERCENTILES}
     good = len(found.values)
     lines = [found.chain.description]
-    lines.append(f"{found.quantity} of {good} of {good + found.failed} random chains")
+    lines.append(f"{found.quantity}: {good} of {good + found.failed} random chains")
     factor, unit = usual_unit(found.nominal, found.unit) if found.unit != "1" else (1.0, "")
     shown = with_decimals(
         [factor * value for value in rows.values()], factor * found.standard_deviation

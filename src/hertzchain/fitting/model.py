@@ -21,6 +21,7 @@ from .chain_parameters import is_motion, with_motion, with_sizes
 from .jumps import next_to_jumps
 from .names import Name
 from .parameters import Parameter, is_of_chain
+from .places import check_places
 from .sensors import Sensor, filtered, sampled, with_crosstalk
 from .signals import Signal
 from .simulations import Signals, Simulator
@@ -231,7 +232,7 @@ def make_model(
     simulator: Simulator,
 ) -> Model:
     """A model of chains that have the places of all sensors; raises `InputError` otherwise."""
-    for shot, signal in traces:
-        signal.place.bead(chains[shot])
+    for shot, chain in zip(traces.shots, chains, strict=True):
+        check_places((signal.place for signal in shot.signals), chain)
     reference = 0.6 * units_of(chains[0]).scales.length
     return Model(traces, tuple(chains), tuple(parameters), simulator, reference)

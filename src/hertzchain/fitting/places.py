@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
@@ -61,6 +62,19 @@ class Place:
         if self.body in ("left", "right"):
             return run.forces[:, 0 if self.body == "left" else -1]
         return run.sensor(bead) if self.quantity == "force" else run.velocity(bead)
+
+
+def check_places(places: Iterable[Place], chain: Chain) -> None:
+    """Check that a chain has the places, and that no two of them are the same."""
+    known: dict[tuple[int, str], str] = {}
+    for place in places:
+        key = place.bead(chain), place.quantity
+        if key in known:
+            raise InputError(
+                f"{known[key]!r} and {place.name!r} are the same sensor, because beads are counted "
+                "with the strikers and balls without them; keep one column"
+            )
+        known[key] = place.name
 
 
 def place_named(

@@ -25,6 +25,7 @@ from .arrival_notes import (
 )
 from .coupling import coupling_notes, resolved_coupling, static_force
 from .misread_columns import inversion_notes
+from .places import check_places
 from .sensor_comparison import (
     HEADING,
     SensorComparison,
@@ -219,6 +220,8 @@ def compare_traces(
 ) -> TraceComparison:
     """Compare a run with measured traces of one shot; `hertzchain.Run.compare` documents it."""
     _require_comparable(run, traces)
+    shot = traces.shots[0]
+    check_places((signal.place for signal in shot.signals), run.chain)
     traces = resolved_coupling(traces, [run.chain])
     shot = traces.shots[0]
     grid, columns = _columns(run, shot)

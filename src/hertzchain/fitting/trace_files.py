@@ -102,7 +102,8 @@ def load_traces(
         if file.suffix.lower() == ".toml":
             raise InputError(
                 f"{shown_path(path)} is a chain file, where a CSV file of traces is required; give "
-                "the traces first and the chain file last, as in fit data.csv chain.toml"
+                "the traces first and the chain file last, as in hertzchain compare data.csv "
+                "chain.toml"
             )
         with errors_at(shown_path(path)):
             shots += _shots(sample_rows(file), wanted, noise)

@@ -23,7 +23,8 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
         axes = get_axes(ax)
         factor, unit = usual_unit(found.nominal, found.unit)
         unit = unit.replace("us", "µs")
-        axes.hist(factor * found.values, bins="auto", color=COLOURS[5])
+        axes.hist(factor * found.values, bins="auto", color=COLOURS[5],
+                  edgecolor=axes.get_facecolor(), linewidth=0.5)  # fmt: skip
         axes.axvline(factor * found.nominal, color=grey(axes), label="nominal chain")
         axes.axvline(factor * found.mean, color=COLOURS[2], linestyle="--", label="mean")
         label_narrow_axis(axes)

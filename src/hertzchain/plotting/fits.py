@@ -232,6 +232,8 @@ def plot_fit_residuals(result: FitResult) -> Figure:
         grid = np.linspace(-5.0, 5.0, 201)
         left.plot(grid, np.exp(-0.5 * grid**2) / np.sqrt(2.0 * np.pi), "--", color=grey(left),
                   linewidth=0.9, label="normal")  # fmt: skip
+        # The first and the last bin also count the values beyond them.
+        left.set_xticks([-5.0, -2.5, 0.0, 2.5, 5.0], ["≤ −5", "−2.5", "0", "2.5", "≥ 5"])
         left.set_xlabel("residual / noise")
         left.set_ylabel("density")
         place_legend(left)

@@ -1,5 +1,7 @@
 """Noise that is correlated or smaller than the steps of the digitiser; its statistics are known."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.interpolate import make_interp_spline
@@ -15,6 +17,7 @@ from hertzchain.fitting.noise import (
     independent_samples,
     noise_before_rounding,
     noise_of,
+    onset,
 )
 
 
@@ -86,6 +89,27 @@ def test_slow_residuals_of_a_wrong_model_do_not_excuse_themselves(rho):
     known = (slow / 108 + slow / 1108) ** 0.5  # 2/2 each: two signals
     found = np.median([each.uncertainty for each in good])
     assert found == pytest.approx(known, rel=0.15)
+
+
+@pytest.mark.parametrize("time", [2.0, 5.0])
+def test_slow_noise_does_not_end_the_samples_before_the_pulse(time):
+    """The pulse begins at a known sample; correlation times are in samples."""
+    rng, begin = np.random.default_rng(10), 100
+    after = np.arange(280) - begin
+    pulse = np.where(after > 0, np.sin(np.pi * np.clip(after, 0, 40) / 40.0) ** 2, 0.0)
+    noise = first_order(rng, np.exp(-1.0 / time), (100, len(pulse)))
+    found = [onset(pulse + 0.02 * each) for each in noise]
+    assert np.mean([abs(each - begin) <= 15 for each in found]) >= 0.95
+
+
+@pytest.mark.parametrize("begin", [30, 100])
+def test_a_small_first_pulse_is_not_slow_noise(begin):
+    after = np.arange(400) - begin
+    small = 0.05 * np.sin(np.pi * np.clip(after, 0, 30) / 30.0) ** 2
+    large = np.sin(np.pi * np.clip(after - 100, 0, 30) / 30.0) ** 2
+    for seed in range(20):
+        noise = 1e-3 * np.random.default_rng(seed).standard_normal(400)
+        assert begin < onset(small + large + noise) < begin + 15
 
 
 def rounded(step, seed, noise=0.05):
@@ -202,6 +226,7 @@ def test_priors_keep_their_weight_with_slow_noise():
     result = hc.fit(data, chain(), free=FREE, priors=priors)
     assert result.describes
     assert result.goodness.inflation > 5.0
+    assert re.search(r"\(\d+ samples, correlated as \d+ independent ones\)", result.summary())
     # The data alone determine the velocity less accurately than the prior.
     assert 2.4e-5 < result.errors["struck_by.velocity"] < 3e-5
     assert abs(result.prior_deviations["struck_by.velocity"]) < 1.0

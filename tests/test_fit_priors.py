@@ -130,3 +130,15 @@ def test_print_shows_the_whole_summary():
     result = fitted(VELOCITY, 2e-3)
     assert str(result) == result.summary()
     assert len(repr(result).splitlines()) <= 3
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (("0.5 V/N", "0.1 V/N"), "two numbers without a unit, .* in volts in V/N"),
+        ("0.5 V/N +- 0.1 V/N", "must be a value and its standard deviation > 0"),
+    ],
+)
+def test_priors_of_gains_with_units_are_rejected(given, message):
+    with pytest.raises(hc.InputError, match=message):
+        hc.fit(*hc.example_experiment(), priors={"gain[ball 11]": given})

@@ -374,6 +374,7 @@ def test_hidden_gap_is_found_and_measured():
     assert not ignored.describes
     scan = hc.scan_defects(ignored)
     assert scan.best == "gap[8-9]"
+    assert repr(scan).endswith("; call fit())")
     assert_printed(
         scan, "scan for a gap at each of 20 contacts, gap[0-1] to gap[19-20]: seven", 0.3
     )

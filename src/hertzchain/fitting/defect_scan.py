@@ -206,7 +206,7 @@ class DefectScan:
             f"{self.best} of about {factor * self.sizes[i]:.3g}{unit} lowers chi2 by "
             f"{self.improvements[i]:.0f}"
         )
-        other = f"the next by {rest:.0f}"
+        other = f"the next by {rest:.0f}; call fit()"
         if not self.found:
             text, other = f"no {self.kind} explains more than noise would", ""
         return short("DefectScan", self.kind, text, other)

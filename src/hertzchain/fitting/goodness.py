@@ -154,9 +154,14 @@ class Goodness:
 
     def __str__(self) -> str:
         digits = max(1 - math.floor(math.log10(self.uncertainty)), 0)
+        samples = f"{self.effective_samples:.0f} independent samples"
+        if self.effective_samples < self.freedom:
+            samples = (
+                f"{self.counted:.0f} samples, correlated as {self.effective_samples:.0f} "
+                "independent ones"
+            )
         return (
-            f"chi2 {self.chi2:.1f} for {self.freedom} degrees of freedom "
-            f"({self.effective_samples:.0f} independent samples), "
+            f"chi2 {self.chi2:.1f} for {self.freedom} degrees of freedom ({samples}), "
             f"{self.ratio:.{digits}f} +- {self.uncertainty:.{digits}f} times the expectation"
         )
 

@@ -53,14 +53,31 @@ def check_names_of_noise(noise: object, names: Sequence[str]) -> None:
 
 
 def onset(values: Array) -> int:
-    """Index of the first sample at which a signal has begun."""
+    """Index of the first sample at which a signal has begun.
+
+    Slow noise also exceeds the threshold for several samples, which its rapid part determines; it
+    returns, and is not larger than the noise before it.
+    """
     level, size = base_level(values), float(np.ptp(values))
     # The median of the differences is determined by the noise even if there is a pulse.
     noise = float(np.median(np.abs(np.diff(values[: MIN_QUIET + 1])))) / (0.6745 * 2.0**0.5)
     threshold = min(max(ONSET * size, ONSET_IN_NOISE * noise), CERTAIN * size)
-    begun = np.abs(values - level) > threshold
-    lasting = np.convolve(begun, np.ones(IN_A_ROW), "valid") == IN_A_ROW
-    return int(np.argmax(lasting)) if lasting.any() else len(values)
+    for part in runs(np.abs(values - level) > threshold):
+        if part.stop - part.start >= IN_A_ROW and not _is_slow_noise(values, part, size):
+            return part.start
+    return len(values)
+
+
+def _is_slow_noise(values: Array, part: slice, size: float) -> bool:
+    """Whether samples far from the first ones are not further away than slow noise may be."""
+    before = values[: max(part.start, 2 * MIN_QUIET)]
+    level = float(np.median(before))
+    # The median is determined by the noise even if a pulse has begun.
+    noise = float(np.median(np.abs(before - level))) / 0.6745
+    independent = independent_samples(before)
+    noise *= (independent / (independent - 1.0)) ** 0.5 * (1.0 + (2.0 / independent) ** 0.5)
+    height = float(np.abs(values[part] - level).max())
+    return height < min(ONSET_IN_NOISE * noise, CERTAIN * size)
 
 
 def noise_of(quiet: Array) -> float:

@@ -140,7 +140,7 @@ def test_a_sensor_that_is_named_twice_is_rejected(function):
     data = hc.Traces.from_arrays(times, twice)
     assert chain().strikers == 1
     with pytest.raises(hc.InputError, match="'ball 5' and 'bead 6' are the same sensor"):
-        function(data, chain(), free=["velocity"])
+        function(data, chain(), free=["struck_by.velocity"])
 
 
 def test_shots_that_do_not_exist_and_times_without_a_unit_are_explained(run, files):

@@ -307,7 +307,25 @@ def test_missing_samples_beside_a_crest_do_not_change_the_peak(begin, end):
     compared = run.compare(with_gap(np.nan, CREST + begin, CREST + end)[0], time_offset=END)
     assert not compared.sensors[1].lower_bound
     assert compared.sensors[1].measured_peak == pytest.approx(forces()["wall"].max(), rel=0.01)
-    assert compared.notes == ()
+    # The second of the gaps contains the arrival.
+    assert (
+        len(compared.notes) == np.isnan(compared.sensors[1].measured_arrival) == (begin == -25e-6)
+    )
+
+
+def test_an_arrival_among_missing_samples_is_not_known():
+    run = hc.simulate(true_chain(), until=7e-4, times=6000)
+    complete = run.compare(traces(), time_offset=END).sensors[1]
+    arrival = complete.measured_arrival
+    for length, known in ((1.6 * SPACING, True), (12e-6, False)):
+        gap = arrival - 0.5 * length, arrival + 0.5 * length
+        compared = run.compare(with_gap(np.nan, *gap)[0], time_offset=END)
+        wall = compared.sensors[1]
+        assert wall.measured_peak == pytest.approx(complete.measured_peak)
+        assert np.isfinite(wall.measured_arrival) == known
+        assert ("its arrival is not known" in compared.summary()) != known
+        if known:
+            assert wall.measured_arrival == pytest.approx(arrival, abs=SPACING)
 
 
 def test_the_peak_of_data_that_end_before_the_crest_is_a_lower_bound():

@@ -62,7 +62,7 @@ class SensorComparison:
     measured_peak, simulated_peak : float
         Peaks, in this unit.
     measured_arrival, simulated_arrival : float
-        Arrivals [s].
+        Arrivals [s]; NaN if samples are missing at the arrival of the measured signal.
     residual : float
         Rms of data minus simulation, relative to the measured peak.
     scale : float
@@ -172,15 +172,14 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
     measured, simulated = seen[present], (own - own[0])[covered]
     peaks = extreme(measured), extreme(simulated)
     saturated = bool(clipped.any())
-    missing = not saturated and crest_is_missing(
-        times[covered], seen[covered] / peaks[0], _width(times[covered], simulated)
-    )
+    width = _width(times[covered], simulated)
+    missing = not saturated and crest_is_missing(times[covered], seen[covered] / peaks[0], width)
     # A signal without a crest and its model are compared at the same height.
     half = HALF * abs(peaks[0 if saturated or missing else 1])
     levels = HALF * peaks[0], float(np.copysign(half, peaks[1]))
     return SensorComparison(
         signal.name, signal.unit, signal.place.quantity, *peaks,
-        reached(times[present], measured, levels[0]),
+        reached(times[present], measured, levels[0], SHORT * width),
         reached(times[covered], simulated, levels[1]),
         rest / abs(peaks[0]), scale_of(signal, model), saturated, missing,
     )  # fmt: skip
@@ -211,8 +210,12 @@ def saturated_samples(signal: Signal) -> Array:
     return ~signal.valid & np.isfinite(signal.values)
 
 
-def reached(times: Array, values: Array, level: float) -> float:
-    """Time at which a signal first reaches a level, between samples; NaN if it does not."""
+def reached(times: Array, values: Array, level: float, longest: float = np.inf) -> float:
+    """Time at which a signal first reaches a level, between samples.
+
+    It is NaN if the signal does not reach the level, or in a gap that is longer than ``longest``
+    and than the usual spacing of the samples.
+    """
     height = values / level
     first = int(np.argmax(height >= 1.0))
     if height[first] < 1.0:
@@ -220,6 +223,8 @@ def reached(times: Array, values: Array, level: float) -> float:
     if first == 0:
         return float(times[0])
     pair = slice(first - 1, first + 1)
+    if np.diff(times[pair])[0] > max(longest, 1.5 * float(np.median(np.diff(times)))):
+        return np.nan
     return float(np.interp(1.0, height[pair], times[pair]))
 
 
@@ -372,6 +377,11 @@ def crest_notes(sensors: Sequence[SensorComparison]) -> list[str]:
             notes.append(
                 f"samples of {each.name} are missing at its crest, or the data end before it: "
                 f"{peak} is the largest of the others, a lower bound of the peak"
+            )
+        if np.isnan(each.measured_arrival):
+            notes.append(
+                f"samples of {each.name} are missing where it reaches half of its peak: its "
+                "arrival is not known"
             )
     return notes
 

@@ -241,3 +241,11 @@ def test_an_odd_ball_is_found_and_parameters_are_added(run, tmp_path):
 )  # fmt: skip
 def test_value_and_error_have_the_same_decimals(value, error, text):
     assert with_error(value, error) == text
+
+
+def test_unknown_parameters_are_listed_with_the_sensors_of_the_data():
+    data = traces()
+    with pytest.raises(hc.InputError) as error:
+        hc.fit(data, chain(), free=["stifness"])
+    assert f"gain[{data.names[0]}]" in str(error.value)
+    assert "gain[ball 6]" not in str(error.value)

@@ -98,7 +98,7 @@ def free_parameters(
     asked = default_names(traces, chains[0]) if free is None else check_list("free", free, "names")
     names: dict[Name, None] = {}
     for text in asked:
-        for name in expanded(_parsed(text, chains[0]), traces):
+        for name in expanded(_parsed(text, traces, chains[0]), traces):
             if name in names:
                 raise InputError(f"parameter {str(name)!r} is free twice; name it once")
             names[name] = None
@@ -118,10 +118,10 @@ def free_parameters(
     return [_parameter(name, traces, chains, known_priors.get(name), starts) for name in names]
 
 
-def _parsed(text: object, chain: Chain) -> Name:
+def _parsed(text: object, traces: Traces, chain: Chain) -> Name:
     """Parse the name of a free parameter; the error lists the names that exist."""
     meant = SYMBOLS.get(text, ()) if isinstance(text, str) else ()
-    every = every_name(chain)
+    every = every_name(traces, chain)
     near = [name for name in every if name.startswith(meant)] if meant else []
     try:
         if not near or text in every:
@@ -133,9 +133,10 @@ def _parsed(text: object, chain: Chain) -> Name:
     raise InputError(f"unknown parameter {short_repr(text)}: choose from {', '.join(every)}{hint}")
 
 
-def every_name(chain: Chain) -> list[str]:
-    """Names of the parameters of a chain and its sensors."""
-    of_sensors = [name if name in COMMON_ONLY else f"{name}[ball 6]" for name in SENSOR_KINDS]
+def every_name(traces: Traces, chain: Chain) -> list[str]:
+    """Names of the parameters of a chain and its sensors, those of the sensors for the first."""
+    first = traces.names[0]
+    of_sensors = [name if name in COMMON_ONLY else f"{name}[{first}]" for name in SENSOR_KINDS]
     return [*known_names(chain), "time_offset", *of_sensors]
 
 
@@ -269,4 +270,4 @@ def kind_and_value(name: Name, traces: Traces, chains: Sequence[Chain]) -> tuple
         return kind_of(chain, name), value_of(chain, name)
     except UnknownParameterError:
         # The parameters of the sensors are known, too.
-        raise unknown_name_error("parameter", str(name), every_name(chain)) from None
+        raise unknown_name_error("parameter", str(name), every_name(traces, chain)) from None

@@ -1104,6 +1104,25 @@ def test_pulse_by_the_disorder_law(run):
         assert message in err
 
 
+@pytest.mark.parametrize(
+    "options",
+    [(), ("--material", "steel-52100", "--diameter", "20 mm:5 mm", "--speed", "0.01 m/s")],
+)
+def test_table_of_the_disorder_law_fits_100_columns(run, options):
+    code, out, _ = run(
+        "pulse", "--beads", "100", "--method", "disorder", "--scatter", "1%", *options
+    )
+    assert code == 0
+    assert max(map(len, out.splitlines())) <= 100
+    symbols = [name for name in ("sd_v", "sd_t", "sd_F", "e_v") if name in out]
+    assert len(symbols) == 4
+    if not options:
+        law = hertzchain.disorder(hertzchain.Chain.uniform(100), 0.01)
+        row = next(line.split() for line in out.splitlines() if line.split()[:1] == ["5"])
+        expected = law.velocity[4], law.columns()["velocity_spread"][4]
+        assert [float(text) for text in row[1:3]] == pytest.approx(expected, rel=5e-3)
+
+
 def test_pulse_has_the_tolerance_of_its_simulations(run):
     options = ("--beads", "12", "--loss", "restitution=0.9")
     _, out, err = run("pulse", *options)

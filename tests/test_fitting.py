@@ -714,7 +714,16 @@ def test_posterior_agrees_with_least_squares():
         shift = abs(posterior.means[name] - result.values[name]) / result.errors[name]
         assert shift < 0.25
         assert posterior.errors[name] == pytest.approx(result.errors[name], rel=0.2)
-    assert len(posterior.plot().axes) == 6
+    panels = posterior.plot().axes
+    assert len(panels) == 6
+    # Lower row of the corner: values in the units of the printed results.
+    assert posterior.units == ("", "m/s", "s")
+    labels = [axes.get_xlabel() for axes in panels if axes.get_xlabel()]
+    assert labels == ["stiffness", "struck_by.velocity\n[m/s]", "time_offset\n[µs]"]
+    middle = float(np.mean(panels[-1].get_xlim()))
+    assert middle == pytest.approx(
+        1e6 * posterior.means["time_offset"], abs=6e6 * posterior.errors["time_offset"]
+    )
 
 
 @pytest.fixture

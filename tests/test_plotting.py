@@ -943,3 +943,50 @@ def test_times_of_a_distribution_are_in_microseconds():
     assert axes.get_xlabel() == "arrival of the last bead [µs]"
     assert axes.get_xlim()[0] == pytest.approx(449.5, abs=0.1)
     plt.close(axes.figure)
+
+
+def _separate_ends(axes):
+    """Last beads drawn as symbols without a line, by their number."""
+    return {
+        int(line.get_xdata()[0]): float(line.get_ydata()[0]) for line in axes.lines
+        if line.get_linestyle() == "None" and len(line.get_xdata()) == 1
+    }  # fmt: skip
+
+
+def test_table_of_pulses_separates_free_ends():
+    chains = [
+        hc.Chain.uniform(beads).with_scatter(seed, relative=0.02)
+        for beads in (12, 15) for seed in range(5)
+    ]  # fmt: skip
+    table = hc.propagate_many(chains)
+    axes = table.plot()
+    expected = {count: float(np.median(table.velocity[i, count - 1]))
+                for count, i in ((12, slice(5)), (15, slice(5, 10)))}  # fmt: skip
+    assert _separate_ends(axes) == pytest.approx(expected)
+    curve = axes.lines[0]
+    assert curve.get_xdata()[-1] == 14
+    assert max(curve.get_ydata()[1:]) < 0.9 < min(expected.values())
+    assert "last bead (free end)" in axes.get_legend_handles_labels()[1]
+    colours = {line.get_color() for line in table.plot(ax=axes).lines if len(line.get_xdata()) > 1}
+    assert len(colours) == 2
+    assert not _separate_ends(table.plot("arrival"))
+
+
+def test_sweeps_separate_free_ends():
+    def drawn(*beads, keep="velocity", **options):
+        found = hc.sweep({
+            "chain": {"taper": "forward-exponential", "rate": 0.02},
+            "axes": {"beads": [*beads]}, "sweep": {"keep": [keep], **options},
+        })  # fmt: skip
+        return found, hc.plot_sweep(found)
+
+    found, axes = drawn(12, 15)
+    velocity = found.velocity.sel(approach="propagate")
+    assert _separate_ends(axes) == pytest.approx(
+        {count: float(velocity.sel(beads=count, bead=count)) for count in (12, 15)}
+    )
+    assert [line.get_xdata()[-1] for line in axes.lines if len(line.get_xdata()) > 1] == [11, 14]
+    assert "last bead (free end)" in axes.get_legend_handles_labels()[1]
+    assert not _separate_ends(drawn(12, 15, keep="arrival")[1])
+    # Beads that are not neighbours have no curve from which the last one deviates.
+    assert not _separate_ends(drawn(12, 15, at=[1, 6, 12])[1])

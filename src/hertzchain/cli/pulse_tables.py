@@ -12,13 +12,22 @@ if TYPE_CHECKING:
     from ..pulse.pulse import Pulse
 
 TABLE_ROWS: Final = 26
+# Columns of a pulse with spreads, for which all columns would be too wide, and their digits.
+WITH_SPREADS: Final = {
+    "velocity": 4, "velocity_spread": 3, "arrival": 4, "arrival_spread": 3, "residence": 4,
+    "peak_force": 4, "peak_force_spread": 3, "velocity_error": 2,
+}  # fmt: skip
+SPREADS: Final = (
+    "spread: relative standard deviation over random chains, error: that of the velocity; "
+    "all quantities: --csv, --json"
+)
 OUT_OF_ORDER: Final = (
     "residence: negative where the pulse arrives at the next bead before it arrives at this one"
 )
 
 
 def pulse_table(pulse: Pulse, every_bead: bool) -> Table:
-    """Table of a pulse with one column per quantity."""
+    """Table of a pulse with one column per quantity; with spreads, of those that have one."""
     from rich.markup import escape
 
     from ..pulse.quantities import QUANTITIES
@@ -27,13 +36,19 @@ def pulse_table(pulse: Pulse, every_bead: bool) -> Table:
     rows = table_rows(beads, every_bead)
     table = _bead_table(f"{pulse.method}: {pulse.chain.description}", len(rows), beads)
     columns = pulse.columns()
-    for name in columns:
+    spreads = "velocity_spread" in columns
+    digits = WITH_SPREADS if spreads else dict.fromkeys(columns, 6)
+    shown = [name for name in digits if name in columns]
+    for name in shown:
         symbol = QUANTITIES[name].symbol
-        unit = "" if pulse.chain.units == "scaled" else f" [{pulse.unit(name)}]"
-        table.add_column(f"{name}\n{symbol}{escape(unit)}", justify="right", no_wrap=True)
+        heading, unit = name, "" if pulse.chain.units == "scaled" else f" [{pulse.unit(name)}]"
+        if spreads and name.endswith(("_spread", "_error")):
+            heading, unit = name.rpartition("_")[2], ""
+        table.add_column(f"{heading}\n{symbol}{escape(unit)}", justify="right", no_wrap=True)
     for i in rows:
-        table.add_row(str(i + 1), *(_cell(values, i, 6) for values in columns.values()))
-    _add_notes(table, [pulse], OUT_OF_ORDER if _out_of_order(pulse) else "")
+        table.add_row(str(i + 1), *(_cell(columns[name], i, digits[name]) for name in shown))
+    notes = [SPREADS] * spreads + [OUT_OF_ORDER] * _out_of_order(pulse)
+    _add_notes(table, [pulse], *notes)
     return table
 
 
@@ -69,12 +84,12 @@ def _out_of_order(pulse: Pulse) -> bool:
     return pulse.residence is not None and bool((pulse.residence < 0.0).any())
 
 
-def _add_notes(table: Table, pulses: list[Pulse], more: str = "") -> None:
+def _add_notes(table: Table, pulses: list[Pulse], *more: str) -> None:
     """Add the reasons for missing values below the table."""
     from ..pulse.notes import notes_in_words
 
     notes = [note for pulse in pulses for note in notes_in_words(pulse.notes)]
-    notes += [more] * bool(more)
+    notes += filter(None, more)
     lines = [str(table.caption)] if table.caption else []
     if notes:
         table.caption_justify = "left"

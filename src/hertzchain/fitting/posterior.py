@@ -14,6 +14,7 @@ from ..validation.keywords import checked_methods
 from ..validation.memory import check_memory
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
+from .shown_values import unit_of_parameter
 from .weights import remaining_weights
 
 if TYPE_CHECKING:
@@ -46,6 +47,8 @@ class Posterior:
         Longest autocorrelation time of the walkers, in steps; NaN if it cannot be estimated.
     steps : int
         Steps of each walker, including those that are discarded.
+    units : tuple of str
+        Unit of each parameter, empty for a factor; none if they are not known.
     """
 
     names: tuple[str, ...]
@@ -54,6 +57,7 @@ class Posterior:
     autocorrelation: float
     steps: int
     estimates: Array = field(repr=False)
+    units: tuple[str, ...] = ()
 
     @property
     def means(self) -> dict[str, float]:
@@ -178,4 +182,5 @@ def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) 
     except (ValueError, FloatingPointError):
         length = np.nan
     accepted = float(np.mean(sampler.acceptance_fraction))
-    return Posterior(result.names, values, accepted, length, steps, result.estimates)
+    units = tuple(unit_of_parameter(each, result.traces) for each in model.parameters)
+    return Posterior(result.names, values, accepted, length, steps, result.estimates, units)

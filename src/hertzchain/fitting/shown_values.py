@@ -19,7 +19,7 @@ def shown_value(
     parameter: Parameter, traces: Traces, value: float, sigma: float, *, at_bound: bool
 ) -> str:
     """Value, error and unit of a parameter."""
-    factor, unit = SHOWN.get(unit := _unit(parameter, traces), (1.0, unit))
+    factor, unit = SHOWN.get(unit := unit_of_parameter(parameter, traces), (1.0, unit))
     if 0.0 < sigma < np.inf and not at_bound:
         shown = with_error(factor * value, factor * sigma)
     else:
@@ -27,7 +27,7 @@ def shown_value(
     return f"{shown} {unit}".rstrip()
 
 
-def _unit(parameter: Parameter, traces: Traces) -> str:
+def unit_of_parameter(parameter: Parameter, traces: Traces) -> str:
     """Unit of a parameter; gains and offsets have that of their signals, if it is one."""
     name = parameter.name
     signals = [signal for _, signal in traces if not name.item or signal.name == name.item]

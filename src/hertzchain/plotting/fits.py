@@ -11,11 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..fitting.goodness import autocorrelation
+from ..fitting.shown_values import SHOWN
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice
 from .colours import COLOURS, curve_colour, grey
 from .legends import place_legend
-from .style import TIME_LABELS, figure_style, get_axes, get_two_axes, seconds_axis
+from .style import TIME_LABELS, figure_style, get_axes, get_two_axes, literal, seconds_axis
 from .widths import figure_size
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ CREST: Final = 5
 MAX_COLUMNS: Final = 3
 # Width of panels [inches] below which points are smaller and there are fewer ticks.
 NARROW: Final = 2.0
+MICRO: Final = "µ"
 
 
 def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) -> Axes:
@@ -308,7 +310,9 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
 def plot_corner(posterior: Posterior) -> Figure:
     """Corner plot of a posterior: histogram of each parameter and scatter of each pair."""
     count = len(posterior.names)
-    drawn = posterior.samples[:: max(1, len(posterior.samples) // POINTS)]
+    factors, labels = _in_shown_units(posterior)
+    samples, estimates = factors * posterior.samples, factors * posterior.estimates
+    drawn = samples[:: max(1, len(samples) // POINTS)]
     with figure_style():
         figure, panels = plt.subplots(
             count, count, squeeze=False, figsize=figure_size(1.7 * count + 0.6, 1.7 * count + 0.6),
@@ -320,18 +324,32 @@ def plot_corner(posterior: Posterior) -> Figure:
                 axes.remove()
                 continue
             if i == j:
-                axes.hist(posterior.samples[:, i], 40, histtype="step", color=COLOURS[1])
-                axes.axvline(posterior.estimates[i], color=COLOURS[2], linewidth=0.9)
+                axes.hist(samples[:, i], 40, histtype="step", color=COLOURS[1])
+                axes.axvline(estimates[i], color=COLOURS[2], linewidth=0.9)
                 axes.set_yticks([])
             else:
                 axes.plot(drawn[:, j], drawn[:, i], ".", color=COLOURS[1], markersize=1.0,
                           alpha=0.3, rasterized=True)  # fmt: skip
-                axes.plot(posterior.estimates[j], posterior.estimates[i], "+", color=COLOURS[2])
+                axes.plot(estimates[j], estimates[i], "+", color=COLOURS[2])
             axes.locator_params(nbins=3)
             axes.tick_params(labelsize=6.5, labelbottom=i == count - 1, labelleft=j == 0 < i)
             axes.grid(visible=False)
             if i == count - 1:
-                axes.set_xlabel(posterior.names[j], fontsize=8)
+                axes.set_xlabel(labels[j], fontsize=8)
             if j == 0 and i:
-                axes.set_ylabel(posterior.names[i], fontsize=8)
+                axes.set_ylabel(labels[i], fontsize=8)
     return figure
+
+
+def _in_shown_units(posterior: Posterior) -> tuple[np.ndarray[Any, Any], list[str]]:
+    """Factors to units in which parameters are shown, and their labels with these units."""
+    units = posterior.units or ("",) * len(posterior.names)
+    factors, shown = zip(*(SHOWN.get(unit, (1.0, unit)) for unit in units), strict=True)
+    names = zip(posterior.names, shown, strict=True)
+    # Long names and their units do not fit one line of a panel.
+    labels = [
+        f"{name}\n[{unit.replace('u', MICRO, 1) if unit in ('us', 'um') else unit}]"
+        if unit else name
+        for name, unit in names
+    ]  # fmt: skip
+    return np.array(factors), [literal(label) for label in labels]

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from matplotlib.axes import Axes
 
+from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from ..validation.objects import check_choice
 from .colours import curve_colour
 from .legends import place_legend
-from .style import BeadLocator, figure_style, get_axes, set_title
+from .pulses import FREE_END, jumps_at_end, label_free_end
+from .style import MARKERS, BeadLocator, figure_style, get_axes, set_title
 
 if TYPE_CHECKING:
     from ..pulse.pulse_table import PulseTable
@@ -24,21 +26,30 @@ BAND: Final = 0.25
 
 
 def plot_pulse_table(table: PulseTable, quantity: str, *, ax: Axes | None = None) -> Axes:
-    """Plot the median of a quantity along the chains, with a band that has 90% of them."""
+    """Plot the median of a quantity along the chains, with a band that has 90% of them.
+
+    At free ends, the median has a symbol and the range a bar, which no line joins to the others.
+    """
     columns = table.columns()
     check_choice("quantity", quantity, columns)
     values, row = columns[quantity], QUANTITIES[quantity]
-    known = np.isfinite(values).any(axis=0)
-    if not known.any():
+    if not np.isfinite(values).any():
         raise InputError(f"no chain of the table has a {quantity}; see its reasons")
+    values, ends = _without_free_ends(values, table.beads, quantity)
+    known = np.isfinite(values).any(axis=0)
     low, middle, high = np.nanpercentile(values[:, known], (LOW, 50, HIGH), axis=0)
     place = np.arange(1, values.shape[1] + 1)[known]
     with figure_style():
         axes = get_axes(ax)
-        colour = curve_colour(axes, len(axes.lines))
+        colour = curve_colour(axes, sum(line.get_linestyle() != "None" for line in axes.lines))
         axes.fill_between(place, low, high, color=colour, alpha=BAND, linewidth=0.0,
                           label=f"{LOW}% to {HIGH}% of the chains")  # fmt: skip
         axes.plot(place, middle, color=colour, label="median")
+        for bead, (lowest, median, highest) in ends.items():
+            axes.plot([bead], [median], color=colour, marker=MARKERS[0], linestyle="none")
+            axes.vlines(bead, lowest, highest, color=colour, alpha=BAND, linewidth=3.0)
+        if ends and FREE_END not in axes.get_legend_handles_labels()[1]:
+            label_free_end(axes)
         axes.set_xlabel(f"{row.per} $k$")
         axes.set_ylabel(row.label_in(table.units))
         axes.xaxis.set_major_locator(BeadLocator())
@@ -47,3 +58,17 @@ def plot_pulse_table(table: PulseTable, quantity: str, *, ax: Axes | None = None
         set_title(axes, f"{good} chains of {up_to}{table.velocity.shape[1]} beads")
         place_legend(axes, own=ax is None)
     return axes
+
+
+def _without_free_ends(
+    values: Array, beads: Array, quantity: str
+) -> tuple[Array, dict[int, tuple[float, ...]]]:
+    """Values without those of last beads above the curve, and the percentiles of the latter."""
+    values, ends = values.copy(), {}
+    for count in map(int, np.unique(beads)):
+        last = values[:, max(0, count - 3) : count]
+        rows = np.flatnonzero((beads == count) & np.isfinite(last).all(axis=1))
+        if len(rows) and jumps_at_end(np.median(last[rows], axis=0), quantity):
+            ends[count] = tuple(np.percentile(last[rows, -1], (LOW, 50, HIGH)).tolist())
+            values[rows, count - 1] = np.nan
+    return values, ends

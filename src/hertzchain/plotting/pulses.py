@@ -181,10 +181,19 @@ def _number_of_pulses(axes: Axes) -> int:
 
 def _ends_free(pulse: Pulse, quantity: str) -> bool:
     """Whether the last bead is much faster than the others, because nothing decelerates it."""
-    values = pulse.columns()[quantity]
-    if quantity not in FREE or pulse.chain.right_wall is not None or len(values) < 3:
+    return pulse.chain.right_wall is None and jumps_at_end(pulse.columns()[quantity], quantity)
+
+
+def jumps_at_end(values: Array, quantity: str) -> bool:
+    """Whether the last of the values at successive beads is far above the curve of the others."""
+    if quantity not in FREE or len(values) < 3:
         return False
     return bool(values[-1] * values[-3] > JUMP * values[-2] ** 2)
+
+
+def label_free_end(axes: Axes) -> None:
+    """Explain the symbols at free ends in the legend."""
+    axes.plot([], [], color=grey(axes, 0.4), marker=MARKERS[0], linestyle="none", label=FREE_END)
 
 
 def _draw_free_end(axes: Axes, pulse: Pulse, value: float, i: int) -> None:
@@ -221,9 +230,7 @@ def _label_parts(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
     if LOTS in present or any(_spread(pulse, quantity) is not None for pulse in pulses):
         axes.fill_between([], [], [], color=grey(axes, 0.4), alpha=BAND, linewidth=0.0, label=LOTS)
     if FREE_END in present or any(_ends_free(pulse, quantity) for pulse in pulses):
-        axes.plot(
-            [], [], color=grey(axes, 0.4), marker=MARKERS[0], linestyle="none", label=FREE_END
-        )
+        label_free_end(axes)
 
 
 def _draw(axes: Axes, pulse: Pulse, values: Array, i: int, label: str | None) -> None:

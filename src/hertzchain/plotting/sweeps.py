@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.colors import LogNorm
-from matplotlib.ticker import MaxNLocator
 
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, InputWarning, unknown_name_error, warn_user
@@ -23,8 +22,10 @@ from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list, check_type
 from .colours import curve_colour, grey, signed_map
 from .legends import place_legend
+from .pulses import label_free_end
 from .style import MARKERS, figure_style, label_log_axis, literal, set_title
-from .sweep_labels import axis_label, coordinate_text, quantity_label, short_value
+from .sweep_axes import edges_of, free_end, places_of, set_axis
+from .sweep_labels import coordinate_text, quantity_label, short_value
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -293,17 +294,21 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, 
     """Draw one curve for each method or value of a short axis."""
     along = next(name for name in drawn.dims if name != by)
     names = drawn[by].values if by in drawn.dims else [None]
-    marked = False
+    marked = free = False
     for i, name in enumerate(names):
         chosen = {} if name is None else {by: i}
         curve, flags = drawn.isel(chosen), outside.isel(chosen)
         if log and by == "approach" and len(names) > 1 and not (curve > 0.0).any():
             # The error of the reference is 0, which a logarithmic scale cannot show.
             continue
-        colour, places = curve_colour(axes, i), _places(curve[along])
+        colour, places = curve_colour(axes, i), places_of(curve[along])
+        if end := free_end(curve):
+            axes.plot(places[end], curve[end], color=colour, marker=MARKERS[i % len(MARKERS)],
+                      linestyle="none")  # fmt: skip
+            free = True
         axes.plot(
-            places,
-            curve,
+            places[:end],
+            curve[:end],
             color=colour,
             linestyle="-" if _ordered(curve[along]) else "none",
             marker=MARKERS[i % len(MARKERS)],
@@ -315,12 +320,14 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, 
             axes.plot(places[flags.values], curve[flags.values], "o", color=colour, alpha=0.3,
                       markersize=8.0, markeredgecolor="none")  # fmt: skip
             marked = True
+    if free:
+        label_free_end(axes)
     if marked:
         axes.plot([], [], "o", color="0.6", alpha=0.5, markersize=8.0, markeredgecolor="none",
                   label=outside.name)  # fmt: skip
     axes.set_ylabel(quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
-    _set_axis(axes, "x", drawn[along])
+    set_axis(axes, "x", drawn[along])
 
 
 def _curve_label(curve: xr.DataArray, by: str) -> str | None:
@@ -337,7 +344,7 @@ def _ordered(coordinate: xr.DataArray) -> bool:
 
 def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | None) -> None:
     down, across = drawn.dims[1], drawn.dims[0]
-    x, y = (_places(drawn[name]) for name in (across, down))
+    x, y = (places_of(drawn[name]) for name in (across, down))
     values = drawn.transpose(down, across).to_numpy()
     norm, (colours, low, high) = None, _colours(values)
     if log:
@@ -345,7 +352,7 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
         if not shown.size:
             raise InputError(f"{drawn.name} has no values above 0; omit log")
         norm, colours, low, high = LogNorm(shown.min(), shown.max()), SEQUENTIAL, None, None
-    mesh = axes.pcolormesh(_edges(x), _edges(y), values, cmap=colours, norm=norm, vmin=low,
+    mesh = axes.pcolormesh(edges_of(x), edges_of(y), values, cmap=colours, norm=norm, vmin=low,
                            vmax=high, rasterized=True)  # fmt: skip
     bar = axes.figure.colorbar(mesh, ax=axes, label=quantity_label(drawn))
     if norm is not None:
@@ -355,9 +362,9 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
             x, y, values, levels=sorted(set(levels)), colors="white", linewidths=1.2
         )
         axes.clabel(lines, fmt="%g", fontsize=8)
-    _set_axis(axes, "x", drawn[across])
-    _set_axis(axes, "y", drawn[down])
-    for edges, limit in ((_edges(x), axes.set_xlim), (_edges(y), axes.set_ylim)):
+    set_axis(axes, "x", drawn[across])
+    set_axis(axes, "y", drawn[down])
+    for edges, limit in ((edges_of(x), axes.set_xlim), (edges_of(y), axes.set_ylim)):
         limit(edges[0], edges[-1])
 
 
@@ -397,7 +404,7 @@ def _mark_cells(
             {"marker": "o", "c": "white", "edgecolors": "black", "linewidths": 0.5},
         )
     down, across = drawn.dims[1], drawn.dims[0]
-    x, y = np.meshgrid(_places(drawn[across]), _places(drawn[down]))
+    x, y = np.meshgrid(places_of(drawn[across]), places_of(drawn[down]))
     size = min(LEGEND_AREA, MARKED_AREA / drawn.size)
     for label, (flags, style) in kinds.items():
         there = flags.transpose(down, across).to_numpy().astype(bool)
@@ -409,38 +416,3 @@ def _mark_cells(
         for handle in legend.legend_handles:
             if isinstance(handle, PathCollection):
                 handle.set_sizes([LEGEND_AREA])
-
-
-def _set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) -> None:
-    """Set the scale, ticks and label of the x or y axis."""
-    values = coordinate.to_numpy()
-    axes.set(**{f"{which}scale": _scale(values), f"{which}label": axis_label(coordinate)})
-    axis = axes.xaxis if which == "x" else axes.yaxis
-    # Setting a scale resets the ticks, so ticks are set afterwards.
-    if values.dtype.kind not in "if":
-        axis.set_ticks(range(values.size), labels=[literal(str(value)) for value in values])
-    elif values.dtype.kind == "i" and axis.get_scale() == "linear":
-        axis.set_major_locator(MaxNLocator("auto", integer=True, steps=[1, 2, 5, 10]))
-
-
-def _scale(values: np.ndarray[Any, Any]) -> str:
-    """Name of the scale: logarithmic for a geometric progression over at least a decade."""
-    if values.dtype.kind not in "if" or values.size < 3 or values.min() <= 0.0:
-        return "linear"
-    steps = np.diff(np.log(values))
-    even = np.ptp(steps) < 1e-6 * abs(steps[0])
-    return "log" if even and values.max() >= 10.0 * values.min() else "linear"
-
-
-def _edges(places: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
-    """Edges of map cells: halfway between neighbouring values, on the scale of the axis."""
-    if _scale(places) == "log":
-        return np.asarray(np.exp(_edges(np.log(places))))
-    halves = np.diff(places) / 2.0
-    inner = places[:-1] + halves
-    return np.concatenate(([places[0] - halves[0]], inner, [places[-1] + halves[-1]]))
-
-
-def _places(coordinate: xr.DataArray) -> Any:
-    values = coordinate.to_numpy()
-    return values if values.dtype.kind in "if" else np.arange(values.size)

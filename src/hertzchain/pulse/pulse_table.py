@@ -246,6 +246,9 @@ class PulseTable(Columns):
     def plot(self, quantity: str = "velocity", *, ax: Axes | None = None) -> Axes:
         """Plot the median of a quantity along the chains, and a band with 90% of the chains.
 
+        If the last beads leave a free end at a larger velocity, their median has a symbol without
+        a line, and a bar instead of the band.
+
         Parameters
         ----------
         quantity : str

@@ -1,0 +1,64 @@
+"""Axes of plots of sweeps: scales, places and edges of cells, and free ends."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from .pulses import jumps_at_end
+from .style import literal
+from .sweep_labels import axis_label
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) -> None:
+    """Set the scale, ticks and label of the x or y axis."""
+    values = coordinate.to_numpy()
+    axes.set(**{f"{which}scale": scale(values), f"{which}label": axis_label(coordinate)})
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    # Setting a scale resets the ticks, so ticks are set afterwards.
+    if values.dtype.kind not in "if":
+        axis.set_ticks(range(values.size), labels=[literal(str(value)) for value in values])
+    elif values.dtype.kind == "i" and axis.get_scale() == "linear":
+        axis.set_major_locator(MaxNLocator("auto", integer=True, steps=[1, 2, 5, 10]))
+
+
+def scale(values: np.ndarray[Any, Any]) -> str:
+    """Name of the scale: logarithmic for a geometric progression over at least a decade."""
+    if values.dtype.kind not in "if" or values.size < 3 or values.min() <= 0.0:
+        return "linear"
+    steps = np.diff(np.log(values))
+    even = np.ptp(steps) < 1e-6 * abs(steps[0])
+    return "log" if even and values.max() >= 10.0 * values.min() else "linear"
+
+
+def edges_of(places: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Edges of map cells: halfway between neighbouring values, on the scale of the axis."""
+    if scale(places) == "log":
+        return np.asarray(np.exp(edges_of(np.log(places))))
+    halves = np.diff(places) / 2.0
+    inner = places[:-1] + halves
+    return np.concatenate(([places[0] - halves[0]], inner, [places[-1] + halves[-1]]))
+
+
+def places_of(coordinate: xr.DataArray) -> Any:
+    """Values of a coordinate along an axis: numbers, or 0, 1, ... for names."""
+    values = coordinate.to_numpy()
+    return values if values.dtype.kind in "if" else np.arange(values.size)
+
+
+def free_end(curve: xr.DataArray) -> int | None:
+    """Index of the last bead if its value is above the curve of the beads before it."""
+    if curve.dims != ("bead",):
+        return None
+    # Shorter chains of a sweep have no values at the last places.
+    known = np.flatnonzero(np.isfinite(curve.to_numpy()))[-3:]
+    beads = curve["bead"].to_numpy()[known]
+    if len(known) < 3 or beads[-1] - beads[0] != 2:
+        return None
+    return int(known[-1]) if jumps_at_end(curve.to_numpy()[known], str(curve.name)) else None

@@ -1,5 +1,6 @@
 """Chains from TOML and CSV files: each feature once, and invalid files."""
 
+import re
 import tomllib
 
 import numpy as np
@@ -562,3 +563,22 @@ def test_only_own_materials_are_written_with_their_properties():
     mixed = Chain.from_materials(5e-3, [own, STEEL, own])
     again = chain_from(tomllib.loads(hc.chain_as_toml(mixed)))
     assert [each.young for each in again.materials] == [each.young for each in mixed.materials]
+
+
+def test_the_text_of_a_chain_file_is_read_like_the_file(tmp_path):
+    chain = Chain.from_materials(5e-3, STEEL, beads=6, velocity=0.1).replace(right_wall=Wall())
+    assert_same(hc.chain_from_toml(hc.chain_as_toml(chain)), chain)
+    written(tmp_path, "radius [mm],material\n5,steel-52100\n4,steel-52100\n", "balls.csv")
+    text = '[chain]\nfile = "balls.csv"\n'
+    assert_same(hc.chain_from_toml(text, tmp_path), hc.load_chain(written(tmp_path, text)))
+    assert_same(hc.chain_from_toml(f"\ufeff{text}", folder=str(tmp_path)),
+                hc.load_chain(tmp_path / "chain.toml"))  # fmt: skip
+    for wrong, message in (
+        ("chain.toml", "load_chain reads a file"),
+        ('[chain]\ntaper = "uniform"\nbeads = 3\nbaeds = 4', "unknown key of [chain] 'baeds'"),
+        ('[chain]\ntaper = "uniform"\nbeads = 0', "beads"),
+        ("[chain]\nbeads = " + "9" * 5000, "thousands of digits"),
+        (b"[chain]", "text must be a str"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=re.escape(message)):
+            hc.chain_from_toml(wrong)

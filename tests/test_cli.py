@@ -637,6 +637,7 @@ def test_command_line_tells_how_far_a_run_can_be_predicted(run, tmp_path):
     assert code == 0
     assert "horizon: velocities predictable within 1% until t = " in out
     assert "--horizon shows" not in out
+    assert "; later values are one of many possible outcomes" in out
     horizon = json.loads(
         run("simulate", "--chain", chain, "--until", 300, "--horizon", "--json")[1]
     )["horizon"]
@@ -1121,6 +1122,28 @@ def test_table_of_the_disorder_law_fits_100_columns(run, options):
         row = next(line.split() for line in out.splitlines() if line.split()[:1] == ["5"])
         expected = law.velocity[4], law.columns()["velocity_spread"][4]
         assert [float(text) for text in row[1:3]] == pytest.approx(expected, rel=5e-3)
+
+
+def test_forces_after_the_horizon_are_marked(capsys):
+    from hertzchain.cli.run_summary import show_run
+    from hertzchain.simulation.horizon import Horizon
+
+    chain = hertzchain.Chain.uniform(9).replace(right_wall=hertzchain.Wall.rigid())
+    run = hertzchain.simulate(chain, until=40.0, times=2001)
+    sensors = {bead: run.sensor_force(bead).largest_so_far_time for bead in (2, 8)}
+    # The horizon is between the maxima in both sensors.
+    error = np.where(run.times > np.mean([*sensors.values()]), 1.0, 0.0)
+    run.__dict__["_horizon"] = Horizon(chain, run.times, error, 0.01, 1e-13, 1e-12)
+    show_run(run, [*sensors], waves=False, hint=False)
+    lines = capsys.readouterr().out.splitlines()
+    marked = [line.split(":")[0] for line in lines if "(after the horizon)" in line]
+    assert marked == ["right wall", "sensor in bead 8"]
+    assert lines[-1].endswith("; later values are one of many possible outcomes")
+    run.__dict__["_horizon"] = Horizon(chain, run.times, 0.0 * error, 0.01, 1e-13, 1e-12)
+    show_run(run, [*sensors], waves=False, hint=False)
+    out = capsys.readouterr().out
+    assert "after the horizon" not in out
+    assert "outcomes" not in out
 
 
 def test_pulse_has_the_tolerance_of_its_simulations(run):

@@ -413,6 +413,7 @@ def public_calls(folder):
         "load_drive": tried(hc.load_drive, path=folder / "no.csv"),
         "load_chain": tried(hc.load_chain, path=folder / "no.toml"),
         "chain_as_toml": tried(hc.chain_as_toml, chain=chain),
+        "chain_from_toml": tried(hc.chain_from_toml, text=hc.chain_as_toml(chain), folder=folder),
         "load_state": tried(hc.load_state, path=state, chain=walled),
         "load_run": tried(hc.load_run, path=folder / "run.nc"),
         "save_state": tried(hc.save_state, state=run.state, path=folder / "again.npz"),

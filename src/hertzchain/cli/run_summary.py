@@ -68,7 +68,7 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None
     for line in pressures_below_yield(run):
         click.echo(line)
     for wall in _walls(run):
-        click.echo(_wall_lines(wall))
+        click.echo(_wall_lines(run, wall))
     if (last := last_bead_of(run)) is not None:
         click.echo(_last_bead_line(run, last))
     if (peak := peak_with_yielding_contacts(run)) is not None:
@@ -78,7 +78,9 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None
         click.echo(_sensor_line(run, bead))
     transits = transits_between_walls(run.chain, run.end_time)
     if run.known_horizon is not None:
-        click.echo(f"horizon: {run.known_horizon.message}")
+        later = "; later values are one of many possible outcomes"
+        ends = math.isfinite(run.known_horizon.time)
+        click.echo(f"horizon: {run.known_horizon.message}{later if ends else ''}")
     elif hint and transits > LONG_RUN:
         click.echo(
             f"the run lasts {transits:.3g} transits of the pulse: --horizon shows how long it is "
@@ -147,13 +149,13 @@ def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
     return {name: None if _is_nan(value) else value for name, value in found.items()}
 
 
-def _wall_lines(wall: WallForce) -> str:
+def _wall_lines(run: Run, wall: WallForce) -> str:
     """Describe the force on a wall; an incomplete one has no peak."""
     from ..representation import counted, measure
 
     if wall.largest_so_far == 0.0:
         return f"{wall.side} wall: not reached"
-    largest = _at(wall.largest_so_far, wall.largest_so_far_time, wall.units)
+    largest = _at(run, wall.largest_so_far, wall.largest_so_far_time)
     impulse = _impulse(wall.impulse, wall.units)
     whole = f"{impulse} in the whole run"
     if not wall.complete:
@@ -176,10 +178,13 @@ def _wall_lines(wall: WallForce) -> str:
     return f"{peak}\n  impulse {impulses}\n  impulse in the impact / peak = {ratio}"
 
 
-def _at(force: float, time: float, units: str) -> str:
+def _at(run: Run, force: float, time: float) -> str:
+    """A force and its time, marked if it is later than the horizon."""
     from ..representation import measure
 
-    return f"{measure(force, 'N', units, 5)} at t = {measure(time, 's', units, 5)}"
+    units, horizon = run.chain.units, run.known_horizon
+    later = " (after the horizon)" if horizon is not None and time > horizon.time else ""
+    return f"{measure(force, 'N', units, 5)} at t = {measure(time, 's', units, 5)}{later}"
 
 
 def _impulse(value: float, units: str) -> str:
@@ -194,11 +199,9 @@ def _sensor_line(run: Run, bead: int) -> str:
     sensor = run.sensor_force(bead)
     first, largest = "no maximum yet", ""
     if not math.isnan(sensor.first_maximum):
-        first = (
-            f"first maximum {_at(sensor.first_maximum, sensor.first_maximum_time, sensor.units)}"
-        )
+        first = f"first maximum {_at(run, sensor.first_maximum, sensor.first_maximum_time)}"
     if sensor.largest_so_far_time != sensor.first_maximum_time:
-        largest = _at(sensor.largest_so_far, sensor.largest_so_far_time, sensor.units)
+        largest = _at(run, sensor.largest_so_far, sensor.largest_so_far_time)
         largest = f"; largest so far {largest}"
     elif sensor.first_maximum_time:
         largest = ", the largest so far"

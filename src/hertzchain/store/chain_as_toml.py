@@ -27,7 +27,9 @@ from .toml_files import toml_key, toml_text
 
 @checked_arguments("chain_as_toml")
 def chain_as_toml(chain: Chain) -> str:
-    """Write a chain as a TOML chain file, which `load_chain` reads as the same chain.
+    """Write a chain as the text of a TOML chain file, which describes the same chain.
+
+    `chain_from_toml` reads the text, and `load_chain` a file that contains it.
 
     Equal beads, repeated cells and tapers are written as such if their radii are the same, bit for
     bit.  Materials of the catalogue are written by name, others with their properties; different

@@ -51,11 +51,11 @@ from ..chain.walls import Wall
 from ..errors import InputError, errors_at, raise_all
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers, whole_number
-from ..validation.objects import file_path, shown_path
+from ..validation.objects import check_type, file_path, shown_path
 from .bead_tables import load_beads, load_drive
 from .chain_schema import FORMS, with_usual_names, without_units
 from .schema_checks import check_document, has_tables
-from .toml_files import read_toml
+from .toml_files import parse_toml, read_toml
 
 ARRAYS: Final = ("masses", "stiffness", "velocities", "gaps")
 # Keys of a taper of given sizes, which are arguments of `Chain.tapered`.
@@ -108,6 +108,38 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
     document = read_toml("chain file", path, "give the path of a TOML or CSV file")
     with errors_at(shown_path(path)):
         return chain_from(document, file.parent)
+
+
+@checked_arguments("chain_from_toml")
+def chain_from_toml(text: str, folder: str | os.PathLike[str] = ".") -> Chain:
+    r"""Read a chain from the text of a TOML chain file; the inverse of `chain_as_toml`.
+
+    Parameters
+    ----------
+    text : str
+        The text; see `hertzchain.store.chain_files`.
+    folder : path-like
+        Folder of the files to which the text refers, by default the working directory.
+
+    Raises
+    ------
+    InputError
+        If the text is not valid TOML, a key is unknown, missing or contradicts another, or a value
+        is out of range.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chain = hc.chain_from_toml('[chain]\ntaper = "uniform"\nbeads = 20')
+    >>> chain
+    Chain(uniform, 20 beads)
+    >>> hc.chain_from_toml(hc.chain_as_toml(chain)).radii.tolist() == chain.radii.tolist()
+    True
+    """
+    check_type("text", text, str, "load_chain reads a file")
+    document = parse_toml("text of a chain file", text, "; hc.load_chain reads a file by its path")
+    with errors_at("text of a chain file"):
+        return chain_from(document, file_path("folder", folder))
 
 
 def chain_from(document: Mapping[str, Any], folder: Path = Path()) -> Chain:

@@ -19,18 +19,25 @@ def read_toml(what: str, path: str | os.PathLike[str], hint: str) -> dict[str, A
     r"""Read a TOML file."""
     file, name = file_path(what, path), os.fspath(path)
     try:
-        return tomllib.loads(file.read_text("utf-8-sig"))
+        text = file.read_text("utf-8-sig")
     except OSError as error:
         raise InputError(f"cannot read {what} {name!r} ({error.strerror}); {hint}") from None
     except UnicodeDecodeError:
         raise InputError(f"{what} {name!r} is not UTF-8 text; write it as TOML in UTF-8") from None
+    return parse_toml(f"{what} {name!r}", text)
+
+
+def parse_toml(what: str, text: str, hint: str = "") -> dict[str, Any]:
+    r"""Parse the text of a TOML file; a hint at a remedy begins with a semicolon."""
+    try:
+        return tomllib.loads(text.removeprefix("\ufeff"))
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{what} {name!r} is not valid TOML: {error}") from None
+        raise InputError(f"{what} is not valid TOML: {error}{hint}") from None
     except RecursionError:
-        raise InputError(f"{what} {name!r} is nested too deeply") from None
+        raise InputError(f"{what} is nested too deeply") from None
     except ValueError:
         # The only remaining reason: Python does not read whole numbers of more than 4300 digits.
-        raise InputError(f"{what} {name!r} has a whole number of thousands of digits") from None
+        raise InputError(f"{what} has a whole number of thousands of digits") from None
 
 
 def toml_text(value: Any) -> str:

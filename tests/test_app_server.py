@@ -151,6 +151,21 @@ def test_short_chains_are_shown_until_the_last_bead_has_separated(gaps, clock):
     assert np.all(np.diff(arrays["times"]) > 0.0)
 
 
+@pytest.mark.parametrize("beads", [2, 3, 20])
+def test_the_impact_of_a_ball_from_a_distance_is_resolved(beads):
+    gaps = [0.003] + [0.0] * (beads - 2)
+    document = {"chain": {"radii": [0.01] * beads, "materials": "steel-52100", "velocity": 0.2,
+                          "gaps": gaps}}  # fmt: skip
+    arrays = computed(document, frames=320)["run"][1]
+    # Exact times between which the second ball has gained 1% and 80% of its velocity.
+    exact = hc.simulate(chain_of(document), until=0.016, times=16001)
+    gained = exact.velocities[:, 1] / exact.velocities[:, 1].max()
+    begin, end = (exact.times[np.argmax(gained > part)] for part in (0.01, 0.8))
+    times = arrays["times"]
+    assert times[-1] > end
+    assert np.count_nonzero((times > begin) & (times < end)) >= 5
+
+
 @pytest.mark.parametrize("clock", ["beads", "time"])
 @pytest.mark.parametrize("gap", [1e-4, 0.02, 0.2])
 def test_the_impact_on_a_distant_wall_is_shown(gap, clock):

@@ -48,7 +48,10 @@ def saved_times(
     # A driven wave has no single arrival: its crests change on their way.
     if chain.drive is not None or np.count_nonzero(np.diff(arrival)) < 2 or not known.all():
         last = max(end, rough_end, 1.2 * float(arrival.max(initial=0.0)))
-        return np.linspace(0.0, last, frames)
+        flights = _first_impact(chain, arrival) if clock == "beads" and known.all() else None
+        corners = (0.0, last) if flights is None else (0.0, *flights, last)
+        places = np.linspace(0.0, 1.0, len(corners))
+        return np.interp(np.linspace(0.0, 1.0, frames), places, corners)
     if clock == "time":
         return np.linspace(0.0, max(arrival[-1] * (1.0 + echo), end, rough_end), frames)
     steps = np.diff(arrival)[::-1]
@@ -74,6 +77,14 @@ def saved_times(
     known_times = np.insert(known_times, flown + 1, (arrival[1:] - before)[flown])
     places = np.insert(places, flown + 1, flown + 0.5)
     return np.unique(np.interp(np.linspace(0.0, last, frames), places, known_times))
+
+
+def _first_impact(chain: Chain, arrival: Array) -> tuple[float, float] | None:
+    """Begin and end of the impact of one free ball on another that is far away."""
+    if len(arrival) != 2 or chain.drive is not None or chain.right_wall is not None:
+        return None
+    half = HALF_IMPACT * float(transit_times(chain)[-1])
+    return (arrival[1] - half, arrival[1] + half) if arrival[1] > 2.0 * half else None
 
 
 def _end_of_passage(chain: Chain, pulse: Pulse | None) -> float:

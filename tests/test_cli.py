@@ -405,14 +405,26 @@ def test_progress_in_a_pipe_is_a_line_now_and_then(run, monkeypatch):
 
 def test_progress_that_does_not_change_is_one_line(monkeypatch, capsys):
     monkeypatch.setattr(progress, "SECONDS_PER_LINE", 0.0)
-    update = progress._lines_of_progress("chains", None)
+    update = progress._Lines("chains", None)
     for done in (0, 0, 0, 3, 3, 5):
         update(done, 5)
     assert capsys.readouterr().err == "chains: 0 of 5\nchains: 3 of 5\nchains: 5 of 5\n"
 
 
+def test_work_that_ends_early_states_its_total(monkeypatch, capsys):
+    monkeypatch.setattr(progress, "SECONDS_PER_LINE", 0.0)
+    with progress.progress_bar("simulations") as update:
+        update(400, 418)
+        monkeypatch.setattr(progress, "SECONDS_PER_LINE", 1e9)
+        update(417, 418)
+    assert capsys.readouterr().err == "simulations: 400 of 418\nsimulations: 417 in total\n"
+    with progress.progress_bar("simulations") as update:
+        update(417, 418)
+    assert capsys.readouterr().err == ""
+
+
 def test_the_last_line_of_progress_states_the_total(monkeypatch, capsys):
-    update = progress._lines_of_progress("chains", None)
+    update = progress._Lines("chains", None)
     update(22, 23)
     update(23, 23)
     assert capsys.readouterr().err == ""

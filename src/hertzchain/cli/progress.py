@@ -22,6 +22,7 @@ SECONDS_PER_LINE: Final = 5.0
 def progress_bar(what: str, *, rate: bool = False) -> Iterator[Callable[[int, int], None]]:
     """Show a bar on stderr that disappears at the end; in a pipe or file, print lines.
 
+    If less is done than was announced, a last line states the total, except after an error.
     With ``rate``, the number per second and the remaining time are shown as well.
     """
     from rich.console import Console
@@ -36,7 +37,9 @@ def progress_bar(what: str, *, rate: bool = False) -> Iterator[Callable[[int, in
     pace = _Pace() if rate else None
     announce_compilation()
     if not console.is_terminal:
-        yield _lines_of_progress(what, pace)
+        lines = _Lines(what, pace)
+        yield lines
+        lines.finish()
         return
     columns = [TextColumn("{task.description}"), BarColumn(), _count_column()]
     last = TextColumn("{task.fields[pace]}") if rate else TimeElapsedColumn()
@@ -103,19 +106,27 @@ class _Pace:
         return f"{shown} per second, {left} left"
 
 
-def _lines_of_progress(what: str, pace: _Pace | None) -> Callable[[int, int], None]:
-    begun, latest = time.monotonic(), -1
+class _Lines:
+    """Lines of progress, the last of which states the total."""
 
-    def update(done: int, total: int) -> None:
-        nonlocal begun, latest
+    def __init__(self, what: str, pace: _Pace | None) -> None:
+        self.what, self.pace = what, pace
+        self.begun, self.latest = time.monotonic(), -1
+        self.done = self.total = 0
+
+    def __call__(self, done: int, total: int) -> None:
         now = time.monotonic()
-        told = pace.text(done, total) if pace else ""
+        self.done, self.total = done, total
+        told = self.pace.text(done, total) if self.pace else ""
         # After a first line, the last one states the total.
-        due = now - begun >= SECONDS_PER_LINE or (done >= total and latest >= 0)
+        due = now - self.begun >= SECONDS_PER_LINE or (done >= total and self.latest >= 0)
         # While functions are compiled, nothing changes.
-        if not due or done == latest:
+        if not due or done == self.latest:
             return
-        click.echo(f"{what}: {done} of {total}" + (f", {told}" if told else ""), err=True)
-        begun, latest = now, done
+        click.echo(f"{self.what}: {done} of {total}" + (f", {told}" if told else ""), err=True)
+        self.begun, self.latest = now, done
 
-    return update
+    def finish(self) -> None:
+        """State the total of work that has ended early, such as a search within its budget."""
+        if self.latest >= 0 and self.done < self.total:
+            click.echo(f"{self.what}: {self.done} in total", err=True)

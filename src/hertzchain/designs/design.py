@@ -218,6 +218,8 @@ def _given(trials: Trials) -> Outcome:
 
 def finish(trials: Trials, found: Found, notes: tuple[str, ...]) -> DesignResult:
     """Verify the best trials, and return the best one that keeps its promise."""
+    # The search has ended, possibly before its budget.
+    trials.report_progress()
     if not trials.best or not np.isfinite(trials.best[0].values).all():
         # A corrected problem may use the same store.
         trials.journal.remove()

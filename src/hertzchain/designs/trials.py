@@ -292,7 +292,8 @@ class Trials:
         made = [chain is not None for chain in chains]
         found = measured(
             [chain for chain in chains if chain is not None], self.measures,
-            rtol=rtol, until=self.problem.until, threads=self.threads, progress=self._progress,
+            rtol=rtol, until=self.problem.until, threads=self.threads,
+            progress=self.report_progress,
         )  # fmt: skip
         values[made] = found.values
         for reason in found.reasons:
@@ -358,10 +359,11 @@ class Trials:
             self.journal.add(key, self.clock.seconds, known)
         elif not self.journal.known:
             self.clock.resume(self.journal.seconds)
-        self._progress()
+        self.report_progress()
         return known
 
-    def _progress(self, *_: int) -> None:
+    def report_progress(self, *_: int) -> None:
+        """Report the number of simulations, or the time, and the budget."""
         if self.progress is None:
             return
         if np.isfinite(self.budget.runs):

@@ -1101,3 +1101,22 @@ def test_slopes_of_the_largest_force_in_a_sensor_are_exact(wall, loss):
         )
         expected = (up - down) / (2.0 * step) * chain.radii[place] * np.log(2.0)
         assert slopes[0, place - 1] == pytest.approx(expected, rel=2e-3, abs=1e-5)
+
+
+def test_summaries_list_the_sizes_that_varied():
+    chain = hc.Chain.uniform(30).replace(right_wall=hc.Wall())
+    vary = [hc.vary.radii(0.5, 1.0, beads="2:4"), hc.vary.gaps(0.0, 0.1, by="common")]
+    found = hc.design(hc.Design(chain, minimise="wall_force.peak", vary=vary), budget=400)
+    sizes, gaps = (line for line in found.summary().splitlines() if "from the struck end" in line)
+    radii = [f"{value:.4g}" for value in found.chain.radii]
+    assert sizes.startswith(f"radii, from the struck end: {radii[0]}, {radii[1]}")
+    assert sizes.endswith("26 x 1")
+    assert gaps == f"gaps, from the struck end: 29 x {found.chain.gaps[0]:.4g}"
+    steel = hc.Chain.from_materials(10e-3, "steel-52100", beads=30, velocity=0.1)
+    vary = [hc.vary.radii("5 mm", "10 mm", beads="2:")]
+    found = hc.design(hc.Design(steel, minimise="velocity@last", vary=vary), budget=400)
+    (sizes,) = (line for line in found.summary().splitlines() if "from the struck end" in line)
+    head, _, listed = sizes.partition(": ")
+    assert head == "diameters [mm], from the struck end"
+    assert listed.split(", ")[0].endswith("20")
+    assert len(listed.split(", ")) <= 13

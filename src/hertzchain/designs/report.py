@@ -4,15 +4,25 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
 
 from ..representation import counted
 from .ball_choice import BallSpace
 from .measures import Measure, in_words
+from .size_space import SizeSpace
 from .verified import Verified, met
 
 if TYPE_CHECKING:
     from .result import DesignResult
+
+# Factors to the units in which sizes are shown, and the names of these sizes.
+SHOWN: Final = {
+    "radii": (2e3, "diameters [mm]"), "masses": (1e3, "masses [g]"), "gaps": (1e6, "gaps [um]"),
+}  # fmt: skip
+# Longer lists of sizes are shortened.
+MAX_SIZES: Final = 12
 
 
 def summary(result: DesignResult) -> str:
@@ -39,6 +49,7 @@ def summary(result: DesignResult) -> str:
         lines += [f"  {count} x {name}" for count, name in result.parts]
     if result.discrete and result.chain.materials is not None:
         lines.append(f"order: {_order(result)}")
+    lines += _sizes(result)
     if result.optima:
         lines.append("local optima:")
         lines += [f"  {_point(result, i)}" for i in range(len(result.optima))]
@@ -200,6 +211,23 @@ def _requirement(result: DesignResult, index: int) -> str:
     if name in result.verified.yielding and not each.measure.of_chain:
         text += f" ({each.shown(result.verified.yielding[name])} with contacts that yield)"
     return text if each.excess(value) <= 1e-6 else f"{text}, NOT met"
+
+
+def _sizes(result: DesignResult) -> list[str]:
+    """Sizes that varied, of all beads or contacts, with the number of equal neighbours."""
+    space, chain = result.problem.space, result.chain
+    if not isinstance(space, SizeSpace) or not np.isfinite(result.value):
+        return []
+    lines = []
+    for name in dict.fromkeys(block.field for block in space.blocks):
+        factor, shown = SHOWN[name] if chain.units == "SI" else (1.0, name)
+        texts = [f"{factor * value:.4g}" for value in getattr(chain, name)]
+        groups = [(text, len(list(same))) for text, same in itertools.groupby(texts)]
+        parts = [f"{count} x {text}" if count > 1 else text for text, count in groups]
+        if len(parts) > MAX_SIZES:
+            parts = [*parts[: MAX_SIZES // 2], "...", *parts[-(MAX_SIZES // 2) :]]
+        lines.append(f"{shown}, from the struck end: {', '.join(parts)}")
+    return lines
 
 
 def _order(result: DesignResult) -> str:

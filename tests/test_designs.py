@@ -3,6 +3,7 @@
 import dataclasses
 import itertools
 import re
+import warnings
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -521,6 +522,61 @@ def test_isolated_points_of_the_first_fronts_are_the_best_parents():
     assert best_spread(np.empty((0, 2)), 7) == []
 
 
+@pytest.fixture(scope="module")
+def partly_yielding():
+    """A front of rows of hard and of softer steel, of which only the latter yield."""
+    chain = hc.Chain.from_materials(
+        "3.175 mm", "steel-52100", beads=4, velocity=0.1, right_wall=hc.Wall.of("steel-52100")
+    )
+    kinds = hc.vary.balls(materials=["steel-52100", "steel-304"], diameters=["4 mm", "6.35 mm"])
+    return hc.design(hc.Design(chain, minimise=["wall_force.peak", "mass"], vary=[kinds]))
+
+
+def test_points_of_a_front_whose_contacts_yield_are_marked(partly_yielding):
+    front = partly_yielding.front
+    yields = []
+    for point in front:
+        with warnings.catch_warnings(record=True):
+            warnings.simplefilter("always")
+            run = hc.simulate(point.chain, times=0)
+        yields.append(hc.hertz_range(point.chain, run.largest_overlaps).yield_ratio.max() > 1.0)
+    assert 0 < sum(yields) < len(yields)
+    lines = [line for line in partly_yielding.summary().splitlines()
+             if re.match(r"  \d+: wall_force", line)]  # fmt: skip
+    for line, point, outside in zip(lines, front, yields, strict=True):
+        assert ("with contacts that yield" in line) == outside
+        if outside:
+            dented = point.chain.replace(loss=hc.ElasticPlastic())
+            force = float(re.search(r"\((\S+) N with", line)[1])
+            assert force == pytest.approx(hc.simulate(dented).wall_force().peak, rel=1e-3)
+    assert f"contacts of {sum(yields)} of the {len(front)} points" in partly_yielding.summary()
+    document = partly_yielding.as_dict()["front"]
+    assert [not point["hertz_range_kept"] for point in document] == yields
+    assert any("the front is that of elastic contacts" in note for note in partly_yielding.notes)
+
+
+def test_the_plot_of_a_front_has_hollow_points_where_contacts_yield(partly_yielding):
+    axes = partly_yielding.plot("front")
+    hollow = [line for line in axes.lines if line.get_markerfacecolor() == "none"]
+    outside = sum(point.verified.outside_range for point in partly_yielding.front)
+    assert [len(line.get_xdata()) for line in hollow] == [outside]
+    # Nothing is between rows of balls: only points are on the front, and the line has steps.
+    (steps,) = (line for line in axes.lines if line.get_marker() == "None")
+    assert steps.get_drawstyle() == "steps-post"
+
+
+def test_a_comparison_that_contacts_that_yield_reverse_says_so(partly_yielding):
+    """A reference whose force is larger elastically, and smaller with contacts that yield."""
+    elastic = next(point for point in partly_yielding.front if not point.verified.yielding)
+    design, name, force = elastic.verified, "wall_force.peak", elastic.value
+    values = design.values | {name: 2.0 * force}
+    other = dataclasses.replace(design, values=values, yielding=values | {name: 0.5 * force})
+    found = dataclasses.replace(elastic, references={"row": other}, compared={"row": 1})
+    (line,) = (line for line in found.summary().splitlines() if line.startswith("  row: "))
+    assert f"({0.5 * force:.4g} N with contacts that yield); this design: 50.0% of this" in line
+    assert line.endswith("200.0% with contacts that yield, which reverses the comparison")
+
+
 def test_a_front_may_be_limited_to_some_points():
     front = hc.design(balls_and_masses(), budget=400).front
     few = hc.design(balls_and_masses(), budget=400, points=3).front
@@ -659,6 +715,28 @@ def test_the_sensitivity_is_the_exact_gradient():
     value, slope = hc.gradient(chain, "wall_force.peak")
     expected = slope["radii"] * chain.radii / value
     assert sensitivity(problem, chain)[1:] == pytest.approx(expected[1:], abs=1e-5)
+
+
+def test_the_sensitivity_of_a_limited_force_is_plotted_for_the_shortest_chain():
+    """The changes of a length are those of the radii, which nobody needs to see."""
+    kinds = hc.vary.balls(materials="steel-52100", diameters=["4 mm", "5 mm", "6.35 mm"])
+    chain = hc.Chain.from_materials(
+        "3.175 mm", "steel-52100", beads=4, velocity=0.2, right_wall=hc.Wall.of("steel-52100")
+    )
+    limit = {"wall_force.peak": "<= 22 N"}
+    found = hc.design(hc.Design(chain, minimise="length", vary=[kinds], subject_to=limit))
+    axes = found.plot("sensitivity")
+    assert axes.get_ylabel().startswith("peak force on the wall:")
+    radii = found.chain.radii * np.r_[1.0, 1.0, 1.01, 1.0]
+    before, after = (
+        wall_peak(hc.Chain.from_materials(each, "steel-52100", velocity=0.2,
+                                          right_wall=hc.Wall.of("steel-52100")), 3e-4)
+        for each in (found.chain.radii, radii)
+    )  # fmt: skip
+    height = axes.containers[0][2].get_height()
+    assert height == pytest.approx(100.0 * (after / before - 1.0), abs=1e-3)
+    forces = found.plot("forces")
+    assert "limit 22 N" in [text.get_text() for text in forces.get_legend().get_texts()]
 
 
 def test_the_sensitivity_of_a_largest_velocity_is_the_exact_gradient():

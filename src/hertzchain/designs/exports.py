@@ -78,8 +78,7 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "unit": result.unit,
         "values": dict(result.values),
         "rtol": result.verified.rtol,
-        "hertz_range_kept": result.verified.hertz_range is None
-        or not result.verified.hertz_range.violations,
+        "hertz_range_kept": not result.verified.outside_range,
         "with_yielding_contacts": dict(result.verified.yielding),
         "constraints_met": result.met,
         "constraints": [str(each) for each in problem.requirements],
@@ -104,6 +103,7 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "optima": [result.objective_of(each) for each in result.optima],
         "front": [
             {"values": dict(point.values),
+             "hertz_range_kept": not point.verified.outside_range,
              "with_yielding_contacts": dict(point.verified.yielding)} | _balls(point)
             for point in result.front
         ],

@@ -54,7 +54,8 @@ def design_front(
     return dataclasses.replace(
         kept[0] if kept else best, problem=problem, front=tuple(kept), runs=trials.runs,
         gradients=trials.gradients, rejected=trials.rejected, seconds=trials.journal.seconds,
-        method=best.method, finals=best.finals, history=best.history, notes=best.notes,
+        method=best.method, finals=best.finals, history=best.history,
+        notes=(*best.notes, *_notes_on_yield(kept, problem)),
         references=best.references, compared=best.compared,
     )  # fmt: skip
 
@@ -118,6 +119,21 @@ def _of_all_trials(
         part = dataclasses.replace(trials, problem=problem, best=[each])
         found.append(finish(part, Found(best.method, [each]), ()))
     return found
+
+
+def _notes_on_yield(front: list[DesignResult], problem: Design) -> list[str]:
+    """Which points are not on the front of contacts that yield."""
+    if not any(point.verified.yielding for point in front):
+        return []
+    names = [str(each.single) for each in problem.objectives]
+    values = [point.values | point.verified.yielding for point in front]
+    signs = [_sign(each) for each in problem.objectives]
+    costs = np.array([[s * row[n] for s, n in zip(signs, names, strict=True)] for row in values])
+    beaten = len(front) - len(undominated(costs))
+    changed = (f"; with contacts that yield, {beaten} of the {len(front)} points are beaten by "
+               "others" if beaten else "")  # fmt: skip
+    return [f"the front is that of elastic contacts{changed}; the constraint yield_ratio = '<= 1' "
+            "keeps it within the range of Hertz's law"]  # fmt: skip
 
 
 def _front(found: list[DesignResult], problem: Design) -> list[DesignResult]:

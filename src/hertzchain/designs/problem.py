@@ -223,15 +223,17 @@ class Design:
 
     def _with_limit(self, requirement: Requirement, first: int) -> Design:
         """One objective of a Pareto front, with a limit on the other."""
-        found = dataclasses.replace(self)
-        object.__setattr__(found, "objectives", (self.objectives[first],))
+        found = self._only(first)
         object.__setattr__(found, "requirements", (*self.requirements, requirement))
         return found
 
     def _only(self, index: int) -> Design:
         """The problem with one objective of a Pareto front."""
+        return self._with_objective(self.objectives[index])
+
+    def _with_objective(self, objective: Objective) -> Design:
         found = dataclasses.replace(self)
-        object.__setattr__(found, "objectives", (self.objectives[index],))
+        object.__setattr__(found, "objectives", (objective,))
         return found
 
     @property

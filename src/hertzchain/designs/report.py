@@ -27,15 +27,11 @@ MAX_SIZES: Final = 12
 
 def summary(result: DesignResult) -> str:
     """Text of several lines."""
-    problem, best = result.problem, result.value
+    problem = result.problem
     lines = [*_heading(result)]
     lines += [f"  {text}" for text in _starts(result)]
     for name, found in references_in_words(result).items():
-        other = result.objective_of(found)
-        compared = f"; this design: {best / other:.1%} of this value" if other else ""
-        if not met(problem, found.values):
-            compared = ", which does NOT meet the constraints"
-        lines.append(f"  {name}: {result._shown(other)}{compared}{_yielding(result, found)}")
+        lines.append(f"  {name}: {_compared(result, found)}")
     if result.promise is not None:
         value, error = result.promise
         lines.append(f"  the local-rate law promised {value:.6g} with an estimated error of "
@@ -55,7 +51,9 @@ def summary(result: DesignResult) -> str:
         lines += [f"  {_point(result, i)}" for i in range(len(result.optima))]
     if result.front:
         lines.append(f"{front_in_words(result)}:")
-        lines += [f"  {i}: {_of_front(point)}" for i, point in enumerate(result.front, start=1)]
+        lines += [
+            f"  {i}: {point_in_words(point)}" for i, point in enumerate(result.front, start=1)
+        ]
     lines += [f"note: {note}" for note in result.notes]
     return "\n".join(lines)
 
@@ -84,12 +82,17 @@ def _scattered(result: DesignResult, each: Measure) -> str:
     return f"{each} {', '.join(parts)}{exceeding}"
 
 
-def _of_front(point: DesignResult) -> str:
-    """Values of both objectives."""
-    return ", ".join(
-        f"{each} {in_words(point.values[str(each)], each.unit, point.chain.units)}"
-        for each in point.problem.reported
-    )
+def point_in_words(point: DesignResult) -> str:
+    """Values of both objectives of a point of a front, also those with contacts that yield."""
+    yielding, units, parts = point.verified.yielding, point.chain.units, []
+    for each in point.problem.reported:
+        name = str(each)
+        text = f"{each} {in_words(point.values[name], each.unit, units)}"
+        if name in yielding and not each.of_chain:
+            text += f" ({in_words(yielding[name], each.unit, units)} with contacts that yield)"
+        parts.append(text)
+    outside = point.verified.outside_range and not yielding
+    return ", ".join(parts + ["outside the range of Hertz's law"] * outside)
 
 
 def _counts_arriving(result: DesignResult, each: Measure) -> bool:
@@ -124,18 +127,49 @@ def _heading(result: DesignResult) -> list[str]:
     if not result.met:
         first = ("No chain meets the constraints; the trial that violates them least has "
                  f"{problem.objective.single or 'the score'} {value.strip()}")  # fmt: skip
-    limits = found.hertz_range
-    if limits is None:
-        kept = ""
-    elif limits.violations:
-        kept = "; contacts left the range of Hertz's law (see the notes)"
-    else:
-        kept = "; all contacts stayed within the range of Hertz's law"
-    lines = [first, f"  verified: the integration was repeated at rtol {found.rtol:g}{kept}"]
+    lines = [first, f"  verified: the integration was repeated at rtol {found.rtol:g}"
+             f"{_range_in_words(result)}"]  # fmt: skip
     if _has_yielding_value(result, found):
         lines.append(f"  the same chain with contacts that yield, loss=ElasticPlastic(): "
-                     f"{_yielding_value(result, found)}")  # fmt: skip
+                     f"{_shown_if_yielding(result, found)}")  # fmt: skip
     return lines
+
+
+def _range_in_words(result: DesignResult) -> str:
+    """Whether the contacts of the design, or of all points of a front, kept to Hertz's law."""
+    if result.verified.hertz_range is None:
+        return ""
+    outside, count = sum(each.verified.outside_range for each in result.front), len(result.front)
+    if outside:
+        points = f"{outside} of the {count}" if outside < count else f"all {count}"
+        return (f"; contacts of {points} points of the front left the range of Hertz's law "
+                "(see the list)")  # fmt: skip
+    if result.verified.outside_range:
+        return "; contacts left the range of Hertz's law (see the notes)"
+    every = " of all points of the front" if result.front else ""
+    return f"; all contacts{every} stayed within the range of Hertz's law"
+
+
+def _compared(result: DesignResult, found: Verified) -> str:
+    """Value of a chain to compare with, and which part of it the design has."""
+    own, other = result.value, result.objective_of(found)
+    text = result._shown(other)
+    # At a small excess of the pressure, the values agree in all digits that are shown.
+    if (yielding := _shown_if_yielding(result, found)) != text.strip():
+        text += f" ({yielding} with contacts that yield)"
+    if not met(result.problem, found.values):
+        return f"{text}, which does NOT meet the constraints"
+    if not other:
+        return text
+    own_yielding, other_yielding = (
+        _value_if_yielding(result, each) for each in (result.verified, found)
+    )
+    part, yielding_part = f"{own / other:.1%}", f"{own_yielding / other_yielding:.1%}"
+    text += f"; this design: {part} of this value"
+    if part != yielding_part:
+        text += f", {yielding_part} with contacts that yield"
+    reversed_order = (own - other) * (own_yielding - other_yielding) < 0.0
+    return f"{text}, which reverses the comparison" if reversed_order else text
 
 
 def _has_yielding_value(result: DesignResult, found: Verified) -> bool:
@@ -145,14 +179,14 @@ def _has_yielding_value(result: DesignResult, found: Verified) -> bool:
     return math.isfinite(result._objective(found.yielding))
 
 
-def _yielding_value(result: DesignResult, found: Verified) -> str:
-    return result._shown(result._objective(found.yielding)).strip()
+def _value_if_yielding(result: DesignResult, found: Verified) -> float:
+    """Objective with contacts that yield; of a chain whose contacts do not, the elastic one."""
+    known = _has_yielding_value(result, found)
+    return result._objective(found.yielding if known else found.values)
 
 
-def _yielding(result: DesignResult, found: Verified) -> str:
-    if not _has_yielding_value(result, found):
-        return ""
-    return f" ({_yielding_value(result, found)} with contacts that yield)"
+def _shown_if_yielding(result: DesignResult, found: Verified) -> str:
+    return result._shown(_value_if_yielding(result, found)).strip()
 
 
 def _first_upper(text: str) -> str:

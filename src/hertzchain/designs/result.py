@@ -354,14 +354,13 @@ class DesignResult:
         from .report import search_in_words
 
         state = "constraints met" if self.met else "constraints NOT met"
-        limits = self.verified.hertz_range
         return short(
             "DesignResult",
             f"{self.problem.objective}: {self._shown(self.value)}",
             search_in_words(self),
             state if self.problem.requirements else "",
             f"{self.runs} simulations",
-            "outside Hertz's range" if limits is not None and limits.violations else "",
+            "outside Hertz's range" if self.verified.outside_range else "",
         )
 
     def _repr_html_(self) -> str:

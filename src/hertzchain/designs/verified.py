@@ -77,6 +77,11 @@ class Verified:
     hertz_range: HertzRange | None = None
     yielding: dict[str, float] = field(default_factory=dict)
 
+    @property
+    def outside_range(self) -> bool:
+        """Whether a contact has left the range of Hertz's law in the whole run."""
+        return self.hertz_range is not None and bool(self.hertz_range.violations)
+
 
 def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Verified:
     """Simulate a chain again."""

@@ -21,7 +21,7 @@ from .titles import chain_title
 
 # Colours of the materials of the package, and those from which other materials receive one.
 MATERIALS: Final = {
-    "steel-52100": "#A9C3DC", "steel-304": "#C3D3E3", "steel-316": "#8FB2D1", "brass": "#EBCB6B",
+    "steel-52100": "#8DB1D6", "steel-304": "#D6E2EE", "steel-316": "#5E8DBB", "brass": "#EBCB6B",
     "bronze": "#CFA15A", "aluminium": "#D9DDE0", "titanium": "#B5B0C8",
     "tungsten-carbide": "#808890", "silicon-nitride": "#9DB8A6", "alumina": "#F4F1E8",
     "glass": "#BFE6E2", "ptfe": "#F2B48C", "nylon": "#F3DDE9", "polycarbonate": "#D8C0E8",

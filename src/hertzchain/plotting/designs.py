@@ -15,8 +15,12 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.gridspec import GridSpecBase
 
 from ..chain.chain import Chain
+from ..collision import Array
 from ..designs.curves import Curve, initial_and_final, plotted_quantity
+from ..designs.exact_gradients import PEAK
 from ..designs.measures import USUAL
+from ..designs.objective import Objective
+from ..designs.sensitivity import changes
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from .chains import bead_centres, draw_beads, material_legend
@@ -35,6 +39,7 @@ from .style import (
 from .widths import figure_size
 
 if TYPE_CHECKING:
+    from ..designs.problem import Design
     from ..designs.result import DesignResult
 
 # Part of the larger force at which the smaller one is visible on the same axis.
@@ -163,6 +168,8 @@ def _draw_lines(result: DesignResult, lines: Sequence[_Line], axes: Axes) -> Axe
             color=curve_colour(axes, each.colour),
             label=each.label,
         )
+    if walled:
+        _draw_limits(result, axes)
     axes.set_xlabel(label)
     if not walled:
         axes.xaxis.set_major_locator(BeadLocator())
@@ -172,6 +179,15 @@ def _draw_lines(result: DesignResult, lines: Sequence[_Line], axes: Axes) -> Axe
     axes.margins(x=0.0)
     place_legend(axes)
     return axes
+
+
+def _draw_limits(result: DesignResult, axes: Axes) -> None:
+    """Draw limits of the peak force on the wall that the axes include."""
+    top = axes.get_ylim()[1]
+    for each in result.problem.requirements:
+        if each.measure == PEAK and each.limit < top:
+            axes.axhline(each.limit, color=grey(axes, 0.4), linestyle="--", linewidth=1.0,
+                         label=f"limit {each.shown(each.limit)}")  # fmt: skip
 
 
 def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
@@ -202,14 +218,32 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     """Plot by how many percent the objective changes if one radius grows by 1%.
 
     Where it does not shrink by as much if the radius shrinks by 1%, both changes are drawn.
+    If the objective is a size, a mass or a price, the first other quantity with a limit is plotted.
     """
     with figure_style():
         axes = get_axes(ax)
-        both = bars_of_changes(axes, *result.changes)
+        objective = _of_motion(result.problem)
+        own = objective is result.problem.objective
+        found = (
+            result.changes if own
+            else changes(result.problem._with_objective(objective), result.chain, 0.01)
+        )  # fmt: skip
+        both = bars_of_changes(axes, *found)
         axes.set_xlabel("bead $k$")
         axes.xaxis.set_major_locator(BeadLocator())
-        axes.set_ylabel(f"change [%] if $R_k$ {'changes' if both else 'grows'} by 1%")
+        name = "score" if objective.single is None else objective.single.label
+        change = f"change [%] if $R_k$ {'changes' if both else 'grows'} by 1%"
+        axes.set_ylabel(f"{name}:\n{change}")
     return axes
+
+
+def _of_motion(problem: Design) -> Objective:
+    """The objective; if it does not depend on the motion, the first limited quantity that does."""
+    if all(each.of_chain for each in problem.objective.measures):
+        for each in problem.requirements:
+            if not each.measure.of_chain:
+                return Objective((each.measure,), np.ones(1))
+    return problem.objective
 
 
 def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
@@ -220,16 +254,36 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes = get_axes(ax)
         first, second = (str(each.single) for each in result.problem.objectives)
         words = {str(each): each.label for each in result.problem.measures}
-        points = sorted((each.values[second], each.values[first]) for each in result.front)
+        points = sorted(
+            (each.values[second], each.values[first], each.verified.outside_range)
+            for each in result.front
+        )
         units = {str(each): each.unit for each in result.problem.measures}
         (across, x_unit), (up, y_unit) = (
             _usual_unit(result, units[name]) for name in (second, first)
         )
-        x, y = np.array(points).T
-        axes.plot(across * x, up * y, "o-", color=COLOURS[1])
+        x, y, outside = np.array(points).T
+        x, y, outside = across * x, up * y, outside.astype(bool)
+        _join_points(result, x, y, axes)
+        for flags, face, where in ((~outside, COLOURS[1], "within"), (outside, "none", "outside")):
+            if flags.any():
+                axes.plot(x[flags], y[flags], "o", color=COLOURS[1], markerfacecolor=face,
+                          label=f"{where} the range of Hertz's law")  # fmt: skip
+        if outside.any():
+            place_legend(axes)
         axes.set_xlabel(f"{words[second]} [{x_unit}]" if x_unit else words[second])
         axes.set_ylabel(f"{words[first]} [{y_unit}]" if y_unit else words[first])
     return axes
+
+
+def _join_points(result: DesignResult, x: Array, y: Array, axes: Axes) -> None:
+    """Join points of sizes; there is nothing between rows of balls, whose front has steps."""
+    colour = COLOURS[1]
+    if result.discrete:
+        least = result.problem.objectives[1].weights[0] > 0.0
+        axes.step(x, y, color=colour, linewidth=0.8, alpha=0.5, where="post" if least else "pre")
+    else:
+        axes.plot(x, y, color=colour)
 
 
 def plot_design(result: DesignResult) -> Figure:

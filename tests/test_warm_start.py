@@ -1,3 +1,4 @@
+import gc
 import json
 import shutil
 import subprocess
@@ -40,9 +41,12 @@ print(sorted(set(found)))
 
 
 def test_stages_can_be_compiled_and_are_counted():
-    done = []
-    compile_stages(range(len(STAGES)), lambda: done.append(1))
+    done, thresholds = [], gc.get_threshold()
+    compile_stages(range(len(STAGES)), lambda: done.append(gc.get_threshold()))
     assert len(done) == len(STAGES)
+    # The garbage collector runs less often, but only meanwhile.
+    assert thresholds not in done
+    assert gc.get_threshold() == thresholds
     assert STAGES[: len(FIRST)] == FIRST
 
 

@@ -220,8 +220,7 @@ def compare_traces(
 ) -> TraceComparison:
     """Compare a run with measured traces of one shot; `hertzchain.Run.compare` documents it."""
     _require_comparable(run, traces)
-    shot = traces.shots[0]
-    check_places((signal.place for signal in shot.signals), run.chain)
+    check_places((signal.place for signal in traces.shots[0].signals), run.chain)
     traces = resolved_coupling(traces, [run.chain])
     shot = traces.shots[0]
     grid, columns = _columns(run, shot)

@@ -363,8 +363,8 @@ def level_notes(shot: Shot, signals: Sequence[Array]) -> list[str]:
     return notes
 
 
-def crest_notes(sensors: Sequence[SensorComparison]) -> list[str]:
-    """Notes on sensors whose measured peak is a lower bound."""
+def missing_notes(sensors: Sequence[SensorComparison]) -> list[str]:
+    """Notes on saturated and missing samples at the crest of a signal or at its arrival."""
     notes = []
     for each in sensors:
         peak = f"{each.measured_peak:.4g} {each.unit}"

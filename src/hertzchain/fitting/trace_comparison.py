@@ -34,8 +34,8 @@ from .sensor_comparison import (
     check_durations,
     check_resolved,
     compared_sensor,
-    crest_notes,
     level_notes,
+    missing_notes,
     pulse_notes,
     scale_of,
     scaled,
@@ -252,7 +252,7 @@ def compare_traces(
         *suspicious,
         *inversion_notes({each.name: each.scale for each in found.sensors}),
         *level_notes(shot, signals),
-        *crest_notes(found.sensors),
+        *missing_notes(found.sensors),
         *pulse_notes(run, shot, columns, inside, float(shot.times[-1]) - time_offset),
         *coupling_notes(traces, [run.chain]),
     )

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from scipy.interpolate import make_interp_spline
-from scipy.signal import lfilter
+from scipy.signal import butter, lfilter
 from scipy_row import BEFORE, FREE, SPACING, TRUTH, chain, forces, recorded
 from synthetic_traces import bench, signals
 from synthetic_traces import recorded as synthetic
@@ -39,6 +39,21 @@ def test_independent_samples_of_first_order_noise_are_counted(rho):
 def test_estimates_of_a_slow_noise_are_not_too_small(rho):
     noise = first_order(np.random.default_rng(2), rho, (400, 90))
     assert np.mean([noise_of(each) ** 2 for each in noise]) == pytest.approx(1.0, abs=0.12)
+
+
+@pytest.mark.parametrize("filtered", [*(butter(order, cut) for order in (2, 4) for cut in (0.1, 0.2)),
+                                      (np.ones(10), [1.0])])  # fmt: skip
+def test_noise_behind_a_low_pass_is_estimated(filtered):
+    """Its samples are not of first order; their independent number follows from the response."""
+    response = lfilter(*filtered, [1.0, *np.zeros(1000)])
+    covariances = np.correlate(response, response, "full")[1000:1100]
+    variance = covariances[0]
+    mean = (variance + 2.0 * covariances[1:] @ (1.0 - np.arange(1, 100) / 100.0)) / 100.0
+    white = np.random.default_rng(11).standard_normal((400, 1100))
+    noise = lfilter(*filtered, white)[:, 1000:] / variance**0.5
+    assert np.mean([noise_of(each) ** 2 for each in noise]) ** 0.5 == pytest.approx(1.0, abs=0.05)
+    counts = [independent_samples(each) for each in noise]
+    assert np.median(counts) == pytest.approx(variance / mean, rel=0.3)
 
 
 @pytest.mark.parametrize(("rho", "before"), [(0.84, 108), (0.954, 108), (0.954, 500)])
@@ -88,7 +103,7 @@ def test_slow_residuals_of_a_wrong_model_do_not_excuse_themselves(rho):
     slow = (1.0 + rho) / (1.0 - rho)
     known = (slow / 108 + slow / 1108) ** 0.5  # 2/2 each: two signals
     found = np.median([each.uncertainty for each in good])
-    assert found == pytest.approx(known, rel=0.15)
+    assert found == pytest.approx(known, rel=0.3)
 
 
 @pytest.mark.parametrize("time", [2.0, 5.0])

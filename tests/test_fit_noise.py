@@ -41,8 +41,10 @@ def test_estimates_of_a_slow_noise_are_not_too_small(rho):
     assert np.mean([noise_of(each) ** 2 for each in noise]) == pytest.approx(1.0, abs=0.12)
 
 
-@pytest.mark.parametrize("filtered", [*(butter(order, cut) for order in (2, 4) for cut in (0.1, 0.2)),
-                                      (np.ones(10), [1.0])])  # fmt: skip
+@pytest.mark.parametrize(
+    "filtered",
+    [butter(2, 0.1), butter(2, 0.2), butter(4, 0.1), butter(4, 0.2), (np.ones(10), [1.0])],
+)
 def test_noise_behind_a_low_pass_is_estimated(filtered):
     """Its samples are not of first order; their independent number follows from the response."""
     response = lfilter(*filtered, [1.0, *np.zeros(1000)])

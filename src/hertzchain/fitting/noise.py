@@ -140,7 +140,7 @@ def counted_once(values: Array, part: float) -> Array:
 
 
 def independent_samples(quiet: Array) -> float:
-    """Number of independent samples of a quiet part: the variance of a sample over that of the mean.
+    """Number of independent samples of a quiet part: the variance of one over that of the mean.
 
     The latter is the sum of the covariances up to the lag at which they vanish.  Because the
     samples are centred, each of them is too small by the variance of the mean itself.  The relative

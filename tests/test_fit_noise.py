@@ -72,14 +72,15 @@ def test_slow_noise_is_described(rho, before):
             [own / signal.noise for own, (_, signal) in zip(noise, traces, strict=True)]
         )
         good.append(goodness_of(traces, residuals, np.ones(len(residuals), bool), 0))
-    # The true model is not rejected.
-    assert np.mean([each.describes or each.undecided for each in good]) >= 0.95
     # Of a noise with two or three independent samples before the pulse, less can be said.
     hardly_known = rho == 0.954 and before == 108
+    # The true model is not rejected.
+    accepted = np.mean([each.describes or each.undecided for each in good])
+    assert accepted >= (0.9 if hardly_known else 0.95)
     assert np.mean([each.describes for each in good]) >= (0.5 if hardly_known else 0.9)
     assert (np.mean([each.undecided for each in good]) > 0.2) == hardly_known
     # The excess is in units of its standard deviation.
-    assert 0.5 < np.std([each.excess for each in good]) < 1.8
+    assert 0.5 < np.std([each.excess for each in good]) < (2.5 if hardly_known else 1.8)
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.5])
@@ -105,7 +106,7 @@ def test_slow_residuals_of_a_wrong_model_do_not_excuse_themselves(rho):
     slow = (1.0 + rho) / (1.0 - rho)
     known = (slow / 108 + slow / 1108) ** 0.5  # 2/2 each: two signals
     found = np.median([each.uncertainty for each in good])
-    assert found == pytest.approx(known, rel=0.3)
+    assert found == pytest.approx(known, rel=0.15)
 
 
 @pytest.mark.parametrize("time", [2.0, 5.0])

@@ -142,11 +142,8 @@ def counted_once(values: Array, part: float) -> Array:
 def independent_samples(quiet: Array) -> float:
     """Number of independent samples of a quiet part: the variance of one over that of the mean.
 
-    The latter is the sum of the covariances up to the lag at which they vanish.  Because the
-    samples are centred, each of them is too small by the variance of the mean itself.  The relative
-    variance of such a sum over m lags of both signs is 2m/n (N. Madras and A. D. Sokal, J. Stat.
-    Phys. 50, 109 (1988), doi:10.1007/BF01022990); half of it is added, because the logarithm of the
-    sum is too small by this on average.
+    This is the larger of two estimates, because each is too small for some noise: that of
+    first-order noise if a filter makes the noise smooth, that from all lags if the noise drifts.
     """
     count, centred = len(quiet), quiet - quiet.mean()
     size = float(centred @ centred)
@@ -155,11 +152,31 @@ def independent_samples(quiet: Array) -> float:
     rho = np.correlate(centred, centred, "full")[count - 1 :] / size
     if rho[1] < SIGNIFICANT / count**0.5:
         return float(count)
-    lags = int(np.argmax(rho <= 0.0))
+    return max(_from_first_lag(float(rho[1]), count), _from_all_lags(rho), MIN_INDEPENDENT)
+
+
+def _from_first_lag(rho: float, count: int) -> float:
+    """Independent samples of first-order noise, n (1 - rho)/(1 + rho).
+
+    The estimate of rho is corrected for the mean (M. G. Kendall, Biometrika 41, 403 (1954),
+    doi:10.1093/biomet/41.3-4.403).
+    """
+    rho = min(rho + (1.0 + 3.0 * rho) / count, 1.0)
+    return count * (1.0 - rho) / (1.0 + rho)
+
+
+def _from_all_lags(rho: Array) -> float:
+    """Independent samples from the correlations up to the lag at which they vanish.
+
+    Each covariance of centred samples is too small by the variance of the mean.  The relative
+    variance of a sum over m lags of both signs is 2m/n (N. Madras and A. D. Sokal, J. Stat. Phys.
+    50, 109 (1988), doi:10.1007/BF01022990); the logarithm of the sum is too small by half of it.
+    """
+    count, lags = len(rho), int(np.argmax(rho <= 0.0))
     both = 2.0 * lags - 1.0
     seen = count - both + lags * (lags - 1.0) / count
     mean = (2.0 * float(rho[:lags].sum()) - 1.0) / seen * (1.0 + both / count)
-    return max(1.0 + 1.0 / mean, MIN_INDEPENDENT)
+    return 1.0 + 1.0 / mean
 
 
 def digitiser_step(values: Array) -> float:

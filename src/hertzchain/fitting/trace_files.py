@@ -19,7 +19,7 @@ from .places import Place, place_named
 from .sample_rows import sample_rows
 from .scope_files import header_and_samples, sample
 from .trace_headers import header_of, without_unit
-from .traces import Traces, make_shot, with_coupling
+from .traces import Traces, check_times, make_shot, with_coupling
 
 Sensors = dict[str, tuple[str, str]] | None
 
@@ -39,7 +39,8 @@ def load_traces(
     parentheses, as in ``Time (s)``, or in a row of their own below the names, as in
     ``second,Volt``, and the times may be called ``t``.  Lines above the header, such as the
     settings of an oscilloscope, are not read, except ``Horizontal Units`` and ``Vertical Units``.
-    Columns may also be separated by semicolons or tabs, and numbers may have decimal commas.
+    Columns may also be separated by semicolons, tabs or spaces, and numbers may have decimal
+    commas.
     Sampling may be uneven.  Empty cells are missing samples; those with an infinity sign are beyond
     the range of the digitiser.  Saturated samples are recognised and not used.  A column ``shot``
     with whole numbers divides a file into shots.
@@ -155,20 +156,21 @@ def _shots(
             )
     header, wanted = _with_times(header, wanted)
     time, shot, columns = _columns(header, wanted)
-    times = _time_factor(header[time]) * _numbers(body, time, header[time])
+    unit = _unit_of_times(header[time])
+    factor = converted("column 'time'", 1.0, unit, "s")
+    times = _numbers(body, time, header[time])
     samples = {
-        key: factor * _numbers(body, index, header[index])
-        for key, (index, factor) in columns.items()
+        key: own * _numbers(body, index, header[index]) for key, (index, own) in columns.items()
     }
     labels = np.ones(len(body)) if shot is None else _numbers(body, shot, "shot")
     if not np.isfinite(labels).all():
         raise InputError(f"row {int(np.argmin(np.isfinite(labels))) + 1} has no shot")
-    return [
-        make_shot(
-            times[labels == label], {k: v[labels == label] for k, v in samples.items()}, noise
-        )
-        for label in np.unique(labels)
-    ]
+    shots = []
+    for label in np.unique(labels):
+        own = labels == label
+        check_times(times[own], unit)
+        shots.append(make_shot(factor * times[own], {k: v[own] for k, v in samples.items()}, noise))
+    return shots
 
 
 def _with_times(header: list[str], wanted: Sensors) -> tuple[list[str], Sensors]:
@@ -219,14 +221,14 @@ def _columns(
     return names.index("time"), names.index("shot") if "shot" in names else None, columns
 
 
-def _time_factor(header: str) -> float:
+def _unit_of_times(header: str) -> str:
     _, unit = split_header(header) or (header, None)
     if not unit:
         raise InputError(
             f"column {header!r} has no unit; write {header} [us], or give load_traces "
             f"sensors={{{header!r}: 'time [s]'}}"
         )
-    return converted("column 'time'", 1.0, unit, "s")
+    return unit
 
 
 def _numbers(body: list[list[str]], index: int, name: str) -> Array:

@@ -17,7 +17,7 @@ _ANY: Final = re.compile(r"[+-]?(\d[\d.,]*|[.,]\d+)(e[+-]?\d+)?", re.IGNORECASE)
 _COMMA: Final = re.compile(r"[+-]?(\d+,\d*|,\d+)(e[+-]?\d+)?", re.IGNORECASE)
 # A mark that may separate thousands, as in 1,234.
 _GROUPS: Final = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
-# What separates names with units, such as time [us] ball 6 [N], in files without other separators.
+# Spaces between names: several, or those after a unit, as in time [us] ball 6 [N].
 _BETWEEN_NAMES: Final = re.compile(r"\s{2,}|(?<=[\])])\s+")
 _ADVICE: Final = "save the file with decimal points in all numbers"
 

@@ -1,4 +1,4 @@
-"""Quality of fits: simulations, coverage of errors, starts, laws, gaps and sensor effects.
+"""Quality of fits: simulations, coverage of errors, starts, laws, defects and sensor effects.
 
     python benchmarks/fit_quality.py [--draws N] [--only NAME ...] [--json FILE]
 
@@ -197,6 +197,25 @@ def gaps(draws):
             "sd of z of the gap": float(np.std(scores))}  # fmt: skip
 
 
+def balls(draws):
+    """Number of draws in which a ball whose radius differs by 10% is found, and distances to it."""
+    away = []
+    for seed in range(draws):
+        rng = np.random.default_rng(7000 + seed)
+        odd, start = int(rng.integers(2, 20)), bench(START["viscoelastic"])
+        radii = start.radii.copy()
+        radii[odd] *= rng.choice((0.9, 1.1))  # behind one striker
+        chain = start.replace(radii=radii)
+        free = ["stiffness", "struck_by.velocity", "time_offset", "loss.time"]
+        scan = hc.scan_defects(hc.fit(measured(chain, rng), start, free=free), "bead")
+        names = scan.best, scan.fit().names[-1]
+        away.append([abs(int(name.removeprefix("radius[")[:-1]) - odd) for name in names])
+    scanned, fitted = np.array(away).T
+    return {"right in the scan": int(np.sum(scanned == 0)), "largest distance": int(scanned.max()),
+            "right after the fit": int(np.sum(fitted == 0)),
+            "largest distance after the fit": int(fitted.max()), "of": draws}  # fmt: skip
+
+
 def sensors(draws):
     """Mean and largest bias of chain parameters with lag, high-pass and crosstalk free."""
     lag, rate, share = 2e-6, 200.0, 0.01
@@ -252,7 +271,7 @@ def degeneracies(_):
     return found
 
 
-SECTIONS = (cost, degeneracies, starts, gaps, sensors, coverage, rounded, laws)
+SECTIONS = (cost, degeneracies, starts, gaps, balls, sensors, coverage, rounded, laws)
 
 
 def main():

@@ -131,15 +131,16 @@ def test_mistakes_of_compare_are_explained(run, files):
     assert run("compare", files / "row.toml", files / "one.csv")[0] == 2
 
 
+# Bead 6 is ball 5 behind one striker.
+@pytest.mark.parametrize("names", [("ball 5", "bead 6"), ("wall", "right wall")])
 @pytest.mark.parametrize("function", [hc.fit, lambda traces, chain, free: hc.simulate(  # noqa: ARG005
     chain, until=3e-4, times=4000).compare(traces)])  # fmt: skip
-def test_a_sensor_that_is_named_twice_is_rejected(function):
-    # Bead 6 is ball 5 behind one striker.
+def test_a_sensor_that_is_named_twice_is_rejected(function, names):
     times, columns = recorded()
-    twice = {"ball 5 [N]": columns["ball 5 [N]"], "bead 6 [N]": columns["ball 5 [N]"]}
-    data = hc.Traces.from_arrays(times, twice)
+    data = hc.Traces.from_arrays(times, {f"{name} [N]": columns["ball 5 [N]"] for name in names})
     assert chain().strikers == 1
-    with pytest.raises(hc.InputError, match="'ball 5' and 'bead 6' are the same sensor"):
+    message = "{!r} and {!r} are the same place of this chain; keep one column".format(*names)
+    with pytest.raises(hc.InputError, match=message):
         function(data, chain(), free=["struck_by.velocity"])
 
 

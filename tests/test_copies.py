@@ -39,7 +39,7 @@ def everything(tmp_path_factory):
     found = [
         traces, fit, hc.scan_defects(fit), measured.compare(traces),
         hc.LossComparison(fits=(LossFit("viscoelastic", fit, bic=1.0),)),
-        hc.Posterior(("gain",), np.ones((3, 1)), 0.3, np.nan, 4, np.ones((1, 2))),
+        hc.Posterior(("gain",), np.ones((3, 1)), 0.3, np.nan, 4, np.ones((1, 2)), ("",)),
         chain, balls, hc.Chain.tapered("forward-linear", 0.05, beads=5), run, run.state,
         run.budget(), run.wall_force("right"), run.sensor_force(3), run.waves(), run.waves()[0],
         run.waves()[0].events[0], run.velocity_peaks(3), run.fronts(), run.leading_pulse(),

@@ -135,7 +135,7 @@ def test_print_shows_the_whole_summary():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (("0.5 V/N", "0.1 V/N"), "two numbers without a unit, .* in volts in V/N"),
+        (("0.5 V/N", "0.1 V/N"), "must be a plain number or a percentage, got the unit 'V/N'"),
         ("0.5 V/N +- 0.1 V/N", "must be a value and its standard deviation > 0"),
     ],
 )

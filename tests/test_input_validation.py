@@ -138,9 +138,12 @@ def public_calls(folder):
         ),
         "Traces.plot": tried(traces.plot, legend=False, ax=None),
         "load_traces": tried(
-            lambda path, sensors, noise: hc.load_traces(path, sensors=sensors, noise=noise),
+            lambda path, sensors, channels, noise: hc.load_traces(
+                path, sensors=sensors, channels=channels, noise=noise
+            ),
             path=table_of_traces,
             sensors=["ball 4"],
+            channels=False,
             noise=0.01,
         ),
         "example_experiment": tried(lambda shot: hc.example_experiment(shot), shot="fast"),

@@ -298,3 +298,93 @@ def test_one_number_decides_for_all(cell, value, tmp_path):
     (signal,) = hc.load_traces(tmp_path / "scope.csv", noise=0.1).shots[0].signals
     assert signal.values[:2].tolist() == [1.125, 1.375]
     assert signal.values[18] == value
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252", "latin-1"])
+def test_micro_signs_are_read_in_usual_encodings(encoding, tmp_path):
+    (tmp_path / "scope.csv").write_text(
+        "Room,21 °C,\ntime [µs],ball 4 [V],wall [V]\n" + lines(1e6), encoding
+    )
+    (shot,) = hc.load_traces(tmp_path / "scope.csv").shots
+    np.testing.assert_allclose(shot.times, TIMES, atol=1e-15)
+
+
+@pytest.mark.parametrize("content", [b"\x89PNG\r\n\x00\x00", bytes(range(1, 256))])
+def test_files_without_text_are_rejected(content, tmp_path):
+    (tmp_path / "scope.csv").write_bytes(content)
+    with pytest.raises(hc.InputError, match=r"scope\.csv: is not a text file; save the table"):
+        hc.load_traces(tmp_path / "scope.csv")
+
+
+@pytest.mark.parametrize(
+    ("head", "sensors"),
+    [
+        ("time [us]   ball 4 [V]  wall [V]\n", None),
+        ("time [us] ball 4 [V] wall [V]\n", None),
+        ("Scope 1000, serial 7\n\n  Time    CH1      CH2\n  (us)    (V)      (V)\n", PLACES),
+        ("Time CH1 CH2\nus V V\n", PLACES),
+    ],
+)
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_columns_may_be_separated_by_spaces(head, sensors, decimal, tmp_path):
+    body = "".join(
+        f"{1e6 * time:10.1f}  {first:10.5f}{second:10.5f}\n"
+        for time, first, second in zip(TIMES, *SIGNALS, strict=True)
+    )
+    (tmp_path / "scope.txt").write_text(head + body.replace(".", decimal))
+    traces = hc.load_traces(tmp_path / "scope.txt", sensors=sensors)
+    assert traces.names == ("ball 4", "wall")
+    np.testing.assert_allclose(traces.shots[0].times, TIMES, atol=1e-15)
+    for signal, expected in zip(traces.shots[0].signals, SIGNALS, strict=True):
+        np.testing.assert_allclose(signal.values, expected, atol=5.1e-6)
+
+
+def test_errors_have_times_in_the_unit_of_the_file(tmp_path):
+    file = tmp_path / "scope.csv"
+    file.write_text("time [us],wall [V]\n0,0\n1.5,1\n0.7,0\n")
+    with pytest.raises(
+        hc.InputError, match="sample 3 is at 0.7 us and the one before it at 1.5 us"
+    ):
+        hc.load_traces(file, noise=0.1)
+    with pytest.raises(hc.InputError, match="samples 2 and 3 are both at 1e-06 s"):
+        hc.Traces.from_arrays([0.0, 1e-6, 1e-6], {"wall [V]": [0.0, 1.0, 0.0]}, noise=0.1)
+
+
+@pytest.fixture
+def channels(tmp_path):
+    """Files with one channel each, a chain file, and the places of the channels."""
+    row = hc.Chain.from_materials(5e-3, "steel-52100", beads=6).struck_by(velocity=0.1)
+    row = row.replace(right_wall=hc.Wall())
+    (tmp_path / "row.toml").write_text(hc.chain_as_toml(row))
+    run, rng = hc.simulate(row, until=150e-6, times=301), np.random.default_rng(4)
+    files = [tmp_path / "F1CH1.CSV", tmp_path / "F1CH2.CSV"]
+    for file, name, force in zip(files, PLACES, (run.sensor(5), run.forces[:, -1]), strict=True):
+        seen = np.concatenate((np.zeros(60), force)) + 0.05 * rng.standard_normal(361)
+        rows = [f"{0.5e-6 * i:.9f},{value:.6f}" for i, value in enumerate(seen.tolist())]
+        file.write_text("\n".join([f"time [s],{name} [N]", *rows]))
+    return files
+
+
+def test_files_of_channels_are_one_shot(channels):
+    found = hc.load_traces(*channels, sensors={"CH2": "wall", "CH1": "ball 4"}, channels=True)
+    parts = [hc.load_traces(file, sensors={name: place})
+             for file, (name, place) in zip(channels, PLACES.items(), strict=True)]  # fmt: skip
+    assert len(found.shots) == 1
+    assert repr(found) == repr(parts[0].merge(parts[1]))
+    with pytest.raises(hc.InputError, match="no column 'CH3'; the files have CH1, CH2"):
+        hc.load_traces(*channels, sensors={**PLACES, "CH3": "ball 2"}, channels=True)
+    with pytest.raises(hc.InputError, match=r"F1CH1\.CSV: there is no column 'CH2'"):
+        hc.load_traces(*channels, sensors=PLACES)
+
+
+def test_commands_accept_files_of_channels(run, channels):
+    sensors = ("--sensor", "CH1=ball 4", "--sensor", "CH2=wall")
+    chain = channels[0].with_name("row.toml")
+    code, out, err = run("compare", *channels, chain, *sensors)
+    assert code == 0, err
+    assert "  ball 4 " in out
+    assert "  wall " in out
+    free = ("--free", "stiffness", "--free", "time_offset")
+    code, out, err = run("fit", *channels, chain, *sensors, "--channels", *free)
+    assert code == 0, err
+    assert "2 parameters from 722 samples of 2 sensors" in out

@@ -55,6 +55,17 @@ def test_peaks_and_arrivals_of_the_true_chain_agree_with_the_data():
     assert compared.notes == ()
 
 
+@pytest.mark.parametrize("first", [0, 3, 6])
+def test_coarse_samples_do_not_change_the_ratio_of_peaks(first):
+    seen = np.concatenate((np.zeros(BEFORE), forces()["wall"]))[first::9]
+    times = SPACING * np.arange(first, first + 9 * len(seen), 9)
+    data = hc.Traces.from_arrays(times, {"wall [N]": seen}, noise=1e-3)
+    run = hc.simulate(true_chain(), until=7e-4, times=6000)
+    (wall,) = run.compare(data, time_offset=END).sensors
+    assert wall.measured_peak < 0.999 * forces()["wall"].max()
+    assert wall.peak_ratio == pytest.approx(1.0, abs=2e-4)
+
+
 def cut(data, end, factors=None):
     """The data up to a time; signals may be multiplied, and are then in V."""
     keep = data.shots[0].times <= end

@@ -35,7 +35,7 @@ MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 
 
 @click.command(cls=StrictCommand)
-@click.argument("traces", type=click.Path(path_type=Path))
+@click.argument("traces", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.argument("chain", type=click.Path(path_type=Path))
 @sensors_option
 @click.option("--shot", type=int, metavar="NUMBER", help="Shot of the traces, from 1.")
@@ -51,18 +51,19 @@ MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 @json_option()
 @figure_option("Plot data and simulation to FILE.")
 def compare(
-    traces: Path, chain: Path, sensors: tuple[str, ...], shot: int | None, until: str | None,
-    time_offset: str | None, as_json: bool, plot: Path | None,
+    traces: tuple[Path, ...], chain: Path, sensors: tuple[str, ...], shot: int | None,
+    until: str | None, time_offset: str | None, as_json: bool, plot: Path | None,
 ) -> None:  # fmt: skip
     """Compare a simulation with measured traces, without a fit.
 
-    TRACES is a CSV file and CHAIN a chain file, as for `hertzchain fit`.  The chain is simulated,
-    and peaks, arrivals and residuals of all sensors are printed.
+    TRACES is a CSV file, or one for each channel, and CHAIN a chain file, as for `hertzchain fit`.
+    The chain is simulated, and peaks, arrivals and residuals of all sensors are printed.
 
     \b
     Examples:
       hertzchain compare data.csv experiment.toml
       hertzchain compare scope.csv experiment.toml --sensor CH1=wall --sensor "CH2=ball 5"
+      hertzchain compare ch1.csv ch2.csv experiment.toml --sensor CH1=wall --sensor "CH2=ball 5"
       hertzchain compare data.csv experiment.toml --time-offset 80us --plot compared.png
     """
     import hertzchain
@@ -70,7 +71,8 @@ def compare(
     from ..fitting.settings import load_experiment
     from ..validation.numbers import number
 
-    data = _one_shot(hertzchain.load_traces(traces, sensors=sensors_from(sensors)), shot)
+    seen = hertzchain.load_traces(*traces, sensors=sensors_from(sensors), channels=True)
+    data = _one_shot(seen, shot)
     data, (described,), _ = load_experiment(data, chain, hertzchain.load_traces)
     times = data.shots[0].times
     end = float(times[-1] - times[0])

@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @sensors_option
 @click.option(
+    "--channels", is_flag=True, help="The files of traces are channels of one shot, not shots."
+)
+@click.option(
     "--free",
     multiple=True,
     metavar="NAME",
@@ -81,15 +84,16 @@ if TYPE_CHECKING:
 )
 @json_option()
 def fit(
-    files: tuple[Path, ...], sensors: tuple[str, ...], free: tuple[str, ...],
+    files: tuple[Path, ...], sensors: tuple[str, ...], channels: bool, free: tuple[str, ...],
     also_free: tuple[str, ...], priors: tuple[str, ...], starts: int, laws: str | None,
     defects: bool, sample: int | None, plot: Path | None, out: Path | None, as_json: bool,
 ) -> int:  # fmt: skip
     """Fit a chain and its sensors to measured traces.
 
-    FILES are one or several CSV files of traces, one per shot, followed by the chain file.  Columns
-    are, for example, time [us], ball 6 [N], ball 11 [mV], wall [N] and ball 3 velocity [m/s].  The
-    table [fit] of the chain file names free parameters and priors.
+    FILES are one or several CSV files of traces, one per shot or, with --channels, one per channel
+    of a shot, followed by the chain file.  Columns are, for example, time [us], ball 6 [N], ball 11
+    [mV], wall [N] and ball 3 velocity [m/s].  The table [fit] of the chain file names free
+    parameters and priors.
 
     The exit code is 1 if the search does not converge, and 3 if the model does not describe the
     data within their noise, or only with values that contradict their priors.  If --defects finds a
@@ -108,7 +112,8 @@ def fit(
     if len(files) < 2:
         raise click.UsageError("give at least one CSV file of traces and, last, the chain file")
     check_writable(out, "--out", (".toml",))
-    traces = hertzchain.load_traces(*files[:-1], sensors=sensors_from(sensors))
+    places = sensors_from(sensors)
+    traces = hertzchain.load_traces(*files[:-1], sensors=places, channels=channels)
     known = dict(_prior(text) for text in priors)
     settings: dict[str, Any] = {"free": _free(traces, files[-1], free, also_free), "priors": known}
     with _simulations() as progress:

@@ -55,8 +55,8 @@ def check_names_of_noise(noise: object, names: Sequence[str]) -> None:
 def onset(values: Array) -> int:
     """Index of the first sample at which a signal has begun.
 
-    Slow noise also exceeds the threshold for several samples, which its rapid part determines; it
-    returns, and is not larger than the noise before it.
+    The threshold follows from differences of successive samples.  Slow noise may therefore exceed
+    it for several samples; a signal also exceeds the noise before it.
     """
     level, size = base_level(values), float(np.ptp(values))
     # The median of the differences is determined by the noise even if there is a pulse.
@@ -140,20 +140,43 @@ def counted_once(values: Array, part: float) -> Array:
 
 
 def independent_samples(quiet: Array) -> float:
-    """Number of independent samples of a quiet part, from the correlation of successive ones.
+    """Number of independent samples of a quiet part: the variance of one over that of the mean.
 
-    For first-order noise, this is n (1 - rho)/(1 + rho); the estimate of rho is corrected for the
-    mean (M. G. Kendall, Biometrika 41, 403 (1954), doi:10.1093/biomet/41.3-4.403).
+    This is the larger of two estimates, because each is too small for some noise: that of
+    first-order noise if a filter makes the noise smooth, that from all lags if the noise drifts.
     """
     count, centred = len(quiet), quiet - quiet.mean()
     size = float(centred @ centred)
     if count < MIN_QUIET or size == 0.0:
         return max(float(count), MIN_INDEPENDENT)
-    rho = float(centred[1:] @ centred[:-1]) / size
-    if rho < SIGNIFICANT / count**0.5:
+    rho = np.correlate(centred, centred, "full")[count - 1 :] / size
+    if rho[1] < SIGNIFICANT / count**0.5:
         return float(count)
+    return max(_from_first_lag(float(rho[1]), count), _from_all_lags(rho), MIN_INDEPENDENT)
+
+
+def _from_first_lag(rho: float, count: int) -> float:
+    """Independent samples of first-order noise, n (1 - rho)/(1 + rho).
+
+    The estimate of rho is corrected for the mean (M. G. Kendall, Biometrika 41, 403 (1954),
+    doi:10.1093/biomet/41.3-4.403).
+    """
     rho = min(rho + (1.0 + 3.0 * rho) / count, 1.0)
-    return max(count * (1.0 - rho) / (1.0 + rho), MIN_INDEPENDENT)
+    return count * (1.0 - rho) / (1.0 + rho)
+
+
+def _from_all_lags(rho: Array) -> float:
+    """Independent samples from the correlations up to the lag at which they vanish.
+
+    Each covariance of centred samples is too small by the variance of the mean.  The relative
+    variance of a sum over m lags of both signs is 2m/n (N. Madras and A. D. Sokal, J. Stat. Phys.
+    50, 109 (1988), doi:10.1007/BF01022990); the logarithm of the sum is too small by half of it.
+    """
+    count, lags = len(rho), int(np.argmax(rho <= 0.0))
+    both = 2.0 * lags - 1.0
+    seen = count - both + lags * (lags - 1.0) / count
+    mean = (2.0 * float(rho[:lags].sum()) - 1.0) / seen * (1.0 + both / count)
+    return 1.0 + 1.0 / mean
 
 
 def digitiser_step(values: Array) -> float:

@@ -181,15 +181,16 @@ def _checked_priors(
         if not asked:
             continue
         unit = kind_and_value(asked[0], traces, chains)[0].unit_of_text
-        _check_text_of_prior(text, asked[0], given)
-        pair = real_numbers(f"prior of {text}", given, unit=unit).ravel()
-        if len(pair) != 2 or not pair[1] > 0.0 or not math.isfinite(pair.sum()):
+        pair = []
+        if not isinstance(given, str):
+            pair = real_numbers(f"prior of {text}", given, unit=unit).ravel().tolist()
+        if len(pair) != 2 or not pair[1] > 0.0 or not math.isfinite(sum(pair)):
             raise InputError(
                 f"the prior of {text!r} must be a value and its standard deviation > 0, such as "
                 f"(0.3, 0.003), got {short_repr(given)}"
             )
+        mean, sigma = pair
         for name in asked:
-            mean, sigma = float(pair[0]), float(pair[1])
             if name in found and abs(found[name][0] - mean) > 5.0 * (found[name][1] + sigma):
                 raise InputError(
                     f"two priors of {str(name)!r} exclude each other: {found[name][0]:g} +- "
@@ -197,22 +198,6 @@ def _checked_priors(
                 )
             found[name] = mean, sigma
     return found
-
-
-def _check_text_of_prior(text: str, name: Name, given: object) -> None:
-    """Reject text instead of a pair, and gains with a unit other than a percentage."""
-    if isinstance(given, str):
-        raise InputError(
-            f"the prior of {text!r} must be a value and its standard deviation > 0, such as "
-            f"(0.3, 0.003), got the text {short_repr(given)}"
-        )
-    items = given if isinstance(given, list | tuple) else ()
-    if name.key == "gain" and any(isinstance(each, str) and "/" in each for each in items):
-        raise InputError(
-            f"the prior of {text!r} must be two numbers without a unit, such as (0.5, 0.1), got "
-            f"{short_repr(given)}; give those of sensors in volts in V/N, or in V/(m/s) for "
-            "velocities"
-        )
 
 
 def _parameter(

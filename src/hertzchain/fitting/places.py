@@ -71,8 +71,8 @@ def check_places(places: Iterable[Place], chain: Chain) -> None:
         key = place.bead(chain), place.quantity
         if key in known:
             raise InputError(
-                f"{known[key]!r} and {place.name!r} are the same sensor, because beads are counted "
-                "with the strikers and balls without them; keep one column"
+                f"{known[key]!r} and {place.name!r} are the same place of this chain; keep one "
+                "column"
             )
         known[key] = place.name
 

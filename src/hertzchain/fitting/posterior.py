@@ -47,8 +47,10 @@ class Posterior:
         Longest autocorrelation time of the walkers, in steps; NaN if it cannot be estimated.
     steps : int
         Steps of each walker, including those that are discarded.
+    estimates : ndarray, shape (parameters,)
+        Values of the fit in SI.
     units : tuple of str
-        Unit of each parameter, empty for a factor; none if they are not known.
+        Unit of each parameter, empty for a factor.
     """
 
     names: tuple[str, ...]
@@ -57,7 +59,7 @@ class Posterior:
     autocorrelation: float
     steps: int
     estimates: Array = field(repr=False)
-    units: tuple[str, ...] = ()
+    units: tuple[str, ...]
 
     @property
     def means(self) -> dict[str, float]:
@@ -85,7 +87,7 @@ class Posterior:
         --------
         >>> import hertzchain as hc
         >>> import numpy as np
-        >>> posterior = hc.Posterior(("a",), np.zeros((4, 1)), 0.5, 1.0, 100, np.zeros(1))
+        >>> posterior = hc.Posterior(("a",), np.zeros((4, 1)), 0.5, 1.0, 100, np.zeros(1), ("s",))
         >>> dict(posterior.to_dataset().sizes)
         {'sample': 4, 'parameter': 1}
         """
@@ -107,7 +109,8 @@ class Posterior:
         >>> import numpy as np
         >>> rng = np.random.default_rng(0)
         >>> samples = rng.normal(size=(100, 2))
-        >>> len(hc.Posterior(("a", "b"), samples, 0.5, 1.0, 100, np.zeros(2)).plot().axes)
+        >>> names, units, estimates = ("a", "b"), ("s", ""), np.zeros(2)
+        >>> len(hc.Posterior(names, samples, 0.5, 1.0, 100, estimates, units).plot().axes)
         3
         """
         from ..plotting.fits import plot_corner

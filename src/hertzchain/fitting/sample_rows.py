@@ -1,4 +1,4 @@
-"""Rows of files of traces, with commas, semicolons or tabs and decimal points or commas."""
+"""Rows of files of traces, with any usual separator of columns and decimal points or commas."""
 
 from __future__ import annotations
 
@@ -17,14 +17,32 @@ _ANY: Final = re.compile(r"[+-]?(\d[\d.,]*|[.,]\d+)(e[+-]?\d+)?", re.IGNORECASE)
 _COMMA: Final = re.compile(r"[+-]?(\d+,\d*|,\d+)(e[+-]?\d+)?", re.IGNORECASE)
 # A mark that may separate thousands, as in 1,234.
 _GROUPS: Final = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
+# Spaces between names: several, or those after a unit, as in time [us] ball 6 [N].
+_BETWEEN_NAMES: Final = re.compile(r"\s{2,}|(?<=[\])])\s+")
 _ADVICE: Final = "save the file with decimal points in all numbers"
 
 
 def sample_rows(path: str | os.PathLike[str]) -> Rows:
     """Rows of a file as text, with decimal points; the last line shows what separates columns."""
     lines = csv_lines(path)
+    if lines and _is_spaced(lines[-1]):
+        return with_decimal_points([_spaced_cells(line) for line in lines], certain=True)
     separator = next((each for each in ";\t" if lines and each in lines[-1]), ",")
     return with_decimal_points(parsed_lines(lines, separator), certain=separator == ",")
+
+
+def _is_spaced(line: str) -> bool:
+    """Whether a line has several numbers with nothing but spaces between them."""
+    numbers = line.split()
+    spaced = len(numbers) > 1 and "\t" not in line.strip()
+    return spaced and all(_ANY.fullmatch(each) and each[-1] != "," for each in numbers)
+
+
+def _spaced_cells(line: str) -> list[str]:
+    """Numbers, or names that have single spaces and end with their units or several spaces."""
+    numbers = line.split()
+    named = _BETWEEN_NAMES.split(line.strip())
+    return numbers if _is_numeric(numbers) or len(named) == 1 else named
 
 
 def with_decimal_points(rows: Rows, *, certain: bool) -> Rows:

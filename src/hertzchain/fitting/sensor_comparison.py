@@ -49,9 +49,11 @@ class SensorComparison:
     """Measured and simulated signal of one sensor.
 
     Peaks are the largest deviations from the level before the pulse, arrivals the times of the
-    data at which a signal reaches half of its peak, in the compared interval.  If the crest of the
-    measured signal is missing, its peak is a lower bound, such as the level of saturation, and both
-    arrivals are those at half of it.
+    data at which a signal reaches half of its peak, in the compared interval.  Both signals are
+    compared at the times of the samples: few samples within a pulse lower both peaks equally, and
+    the simulated one is then below that of `Run.wall_force` or `Run.sensor_force`.  If the crest of
+    the measured signal is missing, its peak is a lower bound, such as the level of saturation, and
+    both arrivals are those at half of it.
 
     Attributes
     ----------
@@ -363,8 +365,8 @@ def level_notes(shot: Shot, signals: Sequence[Array]) -> list[str]:
     return notes
 
 
-def crest_notes(sensors: Sequence[SensorComparison]) -> list[str]:
-    """Notes on sensors whose measured peak is a lower bound."""
+def missing_notes(sensors: Sequence[SensorComparison]) -> list[str]:
+    """Notes on saturated and missing samples at the crest of a signal or at its arrival."""
     notes = []
     for each in sensors:
         peak = f"{each.measured_peak:.4g} {each.unit}"

@@ -34,8 +34,8 @@ from .sensor_comparison import (
     check_durations,
     check_resolved,
     compared_sensor,
-    crest_notes,
     level_notes,
+    missing_notes,
     pulse_notes,
     scale_of,
     scaled,
@@ -220,8 +220,7 @@ def compare_traces(
 ) -> TraceComparison:
     """Compare a run with measured traces of one shot; `hertzchain.Run.compare` documents it."""
     _require_comparable(run, traces)
-    shot = traces.shots[0]
-    check_places((signal.place for signal in shot.signals), run.chain)
+    check_places((signal.place for signal in traces.shots[0].signals), run.chain)
     traces = resolved_coupling(traces, [run.chain])
     shot = traces.shots[0]
     grid, columns = _columns(run, shot)
@@ -253,7 +252,7 @@ def compare_traces(
         *suspicious,
         *inversion_notes({each.name: each.scale for each in found.sensors}),
         *level_notes(shot, signals),
-        *crest_notes(found.sensors),
+        *missing_notes(found.sensors),
         *pulse_notes(run, shot, columns, inside, float(shot.times[-1]) - time_offset),
         *coupling_notes(traces, [run.chain]),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Mapping, Sequence
 
@@ -13,13 +14,14 @@ from ..representation import counted
 from ..store.csv_tables import split_header
 from ..units import converted
 from ..validation.keywords import checked_arguments
-from ..validation.objects import check_list, file_path, shown_path, text
+from ..validation.objects import check_bool, check_list, file_path, shown_path, text
 from .noise import check_names_of_noise
 from .places import Place, place_named
 from .sample_rows import sample_rows
 from .scope_files import header_and_samples, sample
+from .signals import Shot
 from .trace_headers import header_of, without_unit
-from .traces import Traces, make_shot, with_coupling
+from .traces import Traces, check_times, make_shot, with_coupling
 
 Sensors = dict[str, tuple[str, str]] | None
 
@@ -28,6 +30,7 @@ Sensors = dict[str, tuple[str, str]] | None
 def load_traces(
     *paths: str | os.PathLike[str],
     sensors: Sequence[str] | Mapping[str, str] | None = None,
+    channels: bool = False,
     noise: float | Mapping[str, float] | None = None,
     coupling: str | Mapping[str, str] | None = None,
 ) -> Traces:
@@ -39,7 +42,8 @@ def load_traces(
     parentheses, as in ``Time (s)``, or in a row of their own below the names, as in
     ``second,Volt``, and the times may be called ``t``.  Lines above the header, such as the
     settings of an oscilloscope, are not read, except ``Horizontal Units`` and ``Vertical Units``.
-    Columns may also be separated by semicolons or tabs, and numbers may have decimal commas.
+    Columns may also be separated by semicolons, tabs or spaces, and numbers may have decimal
+    commas.
     Sampling may be uneven.  Empty cells are missing samples; those with an infinity sign are beyond
     the range of the digitiser.  Saturated samples are recognised and not used.  A column ``shot``
     with whole numbers divides a file into shots.
@@ -47,13 +51,16 @@ def load_traces(
     Parameters
     ----------
     *paths : path-like
-        Files, one per shot, or with several shots if they have a column ``shot``.
+        Files, one per shot or channel, or with several shots if they have a column ``shot``.
     sensors : sequence of str or mapping, optional
         Names of the sensors to read, such as ``["ball 6", "wall"]``; by default all.  A mapping
         from names of columns to places reads files with other names, such as
         ``{"Force": "wall", "CH2": "ball 6 [V]"}``; the place has a unit if the file has none.
-        ``{"X": "time [s]"}`` names the column of the times.  Files with one channel each are
-        combined by `Traces.merge`.
+        ``{"X": "time [s]"}`` names the column of the times.
+    channels : bool
+        Whether the files have different sensors in the same shots, such as one file for each
+        channel of an oscilloscope, instead of different shots.  If their columns have the same
+        name, read each file with its own ``sensors`` and use `Traces.merge`.
     noise : float or mapping, optional
         Standard deviation of the noise of all sensors, or by name, in N, m/s or V or with a
         unit, such as ``"3 mV"``.  By default it is estimated from the samples before the pulse
@@ -95,21 +102,38 @@ def load_traces(
     """
     if not paths:
         raise InputError("give load_traces at least one file, such as 'data.csv'")
-    wanted = _wanted(sensors)
-    shots = []
-    for path in paths:
-        file = file_path("file of traces", path)
-        if file.suffix.lower() == ".toml":
-            raise InputError(
-                f"{shown_path(path)} is a chain file, where a CSV file of traces is required; give "
-                "the traces first and the chain file last, as in hertzchain compare data.csv "
-                "chain.toml"
-            )
+    wanted, channels = _wanted(sensors), check_bool("channels", channels) and len(paths) > 1
+    files = [(path, _table(path)) for path in paths]
+    if channels:
+        _check_channels(wanted, [header for _, (header, _) in files])
+    parts = []
+    for path, (header, body) in files:
         with errors_at(shown_path(path)):
-            shots += _shots(sample_rows(file), wanted, noise)
-    found = Traces(tuple(shots))
+            own = _present(wanted, header) if channels else wanted
+            parts.append(Traces(tuple(_shots(header, body, own, noise))))
+    found = functools.reduce(Traces.merge if channels else Traces.__add__, parts)
     check_names_of_noise(noise, found.names)
     return with_coupling(found, coupling)
+
+
+def _table(path: str | os.PathLike[str]) -> tuple[list[str], list[list[str]]]:
+    """Header and rows of samples of a file."""
+    file = file_path("file of traces", path)
+    if file.suffix.lower() == ".toml":
+        raise InputError(
+            f"{shown_path(path)} is a chain file, where a CSV file of traces is required; give "
+            "the traces first and the chain file last, as in hertzchain compare data.csv chain.toml"
+        )
+    with errors_at(shown_path(path)):
+        rows = sample_rows(file)
+        if not rows:
+            raise InputError("the file has no header; write time [us], ball 6 [N], ...")
+        header, body = header_and_samples(rows)
+        if not body:
+            raise InputError(
+                "the file has a header but no samples; write one row per time below the header"
+            )
+    return header, body
 
 
 def _wanted(sensors: object) -> Sensors:
@@ -134,16 +158,29 @@ def _key(header: str) -> str:
         return name
 
 
+def _present(wanted: Sensors, header: list[str]) -> Sensors:
+    """The sensors whose columns a file has."""
+    if wanted is None:
+        return None
+    names = [_key(full) for full in header]
+    return {name: each for name, each in wanted.items() if name in names}
+
+
+def _check_channels(wanted: Sensors, headers: Sequence[list[str]]) -> None:
+    """Check that each sensor is in one of several files."""
+    present = {_key(full): without_unit(full) for header in headers for full in header}
+    for name, (written, _) in (wanted or {}).items():
+        if name not in present:
+            others = ", ".join(own for key, own in present.items() if key not in ("time", "shot"))
+            raise InputError(f"there is no column {written!r}; the files have {others}")
+
+
 def _shots(
-    rows: list[list[str]], wanted: Sensors, noise: float | Mapping[str, float] | None
-) -> list:  # type: ignore[type-arg]
-    if not rows:
-        raise InputError("the file has no header; write time [us], ball 6 [N], ...")
-    header, body = header_and_samples(rows)
-    if not body:
-        raise InputError(
-            "the file has a header but no samples; write one row per time below the header"
-        )
+    header: list[str],
+    body: list[list[str]],
+    wanted: Sensors,
+    noise: float | Mapping[str, float] | None,
+) -> list[Shot]:
     for number, row in enumerate(body, start=1):
         if len(row) != len(header):
             advice = "complete or remove the row"
@@ -155,20 +192,21 @@ def _shots(
             )
     header, wanted = _with_times(header, wanted)
     time, shot, columns = _columns(header, wanted)
-    times = _time_factor(header[time]) * _numbers(body, time, header[time])
+    unit = _unit_of_times(header[time])
+    factor = converted("column 'time'", 1.0, unit, "s")
+    times = _numbers(body, time, header[time])
     samples = {
-        key: factor * _numbers(body, index, header[index])
-        for key, (index, factor) in columns.items()
+        key: own * _numbers(body, index, header[index]) for key, (index, own) in columns.items()
     }
     labels = np.ones(len(body)) if shot is None else _numbers(body, shot, "shot")
     if not np.isfinite(labels).all():
         raise InputError(f"row {int(np.argmin(np.isfinite(labels))) + 1} has no shot")
-    return [
-        make_shot(
-            times[labels == label], {k: v[labels == label] for k, v in samples.items()}, noise
-        )
-        for label in np.unique(labels)
-    ]
+    shots = []
+    for label in np.unique(labels):
+        own = labels == label
+        check_times(times[own], unit)
+        shots.append(make_shot(factor * times[own], {k: v[own] for k, v in samples.items()}, noise))
+    return shots
 
 
 def _with_times(header: list[str], wanted: Sensors) -> tuple[list[str], Sensors]:
@@ -219,14 +257,14 @@ def _columns(
     return names.index("time"), names.index("shot") if "shot" in names else None, columns
 
 
-def _time_factor(header: str) -> float:
+def _unit_of_times(header: str) -> str:
     _, unit = split_header(header) or (header, None)
     if not unit:
         raise InputError(
             f"column {header!r} has no unit; write {header} [us], or give load_traces "
             f"sensors={{{header!r}: 'time [s]'}}"
         )
-    return converted("column 'time'", 1.0, unit, "s")
+    return unit
 
 
 def _numbers(body: list[list[str]], index: int, name: str) -> Array:

@@ -117,6 +117,7 @@ class Traces:
         Traces(1 shot, wall: 4 samples, every 1 us; noise 0.1 N)
         """
         moments = real_numbers("time", times, "sample", unit="s")
+        check_times(moments)
         if not isinstance(signals, Mapping):
             raise InputError(
                 "signals must be a mapping such as {'ball 6 [N]': samples}, got "
@@ -271,30 +272,35 @@ def make_shot(
     noise: float | Mapping[str, float] | None,
 ) -> Shot:
     """A shot from its samples, with noise and saturation of each signal."""
-    if times.ndim != 1 or len(times) < 2:
-        raise InputError(f"a trace needs at least 2 samples, got {times.size}")
     if not columns:
         raise InputError("there is no signal; add a column such as 'ball 6 [N]'")
-    if not np.all(np.isfinite(times)):
-        row = int(np.argmin(np.isfinite(times))) + 1
-        raise InputError(f"the time of sample {row} is missing; each sample needs one")
-    if np.any(np.diff(times) <= 0.0):
-        row = int(np.argmax(np.diff(times) <= 0.0)) + 1
-        if times[row] == times[row - 1]:
-            raise InputError(
-                f"times must increase, but samples {row} and {row + 1} are both at "
-                f"{times[row]:.15g} s; write the times with more digits, or give each shot its own "
-                "file"
-            )
-        raise InputError(
-            f"times must increase, but sample {row + 1} is at {times[row]:.9g} s and the one "
-            f"before it at {times[row - 1]:.9g} s; sort the rows, or give each shot its own file"
-        )
     for (place, _), values in columns.items():
         _check_values(place, values, len(times))
     quiet = _quiet_samples(columns.values())
     return Shot(
         times, tuple(_signal(*key, values, quiet, noise) for key, values in columns.items())
+    )
+
+
+def check_times(times: Array, unit: str = "s") -> None:
+    """Check that there are several times of samples, and that they increase."""
+    if times.ndim != 1 or len(times) < 2:
+        raise InputError(f"a trace needs at least 2 samples, got {times.size}")
+    if not np.all(np.isfinite(times)):
+        row = int(np.argmin(np.isfinite(times))) + 1
+        raise InputError(f"the time of sample {row} is missing; each sample needs one")
+    if np.all(np.diff(times) > 0.0):
+        return
+    row = int(np.argmax(np.diff(times) <= 0.0)) + 1
+    if times[row] == times[row - 1]:
+        raise InputError(
+            f"times must increase, but samples {row} and {row + 1} are both at "
+            f"{times[row]:.15g} {unit}; write the times with more digits, or give each shot its "
+            "own file"
+        )
+    raise InputError(
+        f"times must increase, but sample {row + 1} is at {times[row]:.9g} {unit} and the one "
+        f"before it at {times[row - 1]:.9g} {unit}; sort the rows, or give each shot its own file"
     )
 
 

@@ -10,7 +10,7 @@ from ..chain.scattered_radii import scatter_in_words
 from ..representation import usual_unit
 from .colours import COLOURS, grey
 from .legends import place_legend
-from .style import figure_style, get_axes, label_narrow_axis, set_title
+from .style import figure_style, get_axes, label_narrow_axis, set_title, with_micro
 from .titles import chain_title
 
 if TYPE_CHECKING:
@@ -22,13 +22,12 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
     with figure_style():
         axes = get_axes(ax)
         factor, unit = usual_unit(found.nominal, found.unit)
-        unit = unit.replace("us", "µs")
         axes.hist(factor * found.values, bins="auto", color=COLOURS[5],
                   edgecolor=axes.get_facecolor(), linewidth=0.5)  # fmt: skip
         axes.axvline(factor * found.nominal, color=grey(axes), label="nominal chain")
         axes.axvline(factor * found.mean, color=COLOURS[2], linestyle="--", label="mean")
         label_narrow_axis(axes)
-        axes.set_xlabel(found.label + (f" [{unit}]" if unit != "1" else ""))
+        axes.set_xlabel(found.label + (f" [{with_micro(unit)}]" if unit != "1" else ""))
         axes.set_ylabel("number of chains")
         deviations = scatter_in_words(found.scatter.radius, found.scatter.grade)
         set_title(axes, f"{chain_title(found.chain)}, {deviations}")

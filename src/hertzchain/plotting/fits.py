@@ -16,7 +16,15 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice
 from .colours import COLOURS, curve_colour, grey
 from .legends import place_legend
-from .style import TIME_LABELS, figure_style, get_axes, get_two_axes, literal, seconds_axis
+from .style import (
+    TIME_LABELS,
+    figure_style,
+    get_axes,
+    get_two_axes,
+    literal,
+    seconds_axis,
+    with_micro,
+)
 from .widths import figure_size
 
 if TYPE_CHECKING:
@@ -34,7 +42,6 @@ CREST: Final = 5
 MAX_COLUMNS: Final = 3
 # Width of panels [inches] below which points are smaller and there are fewer ticks.
 NARROW: Final = 2.0
-MICRO: Final = "µ"
 
 
 def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) -> Axes:
@@ -343,13 +350,10 @@ def plot_corner(posterior: Posterior) -> Figure:
 
 def _in_shown_units(posterior: Posterior) -> tuple[np.ndarray[Any, Any], list[str]]:
     """Factors to units in which parameters are shown, and their labels with these units."""
-    units = posterior.units or ("",) * len(posterior.names)
-    factors, shown = zip(*(SHOWN.get(unit, (1.0, unit)) for unit in units), strict=True)
-    names = zip(posterior.names, shown, strict=True)
+    factors, shown = zip(*(SHOWN.get(unit, (1.0, unit)) for unit in posterior.units), strict=True)
     # Long names and their units do not fit one line of a panel.
     labels = [
-        f"{name}\n[{unit.replace('u', MICRO, 1) if unit in ('us', 'um') else unit}]"
-        if unit else name
-        for name, unit in names
-    ]  # fmt: skip
+        f"{name}\n[{with_micro(unit)}]" if unit else name
+        for name, unit in zip(posterior.names, shown, strict=True)
+    ]
     return np.array(factors), [literal(label) for label in labels]

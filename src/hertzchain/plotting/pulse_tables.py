@@ -13,7 +13,7 @@ from ..pulse.quantities import QUANTITIES
 from ..validation.objects import check_choice
 from .colours import curve_colour
 from .legends import place_legend
-from .pulses import FREE_END, jumps_at_end, label_free_end
+from .pulses import FREE_END, jumps_at_end, label_free_end, number_of_curves
 from .style import MARKERS, BeadLocator, figure_style, get_axes, set_title
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def plot_pulse_table(table: PulseTable, quantity: str, *, ax: Axes | None = None
     place = np.arange(1, values.shape[1] + 1)[known]
     with figure_style():
         axes = get_axes(ax)
-        colour = curve_colour(axes, sum(line.get_linestyle() != "None" for line in axes.lines))
+        colour = curve_colour(axes, number_of_curves(axes))
         axes.fill_between(place, low, high, color=colour, alpha=BAND, linewidth=0.0,
                           label=f"{LOW}% to {HIGH}% of the chains")  # fmt: skip
         axes.plot(place, middle, color=colour, label="median")

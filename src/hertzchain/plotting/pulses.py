@@ -115,7 +115,7 @@ def plot_pulses(
         raise InputError("residuals need at least two pulses: omit residuals")
     with figure_style():
         axes, lower = _axes(ax, residuals=residuals)
-        begin = _number_of_pulses(axes)
+        begin = number_of_curves(axes)
         for i, (pulse, name) in enumerate(zip(pulses, names, strict=True), begin):
             values = pulse.columns()[quantity]
             free = _ends_free(pulse, quantity)
@@ -174,9 +174,12 @@ def _axes(ax: Axes | Sequence[Axes] | None, *, residuals: bool) -> tuple[Axes, A
     return get_two_axes(ax) if residuals else (get_axes(ax), None)  # type: ignore[arg-type]
 
 
-def _number_of_pulses(axes: Axes) -> int:
-    """Number of curves that the axes already have."""
-    return sum(label not in (FREE_END, LOTS) for label in axes.get_legend_handles_labels()[1])
+def number_of_curves(axes: Axes) -> int:
+    """Number of labelled curves that the axes already have; symbols without a line are none."""
+    return sum(
+        line.get_linestyle() != "None" and not str(line.get_label()).startswith("_")
+        for line in axes.lines
+    )
 
 
 def _ends_free(pulse: Pulse, quantity: str) -> bool:

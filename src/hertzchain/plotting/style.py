@@ -212,6 +212,11 @@ def seconds_axis(longest: float) -> tuple[float, str]:
     return (1e3, "time [ms]") if longest > LONG else (1e6, "time [µs]")
 
 
+def with_micro(unit: str) -> str:
+    """A unit with the micro sign, such as µs for us."""
+    return unit.replace("u", "µ", 1) if unit in ("us", "um") else unit
+
+
 def differ_much(values: Iterable[float]) -> bool:
     """Whether positive values differ by so much that small ones are not visible beside large."""
     present = [each for each in values if each > 0.0]

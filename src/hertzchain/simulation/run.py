@@ -392,6 +392,7 @@ class Run(Trajectory):
         """Compare the run with measured traces, without any fit.
 
         The static force is subtracted for sensors with AC coupling, which are 0 before the pulse.
+        Peaks of both signals are those at the times of the samples.
 
         Parameters
         ----------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 import math
 import os
@@ -124,14 +125,29 @@ def csv_rows(path: str | os.PathLike[str]) -> list[list[str]]:
 def csv_lines(path: str | os.PathLike[str]) -> list[str]:
     r"""Lines of a CSV file, without empty lines and lines that begin with ``#``."""
     try:
-        text = Path(path).read_text("utf-8-sig")
+        content = Path(path).read_bytes()
     except OSError as error:
         raise InputError(
             f"cannot be read ({error.strerror}); give the path of a CSV file"
         ) from None
-    except UnicodeDecodeError:
-        raise InputError("is not UTF-8 text; save the table as CSV in UTF-8") from None
+    text = _decoded(content)
     return [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+
+
+def _decoded(content: bytes) -> str:
+    """Text in UTF-8, in UTF-16 with a byte order mark, or in the Windows code page 1252.
+
+    Oscilloscopes write µ and other signs in the latter, in which most text is not valid UTF-8.
+    """
+    marked = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    for encoding in ("utf-16",) if marked else ("utf-8-sig", "cp1252"):
+        try:
+            text = content.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if "\0" not in text:
+            return text
+    raise InputError("is not a text file; save the table as CSV in UTF-8")
 
 
 def parsed_lines(lines: Sequence[str], separator: str) -> list[list[str]]:

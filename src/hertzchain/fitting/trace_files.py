@@ -104,8 +104,11 @@ def load_traces(
         raise InputError("give load_traces at least one file, such as 'data.csv'")
     wanted, channels = _wanted(sensors), check_bool("channels", channels) and len(paths) > 1
     files = [(path, _table(path)) for path in paths]
+    headers = [header for _, (header, _) in files]
     if channels:
-        _check_channels(wanted, [header for _, (header, _) in files])
+        _check_channels(wanted, headers)
+    else:
+        _check_shots(wanted, headers)
     parts = []
     for path, (header, body) in files:
         with errors_at(shown_path(path)):
@@ -173,6 +176,17 @@ def _check_channels(wanted: Sensors, headers: Sequence[list[str]]) -> None:
         if name not in present:
             others = ", ".join(own for key, own in present.items() if key not in ("time", "shot"))
             raise InputError(f"there is no column {written!r}; the files have {others}")
+
+
+def _check_shots(wanted: Sensors, headers: Sequence[list[str]]) -> None:
+    """Reject files that seem to be channels of one shot: one of them lacks a sensor of another."""
+    names = [{_key(full) for full in header} for header in headers]
+    for name, (written, _) in (wanted or {}).items():
+        if any(name in own for own in names) and not all(name in own for own in names):
+            raise InputError(
+                f"column {written!r} is not in all files; if they are channels of one shot, give "
+                "channels=True (on the command line: --channels)"
+            )
 
 
 def _shots(

@@ -21,6 +21,10 @@ _HEADER: Final = re.compile(
 )
 # Other common notations of units: radius / mm, radius_mm.
 _OTHERWISE: Final = re.compile(r"\s*(?P<name>[A-Za-z]+)\s*[/_]\s*(?P<unit>[^()]+?)\s*")
+# The beginning of a row of samples.
+_NUMBER: Final = re.compile(r"\s*[-+]?[.,]?\d")
+# Characters of a line with several names or with a unit.
+_NAMES: Final = re.compile(r"[,;\t\[(]")
 # Other names of columns.
 _SYNONYMS: Final = {"t": "time", "times": "time"}
 # Separators other than the comma.
@@ -123,15 +127,23 @@ def csv_rows(path: str | os.PathLike[str]) -> list[list[str]]:
 
 
 def csv_lines(path: str | os.PathLike[str]) -> list[str]:
-    r"""Lines of a CSV file, without empty lines and lines that begin with ``#``."""
+    r"""Lines of a CSV file, without empty lines and lines that begin with ``#``.
+
+    If the first of the others begins with a number, the comment before it is the header, as
+    `numpy.savetxt` writes it.
+    """
     try:
         content = Path(path).read_bytes()
     except OSError as error:
         raise InputError(
             f"cannot be read ({error.strerror}); give the path of a CSV file"
         ) from None
-    text = _decoded(content)
-    return [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    lines = [line for line in _decoded(content).splitlines() if line.strip()]
+    kept = [line for line in lines if not line.startswith("#")]
+    if kept and _NUMBER.match(kept[0]):
+        comments = lines[: lines.index(kept[0])]
+        kept = [*(line.lstrip("# ") for line in comments[-1:] if _NAMES.search(line)), *kept]
+    return kept
 
 
 def _decoded(content: bytes) -> str:

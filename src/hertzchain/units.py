@@ -51,6 +51,8 @@ UNITS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "damping": ("kg/s", "g/s"),
     }
 )
+# Exponent of contacts by powers of the unit of their stiffness, force/length^exponent.
+EXPONENTS: Final = {(0.0, 1.0, -2.0): "1", (-0.5, 1.0, -2.0): "1.5"}
 # Units written in other ways.
 MEANT: Final = {
     "mu": "um", "micron": "um", "microns": "um", "mum": "um", "sec": "s", "msec": "ms",
@@ -113,7 +115,9 @@ def converted(what: str, number: str | float, unit: str, si: str) -> float:
         raise unknown_name_error(f"unit of {what}", unit, choices)
     if given.powers != target.powers:
         needed = f"a unit such as {', '.join(choices)}" if si else "no unit"
-        raise InputError(f"{what} must have {needed}, got {short_repr(unit)}")
+        raise InputError(
+            f"{what} must have {needed}, got {short_repr(unit)}{_exponent_advice(given, target)}"
+        )
     value = float(number)
     if not math.isfinite(value) or value == 0.0:
         return value
@@ -121,6 +125,13 @@ def converted(what: str, number: str | float, unit: str, si: str) -> float:
         return float(Decimal(str(number)) * given.factor / target.factor)
     except (decimal.DecimalException, OverflowError):
         return value * float(given.factor / target.factor)
+
+
+def _exponent_advice(given: Unit, target: Unit) -> str:
+    """End of a message about a stiffness in the unit of another exponent, such as N/mm."""
+    if not {given.powers, target.powers} <= EXPONENTS.keys():
+        return ""
+    return f"; contacts with this unit have exponent = {EXPONENTS[given.powers]}"
 
 
 def quantity(text: str) -> tuple[str, str] | None:

@@ -21,7 +21,7 @@ from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback, check_type
 from .measured import measured
-from .measures import Measure, measure_of, parse_measure
+from .measures import Measure, measure_of
 from .scatter import Scatter, scatter_from
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ class Distribution(Frozen):
 
     @property
     def _measure(self) -> Measure:
-        return parse_measure(self.quantity)
+        return measure_of(self.chain, self.quantity)
 
     def percentile(self, percent: float) -> float:
         """Value below which a percentage of the chains is.

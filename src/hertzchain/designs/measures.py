@@ -285,7 +285,7 @@ def measure_of(chain: Chain, name: object) -> Measure:
 
 
 def parse_measure(text: object, chain: Chain | None = None) -> Measure:
-    """Read a name such as ``wall_force.peak``, ``velocity@90`` or, of a chain, ``velocity@ball 9``."""
+    """Read a name such as ``velocity@90`` or, of a given chain, ``velocity@ball 9``."""
     if not isinstance(text, str):
         raise InputError(
             f"a measure must be a name, such as 'wall_force.peak', got {short_repr(text)}"

@@ -279,6 +279,11 @@ def test_constraints_that_cannot_be_met_give_exit_code_3(file, run):
         ("radii = [0.5, 1.0]", "radius = [0.5, 1.0]", "has one of radii, masses, gaps"),
         ("radii = [0.5, 1.0]", "radii = [0.5]", "the smallest and the largest value"),
         ("radii = [0.5, 1.0]", 'radii = [0.5, 1.0]\nkind = "x"', "unknown key of radii"),
+        (
+            "radii = [0.5, 1.0]",
+            "radii = [0.5, 1.0]\nscatter = {radius = 0.01}",
+            "scatter is a key of [design], not of [[design.vary]]",
+        ),
         ("minimise", "minimize", "unknown key of [design] 'minimize'"),
         ("right_wall = {gap = 0.0}", "", "needs a right wall"),
         ("budget = 400", "budget = 0", "budget must be a whole number of at least 1"),

@@ -70,6 +70,12 @@ def test_ways_to_write_a_length(text, value):
     assert number("length", text, unit="m") == value
 
 
+def test_minutes_are_accepted():
+    assert number("budget", "60min", unit="s") == 3600.0
+    with pytest.raises(hc.InputError, match="did you mean 'min'"):
+        number("budget", "60 minutes", unit="s")
+
+
 def test_ways_to_write_powers_and_products():
     for text in ("9.81 m/s^2", "9.81 m/s**2", "9.81 m/s²", "9.81 m s^-2", "9.81m/s/s"):
         assert number("gravity", text, unit="m/s**2") == 9.81

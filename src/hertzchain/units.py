@@ -27,7 +27,7 @@ SYMBOLS: Final[Mapping[str, tuple[str, tuple[int, int, int]]]] = MappingProxyTyp
         "in": ("25.4e-3", (1, 0, 0)),
         "kg": ("1", (0, 1, 0)), "g": ("1e-3", (0, 1, 0)), "mg": ("1e-6", (0, 1, 0)),
         "s": ("1", (0, 0, 1)), "ms": ("1e-3", (0, 0, 1)), "us": ("1e-6", (0, 0, 1)),
-        "ns": ("1e-9", (0, 0, 1)), "h": ("3600", (0, 0, 1)),
+        "ns": ("1e-9", (0, 0, 1)), "min": ("60", (0, 0, 1)), "h": ("3600", (0, 0, 1)),
         "N": ("1", (1, 1, -2)), "kN": ("1e3", (1, 1, -2)), "mN": ("1e-3", (1, 1, -2)),
         "Pa": ("1", (-1, 1, -2)), "kPa": ("1e3", (-1, 1, -2)), "MPa": ("1e6", (-1, 1, -2)),
         "GPa": ("1e9", (-1, 1, -2)),
@@ -56,7 +56,7 @@ EXPONENTS: Final = {(0.0, 1.0, -2.0): "1", (-0.5, 1.0, -2.0): "1.5"}
 # Units written in other ways.
 MEANT: Final = {
     "mu": "um", "micron": "um", "microns": "um", "mum": "um", "sec": "s", "msec": "ms",
-    "usec": "us", "inch": "in",
+    "usec": "us", "inch": "in", "mins": "min", "minutes": "min", "hours": "h",
 }  # fmt: skip
 _FACTOR: Final = re.compile(r"([*/·]?)\s*([A-Za-zµ]+)\s*(?:(?:\^|\*\*)\s*([+-]?\d+(?:\.\d*)?))?\s*")
 _QUANTITY: Final = re.compile(

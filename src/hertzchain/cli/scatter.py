@@ -139,4 +139,6 @@ def _table(found: Distribution) -> str:
     wide, long = (max(map(len, column)) for column in (shown, parts))
     for name, value, part in zip(rows, shown, parts, strict=True):
         lines.append(f"  {name:18}  {value:>{wide}}  {part:>{long}}".rstrip())
+    if few := found._few_values_note(PERCENTILES):
+        lines.append(f"note: {few} (--chains)")
     return "\n".join(lines)

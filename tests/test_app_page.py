@@ -306,6 +306,15 @@ def test_two_chains_are_computed_and_compared(page):
     page.tab.click("#tab-A")
     drag(page, slider("beads"), 0.2)
     assert chain_of(page.document("A")).beads < 20 < chain_of(page.document("B")).beads
+    page.tab.fill("[id='c-chain.beads']", "3")
+    page.tab.press("[id='c-chain.beads']", "Enter")
+    page.settle()
+    for chart in ("#chart-error", "#chart-pulse"):
+        ticks = page.tab.locator(
+            f"{chart} text[text-anchor=middle]:not(.label)"
+        ).all_text_contents()
+        assert len(ticks) >= 2
+        assert all(each.isdigit() for each in ticks)
     page.tab.click("#compare")
     page.settle()
     assert page.document("B") is None

@@ -1025,6 +1025,16 @@ def test_digits_of_a_scatter_follow_its_standard_deviation(run):
     assert with_decimals([0.0], 0.0) == ["0"]
 
 
+@pytest.mark.parametrize(
+    ("chains", "few", "needed"), [(2, "1%, 5%, 95% and 99%", 100), (20, "1% and 99%", 100)]
+)
+def test_percentiles_that_few_chains_do_not_determine_are_named(run, chains, few, needed):
+    command = ("scatter", *BALLS, "--grade", 10, "--chains")
+    note = f"note: {chains} chains do not determine the percentiles {few}; at least {needed} do"
+    assert run(*command, chains)[1].splitlines()[-1].startswith(note)
+    assert "note" not in run(*command, needed)[1]
+
+
 def test_numbers_without_a_dimension_may_be_percentages(run):
     taper = ("pulse", "--taper", "forward-exponential", "--beads", 12, "--csv")
     assert run(*taper, "--rate", "5%")[1] == run(*taper, "--rate", 0.05)[1]

@@ -151,3 +151,12 @@ def test_shots_that_do_not_exist_and_times_without_a_unit_are_explained(run, fil
     code, _, err = run("compare", files / "one.csv", files / "row.toml", *PLACES, "--until", "700")
     assert code == 2
     assert "--until '700 us'" in err
+
+
+def test_exchanged_columns_are_reported_once_and_only_they(run, files):
+    exchanged = ("--sensor", "Ch1=wall", "--sensor", "ch2=ball 5")
+    code, out, err = run("compare", files / "one.csv", files / "row.toml", *exchanged)
+    assert code == 0
+    assert (out + err).count("check the names of these columns") == 1
+    assert "check its gain" not in out + err
+    assert "Warning" not in err

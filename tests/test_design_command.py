@@ -128,8 +128,12 @@ def test_a_compilation_is_announced_and_can_be_interrupted(file, tmp_path):
 
 def test_another_problem_does_not_use_the_same_store(tmp_path):
     hc.design(problem(), budget=90, store=tmp_path / "store")
-    with pytest.raises(hc.InputError, match="belongs to another problem"):
+    with pytest.raises(hc.InputError, match="with another minimise; .* restore its minimise$"):
         hc.design(problem(minimise="wall_force.impulse"), budget=90, store=tmp_path / "store")
+    (journal,) = (tmp_path / "store").glob("*.journal")
+    journal.write_bytes(journal.read_bytes().replace(b"version=", b"version=0.0."))
+    with pytest.raises(hc.InputError, match="another version of hertzchain; remove it"):
+        hc.design(problem(), budget=90, store=tmp_path / "store")
 
 
 def test_searches_with_other_options_have_their_own_journals(file, tmp_path, run):
@@ -145,6 +149,7 @@ def test_searches_with_other_options_have_their_own_journals(file, tmp_path, run
     changed = run(file)
     assert changed.returncode == 2
     assert "belongs to another problem" in changed.stderr
+    assert "with another vary;" in changed.stderr
     assert "--store" in changed.stderr
     assert run(file, "--store", "other").returncode == 0
 
@@ -274,6 +279,11 @@ def test_constraints_that_cannot_be_met_give_exit_code_3(file, run):
         ("radii = [0.5, 1.0]", "radius = [0.5, 1.0]", "has one of radii, masses, gaps"),
         ("radii = [0.5, 1.0]", "radii = [0.5]", "the smallest and the largest value"),
         ("radii = [0.5, 1.0]", 'radii = [0.5, 1.0]\nkind = "x"', "unknown key of radii"),
+        (
+            "radii = [0.5, 1.0]",
+            "radii = [0.5, 1.0]\nscatter = {radius = 0.01}",
+            "scatter is a key of [design], not of [[design.vary]]",
+        ),
         ("minimise", "minimize", "unknown key of [design] 'minimize'"),
         ("right_wall = {gap = 0.0}", "", "needs a right wall"),
         ("budget = 400", "budget = 0", "budget must be a whole number of at least 1"),

@@ -11,6 +11,15 @@ BALLS = hc.Chain.from_materials(4e-3, "steel-52100", beads=6, velocity=0.1)
     ("call", "said"),
     [
         (lambda: hc.material("teflon"), "did you mean 'ptfe'"),
+        (lambda: hc.material("steal"), "did you mean 'steel-52100' or 'steel-304' or 'steel-316'"),
+        (
+            lambda: hc.chain_from_toml('[chain]\ndiameter = "5 mm"'),
+            "'diameter': .*did you mean 'diameters' or 'first_diameter'",
+        ),
+        (
+            lambda: hc.distribution(BALLS, "velocity@last", hc.Scatter(0.01, beads="ball 2")),
+            "beads must be selected by number, as in '2', .* where strikers count, got 'ball 2'",
+        ),
         (lambda: hc.material("Stainless steel"), "did you mean 'steel-304' or 'steel-316'"),
         (lambda: hc.simulate("chain.toml"), r"hc.load_chain\('chain.toml'\) reads one"),
         (lambda: BALLS.replace(gravity="9.81"), "'9.81' has no unit; write '9.81 m/s"),
@@ -19,7 +28,7 @@ BALLS = hc.Chain.from_materials(4e-3, "steel-52100", beads=6, velocity=0.1)
         (lambda: hc.Wall(gap="-20 um"), "got '-20 um'"),
         (
             lambda: hc.simulate(BALLS.replace(velocities=[-0.1, 0, 0, 0, 0, 0])),
-            "bead 1 moves away from the chain .velocity -0.1., so there is no impact; give",
+            "bead 1 moves away from the chain .velocity -0.1 m/s., so there is no impact; give",
         ),
     ],
 )

@@ -335,6 +335,15 @@ def test_designs_have_a_value_a_search_and_a_list_of_parts():
         assert cells[cells.index(ball) - 1] == str(count)
 
 
+def test_a_distribution_names_percentiles_that_it_does_not_determine():
+    for samples, few in ((10, True), (20, False)):
+        found = hc.distribution(
+            hc.Chain.uniform(5), "velocity@last", hc.Scatter(0.01, samples=samples)
+        )
+        said = "10 chains do not determine the percentiles 5% and 95%; at least 20 do."
+        assert (said in found._repr_html_()) == few
+
+
 @pytest.mark.parametrize("units", UNITS)
 def test_a_distribution_has_its_numbers(units):
     chain = balls(10, units).replace(right_wall=hc.Wall())

@@ -70,6 +70,12 @@ def test_ways_to_write_a_length(text, value):
     assert number("length", text, unit="m") == value
 
 
+def test_minutes_are_accepted():
+    assert number("budget", "60min", unit="s") == 3600.0
+    with pytest.raises(hc.InputError, match="did you mean 'min'"):
+        number("budget", "60 minutes", unit="s")
+
+
 def test_ways_to_write_powers_and_products():
     for text in ("9.81 m/s^2", "9.81 m/s**2", "9.81 m/s²", "9.81 m s^-2", "9.81m/s/s"):
         assert number("gravity", text, unit="m/s**2") == 9.81
@@ -137,3 +143,17 @@ def test_extreme_numbers_do_not_stop_a_conversion():
             float(text) * float(SYMBOLS[unit][0]), rel=1e-15
         )
     assert quantity("1" * 200 + " mm") is None
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "exponent", "said"),
+    [
+        ("2 kN/mm", None, "got 'kN/mm'; contacts with this unit have exponent = 1$"),
+        ("2 N/m^1.5", 1, "got 'N/m\\^1.5'; contacts with this unit have exponent = 1.5$"),
+        ("2 N", None, "got 'N'$"),
+        ("2 GPa", None, "got 'GPa'$"),
+    ],
+)
+def test_stiffness_in_the_unit_of_another_exponent_advises_the_exponent(stiffness, exponent, said):
+    with pytest.raises(hc.InputError, match=said):
+        hc.Wall(stiffness, exponent=exponent)

@@ -16,7 +16,7 @@ BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.1)
         (lambda: hc.simulate(BALLS, until=500, times=0), "check the unit"),
         (
             lambda: hc.Chain.from_materials(diameters=20, materials="brass", beads=3),
-            "bead 1 has a radius of 10 m; radii are in metres",
+            "bead 1 has a diameter of 20 m; lengths are in metres",
         ),
         # Two seconds instead of two milliseconds; the pulse needs 24 us per contact.
         (lambda: hc.simulate(BALLS, until=2, times=0), "until = 2 s is 2.* transits of a pulse"),

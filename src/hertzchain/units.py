@@ -27,7 +27,7 @@ SYMBOLS: Final[Mapping[str, tuple[str, tuple[int, int, int]]]] = MappingProxyTyp
         "in": ("25.4e-3", (1, 0, 0)),
         "kg": ("1", (0, 1, 0)), "g": ("1e-3", (0, 1, 0)), "mg": ("1e-6", (0, 1, 0)),
         "s": ("1", (0, 0, 1)), "ms": ("1e-3", (0, 0, 1)), "us": ("1e-6", (0, 0, 1)),
-        "ns": ("1e-9", (0, 0, 1)), "h": ("3600", (0, 0, 1)),
+        "ns": ("1e-9", (0, 0, 1)), "min": ("60", (0, 0, 1)), "h": ("3600", (0, 0, 1)),
         "N": ("1", (1, 1, -2)), "kN": ("1e3", (1, 1, -2)), "mN": ("1e-3", (1, 1, -2)),
         "Pa": ("1", (-1, 1, -2)), "kPa": ("1e3", (-1, 1, -2)), "MPa": ("1e6", (-1, 1, -2)),
         "GPa": ("1e9", (-1, 1, -2)),
@@ -51,10 +51,12 @@ UNITS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "damping": ("kg/s", "g/s"),
     }
 )
+# Exponent of contacts by powers of the unit of their stiffness, force/length^exponent.
+EXPONENTS: Final = {(0.0, 1.0, -2.0): "1", (-0.5, 1.0, -2.0): "1.5"}
 # Units written in other ways.
 MEANT: Final = {
     "mu": "um", "micron": "um", "microns": "um", "mum": "um", "sec": "s", "msec": "ms",
-    "usec": "us", "inch": "in",
+    "usec": "us", "inch": "in", "mins": "min", "minutes": "min", "hours": "h",
 }  # fmt: skip
 _FACTOR: Final = re.compile(r"([*/·]?)\s*([A-Za-zµ]+)\s*(?:(?:\^|\*\*)\s*([+-]?\d+(?:\.\d*)?))?\s*")
 _QUANTITY: Final = re.compile(
@@ -113,7 +115,9 @@ def converted(what: str, number: str | float, unit: str, si: str) -> float:
         raise unknown_name_error(f"unit of {what}", unit, choices)
     if given.powers != target.powers:
         needed = f"a unit such as {', '.join(choices)}" if si else "no unit"
-        raise InputError(f"{what} must have {needed}, got {short_repr(unit)}")
+        raise InputError(
+            f"{what} must have {needed}, got {short_repr(unit)}{_exponent_advice(given, target)}"
+        )
     value = float(number)
     if not math.isfinite(value) or value == 0.0:
         return value
@@ -121,6 +125,13 @@ def converted(what: str, number: str | float, unit: str, si: str) -> float:
         return float(Decimal(str(number)) * given.factor / target.factor)
     except (decimal.DecimalException, OverflowError):
         return value * float(given.factor / target.factor)
+
+
+def _exponent_advice(given: Unit, target: Unit) -> str:
+    """End of a message about a stiffness in the unit of another exponent, such as N/mm."""
+    if not {given.powers, target.powers} <= EXPONENTS.keys():
+        return ""
+    return f"; contacts with this unit have exponent = {EXPONENTS[given.powers]}"
 
 
 def quantity(text: str) -> tuple[str, str] | None:

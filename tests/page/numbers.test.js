@@ -29,6 +29,14 @@ test("ticks are round, within the ends and equally spaced", () => {
   }
 });
 
+test("ticks of beads are whole numbers, however few beads there are", () => {
+  for (const beads of [2, 3, 5, 20, 300]) {
+    const found = ticks(1, beads, 12, 1);
+    assert.ok(found.length >= 2 && found.every(Number.isInteger));
+  }
+  assert.ok(!ticks(1, 5, 12).every(Number.isInteger));
+});
+
 test("ticks of logarithmic axes are powers of ten, or round values within one decade", () => {
   assert.deepEqual(powers(0.02, 300, 8), [0.1, 1, 10, 100]);
   assert.ok(powers(2, 5, 4).every((each) => each >= 2 && each <= 5));

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from ..collision import Array
 from ..errors import InputError
 from ..validation.keywords import check_keywords
-from ..validation.numbers import FRACTION, number, real_numbers
+from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_list
 from .fields import ChainFields
-from .input_checks import checked_beads
+from .input_checks import checked_beads, checked_sizes
 from .materials import Material, MaterialLike
 
 # Fields that builders pass on to a chain, those of a taper, and those of a dimer of a mass ratio.
@@ -32,12 +32,13 @@ DIMER_FIELDS: Final = tuple(
 def radii_of_beads(radii: Any, diameters: Any, beads: int | None, materials: int | None) -> Array:
     """Radii [m] from radii or diameters; the number of equal ones is that of the materials."""
     if diameters is None:
-        given = real_numbers("radius", radii, "bead", unit="m")
+        given = checked_sizes("radius", radii)
     else:
-        given = 0.5 * real_numbers("diameter", diameters, "bead", unit="m")
+        given = 0.5 * checked_sizes("diameter", diameters)
     if given.ndim > 0:
         if beads is not None and checked_beads(beads) != len(given):
-            raise InputError(f"beads = {beads}, but there are {len(given)} radii: omit beads")
+            sizes = "radii" if diameters is None else "diameters"
+            raise InputError(f"beads = {beads}, but there are {len(given)} {sizes}: omit beads")
         return given
     count = materials if beads is None else beads
     if count is None:
@@ -59,10 +60,10 @@ def two_sizes(
             "Chain.dimer needs a mass ratio, two radii or two diameters, such as "
             "Chain.dimer(diameters=['10 mm', '6 mm'], materials='steel-52100', beads=40)"
         )
-    what, values, factor = (
-        ("radius", radii, 1.0) if radii is not None else ("diameter", diameters, 0.5)
-    )
-    found = factor * real_numbers(what, values, "bead", unit="m")
+    if diameters is None:
+        found = checked_sizes("radius", radii)
+    else:
+        found = 0.5 * checked_sizes("diameter", diameters)
     if found.shape not in ((), (1,), (2,)):
         raise InputError(
             f"a dimer has one or two sizes, got {found.size}; Chain.periodic repeats any cell"

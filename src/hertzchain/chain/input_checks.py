@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..collision import Array
 from ..errors import InputError, InputWarning, short_repr, warn_user
 from ..validation.memory import check_memory
-from ..validation.numbers import number, real_numbers, whole_number
+from ..validation.numbers import number, per_bead_array, real_numbers, whole_number
 
 # Memory of a simulation per bead: sixteen stages and the state, at 8 bytes per number.
 BYTES_PER_BEAD: Final = 400
@@ -75,6 +75,16 @@ def checked_radii(radii: ArrayLike) -> Array:
     return values
 
 
+def checked_sizes(what: str, given: ArrayLike, unit: str | None = "m") -> Array:
+    """Check one positive radius or diameter, or several; messages show them as typed."""
+    values = real_numbers(what, given, "bead", unit=unit)
+    if values.ndim == 0:
+        number(what, given, unit=unit, above=0.0)
+    elif values.ndim == 1:
+        per_bead_array(what, given, len(values), "bead", unit=unit, above=0.0)
+    return values
+
+
 def scaled_radii(radii: ArrayLike) -> Array:
     """Check radii of a scaled chain, whose cubes must be representable; return a copy."""
     values = real_numbers("radius", radii, "bead")
@@ -124,7 +134,7 @@ def warn_large_radius(radii: Array) -> None:
     """Warn about radii in metres that are probably in millimetres."""
     if radii.max() > LARGE_RADIUS:
         k = int(np.argmax(radii))
-        _warn_of_metres(f"bead {k + 1} has a radius of {radii[k]:g} m")
+        _warn_of_metres(f"bead {k + 1} has a diameter of {2.0 * radii[k]:g} m", "lengths")
 
 
 def warn_large_gap(gaps: Array, radii: Array) -> None:
@@ -140,10 +150,11 @@ def warn_large_gap(gaps: Array, radii: Array) -> None:
 def warn_large_limit(low: float, high: float, radii: Array) -> None:
     """Warn about limits in metres, for beads of these radii, that are probably in millimetres."""
     if high >= min(LARGE_RADIUS, LARGE_RATIO * radii.max()):
-        _warn_of_metres(f"the radii vary from {low:g} m to {high:g} m")
+        _warn_of_metres(f"the radii vary from {low:g} m to {high:g} m", "radii")
 
 
-def _warn_of_metres(problem: str) -> None:
+def _warn_of_metres(problem: str, sizes: str) -> None:
     warn_user(
-        f"{problem}; radii are in metres, so divide by 1000 if these are millimetres", InputWarning
+        f"{problem}; {sizes} are in metres, so divide by 1000 if these are millimetres",
+        InputWarning,
     )

@@ -37,7 +37,8 @@ def _range_of(text: str, count: int, noun: str) -> list[int]:
             raise ValueError
     except ValueError:
         raise InputError(
-            f"{noun}s must look like '2:', '2:20' or '2::2', got {short_repr(text)}"
+            f"{noun}s must be selected by number, as in '2', '2:', '2:20' or '2::2', where "
+            f"strikers count, got {short_repr(text)}"
         ) from None
     if not 1 <= first <= last <= count:
         raise InputError(f"{noun}s = {text!r} is outside 1 to {count}")

@@ -68,6 +68,7 @@ def compare(
     """
     import hertzchain
 
+    from ..errors import InputWarning
     from ..fitting.settings import load_experiment
     from ..validation.numbers import number
 
@@ -86,7 +87,9 @@ def compare(
     offset = None
     if time_offset is not None:
         offset = seconds_from("--time-offset", time_offset)
-    found = run.compare(data, time_offset=offset)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", InputWarning)  # the summary lists them as notes
+        found = run.compare(data, time_offset=offset)
     if plot is not None:
         save_figure(found.plot().axes[0], plot)
     if as_json:

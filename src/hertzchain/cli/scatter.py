@@ -69,7 +69,8 @@ def scatter(
     if as_json and as_csv:
         raise click.UsageError("--json and --csv cannot be combined")
     if (relative is None) == (grade is None):
-        raise click.UsageError("give --relative, such as 1%, or --grade, such as 100")
+        both = "" if relative is None else ", not both"
+        raise click.UsageError(f"give --relative, such as 1%, or --grade, such as 100{both}")
     part = None if relative is None else _part(relative)
     whole_number("--seed", seed, least=0)
     whole_number("--chains", count, least=2, most=10_000)
@@ -138,4 +139,6 @@ def _table(found: Distribution) -> str:
     wide, long = (max(map(len, column)) for column in (shown, parts))
     for name, value, part in zip(rows, shown, parts, strict=True):
         lines.append(f"  {name:18}  {value:>{wide}}  {part:>{long}}".rstrip())
+    if few := found._few_values_note(PERCENTILES):
+        lines.append(f"note: {few} (--chains)")
     return "\n".join(lines)

@@ -118,7 +118,8 @@ def design(
     chosen = _chosen_method(problem, method, limit)
     reason = impossible(problem)
     _check_budget(problem, limit, 0 if reason is not None else count)
-    options = f"{problem.identity} {chosen} {limit.runs} {limit.seconds} {seed} {points}"
+    options = (f"{problem.identity} method={chosen} budget={limit.runs},{limit.seconds} "
+               f"seed={seed} points={points}")  # fmt: skip
     name = _journal_name(chosen, limit, seed, count if len(problem.objectives) == 2 else 0)
     with _journal(store, name, options) as journal, warnings.catch_warnings():
         # Trial chains are made in several threads, which share the filters of warnings.  The
@@ -193,7 +194,7 @@ def _journal(store: Any, name: str, options: str) -> Iterator[Journal]:
     if folder.exists() and not folder.is_dir():
         raise InputError(f"the store {os.fspath(store)!r} is a file; give the name of a folder")
     with lock(Path(folder) / "lock", store):
-        journal = Journal(Path(folder) / name, f"{__version__} {options}")
+        journal = Journal(Path(folder) / name, f"version={__version__} {options}")
         try:
             yield journal
         finally:
@@ -241,9 +242,6 @@ def _result(
     checked.sort(key=lambda pair: _verified_rank(trials, pair))
     best, verified = checked[0]
     others = tuple(each for _, each in checked[1:])
-    own = set(problem.requirements) and not met(problem, verified.values)
-    if own and not notes:
-        notes = ("no trial met all constraints; this is the one that violates them least",)
     promise = found.promise
     space = problem.space
     parts = tuple(space.parts(best.x)) if isinstance(space, BallSpace) and not space.order else ()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,14 +15,14 @@ from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, SimulationError, warn_user
 from ..frozen import Frozen
+from ..representation import listed, short
 from ..representation import measure as with_unit
-from ..representation import short
 from ..simulation.run_table import RunTable
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback, check_type
 from .measured import measured
-from .measures import Measure, measure_of, parse_measure
+from .measures import Measure, measure_of
 from .scatter import Scatter, scatter_from
 
 if TYPE_CHECKING:
@@ -82,10 +83,28 @@ class Distribution(Frozen):
 
     @property
     def _measure(self) -> Measure:
-        return parse_measure(self.quantity)
+        return measure_of(self.chain, self.quantity)
+
+    def _few_values_note(self, percents: Sequence[float]) -> str:
+        """Which of these percentiles the values do not determine; an empty text if all are.
+
+        On average, less than one of the values is beyond such a percentile.
+        """
+        count = len(self.values)
+        few = [each for each in percents if count * min(each, 100.0 - each) < 100.0]
+        if not few:
+            return ""
+        needed = math.ceil(100.0 / min(min(each, 100.0 - each) for each in few))
+        return (
+            f"{count} chains do not determine the percentiles "
+            f"{listed([f'{each:g}%' for each in few])}; at least {needed} do"
+        )
 
     def percentile(self, percent: float) -> float:
         """Value below which a percentage of the chains is.
+
+        It needs at least 20 values for 5% and 95%, and 100 for 1% and 99%; with fewer, it is only
+        between the two most extreme ones.
 
         Parameters
         ----------

@@ -30,7 +30,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..chain.bead_names import with_bead_numbers
+from ..chain.bead_names import NAME, bead_number
 from ..chain.chain import Chain
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
@@ -81,14 +81,18 @@ NAMES: Final = (*WALL, *AT_BEAD, "largest_force", *RANGE, *OF_CHAIN)
 
 @dataclass(frozen=True)
 class Measure:
-    """A quantity of a chain and its motion; ``bead`` is 0 for the last one."""
+    """A quantity of a chain and its motion.
+
+    ``bead`` is 0 for the last one; ``name`` is that by which the user gave it, such as ``ball 4``.
+    """
 
     key: str
     bead: int | None = None
     over: Measure | None = None
+    name: str = ""
 
     def __str__(self) -> str:
-        own = self.key if self.bead is None else f"{self.key}@{self.bead or 'last'}"
+        own = self.key if self.bead is None else f"{self.key}@{self.name or self.bead or 'last'}"
         return own if self.over is None else f"{own}/{self.over}"
 
     @property
@@ -96,7 +100,8 @@ class Measure:
         """Description in words, for axes: ``peak force on the wall``, ``velocity of bead 20``."""
         own = WORDS.get(self.key, self.key.replace("_", " "))
         if self.bead is not None:
-            own += f" of bead {self.bead}" if self.bead else " of the last bead"
+            named = self.name or f"bead {self.bead}"
+            own += f" of {named}" if self.bead else " of the last bead"
         return own if self.over is None else f"{own} / {self.over.label}"
 
     @property
@@ -274,26 +279,26 @@ def in_words(value: float, unit: str, units: str) -> str:
 
 def measure_of(chain: Chain, name: object) -> Measure:
     """The measure of a chain with this name, which may have the name of a ball."""
-    measure = parse_measure(with_bead_numbers(chain, name) if isinstance(name, str) else name)
+    measure = parse_measure(name, chain)
     measure.check(chain)
     return measure
 
 
-def parse_measure(text: object) -> Measure:
-    """Read a name such as ``wall_force.peak`` or ``velocity@90``."""
+def parse_measure(text: object, chain: Chain | None = None) -> Measure:
+    """Read a name such as ``velocity@90`` or, of a given chain, ``velocity@ball 9``."""
     if not isinstance(text, str):
         raise InputError(
             f"a measure must be a name, such as 'wall_force.peak', got {short_repr(text)}"
         )
     above, slash, below = text.partition("/")
     if slash:
-        one, other = parse_measure(above), parse_measure(below)
+        one, other = parse_measure(above, chain), parse_measure(below, chain)
         if not {one.key, other.key} <= {*PULSE, *SHARES}:
             raise InputError(
                 f"both parts of the ratio {text!r} must be quantities of the leading pulse, as in "
                 "'velocity@100/velocity@20'"
             )
-        return Measure(one.key, one.bead, other)
+        return Measure(one.key, one.bead, other, one.name)
     key, at, place = text.removeprefix("pulse.").partition("@")
     key = BY_COLUMN.get(key, key)
     if key not in NAMES:
@@ -306,6 +311,9 @@ def parse_measure(text: object) -> Measure:
         raise InputError(f"{key} needs a bead: write {key}@20 or {key}@last")
     if place == "last":
         return Measure(key, 0)
+    name = " ".join(place.lower().split())
+    if chain is not None and NAME.fullmatch(name):
+        return Measure(key, bead_number(chain, name), name=name)
     try:
         bead = int(place)
     except ValueError:

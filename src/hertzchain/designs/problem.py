@@ -238,16 +238,19 @@ class Design:
 
     @property
     def identity(self) -> str:
-        """A text that differs for different problems."""
-        parts = [
-            fingerprint(self.chain), repr(self.minimise), repr(self.maximise), repr(self.match),
-            repr([dataclasses.astuple(each) for each in _variable_list(self.vary)]),
-            repr(dict(self.subject_to)), repr(self.scatter), repr(self.until),
-            self.model,
-        ]  # fmt: skip
-        if isinstance(self.space, BallSpace):
-            parts.append(repr(self.space.balls))
-        return hashlib.sha256("\n".join(map(str, parts)).encode()).hexdigest()[:24]
+        """A text that differs for different problems: a hash of each setting."""
+        balls = self.space.balls if isinstance(self.space, BallSpace) else ()
+        settings = {
+            "chain": fingerprint(self.chain), "minimise": self.minimise,
+            "maximise": self.maximise, "match": self.match,
+            "vary": [dataclasses.astuple(each) for each in _variable_list(self.vary)],
+            "balls": balls, "subject_to": dict(self.subject_to), "scatter": self.scatter,
+            "until": self.until, "model": self.model,
+        }  # fmt: skip
+        return " ".join(
+            f"{name}={hashlib.sha256(repr(value).encode()).hexdigest()[:12]}"
+            for name, value in settings.items()
+        )
 
     def __repr__(self) -> str:
         limits = "; ".join(map(str, self.requirements)) or "no constraints"

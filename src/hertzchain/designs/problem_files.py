@@ -90,6 +90,11 @@ def _variable(entry: Any, folder: Path) -> Variable:
     (kind,), rest = kinds, {key: entry[key] for key in entry if key != kinds[0]}
     known = variables_of(kind)
     for key in rest:
+        if key in (*PROBLEM, *OPTIONS):
+            raise InputError(
+                f"{key} is a key of [design], not of [[design.vary]]: write it above all tables "
+                "[[design.vary]]"
+            )
         if key not in known:
             raise unknown_name_error(f"key of {kind} in [[design.vary]]", key, known)
     if kind in SIZES:

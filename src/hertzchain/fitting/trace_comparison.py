@@ -239,13 +239,13 @@ def compare_traces(
     found = TraceComparison(traces, signals, float(time_offset), given)
     outside = sensors_outside(shot, columns, signals)
     grid = grid - run.times[0]
-    suspicious = [
+    # Columns that are exchanged cause most of the other differences.
+    suspicious = order_notes(shot, columns, grid) or [
         *unit_notes(found.sensors, outside),
-        *(order_notes(shot, columns, grid)
-          or outside_notes(shot, columns, grid, time_offset, outside)),
+        *outside_notes(shot, columns, grid, time_offset, outside),
         *other_offset_notes(shot, time_offset, other),
-        *silent_notes(shot, inside),
-    ]  # fmt: skip
+    ]
+    suspicious += silent_notes(shot, inside)
     for note in suspicious:
         warn_user(note, InputWarning)
     notes = (

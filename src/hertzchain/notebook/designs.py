@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from ..designs.distribution import Distribution
@@ -9,6 +11,8 @@ from ..designs.report import front_in_words, references_in_words, search_in_word
 from ..designs.result import DesignResult
 from ..representation import counted
 from .drawing import Curve, axis_unit, chart, engineering, note, numbers, page, table
+
+PERCENTILES: Final = (5, 50, 95)
 
 
 def design_html(result: DesignResult) -> str:
@@ -45,13 +49,14 @@ def distribution_html(found: Distribution) -> str:
     figure = chart([steps], f"{found.label}{unit}", "number of chains")
     shown = {"nominal": found.nominal, "mean": found.mean,
              "standard deviation": found.standard_deviation}  # fmt: skip
-    shown |= {f"{percent}% are below": found.percentile(percent) for percent in (5, 50, 95)}
+    shown |= {f"{percent}% are below": found.percentile(percent) for percent in PERCENTILES}
     own = "" if found.unit == "1" else found.unit
     words = {name: engineering(value, own, units) for name, value in shown.items()}
     if found.failed:
         words["failed"] = f"{found.failed}"
-    notes = []
+    few = found._few_values_note(PERCENTILES)
+    notes = [note(f"{few}.")] if few else []
     if found.outside_range:
-        notes = [note(f"{found.outside_range} chains exceed the limits of Hertz's law.")]
+        notes += [note(f"{found.outside_range} chains exceed the limits of Hertz's law.")]
     about = f"{found.quantity} of {len(found.values)} random chains: {found.chain.description}"
     return page("Distribution", about, figure, numbers(words), *notes)

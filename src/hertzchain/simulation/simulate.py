@@ -18,6 +18,7 @@ from ..chain.hertz_range import warn_outside_hertz
 from ..chain.loss_range import warn_outside_losses
 from ..collision import Array
 from ..errors import InputError, SimulationError
+from ..representation import measure
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback, check_bool
@@ -403,9 +404,10 @@ def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin:
     if until is not None or not isinstance(times, int | np.integer):
         return
     if chain.drive is None and chain.velocities[0] < 0.0 and not chain.velocities[1:].any():
+        speed = measure(chain.velocities[0], "m/s", chain.units)
         raise InputError(
-            f"bead 1 moves away from the chain (velocity {chain.velocities[0]:g}), so there is no "
-            "impact; give a positive velocity, or until"
+            f"bead 1 moves away from the chain (velocity {speed}), so there is no impact; give a "
+            "positive velocity, or until"
         )
     if chain.drive is None and not chain.velocities[0] > 0.0:
         raise InputError("bead 1 is not struck; give it a velocity, a striker or a drive, or until")

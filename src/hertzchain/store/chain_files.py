@@ -42,7 +42,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.contact_shapes import Cone, CrossedCylinders, Shape
 from ..chain.drives import Drive, SineBurst, StepDrive, TableDrive
-from ..chain.input_checks import checked_beads
+from ..chain.input_checks import checked_beads, checked_sizes
 from ..chain.laws import LAWS, Loss
 from ..chain.materials import RIGID, Material, material
 from ..chain.taper_sizes import Sizes, si_radii
@@ -239,7 +239,9 @@ class _ChainFile:
             self._require_without(form, ["beads"])
             if form == "radii" and table.get("strikers"):
                 return Chain(table["radii"], strikers=table["strikers"], **law, **own)
-            chain = Chain.from_radii(table[form], **law)
+            sizes = table[form]
+            radii = sizes if form == "radii" else 0.5 * checked_sizes("diameter", sizes, None)
+            chain = Chain.from_radii(radii, **law)
         elif form == "cell":
             chain = Chain.periodic(table["cell"], cells=self._needed("cells"), **law)
         elif form == "mass_ratio":
@@ -282,7 +284,7 @@ class _ChainFile:
             given = {name: table[name] for name in SIZE_KEYS if name in table}
             radii = si_radii(table.get("taper"), self._needed("beads"), Sizes(**given))
         elif form == "diameters":
-            radii = 0.5 * real_numbers("diameter", table[form], "bead", unit="m")
+            radii = 0.5 * checked_sizes("diameter", table[form])
         else:
             radii = table[form]
         if "materials" not in table:
@@ -292,8 +294,11 @@ class _ChainFile:
         fields = law | own | {"velocity": table.get("velocity")}
         if form == "cell":
             return Chain.periodic(radii, cells=self._needed("cells"), materials=kinds, **fields)
-        count = table.get("beads") if form in ("radii", "diameters") else None
-        return Chain.from_materials(radii, kinds, beads=count, **fields)
+        if form in ("radii", "diameters"):
+            fields |= {form: table[form], "beads": table.get("beads")}
+        else:
+            fields["radii"] = radii
+        return Chain.from_materials(materials=kinds, **fields)
 
     def _repeated(self, radii: Any) -> Any:
         """Repeat the radii of a cell."""

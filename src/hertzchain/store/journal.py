@@ -17,6 +17,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError
+from ..representation import listed
 from .writing import cannot_write
 
 FORMAT: Final = "hertzchain journal 1"
@@ -52,10 +53,7 @@ class Journal:
             raise InputError(f"cannot read {os.fspath(path)!r} ({error.strerror})") from None
         lines = content.split(b"\n")
         if len(lines) > 1 and lines[0] + b"\n" != first.encode():
-            raise InputError(
-                f"{os.fspath(path)!r} belongs to another problem or another version of hertzchain; "
-                "remove it, or choose another folder with store (on the command line: --store)"
-            )
+            raise _other_search(path, lines[0].decode(errors="replace"), first)
         if len(lines) < 2:
             return 0
         length = len(first)
@@ -110,6 +108,25 @@ class Journal:
         """Close the file."""
         if self._stream is not None:
             self._stream.close()
+
+
+def _other_search(path: Path, found: str, needed: str) -> InputError:
+    """Error that states in which settings, words such as ``seed=1``, two headers differ."""
+    old, new = (
+        dict(word.split("=", 1) for word in header.split() if "=" in word)
+        for header in (found, needed)
+    )
+    differing = [name for name, value in new.items() if old.get(name) != value]
+    elsewhere = "choose another folder with store (on the command line: --store)"
+    if "version" in differing:
+        return InputError(
+            f"{os.fspath(path)!r} belongs to another version of hertzchain; remove it, or "
+            f"{elsewhere}"
+        )
+    return InputError(
+        f"{os.fspath(path)!r} belongs to another problem, with another {listed(differing)}; for a "
+        f"new search, {elsewhere}; to resume the old one, restore its {listed(differing)}"
+    )
 
 
 def _record(line: bytes) -> tuple[str, float, Array] | None:

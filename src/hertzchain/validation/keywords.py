@@ -20,8 +20,20 @@ SYNONYMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "diameter": ("diameters", "first_diameter", "radius"), "q": ("rate",), "s": ("rate",),
         "losses": ("loss",), "damping": ("loss",), "preload": ("precompression",),
         "material": ("name",), "materials": ("name",), "rho": ("density",),
+        "chains": ("samples",),
     }
 )  # fmt: skip
+# Arguments of another function or class, by function and name.
+ELSEWHERE: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
+    {
+        ("distribution", "chains"): "scatter=Scatter(..., samples=100)",
+        ("distribution", "samples"): "scatter=Scatter(..., samples=100)",
+        ("distribution", "radius"): "scatter=Scatter(radius=0.01)",
+        ("distribution", "relative"): "scatter=Scatter(radius=0.01)",
+        ("distribution", "grade"): "scatter=Scatter(grade=100)",
+        ("distribution", "beads"): 'scatter=Scatter(..., beads="2:")',
+    }
+)
 MATERIALS: Final = frozenset(("material", "materials"))
 # Other names of fields of a chain, accepted by builders, chain files and sweeps.
 FIELD_ALIASES: Final[Mapping[str, str]] = MappingProxyType({"material": "materials"})
@@ -151,10 +163,12 @@ def check_keywords(label: str, given: Iterable[str], known: Iterable[str]) -> No
     unknown = [name for name in given if name not in names]
     if not unknown:
         return
+    others = [ELSEWHERE[label, name] for name in unknown if (label, name) in ELSEWHERE]
     meant = [_meant(name, names) for name in unknown]
     said = " and no argument ".join(map(repr, unknown))
     found = ", ".join(each for each in meant if each)
     hint = f"did you mean {found}?" if found else f"it takes {', '.join(names) or 'no arguments'}"
+    hint = f"use {' and '.join(dict.fromkeys(others))}" if others else hint
     if label.startswith("Chain.") and not found and MATERIALS & set(unknown):
         hint += "; Chain.from_materials and Chain.tapered make chains of materials"
     # The `TypeError` of Python says the same.

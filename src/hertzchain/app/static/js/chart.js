@@ -5,7 +5,8 @@ import { percent, powers, short, ticks } from "./numbers.js";
 
 /** @typedef {{name: string, label: string, x: ArrayLike<number>, y: ArrayLike<number>, base?: ArrayLike<number>,
  *   points?: boolean}} Series */
-/** @typedef {{xLabel: string, yLabel: string, log?: boolean,
+/** The x values of `counted` axes are numbers of beads, contacts or modes.
+ * @typedef {{xLabel: string, yLabel: string, counted?: boolean, log?: boolean,
  *   percent?: boolean, message?: string, most?: number}} Axes */
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -110,7 +111,7 @@ export class Chart {
       items.push(svg("line", { class: y === 0 ? "axis" : "grid", x1: LEFT, x2: right, y1: at, y2: at }));
       items.push(svg("text", { x: LEFT - 6, y: at + 3.5, "text-anchor": "end" }, axes.percent ? percent(y) : short(y)));
     }
-    for (const at of ticks(this.x[0], this.x[1], (right - LEFT) / 50)) {
+    for (const at of ticks(this.x[0], this.x[1], (right - LEFT) / 50, axes.counted ? 1 : 0)) {
       const x = this.px(at);
       items.push(svg("line", { class: "tick", x1: x, x2: x, y1: bottom, y2: bottom + 4 }));
       items.push(svg("text", { x, y: bottom + 15, "text-anchor": "middle" }, short(at)));

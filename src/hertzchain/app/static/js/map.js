@@ -68,8 +68,8 @@ export class SpaceTime {
       pen.fillText(short(tick), LEFT - 5, Math.max(yOf(tick / axis.factor) + 4, TOP + 9));
     }
     pen.textAlign = "center";
-    for (const k of ticks(1, motion.beads, wide / 55)) {
-      if (Number.isInteger(k)) pen.fillText(String(k), LEFT + ((k - 0.5) / motion.beads) * wide, TOP + high + 14);
+    for (const k of ticks(1, motion.beads, wide / 55, 1)) {
+      pen.fillText(String(k), LEFT + ((k - 0.5) / motion.beads) * wide, TOP + high + 14);
     }
     pen.fillText("bead", LEFT + wide / 2, H - 5);
     pen.textAlign = "left";

@@ -60,12 +60,13 @@ export function plain(value) {
   return String(+value.toPrecision(12));
 }
 
-/** Round values between two ends. @param {number} low @param {number} high @param {number} count */
-export function ticks(low, high, count) {
+/** Round values between two ends, at least a smallest step apart.
+ * @param {number} low @param {number} high @param {number} count @param {number} [least] */
+export function ticks(low, high, count, least = 0) {
   if (!(high > low)) return [low];
   const rough = (high - low) / Math.max(1, count);
   const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * ([1, 2, 5, 10].find((each) => each * power >= rough * 0.999) ?? 10);
+  const step = Math.max(least, power * ([1, 2, 5, 10].find((each) => each * power >= rough * 0.999) ?? 10));
   const found = [];
   for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) {
     found.push(+(i * step).toPrecision(12));

@@ -64,7 +64,7 @@ export class Views {
     if (exact && !hidden.includes("exact")) series.unshift(line("exact", "simulation", exact, factor));
     const label = inUnit(info.description, unit);
     const message = series.length ? "" : this.reason(own);
-    this.pulse.draw(series, { xLabel: info.per === "contact" ? "contact k" : "bead k", yLabel: label, log: state.view.log, message },
+    this.pulse.draw(series, { xLabel: info.per === "contact" ? "contact k" : "bead k", counted: true, yLabel: label, log: state.view.log, message },
       `${label} along the chain: ${summary(series)}`);
     this.legend(own, other, quantity, hidden);
     this.drawErrors(state, own, other, shown);
@@ -90,7 +90,7 @@ export class Views {
       const common = other && other.si === own.si && exact && theirs;
       const series = common ? [difference("other", "other chain", theirs, exact)] : [];
       const message = common ? "" : !other ? "Choose Compare to add a second chain." : late ? whyBlank(late) : other.si === own.si ? "No value" : "Chains in SI units and in scaled variables cannot be compared.";
-      this.error.draw(series, { xLabel: "bead k", yLabel: "other chain relative to this one", percent: true, message }, `Difference of the chains: ${summary(series)}`);
+      this.error.draw(series, { xLabel: "bead k", counted: true, yLabel: "other chain relative to this one", percent: true, message }, `Difference of the chains: ${summary(series)}`);
       return;
     }
     const series = exact ? shown.map((name) => difference(name, title(name), own.theory(name, quantity), exact, true)) : [];
@@ -99,7 +99,7 @@ export class Views {
     replace($("legend-error"), series.at(-1)?.name === "estimate" ? [key("estimate", "error estimated by the law")] : []);
     card.hidden = !series.length && !other && !!own.pulse.header;
     const message = series.length ? "" : !own.pulse.header ? this.reason(own) : shown.length ? "No values to compare with." : "None of the theories shown supports this chain.";
-    this.error.draw(series, { xLabel: "bead k", yLabel: "error relative to the simulation", log: true, percent: true, message, most: 1000 }, `Errors of the theories: ${summary(series)}`);
+    this.error.draw(series, { xLabel: "bead k", counted: true, yLabel: "error relative to the simulation", log: true, percent: true, message, most: 1000 }, `Errors of the theories: ${summary(series)}`);
   }
 
   /** Buttons that show and hide curves, and notes.
@@ -222,7 +222,7 @@ export class Views {
     if (own.run.header.draft && !frequencies && !message) return;
     const [factor, unit] = frequencies && own.si ? prefixed(largest(frequencies), "Hz") : [1, ""];
     const series = frequencies ? [{ name: "modes", label: "modes", x: range(frequencies.length), y: times(frequencies, factor), points: true }] : [];
-    this.modes.draw(series, { xLabel: "mode", yLabel: inUnit("frequency", unit), message: frequencies ? "" : `No spectrum: ${message}.`.replace(/\.\.$/, ".") }, frequencies ? `Spectrum: ${summary(series)}` : "No spectrum");
+    this.modes.draw(series, { xLabel: "mode", counted: true, yLabel: inUnit("frequency", unit), message: frequencies ? "" : `No spectrum: ${message}.`.replace(/\.\.$/, ".") }, frequencies ? `Spectrum: ${summary(series)}` : "No spectrum");
   }
 
   /** @param {number} bead @param {number} time */

@@ -60,10 +60,11 @@ def two_sizes(
             "Chain.dimer needs a mass ratio, two radii or two diameters, such as "
             "Chain.dimer(diameters=['10 mm', '6 mm'], materials='steel-52100', beads=40)"
         )
-    if diameters is None:
-        found = checked_sizes("radius", radii)
-    else:
+    if diameters is not None:
         found = 0.5 * checked_sizes("diameter", diameters)
+    else:
+        assert radii is not None
+        found = checked_sizes("radius", radii)
     if found.shape not in ((), (1,), (2,)):
         raise InputError(
             f"a dimer has one or two sizes, got {found.size}; Chain.periodic repeats any cell"

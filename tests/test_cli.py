@@ -577,6 +577,15 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     assert document["sensors"][0]["bead"] == 2
 
 
+def test_simulate_states_the_largest_error_of_forces_in_sensors(run, tmp_path):
+    file = tmp_path / "lossy.toml"
+    file.write_text(EXPERIMENT + '[chain.loss]\nlaw = "restitution"\ncoefficient = 0.9\n')
+    code, out, err = run("simulate", file, "--until", "300 us", "--times", "81", "--sensor", "3")
+    assert code == 0, err
+    sensor = hertzchain.simulate(hertzchain.load_chain(file), until=3e-4, times=81).sensor_force(3)
+    assert f"(error at most {sensor.error:.2g} N, from 81 saved times)" in out
+
+
 @pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
 def test_simulate_says_that_a_held_chain_may_hit_the_wall_harder_later(run, tmp_path):
     file = tmp_path / "experiment.toml"

@@ -565,6 +565,11 @@ def test_maxima_in_sensors_lie_between_saved_times(loss):
             warnings.simplefilter("ignore", hc.IncompleteWarning)
             coarse = few.sensor_force(bead)
         assert abs(coarse.first_maximum - dense) <= coarse.error + 1e-9 * dense
+        bounded = coarse.error > 1e-4 * coarse.largest_so_far
+        assert ("errors at most" in repr(coarse)) == bounded == (loss != hc.Elastic())
+        assert f"first maximum {coarse.first_maximum:.4g} N at" in repr(coarse)
+        if loss == hc.Restitution(0.9):
+            assert abs(coarse.first_maximum - dense) < 0.05 * coarse.error
         if loss == hc.Elastic():
             assert coarse.first_maximum == pytest.approx(dense, rel=1e-5)
             assert sensor.first_maximum == pytest.approx(dense, rel=1e-9)

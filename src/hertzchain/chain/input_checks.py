@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -75,7 +75,7 @@ def checked_radii(radii: ArrayLike) -> Array:
     return values
 
 
-def checked_sizes(what: str, given: ArrayLike, unit: str | None = "m") -> Array:
+def checked_sizes(what: str, given: ArrayLike | Any, unit: str | None = "m") -> Array:
     """Check one positive radius or diameter, or several; messages show them as typed."""
     values = real_numbers(what, given, "bead", unit=unit)
     if values.ndim == 0:

@@ -208,5 +208,5 @@ def _sensor_line(run: Run, bead: int) -> str:
     error = ""
     if sensor.error > SHOWN * sensor.largest_so_far:
         size = measure(sensor.error, "N", sensor.units, 2)
-        error = f" (+- {size}, from {len(sensor.times)} saved times)"
+        error = f" (error at most {size}, from {len(sensor.times)} saved times)"
     return f"sensor in {bead_label(run.chain, bead)}: {first}{largest}{error}"

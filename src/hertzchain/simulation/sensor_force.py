@@ -11,7 +11,7 @@ import numpy as np
 from ..chain.bead_names import bead_number, wall_number
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, warn_user
-from ..representation import measure, short, with_error
+from ..representation import measure, short
 from ..validation.keywords import checked_methods
 from .force_table import force_dataframe
 from .sensor_curve import maximum_near
@@ -51,9 +51,11 @@ class SensorForce:
         Largest force and its time.  Waves that follow the first one, or return from a wall, may
         exceed it later.
     error : float
-        Bound of the error of both maxima [scaled, or N], because they lie between saved times.
-        In elastic chains, overlaps are interpolated by polynomials of degree 5, and the error is
-        usually negligible; contacts with losses or a drive require more saved times.
+        Bound of the error of both maxima [scaled, or N], because they are interpolated between
+        saved times.  In elastic chains, by polynomials of degree 5 for the overlaps, and the bound
+        is usually negligible.  With losses or a drive, by a spline through the saved forces; the
+        bound then assumes that the force may have a jump or a corner.  If it has none, as with
+        `Restitution`, the error is about a hundredth of the bound.
     units : str
         ``"scaled"`` or ``"SI"``.
     """
@@ -69,14 +71,8 @@ class SensorForce:
     error: float = 0.0
 
     def __repr__(self) -> str:
-        def shown(force: float) -> str:
-            if self.error > SHOWN * abs(self.largest_so_far):
-                unit = " N" if self.units == "SI" else ""
-                return f"{with_error(force, self.error)}{unit}"
-            return measure(force, "N", self.units)
-
         first, largest = (
-            f"{shown(force)} at t = {measure(time, 's', self.units)}"
+            f"{measure(force, 'N', self.units)} at t = {measure(time, 's', self.units)}"
             for force, time in (
                 (self.first_maximum, self.first_maximum_time),
                 (self.largest_so_far, self.largest_so_far_time),
@@ -84,7 +80,9 @@ class SensorForce:
         )
         if math.isnan(self.first_maximum):
             first = "none yet"
-        facts = f"first maximum {first}", f"largest so far {largest}"
+        facts = [f"first maximum {first}", f"largest so far {largest}"]
+        if self.error > SHOWN * abs(self.largest_so_far):
+            facts.append(f"errors at most {measure(self.error, 'N', self.units, digits=2)}")
         return short("SensorForce", f"bead {self.bead}", *facts)
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -159,9 +157,9 @@ def sensor_force_of(self: Trajectory, bead: int | str) -> SensorForce:
         )
     if found.error > COARSE * found.largest_so_far:
         warn_user(
-            f"the largest force in bead {bead} is known to "
-            f"{measure(found.error, 'N', self.chain.units)} from {len(self.times)} saved times; "
-            "save more times",
+            f"the largest force in bead {bead} may have an error of "
+            f"{measure(found.error, 'N', self.chain.units)}, because it is interpolated between "
+            f"{len(self.times)} saved times; save more times",
             IncompleteWarning,
         )
     return found

@@ -110,9 +110,9 @@ def unknown_name_error(what: str, name: object, known: Iterable[str]) -> InputEr
     asked = name.lower() if isinstance(name, str) else ""
     near = difflib.get_close_matches(asked, lower, n=1, cutoff=NEAR)
     containing = [choice for choice in lower if asked in choice] if len(asked) > 2 else []
-    # A part of several names, such as "steel", means all of them, the most similar one first.
+    # A part of several names, such as "steel", means all of them, and first those it begins.
     if not near or (len(containing) > 1 and asked not in lower):
-        near = sorted(containing, key=lambda choice: choice not in near)
+        near = sorted(containing, key=lambda choice: not choice.startswith(asked))
     if not near:
         near = [choice for choice in lower if _is_near(asked, choice.partition("-")[0])]
     hint = f"; did you mean {' or '.join(repr(lower[each]) for each in near[:3])}?" if near else ""

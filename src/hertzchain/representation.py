@@ -103,3 +103,17 @@ def percent(fraction: float) -> str:
     """``48.07%``, ``0.0022%``: two decimals, or two digits if these would be zeros."""
     value = 100.0 * fraction
     return f"{value:.2g}%" if abs(value) < 0.1 else f"{value:.2f}%"
+
+
+def duration_in_words(seconds: float) -> str:
+    """An expected duration with two digits, in seconds, minutes, hours, days or years."""
+    if seconds < 60:
+        return f"{seconds:.2g} s"
+    minutes = round(seconds / 60)
+    if minutes < 60:
+        return f"{minutes} min"
+    hours, minutes = divmod(minutes, 60)
+    if hours < 48:
+        return f"{hours} h {minutes} min"
+    days = seconds / 86400
+    return f"{days:.2g} days" if days < 730 else f"{days / 365.25:.2g} years"

@@ -280,14 +280,15 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
         return
     from rich.filesize import decimal
 
-    from ..representation import counted
+    from ..representation import counted, duration_in_words
 
     batches = "1 batch" if found.batches == 1 else f"{found.batches} batches"
     click.echo(f"{counted(found.points, 'point')} in {batches}")
     click.echo(f"at most {decimal(found.bytes_on_disk)} of values on disk, and metadata, in about "
                f"{found.files} files")  # fmt: skip
     about = "more than" if found.unfinished else "about"
-    click.echo(f"{about} {_duration(found.seconds)} of computing, without {START}, on this machine")
+    duration = duration_in_words(found.seconds)
+    click.echo(f"{about} {duration} of computing, without {START}, on this machine")
     if found.unfinished:
         click.echo("a point was not finished within ten seconds; shorter chains take less time")
 
@@ -330,16 +331,3 @@ def _show_failures(opened: SweepStore, failed: int) -> None:
     shown = sum(count for _, count, _ in groups[:MAX_REASONS])
     if failed > shown:
         click.echo(f"  and {failed - shown} more (see variable `reason`)")
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 60:
-        return f"{seconds:.2g} s"
-    minutes = round(seconds / 60)
-    if minutes < 60:
-        return f"{minutes} min"
-    hours, minutes = divmod(minutes, 60)
-    if hours < 48:
-        return f"{hours} h {minutes} min"
-    days = seconds / 86400
-    return f"{days:.2g} days" if days < 730 else f"{days / 365.25:.2g} years"

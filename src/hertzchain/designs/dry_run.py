@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..representation import counted
+from ..representation import counted, duration_in_words
 from .ball_choice import BallSpace
 from .genetic import BATCH, Population, search
 from .measures import in_words
@@ -126,5 +126,5 @@ def in_lines(problem: Design, found: Estimate) -> str:
     lines.append(f"the given chain: {', '.join(shown)}")
     most = "at most " if found.choices == math.inf else ""
     lines.append(f"about {1e3 * found.trial:.2g} ms per trial on this machine, {most}about "
-                 f"{found.seconds:.2g} s without the verification")  # fmt: skip
+                 f"{duration_in_words(found.seconds)} without the verification")  # fmt: skip
     return "\n".join(lines)

@@ -12,7 +12,7 @@ from __future__ import annotations
 # beads never share a vector register, and a value just stored is read back as it was stored.
 LANES = LINE = 8
 # Five cache lines more than a multiple of 4096 bytes, so that rows do not compete for cache lines.
-ROW = LINE * (8192 + 5)
+ROW = LINE * (4096 + 5)
 (X, TRIAL, NEW_X, V, NEW_V, FORCE, F0, F1, F2, F3, F4, F5, F6, F7, F8, AT_REST, STIFFNESS,
  EXPONENT, BODY, INVERSE_MASS, H, PEAKED, CROSSED, FLAG, SPEED, NEAR, SCALE, NOISE, WORK,
  DEFECT, END_OF_ROWS) = range(0, 31 * ROW, ROW)  # fmt: skip

@@ -468,7 +468,8 @@ def test_the_check_of_reflections_can_be_omitted():
     chains = [taper.replace(velocities=[0.3, 0.0, 0.0]) for taper in tapers]
     whole = hc.simulate_many(chains, keep=["wall_peak_force"])
     leading = hc.simulate_many(chains, keep=["wall_peak_force"], check_range=False)
-    np.testing.assert_array_equal(whole["wall_peak_force"], leading["wall_peak_force"])
+    # Steps end at checks of the wall, which are less frequent if only the peak is requested.
+    assert leading["wall_peak_force"] == pytest.approx(whole["wall_peak_force"], rel=1e-12)
     assert whole.outside_range.tolist() == [True, False]
     assert leading.outside_range.tolist() == [False, False]
     assert "1 of 2 chains outside Hertz's range;" in repr(whole)

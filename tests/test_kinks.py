@@ -19,7 +19,8 @@ def kink(sign, q):
     entries[layout.KINK_AT], entries[layout.KINK_SIGN] = AT, sign
     entries[layout.KINK_Q], entries[layout.KINK_A], entries[layout.KINK_B] = q, 1.3, -0.4
     entries[layout.KINK_LEFT], entries[layout.KINK_RIGHT] = LEFT, RIGHT
-    callable_from_python(elastic_kinks.set_shifts)(entries, H)
+    entries[layout.KINK_STEP] = H
+    callable_from_python(elastic_kinks.set_shifts)(entries, 1)
     return entries
 
 
@@ -44,7 +45,9 @@ def test_shifts_are_the_defects_of_the_method(sign, q):
     at_stages = np.array([force(entries, c * H) for c in (0.0, *rkn8.C)])
     for stage, (c, weights) in enumerate(zip(rkn8.C, rkn8.A, strict=True), 1):
         exact = H**2 * np.dot(weights, at_stages[:stage]) - motion(entries, c * H)[0]
-        assert entries[layout.KINK_SHIFT + stage] == pytest.approx(exact, abs=1e-12)
+        assert entries[layout.KINK_SHIFT + stage * layout.MOST_KINKS] == pytest.approx(
+            exact, abs=1e-12
+        )
     position, velocity = motion(entries, H)
     exact = H**2 * np.dot(rkn8.B_POSITION, at_stages[:7]) - position
     assert entries[layout.KINK_SHIFT_X] == pytest.approx(exact, abs=1e-12)
@@ -59,7 +62,7 @@ def test_shifts_are_the_defects_of_the_method(sign, q):
 def test_the_motion_of_both_beads(sign, q):
     entries, kink_motion = kink(sign, q), callable_from_python(elastic_kinks.kink_motion)
     for slot, mass in ((AT, -LEFT), (AT + layout.LANES, RIGHT), (AT + 2 * layout.LANES, 0.0)):
-        found = kink_motion(entries[np.newaxis], 1, slot, 0.5)
+        found = kink_motion(entries, 1, slot, 0.5)
         position, velocity = motion(entries, 0.5)
         assert found[0] == pytest.approx(mass * position, abs=1e-12)
         assert found[1] == pytest.approx(mass * velocity, abs=1e-12)

@@ -53,7 +53,7 @@ def test_error_weights_vanish_on_polynomials_of_degree_5_only():
 @njit
 def steps_of_two_beads(w, steps):
     for _ in range(steps):
-        rows.accelerate(w, 0, 2, rows.STAGE_0, 0, 1, None)
+        rows.accelerate(w, 0, 2, rows.STAGE_0, 1, None)
         rows.take_step(w, 2, 1, None)
 
 

@@ -228,6 +228,27 @@ def test_many_chains_have_the_same_complete_peaks():
             assert table["wall_peak_force"][0] == pytest.approx(run.wall_force().peak, rel=1e-6)
 
 
+@pytest.mark.parametrize("soft", [False, True])
+def test_runs_that_end_at_the_proof_have_the_same_peaks(soft):
+    """No larger force follows in longer runs."""
+    rng, walls = np.random.default_rng(5), [0.01, 0.1] if soft else [1.0, 10.0]
+    chains = []
+    for beads in rng.integers(2, 20, size=60):
+        chain = hc.Chain.from_radii(rng.choice([0.3, 1.0, 2.0], beads))
+        gaps = rng.choice([0.0, 0.05, 0.3], beads - 1)
+        wall = hc.Wall(stiffness=float(rng.choice(walls)))
+        chains.append(chain.replace(gaps=gaps, right_wall=wall))
+    proven = hc.simulate_many(chains, keep=["wall_peak_force"], rtol=1e-10)
+    names = ["wall_peak_force", "wall_impulse_of_impact", "end_time"]
+    whole = hc.simulate_many(chains, keep=names, rtol=1e-10)
+    until = 3.0 * whole["end_time"].max()
+    longer = hc.simulate_many(chains, keep=["wall_largest_so_far"], until=until, rtol=1e-10)
+    peaks = proven["wall_peak_force"]
+    assert np.isfinite(peaks).all()
+    assert peaks == pytest.approx(whole["wall_peak_force"], rel=1e-9)
+    assert peaks == pytest.approx(longer["wall_largest_so_far"], rel=1e-7)
+
+
 def test_the_locked_energy_is_the_smallest_kinetic_energy():
     """Compared with a constrained minimisation by SciPy."""
     from scipy.optimize import LinearConstraint, minimize

@@ -13,7 +13,7 @@ EXCEPTIONS = {
         "the loop over steps of a window, whose bounds and next step follow from the same events"
     ),
     "kernels/elastic_chains.py: follow": (
-        "the loop over steps of four chains, whose lanes are refilled from one list"
+        "the loop over steps of eight chains, whose lanes are refilled from one list"
     ),
     "kernels/full_chain.py: advance": (
         "the loop over windows, whose bounds, records and numbers of steps change together"

@@ -66,8 +66,8 @@ def forces(w, low, high, at, out, hertz, kept):
 
 
 @inlined
-def elastic_forces(w, low, high, at, out, hertz, kept):
-    """`forces` without damping; the first number kept is that of contact ``low``.
+def press(w, low, high, at, hertz, kept):
+    """Contact forces of a window without damping; the first number kept is that of ``low``.
 
     The compiler can use vectors if ``low`` is a constant.
     """
@@ -84,21 +84,33 @@ def elastic_forces(w, low, high, at, out, hertz, kept):
             d = d if d > LEAST else 0.0
             kept[c - low] = d
             w[FORCE + c] = w[STIFFNESS + c] * power(d, w[EXPONENT + c])
-    for i in range(low, high):
-        w[out + i] = (w[FORCE + i] - w[FORCE + i + 1]) * w[INVERSE_MASS + i] + w[BODY + i]
 
 
 @inlined
-def accelerate(w, low, high, out, stage, hertz, kept):
-    """Accelerations at a stage."""
-    elastic_forces(w, low, high, TRIAL, out, hertz, kept[stage])
+def acceleration(w, i, hertz):  # noqa: ARG001
+    """Acceleration of a bead by the forces of its contacts."""
+    return (w[FORCE + i] - w[FORCE + i + 1]) * w[INVERSE_MASS + i] + w[BODY + i]
+
+
+@inlined
+def elastic_forces(w, low, high, at, out, hertz, kept):
+    """`forces` without damping."""
+    press(w, low, high, at, hertz, kept)
+    for i in range(low, high):
+        w[out + i] = acceleration(w, i, hertz)
+
+
+@inlined
+def press_at_stage(w, low, high, stage, hertz, kept):
+    """Contact forces at a stage."""
+    press(w, low, high, TRIAL, hertz, kept[stage])
 
 
 # Positions and velocities begin with an entry for the left wall.
 take_step, velocity_error = step_on(
     Rows(X + 1, V + 1, TRIAL + 1, NEW_X + 1, NEW_V + 1, (F0, F1, F2, F3, F4, F5, F6, F7)),
-    accelerate,
-)
+    press_at_stage, acceleration,
+)  # fmt: skip
 
 
 @compiled

@@ -55,13 +55,14 @@ from .elastic_layout import (
     LAST_IMPULSE,
     LEAST_PUSH,
     LENGTH,
+    LINE,
     MOST,
-    MOST_KINKS,
     NEW_V,
     NEW_X,
     NOISE,
     NOTHING_MORE,
     PEAK,
+    PEAK_ONLY,
     PEAK_TIME,
     PEAKED,
     PEAKS,
@@ -108,27 +109,33 @@ from .elastic_walls import (
     complete,
     expired,
     held,
+    is_largest,
     note_end,
     nothing_can_happen,
     restart,
+    set_due,
     start_watch,
 )
-from .rkn8_step import GROWTH, SAFETY, SHRINKAGE, STAGES, impulse_of, take_step
+from .rkn8_step import GROWTH, SAFETY, SHRINKAGE, STAGES, impulse_of, spread, take_step
 from .state_layout import STRIKER_PEAK_TIME
 
 inlined = internal(forceinline=True, **OPTIONS)
 
 MIN_STEP, HALF = 1e-280, 0.5
+# Attempts per transit to prove that no larger force follows; each takes as long as a step.
+PROOFS = 5
 # Steps longer than this fraction of the elapsed time occur only if all beads are in free flight.
 LONG_STEP = 0.1
 
 
 def scratch_for(gauges):
-    """Scratch arrays of `follow`."""
+    """Scratch arrays of `follow`; rows begin at the start of a cache line."""
+    rows = np.zeros(END_OF_ROWS + LINE)
+    start = -rows.ctypes.data % (8 * LINE) // 8
     return (
-        np.zeros(END_OF_ROWS), np.zeros((LANE_ROWS, LANES)), np.zeros((STAGES, gauges, LANES)),
-        np.zeros((LANES, gauges, GAUGE_ROWS)), np.zeros(LANES, np.int64),
-        np.zeros((MOST_KINKS, KINK_ROWS)),
+        rows[start : start + END_OF_ROWS], np.zeros((LANE_ROWS, LANES)),
+        np.zeros((STAGES, gauges, LANES)), np.zeros((LANES, gauges, GAUGE_ROWS)),
+        np.zeros(LANES, np.int64), np.zeros(KINK_ROWS),
     )  # fmt: skip
 
 
@@ -189,8 +196,8 @@ def store(
     summary[WALL_FIRST_IMPULSE] = state[FIRST_IMPULSE, lane]
     summary[WALL_FIRST_END] = state[FIRST_END, lane]
     summary[WALL_SINCE] = state[SINCE, lane]
-    known = peak > 0.0 and complete(w, beads, lane, chain, can_escape, state, peak)
-    summary[WALL_COMPLETE] = 1.0 * known
+    known = status == WALL_DONE or complete(w, beads, lane, chain, can_escape, state, peak)
+    summary[WALL_COMPLETE] = 1.0 * (known and peak > 0.0)
     summary[WALL_IMPACT_IMPULSE] = state[IMPACT_IMPULSE, lane]
 
 
@@ -218,7 +225,8 @@ def closes_unseen(w, beads, lane, h):
 @compiled
 def new_lengths(rtol, state):
     """Accept or reject the step of each lane, and store the factor of its next step."""
-    for lane in range(LANES):
+    # The compiler does not use vectors if the number of lanes is a constant.
+    for lane in range(state.shape[1]):
         error = state[WORST, lane] / rtol
         good = error <= 1.0
         # An eighth root by three square roots; no growth right after a rejected step.
@@ -271,13 +279,15 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
         return NOTHING_MORE if closed and by_itself else 0
     if time + state[STEP, lane] < state[DUE, lane] or state[DUE, lane] > numbers[UNTIL]:
         return 0
+    peak, can_escape = gauges[lane, 0, PEAK], numbers[CAN_ESCAPE] != 0.0
+    if can_escape and numbers[PEAK_ONLY] != 0.0:
+        return ending_with_peak(w, beads, lane, state, peak, numbers[REBOUNDS])
     restart(lane, state, gauges[lane, 0, PEAK_TIME])
-    check_wall(w, beads, lane, chain, state, gauges[lane, 0, PEAK], impulse)
+    check_wall(w, beads, lane, chain, state, peak, impulse)
     if not by_itself:
         return 0
     if state[TRANSIT, lane] == 0.0:
         return NOTHING_MORE
-    peak, can_escape = gauges[lane, 0, PEAK], numbers[CAN_ESCAPE] != 0.0
     late = expired(lane, state, numbers[REBOUNDS])
     if late or held(lane, state):
         if complete(w, beads, lane, chain, can_escape, state, peak):
@@ -286,8 +296,19 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
 
 
 @compiled
-def read_gauges(w, beads, lane, least_push, places, pushes, state, gauges, kinks, count):
-    """Update impulses and largest forces of gauges, and the ends of contacts with the wall."""
+def ending_with_peak(w, beads, lane, state, peak, rebounds):
+    """`ending` if only the largest force on the wall is requested."""
+    set_due(lane, state, PROOFS)
+    if peak > 0.0 and is_largest(w, beads, lane, peak):
+        return WALL_DONE
+    if nothing_can_happen(w, beads, lane):
+        return NOTHING_MORE
+    return TRANSIT_LIMIT if expired(lane, state, rebounds) else 0
+
+
+@inlined
+def read_lane(w, beads, lane, least_push, places, pushes, state, gauges, kinks, count):
+    """`read_gauges` of one lane."""
     h, pressed = state[LENGTH, lane], pushes[0, 0, lane] > 0.0
     for g in range(len(places)):
         start, end, top = pushes[0, g, lane], pushes[8, g, lane], 0.0
@@ -313,12 +334,13 @@ def read_gauges(w, beads, lane, least_push, places, pushes, state, gauges, kinks
             state[FIRST_IMPULSE, lane] = impulse
 
 
-@inlined
-def spread(w, beads, state, entry):
-    """Copy an entry of each lane to the row of lengths."""
-    for k in range(beads):
-        for lane in range(LANES):
-            w[H + k * LANES + lane] = state[entry, lane]
+@compiled
+def read_gauges(w, beads, numbers, places, pushes, state, gauges, which, kinks, count):
+    """Update impulses and largest forces of gauges, and the ends of contacts with the wall."""
+    for lane in range(len(which)):
+        if state[GOOD, lane] > 0.0 and which[lane] >= 0:
+            least_push = numbers[which[lane], LEAST_PUSH]
+            read_lane(w, beads, lane, least_push, places, pushes, state, gauges, kinks, count)
 
 
 @compiled
@@ -333,7 +355,7 @@ def accept(w, beads, state):
             w[V + LANES + i] = w[NEW_V + LANES + i]
             w[F0 + i] = w[F8 + i]
         return
-    spread(w, beads, state, GOOD)
+    spread(w, H, beads, state[GOOD])
     for i in range(size):
         yes = w[H + i] > 0.0
         w[X + LANES + i] = w[NEW_X + LANES + i] if yes else w[X + LANES + i]
@@ -376,7 +398,7 @@ def follow(
                 continue
             left = numbers[which[lane], UNTIL] - state[TIME, lane]
             state[LENGTH, lane] = min(state[STEP, lane], left)
-        spread(w, beads + 1, state, LENGTH)
+        spread(w, H, beads + 1, state[LENGTH])
         if hertz:
             kinked = find_kinks(w, beads, rtol, which, state, kinks, kinked)
         events = take_step(w, beads, hertz, rtol, places, pushes, state, kinks, kinked)
@@ -389,10 +411,7 @@ def follow(
                         state[GOOD, lane], state[WORST, lane] = 0.0, 0.5
         if events > 0.0:
             record_events(w, beads, rtol, state, state[GOOD], which, records, kinks, kinked)
-        for lane in range(LANES):
-            if state[GOOD, lane] > 0.0 and which[lane] >= 0:
-                read_gauges(w, beads, lane, numbers[which[lane], LEAST_PUSH], places, pushes, state,
-                            gauges, kinks, kinked)  # fmt: skip
+        read_gauges(w, beads, numbers, places, pushes, state, gauges, which, kinks, kinked)
         accept(w, beads, state)
         pass_step(kinks, kinked, state)
         for lane in range(LANES):

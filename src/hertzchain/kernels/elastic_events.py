@@ -268,16 +268,18 @@ def record_crossing(w, beads, k, lane, rtol, state, records, kinks, count):
 @compiled
 def record_events(w, beads, rtol, state, good, which, records, kinks, count):
     """Record the marked events of lanes whose step is accepted."""
-    for lane in range(LANES):
+    for at in range(beads * LANES):
+        mark = w[FLAG + at]
+        if mark == 0.0:
+            continue
+        k, lane = at // LANES, at % LANES
         if good[lane] == 0.0 or which[lane] < 0:
             continue
         own = records[which[lane]]
-        for k in range(beads):
-            mark = w[FLAG + k * LANES + lane]
-            if mark == 1.0 or mark == 3.0:
-                record_peak(w, beads, k, lane, rtol, state, own, kinks, count)
-            if mark >= 2.0:
-                record_crossing(w, beads, k, lane, rtol, state, own, kinks, count)
+        if mark == 1.0 or mark == 3.0:
+            record_peak(w, beads, k, lane, rtol, state, own, kinks, count)
+        if mark >= 2.0:
+            record_crossing(w, beads, k, lane, rtol, state, own, kinks, count)
 
 
 @inlined

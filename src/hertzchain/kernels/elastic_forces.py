@@ -58,31 +58,36 @@ def raise_overlaps(w, count):
 
 
 @compiled
-def general_forces(w, beads, at, out):
-    """`forces` for any exponents."""
-    size = beads * LANES
-    for i in range(size + LANES):
-        w[FORCE + i] = w[AT_REST + i] + (w[at + i] - w[at + LANES + i])
-    raise_overlaps(w, size + LANES)
+def general_forces(w, beads, at):
+    """`press` for any exponents."""
+    size = (beads + 1) * LANES
     for i in range(size):
-        net = w[FORCE + i] - w[FORCE + LANES + i]
-        w[out + i] = net * w[INVERSE_MASS + i] + w[BODY + i]
+        w[FORCE + i] = w[AT_REST + i] + (w[at + i] - w[at + LANES + i])
+    raise_overlaps(w, size)
 
 
 @inlined
-def forces(w, beads, at, out, hertz):
-    """Compute contact forces at the positions in row ``at`` and accelerations in row ``out``."""
+def press_hertz(w, i, at):
+    """Compute the force of a Hertz contact at the positions in row ``at``."""
+    d = w[AT_REST + i] + (w[at + i] - w[at + LANES + i])
+    d = d if d > LEAST else 0.0
+    w[FORCE + i] = w[STIFFNESS + i] * (d * math.sqrt(d))
+
+
+@inlined
+def press(w, beads, at, hertz):
+    """Compute contact forces at the positions in row ``at``."""
     if not hertz:
-        general_forces(w, beads, at, out)
+        general_forces(w, beads, at)
         return
-    size = beads * LANES
-    for i in range(size + LANES):
-        d = w[AT_REST + i] + (w[at + i] - w[at + LANES + i])
-        d = d if d > LEAST else 0.0
-        w[FORCE + i] = w[STIFFNESS + i] * (d * math.sqrt(d))
-    for i in range(size):
-        net = w[FORCE + i] - w[FORCE + LANES + i]
-        w[out + i] = net * w[INVERSE_MASS + i] + w[BODY + i]
+    for i in range((beads + 1) * LANES):
+        press_hertz(w, i, at)
+
+
+@inlined
+def acceleration(w, i):
+    """Acceleration of a bead by the forces of its contacts."""
+    return (w[FORCE + i] - w[FORCE + LANES + i]) * w[INVERSE_MASS + i] + w[BODY + i]
 
 
 @compiled

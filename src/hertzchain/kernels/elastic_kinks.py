@@ -28,6 +28,15 @@ from .elastic_layout import (
     AT_REST,
     F0,
     FLAG,
+    FOUND,
+    FOUND_A,
+    FOUND_D,
+    FOUND_J,
+    FOUND_PUSH,
+    FOUND_RATE,
+    FOUND_REACH,
+    FOUND_STIFFNESS,
+    FOUND_UNIT,
     GOOD,
     INVERSE_MASS,
     KINK_A,
@@ -41,8 +50,10 @@ from .elastic_layout import (
     KINK_SHIFT_V,
     KINK_SHIFT_X,
     KINK_SIGN,
+    KINK_STEP,
     LANES,
     LENGTH,
+    LINE,
     MOST_KINKS,
     SCALE,
     STIFFNESS,
@@ -59,14 +70,13 @@ summing = internal(forceinline=True, **(CONTRACTED | {"fastmath": True}))
 # Openings are subtracted if they are less than this part of a step after its end, closings if they
 # are less than this part of a step before its start.
 NEAR_STEP = 0.4
-# The screening of contacts by position and velocity allows for this factor in the time.
-MARGIN = 2.0
+# The screening of contacts by position, velocity and acceleration allows for this factor.
+MARGIN = 1.1
 # Kinks whose effect in a step is less than this fraction of the tolerance are ignored; so are
 # contacts whose relative velocity changes by more than this factor within the step.
 SMALL, GRAZING = 0.1, 4.0
-NEWTON = 6
-# Kinks are located to this fraction of a step.
-CLOSE = 1e-5
+# So are contacts whose relative velocity falls to less than this fraction before the kink.
+SLOWED = 0.1
 
 
 @inlined
@@ -103,10 +113,14 @@ def screen(w, beads):
     s = 0.0
     for i in range((beads + 1) * LANES):
         d = w[AT_REST + i] + (w[X + i] - w[X + LANES + i])
-        rate = w[V + i] - w[V + LANES + i]
-        changes = ((d <= 0.0) & (rate > 0.0)) | ((d > 0.0) & (rate < 0.0))
-        near = abs(d) < MARGIN * w[H + i] * abs(rate)
-        flag = 1.0 if changes & near & (w[STIFFNESS + i] > 0.0) else 0.0
+        sign = -1.0 if d > 0.0 else 1.0
+        rate = sign * (w[V + i] - w[V + LANES + i])
+        # Entries before the first bead and after the last one are 0.
+        a = sign * (w[F0 - LANES + i] - w[F0 + i])
+        h = w[H + i] * (1.0 + NEAR_STEP if d > 0.0 else 1.0)
+        reach = h * (MARGIN * rate + 0.5 * h * (a if a > 0.0 else 0.0))
+        near = (rate > 0.0) & (abs(d) < reach) & (w[STIFFNESS + i] > 0.0)
+        flag = 1.0 if near else 0.0
         w[FLAG + i] = flag
         s += flag
     return s
@@ -121,76 +135,76 @@ def rate_of(w, at):
 
 
 @inlined
-def time_of_closing(d, d1, d2, d3, h):
-    """Time until an overlap vanishes that grows from a negative value; infinity if unclear."""
-    q = -d / d1
-    for _ in range(NEWTON):
-        rate = d1 + q * (d2 + 0.5 * q * d3)
-        if not rate > 0.2 * d1:
-            return math.inf
-        change = (d + q * (d1 + q * (0.5 * d2 + q * d3 / 6.0))) / rate
-        q -= change
-        if abs(change) < CLOSE * h:
-            break
-    return q
+def describe(w, beads, at, kinks, n):
+    """Write the motion of a contact that may open or close to entry n of the kinks."""
+    h, d = w[H + at], overlap_of(w, at)
+    left = w[INVERSE_MASS + at - LANES] if at >= LANES else 0.0
+    right = w[INVERSE_MASS + at] if at < beads * LANES else 0.0
+    push, unit, d2, d3 = w[STIFFNESS + at] * (left + right), 0.0, 0.0, 0.0
+    if left > 0.0:
+        unit = w[SCALE + at - LANES]
+        d2 += w[F0 + at - LANES]
+        d3 += rate_of(w, at - LANES) * left
+    if right > 0.0:
+        unit = max(unit, w[SCALE + at])
+        d2 -= w[F0 + at]
+        d3 += rate_of(w, at + LANES) * right
+    closed = d if d > 0.0 else 0.0
+    sign = -1.0 if d > 0.0 else 1.0
+    kinks[FOUND + KINK_AT + n], kinks[FOUND + KINK_SIGN + n] = at, sign
+    kinks[FOUND + KINK_STEP + n] = h
+    kinks[FOUND + KINK_LEFT + n], kinks[FOUND + KINK_RIGHT + n] = left, right
+    kinks[FOUND_D + n], kinks[FOUND_RATE + n] = -sign * d, sign * closing_of(w, at)
+    kinks[FOUND_A + n] = sign * (d2 + push * closed * math.sqrt(closed))
+    kinks[FOUND_J + n], kinks[FOUND_PUSH + n] = sign * d3, push
+    kinks[FOUND_STIFFNESS + n], kinks[FOUND_UNIT + n] = w[STIFFNESS + at], unit
+    kinks[FOUND_REACH + n] = h * (1.0 + NEAR_STEP) if d > 0.0 else h
 
 
 @inlined
-def time_of_opening(d, d1, a, j, push, h):
-    """Time until an overlap vanishes, and its rate then, with accelerations by other forces.
+def improve(q, end, d, rate, a, j, push):
+    """Improve the time q until a distance vanishes, and its rate ``end`` then, by Newton's method.
 
-    ``push`` is the acceleration of the overlap by the force of the contact, divided by the power
-    3/2 of the overlap.
+    ``push`` is the acceleration by the force of the contact, divided by the power 3/2 of the
+    overlap.
     """
-    rate, q = -d1, -d / d1
-    for _ in range(NEWTON):
-        root = q * q * math.sqrt(q) * (push * rate * math.sqrt(rate))
-        rate = -d1 - q * (a + 0.5 * j * q) + 0.4 * root
-        if not rate > -0.05 * d1:
-            return math.inf, rate
-        old = q
-        q = d / (rate + q * (0.5 * a + j * q / 3.0) - root / 8.75)
-        if not q > 0.0:
-            return math.inf, rate
-        if abs(q - old) < CLOSE * h:
-            break
-    return q, rate
+    root = q * q * math.sqrt(q) * (push * end * math.sqrt(end))
+    end = rate + q * (a + 0.5 * j * q) + 0.4 * root
+    passed = q * (end - q * (0.5 * a + j * q / 3.0) - root / 8.75)
+    return q - (passed - d) / end, end
+
+
+@inlined
+def whole_lines(count):
+    """Smallest number of entries that fill cache lines; the compiler needs it to use vectors."""
+    return (count + LINE - 1) // LINE * LINE
 
 
 @compiled
-def predict(w, beads, at, h, rtol, kink):
-    """Find when a contact opens or closes; return whether the kink is worth subtracting."""
-    left = w[INVERSE_MASS + at - LANES] if at >= LANES else 0.0
-    right = w[INVERSE_MASS + at] if at < beads * LANES else 0.0
-    d, d1, push = overlap_of(w, at), closing_of(w, at), w[STIFFNESS + at] * (left + right)
-    unit = max(w[SCALE + at - LANES] if left > 0.0 else 0.0, w[SCALE + at] if right > 0.0 else 0.0)
-    reach = h if d <= 0.0 else h * (1.0 + NEAR_STEP)
-    distance = abs(d1) * reach
-    if push * distance * math.sqrt(distance) * reach < SMALL * rtol * unit:
-        return False
-    own = rate_of(w, at)
-    d2, d3 = 0.0, 0.0
-    if left > 0.0:
-        d2 += w[F0 + at - LANES]
-        d3 += (rate_of(w, at - LANES) - own) * left
-    if right > 0.0:
-        d2 -= w[F0 + at]
-        d3 -= (own - rate_of(w, at + LANES)) * right
-    if d <= 0.0:
-        q = time_of_closing(d, d1, d2, d3, h)
-        sign, rate, a = 1.0, d1 + q * (d2 + 0.5 * q * d3), d2 + q * d3
-    else:
-        j = d3 + (left + right) * own
-        d2 += push * d * math.sqrt(d)
-        q, rate = time_of_opening(d, d1, d2, j, push, h)
-        sign, a = -1.0, d2 + j * q
-    if not 0.0 <= q < reach or abs(a) * (h + q) > GRAZING * rate:
-        return False
-    kink[KINK_AT], kink[KINK_SIGN], kink[KINK_Q] = at, sign, -sign * q
-    kink[KINK_A] = w[STIFFNESS + at] * rate * math.sqrt(rate)
-    kink[KINK_B] = 0.75 * kink[KINK_A] * a / rate
-    kink[KINK_LEFT], kink[KINK_RIGHT] = left, right
-    return True
+def predict(kinks, count, rtol):
+    """Find when contacts open or close; the sign of kinks not worth subtracting becomes 0."""
+    for n in range(whole_lines(count)):
+        sign, h = kinks[FOUND + KINK_SIGN + n], kinks[FOUND + KINK_STEP + n]
+        d, rate, a, j = (
+            kinks[FOUND_D + n], kinks[FOUND_RATE + n], kinks[FOUND_A + n], kinks[FOUND_J + n]
+        )  # fmt: skip
+        push, reach = kinks[FOUND_PUSH + n], kinks[FOUND_REACH + n]
+        distance = rate * reach
+        effect = push * distance * math.sqrt(distance) * reach
+        push = push if sign < 0.0 else 0.0
+        q, end = improve(d / rate, rate, d, rate, a, j, push)
+        q, end = improve(q, end, d, rate, a, j, push)
+        q, end = improve(q, end, d, rate, a, j, push)
+        q, end = improve(q, end, d, rate, a, j, push)
+        a = a + j * q
+        good = (q >= 0.0) & (q < reach) & (end > SLOWED * rate)
+        good = good & (abs(a) * (h + q) < GRAZING * end)
+        good = good & (effect > SMALL * rtol * kinks[FOUND_UNIT + n])
+        kinks[FOUND + KINK_SIGN + n] = sign if good else 0.0
+        kinks[FOUND + KINK_Q + n] = -sign * q
+        strength = kinks[FOUND_STIFFNESS + n] * end * math.sqrt(end)
+        kinks[FOUND + KINK_A + n] = strength
+        kinks[FOUND + KINK_B + n] = 0.75 * strength * sign * a / end
 
 
 @inlined
@@ -202,106 +216,126 @@ def node(a, b, q):
 
 
 @compiled
-def set_shifts(kink, h):
+def set_shifts(kinks, count):
     """Compute the defects of the stages, of the end of the step and of its error."""
-    q, turn, a, b = kink[KINK_Q], kink[KINK_SIGN] * h, kink[KINK_A], kink[KINK_B]
-    p0, start = node(a, b, q)
-    p1, s1 = node(a, b, q + C1 * turn)
-    p2, s2 = node(a, b, q + C2 * turn)
-    p3, s3 = node(a, b, q + C3 * turn)
-    p4, s4 = node(a, b, q + C4 * turn)
-    p5, s5 = node(a, b, q + C5 * turn)
-    p6, s6 = node(a, b, q + C6 * turn)
-    p7, s7 = node(a, b, q + turn)
-    once = terms_once(a, b, q)
-    rate, hh = once * turn, h * h
-    f1 = A1[0] * p0
-    f2 = A2[0] * p0 + A2[1] * p1
-    f3 = A3[0] * p0 + A3[1] * p1 + A3[2] * p2
-    f4 = A4[0] * p0 + A4[1] * p1 + A4[2] * p2 + A4[3] * p3
-    f5 = A5[0] * p0 + A5[1] * p1 + A5[2] * p2 + A5[3] * p3 + A5[4] * p4
-    f6 = A6[0] * p0 + A6[1] * p1 + A6[2] * p2 + A6[3] * p3 + A6[4] * p4 + A6[5] * p5
-    f7 = A7[0] * p0 + A7[1] * p1 + A7[2] * p2 + A7[3] * p3 + A7[4] * p4 + A7[5] * p5 + A7[6] * p6
-    kink[KINK_SHIFT + 1] = hh * f1 - (s1 - start - C1 * rate)
-    kink[KINK_SHIFT + 2] = hh * f2 - (s2 - start - C2 * rate)
-    kink[KINK_SHIFT + 3] = hh * f3 - (s3 - start - C3 * rate)
-    kink[KINK_SHIFT + 4] = hh * f4 - (s4 - start - C4 * rate)
-    kink[KINK_SHIFT + 5] = hh * f5 - (s5 - start - C5 * rate)
-    kink[KINK_SHIFT + 6] = hh * f6 - (s6 - start - C6 * rate)
-    kink[KINK_SHIFT + 7] = hh * f7 - (s7 - start - rate)
-    x = B0 * p0 + B2 * p2 + B3 * p3 + B4 * p4 + B5 * p5 + B6 * p6
-    v = V0 * (p0 + p7) + V2 * (p2 + p6) + V3 * (p3 + p5) + V4 * p4
-    kink[KINK_SHIFT_X] = hh * x - (s7 - start - rate)
-    kink[KINK_SHIFT_V] = h * v - kink[KINK_SIGN] * (terms_once(a, b, q + turn) - once)
-    error = E0 * p0 + E2 * p2 + E3 * p3 + E4 * p4 + E5 * p5 + E6 * p6
-    kink[KINK_ERROR] = error + (E7 + E8) * p7
+    for n in range(whole_lines(count)):
+        h, sign, q = kinks[KINK_STEP + n], kinks[KINK_SIGN + n], kinks[KINK_Q + n]
+        turn, a, b = sign * h, kinks[KINK_A + n], kinks[KINK_B + n]
+        p0, start = node(a, b, q)
+        p1, s1 = node(a, b, q + C1 * turn)
+        p2, s2 = node(a, b, q + C2 * turn)
+        p3, s3 = node(a, b, q + C3 * turn)
+        p4, s4 = node(a, b, q + C4 * turn)
+        p5, s5 = node(a, b, q + C5 * turn)
+        p6, s6 = node(a, b, q + C6 * turn)
+        p7, s7 = node(a, b, q + turn)
+        once = terms_once(a, b, q)
+        rate, hh = once * turn, h * h
+        f1 = A1[0] * p0
+        f2 = A2[0] * p0 + A2[1] * p1
+        f3 = A3[0] * p0 + A3[1] * p1 + A3[2] * p2
+        f4 = A4[0] * p0 + A4[1] * p1 + A4[2] * p2 + A4[3] * p3
+        f5 = A5[0] * p0 + A5[1] * p1 + A5[2] * p2 + A5[3] * p3 + A5[4] * p4
+        f6 = A6[0] * p0 + A6[1] * p1 + A6[2] * p2 + A6[3] * p3 + A6[4] * p4 + A6[5] * p5
+        f7 = A7[0] * p0 + A7[1] * p1 + A7[2] * p2 + A7[3] * p3 + A7[4] * p4 + A7[5] * p5
+        f7 += A7[6] * p6
+        kinks[KINK_SHIFT + 1 * MOST_KINKS + n] = hh * f1 - (s1 - start - C1 * rate)
+        kinks[KINK_SHIFT + 2 * MOST_KINKS + n] = hh * f2 - (s2 - start - C2 * rate)
+        kinks[KINK_SHIFT + 3 * MOST_KINKS + n] = hh * f3 - (s3 - start - C3 * rate)
+        kinks[KINK_SHIFT + 4 * MOST_KINKS + n] = hh * f4 - (s4 - start - C4 * rate)
+        kinks[KINK_SHIFT + 5 * MOST_KINKS + n] = hh * f5 - (s5 - start - C5 * rate)
+        kinks[KINK_SHIFT + 6 * MOST_KINKS + n] = hh * f6 - (s6 - start - C6 * rate)
+        kinks[KINK_SHIFT + 7 * MOST_KINKS + n] = hh * f7 - (s7 - start - rate)
+        x = B0 * p0 + B2 * p2 + B3 * p3 + B4 * p4 + B5 * p5 + B6 * p6
+        v = V0 * (p0 + p7) + V2 * (p2 + p6) + V3 * (p3 + p5) + V4 * p4
+        kinks[KINK_SHIFT_X + n] = hh * x - (s7 - start - rate)
+        kinks[KINK_SHIFT_V + n] = h * v - sign * (terms_once(a, b, q + turn) - once)
+        error = E0 * p0 + E2 * p2 + E3 * p3 + E4 * p4 + E5 * p5 + E6 * p6
+        kinks[KINK_ERROR + n] = error + (E7 + E8) * p7
+
+
+@inlined
+def copy_kink(kinks, n, to):
+    """Copy a kink without its defects; both places are entries of row 0."""
+    for row in range(0, KINK_SHIFT, MOST_KINKS):
+        kinks[row + to] = kinks[row + n]
+
+
+@compiled
+def earlier_kinks(w, which, state, kinks, count):
+    """Keep recent closings, whose kinks still matter; return their number."""
+    kept = 0
+    for n in range(count):
+        at = int(kinks[KINK_AT + n])
+        lane, since = at % LANES, kinks[KINK_Q + n]
+        if which[lane] < 0 or kinks[KINK_SIGN + n] <= 0.0 or since < 0.0:
+            continue
+        if since > NEAR_STEP * state[LENGTH, lane] or not overlap_of(w, at) > 0.0:
+            continue
+        copy_kink(kinks, n, kept)
+        kinks[KINK_STEP + kept] = state[LENGTH, lane]
+        kept += 1
+    return kept
+
+
+@compiled
+def keep_found(kinks, found, count, rtol):
+    """Keep the kinks worth subtracting of the contacts found; return the number of all kinks."""
+    predict(kinks, found, rtol)
+    for n in range(found):
+        if kinks[FOUND + KINK_SIGN + n] != 0.0 and count < MOST_KINKS:
+            copy_kink(kinks, FOUND + n, count)
+            count += 1
+    return count
 
 
 @compiled
 def find_kinks(w, beads, rtol, which, state, kinks, count):
     """Kinks of the coming step: earlier closings and predicted events; return their number."""
-    kept = 0
-    for n in range(count):
-        kink = kinks[n]
-        at = int(kink[KINK_AT])
-        lane = at % LANES
-        since = kink[KINK_Q]
-        if which[lane] < 0 or kink[KINK_SIGN] < 0.0 or since < 0.0:
-            continue
-        if since > NEAR_STEP * state[LENGTH, lane] or not overlap_of(w, at) > 0.0:
-            continue
-        if kept < n:
-            for row in range(KINK_SHIFT):
-                kinks[kept, row] = kink[row]
-        kept += 1
+    count, found = earlier_kinks(w, which, state, kinks, count), 0
     if screen(w, beads) > 0.0:
-        for c in range(beads + 1):
-            marks = 0.0
-            for lane in range(LANES):
-                marks += w[FLAG + c * LANES + lane]
-            if marks == 0.0:
-                continue
-            for lane in range(LANES):
-                at = c * LANES + lane
-                if w[FLAG + at] > 0.0 and kept < MOST_KINKS:
-                    if predict(w, beads, at, state[LENGTH, lane], rtol, kinks[kept]):
-                        kept += 1
-    for n in range(kept):
-        set_shifts(kinks[n], state[LENGTH, int(kinks[n, KINK_AT]) % LANES])
-    return kept
+        for at in range((beads + 1) * LANES):
+            if w[FLAG + at] > 0.0:
+                describe(w, beads, at, kinks, found)
+                found += 1
+                if found == MOST_KINKS:
+                    count, found = keep_found(kinks, found, count, rtol), 0
+        count = keep_found(kinks, found, count, rtol)
+    set_shifts(kinks, count)
+    return count
 
 
 @compiled
 def shift(w, row, kinks, count, entry):
     """Add the defects to the positions at a stage, or to other values at the ends of contacts."""
     for n in range(count):
-        at = int(kinks[n, KINK_AT])
-        w[row + at] += kinks[n, KINK_LEFT] * kinks[n, entry]
-        w[row + LANES + at] -= kinks[n, KINK_RIGHT] * kinks[n, entry]
+        at = int(kinks[KINK_AT + n])
+        w[row + at] += kinks[KINK_LEFT + n] * kinks[entry + n]
+        w[row + LANES + at] -= kinks[KINK_RIGHT + n] * kinks[entry + n]
 
 
 @compiled
 def pass_step(kinks, count, state):
     """Move the times of kinks to the start of the next step."""
     for n in range(count):
-        lane = int(kinks[n, KINK_AT]) % LANES
+        lane = int(kinks[KINK_AT + n]) % LANES
         if state[GOOD, lane] > 0.0:
-            kinks[n, KINK_Q] += kinks[n, KINK_SIGN] * state[LENGTH, lane]
+            kinks[KINK_Q + n] += kinks[KINK_SIGN + n] * state[LENGTH, lane]
 
 
 @compiled
 def drop_kinks(lane, kinks, count):
     """Forget the kinks of a lane."""
     for n in range(count):
-        if int(kinks[n, KINK_AT]) % LANES == lane:
-            kinks[n, KINK_SIGN] = -1.0
+        if int(kinks[KINK_AT + n]) % LANES == lane:
+            kinks[KINK_SIGN + n] = -1.0
 
 
 @compiled
 def touches(kinks, count, slot):
     """Whether a bead has a contact with a kink."""
     for n in range(count):
-        at = int(kinks[n, KINK_AT])
+        at = int(kinks[KINK_AT + n])
         if at == slot or at == slot - LANES:
             return True
     return False
@@ -312,15 +346,15 @@ def kink_motion(kinks, count, slot, t):
     """Motion of a bead at a time in a step that the subtracted forces cause, and derivatives."""
     x, v, a, j = 0.0, 0.0, 0.0, 0.0
     for n in range(count):
-        kink = kinks[n]
-        at = int(kink[KINK_AT])
+        at = int(kinks[KINK_AT + n])
         if at == slot:
-            mass = -kink[KINK_LEFT]
+            mass = -kinks[KINK_LEFT + n]
         elif at == slot - LANES:
-            mass = kink[KINK_RIGHT]
+            mass = kinks[KINK_RIGHT + n]
         else:
             continue
-        sign, start, one, two = kink[KINK_SIGN], kink[KINK_Q], kink[KINK_A], kink[KINK_B]
+        sign, start = kinks[KINK_SIGN + n], kinks[KINK_Q + n]
+        one, two = kinks[KINK_A + n], kinks[KINK_B + n]
         q, rate = start + sign * t, sign * terms_once(one, two, start)
         x += mass * (terms_twice(one, two, q) - terms_twice(one, two, start) - t * rate)
         v += mass * (sign * terms_once(one, two, q) - rate)
@@ -334,9 +368,9 @@ def impulse_defect(one, two, lane, kinks, count):
     """Defect of the impulse of a gauge, the mean of two contacts, in a step."""
     s = 0.0
     for n in range(count):
-        at = int(kinks[n, KINK_AT])
+        at = int(kinks[KINK_AT + n])
         if at == one * LANES + lane:
-            s += 0.5 * kinks[n, KINK_SHIFT_V]
+            s += 0.5 * kinks[KINK_SHIFT_V + n]
         if at == two * LANES + lane:
-            s += 0.5 * kinks[n, KINK_SHIFT_V]
+            s += 0.5 * kinks[KINK_SHIFT_V + n]
     return s

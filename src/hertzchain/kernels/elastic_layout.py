@@ -8,9 +8,11 @@ wall, the first and the last; other rows begin with bead 1, or with contact 0.
 
 from __future__ import annotations
 
-LANES = 4
+# With as many lanes as a cache line has numbers, the entries of the same lane of two neighbouring
+# beads never share a vector register, and a value just stored is read back as it was stored.
+LANES = LINE = 8
 # Five cache lines more than a multiple of 4096 bytes, so that rows do not compete for cache lines.
-ROW = 8 * (4096 + 5)
+ROW = LINE * (4096 + 5)
 (X, TRIAL, NEW_X, V, NEW_V, FORCE, F0, F1, F2, F3, F4, F5, F6, F7, F8, AT_REST, STIFFNESS,
  EXPONENT, BODY, INVERSE_MASS, H, PEAKED, CROSSED, FLAG, SPEED, NEAR, SCALE, NOISE, WORK,
  DEFECT, END_OF_ROWS) = range(0, 31 * ROW, ROW)  # fmt: skip
@@ -24,8 +26,11 @@ MOST_BEADS = ROW // LANES - 7
  GIVEN_EXPONENT, STATIC_FORCE, STATIC_OVERLAP, GIVEN_ROWS) = range(10)  # fmt: skip
 # Scalars of a chain: time to stop at, first step, whether the run ends without that time, number of
 # strikers, least momentum transferred by the first contact with the wall, whether motion can escape
-# from the wall, and the time after the first transit that a run on a soft wall may take.
-UNTIL, FIRST_STEP, BY_ITSELF, STRIKERS, LEAST_PUSH, CAN_ESCAPE, REBOUNDS, NUMBERS = range(8)
+# from the wall, the time after the first transit that a run on a soft wall may take, and whether
+# only the largest force on the wall is requested, so that the run may end before the impact does
+# (without constant forces).
+(UNTIL, FIRST_STEP, BY_ITSELF, STRIKERS, LEAST_PUSH, CAN_ESCAPE, REBOUNDS, PEAK_ONLY,
+ NUMBERS) = range(9)  # fmt: skip
 
 # Entries of a lane.
 (TIME, STEP, LENGTH, WORST, FASTEST, MOST, TRIED, STEPS, GOOD, SINCE_CROSSING, LAST_CROSSING, PEAKS,
@@ -49,12 +54,42 @@ GAUGE_ROWS = MAXIMUM_0 + 2 * KEPT_MAXIMA
 (PULSE_LEFT, TIME_REACHED, WALL_DONE, TRANSIT_LIMIT, NOTHING_MORE, STEP_LIMIT,
  STEP_TOO_SMALL) = range(1, 8)  # fmt: skip
 
-# Entries of a kink (`hertzchain.kernels.elastic_kinks`): entry of the contact in the rows, sign
-# of the time, time since closing or until opening, coefficients, inverse masses of both beads,
-# and the defects of stages 1 to 7 (entry 0 is unused), of the end of the step and of its error.
-KINK_AT, KINK_SIGN, KINK_Q, KINK_A, KINK_B, KINK_LEFT, KINK_RIGHT, KINK_SHIFT = range(8)
-KINK_SHIFT_X, KINK_SHIFT_V, KINK_ERROR, KINK_ROWS = range(KINK_SHIFT + 8, KINK_SHIFT + 12)
-MOST_KINKS = 32
+# Rows of kinks (`hertzchain.kernels.elastic_kinks`), in one flat array, too: entry of the contact
+# in the rows, sign of the time, time since closing or until opening, length of the step,
+# coefficients, inverse masses of both beads, and the defects of stages 1 to 7 (row 0 is unused), of
+# the end of the step and of its error.
+MOST_KINKS = 8 * LINE
+(
+    KINK_AT,
+    KINK_SIGN,
+    KINK_Q,
+    KINK_STEP,
+    KINK_A,
+    KINK_B,
+    KINK_LEFT,
+    KINK_RIGHT,
+    KINK_SHIFT,
+    *_,
+    KINK_SHIFT_X,
+    KINK_SHIFT_V,
+    KINK_ERROR,
+    FOUND,
+) = range(0, 20 * MOST_KINKS, MOST_KINKS)
+# The same rows, without defects, of contacts that may have a kink, and then: distance to go until
+# the contact opens or closes and the derivatives of this distance by other forces, acceleration by
+# a unit of the contact's own force, stiffness, largest time to the kink, and unit of errors of the
+# velocity.
+(
+    FOUND_D,
+    FOUND_RATE,
+    FOUND_A,
+    FOUND_J,
+    FOUND_PUSH,
+    FOUND_STIFFNESS,
+    FOUND_REACH,
+    FOUND_UNIT,
+    KINK_ROWS,
+) = range(FOUND + KINK_SHIFT, FOUND + KINK_SHIFT + 9 * MOST_KINKS, MOST_KINKS)
 
 # Entries of `signal`: set the first one to stop; the second counts chains that have ended.
 STOP, DONE = 0, 1

@@ -6,6 +6,8 @@ These are the compiled criteria of `hertzchain.simulation.wall_watch`;
 
 from __future__ import annotations
 
+import math
+
 from . import wall_rule
 from .compilation import compiled
 from .elastic_forces import closing_of, force_of, overlap_of
@@ -20,6 +22,7 @@ from .elastic_layout import (
     LANES,
     LAST_END,
     LAST_IMPULSE,
+    NEAR,
     RECORD_CROSSING,
     RECORD_PEAK_TIME,
     SINCE,
@@ -30,6 +33,7 @@ from .elastic_layout import (
     TIME,
     TRANSIT,
     WATCH_START,
+    WORK,
     V,
 )
 from .wall_rule import CHECKS, HELD, ROUNDING
@@ -61,47 +65,84 @@ def bound_of(w, beads, lane, chain):
 
 
 @compiled
-def cannot_be_exceeded(w, beads, lane, peak):
-    """Whether it is proven that no later force on the wall exceeds a peak."""
-    energy, backward = 0.0, 0.0
+def total_energy(w, beads, lane):
+    """Kinetic energy of the beads and energy of the contacts."""
+    energy = 0.0
     for c in range(beads + 1):
         at = c * LANES + lane
         if c < beads:
-            kinetic = 0.5 * w[V + LANES + at] ** 2 / w[INVERSE_MASS + at]
-            energy += kinetic
-            backward += kinetic if w[V + LANES + at] < 0.0 else 0.0
+            energy += 0.5 * w[V + LANES + at] ** 2 / w[INVERSE_MASS + at]
         d = overlap_of(w, at)
         if w[STIFFNESS + at] > 0.0 and d > 0.0:
             energy += force_of(w, at, d) * d / (w[EXPONENT + at] + 1.0)
-    at = beads * LANES + lane
+    return energy
+
+
+@compiled
+def energy_to_exceed(w, at, peak):
+    """Energy of a contact whose force exceeds a peak."""
     p, k = w[EXPONENT + at], w[STIFFNESS + at]
-    enough = k / (p + 1.0) * ((1.0 + ROUNDING) * peak / k) ** ((p + 1.0) / p)
-    # Most checks end here.  The transfer of momentum to the other beads only reduces this energy,
-    # except for that of the last bead.
+    return k / (p + 1.0) * ((1.0 + ROUNDING) * peak / k) ** ((p + 1.0) / p)
+
+
+@compiled
+def energy_left(w, beads, lane, energy, impulse):
+    """Largest energy of the last bead at the wall, after at least an impulse of the wall."""
     last = (beads - 1) * LANES + lane
-    pushed = min(0.0, w[V + LANES + last] / w[INVERSE_MASS + last])
-    if pushed == 0.0 and energy - backward > enough:
-        return False
-    return energy - locked_energy(w, beads, lane, pushed) <= enough
+    momentum = w[V + LANES + last] / w[INVERSE_MASS + last] - impulse
+    return energy - locked_energy(w, beads, lane, min(0.0, momentum))
+
+
+@compiled
+def cannot_be_exceeded(w, beads, lane, peak):
+    """Whether it is proven that no later force on the wall exceeds a peak."""
+    enough = energy_to_exceed(w, beads * LANES + lane, peak)
+    return energy_left(w, beads, lane, total_energy(w, beads, lane), 0.0) <= enough
+
+
+@compiled
+def is_largest(w, beads, lane, peak):
+    """`cannot_be_exceeded` without constant forces, by a sharper bound.
+
+    A larger force requires an impulse of the wall before, which the last bead passes on to the
+    others; some of their energy then cannot reach the wall.
+    """
+    at = beads * LANES + lane
+    energy, enough = total_energy(w, beads, lane), energy_to_exceed(w, at, peak)
+    most = energy_left(w, beads, lane, energy, 0.0)
+    if most <= enough:
+        return True
+    d = max(0.0, overlap_of(w, at))
+    stored = force_of(w, at, d) * d / (w[EXPONENT + at] + 1.0)
+    # Speeds of the last bead are at most those of the energy that is not in the contact.
+    impulse = math.sqrt(max(0.0, most - stored)) - math.sqrt(most - enough)
+    impulse *= math.sqrt(2.0 / w[INVERSE_MASS + at - LANES])
+    return energy_left(w, beads, lane, energy, impulse) <= enough
 
 
 @compiled
 def locked_energy(w, beads, lane, pushed):
-    """Smallest kinetic energy of beads 1 to N - 1, to which ``pushed`` is transferred."""
-    first, locked = 0, 0.0
-    while first < beads - 1:
-        mass, momentum, slope, energy, end = 0.0, 0.0, 0.0, 0.0, beads
-        for k in range(first, beads - 1):
-            at = k * LANES + lane
-            mass += 1.0 / w[INVERSE_MASS + at]
-            momentum += w[V + LANES + at] / w[INVERSE_MASS + at]
-            if k == beads - 2:
-                momentum += pushed
-            if momentum < slope * mass:
-                slope, end = momentum / mass, k + 1
-                energy = 0.5 * momentum * slope
-        locked += energy
-        first = end
+    """Smallest kinetic energy of beads 1 to N - 1, to which ``pushed`` is transferred.
+
+    Beads move together in groups whose velocities increase from left to right; the masses and
+    momenta of the groups are in rows WORK and NEAR.
+    """
+    groups = lane
+    for k in range(beads - 1):
+        at = k * LANES + lane
+        mass = 1.0 / w[INVERSE_MASS + at]
+        momentum = w[V + LANES + at] * mass + (pushed if k == beads - 2 else 0.0)
+        while groups > lane:
+            before, own = w[WORK + groups - LANES], w[NEAR + groups - LANES]
+            if momentum * before > own * mass:
+                break
+            mass, momentum, groups = mass + before, momentum + own, groups - LANES
+        w[WORK + groups], w[NEAR + groups] = mass, momentum
+        groups += LANES
+    locked = 0.0
+    for at in range(lane, groups, LANES):
+        if w[NEAR + at] < 0.0:
+            locked += 0.5 * w[NEAR + at] ** 2 / w[WORK + at]
     return locked
 
 
@@ -119,10 +160,10 @@ def nothing_can_happen(w, beads, lane):
 
 
 @compiled
-def set_due(lane, state):
+def set_due(lane, state, checks):
     """Set the next check to the first one after the next step."""
     watched = state[TIME, lane] - state[WATCH_START, lane]
-    spacing = time_between_checks(watched, state[TRANSIT, lane], CHECKS)
+    spacing = time_between_checks(watched, state[TRANSIT, lane], checks)
     # After free flight the predicted step may be longer than many transits.
     state[STEP, lane] = min(state[STEP, lane], spacing)
     time = state[TIME, lane] + state[STEP, lane]
@@ -140,7 +181,7 @@ def start_watch(w, beads, lane, state, records):
     if w[STIFFNESS + last] > 0.0 and w[V + last] > 0.0:
         flight = max(0.0, -overlap_of(w, last)) / w[V + last]
     state[WATCH_START, lane], state[TRANSIT, lane] = transit + flight, transit
-    set_due(lane, state)
+    set_due(lane, state, CHECKS)
 
 
 @compiled
@@ -176,7 +217,7 @@ def close(lane, state, impulse):
 @compiled
 def check_wall(w, beads, lane, chain, state, peak, impulse):
     """Compare the bound with the largest force so far."""
-    set_due(lane, state)
+    set_due(lane, state, CHECKS)
     if nothing_can_happen(w, beads, lane):
         close(lane, state, impulse)
     elif peak == 0.0 or bound_of(w, beads, lane, chain) > (1.0 + ROUNDING) * peak:

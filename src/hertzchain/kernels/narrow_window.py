@@ -200,7 +200,7 @@ def follow(abreast, window, limits, given, results, status, signal, scratch):
 
     steps = 0
     while active > 0 and signal[STOP] == 0:
-        accelerate(w, 0, size, STAGE_0, 0, lanes, exponents)
+        accelerate(w, 0, size, STAGE_0, lanes, exponents)
         note_error(w, candidates, lanes)
         choose_steps(watched, lanes, release_part)
         for lane in range(lanes):

@@ -82,15 +82,26 @@ def pushing(w, i, overlap, exponents):
 
 
 @inlined
-def accelerate(w, low, high, out, stage, lanes, exponents):
-    """Forces and accelerations of slots at a stage, Eq. (4) of the paper."""
+def press(w, low, high, stage, lanes, exponents):
+    """Contact forces of slots at a stage."""
     positions = POSITION if stage == 0 else TRIAL
     for i in range(low, high):
         overlap = w[positions + i] - w[positions + i + lanes]
         w[FORCE + lanes + i] = pushing(w, i, overlap, exponents)
+
+
+@inlined
+def acceleration(w, i, lanes):
+    """Acceleration of a slot by the forces of its contacts, Eq. (4) of the paper."""
+    return (w[FORCE + i] - w[FORCE + lanes + i]) * w[INVERSE_MASS + i]
+
+
+@inlined
+def accelerate(w, low, high, out, lanes, exponents):
+    """Forces and accelerations of slots at their positions."""
+    press(w, low, high, 0, lanes, exponents)
     for i in range(low, high):
-        net = w[FORCE + i] - w[FORCE + lanes + i]
-        w[out + i] = net * w[INVERSE_MASS + i]
+        w[out + i] = acceleration(w, i, lanes)
 
 
 try_step, velocity_error = step_on(
@@ -98,7 +109,7 @@ try_step, velocity_error = step_on(
         POSITION, VELOCITY, TRIAL, POSITION, VELOCITY,
         (STAGE_0, STAGE_1, STAGE_2, STAGE_3, STAGE_4, STAGE_5, STAGE_6, STAGE_7), STEP,
     ),
-    accelerate,
+    press, acceleration,
 )  # fmt: skip
 
 

@@ -56,13 +56,14 @@ class Rows(NamedTuple):
     step: int = 0
 
 
-def step_on(rows: Rows, accelerate: Any) -> tuple[Any, Any]:
+def step_on(rows: Rows, press: Any, acceleration: Any) -> tuple[Any, Any]:
     """Create functions ``try_step(w, low, high, h, a, b)`` and ``error(w, i, first, last)``.
 
     ``try_step`` takes a step of entries ``low`` to ``high`` - 1, of length ``h`` or, if this is
     `None`, of the lengths in row ``step``.  It requires the accelerations of stage 0, and calls
-    ``accelerate(w, low, high, out, stage, a, b)``, which must write those at the trial positions to
-    row ``out``; ``a`` and ``b`` are passed on.  ``error`` returns the estimated error of velocity i
+    ``press(w, low, high, stage, a, b)``, which must compute the contact forces at the trial
+    positions, and ``acceleration(w, i, a)``, which must return the acceleration of entry i by these
+    forces; ``a`` and ``b`` are passed on.  ``error`` returns the estimated error of velocity i
     divided by the length of the step; rows ``first`` and ``last`` have the accelerations at the
     start and at the end of the step.
     """
@@ -71,35 +72,44 @@ def step_on(rows: Rows, accelerate: Any) -> tuple[Any, Any]:
     distance = s1 - s0
 
     @inlined
-    def place(w, low, high, h, c, weights):
-        """Positions at a stage."""
+    def trial_position(w, i, h, c, weights):
+        """Position of an entry at a stage."""
+        push, stage = 0.0, s0 + i
+        for weight in weights:
+            push += weight * w[stage]
+            stage += distance
+        step = w[lengths + i] if h is None else h
+        return w[x + i] + step * (c * w[v + i] + step * push)
+
+    # One loop per stage: the processor waits less for values that it has just stored.
+    @inlined
+    def move(w, low, high, h, stage, c, weights, a):
+        """Accelerations at a stage and positions at the next one."""
         for i in range(low, high):
-            push, stage = 0.0, s0 + i
-            for weight in weights:
-                push += weight * w[stage]
-                stage += distance
-            step = w[lengths + i] if h is None else h
-            w[trial + i] = w[x + i] + step * (c * w[v + i] + step * push)
+            w[stage + i] = acceleration(w, i, a)
+            w[trial + i] = trial_position(w, i, h, c, weights)
 
     @inlined
     def try_step(w, low, high, h, a, b):
         """Stages of a step, and positions and velocities at its end."""
-        # Without `int64`, `accelerate` would be compiled again for every constant.
-        place(w, low, high, h, C1, A1)
-        accelerate(w, low, high, int64(s1), int64(1), a, b)
-        place(w, low, high, h, C2, A2)
-        accelerate(w, low, high, int64(s2), int64(2), a, b)
-        place(w, low, high, h, C3, A3)
-        accelerate(w, low, high, int64(s3), int64(3), a, b)
-        place(w, low, high, h, C4, A4)
-        accelerate(w, low, high, int64(s4), int64(4), a, b)
-        place(w, low, high, h, C5, A5)
-        accelerate(w, low, high, int64(s5), int64(5), a, b)
-        place(w, low, high, h, C6, A6)
-        accelerate(w, low, high, int64(s6), int64(6), a, b)
-        place(w, low, high, h, C7, A7)
-        accelerate(w, low, high, int64(s7), int64(7), a, b)
         for i in range(low, high):
+            w[trial + i] = trial_position(w, i, h, C1, A1)
+        # Without `int64`, `press` would be compiled again for every constant.
+        press(w, low, high, int64(1), a, b)
+        move(w, low, high, h, s1, C2, A2, a)
+        press(w, low, high, int64(2), a, b)
+        move(w, low, high, h, s2, C3, A3, a)
+        press(w, low, high, int64(3), a, b)
+        move(w, low, high, h, s3, C4, A4, a)
+        press(w, low, high, int64(4), a, b)
+        move(w, low, high, h, s4, C5, A5, a)
+        press(w, low, high, int64(5), a, b)
+        move(w, low, high, h, s5, C6, A6, a)
+        press(w, low, high, int64(6), a, b)
+        move(w, low, high, h, s6, C7, A7, a)
+        press(w, low, high, int64(7), a, b)
+        for i in range(low, high):
+            w[s7 + i] = acceleration(w, i, a)
             push = B0 * w[s0 + i] + B2 * w[s2 + i] + B3 * w[s3 + i]
             push += B4 * w[s4 + i] + B5 * w[s5 + i] + B6 * w[s6 + i]
             change = V0 * (w[s0 + i] + w[s7 + i]) + V2 * (w[s2 + i] + w[s6 + i])

@@ -7,7 +7,7 @@ The layout is that of `hertzchain.kernels.elastic_layout`, the method that of
 from __future__ import annotations
 
 from .compilation import CONTRACTED, internal
-from .elastic_forces import forces
+from .elastic_forces import acceleration, press, press_hertz
 from .elastic_kinks import shift
 from .elastic_layout import (
     CROSSED,
@@ -30,6 +30,7 @@ from .elastic_layout import (
     KINK_SHIFT_V,
     KINK_SHIFT_X,
     LANES,
+    MOST_KINKS,
     NEAR,
     NEW_V,
     NEW_X,
@@ -70,45 +71,80 @@ def keep(w, places, pushes, stage):
 
 
 @inlined
-def accelerate(w, low, high, out, stage, hertz, gauges):  # noqa: ARG001
-    """Accelerations at a stage, and the forces of the gauges, which ignore stage 1."""
-    shift(w, TRIAL, gauges[2], gauges[3], KINK_SHIFT + stage)
-    forces(w, high // LANES, TRIAL, out, hertz)
-    if stage > 1:
-        keep(w, gauges[0], gauges[1], stage)
+def press_at_stage(w, low, high, stage, hertz, gauges):  # noqa: ARG001
+    """Store the forces of the last stage but the first, and begin with those of this stage."""
+    places, pushes, kinks, count = gauges
+    if stage > 2:
+        keep(w, places, pushes, stage - 1)
+    shift(w, TRIAL, kinks, count, KINK_SHIFT + stage * MOST_KINKS)
+    if hertz:
+        # The compiler does not use vectors if the number of lanes is a constant.
+        for i in range(pushes.shape[2]):
+            press_hertz(w, i, TRIAL)
+    else:
+        press(w, high // LANES, TRIAL, hertz)
 
 
-place_and_press, velocity_error = step_on(
+@inlined
+def accelerate(w, i, hertz):
+    """Acceleration of a bead at a stage, after the force of the next contact.
+
+    Square roots then overlap with the sums over stages.
+    """
+    if hertz:
+        press_hertz(w, i + LANES, TRIAL)
+    return acceleration(w, i)
+
+
+take_stages, velocity_error = step_on(
     Rows(
         X + LANES, V + LANES, TRIAL + LANES, NEW_X + LANES, NEW_V + LANES,
         (F0, F1, F2, F3, F4, F5, F6, F7), H,
     ),
-    accelerate,
+    press_at_stage, accelerate,
 )  # fmt: skip
 
 
 @inlined
 def try_step(w, beads, hertz, places, pushes, kinks, count):
     """Positions, velocities and accelerations at the end of a step of each lane."""
-    place_and_press(w, 0, beads * LANES, None, hertz, (places, pushes, kinks, count))
+    size = beads * LANES
+    take_stages(w, 0, size, None, hertz, (places, pushes, kinks, count))
+    keep(w, places, pushes, 7)
     shift(w, NEW_X, kinks, count, KINK_SHIFT_X)
     shift(w, NEW_V, kinks, count, KINK_SHIFT_V)
-    forces(w, beads, NEW_X, F8, hertz)
+    press(w, beads, NEW_X, hertz)
+    for i in range(size):
+        w[F8 + i] = acceleration(w, i)
     keep(w, places, pushes, 8)
 
 
 @inlined
 def largest(w, beads, out):
-    """Largest of each lane over the row `WORK`, which has no negative values."""
-    first = second = third = fourth = 0.0
-    for at in range(WORK, WORK + beads * LANES, LANES):
-        a, b, c, d = w[at], w[at + 1], w[at + 2], w[at + 3]
-        # NaN must propagate.
-        first = a if (a >= first) | (a != a) else first
-        second = b if (b >= second) | (b != b) else second
-        third = c if (c >= third) | (c != c) else third
-        fourth = d if (d >= fourth) | (d != d) else fourth
-    out[0], out[1], out[2], out[3] = first, second, third, fourth
+    """Largest of each lane over the row `WORK`, which is overwritten; NaN propagates."""
+    while beads > 1:
+        half = (beads + 1) // 2
+        rest = w[WORK + half * LANES :]
+        for i in range((beads - half) * LANES):
+            a, b = w[WORK + i], rest[i]
+            w[WORK + i] = a if (a >= b) | (a != a) else b
+        beads = half
+    for lane in range(LANES):
+        out[lane] = w[WORK + lane]
+
+
+@inlined
+def spread(w, row, beads, values):
+    """Copy a value of each lane to all beads in a row."""
+    for lane in range(LANES):
+        w[row + lane] = values[lane]
+    # Vectors are copied, not single numbers.
+    done, size = LANES, beads * LANES
+    while done < size:
+        rest = w[row + done :]
+        for i in range(min(done, size - done)):
+            rest[i] = w[row + i]
+        done += done
 
 
 @summing
@@ -134,9 +170,7 @@ def estimate(w, beads, rtol, lane):
         w[SPEED + NEIGHBOURS * LANES + i] = a
         w[WORK + i] = a if w[F0 + i] != 0.0 else 0.0
     largest(w, beads, lane[FASTEST])
-    for i in range(beads):
-        for one in range(LANES):
-            w[SCALE + i * LANES + one] = SLOW * lane[FASTEST, one] + SMALLEST
+    spread(w, SCALE, beads, lane[FASTEST])
     for i in range(size + 4 * LANES):
         a, b, c = w[SPEED + i], w[SPEED + LANES + i], w[SPEED + 2 * LANES + i]
         a = a if a > b else b
@@ -145,7 +179,7 @@ def estimate(w, beads, rtol, lane):
         a, b, c = w[NEAR + i], w[NEAR + 4 * LANES + i], w[SPEED + 3 * LANES + i]
         a = a if a > b else b
         a = a if a > c else c
-        b, c = w[SCALE + i], w[NOISE + i] * w[H + i] / rtol
+        b, c = SLOW * w[SCALE + i] + SMALLEST, w[NOISE + i] * w[H + i] / rtol
         a = a if a > b else b
         a = a if a > c else c
         w[SCALE + i] = a
@@ -169,7 +203,7 @@ def take_step(w, beads, hertz, rtol, places, pushes, state, kinks, count):
     shift(w, DEFECT, kinks, count, KINK_ERROR)
     events = estimate(w, beads, rtol, state)
     for n in range(count):
-        at = int(kinks[n, KINK_AT])
+        at = int(kinks[KINK_AT + n])
         w[DEFECT + at] = w[DEFECT + LANES + at] = 0.0
     return events
 

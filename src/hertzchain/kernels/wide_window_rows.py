@@ -76,18 +76,23 @@ def press(w, size, exponent):
 
 
 @inlined
-def accelerate(w, size, exponent, accelerations):
-    """Accelerations of all slots at the trial positions, Eq. (4) of the paper."""
-    press(w, size, exponent)
-    for i in range(size):
-        net = w[FORCE + i] - w[FORCE + 1 + i]
-        w[accelerations + i] = net * w[INVERSE_MASS + i]
+def acceleration(w, i, exponent):  # noqa: ARG001
+    """Acceleration of a slot by the forces of its contacts, Eq. (4) of the paper."""
+    return (w[FORCE + i] - w[FORCE + 1 + i]) * w[INVERSE_MASS + i]
 
 
 @inlined
-def accelerate_stage(w, low, high, out, stage, exponent, nothing):  # noqa: ARG001
-    """Accelerations at a stage."""
-    accelerate(w, high, exponent, out)
+def accelerate(w, size, exponent, accelerations):
+    """Accelerations of all slots at the trial positions."""
+    press(w, size, exponent)
+    for i in range(size):
+        w[accelerations + i] = acceleration(w, i, exponent)
+
+
+@inlined
+def press_at_stage(w, low, high, stage, exponent, nothing):  # noqa: ARG001
+    """Forces of all contacts at a stage."""
+    press(w, high, exponent)
 
 
 take_step, velocity_error = step_on(
@@ -95,7 +100,7 @@ take_step, velocity_error = step_on(
         POSITION, VELOCITY, TRIAL, TRIAL, NEW_VELOCITY,
         (STAGE_0, STAGE_1, STAGE_2, STAGE_3, STAGE_4, STAGE_5, STAGE_6, STAGE_7),
     ),
-    accelerate_stage,
+    press_at_stage, acceleration,
 )  # fmt: skip
 
 

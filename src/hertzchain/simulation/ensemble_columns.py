@@ -45,6 +45,10 @@ KEPT: Final[dict[str, Quantity]] = {
     **PULSE_QUANTITIES, **WALL_QUANTITIES, **SENSOR_QUANTITIES, **FINAL_QUANTITIES,
     **LARGEST_QUANTITIES,
 }  # fmt: skip
+# These quantities need no motion after the largest force on the wall and the leading pulse.
+UNTIL_PEAK: Final = {
+    *PULSE_QUANTITIES, "wall_peak_force", "wall_peak_time", "wall_largest_so_far",
+}  # fmt: skip
 # Factor of the tolerance for `simulate`, whose method has larger errors at equal tolerance.
 TIGHTER: Final = 0.1
 # Scratch arrays of the kernel that are not in use, each with its number of gauges; a set has 8 MB.
@@ -78,6 +82,10 @@ class Request:
         """Whether overlaps after the passage of the leading pulse are requested, too."""
         return self.keeps_largest or (self.check_range and chain.materials is not None)
 
+    def peak_only(self, chain: Chain) -> bool:
+        """Whether a run may end when its largest force on the wall is proven."""
+        return UNTIL_PEAK.issuperset(self.keep) and not self.whole_run(chain)
+
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
@@ -107,7 +115,9 @@ def by_kernel(chains: Sequence[Chain], request: Request, signal: NDArray[np.int6
     from ..kernels import elastic_layout as layout
 
     kernel: Any = elastic_chains
-    given, count, beads = kernel_input(chains, request.until), len(chains), chains[0].beads
+    peak_only = request.peak_only(chains[0])
+    given = kernel_input(chains, request.until, peak_only=peak_only)
+    count, beads = len(chains), chains[0].beads
     sensors = [(bead - 1, bead) for bead in request.sensors]
     whole_run = request.whole_run(chains[0])
     contacts = [(contact, contact) for contact in range(beads)] if whole_run else []

@@ -79,8 +79,10 @@ class KernelInput:
     careful: bool
 
 
-def kernel_input(chains: Sequence[Chain], until: float | None) -> KernelInput:
-    """Pack chains of one kind for the kernel."""
+def kernel_input(
+    chains: Sequence[Chain], until: float | None, *, peak_only: bool = False
+) -> KernelInput:
+    """Pack chains of one kind for the kernel; ``peak_only`` as in its layout."""
     from ..kernels import elastic_layout as layout
 
     beads, hertz, walled, careful = kind_of(chains[0])
@@ -115,6 +117,8 @@ def kernel_input(chains: Sequence[Chain], until: float | None) -> KernelInput:
     numbers[:, layout.BY_ITSELF] = until is None
     if walled:
         numbers[:, layout.REBOUNDS] = MAX_REBOUNDS * _rebounds(given, speeds, masses)
+        at_rest = ~given[:, layout.GIVEN_BODY].any(axis=1)
+        numbers[:, layout.PEAK_ONLY] = at_rest & (peak_only and until is None)
         numbers[:, layout.CAN_ESCAPE] = [motion_can_escape(chain, RIGHT) for chain in chains]
     return KernelInput(given, numbers, hertz, walled, careful)
 

@@ -84,7 +84,9 @@ def simulate_many(
         Numbers k of beads with a force sensor, which measures :math:`(F_{k-1} + F_k)/2`, or their
         names, such as ``"ball 4"``, if all chains have the same number of strikers.
     until : float, optional
-        Stop time [scaled, or s]; by default each run ends as in `simulate`.
+        Stop time [scaled, or s]; by default each run ends as in `simulate`, or earlier if only the
+        leading pulse and the peak on the wall are kept and no range is checked: when it is proven
+        that no larger force follows.
     rtol : float
         Relative tolerance per step, 1e-14 .. 1e-5.  Largest forces and velocities of short chains
         have errors of about this size; where waves from a wall meet, the motion amplifies them.

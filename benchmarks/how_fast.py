@@ -275,7 +275,7 @@ def precompressed() -> list[Row]:
 
 def ensembles_of_chains() -> list[Row]:
     """Whole chains with walls, per chain, against one run after the other."""
-    chains = many_chains.random_chains(100, many_chains.BEADS, many_chains.SEED)
+    chains = many_chains.random_chains(100, many_chains.BEADS, many_chains.SEEDS[0])
     exact = many_chains.peaks(chains, 1e-12)[1]
 
     def alone() -> list[float]:

@@ -4,6 +4,7 @@ The chains are 500 random chains of 20 beads of steel and PTFE in front of a ste
 experiments with granular shock absorbers; every run ends when the largest force on the wall is
 complete.  The script prints the chains per second in one thread, packing and table included, and
 the errors of the largest force, relative to a run at 1e-12, and writes ``benchmark/many.json``.
+Errors are those of six such groups of chains, because few chains amplify errors.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ from rich.table import Table
 
 import hertzchain as hc
 
-CHAINS, BEADS, REPEATS, SEED = 500, 20, 5, 7
+CHAINS, BEADS, REPEATS, SEEDS = 500, 20, 5, range(7, 13)
 # This number of chains is also integrated by `simulate`, with the tolerance of equal error.
 ALONE, ALONE_RTOL = 25, 1e-7
-TOLERANCES = (1e-6, 3e-7, 1e-7, 1e-8)
+TOLERANCES = (1e-6, 2e-7, 1e-7, 1e-8)
 ERROR, PART = 1e-5, 0.995
 MUST, AIM = 6_000, 12_000
 
@@ -53,28 +54,28 @@ def peaks(chains: list[hc.Chain], rtol: float) -> tuple[float, np.ndarray[Any, A
 
 def measure() -> list[dict[str, float]]:
     """Speed and errors at each tolerance, and of `simulate` at a tolerance of equal error."""
-    chains = random_chains(CHAINS, BEADS, SEED)
-    exact = peaks(chains, 1e-12)[1]
+    groups = [random_chains(CHAINS, BEADS, seed) for seed in SEEDS]
+    exact = np.concatenate([peaks(group, 1e-12)[1] for group in groups])
+    chains = groups[0]
     fastest = dict.fromkeys(TOLERANCES, 0.0)
-    found = {}
     alone = 0.0
     # Side by side, so that other work on the machine slows all of them.
     for _ in range(REPEATS):
         for rtol in TOLERANCES:
-            speed, found[rtol] = peaks(chains, rtol)
-            fastest[rtol] = max(fastest[rtol], speed)
+            fastest[rtol] = max(fastest[rtol], peaks(chains, rtol)[0])
         begun = time.process_time()
         for chain in chains[:ALONE]:
             hc.simulate(chain, times=0, rtol=ALONE_RTOL)
         alone = max(alone, ALONE / (time.process_time() - begun))
     rows = []
     for rtol in TOLERANCES:
-        errors = np.abs(found[rtol] / exact - 1.0)
+        found = np.concatenate([peaks(group, rtol)[1] for group in groups])
+        errors = np.abs(found / exact - 1.0)
         rows.append({
             "rtol": rtol, "chains_per_second": fastest[rtol], "times_simulate":
             fastest[rtol] / alone, "median_error": float(np.median(errors)),
             "error_of_99.5_percent": float(np.quantile(errors, PART)),
-            "worse_than_1e-5": int((errors > ERROR).sum()),
+            "worse_than_1e-5": float((errors > ERROR).mean()),
         })  # fmt: skip
     return rows
 
@@ -92,7 +93,7 @@ def main() -> None:
         table.add_row(
             f"{row['rtol']:g}", f"{row['chains_per_second']:,.0f}", f"{row['times_simulate']:.1f}",
             f"{row['median_error']:.0e}", f"{row['error_of_99.5_percent']:.0e}",
-            f"{row['worse_than_1e-5']}",
+            f"{row['worse_than_1e-5']:.2%}",
         )  # fmt: skip
     console.print(table)
     good = [row for row in rows if row["error_of_99.5_percent"] <= ERROR]

@@ -253,7 +253,7 @@ class ChainFields(Frozen):
         """Rate of the taper: S if it is linear, q if it is exponential; None without a rate."""
         return dict(self.taper_parameters).get("rate")
 
-    @property
+    @cached_property
     def wall_stiffness(self) -> tuple[float, float]:
         r"""Stiffness of the contacts with the left and right wall [scaled, or N/m^p]; 0 if free.
 

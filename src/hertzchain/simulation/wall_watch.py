@@ -23,6 +23,7 @@ resumed run therefore gives the same result.
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -144,18 +145,24 @@ class WallWatch:
             self.start + number * spacing, math.nextafter(time, math.inf)
         )
 
-    @property
-    def momentum(self) -> float:
-        """Momentum towards the right wall at time 0 or, after a drive, that which it has given."""
-        chain = self.chain
-        if chain.velocities.any():
-            return impact_momentum(chain)
-        return float(chain.masses @ self._velocities + self._impulse(RIGHT))
+    @cached_property
+    def _struck(self) -> bool:
+        return bool(self.chain.velocities.any())
+
+    @cached_property
+    def _rebound(self) -> float:
+        """Time of the rebound from the right wall with the momentum towards it at time 0."""
+        return rebound_time(self.chain, impact_momentum(self.chain))
+
+    def _rebound_after_drive(self) -> float:
+        """The same with the momentum that a drive has given."""
+        momentum = float(self.chain.masses @ self._velocities + self._impulse(RIGHT))
+        return rebound_time(self.chain, momentum)
 
     @property
     def last(self) -> float:
         """Time at which a run without a given end stops at the latest."""
-        rebounds = MAX_REBOUNDS * rebound_time(self.chain, self.momentum)
+        rebounds = MAX_REBOUNDS * (self._rebound if self._struck else self._rebound_after_drive())
         return self.start + longest_watch(self.transit, rebounds)
 
     @property

@@ -25,7 +25,7 @@ name                                                    meaning
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -89,7 +89,7 @@ class Measure:
     key: str
     bead: int | None = None
     over: Measure | None = None
-    name: str = ""
+    name: str = field(default="", repr=False)
 
     def __str__(self) -> str:
         own = self.key if self.bead is None else f"{self.key}@{self.name or self.bead or 'last'}"

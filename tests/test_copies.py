@@ -268,3 +268,15 @@ def test_results_are_compared_by_their_values():
     tables = [hc.propagate_many([[1.0, 1.0], [1.0, -1.0]]) for _ in range(2)]
     assert tables[0] == tables[1]
     assert tables[0] != hc.propagate_many([[1.0, 1.0], [1.0, 1.0]])
+
+
+def test_a_row_of_a_table_does_not_compute_quantities_of_all_chains(monkeypatch):
+    """A loop over the rows would take a time proportional to the square of their number."""
+    table = hc.propagate_many([[1.0, 1.0, 1.0], [1.0, 2.0, 1.0]])
+    momentum = table.momentum[1]
+
+    def fail(_):
+        raise AssertionError
+
+    monkeypatch.setattr(type(table), "masses", property(fail))
+    assert table[1].momentum == pytest.approx(momentum)

@@ -171,9 +171,13 @@ class PulseTable(Columns):
         if row in self.reasons:
             raise SimulationError(f"chain {row} has no pulse: {self.reasons[row]}")
         beads = int(self.beads[row])
+        # Derived quantities would be computed for all chains.
+        stored = {
+            each.name: getattr(self, each.name) for each in QUANTITIES.values() if each.stored
+        }
         columns: dict[str, Any] = {
             name: values[row, : QUANTITIES[name].count(beads)]
-            for name, values in self.columns().items() if QUANTITIES[name].stored
+            for name, values in stored.items() if values is not None
         }  # fmt: skip
         return Pulse(chain=self.chain(row), method="propagation", **columns)
 

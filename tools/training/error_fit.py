@@ -28,10 +28,8 @@ REPEATED: Final = 6
 # times for 2.9.
 FITTED: Final = PARTS - 1
 JAGGED: Final = 0.7
-# Constants for Hertz contacts.  A coordinate search found those with which, in each class of chains
-# of `local_rate_accuracy` with the seeds 40404 to 40407, 60606, 901 and 902, 97% of the beads are
-# covered, no error exceeds 4.4 times the estimate, and the median estimate is at most 8.2 times
-# the error, as far as possible.
+# Constants with which the search for those of Hertz contacts begins (`training.balance`), and which
+# those of other exponents are similar to.
 REFERENCE: Final = np.array([
     3.8e-7, 3.3e-5, 2.8e-3, 6.4e-3, 2.1e-3, 2.6, 5.3, 2.5, 1.4, 0.055, 8.0, 1.6, 12.0, 3.0, 9.7,
 ])  # fmt: skip

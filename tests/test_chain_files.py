@@ -306,7 +306,13 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
         (U + "[chain.with_scatter]\nrelative = 0.1", "has no seed: seed of the random numbers"),
         (U + "[[chain.with_defects]]\nbead = 2", "has no radius"),
         (U + "[chain.decorated]\nration = 0.3", "did you mean 'ratio'"),
-        (U + "[[chain.struck_by]]\nspeed = 3", r"unknown key of \[chain.struck_by\] 'speed'"),
+        (U + "[[chain.struck_by]]\nspeed = 3", r"'speed': choose .*; did you mean 'velocity'"),
+        (
+            U + "wall = 1\nnumber = 3\nxyz = 4",
+            r"unknown keys of \[chain\] 'wall' \(did you mean 'right_wall'\?\), 'number' \(did you "
+            r"mean 'beads'\?\), 'xyz': choose from",
+        ),
+        (U + "strikers = [2.0]", r"got \[2.0\] \(.*\[\[chain.struck_by\]\] adds others"),
         (SI + "[materials.mine]\ndensity = 1.0\nyoung = 1.0", r"\[materials.mine\] has no poisson"),
         (U + "gaps = [0, -1]", "gap of contact 2 is -1"),
         (U + "precompression = 1", "left end .* is free"),

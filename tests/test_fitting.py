@@ -367,6 +367,18 @@ def test_a_gap_beyond_the_sizes_that_were_tried_is_marked():
     ]
 
 
+def test_fit_of_an_odd_ball_starts_with_at_most_twice_its_size():
+    scan = hc.scan_defects(hc.fit(*hc.example_experiment()), kind="bead")
+    radius = float(scan.result.chain.radii[-1])
+    sizes, only = scan.sizes.copy(), np.arange(len(scan.names)) == 3
+    for size, start in ((2.0, 2.0 * radius), (-0.3, 0.5 * radius)):
+        sizes[3] = size
+        wrong = dataclasses.replace(scan, sizes=sizes, improvements=only.astype(float))
+        assert wrong._start(3) == pytest.approx(start, rel=1e-12)
+    # With an impossible start, no chain could be simulated.
+    assert 0.5 * radius < wrong.fit(candidates=1).values[scan.names[3]] < 2.0 * radius
+
+
 def test_hidden_gap_is_found_and_measured():
     data = measured(bench(LAW, gap=0.3e-6, behind=8), np.random.default_rng(3))
     free = ["stiffness", "struck_by.velocity", "loss.time", "time_offset", "gain[*]"]

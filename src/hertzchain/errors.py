@@ -106,6 +106,13 @@ def short_repr(value: object) -> str:
 def unknown_name_error(what: str, name: object, known: Iterable[str]) -> InputError:
     """Error for an unknown name, with the known names and the most similar ones."""
     choices = list(known)
+    near = similar_names(name, choices)
+    hint = f"; did you mean {near}?" if near else ""
+    return InputError(f"unknown {what} {short_repr(name)}: choose from {', '.join(choices)}{hint}")
+
+
+def similar_names(name: object, choices: Iterable[str]) -> str:
+    """Those of the known names that an unknown one may mean, such as ``'radii' or 'radius'``."""
     lower = {choice.lower(): choice for choice in choices}
     asked = name.lower() if isinstance(name, str) else ""
     near = difflib.get_close_matches(asked, lower, n=1, cutoff=NEAR)
@@ -115,8 +122,7 @@ def unknown_name_error(what: str, name: object, known: Iterable[str]) -> InputEr
         near = sorted(containing, key=lambda choice: not choice.startswith(asked))
     if not near:
         near = [choice for choice in lower if _is_near(asked, choice.partition("-")[0])]
-    hint = f"; did you mean {' or '.join(repr(lower[each]) for each in near[:3])}?" if near else ""
-    return InputError(f"unknown {what} {short_repr(name)}: choose from {', '.join(choices)}{hint}")
+    return " or ".join(repr(lower[each]) for each in near[:3])
 
 
 def _is_near(asked: str, word: str) -> bool:

@@ -66,7 +66,8 @@ def check_scatter(chain: ChainFields, grade: int | None, beads: Any) -> None:
         )
     if 0.25 * BALL_GRADES[grade] >= chain.radii.min():
         raise InputError(
-            f"a radius of {chain.radii.min():g} m is too small for the deviations of grade {grade}"
+            f"a diameter of {2e3 * chain.radii.min():.4g} mm is too small for balls of grade "
+            f"{grade}, whose diameters vary by {1e6 * BALL_GRADES[grade]:g} um"
         )
 
 

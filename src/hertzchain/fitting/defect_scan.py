@@ -42,6 +42,9 @@ FOUND: Final = 20.0
 SHOWN: Final = 5
 EXTRAPOLATED: Final = 3.0
 
+# Largest ratio of the size from which the fit of a ball or contact starts to the nominal one.
+LARGEST_START: Final = 2.0
+
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
@@ -81,10 +84,13 @@ class DefectScan:
     @property
     def changes(self) -> Array:
         """Estimated gaps [m], or relative changes of radii or stiffnesses."""
+        return self.sizes if self.kind == "gap" else self.sizes / self._nominal - 1.0
+
+    @property
+    def _nominal(self) -> Array:
         model = self.result.model
         names = [_name(self.kind, self.result, i) for i in range(len(self.names))]
-        nominal = np.array([kind_and_value(n, model.traces, model.chains)[1] for n in names])
-        return self.sizes if self.kind == "gap" else self.sizes / nominal - 1.0
+        return np.array([kind_and_value(n, model.traces, model.chains)[1] for n in names])
 
     def summary(self) -> str:
         """Method, the defects that would explain the most, their sizes, and the conclusion.
@@ -120,6 +126,14 @@ class DefectScan:
             lines.append(f"no {self.kind} explains more than noise would (a chi2 lower by "
                          f"{FOUND:g})")  # fmt: skip
         return "\n".join(lines)
+
+    def _start(self, i: int) -> float:
+        """Size from which to fit a defect: extrapolated ones may be far too large, or negative."""
+        size = float(self.sizes[i])
+        if self.kind == "gap":
+            return size
+        nominal = float(self._nominal[i])
+        return min(max(size, nominal / LARGEST_START), nominal * LARGEST_START)
 
     def _size(self, i: int) -> str:
         change = float(self.changes[i])
@@ -174,8 +188,8 @@ class DefectScan:
             if progress is not None and done:
                 progress(done, count)
             name = _name(self.kind, self.result, int(i))
-            more = _with_parameter(model, name, float(self.sizes[i]))
-            start = {**self.result.values, str(name): float(self.sizes[i])}
+            more = _with_parameter(model, name, self._start(int(i)))
+            start = {**self.result.values, str(name): self._start(int(i))}
             more = replace(
                 more,
                 parameters=tuple(replace(each, start=start[str(each)]) for each in more.parameters),

@@ -327,6 +327,8 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, 
                   label=outside.name)  # fmt: skip
     axes.set_ylabel(quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
+    if log:
+        label_log_axis(axes.yaxis)
     set_axis(axes, "x", drawn[along])
 
 

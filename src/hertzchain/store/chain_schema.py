@@ -100,8 +100,8 @@ _CHAIN: Final = (
     Key("materials", "material", "material of all beads, or of each (of the cell); or material",
         per="bead", one_for_all=True),
     _number("velocity", "velocity of bead 1 of a chain of materials", "velocity"),
-    Key("strikers", "integer", "number of beads at the front that are strikers", default=0,
-        least=0),
+    Key("strikers", "integer", "number of beads at the front that are strikers; "
+        "[[chain.struck_by]] adds others", default=0, least=0),
     _number("masses", "masses, if they do not follow from radii", "mass", above=0.0, per="bead",
             one_for_all=True),
     _number("stiffness", "stiffness of the contacts, if it does not follow", "stiffness",

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..errors import short_repr, unknown_name_error
+from ..errors import short_repr, similar_names, unknown_name_error
 from ..units import UNITS, quantity
 from .chain_schema import KEYS, SECTIONS, TABLES
 from .schema_keys import Key, Section
@@ -133,12 +133,43 @@ def _check_keys(
     for name, value in table.items():
         if name in own:
             yield from problems_of(own[name], value, f"{name} of {place}")
-        else:
-            yield str(unknown_name_error(f"key of {place}", name, known or tuple(own)))
+    yield from _unknown_keys([name for name in table if name not in own], place, known or [*own])
     if complete:
         for key in keys:
             if key.required and table.keys().isdisjoint((key.name, key.unless)):
                 yield f"{place} has no {key.name}: {key.description}"
+
+
+def _unknown_keys(names: Sequence[str], place: str, known: Sequence[str]) -> Iterator[str]:
+    """Describe all unknown keys of a table by one sentence, which lists the known ones once."""
+    hints = {}
+    for name in names:
+        meant = _MEANT.get(name)
+        hints[name] = repr(meant) if meant in known else similar_names(name, known)
+    choices = f"choose from {', '.join(known)}"
+    if len(names) == 1:
+        hint = f"; did you mean {hints[names[0]]}?" if hints[names[0]] else ""
+        yield f"unknown key of {place} {names[0]!r}: {choices}{hint}"
+    elif names:
+        listed = [
+            f"{each!r} (did you mean {of}?)" if of else repr(each) for each, of in hints.items()
+        ]
+        yield f"unknown keys of {place} {', '.join(listed)}: {choices}"
+
+
+# Names of options, or of the same things elsewhere, for the keys of chain files.
+_MEANT: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "kind": "taper",
+        "speed": "velocity",
+        "wall": "right_wall",
+        "diameter": "diameters",
+        "material": "materials",
+        "striker": "struck_by",
+        "number": "beads",
+        "balls": "beads",
+    }
+)
 
 
 def problems_of(key: Key, value: Any, what: str) -> Iterator[str]:
@@ -183,7 +214,7 @@ def _problem_of_one(key: Key, value: Any, what: str) -> Iterator[str]:
             yield str(unknown_name_error(what, value, key.choices))
     elif key.kind == "integer":
         if isinstance(value, bool) or not isinstance(value, numbers.Integral):
-            yield f"{what} must be a whole number, got {short_repr(value)}"
+            yield f"{what} must be a whole number, got {short_repr(value)} ({key.description})"
     elif isinstance(value, str) and _may_be_text(key) and quantity(value) is not None:
         return
     elif isinstance(value, bool) or not isinstance(value, numbers.Real):

@@ -269,6 +269,33 @@ def test_tolerances_are_kept():
         assert relative(table["velocity"], exact["velocity"], 1.0) < 100.0 * rtol
 
 
+def test_peaks_that_a_later_impact_exceeds_are_not_reported():
+    """After a first impact, motion is integrated less exactly until a larger force follows."""
+    rng = np.random.default_rng(7)
+    names = ["ptfe", "steel-52100"]
+    chains = [
+        hc.Chain.from_materials(
+            np.full(20, 4.76e-3), [names[i] for i in 1 * (rng.random(20) < 0.5)], velocity=0.005,
+            right_wall=hc.Wall.of("steel-52100"),
+        )
+        for _ in range(50)
+    ]  # fmt: skip
+    keep = ["wall_peak_force", "wall_peak_time", "velocity"]
+    table = hc.simulate_many(chains, keep=keep, check_range=False, rtol=1e-10)
+    assert table.complete.all()
+    later = 0
+    for i, chain in enumerate(chains):
+        run = hc.simulate(chain, times=2000, rtol=1e-12)
+        wall = run.wall_force()
+        assert relative(table["wall_peak_force"][i], wall.peak) < 1e-6, i
+        assert relative(table["wall_peak_time"][i], wall.peak_time) < 1e-5, i
+        force = run.forces[:, -1]
+        before = force[: int(np.argmax(force))]
+        top = np.maximum.accumulate(before)
+        later += bool(((before < 0.4 * top) & (top > 0.5 * wall.peak)).any())
+    assert later > 5
+
+
 def test_long_chains_and_many_lanes():
     """A chain does not depend on those that are integrated next to it, nor on threads."""
     rng = np.random.default_rng(4)

@@ -87,6 +87,7 @@ from .elastic_layout import (
     TAKEN,
     TIME,
     TIME_REACHED,
+    TOLERANCE,
     TRANSIT,
     TRANSIT_LIMIT,
     TRIED,
@@ -103,17 +104,16 @@ from .elastic_layout import (
     V,
     X,
 )
+from .elastic_proof import GO_BACK, ending_with_peak, go_back, restore_peak
 from .elastic_walls import (
     check_wall,
     close,
     complete,
     expired,
     held,
-    is_largest,
     note_end,
     nothing_can_happen,
     restart,
-    set_due,
     start_watch,
 )
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE, STAGES, impulse_of, spread, take_step
@@ -122,8 +122,6 @@ from .state_layout import STRIKER_PEAK_TIME
 inlined = internal(forceinline=True, **OPTIONS)
 
 MIN_STEP, HALF = 1e-280, 0.5
-# Attempts per transit to prove that no larger force follows; each takes as long as a step.
-PROOFS = 5
 # Steps longer than this fraction of the elapsed time occur only if all beads are in free flight.
 LONG_STEP = 0.1
 
@@ -133,14 +131,14 @@ def scratch_for(gauges):
     rows = np.zeros(END_OF_ROWS + LINE)
     start = -rows.ctypes.data % (8 * LINE) // 8
     return (
-        rows[start : start + END_OF_ROWS], np.zeros((LANE_ROWS, LANES)),
-        np.zeros((STAGES, gauges, LANES)), np.zeros((LANES, gauges, GAUGE_ROWS)),
+        rows[start : start + END_OF_ROWS], np.zeros((2 * LANE_ROWS, LANES)),
+        np.zeros((STAGES, gauges, LANES)), np.zeros((LANES, gauges, 2 * GAUGE_ROWS)),
         np.zeros(LANES, np.int64), np.zeros(KINK_ROWS),
     )  # fmt: skip
 
 
 @compiled
-def load(w, beads, lane, chain, numbers, places, pushes, state, gauges, records):
+def load(w, beads, lane, chain, numbers, places, rtol, pushes, state, gauges, records):
     """Load a chain at time 0 into a lane."""
     for row in range(END_OF_ROWS // ROW):
         for i in range(beads + 7):
@@ -168,6 +166,7 @@ def load(w, beads, lane, chain, numbers, places, pushes, state, gauges, records)
         state[row, lane] = 0.0
     state[STEP, lane], state[MOST, lane], state[DUE, lane] = numbers[FIRST_STEP], GROWTH, np.inf
     state[LAST_CROSSING, lane], state[PEAKS, lane] = -1.0, struck - 1.0
+    state[TOLERANCE, lane] = rtol
     for g in range(len(places)):
         one, two = places[g, 0] * LANES + lane, places[g, 1] * LANES + lane
         for row in range(gauges.shape[2]):
@@ -184,8 +183,9 @@ def store(
     for k in range(beads):
         records[FINAL_X, k] = w[X + (k + 1) * LANES + lane]
         records[FINAL_V, k] = w[V + (k + 1) * LANES + lane]
+    restore_peak(lane, state, gauges[lane, 0])
     for g in range(len(places)):
-        for row in range(gauges.shape[2]):
+        for row in range(GAUGE_ROWS):
             readings[g, row] = gauges[lane, g, row]
     peak, can_escape = gauges[lane, 0, PEAK], numbers[CAN_ESCAPE] != 0.0
     restart(lane, state, gauges[lane, 0, PEAK_TIME])
@@ -223,11 +223,11 @@ def closes_unseen(w, beads, lane, h):
 
 
 @compiled
-def new_lengths(rtol, state):
+def new_lengths(state):
     """Accept or reject the step of each lane, and store the factor of its next step."""
     # The compiler does not use vectors if the number of lanes is a constant.
     for lane in range(state.shape[1]):
-        error = state[WORST, lane] / rtol
+        error = state[WORST, lane] / state[TOLERANCE, lane]
         good = error <= 1.0
         # An eighth root by three square roots; no growth right after a rejected step.
         change = SAFETY / math.sqrt(math.sqrt(math.sqrt(error + 1e-30)))
@@ -281,7 +281,7 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
         return 0
     peak, can_escape = gauges[lane, 0, PEAK], numbers[CAN_ESCAPE] != 0.0
     if can_escape and numbers[PEAK_ONLY] != 0.0:
-        return ending_with_peak(w, beads, lane, state, peak, numbers[REBOUNDS])
+        return ending_with_peak(w, beads, lane, state, gauges[lane, 0], numbers[REBOUNDS])
     restart(lane, state, gauges[lane, 0, PEAK_TIME])
     check_wall(w, beads, lane, chain, state, peak, impulse)
     if not by_itself:
@@ -293,17 +293,6 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
         if complete(w, beads, lane, chain, can_escape, state, peak):
             return WALL_DONE
     return TRANSIT_LIMIT if late else 0
-
-
-@compiled
-def ending_with_peak(w, beads, lane, state, peak, rebounds):
-    """`ending` if only the largest force on the wall is requested."""
-    set_due(lane, state, PROOFS)
-    if peak > 0.0 and is_largest(w, beads, lane, peak):
-        return WALL_DONE
-    if nothing_can_happen(w, beads, lane):
-        return NOTHING_MORE
-    return TRANSIT_LIMIT if expired(lane, state, rebounds) else 0
 
 
 @inlined
@@ -386,8 +375,8 @@ def follow(
     for lane in range(LANES):
         which[lane] = -1
     for lane in range(min(LANES, count)):
-        load(w, beads, lane, chains[coming], numbers[coming], places, pushes, state, gauges,
-             records[coming])  # fmt: skip
+        load(w, beads, lane, chains[coming], numbers[coming], places, rtol, pushes, state,
+             gauges, records[coming])  # fmt: skip
         which[lane] = coming
         coming += 1
         running += 1
@@ -402,7 +391,7 @@ def follow(
         if hertz:
             kinked = find_kinks(w, beads, rtol, which, state, kinks, kinked)
         events = take_step(w, beads, hertz, rtol, places, pushes, state, kinks, kinked)
-        new_lengths(rtol, state)
+        new_lengths(state)
         if careful:
             for lane in range(LANES):
                 h = state[LENGTH, lane]
@@ -435,6 +424,10 @@ def follow(
                 status = STEP_LIMIT
             if status == 0:
                 continue
+            if status == GO_BACK:
+                drop_kinks(lane, kinks, kinked)
+                go_back(w, beads, lane, state, gauges[lane, 0], pushes)
+                continue
             store(w, beads, lane, chains[c], numbers[c], status, state, gauges, places, records[c],
                   summary[c], readings[c])  # fmt: skip
             signal[DONE] += 1
@@ -443,8 +436,8 @@ def follow(
             for k in range(beads):
                 w[PEAKED + k * LANES + lane] = w[CROSSED + k * LANES + lane] = 1.0
             if coming < count:
-                load(w, beads, lane, chains[coming], numbers[coming], places, pushes, state,
-                     gauges, records[coming])  # fmt: skip
+                load(w, beads, lane, chains[coming], numbers[coming], places, rtol, pushes,
+                     state, gauges, records[coming])  # fmt: skip
                 which[lane] = coming
                 coming += 1
                 running += 1

@@ -15,7 +15,7 @@ LANES = LINE = 8
 ROW = LINE * (4096 + 5)
 (X, TRIAL, NEW_X, V, NEW_V, FORCE, F0, F1, F2, F3, F4, F5, F6, F7, F8, AT_REST, STIFFNESS,
  EXPONENT, BODY, INVERSE_MASS, H, PEAKED, CROSSED, FLAG, SPEED, NEAR, SCALE, NOISE, WORK,
- DEFECT, END_OF_ROWS) = range(0, 31 * ROW, ROW)  # fmt: skip
+ DEFECT, KEPT_X, KEPT_V, KEPT_F0, END_OF_ROWS) = range(0, 34 * ROW, ROW)  # fmt: skip
 # A step uses up to seven entries per lane in addition to the beads.
 MOST_BEADS = ROW // LANES - 7
 
@@ -32,10 +32,11 @@ MOST_BEADS = ROW // LANES - 7
 (UNTIL, FIRST_STEP, BY_ITSELF, STRIKERS, LEAST_PUSH, CAN_ESCAPE, REBOUNDS, PEAK_ONLY,
  NUMBERS) = range(9)  # fmt: skip
 
-# Entries of a lane.
+# Entries of a lane.  The last ones are its tolerance, and the largest force on the wall and its
+# time while it is proven with a larger tolerance (`hertzchain.kernels.elastic_proof`).
 (TIME, STEP, LENGTH, WORST, FASTEST, MOST, TRIED, STEPS, GOOD, SINCE_CROSSING, LAST_CROSSING, PEAKS,
  CROSSINGS, FIRST_IMPULSE, FIRST_END, LAST_IMPULSE, LAST_END, WATCH_START, TRANSIT, DUE, BOUNDED,
- SINCE, IMPACT_IMPULSE, LANE_ROWS) = range(24)  # fmt: skip
+ SINCE, IMPACT_IMPULSE, TOLERANCE, EXACT_PEAK, EXACT_TIME, LANE_ROWS) = range(27)  # fmt: skip
 # Entries of a gauge: gauge 0 is the right wall, others are sensors in beads.  Up to four maxima of
 # increasing height are stored, because only the end of the run determines which of them is high
 # enough.

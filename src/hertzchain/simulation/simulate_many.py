@@ -86,7 +86,7 @@ def simulate_many(
     until : float, optional
         Stop time [scaled, or s]; by default each run ends as in `simulate`, or earlier if only the
         leading pulse and the peak on the wall are kept and no range is checked: when it is proven
-        that no larger force follows.
+        that no larger force follows.  The tolerance for this proof is 1e-4.
     rtol : float
         Relative tolerance per step, 1e-14 .. 1e-5.  Largest forces and velocities of short chains
         have errors of about this size; where waves from a wall meet, the motion amplifies them.

@@ -230,6 +230,34 @@ def test_mirrored_chains_have_mirrored_waves():
     np.testing.assert_allclose(flux.right, back.left[::-1], rtol=1e-6, atol=1e-9)
 
 
+@pytest.mark.parametrize("contacts", [(40, 60), (30, 50)])
+def test_weak_waves_in_a_soft_material_are_counted(contacts):
+    """Most of the train in PTFE is weaker than 1% of the force in the steel."""
+    chain = hc.Chain.from_materials(
+        "5 mm", ["steel-316"] * 50 + ["ptfe"] * 50, velocity="0.001 m/s"
+    )
+    run = hc.simulate(chain, until="25 ms", times=12_000)
+    found = run.reflection(*contacts)
+    before, after = (np.trapezoid(run.forces[:, k], run.times) for k in contacts)
+    assert found.incident.impulse == pytest.approx(before, rel=1e-6)
+    assert found.transmitted_momentum == pytest.approx(after / before, abs=1e-3)
+    assert found.transmitted_energy + found.kept_energy == pytest.approx(1.0, abs=1e-4)
+    assert abs(found.missing_momentum) < 1e-3
+
+
+def test_momentum_that_belongs_to_no_wave_is_announced(monkeypatch):
+    chain = hc.Chain.from_radii(np.where(np.arange(120) < 60, 1.0, 0.4))
+    run = hc.simulate(chain, until=300.0, times=6000)
+    assert abs(run.reflection(50, 75).missing_momentum) < 1e-3
+    monkeypatch.setattr("hertzchain.simulation.reflection.THRESHOLD", 0.5)
+    monkeypatch.setattr("hertzchain.simulation.reflection.MISSING", 0.02)
+    with pytest.warns(hc.InputWarning, match="of the incident momentum passes one of the contacts"):
+        found = run.reflection(50, 75)
+    lost = np.trapezoid(run.forces[:, 75], run.times) / found.incident.impulse
+    assert found.missing_momentum == pytest.approx(lost - found.transmitted_momentum, abs=1e-3)
+    assert "unexplained 0." in repr(found)
+
+
 def test_a_wave_to_the_left_is_reflected_like_its_mirror_image():
     chain = interface(2.0)
     mirrored = hc.Chain.from_radii(np.ones(120)).replace(

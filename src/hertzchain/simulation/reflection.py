@@ -22,14 +22,17 @@ from .wave_events import (
     require_resolved,
 )
 
-# Events above this fraction of the largest force are counted.
-THRESHOLD: Final = 0.01
+# Events above this fraction of the largest force at their contact are counted; below this fraction
+# of the largest force of the run, forces are those of rounding errors.
+THRESHOLD, ROUNDING = 1e-3, 1e-9
 # Waves below this fraction of the incident energy need not be resolved, and counting does not end
 # when they enter from outside.
 WEAK: Final = 0.01
 # Fraction of the incident energy that may be missing, still be between the contacts, or enter from
-# outside before the incident wave has left.
+# outside before the incident wave has left; fraction of the momentum that may be missing.
 MISSING: Final = 0.05
+# An error of the balance above this fraction of the incident energy is part of the representation.
+SHOWN: Final = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +67,10 @@ class Reflection:
     kept_energy : float
         Net energy that flowed in between the two contacts from the beginning of the incident
         wave until ``until``, relative to the incident energy: it is still there, or was lost.
+    missing_momentum : float
+        Impulse of the forces at ``before`` or ``after`` (that with the larger part) that no wave
+        has, relative to the incident momentum: of forces that do not rise to a maximum, for
+        example.
     entered_energy : float
         Energy of weak waves, of at most 5% in total, that entered from outside before the
         incident wave had left, relative to the incident energy.  It leaves with the counted
@@ -91,6 +98,7 @@ class Reflection:
     until: float
     disturbed: bool
     kept_energy: float
+    missing_momentum: float = 0.0
     entered_energy: float = 0.0
 
     @property
@@ -133,6 +141,11 @@ class Reflection:
         left = self.reflected_energy + self.transmitted_energy + self.kept_energy
         return 1.0 + self.entered_energy - left
 
+    @property
+    def _unexplained(self) -> str:
+        shown = f", unexplained {self.unexplained_energy:.4f}"
+        return shown if abs(self.unexplained_energy) > SHOWN else ""
+
     def __repr__(self) -> str:
         ended = "another wave entered" if self.disturbed else "nothing else entered"
         if self.entered_energy:
@@ -140,7 +153,7 @@ class Reflection:
         end = measure(self.until, "s", self.chain.units)
         return (
             f"Reflection(contacts {self.before} to {self.after}, until t = {end}, {ended}, "
-            f"energy kept {self.kept_energy:.4f}:\n"
+            f"energy kept {self.kept_energy:.4f}{self._unexplained}:\n"
             f"    reflected energy {self.reflected_energy:.4f}, momentum "
             f"{self.reflected_momentum:.4f}, {counted(len(self.reflected), 'wave')};\n"
             f"    transmitted energy {self.transmitted_energy:.4f}, momentum "
@@ -183,7 +196,8 @@ def reflection_of(
     -----
     InputWarning
         If more than 5% of the incident energy is missing from the balance, because of other
-        waves, or, without losses, is still between the contacts.
+        waves, or, without losses, is still between the contacts; if ``missing_momentum`` exceeds
+        5%.
 
     Examples
     --------
@@ -204,9 +218,8 @@ def reflection_of(
     begin = number("since", since)
     stop = np.inf if until is None else number("until", until, above=begin)
     check_saved_times(self)
-    floor = THRESHOLD * largest_force_of(self)
     sign = 1 if second > first else -1
-    near = [event for event in events_at(self, first, floor) if event.time >= begin]
+    near = [event for event in _events_at(self, first) if event.time >= begin]
     incident = next((event for event in near if event.direction == sign), None)
     if incident is None or incident.time > stop:
         raise SimulationError(
@@ -214,7 +227,7 @@ def reflection_of(
             f"interval; {self.message}"
         )
     near = [event for event in near if event.time > incident.time]
-    far = [event for event in events_at(self, second, floor) if event.time > incident.time]
+    far = [event for event in _events_at(self, second) if event.time > incident.time]
 
     stop = min(stop, float(self.times[-1]))
     entering = [e for e in near if e.direction == sign] + [e for e in far if e.direction == -sign]
@@ -235,10 +248,33 @@ def reflection_of(
         chain=self.chain, before=first, after=second, incident=incident, reflected=reflected,
         transmitted=transmitted, until=last, disturbed=last < stop,
         kept_energy=inflow(last), entered_energy=entered,
+        missing_momentum=max(
+            (_missing_momentum(self, each, incident, last) for each in ([incident, *near], far)),
+            key=abs,
+        ),
     )  # fmt: skip
     _check_count(self, found)
     _warn_of_balance(found)
     return found
+
+
+def _events_at(run: Trajectory, contact: int) -> list[WaveEvent]:
+    """Waves at a contact that are strong enough there; most of the run's force may be elsewhere."""
+    own = float(np.max(ContactCurves(run, contact).force, initial=0.0))
+    return events_at(run, contact, max(THRESHOLD * own, ROUNDING * largest_force_of(run)))
+
+
+def _missing_momentum(
+    run: Trajectory, events: list[WaveEvent], incident: WaveEvent, last: float
+) -> float:
+    """Part of the impulse at the contact of events that none of them has."""
+    if not events or events[0].contact in (0, run.chain.beads):
+        return 0.0
+    whole = ContactCurves(run, events[0].contact).force_curve.antiderivative()
+    found = sum(event.impulse for event in events if event.time <= last)
+    # The last event may end after the count.
+    end = max([last, *(event.end for event in events if event.time <= last)])
+    return (float(whole(end) - whole(incident.begin)) - found) / incident.impulse
 
 
 def _end_of_count(
@@ -296,6 +332,12 @@ def _warn_of_balance(found: Reflection) -> None:
             f"other waves contribute: {found.unexplained_energy:.0%} of the incident energy is "
             "missing from the balance, so the coefficients are not those of one wave; choose "
             "other contacts, since or until"
+        )
+    elif abs(found.missing_momentum) > MISSING:
+        reason = (
+            f"{found.missing_momentum:.0%} of the incident momentum passes one of the contacts, but "
+            "belongs to no wave, so the coefficients of momentum are not complete; choose other "
+            "contacts, or integrate run.forces"
         )
     elif found.kept_energy > MISSING and found.chain.lossless:
         advice = "simulate for longer"

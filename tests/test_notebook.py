@@ -371,3 +371,13 @@ def test_the_view_of_a_disordered_chain_has_the_spread():
     band = "± one standard deviation"
     assert band in hc.disorder(chain, scatter=0.02)._repr_html_()
     assert band not in hc.propagate(chain)._repr_html_()
+
+
+def test_last_bead_at_a_free_end_is_apart():
+    taper = hc.Chain.tapered("forward-exponential", 0.02, beads=20)
+    html = hc.propagate(taper)._repr_html_()
+    assert "last bead (free end)" in html
+    assert html.count('r="4"') == 1
+    closed = hc.simulate(taper.replace(right_wall=hc.Wall()), times=0).pulse()._repr_html_()
+    assert "free end" not in closed
+    assert 'r="4"' not in closed

@@ -282,13 +282,34 @@ def test_labels_state_what_differs():
     assert legend(given) == ["a", "b", "$q_1$"]
 
 
+def test_small_differences_are_visible_beside_large_ones():
+    chain = hc.Chain.tapered("backward-exponential", 0.02, beads=60)
+    pulses = [hc.propagate(chain), hc.bca(chain), hc.local_rate(chain)]
+    lower = hc.plot_pulses(pulses, residuals=True).figure.axes[1]
+    assert lower.get_yscale() == "symlog"
+    assert [text.get_text() for text in lower.get_yticklabels()] == ["0", "0.01", "10"]
+    similar = hc.plot_pulses([pulses[0], hc.bca(chain), hc.modified_bca(chain)], residuals=True)
+    assert similar.figure.axes[1].get_yscale() == "linear"
+
+
+def test_scaled_and_si_pulses_do_not_share_an_axis():
+    balls = hc.Chain.from_materials("5 mm", "brass", beads=20, velocity="1 mm/s")
+    with pytest.raises(hc.InputError, match="scaled chains and of chains in SI units cannot share"):
+        hc.plot_pulses([hc.propagate(hc.Chain.uniform(20)), hc.propagate(balls)], "peak_force")
+    hc.plot_pulses(
+        [hc.propagate(hc.Scales.of(balls).to_scaled(balls)), hc.bca(hc.Chain.uniform(20))]
+    )
+
+
 def test_residuals_are_relative_differences_from_the_first_pulse():
     chain = hc.Chain.tapered("backward-exponential", 0.05, beads=30)
     exact, theory = hc.propagate(chain), hc.bca(chain)
     upper = hc.plot_pulses([exact, theory], residuals=True)
     lower = upper.figure.axes[1]
     expected = 100.0 * (theory.velocity / exact.velocity - 1.0)
-    np.testing.assert_allclose(lower.lines[1].get_ydata(), expected)
+    curve, end = (np.asarray(line.get_ydata()) for line in lower.lines[1:])
+    np.testing.assert_allclose(np.append(curve, end), expected)
+    assert len(end) == 1  # at the free end
     with pytest.raises(hc.InputError, match="residuals need at least two pulses"):
         hc.plot_pulses([exact], residuals=True)
     for bad in (upper, [upper], [upper, lower, lower]):
@@ -296,7 +317,7 @@ def test_residuals_are_relative_differences_from_the_first_pulse():
             hc.plot_pulses([exact, theory], residuals=True, ax=bad)
     _, pair = plt.subplots(2, 2)
     assert hc.plot_pulses([exact, theory], residuals=True, ax=pair[:, 1]) is pair[0, 1]
-    np.testing.assert_allclose(pair[1, 1].lines[1].get_ydata(), expected)
+    np.testing.assert_allclose(pair[1, 1].lines[1].get_ydata(), expected[:-1])
     assert pair[1, 1].get_xlim() == pair[0, 1].get_xlim()
     assert (pair[0, 1].get_xlabel(), pair[1, 1].get_xlabel()) == ("", "bead $k$")
     with pytest.raises(hc.InputError, match="there must be 2 labels, one per pulse, got 1"):

@@ -187,7 +187,8 @@ def chart(
     values = values[np.isfinite(values) & ((values > 0.0) | (not log))]
     if not len(values):
         return note("There is nothing to draw.")
-    begin, end = min(curve.x[0] for curve in curves), max(curve.x[-1] for curve in curves)
+    begin = min(curve.x[0] for curve in curves)
+    end = max(*(curve.x[-1] for curve in curves), *(mark.x for mark in marks), begin)
     low, high = _limits(values, log=log)
     end = float(end) if end > begin else float(begin) + 1.0
     frame = _Frame(float(begin), end, low, high, height, log, whole)

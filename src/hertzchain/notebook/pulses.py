@@ -7,10 +7,12 @@ from typing import Final
 import numpy as np
 
 from ..pulse.comparison import DRAWN, Comparison
+from ..pulse.free_end import ends_free
 from ..pulse.pulse import Pulse
 from .drawing import (
     COLOURS,
     Curve,
+    Mark,
     axis_unit,
     chart,
     engineering,
@@ -35,15 +37,19 @@ def pulse_html(pulse: Pulse) -> str:
     factor, unit = axis_unit(pulse.velocity, "m/s", units)
     known = pulse.velocity[np.isfinite(pulse.velocity) & (pulse.velocity > 0.0)]
     log = bool(len(known)) and float(known.max()) > LOG_RANGE * float(known.min())
-    curves = [Curve(pulse.bead.astype(float), factor * pulse.velocity, "mean")]
+    # The last bead at a free end is no part of the curve.
+    end = len(pulse.velocity) - ends_free(pulse, "velocity")
+    marks = [Mark(float(beads), factor * pulse.velocity[-1], "")] if end < beads else []
+    curves = [Curve(pulse.bead[:end].astype(float), factor * pulse.velocity[:end], "mean")]
     if pulse.velocity_spread is not None:
-        part, middle = np.exp(pulse.velocity_spread), curves[0]
+        part, middle = np.exp(pulse.velocity_spread[:end]), curves[0]
         band = Curve(middle.x, middle.y * part, SPREAD, COLOURS[5], base=middle.y / part)
         curves = [band, middle]
-    figure = chart(curves, "bead k", f"velocity{unit}", log=log, whole=True)
+    figure = chart(curves, "bead k", f"velocity{unit}", log=log, whole=True, marks=marks)
     if len(curves) > 1:
         figure = legend((each.label, each.colour) for each in curves) + figure
-    found = {"last bead": f"{beads}", "velocity": engineering(pulse.velocity[-1], "m/s", units)}
+    last = "last bead (free end)" if marks else "last bead"
+    found = {last: f"{beads}", "velocity": engineering(pulse.velocity[-1], "m/s", units)}
     found["momentum"] = engineering(pulse.momentum[-1], "kg m/s", units)
     found["energy"] = engineering(pulse.energy[-1], "J", units)
     if pulse.arrival is not None:

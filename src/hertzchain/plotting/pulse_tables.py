@@ -9,11 +9,12 @@ from matplotlib.axes import Axes
 
 from ..collision import Array
 from ..errors import InputError
+from ..pulse.free_end import jumps_at_end
 from ..pulse.quantities import QUANTITIES
 from ..validation.objects import check_choice
 from .colours import curve_colour
 from .legends import place_legend
-from .pulses import FREE_END, jumps_at_end, label_free_end, number_of_curves
+from .pulses import FREE_END, label_free_end, number_of_curves
 from .style import MARKERS, BeadLocator, figure_style, get_axes, set_title
 
 if TYPE_CHECKING:

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 
 from ..collision import Array
 from ..errors import InputError, short_repr
+from ..pulse.free_end import ends_free
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
 from ..validation.keywords import checked_arguments
@@ -29,10 +30,8 @@ from .style import (
 )
 from .titles import chain_words
 
-# Quantities of a bead whose values at a free end are larger than those before it.
-FREE: Final = ("velocity", "momentum", "energy")
-# Smallest factor by which the last value exceeds the continuation of those before it.
-JUMP: Final = 1.2
+# Differences below this fraction of the largest ones are not visible on a linear axis.
+HIDDEN: Final = 0.02
 # Opacity of the band of a spread.
 BAND: Final = 0.25
 # Labels of symbols at free ends and of bands.
@@ -90,7 +89,8 @@ def plot_pulses(
     ------
     InputError
         If a method does not predict the quantity, the number of labels differs from that of the
-        pulses, or there is nothing to compare with the first pulse.
+        pulses, only some of the chains are in SI units, or there is nothing to compare with the
+        first pulse.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def plot_pulses(
         begin = number_of_curves(axes)
         for i, (pulse, name) in enumerate(zip(pulses, names, strict=True), begin):
             values = pulse.columns()[quantity]
-            free = _ends_free(pulse, quantity)
+            free = ends_free(pulse, quantity)
             _draw_spread(axes, pulse, quantity, i, free=free)
             if free:
                 _draw_free_end(axes, pulse, values[-1], i)
@@ -156,6 +156,11 @@ def _checked(pulses: Sequence[Pulse], quantity: str) -> list[Pulse]:
     missing = [pulse.method for pulse in checked if pulse.column(quantity) is None]
     if missing:
         raise InputError(f"{missing[0]} does not predict {quantity}")
+    if len({pulse.chain.units for pulse in checked}) > 1:
+        raise InputError(
+            "pulses of scaled chains and of chains in SI units cannot share an axis; convert them "
+            "with hc.Scales.of(chain).to_scaled(pulse)"
+        )
     return checked
 
 
@@ -180,18 +185,6 @@ def number_of_curves(axes: Axes) -> int:
         line.get_linestyle() != "None" and not str(line.get_label()).startswith("_")
         for line in axes.lines
     )
-
-
-def _ends_free(pulse: Pulse, quantity: str) -> bool:
-    """Whether the last bead is much faster than the others, because nothing decelerates it."""
-    return pulse.chain.right_wall is None and jumps_at_end(pulse.columns()[quantity], quantity)
-
-
-def jumps_at_end(values: Array, quantity: str) -> bool:
-    """Whether the last of the values at successive beads is far above the curve of the others."""
-    if quantity not in FREE or len(values) < 3:
-        return False
-    return bool(values[-1] * values[-3] > JUMP * values[-2] ** 2)
 
 
 def label_free_end(axes: Axes) -> None:
@@ -232,7 +225,7 @@ def _label_parts(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
         present[label].remove()
     if LOTS in present or any(_spread(pulse, quantity) is not None for pulse in pulses):
         axes.fill_between([], [], [], color=grey(axes, 0.4), alpha=BAND, linewidth=0.0, label=LOTS)
-    if FREE_END in present or any(_ends_free(pulse, quantity) for pulse in pulses):
+    if FREE_END in present or any(ends_free(pulse, quantity) for pulse in pulses):
         label_free_end(axes)
 
 
@@ -250,14 +243,42 @@ def _draw(axes: Axes, pulse: Pulse, values: Array, i: int, label: str | None) ->
     )
 
 
+def _compress(axes: Axes, differences: Sequence[Array]) -> None:
+    """Use a logarithmic scale, linear around 0, if some curves are not visible beside others."""
+    largest = [float(np.abs(each).max(initial=0.0)) for each in differences]
+    present = [each for each in largest if each > 0.0]
+    if not present or min(present) > HIDDEN * max(present):
+        return
+    low, high = (int(np.floor(np.log10(each))) for each in (min(present), max(present)))
+    axes.set_yscale("symlog", linthresh=10.0**low)
+    powers = 10.0 ** np.arange(high, low, -max(1, (high - low + 1) // 2))
+    together = np.concatenate(differences)
+    marks = [
+        *(-powers[-together.min() > powers] if together.min() < -(10.0 ** (low + 1)) else []),
+        0.0, *(powers[together.max() > powers]),
+    ]  # fmt: skip
+    marks.sort()
+    axes.set_yticks(marks, labels=[f"{each:g}" for each in marks])
+    axes.minorticks_off()
+
+
 def _draw_residuals(axes: Axes, pulses: Sequence[Pulse], quantity: str, begin: int) -> None:
     """Relative differences from the first pulse, in percent."""
     first = pulses[0].columns()[quantity]
     axes.axhline(0.0, color=grey(axes, 0.6), linewidth=0.7)
+    differences: list[Array] = []
     for i, pulse in enumerate(pulses[1:], start=begin + 1):
         other = pulse.columns()[quantity]
         both = min(len(first), len(other))
         with np.errstate(divide="ignore", invalid="ignore"):
-            _draw(axes, pulse, 100.0 * (other[:both] / first[:both] - 1.0), i, None)
+            shown = 100.0 * (other[:both] / first[:both] - 1.0)
+        ends = {len(each.columns()[quantity]) for each in (pulses[0], pulse)
+                if ends_free(each, quantity)}  # fmt: skip
+        free = both in ends
+        _draw(axes, pulse, shown[:-1] if free else shown, i, None)
+        if free:
+            _draw_free_end(axes, pulse, shown[-1], i)
+        differences.append(shown[np.isfinite(shown)])
+    _compress(axes, differences)
     # In two lines, the label is not taller than the panel of a narrow figure.
     axes.set_ylabel("difference\n[%]")

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from .pulses import jumps_at_end
+from ..pulse.free_end import jumps_at_end
 from .style import literal
 from .sweep_labels import axis_label
 

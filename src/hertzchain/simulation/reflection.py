@@ -335,9 +335,9 @@ def _warn_of_balance(found: Reflection) -> None:
         )
     elif abs(found.missing_momentum) > MISSING:
         reason = (
-            f"{found.missing_momentum:.0%} of the incident momentum passes one of the contacts, but "
-            "belongs to no wave, so the coefficients of momentum are not complete; choose other "
-            "contacts, or integrate run.forces"
+            f"{found.missing_momentum:.0%} of the incident momentum passes one of the contacts, "
+            "but belongs to no wave, so the coefficients of momentum are not complete; choose "
+            "other contacts, or integrate run.forces"
         )
     elif found.kept_energy > MISSING and found.chain.lossless:
         advice = "simulate for longer"

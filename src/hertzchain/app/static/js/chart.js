@@ -1,10 +1,9 @@
-// @ts-check
 /** Line charts and stacked areas as SVG. */
 
 import { percent, powers, short, ticks } from "./numbers.js";
 
 /** @typedef {{name: string, label: string, x: ArrayLike<number>, y: ArrayLike<number>, base?: ArrayLike<number>,
- *   points?: boolean}} Series */
+ *   points?: boolean, apart?: boolean}} Series; no line joins a last value that is `apart` */
 /** The x values of `counted` axes are numbers of beads, contacts or modes.
  * @typedef {{xLabel: string, yLabel: string, counted?: boolean, log?: boolean,
  *   percent?: boolean, message?: string, most?: number}} Axes */
@@ -70,7 +69,7 @@ export class Chart {
     this.fit(series, axes);
     if (!series.length) this.axes.replaceChildren();
     else this.drawAxes(axes);
-    this.plot.replaceChildren(...series.map((each) => this.path(each)));
+    this.plot.replaceChildren(...series.flatMap((each) => each.apart ? [this.path(each), this.path({ ...each, points: true })] : this.path(each)));
     this.cursor(this.at);
   }
 
@@ -125,12 +124,13 @@ export class Chart {
   /** @param {Series} each */
   path(each) {
     const { x, y, base } = each, parts = [];
+    const end = y.length - Number(!!each.apart);
     let on = false;
     if (each.points) {
-      for (let i = 0; i < y.length; i++) if (Number.isFinite(y[i])) parts.push(`M${this.px(x[i]).toFixed(1)} ${this.py(y[i]).toFixed(1)}h0`);
+      for (let i = each.apart ? end : 0; i < y.length; i++) if (Number.isFinite(y[i])) parts.push(`M${this.px(x[i]).toFixed(1)} ${this.py(y[i]).toFixed(1)}h0`);
       return svg("path", { class: `line points ${each.name}`, d: parts.join("") });
     }
-    for (let i = 0; i < y.length; i++) {
+    for (let i = 0; i < end; i++) {
       const good = Number.isFinite(y[i]) && (!this.log || (y[i] >= this.y[0] && y[i] <= this.y[1]));
       if (good) parts.push(`${on ? "L" : "M"}${this.px(x[i]).toFixed(1)} ${this.py(y[i]).toFixed(1)}`);
       // Large beads of decorated chains are joined.

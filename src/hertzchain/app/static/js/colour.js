@@ -1,4 +1,3 @@
-// @ts-check
 /** Colours of canvases: they follow the theme of the page. */
 
 /** Colours of the page by name; filled by `readColours`.

@@ -1,4 +1,3 @@
-// @ts-check
 /** Controls of a chain file, generated from its schema. */
 
 import { FACTORS, SHOWN, STEPS, entered, metres, parsed, plain, positionOf, rangeOf, valueAt, valued } from "./numbers.js";

@@ -1,4 +1,3 @@
-// @ts-check
 /** Events of the page: its choices, buttons and keys. */
 
 import { $, make } from "./controls.js";

@@ -1,4 +1,3 @@
-// @ts-check
 /** Where results come from: the local server, the page itself, or a notebook. */
 
 import { Splitter } from "./parts.js";

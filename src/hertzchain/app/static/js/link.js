@@ -1,4 +1,3 @@
-// @ts-check
 /** Requests for results: the latest wins, here and on the server. */
 
 import { OfflineError, host } from "./host.js";

@@ -1,4 +1,3 @@
-// @ts-check
 
 import { readColours } from "./colour.js";
 import { $, Controls, make } from "./controls.js";

@@ -1,4 +1,3 @@
-// @ts-check
 /** Space-time map: beads across, time upwards. */
 
 import { COLOURS, PIXELS, penOf } from "./colour.js";

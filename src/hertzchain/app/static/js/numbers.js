@@ -1,4 +1,3 @@
-// @ts-check
 /** Numbers as text, ticks, units, and sliders.  Pure functions. */
 
 /** @typedef {{low: number, high: number, log: boolean, integer: boolean, zero: boolean}} Range */
@@ -56,9 +55,7 @@ export function percent(value, digits) {
 }
 
 /** The shortest text of a number to 12 digits. @param {number} value */
-export function plain(value) {
-  return String(+value.toPrecision(12));
-}
+export const plain = (value) => String(+value.toPrecision(12));
 
 /** Round values between two ends, at least a smallest step apart.
  * @param {number} low @param {number} high @param {number} count @param {number} [least] */
@@ -139,9 +136,7 @@ export function placeAt(times, time) {
 }
 
 /** A length in metres as text with three digits, as after a drag. @param {number} length */
-export function inMillimetres(length) {
-  return `${plain(+(length * 1e3).toPrecision(3))} mm`;
-}
+export const inMillimetres = (length) => `${plain(+(length * 1e3).toPrecision(3))} mm`;
 
 /** Gap in front of the right wall [m, or scaled]. @param {any} document */
 export const gapOf = (document) => metres(document?.chain?.right_wall?.gap, 0);

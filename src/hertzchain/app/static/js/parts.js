@@ -1,4 +1,3 @@
-// @ts-check
 /** Binary messages of the server; `messages.py` describes their layout. */
 
 /** @typedef {{header: any, arrays: Map<string, any>}} Part */

@@ -1,4 +1,3 @@
-// @ts-check
 
 /** @typedef {import("./parts.js").Part} Part */
 
@@ -91,6 +90,4 @@ export class Results {
 }
 
 /** Name of a theory for people. @param {string} name */
-export function title(name) {
-  return name.replace(/-printed$/, ", as printed").replaceAll("-", " ").replace("bca", "BCA");
-}
+export const title = (name) => name.replace(/-printed$/, ", as printed").replaceAll("-", " ").replace("bca", "BCA");

@@ -1,4 +1,3 @@
-// @ts-check
 /** Dialogs: examples, and what can be shared or saved. */
 
 import { svg } from "./chart.js";

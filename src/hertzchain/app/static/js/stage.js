@@ -1,4 +1,3 @@
-// @ts-check
 /** The beads, to scale, with the pulse in them. */
 
 import { COLOURS, STEPS, penOf, stepOf } from "./colour.js";
@@ -20,8 +19,10 @@ export class Stage {
   constructor(canvas, on) {
     this.canvas = canvas;
     this.on = on;
-    /** @type {Float64Array<ArrayBufferLike>} */
-    this.radii = this.centres = new Float64Array(0);
+    /** @type {Float64Array} */
+    this.radii = new Float64Array(0);
+    /** @type {Float64Array} */
+    this.centres = new Float64Array(0);
     /** @type {string[]} */
     this.walls = [];
     this.strikers = 0;

@@ -1,4 +1,3 @@
-// @ts-check
 /** Chain files, state of the views, undo, and links.  Pure functions. */
 
 /** @typedef {Record<string, any>} Document a chain file as JSON: `chain` and, perhaps, `materials` */
@@ -16,9 +15,7 @@ export const VIEW = {
 };
 
 /** A copy. @template T @param {T} item @returns {T} */
-export function copy(item) {
-  return structuredClone(item);
-}
+export const copy = (item) => structuredClone(item);
 
 /** Value at a path, or undefined. @param {any} item @param {(string | number)[]} path */
 export function at(item, path) {
@@ -46,14 +43,10 @@ export function changed(document, path, value) {
 }
 
 /** The tables of a section that may be repeated, as a list. @param {any} entry @returns {any[]} */
-export function listed(entry) {
-  return entry === undefined ? [] : Array.isArray(entry) ? entry : [entry];
-}
+export const listed = (entry) => entry === undefined ? [] : Array.isArray(entry) ? entry : [entry];
 
 /** Number of beads that strikers add in front. @param {Document} document */
-export function strikersBefore(document) {
-  return listed(document.chain?.struck_by).reduce((sum, each) => sum + (each.count ?? 1), 0);
-}
+export const strikersBefore = (document) => listed(document.chain?.struck_by).reduce((sum, each) => sum + (each.count ?? 1), 0);
 
 /** A document in which a bead has another radius, as a defect.
  * @param {Document} document @param {number} bead number on the stage, from 1

@@ -1,4 +1,3 @@
-// @ts-check
 /** Charts and the table of a chain's results, linked by one cursor. */
 
 import { Chart, svg } from "./chart.js";
@@ -13,14 +12,10 @@ import { title } from "./results.js";
 const MAX_ROWS = 2000;
 
 /** @param {number} count @param {number} [first] */
-function range(count, first = 1) {
-  return Float64Array.from({ length: count }, (_, i) => i + first);
-}
+const range = (count, first = 1) => Float64Array.from({ length: count }, (_, i) => i + first);
 
 /** @param {ArrayLike<number>} values @param {number} factor */
-function times(values, factor) {
-  return factor === 1 ? values : Float64Array.from(values, (each) => each * factor);
-}
+const times = (values, factor) => factor === 1 ? values : Float64Array.from(values, (each) => each * factor);
 
 /** @param {ArrayLike<number>} values */
 function largest(values) {
@@ -28,6 +23,8 @@ function largest(values) {
   for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most) most = Math.abs(values[i]);
   return most;
 }
+
+const BEADS = { xLabel: "bead k", counted: true };
 
 export class Views {
   /** @param {any} about @param {{bead: (bead: number) => void, time: (time: number) => void, hide: (name: string) => void}} on */
@@ -62,6 +59,7 @@ export class Views {
     const series = shown.map((name) => line(name, title(name), own.theory(name, quantity), factor));
     if (compared && other?.si === own.si && !hidden.includes("other")) series.unshift(line("other", "other chain", compared, factor));
     if (exact && !hidden.includes("exact")) series.unshift(line("exact", "simulation", exact, factor));
+    for (const each of series) each.apart = jumps(each.name === "other" ? other : own, each.y);
     const label = inUnit(info.description, unit);
     const message = series.length ? "" : this.reason(own);
     this.pulse.draw(series, { xLabel: info.per === "contact" ? "contact k" : "bead k", counted: true, yLabel: label, log: state.view.log, message },
@@ -90,24 +88,24 @@ export class Views {
       const common = other && other.si === own.si && exact && theirs;
       const series = common ? [difference("other", "other chain", theirs, exact)] : [];
       const message = common ? "" : !other ? "Choose Compare to add a second chain." : late ? whyBlank(late) : other.si === own.si ? "No value" : "Chains in SI units and in scaled variables cannot be compared.";
-      this.error.draw(series, { xLabel: "bead k", counted: true, yLabel: "other chain relative to this one", percent: true, message }, `Difference of the chains: ${summary(series)}`);
+      this.error.draw(series, { ...BEADS, yLabel: "other chain relative to this one", percent: true, message }, `Difference of the chains: ${summary(series)}`);
       return;
     }
     const series = exact ? shown.map((name) => difference(name, title(name), own.theory(name, quantity), exact, true)) : [];
     const estimate = quantity === "velocity" ? own.theory("local-rate", "velocity_error") : undefined;
     if (exact && estimate && !hidden.includes("local-rate")) series.push({ ...line("estimate", "estimate of the local-rate law", estimate, 100) });
+    for (const each of series) each.apart = jumps(own, exact);
     replace($("legend-error"), series.at(-1)?.name === "estimate" ? [key("estimate", "error estimated by the law")] : []);
     card.hidden = !series.length && !other && !!own.pulse.header;
     const message = series.length ? "" : !own.pulse.header ? this.reason(own) : shown.length ? "No values to compare with." : "None of the theories shown supports this chain.";
-    this.error.draw(series, { xLabel: "bead k", counted: true, yLabel: "error relative to the simulation", log: true, percent: true, message, most: 1000 }, `Errors of the theories: ${summary(series)}`);
+    this.error.draw(series, { ...BEADS, yLabel: "error relative to the simulation", log: true, percent: true, message, most: 1000 }, `Errors of the theories: ${summary(series)}`);
   }
 
   /** Buttons that show and hide curves, and notes.
    * @param {Results} own @param {Results | null} other @param {string} quantity @param {string[]} hidden */
   legend(own, other, quantity, hidden) {
-    const exact = own.exact(quantity), { beads, walls } = own.beads.header ?? {};
     // Theories do not describe the last bead of a free end.
-    const free = exact?.length === beads && !walls?.includes("right");
+    const exact = own.exact(quantity), free = ends(own, exact);
     const entry = (/** @type {string} */ name, /** @type {string} */ text, /** @type {string} */ note) => {
       const button = make("button", { title: note, "aria-pressed": String(!hidden.includes(name)), onclick: () => this.on.hide(name) }, sample(name), text);
       button.dataset.curve = name;
@@ -248,9 +246,7 @@ export class Views {
 }
 
 /** Why a chain has no results yet. @param {Results} own */
-export function whyBlank(own) {
-  return own.problem ? "" : own.pending.length ? `Compiling ${own.pending[0]}: once after an installation, about a minute …` : "Computing …";
-}
+export const whyBlank = (own) => own.problem ? "" : own.pending.length ? `Compiling ${own.pending[0]}: once after an installation, about a minute …` : "Computing …";
 
 /** @param {string} text @param {string} unit */
 const inUnit = (text, unit) => (unit ? `${text} [${unit}]` : text);
@@ -269,9 +265,7 @@ function sample(name) {
 }
 
 /** @param {string} name @param {string} text */
-function key(name, text) {
-  return make("span", { className: "key" }, sample(name), text);
-}
+const key = (name, text) => make("span", { className: "key" }, sample(name), text);
 
 /** Replace children if they differ: a button in use must not be replaced.
  * @param {HTMLElement} host @param {HTMLElement[]} children */
@@ -300,6 +294,11 @@ function difference(name, label, values, reference, absolute = false) {
   }
   return { name, label, x: range(count), y };
 }
+
+/** Whether the last value is that of a bead at a free end. @param {any} of @param {any} y */
+const ends = (of, y) => y?.length === of?.beads.header?.beads && !of.beads.header.walls?.includes("right");
+/** Whether it is much larger than the others, too. @param {any} of @param {any} y */
+const jumps = (of, y) => ends(of, y) && y.at(-1) * y.at(-3) > 1.2 * y.at(-2) ** 2;
 
 /** Forces on sensors and walls with their peaks. @param {Results} results */
 function forcesOf(results) {

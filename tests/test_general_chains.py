@@ -524,6 +524,18 @@ def test_no_width_where_the_pulse_has_not_been():
         run.pulse_width(20)
 
 
+def test_a_width_from_few_times_is_announced():
+    chain = hc.Chain.uniform(80, exponent=2.0)
+    exact = hc.simulate(chain, times=4000).pulse_width(50)
+    with pytest.warns(
+        hc.InputWarning, match="an error of about 2%, because only 1.6 times"
+    ) as seen:
+        width = hc.simulate(chain, times=200).pulse_width(50)
+    assert 0.005 < width / exact - 1.0 < 0.02
+    advised = int(str(seen[0].message).partition("times=")[2].partition(" ")[0])
+    assert hc.simulate(chain, times=advised).pulse_width(50) == pytest.approx(exact, rel=1e-5)
+
+
 def test_a_width_that_is_not_seen_is_an_error():
     chain = hc.Chain.uniform(30)
     with pytest.raises(hc.SimulationError, match="among the 3 saved times .* save more times"):

@@ -125,9 +125,15 @@ def velocity_peaks_of(self: Trajectory, bead: int | str) -> VelocityPeaks:
     """
     number = bead_number(self.chain, bead)
     k = whole_number("bead", number, least=2, most=self.chain.beads)
-    net = self.forces[:, k - 1] - self.forces[:, k] + self.chain.static_state.body_forces[k - 1]
-    acceleration = net / self.chain.masses[k - 1]
-    return find_peaks(k, self.times, self.velocity(k), acceleration, self.chain.units)
+    return peaks_from(self, k)
+
+
+def peaks_from(run: Trajectory, k: int, which: slice = slice(None)) -> VelocityPeaks:
+    """Peaks of the velocity of bead k from some of the saved times."""
+    net = run.forces[:, k - 1] - run.forces[:, k] + run.chain.static_state.body_forces[k - 1]
+    acceleration = net / run.chain.masses[k - 1]
+    curves = (run.times[which], run.velocity(k)[which], acceleration[which])
+    return find_peaks(k, *curves, run.chain.units)
 
 
 def find_peaks(

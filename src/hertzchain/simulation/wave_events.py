@@ -158,11 +158,11 @@ def check_saved_times(run: Trajectory) -> None:
         )
 
 
-def times_to_save(run: Trajectory, samples: float) -> int:
+def times_to_save(run: Trajectory, samples: float, least: float = MIN_SAMPLES) -> int:
     """Approximate number of times to save to resolve a wave with these samples."""
     # Without a given end, a run keeps between half and all of the requested times.
     spare = 1.1 if run.status == "time reached" else 2.2
-    needed = spare * len(run.times) * MIN_SAMPLES / samples
+    needed = spare * len(run.times) * least / samples
     step = 10.0 ** (math.floor(math.log10(needed)) - 1)
     return int(math.ceil(needed / step) * step)
 

@@ -60,6 +60,7 @@ def simulated(radii: np.ndarray) -> dict[str, np.ndarray]:
 def main() -> None:
     """Print a table."""
     print(f"{'':22}" + "".join(f"{name:>22}" for name in QUANTITIES))
+    print(f"{'':22}" + f"{'35     60    35*':>22}" * len(QUANTITIES))
     for name, rates in cases().items():
         radii = np.exp(np.concatenate([[0.0], np.cumsum(rates)]))
         true, cells = simulated(radii), []

@@ -27,7 +27,7 @@ def _law_and_simulation(axes: Axes, law: hc.Pulse, exact: hc.Pulse, i: int, labe
 
 
 def steps() -> Figure:
-    """Velocities in chains with one step of the radius."""
+    """Velocities in chains with one step in the radius."""
     with figure_style():
         canvas, axes = plt.subplots(figsize=(7.0, 3.6))
         for i, factor in enumerate((0.5, 0.8, 1.25, 2.0)):

@@ -54,6 +54,10 @@ def require_supported(
         advice = advice or "remove them from the chain"
         if others == ["SI units"]:
             advice = "use Scales.of(chain).to_scaled(chain)"
+        # Chains of materials are converted into scaled ones with masses and stiffness.
+        implied = {"masses", "stiffness"} & set(others)
+        if implied and len({material.name for material in chain.materials or ()}) > 1:
+            others = ["several materials", *(name for name in others if name not in implied)]
         names = [f"a {name}" if name in COUNTABLE else name for name in others]
         raise InputError(
             f"{method} does not support {listed(names, 'or')}; {advice} "

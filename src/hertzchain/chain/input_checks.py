@@ -30,8 +30,8 @@ def _require_two_beads(count: object) -> None:
     if type(count) is int and count == 1:
         raise InputError(
             "a chain has at least 2 beads, got 1; for one ball that hits a wall, place another one "
-            "at rest behind it: 2 beads with velocities 0 and 0.1 m/s and a gap of 10 mm, and give "
-            "until"
+            "at rest behind it: 2 beads, of which only the second has a velocity, with a gap "
+            "between them, and give until"
         )
 
 

@@ -113,11 +113,22 @@ def tapered_radii(taper: str, rate: float, beads: int) -> Array:
     return TAPERS[taper].radii_of(beads, {"rate": rate})
 
 
+def _advice(kind: str, direction: Literal["backward", "forward"], rate: float) -> str:
+    """What to try instead of a rate that is out of range."""
+    other = "forward" if direction == "backward" else "backward"
+    if rate < 0.0:
+        return f"for the other direction, use {other}-{kind} with {-rate:g}"
+    if rate >= 1.0 and kind == "exponential":
+        return f"for {rate:g}%, write {rate / 100.0:g}"
+    example = 0.05 if kind == "exponential" else 0.005
+    return f"try {example}, or a uniform chain for equal beads"
+
+
 def _check_exponential(direction: Literal["backward", "forward"], rate: float) -> None:
     if not 0.0 < rate < 1.0:
         raise InputError(
             f"q of a {direction}-exponential taper must lie between 0 and 1, got {rate:g}; "
-            "try 0.05, or a uniform chain for equal beads"
+            + _advice("exponential", direction, rate)
         )
 
 
@@ -125,7 +136,7 @@ def _check_linear(direction: Literal["backward", "forward"], rate: float) -> Non
     if not 0.0 < rate < math.inf:
         raise InputError(
             f"S of a {direction}-linear taper must be positive and finite, got {rate:g}; "
-            "try 0.005, or a uniform chain for equal beads"
+            + _advice("linear", direction, rate)
         )
 
 

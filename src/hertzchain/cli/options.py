@@ -40,13 +40,42 @@ class StrictCommand(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the options, each of which has one value unless it is repeatable."""
         if not ctx.resilient_parsing:
-            _, _, order = self.make_parser(ctx).parse_args(list(args))
+            try:
+                _, _, order = self.make_parser(ctx).parse_args(list(args))
+            except click.NoSuchOption as error:
+                raise _explained(self, error, ctx) from None
             for param in order:
                 if _has_one_value(param) and order.count(param) > 1:
                     option = " or ".join(param.opts)
                     raise click.UsageError(f"{option} is given {order.count(param)} times; give "
                                            "it once", ctx)  # fmt: skip
         return super().parse_args(ctx, args)
+
+
+# Names of options that are keys of chain files, where these differ.
+KEYS_OF_FILES: Final = {
+    "striker_mass": "mass = ... in [[chain.struck_by]]",
+    "gap": "gaps = [...] in [chain]",
+    "left_wall": "a table [chain.left_wall]",
+    "drive": "a table [chain.drive]",
+}
+
+
+def _explained(
+    command: click.Command, error: click.NoSuchOption, ctx: click.Context
+) -> click.UsageError:
+    """The error, with the key of chain files if the command takes one and has no such option."""
+    if not any(param.name in ("files", "file") for param in command.params):
+        return error
+    from ..store.chain_schema import KEYS
+
+    name = error.option_name.lstrip("-").replace("-", "_")
+    key = KEYS_OF_FILES.get(name) or (f"{name} = ... in [chain]" if name in KEYS else "")
+    if not key:
+        return error
+    return click.UsageError(
+        f"No such option '{error.option_name}'; in a chain FILE, write {key}", ctx
+    )
 
 
 def _has_one_value(param: click.Parameter) -> bool:

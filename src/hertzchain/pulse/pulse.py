@@ -17,7 +17,7 @@ from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..collision import Array
 from ..errors import InputError
-from ..representation import measure, short
+from ..representation import measure, percent, short
 from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_choice, text
@@ -354,8 +354,12 @@ class Pulse(Columns):
         return f"{shown}; {', '.join(middle)} at contact {contact}" if middle else shown
 
     def _all_notes(self) -> list[str]:
-        """The notes, and a sentence if a theory does not estimate its error."""
+        """The notes, and a sentence about the error that a theory estimates, or does not."""
         found = notes_in_words(self.notes)
+        if self.velocity_error is not None and np.isfinite(self.velocity_error).any():
+            k = int(np.nanargmax(self.velocity_error))
+            size = percent(self.velocity_error[k])
+            found.append(f"largest estimated error of the velocity: {size} (bead {k + 1})")
         if self.velocity_error is None and self.method not in SIMULATIONS:
             found.append(NOT_ESTIMATED)
         return found

@@ -1,4 +1,4 @@
-r"""The local-rate law for chains of smooth parts, joined by steps of the radius and odd beads.
+r"""The local-rate law for chains of smooth parts, joined by steps in the radius and odd beads.
 
 The pulse is scattered where the radius jumps.  Behind the jump it settles to that of the next part
 within some twenty beads, multiplied by a factor that depends only on the jump and on the rates on
@@ -41,7 +41,7 @@ TOLERANCE: Final = 1e-9
 
 @dataclass(frozen=True)
 class Jump:
-    """A step of the radius at a contact, from 0, or an odd bead ahead of it."""
+    """A step in the radius at a contact, from 0, or an odd bead ahead of it."""
 
     contact: int
     log_ratio: float
@@ -66,7 +66,7 @@ class Jump:
 @checked_arguments("piecewise_local_rate")
 @for_any_units(METHOD, alternative="use simulate")
 def piecewise_local_rate(chain: Chain) -> Pulse:
-    r"""Leading pulse of smooth parts joined by steps of the radius or single odd beads.
+    r"""Leading pulse of smooth parts joined by steps in the radius or single odd beads.
 
     .. math:: \ln v_k = \ln v_k^{\mathrm{smooth}} + \sum_i T_i(k - k_i;\, s_i, s_i', \ln f_i)
 

@@ -62,7 +62,8 @@ def striker_train(mass_ratio: float, velocity: float = 1.0) -> Array:
     array([1.213, 0.55 , 0.266, 0.132, 0.068])
     """
     mu = number("mass_ratio of a striker", mass_ratio, least=MASS_RATIOS[0], most=MASS_RATIOS[-1],
-                hint="a lighter striker creates one wave")  # fmt: skip
+                hint="a lighter striker creates one wave; for a heavier one, use simulate(chain, "
+                "until=...).waves()")  # fmt: skip
     v = number("velocity of a striker", velocity, above=0.0)
     found = []
     for n, factors in enumerate(striker_table()["train"].T):

@@ -292,6 +292,19 @@ def test_small_differences_are_visible_beside_large_ones():
     assert similar.figure.axes[1].get_yscale() == "linear"
 
 
+def test_maps_relative_to_each_contact_show_weak_waves():
+    radii = np.where(np.arange(40) < 20, 1.0, 0.3)
+    run = hc.simulate(hc.Chain.from_radii(radii), until=60.0, times=600)
+    plain, relative = (run.plot("force", relative=each).collections[0] for each in (False, True))
+    assert np.max(plain.get_array()[30]) < 0.5 * np.max(run.forces)
+    assert (np.max(relative.get_array()[1:-1], axis=1) > 0.98).all()
+    assert np.max(relative.get_array()[-1]) == 0.0  # the free end
+    label = run.plot(relative=True).figure.axes[1].get_ylabel()
+    assert label == "velocity, relative to the largest of the bead"
+    with pytest.raises(hc.InputError, match="relative must be True or False"):
+        run.plot(relative="bead")
+
+
 def test_scaled_and_si_pulses_do_not_share_an_axis():
     balls = hc.Chain.from_materials("5 mm", "brass", beads=20, velocity="1 mm/s")
     with pytest.raises(hc.InputError, match="scaled chains and of chains in SI units cannot share"):

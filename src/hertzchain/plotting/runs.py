@@ -47,7 +47,11 @@ MAP_TIMES: Final = 1000
 
 @checked_arguments("plot_run")
 def plot_run(
-    run: Run, quantity: Literal["velocity", "force"] = "velocity", *, ax: Axes | None = None
+    run: Run,
+    quantity: Literal["velocity", "force"] = "velocity",
+    *,
+    relative: bool = False,
+    ax: Axes | None = None,
 ) -> Axes:
     """Plot velocities or contact forces over time as a map, bead 1 at the bottom.
 
@@ -59,6 +63,9 @@ def plot_run(
         A run with saved times.
     quantity : str
         ``"velocity"`` of every bead or ``"force"`` in every contact.
+    relative : bool
+        Whether to divide the values of each bead or contact by the largest absolute one there, so
+        that waves in light beads or soft materials are visible.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.  By default, a new figure is created.
 
@@ -76,16 +83,22 @@ def plot_run(
     if len(run.times) < 2:
         raise InputError(f"a map needs at least 2 saved times, the run has {len(run.times)}")
     check_choice("quantity of a map", quantity, ("velocity", "force"))
+    values = run.forces if quantity == "force" else run.velocities
+    if check_bool("relative", relative):
+        largest = np.abs(values).max(axis=0)
+        values = values / np.where(largest > 0.0, largest, 1.0)
     factor, time_label = time_axis(run.chain, float(run.times[-1]))
     if quantity == "force":
-        values, numbers = run.forces, np.arange(run.chain.beads + 1)
+        numbers = np.arange(run.chain.beads + 1)
         colours, low, high = "afmhot_r", 0.0, float(np.abs(values).max())
     else:
         # White is at rest, red forwards, blue backwards; motion in one direction uses one half.
-        values, numbers = run.velocities, np.arange(1, run.chain.beads + 1)
+        numbers = np.arange(1, run.chain.beads + 1)
         colours, low, high = signed_map(values)
     drawn = RUN_QUANTITIES[quantity]
     label = f"{quantity} [{drawn.unit}]" if run.chain.units == "SI" else drawn.label
+    if relative:
+        label = f"{quantity}, relative to the largest of the {drawn.per}"
     with figure_style():
         axes = get_axes(ax)
         times, values = _with_many_times(run.times, values)

@@ -314,14 +314,18 @@ class Run(Trajectory):
         save_run(self, path)
 
     def plot(
-        self, quantity: Literal["velocity", "force"] = "velocity", *, ax: Axes | None = None
-    ) -> Axes:
+        self, quantity: Literal["velocity", "force"] = "velocity", *, relative: bool = False,
+        ax: Axes | None = None,
+    ) -> Axes:  # fmt: skip
         """Plot the velocity of every bead, or the force in every contact, as a map.
 
         Parameters
         ----------
         quantity : str
             ``"velocity"`` or ``"force"``.
+        relative : bool
+            Whether to divide the values of each bead or contact by the largest absolute one there,
+            so that waves in light beads or soft materials are visible.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; by default those of a new figure.
 
@@ -333,7 +337,7 @@ class Run(Trajectory):
         """
         from ..plotting.runs import plot_run
 
-        return plot_run(self, quantity, ax=ax)
+        return plot_run(self, quantity, relative=relative, ax=ax)
 
     def plot_forces(
         self, beads: Sequence[int | str], *, label: str = "", legend: bool = True,

@@ -294,7 +294,7 @@ def test_small_differences_are_visible_beside_large_ones():
 
 def test_maps_relative_to_each_contact_show_weak_waves():
     radii = np.where(np.arange(40) < 20, 1.0, 0.3)
-    run = hc.simulate(hc.Chain.from_radii(radii), until=60.0, times=600)
+    run = hc.simulate(hc.Chain.from_radii(radii), until=60.0, times=4000)
     plain, relative = (run.plot("force", relative=each).collections[0] for each in (False, True))
     assert np.max(plain.get_array()[30]) < 0.5 * np.max(run.forces)
     assert (np.max(relative.get_array()[1:-1], axis=1) > 0.98).all()

@@ -23,27 +23,23 @@ from .result import FitResult
 from .symmetry import units_of
 
 # Parameter of each kind of defect, and its trial sizes: for a gap in units of the motion, otherwise
-# the relative change of a radius or stiffness.  A gap as large as the overlaps is a large change.
+# the relative change of a radius or stiffness, in both directions.  Large changes shift the signals
+# by so much that a linear extrapolation from small ones may have the wrong sign.
 KINDS: Final = {
     "gap": ("gap", tuple(0.02 * 2.0**power for power in range(7))),
-    "bead": ("radius", (2e-3,)),
-    "contact": ("stiffness", (0.02,)),
+    "bead": ("radius", tuple(2e-3 * 2.0**power for power in range(6))),
+    "contact": ("stiffness", tuple(0.02 * 2.0**power for power in range(5))),
 }
 # The kind of defect, its places, and the sizes that are tried.
 WORDS: Final = {
     "gap": ("a gap at each of", "contact", "seven sizes each"),
-    "bead": ("another radius of each of", "bead", "from a change by 0.2%"),
-    "contact": ("another stiffness of each of", "contact", "from a change by 2%"),
+    "bead": ("another radius of each of", "bead", "twelve sizes each"),
+    "contact": ("another stiffness of each of", "contact", "ten values each"),
 }
 # Least reduction of chi-squared by a defect that is reported.
 FOUND: Final = 20.0
-# Number of defects in a summary, and the multiple of the change that was tried above which a size
-# is only an extrapolation.
+# Number of defects in a summary.
 SHOWN: Final = 5
-EXTRAPOLATED: Final = 3.0
-
-# Largest ratio of the size from which the fit of a ball or contact starts to the nominal one.
-LARGEST_START: Final = 2.0
 
 
 @checked_methods
@@ -127,27 +123,17 @@ class DefectScan:
                          f"{FOUND:g})")  # fmt: skip
         return "\n".join(lines)
 
-    def _start(self, i: int) -> float:
-        """Size from which to fit a defect: extrapolated ones may be far too large, or negative."""
-        size = float(self.sizes[i])
-        if self.kind == "gap":
-            return size
-        nominal = float(self._nominal[i])
-        return min(max(size, nominal / LARGEST_START), nominal * LARGEST_START)
-
     def _size(self, i: int) -> str:
         change = float(self.changes[i])
         return f"{1e6 * change:.3g} um" if self.kind == "gap" else f"{100.0 * change:+.2g}%"
 
     def _remark(self, i: int) -> str:
-        """Whether the size is beyond those that were tried."""
-        tried, change = KINDS[self.kind][1], float(self.changes[i])
+        """Whether the size is one of the largest that were tried."""
+        tried, change = KINDS[self.kind][1], abs(float(self.changes[i]))
         if self.kind == "gap":
             largest = tried[-1] * units_of(self.result.chain).scales.length
             return "  largest gap that was tried" if change > 0.999 * largest else ""
-        return (
-            f"  extrapolated from {tried[-1]:.1%}" if abs(change) > EXTRAPOLATED * tried[-1] else ""
-        )
+        return "  largest change that was tried" if change > 0.999 * tried[-1] else ""
 
     def fit(self, candidates: int | None = None, *, progress: Progress | None = None) -> FitResult:
         """Fit the defects, each in a separate fit, and return the best fit.
@@ -188,8 +174,8 @@ class DefectScan:
             if progress is not None and done:
                 progress(done, count)
             name = _name(self.kind, self.result, int(i))
-            more = _with_parameter(model, name, self._start(int(i)))
-            start = {**self.result.values, str(name): self._start(int(i))}
+            more = _with_parameter(model, name, float(self.sizes[i]))
+            start = {**self.result.values, str(name): float(self.sizes[i])}
             more = replace(
                 more,
                 parameters=tuple(replace(each, start=start[str(each)]) for each in more.parameters),
@@ -236,8 +222,9 @@ def scan_defects(
 ) -> DefectScan:
     """Find the contact or bead where one defect explains most of the residuals of a fit.
 
-    Each defect is added to the fit, with seven sizes of a gap or one change of a bead or contact.
-    All other parameters adjust linearly.
+    Each defect is added to the fit, with seven sizes of a gap, twelve radii of a bead from 6.4%
+    smaller to 6.4% larger, or ten stiffnesses of a contact from 32% smaller to 32% larger.  All
+    other parameters adjust linearly.
 
     Parameters
     ----------
@@ -316,20 +303,22 @@ def _explained(result: FitResult, name: Name, inverse: Array) -> tuple[float, fl
         found[problem.skipped] = 0.0
         return np.concatenate((found, result.residual_vector[len(found) :]))
 
-    last, rest = nominal, unexplained(result.residual_vector)
-    chi2, best = float(rest @ rest), (0.0, nominal)
-    for trial in sizes:
-        size = nominal + trial * unit
-        try:
-            rest_there = unexplained(residuals_at(size))
-        except SimulationError:
-            break
-        # Between two sizes, the residuals are nearly linear.
-        step = rest_there - rest
-        part = -float(rest @ step) / max(float(step @ step), np.finfo(float).tiny)
-        if name.key == "gap":
+    without = unexplained(result.residual_vector)
+    best = (0.0, nominal)
+    for direction in (1.0,) if name.key == "gap" else (1.0, -1.0):
+        last, rest = nominal, without
+        for trial in sizes:
+            size = nominal + direction * trial * unit
+            try:
+                rest_there = unexplained(residuals_at(size))
+            except SimulationError:
+                break
+            # Between two sizes, the residuals are nearly linear.
+            step = rest_there - rest
+            part = -float(rest @ step) / max(float(step @ step), np.finfo(float).tiny)
             part = min(max(part, 0.0), 1.0)
-        there = rest + part * step
-        best = max(best, (chi2 - float(there @ there), last + part * (size - last)))
-        last, rest = size, rest_there
+            there = rest + part * step
+            gained = float(without @ without) - float(there @ there)
+            best = max(best, (gained, last + part * (size - last)))
+            last, rest = size, rest_there
     return best

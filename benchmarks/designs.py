@@ -135,6 +135,22 @@ def walls():
                  f"{len(found.finals)} starts")  # fmt: skip
 
 
+def ranges():
+    """Descents alone and with an evolution strategy, for radii within close and wide limits."""
+    for beads in (13, 40):
+        for low in (0.5, 0.2):
+            chain = hc.Chain.uniform(beads).replace(right_wall=hc.Wall())
+            problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(low, 1.0)])
+            for method in ("gradient", "hybrid"):
+                found, *times = zip(*(
+                    spent(hc.design, problem, budget="15 s", method=method, seed=seed, threads=1)
+                    for seed in range(3)
+                ), strict=True)  # fmt: skip
+                values = ", ".join(f"{each.value:.3f}" for each in found)
+                show(f"wall, {beads} beads, radii {low} to 1, {method}", "", values,
+                     *map(sum, times), "three seeds")  # fmt: skip
+
+
 def scatter():
     """CVaR of the peak force with deviations of 1% of the radii."""
     chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
@@ -283,7 +299,7 @@ def closed_forms():
 
 ROWS = {
     each.__name__: each
-    for each in (gradients, errors, law, walls, gaps, scatter, balls, fronts, closed_forms)
+    for each in (gradients, errors, law, walls, ranges, gaps, scatter, balls, fronts, closed_forms)
 }
 
 

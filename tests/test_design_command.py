@@ -275,8 +275,8 @@ def test_constraints_that_cannot_be_met_give_exit_code_3(file, run):
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("[[design.vary]]\nradii = [0.5, 1.0]", "", "vary has no variables"),
-        ("radii = [0.5, 1.0]", "radius = [0.5, 1.0]", "has one of radii, masses, gaps"),
+        ("[[design.vary]]\nradii = [0.5, 1.0]", "", "no table [[design.vary]]"),
+        ("radii = [0.5, 1.0]", "radius = [0.5, 1.0]", "has one of radii, diameters, masses"),
         ("radii = [0.5, 1.0]", "radii = [0.5]", "the smallest and the largest value"),
         ("radii = [0.5, 1.0]", 'radii = [0.5, 1.0]\nkind = "x"', "unknown key of radii"),
         (
@@ -331,7 +331,7 @@ STEEL = hc.Chain.from_materials(5e-3, "steel-304", beads=6, velocity=1.0)
             "needs a chain that hc.gradient accepts",
         ),
         ({"minimise": "largest_velocity@5/velocity@2"}, "must be quantities of the leading pulse"),
-        ({"maximise": "length"}, "has one objective"),
+        ({"maximise": "length"}, "has one of minimise, maximise and match"),
         ({"minimise": {"length": 0.0}}, "all weights of the objective are 0"),
         ({"minimise": "price"}, "price needs balls of a catalogue"),
         ({"minimise": "yield_ratio"}, "needs a chain with materials"),

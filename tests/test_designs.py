@@ -801,6 +801,8 @@ def test_slopes_of_damped_chains_are_exact(loss):
 def test_descents_are_the_default_if_their_derivatives_are_exact():
     for chain, sizes, expected in (
         (WALLED, hc.vary.radii(0.5, 1.0), "gradient"),
+        (WALLED, hc.vary.masses(0.1, 1.0), "gradient"),
+        (WALLED, hc.vary.radii(0.2, 1.0), "hybrid"),
         (WALLED, hc.vary.gaps(0.0, 0.1), "hybrid"),
         (WALLED.replace(loss=hc.Restitution(0.9)), hc.vary.radii(0.5, 1.0), "gradient"),
         (WALLED.replace(loss=hc.Dashpot(0.1)), hc.vary.radii(0.5, 1.0), "hybrid"),
@@ -1001,6 +1003,8 @@ def test_the_shipped_catalogue_has_known_sizes():
         ({"diameters": ["4 mm", "5 mm", "9.525 mm"], "materials": "ptfe"},
          "4 mm, 5 mm are not among the balls of ptfe in .*; the nearest are 3.9688 mm, 4.7625 mm"),
         ({"materials": ["steel-304", "brass"]}, "no balls of brass; it has steel-52100, steel-304"),
+        ({"materials": ["steel-52100", "ptfe"], "diameters": ["5 mm", "10 mm"]},
+         "no ball of ptfe in .* has one of these diameters; the nearest are 4.7625 mm, 10.3188 mm"),
     ],
 )  # fmt: skip
 def test_balls_that_the_catalogue_does_not_have_are_reported(chosen, told):

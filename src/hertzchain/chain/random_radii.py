@@ -39,7 +39,10 @@ def relative_scatter(
     what: str, value: object, *, above: float = -math.inf, least: float = -math.inf
 ) -> float:
     """Check a standard deviation of the logarithm of the radius."""
-    return number(what, value, unit=FRACTION, above=above, least=least, most=MAX_SCATTER)
+    percent = f"for {value:g}%, write {value:g}%" if isinstance(value, int | float) else ""
+    return number(
+        what, value, unit=FRACTION, above=above, least=least, most=MAX_SCATTER, hint=percent
+    )
 
 
 def check_grade(grade: object) -> None:

@@ -16,6 +16,7 @@ from .pulse_tables import TABLE_ROWS
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from ..chain.chain import Chain
     from ..collision import Array
     from ..sensitivity.gradient import Gradient
 
@@ -56,6 +57,7 @@ def sensitivity(
     import hertzchain
 
     from ..designs.exact_gradients import name_of
+    from ..designs.measures import in_words
     from ..designs.sensitivity import changes_of_peak, derivatives_mislead
     from ..errors import InputError
 
@@ -82,18 +84,20 @@ def sensitivity(
                 document[f"change_if_{key}"] = [None if isnan(x) else x for x in values.tolist()]
         show_json(document)
     else:
-        click.echo(f"{chain.description}\n{found!r}")
+        click.echo(chain.description)
+        click.echo(f"{name} = {in_words(found.value, found.unit, chain.units)}")
         if changes and derivatives_mislead(found, by, changes):
             click.echo(
                 "Other maxima of the force can become the largest. The changes by 1% of several\n"
                 "beads do not add up: use hertzchain scatter."
             )
-        show_table(_table(found, by, changes, every_bead))
+        show_table(_table(chain, found, by, changes, every_bead))
 
 
 def _table(
-    found: Gradient, by: str, changes: tuple[Array, Array] | None, every_bead: bool
+    chain: Chain, found: Gradient, by: str, changes: tuple[Array, Array] | None, every_bead: bool
 ) -> Table:
+    """Changes of the quantity, and the derivative where it is the same in both directions."""
     from rich import box
     from rich.markup import escape
     from rich.table import Table
@@ -108,13 +112,27 @@ def _table(
     few = f"the {len(rows)} largest of {total}; --all shows every one"
     table = Table(box=box.SIMPLE_HEAD, caption=None if len(rows) == total else few)
     unit = f" [{found.units[by]}]" if found.units[by] else ""
-    place = "contact k" if by == "stiffness" else "bead k"
-    for column in (place, *shown, f"derivative{unit}"):
+    of_beads = by != "stiffness"
+    columns = ["bead k" if of_beads else "contact k"]
+    columns += ["diameter [mm]"] if of_beads and chain.units == "SI" else []
+    columns += [*shown, *([] if changes else [f"derivative{unit}"])]
+    for column in columns:
         table.add_column(escape(column), justify="right", no_wrap=True)
     for i in rows:
-        cells = ("-" if isnan(each[i]) else f"{each[i]:+.4f}" for each in shown.values())
-        table.add_row(f"{i + 1}", *cells, f"{absolute[i]:.5g}")
+        cells = [_place(chain, i) if of_beads else f"{i + 1}"]
+        cells += [f"{2e3 * chain.radii[i]:.5g}"] if of_beads and chain.units == "SI" else []
+        cells += ["-" if isnan(each[i]) else f"{each[i]:+.4f}" for each in shown.values()]
+        table.add_row(*cells, *([] if changes else [f"{absolute[i]:.5g}"]))
     return table
+
+
+def _place(chain: Chain, i: int) -> str:
+    """Number of a bead, and behind strikers the name of the ball."""
+    if not chain.strikers:
+        return f"{i + 1}"
+    return (
+        f"{i + 1} (striker)" if i < chain.strikers else f"{i + 1} (ball {i + 1 - chain.strikers})"
+    )
 
 
 def _by_influence(changes: list[Array], derivatives: Array) -> list[int]:

@@ -61,7 +61,9 @@ class BallChoice:
             found = tuple(each for each in found if each.material in self.materials)
         if self.diameters is not None:
             _check_sizes(found, self.diameters, name, self.materials)
-            found = tuple(each for each in found if _among(each.diameter, self.diameters))
+            chosen = tuple(each for each in found if _among(each.diameter, self.diameters))
+            _check_materials(found, chosen, self.diameters, name, self.materials)
+            found = chosen
         return found
 
     def __repr__(self) -> str:
@@ -143,6 +145,23 @@ def _check_sizes(
         f"the catalogue {name}; the nearest {verb} "
         f"{', '.join(f'{1e3 * each:g} mm' for each in dict.fromkeys(nearest))}"
     )
+
+
+def _check_materials(
+    balls: tuple[Ball, ...], chosen: tuple[Ball, ...], wanted: tuple[float, ...], name: str,
+    materials: Any,
+) -> None:  # fmt: skip
+    """Raise `InputError` if no ball of a requested material has one of the diameters."""
+    for kind in materials or ():
+        if any(each.material == kind for each in chosen):
+            continue
+        sizes = np.array([each.diameter for each in balls if each.material == kind])
+        nearest = dict.fromkeys(float(sizes[np.argmin(np.abs(sizes - each))]) for each in wanted)
+        raise InputError(
+            f"no ball of {kind.name} in the catalogue {name} has one of these diameters; the "
+            f"nearest are {', '.join(f'{1e3 * each:g} mm' for each in nearest)}: add some of them, "
+            f"or omit {kind.name}"
+        )
 
 
 def _among(diameter: float, wanted: tuple[float, ...]) -> bool:

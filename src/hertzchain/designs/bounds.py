@@ -87,6 +87,9 @@ def impact_varies(problem: Design) -> bool:
 
 def impossible(problem: Design) -> str | None:
     """The reason why the constraints of a problem cannot be met, if a bound shows it."""
+    for each in problem.requirements:
+        if each.sign > 0 and each.limit < 0.0:
+            return f"{each} cannot be met: {each.measure} is never negative"
     for bound in bounds_of(problem):
         for each in problem.requirements:
             if each.measure == bound.measure and not bound.allows(each.limit, each.sign):

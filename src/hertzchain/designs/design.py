@@ -148,7 +148,7 @@ def dry_run(
         trials = Trials(
             problem, limit, Journal(None, ""), whole_number("seed", seed, least=0), count
         )
-        return estimate(problem, chosen, limit, trials)
+        return estimate(problem, chosen, limit, trials, impossible(problem))
 
 
 def _chosen_method(problem: Design, method: str, limit: Budget) -> str:

@@ -15,6 +15,7 @@ from ..representation import counted, duration_in_words
 from .ball_choice import BallSpace
 from .genetic import BATCH, Population, search
 from .measures import in_words
+from .methods import run_method
 from .problem import Design
 from .reference_chains import reference_points
 from .search_budget import Budget
@@ -22,7 +23,10 @@ from .trials import RTOL, Trials
 
 # Number of trials that are timed, the second time after the kernels were compiled.
 TIMED: Final = 32
-# Among balls, a short search is timed: its least and largest number of trials, and its time [s].
+# Methods for sizes whose trials take much less time than their gradients.
+WITH_GRADIENTS: Final = ("gradient", "hybrid", "law")
+# Among balls, and with these methods, a short search is timed: its least and largest number of
+# trials, and its time [s].
 LEAST, MOST, TIME = 50, 2000, 0.7
 
 
@@ -48,6 +52,8 @@ class Estimate:
         Simulations per trial.
     choices : float
         Number of choices; infinite for sizes, whose searches may end before the budget is used.
+    impossible : str or None
+        The reason why a constraint cannot be met, and the search would not begin.
     """
 
     method: str
@@ -58,6 +64,7 @@ class Estimate:
     trial: float
     samples: int
     choices: float = math.inf
+    impossible: str | None = None
 
     @property
     def seconds(self) -> float:
@@ -66,7 +73,9 @@ class Estimate:
         return min(self.budget.seconds, trials * self.trial)
 
 
-def estimate(problem: Design, method: str, budget: Budget, trials: Trials) -> Estimate:
+def estimate(
+    problem: Design, method: str, budget: Budget, trials: Trials, impossible: str | None = None
+) -> Estimate:
     """Evaluate the given chain, and time some of the chains to compare with."""
     groups = reference_points(problem)
     points: list[Any] = [*itertools.chain(*groups.values())]
@@ -78,31 +87,35 @@ def estimate(problem: Design, method: str, budget: Budget, trials: Trials) -> Es
         trials._values(timed, RTOL)
         spent = time.perf_counter() - begun
     space, each, choices = problem.space, spent / len(timed), math.inf
+    searched = isinstance(space, BallSpace) or method in WITH_GRADIENTS
+    if searched and problem.scatter is None:
+        # The first trials may need further kernels.
+        for count in (LEAST, int(np.clip(TIME / each, LEAST, MOST))):
+            each = _time_of_search(trials, method, count)
     if isinstance(space, BallSpace):
         choices = space.count
-        if problem.scatter is None:
-            # The first trials may need further kernels.
-            for count in (LEAST, int(np.clip(TIME / each, LEAST, MOST))):
-                each = _time_of_search(trials, space, method, count)
         size = f"{counted(space.count, 'choice')} for {counted(space.size, 'place')}"
     else:
         size = counted(space.size, "variable")
     return Estimate(
         method, size, len(points), budget, problem.evaluate(problem.chain).values,
-        each, trials.samples, choices,
+        each, trials.samples, choices, impossible,
     )  # fmt: skip
 
 
-def _time_of_search(trials: Trials, space: BallSpace, method: str, count: int) -> float:
+def _time_of_search(trials: Trials, method: str, count: int) -> float:
     """Time per trial of a short search, with its batches and the work between them.
 
     Smaller batches than that of the chains to compare with use several threads less well.
     """
     problem = trials.problem._only(0)
     part = dataclasses.replace(trials, problem=problem, budget=Budget(runs=count), best=[])
+    space = problem.space
     begun = time.perf_counter()
     if method == "genetic":
         search(part, 1.0, part.seed)
+    elif not isinstance(space, BallSpace):
+        run_method(part, method, 1.0)
     else:
         made = Population(part, np.random.default_rng(part.seed))
         rows = list(filter(space.long_enough, (made.random() for _ in range(count))))
@@ -121,10 +134,14 @@ def in_lines(problem: Design, found: Estimate) -> str:
     if found.samples > 1:
         lines.append(f"each trial takes {found.samples} simulations, because of the scatter")
     units = {str(each): each.unit for each in problem.measures}
+    if found.impossible is not None:
+        lines.append(f"{found.impossible}; there is nothing to search")
     shown = (f"{name} {in_words(value, units[name], problem.chain.units)}"
              for name, value in found.given.items() if value == value)  # fmt: skip
     lines.append(f"the given chain: {', '.join(shown)}")
-    most = "at most " if found.choices == math.inf else ""
-    lines.append(f"about {1e3 * found.trial:.2g} ms per trial on this machine, {most}about "
-                 f"{duration_in_words(found.seconds)} without the verification")  # fmt: skip
+    if found.impossible is not None:
+        return "\n".join(lines)
+    whole = " for the whole budget," if found.choices == math.inf else ""
+    lines.append(f"about {1e3 * found.trial:.2g} ms per trial on this machine, about "
+                 f"{duration_in_words(found.seconds)}{whole} without the verification")  # fmt: skip
     return "\n".join(lines)

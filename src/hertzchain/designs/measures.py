@@ -302,7 +302,7 @@ def parse_measure(text: object, chain: Chain | None = None) -> Measure:
     key, at, place = text.removeprefix("pulse.").partition("@")
     key = BY_COLUMN.get(key, key)
     if key not in NAMES:
-        raise unknown_name_error("measure", text, NAMES)
+        raise unknown_name_error("quantity", text, NAMES)
     if key not in AT_BEAD:
         if at:
             raise InputError(f"{key} does not belong to a bead: omit @{place}")

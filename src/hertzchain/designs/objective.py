@@ -60,7 +60,8 @@ def objectives_from(
     given = [each for each in (minimise, maximise, match) if each is not None]
     if len(given) != 1:
         raise InputError(
-            f"a design has one objective, minimise, maximise or match, got {len(given)}"
+            "a design has one of minimise, maximise and match, such as minimise = "
+            f"'wall_force.peak', got {len(given) or 'none'}"
         )
     if match is not None:
         return (_curve(chain, match),)

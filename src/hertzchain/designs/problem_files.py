@@ -51,7 +51,7 @@ PROBLEM: Final = (
 )
 TABLES: Final = ("chain", "materials", "fit", "design")
 OPTIONS: Final = ("budget", "method", "seed", "points")
-SIZES: Final = ("radii", "masses", "gaps")
+SIZES: Final = ("radii", "diameters", "masses", "gaps")
 KINDS: Final = (*SIZES, "balls", "order")
 
 
@@ -76,17 +76,24 @@ def load_design(path: str | os.PathLike[str]) -> tuple[Design, dict[str, Any]]:
         if isinstance(entries, Mapping):
             entries = [entries]
         given["vary"] = [_variable(entry, file.parent) for entry in entries]
+        if not entries:
+            raise InputError(
+                "it has no table [[design.vary]] with what may vary, such as diameters = ['5 mm', "
+                "'20 mm'] or balls = 'bearing-balls'"
+            )
         problem = Design(chain_from(document, file.parent), **given)
     return problem, {key: table[key] for key in OPTIONS if key in table}
 
 
 def _variable(entry: Any, folder: Path) -> Variable:
     """A variable from its table, whose kind is one of its keys."""
-    kinds = [key for key in KINDS if key in entry] if isinstance(entry, Mapping) else []
+    if not isinstance(entry, Mapping):
+        raise InputError(f"[[design.vary]] must be a table, got {short_repr(entry)}")
+    # Diameters of balls are a choice among those of the catalogue.
+    kinds = [key for key in KINDS if key in entry and not (key == "diameters" and "balls" in entry)]
     if len(kinds) != 1:
-        raise InputError(
-            f"each table [[design.vary]] has one of {', '.join(KINDS)}, got {short_repr(entry)}"
-        )
+        keys = ", ".join(map(repr, entry)) or "no key"
+        raise InputError(f"each table [[design.vary]] has one of {', '.join(KINDS)}, got {keys}")
     (kind,), rest = kinds, {key: entry[key] for key in entry if key != kinds[0]}
     known = variables_of(kind)
     for key in rest:

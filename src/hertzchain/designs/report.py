@@ -230,6 +230,9 @@ def _starts(result: DesignResult) -> list[str]:
     starts = counted(len(result.finals), "start")
     best, median = result.spread
     ends = f" (best {result._shown(best)}, median {result._shown(median)})"
+    if result._shown(best) != result._shown(result.value):
+        ends = (f" (the best one ended at {result._shown(best)}, the median at "
+                f"{result._shown(median)}; the search from there improved it)")  # fmt: skip
     # Scores of trials that violate constraints are not compared.
     spread = ends if len(result.finals) > 1 and result.met else ""
     return [f"best of {starts}{spread} by method {result.method!r}, in {work} and "

@@ -12,11 +12,12 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from ..chain.materials import MaterialLike
+from ..units import quantity
 from ..validation.keywords import checked_arguments
 from .ball_choice import BallChoice, OrderChoice
 from .sizes import Sizes
 
-__all__ = ("balls", "gaps", "masses", "order", "radii")
+__all__ = ("balls", "diameters", "gaps", "masses", "order", "radii")
 
 Beads = str | Sequence[int]
 
@@ -66,6 +67,40 @@ def radii(
     Sizes(radii of '2:' from 0.3 to 3.0, by spline with 12 knots)
     """
     return Sizes("radii", low, high, beads, by, knots, symmetric, monotone)
+
+
+@checked_arguments("vary.diameters")
+def diameters(
+    low: Any, high: Any, *, beads: Beads = "2:", by: str = "bead", knots: int | None = None,
+    symmetric: bool = False, monotone: str | None = None,
+) -> Sizes:  # fmt: skip
+    """Diameters between two limits; half of them are the limits of the radii.
+
+    Parameters
+    ----------
+    low, high : float or str
+        Smallest and largest diameter [scaled, or m].
+    beads, by, knots, symmetric, monotone
+        As for `radii`.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> hc.vary.diameters("5 mm", "20 mm", by="spline")
+    Sizes(radii of '2:' from 2.5 mm to 10 mm, by spline)
+    """
+    return radii(
+        _half(low), _half(high), beads=beads, by=by, knots=knots, symmetric=symmetric,
+        monotone=monotone,
+    )  # fmt: skip
+
+
+def _half(diameter: Any) -> Any:
+    """Half of a number or of text with a unit; anything else is left to the check of radii."""
+    if isinstance(diameter, int | float) and not isinstance(diameter, bool):
+        return 0.5 * diameter
+    parts = quantity(diameter) if isinstance(diameter, str) else None
+    return diameter if parts is None else f"{0.5 * float(parts[0]):.12g} {parts[1]}"
 
 
 @checked_arguments("vary.masses")

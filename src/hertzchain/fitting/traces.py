@@ -183,7 +183,7 @@ class Traces:
         return sum(int(signal.valid.sum()) for _, signal in self)
 
     def notes(self) -> tuple[str, ...]:
-        """Remarks on missing, saturated and rounded samples and on uneven sampling.
+        """Remarks on missing rows, on missing, saturated and rounded samples, and on uneven steps.
 
         Returns
         -------

@@ -137,6 +137,25 @@ def test_messages_use_the_names_of_the_file(head, sensors, words, tmp_path):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    "head",
+    ["TIME [s],CH1,CH2\n", "TIME,CH1,CH2\n(S),(V),(V)\n", "TIME,CH1,CH2\nsecond,V,V\n", TEKTRONIX],
+)
+def test_a_unit_of_times_that_contradicts_the_file_is_rejected(head, tmp_path):
+    file = tmp_path / "scope.csv"
+    file.write_text(head + lines(end="," if head == TEKTRONIX else ""))
+    places = {"CH1": "wall [V]"}
+    for given in ("time", "time [s]"):
+        found = hc.load_traces(file, sensors=places | {"TIME": given})
+        np.testing.assert_allclose(found.shots[0].times, TIMES, atol=1e-15)
+    with pytest.raises(hc.InputError) as caught:
+        hc.load_traces(file, sensors=places | {"TIME": "time [ms]"})
+    assert (
+        "column 'TIME [s]' has the unit s, but the times are given as 'time [ms]'; leave out the "
+        "unit, or correct the header"
+    ) in str(caught.value)
+
+
 def test_sensors_of_the_command_line_have_units(run, tmp_path):
     (tmp_path / "scope.csv").write_text("TIME,CH1,CH2\n" + lines())
     (tmp_path / "row.toml").write_text(

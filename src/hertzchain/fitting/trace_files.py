@@ -12,15 +12,15 @@ from ..collision import Array
 from ..errors import InputError, errors_at
 from ..representation import counted
 from ..store.csv_tables import split_header
-from ..units import converted
+from ..units import UNITS, converted
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_list, file_path, shown_path, text
 from .noise import check_names_of_noise
 from .places import Place, place_named
 from .sample_rows import sample_rows
-from .scope_files import header_and_samples, sample
+from .scope_files import WORDS, header_and_samples, sample
 from .signals import Shot
-from .trace_headers import header_of, without_unit
+from .trace_headers import header_of, other_unit_error, without_unit
 from .traces import Traces, check_times, make_shot, with_coupling
 
 Sensors = dict[str, tuple[str, str]] | None
@@ -236,8 +236,19 @@ def _with_times(header: list[str], wanted: Sensors) -> tuple[list[str], Sensors]
 def _with_unit_of(header: str, time: str | None) -> str:
     if time is None:
         return header
-    unit = (split_header(time) or ("", None))[1] or (split_header(header) or ("", None))[1]
+    given, own = ((split_header(each) or ("", None))[1] for each in (time, header))
+    if given and own and _differ(given, own):
+        raise other_unit_error(header, own, time, "times are")
+    unit = given or own
     return f"time [{unit}]" if unit else "time"
+
+
+def _differ(unit: str, other: str) -> bool:
+    """Whether two units of time differ, which may be spelled as words or in other letters."""
+    one, two = (WORDS.get(each.lower(), each) for each in (unit, other))
+    if not {one, two} <= {*UNITS["time"]}:
+        return False
+    return converted("time", 1.0, one, "s") != converted("time", 1.0, two, "s")
 
 
 def _columns(

@@ -14,7 +14,7 @@ from .signals import Shot, Signal
 
 # Steps are even if they differ from the usual one by less than this part of it, which allows for
 # rounded times; those above the multiple LONG are gaps.
-EVEN, LONG = 0.1, 1.5
+EVEN, LONG = 0.1, 1.9
 # Largest part of the steps that are gaps; otherwise, the record is sampled unevenly on purpose.
 FEW: Final = 0.1
 # Largest number of gaps that a note lists.

@@ -3,6 +3,7 @@
 import dataclasses
 import functools
 import json
+import re
 import sys
 
 import numpy as np
@@ -730,6 +731,10 @@ def test_posterior_agrees_with_least_squares():
     assert len(panels) == 6
     # Lower row of the corner: values in the units of the printed results.
     assert posterior.units == ("", "m/s", "s")
+    head, *rows = posterior.summary().splitlines()[:4]
+    assert head == f"posterior: {len(posterior.samples)} samples of 3 parameters"
+    for row, name, unit in zip(rows, free, ("", " m/s", " us"), strict=True):
+        assert re.fullmatch(rf"  {re.escape(name)} +\S+ \+- [\d.]+{unit}", row)
     labels = [axes.get_xlabel() for axes in panels if axes.get_xlabel()]
     assert labels == ["stiffness", "struck_by.velocity\n[m/s]", "time_offset\n[µs]"]
     middle = float(np.mean(panels[-1].get_xlim()))

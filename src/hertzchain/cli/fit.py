@@ -138,7 +138,7 @@ def fit(
             posterior = result.sample(sample, progress=progress)
         document["posterior"] = {"mean": posterior.means, "error": posterior.errors,
                                  "long_enough": posterior.long_enough}  # fmt: skip
-        lines.append(repr(posterior))
+        lines.append(posterior.summary())
     if plot is not None:
         _save_plots(result, posterior, plot)
     if out is not None:

@@ -6,6 +6,7 @@ import json
 import re
 import sys
 
+import click
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -759,6 +760,26 @@ def test_command_fits_and_reports(tmp_path, command):
     assert {each.name for each in tmp_path.iterdir()} == {
         "fitted.toml", "fit.png", "fit-residuals.png", "fit-correlations.png"
     }  # fmt: skip
+
+
+def test_an_interrupted_sampling_does_not_lose_the_fit(tmp_path, monkeypatch):
+    from click.testing import CliRunner
+
+    from hertzchain.cli import cli
+
+    def interrupted(*_, **__):
+        assert {each.name for each in tmp_path.iterdir()} == {
+            "fitted.toml", "fit.png", "fit-residuals.png", "fit-correlations.png"
+        }  # fmt: skip
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(hc.FitResult, "sample", interrupted)
+    _, chain = hc.example_experiment()
+    arguments = ["fit", str(chain.parent / "fast.csv"), str(chain), "--sample", "1000", "--out",
+                 str(tmp_path / "fitted.toml"), "--plot", str(tmp_path / "fit.png")]  # fmt: skip
+    done = CliRunner().invoke(cli, arguments, standalone_mode=False)
+    assert isinstance(done.exception, (KeyboardInterrupt, click.Abort))
+    assert "the model describes the data" in done.output
 
 
 def test_command_reports_a_model_that_does_not_describe_the_data(tmp_path, command):

@@ -27,6 +27,9 @@ from .wording import on_command_line
 from .yielding import pressures_below_yield
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..fitting.posterior import Posterior
     from ..fitting.result import FitResult
     from ..fitting.traces import Traces
 
@@ -98,7 +101,8 @@ def fit(
     The exit code is 1 if the search does not converge, and 3 if the model does not describe the
     data within their noise, or only with values that contradict their priors.  If --defects finds a
     gap or an odd ball, the fit that includes it is printed first, and the exit code, --out, --plot
-    and --sample refer to this fit.
+    and --sample refer to this fit.  All results are printed and written before sampling begins, so
+    that only the posterior is lost if it is interrupted; with --json, they are printed at the end.
 
     \b
     Examples:
@@ -131,26 +135,26 @@ def fit(
     if defects:
         result, found = _defects(result, document)
         lines += found
-    lines.insert(0, "\n".join((result.summary(), *([] if as_json else _pressures(result)))))
-    posterior = None
-    if sample is not None:
-        with progress_bar("steps of the walkers", rate=True) as progress:
-            posterior = result.sample(sample, progress=progress)
-        document["posterior"] = {"mean": posterior.means, "error": posterior.errors,
-                                 "long_enough": posterior.long_enough}  # fmt: skip
-        lines.append(posterior.summary())
-    if plot is not None:
-        _save_plots(result, posterior, plot)
+    # Sampling takes long and may be stopped: everything else is printed and written before.
+    if not as_json:
+        lines.insert(0, "\n".join((result.summary(), *_pressures(result))))
+        click.echo(on_command_line("\n\n".join(lines)))
     if out is not None:
         from ..store.writing import write_bytes
 
         write_bytes(out, result.chain_toml().encode())
+    if plot is not None:
+        _save_plots(result, plot)
+    if sample is not None:
+        posterior = _posterior(result, sample, plot)
+        document["posterior"] = {"mean": posterior.means, "error": posterior.errors,
+                                 "long_enough": posterior.long_enough}  # fmt: skip
+        if not as_json:
+            click.echo(f"\n{posterior.summary()}")
     if as_json:
         from ..store import results
 
         show_json({"schema_version": results.SCHEMA_VERSION} | document)
-    else:
-        click.echo(on_command_line("\n\n".join(lines)))
     if not result.converged:
         return FAILED
     good = result.describes and not result.prior_conflict
@@ -233,10 +237,20 @@ def _prior(text: str) -> tuple[str, tuple[float | str, float | str]]:
     return name, (value, error)
 
 
-def _save_plots(result: FitResult, posterior: Any, plot: Path) -> None:
-    figures = {"": result.plot(), "-residuals": result.plot_residuals(),
-               "-correlations": result.plot_correlations()}  # fmt: skip
-    if posterior is not None:
-        figures["-corner"] = posterior.plot()
-    for suffix, figure in figures.items():
-        save_figure(figure.axes[0], plot.with_name(f"{plot.stem}{suffix}{plot.suffix}"))
+def _posterior(result: FitResult, steps: int, plot: Path | None) -> Posterior:
+    """Sample the posterior and, if there is a file for figures, save the corner plot."""
+    with progress_bar("steps of the walkers", rate=True) as progress:
+        posterior = result.sample(steps, progress=progress)
+    if plot is not None:
+        _save_figure(posterior.plot(), plot, "-corner")
+    return posterior
+
+
+def _save_plots(result: FitResult, plot: Path) -> None:
+    _save_figure(result.plot(), plot)
+    _save_figure(result.plot_residuals(), plot, "-residuals")
+    _save_figure(result.plot_correlations(), plot, "-correlations")
+
+
+def _save_figure(figure: Figure, plot: Path, suffix: str = "") -> None:
+    save_figure(figure.axes[0], plot.with_name(f"{plot.stem}{suffix}{plot.suffix}"))

@@ -1,12 +1,15 @@
 """Warnings and advice of fits to traces that SciPy computed."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from scipy_row import BALLS, FREE, TRUTH, chain, recorded, traces
 
 import hertzchain as hc
+from hertzchain.cli import cli
 from hertzchain.fitting.noise import saturated
 from hertzchain.fitting.weak_directions import WeakDirection
 from hertzchain.representation import with_error
@@ -196,6 +199,22 @@ def test_the_exit_code_is_that_of_the_fit_with_a_gap(run, tmp_path):
     assert without.startswith("without gap[8-9]: chi2 ")
     assert ", far more than expected: the model does not describe the data" in without
     assert hc.load_chain(tmp_path / "fitted.toml").gaps[8] == pytest.approx(1e-6 * value, rel=1e-3)
+
+
+@pytest.mark.parametrize("defects", [False, True])
+def test_defects_that_were_searched_are_not_advised(defects, tmp_path, monkeypatch):
+    nothing = SimpleNamespace(
+        names=(), sizes=(), improvements=(), found=False, summary=lambda: "no defect"
+    )
+    monkeypatch.setattr(hc, "scan_defects", lambda *_, **__: nothing, raising=False)
+    files = map(str, written(tmp_path, gap=0.4e-6))
+    free = [part for name in FREE for part in ("--free", name)]
+    options = [*free, "--starts", "1", *(["--defects"] if defects else [])]
+    done = CliRunner().invoke(cli, ["fit", *files, *options], standalone_mode=False)
+    assert done.return_value == 3, done.output
+    assert ("no defect" in done.output) == defects
+    assert ("consider gaps and odd balls (--defects), other" in done.output) != defects
+    assert ("consider other loss laws (--laws all), " in done.output) == defects
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -113,6 +113,8 @@ def fit(
     """
     import hertzchain
 
+    from ..fitting.diagnosis import without_tested
+
     if len(files) < 2:
         raise click.UsageError("give at least one CSV file of traces and, last, the chain file")
     check_writable(out, "--out", (".toml",))
@@ -122,6 +124,8 @@ def fit(
     settings: dict[str, Any] = {"free": _free(traces, files[-1], free, also_free), "priors": known}
     with _simulations() as progress:
         result = hertzchain.fit(traces, files[-1], starts=starts, progress=progress, **settings)
+    tested = _tested(laws=laws is not None, defects=defects)
+    result = without_tested(result, *tested)
     document = result.as_dict()
     lines = []
     if laws is not None:
@@ -133,7 +137,7 @@ def fit(
         document["comparison"] = compared.as_dict()
         lines.append(compared.summary())
     if defects:
-        result, found = _defects(result, document)
+        result, found = _defects(result, document, tested)
         lines += found
     # Sampling takes long and may be stopped: everything else is printed and written before.
     if not as_json:
@@ -177,9 +181,20 @@ def _free(
     return [*(free or usual), *more]
 
 
-def _defects(result: FitResult, document: dict[str, Any]) -> tuple[FitResult, list[str]]:
+def _tested(*, laws: bool, defects: bool) -> list[str]:
+    """Causes of residuals that the command tests, so that its advice omits them."""
+    from ..fitting.diagnosis import DEFECTS, LAWS
+
+    return [*([LAWS] if laws else []), *([DEFECTS] if defects else [])]
+
+
+def _defects(
+    result: FitResult, document: dict[str, Any], tested: Sequence[str]
+) -> tuple[FitResult, list[str]]:
     """Scan for a gap or odd ball and fit it if there is one; return the last fit and lines."""
     import hertzchain
+
+    from ..fitting.diagnosis import without_tested
 
     scans = []
     for kind, what in (("gap", "contacts tried"), ("bead", "balls tried")):
@@ -197,7 +212,7 @@ def _defects(result: FitResult, document: dict[str, Any]) -> tuple[FitResult, li
                 found.append(scan.fit(progress=progress))
     if not found:
         return result, lines
-    best = min(found, key=lambda each: each.chi2 + each.penalty)
+    best = without_tested(min(found, key=lambda each: each.chi2 + each.penalty), *tested)
     document["fit_with_defect"] = best.as_dict()
     return best, [*lines, f"without {best.names[-1]}: {result.verdict}"]
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -122,7 +121,8 @@ def fit(
     traces = hertzchain.load_traces(*files[:-1], sensors=places, channels=channels)
     known = dict(_prior(text) for text in priors)
     settings: dict[str, Any] = {"free": _free(traces, files[-1], free, also_free), "priors": known}
-    with _simulations() as progress:
+    # The number of simulations is not known in advance.
+    with progress_bar("simulations", counted=False) as progress:
         result = hertzchain.fit(traces, files[-1], starts=starts, progress=progress, **settings)
     tested = _tested(laws=laws is not None, defects=defects)
     result = without_tested(result, *tested)
@@ -231,14 +231,6 @@ def _pressures(result: FitResult) -> list[str]:
             for chain, shot in shots
         ]
     return pressures_below_yield(*runs)
-
-
-@contextmanager
-def _simulations() -> Iterator[Callable[[int, int], None]]:
-    """Progress of a fit, whose number of simulations is not known in advance."""
-    with progress_bar("simulations") as update:
-        # At least one more simulation follows each.
-        yield lambda done, _: update(done, done + 1)
 
 
 def _prior(text: str) -> tuple[str, tuple[float | str, float | str]]:

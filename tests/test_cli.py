@@ -939,6 +939,9 @@ def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_pat
     assert "wall_force.peak: 400 of 400 random chains" in out
     assert "peak force on the wall [N]" in picture.read_text()
     assert run("scatter", *BALLS)[0] == 2
+    code, _, err = run("scatter", *BALLS, "--samples", 500)
+    assert code == 2
+    assert "No such option '--samples'; use --chains" in err
     assert (
         "--relative must be a number or a percentage"
         in run("scatter", *BALLS, "--relative", "much")[2]

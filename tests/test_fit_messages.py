@@ -158,6 +158,27 @@ def test_offsets_have_the_unit_of_their_sensor():
     assert dict(result.rows())["offset[wall]"].endswith(" N")
 
 
+@pytest.mark.parametrize(
+    ("weights", "exact", "priors", "text"),
+    [
+        ({"stiffness": -0.5, "struck_by.velocity": 1.0, "gain[a]": -1.0, "gain[b]": -1.0}, True, (),
+         "the data determine only combinations of stiffness, struck_by.velocity and the gains: "
+         "signals stay the same if the relative changes of these are in the ratio 0.5 : -1 : 1; "
+         "fix one of them, or give it a prior"),
+        ({"lag": 1.0, "time_offset": -0.4}, False, ("lag",),
+         "the data determine hardly more than a combination of lag and time_offset: signals hardly "
+         "change if the relative changes of these are in the ratio 1 : -0.4; only the prior of lag "
+         "fixes them"),
+        ({"gain[a]": 1.0, "gain[b]": 0.5}, True, ("gain[a]", "gain[b]"),
+         "the data determine only a combination of the gains: signals stay the same if the "
+         "relative changes of these are in the ratio 1 : 0.5; only the priors of the gains fix "
+         "them"),
+    ],
+)  # fmt: skip
+def test_weak_directions_state_what_is_determined(weights, exact, priors, text):
+    assert str(WeakDirection(weights, 1.0, exact, priors)) == text
+
+
 def test_one_parameter_on_which_the_data_do_not_depend():
     direction = WeakDirection({"highpass": 1.0}, np.inf, True, ())
     assert str(direction).endswith("do not depend on highpass: fix it, or give it a prior")

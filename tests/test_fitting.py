@@ -712,6 +712,31 @@ def test_sampling_rejects_seeds_that_numpy_cannot_use(example):
         example.sample(10, seed=2**32)
 
 
+def test_interrupted_sampling_prints_nothing(example, monkeypatch, capsys):
+    pytest.importorskip("emcee")
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Problem, "residuals", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        example.sample(10)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_progress_of_a_fit_ends_with_it(traces):
+    counts = []
+    result = hc.fit(
+        traces, bench(hc.Restitution(0.97)), free=["struck_by.velocity", "time_offset"], starts=1,
+        progress=lambda done, total: counts.append((done, total)),
+    )  # fmt: skip
+    assert counts
+    assert set(counts) == {(each, 0) for each in range(1, len(counts) + 1)}
+    seen = len(counts)
+    result.model.simulator.signals(bench(hc.Restitution(0.9)), 1e-4)
+    assert len(counts) == seen
+
+
 def test_posterior_agrees_with_least_squares():
     pytest.importorskip("emcee")
     # Without losses, all chains are alike, and no step needs a simulation.

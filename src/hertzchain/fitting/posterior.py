@@ -203,6 +203,8 @@ def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) 
     begin = result.variables + random.normal(size=(walkers, count)) @ root.T
     begin = np.clip(begin, low + 1e-9, high - 1e-9)
     sampler: Any = emcee.EnsembleSampler(walkers, count, log_probability)
+    # The wrapper of emcee prints all interruptions to stdout, among the results of commands.
+    sampler.log_prob_fn = log_probability
     sampler.random_state = np.random.RandomState(seed).get_state()
     try:
         for done, _ in enumerate(sampler.sample(begin, iterations=steps), start=1):

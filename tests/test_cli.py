@@ -415,22 +415,44 @@ def test_work_that_ends_early_states_its_total(monkeypatch, capsys):
     monkeypatch.setattr(progress, "SECONDS_PER_LINE", 0.0)
     with progress.progress_bar("simulations") as update:
         update(400, 418)
-        monkeypatch.setattr(progress, "SECONDS_PER_LINE", 1e9)
+        update.interval = 1e9
         update(417, 418)
     assert capsys.readouterr().err == "simulations: 400 of 418\nsimulations: 417 in total\n"
+    monkeypatch.setattr(progress, "SECONDS_PER_LINE", 1e9)
     with progress.progress_bar("simulations") as update:
         update(417, 418)
     assert capsys.readouterr().err == ""
 
 
-def test_the_last_line_of_progress_states_the_total(monkeypatch, capsys):
+def test_a_total_that_is_not_known_is_not_stated(monkeypatch, capsys):
+    monkeypatch.setattr(progress, "SECONDS_PER_LINE", 0.0)
+    with progress.progress_bar("simulations", counted=False) as update:
+        update(400, 0)
+        update.interval = 1e9
+        update(417, 0)
+    assert capsys.readouterr().err == "simulations: 400\nsimulations: 417 in total\n"
+
+
+def test_lines_of_progress_become_rare(monkeypatch, capsys):
+    now = 0.0
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now)
+    update = progress._Lines("chains", None)
+    for done in range(3600):
+        now = float(done)
+        update(done, 3600)
+    lines = capsys.readouterr().err.splitlines()
+    shown = [10, 30, 70, 150, 310, 610, *range(910, 3600, 300)]
+    assert lines == [f"chains: {done} of 3600" for done in shown]
+
+
+def test_the_last_line_of_progress_states_the_total(capsys):
     update = progress._Lines("chains", None)
     update(22, 23)
     update(23, 23)
     assert capsys.readouterr().err == ""
-    monkeypatch.setattr(progress, "SECONDS_PER_LINE", 0.0)
+    update.interval = 0.0
     update(22, 23)
-    monkeypatch.setattr(progress, "SECONDS_PER_LINE", 1e9)
+    update.interval = 1e9
     update(23, 23)
     update(23, 23)
     assert capsys.readouterr().err == "chains: 22 of 23\nchains: 23 of 23\n"
@@ -917,6 +939,9 @@ def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_pat
     assert "wall_force.peak: 400 of 400 random chains" in out
     assert "peak force on the wall [N]" in picture.read_text()
     assert run("scatter", *BALLS)[0] == 2
+    code, _, err = run("scatter", *BALLS, "--samples", 500)
+    assert code == 2
+    assert "No such option '--samples'; use --chains" in err
     assert (
         "--relative must be a number or a percentage"
         in run("scatter", *BALLS, "--relative", "much")[2]

@@ -8,7 +8,13 @@ from scipy.signal import lsim
 from scipy_row import BALLS, FREE, RADIUS, SPACING, TRUTH, chain, forces, traces
 
 import hertzchain as hc
-from hertzchain.fitting.diagnosis import NOTHING_EXPLAINS, _exponent
+from hertzchain.fitting.diagnosis import (
+    DEFECTS,
+    LAWS,
+    NOTHING_EXPLAINS,
+    _exponent,
+    without_tested,
+)
 from hertzchain.fitting.fit import fitted as solved
 
 DESCRIBES = "and the model describes the data"
@@ -95,6 +101,10 @@ def test_no_effect_of_sensors_is_named_for_a_gap(gap):
     assert result.advice == (NOTHING_EXPLAINS,)
     assert "(scan_defects)" in result.summary()
     assert "--" not in result.summary().replace("+-", "")
+    (rest,) = without_tested(result, DEFECTS, LAWS).advice
+    assert rest.endswith(
+        "consider the exponent of the wall, and the sizes and materials of striker, balls and wall"
+    )
 
 
 def test_levels_before_the_pulse_are_named_even_if_there_is_another_cause():

@@ -1,12 +1,15 @@
 """Warnings and advice of fits to traces that SciPy computed."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from scipy_row import BALLS, FREE, TRUTH, chain, recorded, traces
 
 import hertzchain as hc
+from hertzchain.cli import cli
 from hertzchain.fitting.noise import saturated
 from hertzchain.fitting.weak_directions import WeakDirection
 from hertzchain.representation import with_error
@@ -155,6 +158,27 @@ def test_offsets_have_the_unit_of_their_sensor():
     assert dict(result.rows())["offset[wall]"].endswith(" N")
 
 
+@pytest.mark.parametrize(
+    ("weights", "exact", "priors", "text"),
+    [
+        ({"stiffness": -0.5, "struck_by.velocity": 1.0, "gain[a]": -1.0, "gain[b]": -1.0}, True, (),
+         "the data determine only combinations of stiffness, struck_by.velocity and the gains: "
+         "signals stay the same if the relative changes of these are in the ratio 0.5 : -1 : 1; "
+         "fix one of them, or give it a prior"),
+        ({"lag": 1.0, "time_offset": -0.4}, False, ("lag",),
+         "the data determine hardly more than a combination of lag and time_offset: signals hardly "
+         "change if the relative changes of these are in the ratio 1 : -0.4; only the prior of lag "
+         "fixes them"),
+        ({"gain[a]": 1.0, "gain[b]": 0.5}, True, ("gain[a]", "gain[b]"),
+         "the data determine only a combination of the gains: signals stay the same if the "
+         "relative changes of these are in the ratio 1 : 0.5; only the priors of the gains fix "
+         "them"),
+    ],
+)  # fmt: skip
+def test_weak_directions_state_what_is_determined(weights, exact, priors, text):
+    assert str(WeakDirection(weights, 1.0, exact, priors)) == text
+
+
 def test_one_parameter_on_which_the_data_do_not_depend():
     direction = WeakDirection({"highpass": 1.0}, np.inf, True, ())
     assert str(direction).endswith("do not depend on highpass: fix it, or give it a prior")
@@ -196,6 +220,22 @@ def test_the_exit_code_is_that_of_the_fit_with_a_gap(run, tmp_path):
     assert without.startswith("without gap[8-9]: chi2 ")
     assert ", far more than expected: the model does not describe the data" in without
     assert hc.load_chain(tmp_path / "fitted.toml").gaps[8] == pytest.approx(1e-6 * value, rel=1e-3)
+
+
+@pytest.mark.parametrize("defects", [False, True])
+def test_defects_that_were_searched_are_not_advised(defects, tmp_path, monkeypatch):
+    nothing = SimpleNamespace(
+        names=(), sizes=(), improvements=(), found=False, summary=lambda: "no defect"
+    )
+    monkeypatch.setattr(hc, "scan_defects", lambda *_, **__: nothing, raising=False)
+    files = map(str, written(tmp_path, gap=0.4e-6))
+    free = [part for name in FREE for part in ("--free", name)]
+    options = [*free, "--starts", "1", *(["--defects"] if defects else [])]
+    done = CliRunner().invoke(cli, ["fit", *files, *options], standalone_mode=False)
+    assert done.return_value == 3, done.output
+    assert ("no defect" in done.output) == defects
+    assert ("consider gaps and odd balls (--defects), other" in done.output) != defects
+    assert ("consider other loss laws (--laws all), " in done.output) == defects
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")

@@ -3,9 +3,11 @@
 import dataclasses
 import functools
 import json
+import re
 import sys
 import warnings
 
+import click
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -560,8 +562,8 @@ GOOD = "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 20 - abs(i - 80)}\n" for i 
         (HEAD + GOOD + "50,0.1\n", "times must increase"),
         (HEAD + "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 9.0}\n" for i in range(90)),
          "is saturated at 9 N during most of its pulse"),
-        (HEAD + "0,1\n1\n", "row 2 has 1 cell, the header has 2"),
-        (HEAD + "0,1\n1,x\n", "row 2 of column 'ball 6 [N]' is 'x'"),
+        (HEAD + "0,1\n1\n", "line 3 has 1 cell, the header has 2"),
+        (HEAD + "0,1\n1,x\n", "column 'ball 6 [N]' is 'x' in line 3"),
         (HEAD + "0,1\n1,1\n", "has no signal"),
         (HEAD + "0,0.0\n" + "".join(f"{i},0.0\n" for i in range(1, 60)) + "60,5\n61,7\n62,5\n",
          "before the pulse are all equal"),
@@ -721,6 +723,31 @@ def test_sampling_rejects_seeds_that_numpy_cannot_use(example):
         example.sample(10, seed=2**32)
 
 
+def test_interrupted_sampling_prints_nothing(example, monkeypatch, capsys):
+    pytest.importorskip("emcee")
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Problem, "residuals", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        example.sample(10)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_progress_of_a_fit_ends_with_it(traces):
+    counts = []
+    result = hc.fit(
+        traces, bench(hc.Restitution(0.97)), free=["struck_by.velocity", "time_offset"], starts=1,
+        progress=lambda done, total: counts.append((done, total)),
+    )  # fmt: skip
+    assert counts
+    assert set(counts) == {(each, 0) for each in range(1, len(counts) + 1)}
+    seen = len(counts)
+    result.model.simulator.signals(bench(hc.Restitution(0.9)), 1e-4)
+    assert len(counts) == seen
+
+
 def test_posterior_agrees_with_least_squares():
     pytest.importorskip("emcee")
     # Without losses, all chains are alike, and no step needs a simulation.
@@ -741,6 +768,10 @@ def test_posterior_agrees_with_least_squares():
     assert len(panels) == 6
     # Lower row of the corner: values in the units of the printed results.
     assert posterior.units == ("", "m/s", "s")
+    head, *rows = posterior.summary().splitlines()[:4]
+    assert head == f"posterior: {len(posterior.samples)} samples of 3 parameters"
+    for row, name, unit in zip(rows, free, ("", " m/s", " us"), strict=True):
+        assert re.fullmatch(rf"  {re.escape(name)} +\S+ \+- [\d.]+{unit}", row)
     labels = [axes.get_xlabel() for axes in panels if axes.get_xlabel()]
     assert labels == ["stiffness", "struck_by.velocity\n[m/s]", "time_offset\n[µs]"]
     middle = float(np.mean(panels[-1].get_xlim()))
@@ -765,6 +796,26 @@ def test_command_fits_and_reports(tmp_path, command):
     assert {each.name for each in tmp_path.iterdir()} == {
         "fitted.toml", "fit.png", "fit-residuals.png", "fit-correlations.png"
     }  # fmt: skip
+
+
+def test_an_interrupted_sampling_does_not_lose_the_fit(tmp_path, monkeypatch):
+    from click.testing import CliRunner
+
+    from hertzchain.cli import cli
+
+    def interrupted(*_, **__):
+        assert {each.name for each in tmp_path.iterdir()} == {
+            "fitted.toml", "fit.png", "fit-residuals.png", "fit-correlations.png"
+        }  # fmt: skip
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(hc.FitResult, "sample", interrupted)
+    _, chain = hc.example_experiment()
+    arguments = ["fit", str(chain.parent / "fast.csv"), str(chain), "--sample", "1000", "--out",
+                 str(tmp_path / "fitted.toml"), "--plot", str(tmp_path / "fit.png")]  # fmt: skip
+    done = CliRunner().invoke(cli, arguments, standalone_mode=False)
+    assert isinstance(done.exception, (KeyboardInterrupt, click.Abort))
+    assert "the model describes the data" in done.output
 
 
 def test_command_reports_a_model_that_does_not_describe_the_data(tmp_path, command):

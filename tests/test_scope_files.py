@@ -98,7 +98,7 @@ def test_samples_may_be_numbered(tmp_path):
     for signal, expected in zip(traces.shots[0].signals, SIGNALS, strict=True):
         np.testing.assert_allclose(signal.values, expected, atol=1e-12)
     file.write_text("\n".join([*head, *rows[:9], "9,0.1"]) + "\n")
-    with pytest.raises(hc.InputError, match="row 10 must have a number and 2 samples"):
+    with pytest.raises(hc.InputError, match="line 12 must have a number and 2 samples"):
         hc.load_traces(file, sensors=PLACES)
 
 
@@ -126,7 +126,7 @@ def test_units_of_sensors_are_converted(tmp_path):
         ("TIME [s],CH1,CH2", {"CH3": "wall [V]"}, "no column 'CH3'; the file has CH1, CH2"),
         ("TIME,CH1,CH2\n(s),(V)", PLACES, "row of units has 2 cells, the header has 3"),
         ("TIME,CH1,CH2\n(s),(A),(V)", PLACES, "unit of column 'ball 4' 'A'"),
-        ("Model,X1\nTIME,CH1\n(s),(V)", {"CH1": "wall"}, "row 1 has 3 cells, the header has 2"),
+        ("Model,X1\nTIME,CH1\n(s),(V)", {"CH1": "wall"}, "line 4 has 3 cells, the header has 2"),
     ],
 )  # fmt: skip
 def test_messages_use_the_names_of_the_file(head, sensors, words, tmp_path):
@@ -135,6 +135,25 @@ def test_messages_use_the_names_of_the_file(head, sensors, words, tmp_path):
         hc.load_traces(tmp_path / "scope.csv", sensors=sensors)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "head",
+    ["TIME [s],CH1,CH2\n", "TIME,CH1,CH2\n(S),(V),(V)\n", "TIME,CH1,CH2\nsecond,V,V\n", TEKTRONIX],
+)
+def test_a_unit_of_times_that_contradicts_the_file_is_rejected(head, tmp_path):
+    file = tmp_path / "scope.csv"
+    file.write_text(head + lines(end="," if head == TEKTRONIX else ""))
+    places = {"CH1": "wall [V]"}
+    for given in ("time", "time [s]"):
+        found = hc.load_traces(file, sensors=places | {"TIME": given})
+        np.testing.assert_allclose(found.shots[0].times, TIMES, atol=1e-15)
+    with pytest.raises(hc.InputError) as caught:
+        hc.load_traces(file, sensors=places | {"TIME": "time [ms]"})
+    assert (
+        "column 'TIME [s]' has the unit s, but the times are given as 'time [ms]'; leave out the "
+        "unit, or correct the header"
+    ) in str(caught.value)
 
 
 def test_sensors_of_the_command_line_have_units(run, tmp_path):
@@ -223,9 +242,7 @@ def test_arrays_and_files_have_the_same_samples_beyond_the_range(cell, sign, tmp
 def test_equal_times_and_unknown_places_say_what_to_do(tmp_path):
     file = tmp_path / "scope.csv"
     file.write_text("time [s],Channel A [V]\n0.0001,0\n0.0001,1\n0.0002,0\n")
-    with pytest.raises(
-        hc.InputError, match="samples 1 and 2 are both at 0.0001 s; write the times"
-    ):
+    with pytest.raises(hc.InputError, match="lines 2 and 3 are both at 0.0001 s; write the times"):
         hc.load_traces(file, sensors={"Channel A": "wall"}, noise=0.1)
     with pytest.raises(hc.InputError, match=r"sensors=\{'Channel A': 'wall'\}"):
         hc.load_traces(file, sensors={"Channel A": "sensor 1"}, noise=0.1)
@@ -277,7 +294,7 @@ def test_decimal_commas_may_be_in_quotation_marks(tmp_path):
          "its numbers have commas and points, such as 0,5 and 1.0; save"),
         ("time [us];wall [V]", ["1;1.234,5", "2;1.234,6"], "commas and points, such as 1.234,5"),
         ("time [us],wall [V]", ["0,5,0,1", "1,5,0,2"],
-         "row 1 has 4 cells, the header has 2; if numbers have decimal commas, separate"),
+         "line 2 has 4 cells, the header has 2; if numbers have decimal commas, separate"),
     ],
 )  # fmt: skip
 def test_numbers_that_can_be_read_in_two_ways_are_rejected(head, rows, words, tmp_path):
@@ -342,9 +359,7 @@ def test_columns_may_be_separated_by_spaces(head, sensors, decimal, tmp_path):
 def test_errors_have_times_in_the_unit_of_the_file(tmp_path):
     file = tmp_path / "scope.csv"
     file.write_text("time [us],wall [V]\n0,0\n1.5,1\n0.7,0\n")
-    with pytest.raises(
-        hc.InputError, match="sample 3 is at 0.7 us and the one before it at 1.5 us"
-    ):
+    with pytest.raises(hc.InputError, match="line 4 is at 0.7 us and the one before it at 1.5 us"):
         hc.load_traces(file, noise=0.1)
     with pytest.raises(hc.InputError, match="samples 2 and 3 are both at 1e-06 s"):
         hc.Traces.from_arrays([0.0, 1e-6, 1e-6], {"wall [V]": [0.0, 1.0, 0.0]}, noise=0.1)
@@ -408,3 +423,22 @@ def test_a_file_with_comments_and_no_header_is_rejected(tmp_path):
     np.savetxt(file, np.c_[1e6 * TIMES, *SIGNALS], delimiter=",", header="measured on Monday")
     with pytest.raises(hc.InputError, match="there must be one column of times"):
         hc.load_traces(file)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ("1e-06,1", "line {} has 2 cells, the header has 3"),
+        ("1e-06,x,1", "column 'CH1 [V]' is 'x' in line {}: it must be a number"),
+        (",1,1", "the time of line {} is missing"),
+        ("-1,1,1", "times must increase, but line {} is at -1 s"),
+    ],
+)
+@pytest.mark.parametrize("before", ["", "# a comment\n\n"])
+def test_messages_name_the_line_of_the_file(before, changed, words, tmp_path):
+    content = (before + TEKTRONIX + lines()).splitlines()
+    content[100] = changed
+    (tmp_path / "scope.csv").write_text("\n".join(content))
+    with pytest.raises(hc.InputError) as caught:
+        hc.load_traces(tmp_path / "scope.csv", sensors=PLACES)
+    assert words.format(101) in str(caught.value)

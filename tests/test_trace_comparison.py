@@ -9,6 +9,7 @@ import pytest
 from scipy_row import BEFORE, FACTOR, LOSS_TIME, RADIUS, SPACING, VELOCITY, chain, forces
 
 import hertzchain as hc
+from hertzchain.fitting.missing_rows import gap_notes, gaps_between
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 NOISE = 0.05
@@ -337,6 +338,59 @@ def test_an_arrival_among_missing_samples_is_not_known():
         assert ("its arrival is not known" in compared.summary()) != known
         if known:
             assert wall.measured_arrival == pytest.approx(arrival, abs=SPACING)
+
+
+def without_rows(data, begin, end):
+    """The data without the rows between two times, and the number of these rows."""
+    (shot,) = data.shots
+    gap = (shot.times > begin) & (shot.times < end)
+    columns = {f"{signal.name} [N]": signal.values[~gap] for signal in shot.signals}
+    return hc.Traces.from_arrays(shot.times[~gap], columns), int(gap.sum())
+
+
+def numbers(compared):
+    return [
+        (each.measured_peak, each.simulated_peak, each.measured_arrival, each.simulated_arrival,
+         each.residual)
+        for each in compared.sensors
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("gap", [(-10e-6, 5e-6), (-25e-6, -12e-6), (-300e-6, -200e-6)])
+def test_missing_rows_are_missing_samples(gap):
+    run = hc.simulate(true_chain(), until=7e-4, times=6000)
+    begin, end = CREST + gap[0], CREST + gap[1]
+    data, rows = without_rows(traces(), begin, end)
+    (shot,) = traces().shots
+    inside = (shot.times > begin) & (shot.times < end)
+    cells = hc.Traces.from_arrays(
+        shot.times,
+        {f"{each.name} [N]": np.where(inside, np.nan, each.values) for each in shot.signals},
+    )
+    compared, expected = (run.compare(each, time_offset=END) for each in (data, cells))
+    # The levels before the pulse are the means of slightly different samples.
+    np.testing.assert_allclose(numbers(compared), numbers(expected), rtol=1e-4)
+    wall = compared.sensors[1]
+    assert wall.lower_bound == (gap == (-10e-6, 5e-6))
+    assert np.isnan(wall.measured_arrival) == (gap == (-25e-6, -12e-6))
+    note, *others = compared.notes
+    first, last = (1e6 * each for each in shot.times[inside][[0, -1]])
+    assert note == f"{rows} rows of the data are missing from {first:.6g} us to {last:.6g} us"
+    assert tuple(others) == expected.notes
+    assert data.notes() == (note.replace("missing", "missing in shot 1"),)
+
+
+def test_gaps_in_uneven_records_are_not_missing_rows():
+    times = np.cumsum(np.random.default_rng(1).uniform(0.5, 2.5, 200)) * 1e-6
+    slow = np.concatenate((np.arange(0.0, 100.0, 10.0), np.arange(100.0, 110.0)))
+    for each in (times, 1e-6 * slow):
+        assert gaps_between(each) == []
+    some = np.delete(np.arange(400), [5, 100, 101, 200, 300])
+    assert [gap.rows for gap in gaps_between(1e-6 * some)] == [1, 2, 1, 1]
+    assert gap_notes(gaps_between(1e-6 * some)) == [
+        "5 rows of the data are missing at 5 us, from 100 us to 101 us, at 200 us and in 1 further "
+        "gap"
+    ]
 
 
 def test_the_peak_of_data_that_end_before_the_crest_is_a_lower_bound():

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +26,9 @@ from .wording import on_command_line
 from .yielding import pressures_below_yield
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..fitting.posterior import Posterior
     from ..fitting.result import FitResult
     from ..fitting.traces import Traces
 
@@ -98,7 +100,8 @@ def fit(
     The exit code is 1 if the search does not converge, and 3 if the model does not describe the
     data within their noise, or only with values that contradict their priors.  If --defects finds a
     gap or an odd ball, the fit that includes it is printed first, and the exit code, --out, --plot
-    and --sample refer to this fit.
+    and --sample refer to this fit.  All results are printed and written before sampling begins, so
+    that only the posterior is lost if it is interrupted; with --json, they are printed at the end.
 
     \b
     Examples:
@@ -109,6 +112,8 @@ def fit(
     """
     import hertzchain
 
+    from ..fitting.diagnosis import without_tested
+
     if len(files) < 2:
         raise click.UsageError("give at least one CSV file of traces and, last, the chain file")
     check_writable(out, "--out", (".toml",))
@@ -116,8 +121,11 @@ def fit(
     traces = hertzchain.load_traces(*files[:-1], sensors=places, channels=channels)
     known = dict(_prior(text) for text in priors)
     settings: dict[str, Any] = {"free": _free(traces, files[-1], free, also_free), "priors": known}
-    with _simulations() as progress:
+    # The number of simulations is not known in advance.
+    with progress_bar("simulations", counted=False) as progress:
         result = hertzchain.fit(traces, files[-1], starts=starts, progress=progress, **settings)
+    tested = _tested(laws=laws is not None, defects=defects)
+    result = without_tested(result, *tested)
     document = result.as_dict()
     lines = []
     if laws is not None:
@@ -129,28 +137,28 @@ def fit(
         document["comparison"] = compared.as_dict()
         lines.append(compared.summary())
     if defects:
-        result, found = _defects(result, document)
+        result, found = _defects(result, document, tested)
         lines += found
-    lines.insert(0, "\n".join((result.summary(), *([] if as_json else _pressures(result)))))
-    posterior = None
-    if sample is not None:
-        with progress_bar("steps of the walkers", rate=True) as progress:
-            posterior = result.sample(sample, progress=progress)
-        document["posterior"] = {"mean": posterior.means, "error": posterior.errors,
-                                 "long_enough": posterior.long_enough}  # fmt: skip
-        lines.append(repr(posterior))
-    if plot is not None:
-        _save_plots(result, posterior, plot)
+    # Sampling takes long and may be stopped: everything else is printed and written before.
+    if not as_json:
+        lines.insert(0, "\n".join((result.summary(), *_pressures(result))))
+        click.echo(on_command_line("\n\n".join(lines)))
     if out is not None:
         from ..store.writing import write_bytes
 
         write_bytes(out, result.chain_toml().encode())
+    if plot is not None:
+        _save_plots(result, plot)
+    if sample is not None:
+        posterior = _posterior(result, sample, plot)
+        document["posterior"] = {"mean": posterior.means, "error": posterior.errors,
+                                 "long_enough": posterior.long_enough}  # fmt: skip
+        if not as_json:
+            click.echo(f"\n{posterior.summary()}")
     if as_json:
         from ..store import results
 
         show_json({"schema_version": results.SCHEMA_VERSION} | document)
-    else:
-        click.echo(on_command_line("\n\n".join(lines)))
     if not result.converged:
         return FAILED
     good = result.describes and not result.prior_conflict
@@ -173,9 +181,20 @@ def _free(
     return [*(free or usual), *more]
 
 
-def _defects(result: FitResult, document: dict[str, Any]) -> tuple[FitResult, list[str]]:
+def _tested(*, laws: bool, defects: bool) -> list[str]:
+    """Causes of residuals that the command tests, so that its advice omits them."""
+    from ..fitting.diagnosis import DEFECTS, LAWS
+
+    return [*([LAWS] if laws else []), *([DEFECTS] if defects else [])]
+
+
+def _defects(
+    result: FitResult, document: dict[str, Any], tested: Sequence[str]
+) -> tuple[FitResult, list[str]]:
     """Scan for a gap or odd ball and fit it if there is one; return the last fit and lines."""
     import hertzchain
+
+    from ..fitting.diagnosis import without_tested
 
     scans = []
     for kind, what in (("gap", "contacts tried"), ("bead", "balls tried")):
@@ -193,7 +212,7 @@ def _defects(result: FitResult, document: dict[str, Any]) -> tuple[FitResult, li
                 found.append(scan.fit(progress=progress))
     if not found:
         return result, lines
-    best = min(found, key=lambda each: each.chi2 + each.penalty)
+    best = without_tested(min(found, key=lambda each: each.chi2 + each.penalty), *tested)
     document["fit_with_defect"] = best.as_dict()
     return best, [*lines, f"without {best.names[-1]}: {result.verdict}"]
 
@@ -214,14 +233,6 @@ def _pressures(result: FitResult) -> list[str]:
     return pressures_below_yield(*runs)
 
 
-@contextmanager
-def _simulations() -> Iterator[Callable[[int, int], None]]:
-    """Progress of a fit, whose number of simulations is not known in advance."""
-    with progress_bar("simulations") as update:
-        # At least one more simulation follows each.
-        yield lambda done, _: update(done, done + 1)
-
-
 def _prior(text: str) -> tuple[str, tuple[float | str, float | str]]:
     name, _, rest = text.rpartition("=")
     try:
@@ -233,10 +244,20 @@ def _prior(text: str) -> tuple[str, tuple[float | str, float | str]]:
     return name, (value, error)
 
 
-def _save_plots(result: FitResult, posterior: Any, plot: Path) -> None:
-    figures = {"": result.plot(), "-residuals": result.plot_residuals(),
-               "-correlations": result.plot_correlations()}  # fmt: skip
-    if posterior is not None:
-        figures["-corner"] = posterior.plot()
-    for suffix, figure in figures.items():
-        save_figure(figure.axes[0], plot.with_name(f"{plot.stem}{suffix}{plot.suffix}"))
+def _posterior(result: FitResult, steps: int, plot: Path | None) -> Posterior:
+    """Sample the posterior and, if there is a file for figures, save the corner plot."""
+    with progress_bar("steps of the walkers", rate=True) as progress:
+        posterior = result.sample(steps, progress=progress)
+    if plot is not None:
+        _save_figure(posterior.plot(), plot, "-corner")
+    return posterior
+
+
+def _save_plots(result: FitResult, plot: Path) -> None:
+    _save_figure(result.plot(), plot)
+    _save_figure(result.plot_residuals(), plot, "-residuals")
+    _save_figure(result.plot_correlations(), plot, "-correlations")
+
+
+def _save_figure(figure: Figure, plot: Path, suffix: str = "") -> None:
+    save_figure(figure.axes[0], plot.with_name(f"{plot.stem}{suffix}{plot.suffix}"))

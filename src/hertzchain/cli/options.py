@@ -59,17 +59,22 @@ KEYS_OF_FILES: Final = {
     "left_wall": "a table [chain.left_wall]",
     "drive": "a table [chain.drive]",
 }
+# Options that have another name than the same argument of a function.
+NAMES_OF_ARGUMENTS: Final = {"samples": "--chains"}
 
 
 def _explained(
     command: click.Command, error: click.NoSuchOption, ctx: click.Context
 ) -> click.UsageError:
-    """The error, with the key of chain files if the command takes one and has no such option."""
+    """The error, with the option or the key of chain files that has this meaning."""
+    name = error.option_name.lstrip("-").replace("-", "_")
+    other = NAMES_OF_ARGUMENTS.get(name)
+    if any(other in param.opts for param in command.params):
+        return click.UsageError(f"No such option '{error.option_name}'; use {other}", ctx)
     if not any(param.name in ("files", "file") for param in command.params):
         return error
     from ..store.chain_schema import KEYS
 
-    name = error.option_name.lstrip("-").replace("-", "_")
     key = KEYS_OF_FILES.get(name) or (f"{name} = ... in [chain]" if name in KEYS else "")
     if not key:
         return error

@@ -7,23 +7,27 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import timedelta
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import click
 
 if TYPE_CHECKING:
     from rich.progress import ProgressColumn
 
-# Interval between lines of progress if stderr is not a terminal.
-SECONDS_PER_LINE: Final = 5.0
+# Time until the first line of progress if stderr is not a terminal; each of the next intervals is
+# twice as long as the last one, up to the longest.
+SECONDS_PER_LINE, LONGEST_INTERVAL = 10.0, 300.0
 
 
 @contextmanager
-def progress_bar(what: str, *, rate: bool = False) -> Iterator[Callable[[int, int], None]]:
+def progress_bar(
+    what: str, *, rate: bool = False, counted: bool = True
+) -> Iterator[Callable[[int, int], None]]:
     """Show a bar on stderr that disappears at the end; in a pipe or file, print lines.
 
     If less is done than was announced, a last line states the total, except after an error.
-    With ``rate``, the number per second and the remaining time are shown as well.
+    With ``rate``, the number per second and the remaining time are shown as well.  Without
+    ``counted``, the total is not known in advance, and only the number that is done is shown.
     """
     from rich.console import Console
     from rich.progress import (
@@ -37,7 +41,7 @@ def progress_bar(what: str, *, rate: bool = False) -> Iterator[Callable[[int, in
     pace = _Pace() if rate else None
     announce_compilation()
     if not console.is_terminal:
-        lines = _Lines(what, pace)
+        lines = _Lines(what, pace, counted=counted)
         yield lines
         lines.finish()
         return
@@ -49,7 +53,9 @@ def progress_bar(what: str, *, rate: bool = False) -> Iterator[Callable[[int, in
 
         def update(done: int, total: int) -> None:
             told = pace.text(done, total) if pace else ""
-            if done < total:
+            if not counted:
+                bar.update(task, description=f"{what}: {done}")
+            elif done < total:
                 bar.update(task, description=what, completed=done, total=total, pace=told)
             else:
                 # Further work may follow; the clock of a bar that is full would stop.
@@ -109,9 +115,10 @@ class _Pace:
 class _Lines:
     """Lines of progress, the last of which states the total."""
 
-    def __init__(self, what: str, pace: _Pace | None) -> None:
-        self.what, self.pace = what, pace
+    def __init__(self, what: str, pace: _Pace | None, *, counted: bool = True) -> None:
+        self.what, self.pace, self.counted = what, pace, counted
         self.begun, self.latest = time.monotonic(), -1
+        self.interval = SECONDS_PER_LINE
         self.done = self.total = 0
 
     def __call__(self, done: int, total: int) -> None:
@@ -119,14 +126,17 @@ class _Lines:
         self.done, self.total = done, total
         told = self.pace.text(done, total) if self.pace else ""
         # After a first line, the last one states the total.
-        due = now - self.begun >= SECONDS_PER_LINE or (done >= total and self.latest >= 0)
+        complete = self.counted and done >= total
+        due = now - self.begun >= self.interval or (complete and self.latest >= 0)
         # While functions are compiled, nothing changes.
         if not due or done == self.latest:
             return
-        click.echo(f"{self.what}: {done} of {total}" + (f", {told}" if told else ""), err=True)
+        of = f" of {total}" if self.counted else ""
+        click.echo(f"{self.what}: {done}{of}" + (f", {told}" if told else ""), err=True)
         self.begun, self.latest = now, done
+        self.interval = min(2.0 * self.interval, LONGEST_INTERVAL)
 
     def finish(self) -> None:
         """State the total of work that has ended early, such as a search within its budget."""
-        if self.latest >= 0 and self.done < self.total:
+        if self.latest >= 0 and (not self.counted or self.done < self.total):
             click.echo(f"{self.what}: {self.done} in total", err=True)

@@ -121,11 +121,12 @@ def simulate(
     """Integrate the whole chain and keep its trajectories.
 
     The forces on walls and in sensors are printed.  Two impulses are printed for a wall: that of
-    the impact, up to the last opening after which nothing stronger follows, and that of the whole
-    run.  At a free end, the velocity and the momentum of the last bead are printed.  The force in
-    a sensor in a bead is the mean of the forces on both halves of the bead.  Its first maximum
-    belongs to the first pulse; a later wave may be larger.  It is the highest point before the
-    force drops by 10% of its rise; maxima below 1% of the largest force are ignored.
+    the impact and that of the whole run.  The impact ends when the contact with the wall opens and
+    no stronger impact follows.  At a free end, the velocity and the momentum of the last bead are
+    printed.  The force in a sensor in a bead is the mean of the forces on both halves of the bead.
+    Its first maximum belongs to the first pulse; a later wave may be larger.  It is the highest
+    point before the force drops by 10% of its rise; maxima below 1% of the largest force are
+    ignored.
 
     Several chain files are simulated one after another, and --plot compares them.
 

@@ -45,9 +45,11 @@ LOSS: Final = "viscoelastic"
 # Means before the pulse are reported beyond this number of standard errors, and values of an
 # effect of several sensors beyond this number of standard deviations.
 CERTAIN: Final = 5.0
+# Causes that are advised, the first two of which other functions test.
+DEFECTS, LAWS = "gaps and odd balls (scan_defects), ", "other loss laws (compare_losses), "
 OTHERS: Final = (
-    "gaps and odd balls (scan_defects), other loss laws (compare_losses), the exponent of the "
-    "wall, and the sizes and materials of striker, balls and wall"
+    f"{DEFECTS}{LAWS}the exponent of the wall, and the sizes and materials of striker, balls and "
+    "wall"
 )
 NOTHING_EXPLAINS: Final = (
     "none of the effects tested explains the residuals (offsets, gains, delays, signs, units and "
@@ -84,6 +86,14 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if "offset" in best.what:
         levels = ()
     return replace(result, advice=(_sentence(result, best), *levels))
+
+
+def without_tested(result: FitResult, *tested: str) -> FitResult:
+    """A result whose advice omits causes that were tested, such as `DEFECTS`."""
+    advice = result.advice
+    for cause in tested:
+        advice = tuple(each.replace(cause, "") for each in advice)
+    return replace(result, advice=advice)
 
 
 def _with_effect(result: FitResult, refit: Refit) -> FitResult:

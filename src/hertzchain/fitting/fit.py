@@ -126,8 +126,10 @@ def fit(
     callback("progress", progress)
     settings = settings.updated(free, priors, start)
     count = whole_number("starts", starts, least=1, most=6)
-    result = fit_with(data, chains, settings, count, progress)
-    return diagnosed(result, settings.start, fitted)
+    result = diagnosed(fit_with(data, chains, settings, count, progress), settings.start, fitted)
+    # Later simulations, such as those of scans and posteriors, report their own progress.
+    result.model.simulator.progress = None
+    return result
 
 
 def fit_with(

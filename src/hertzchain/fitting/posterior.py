@@ -9,12 +9,12 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, SimulationError
-from ..representation import short, with_error
+from ..representation import counted, short
 from ..validation.keywords import checked_methods
 from ..validation.memory import check_memory
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
-from .shown_values import unit_of_parameter
+from .shown_values import shown_with_error, unit_of_parameter
 from .weights import remaining_weights
 
 if TYPE_CHECKING:
@@ -117,15 +117,53 @@ class Posterior:
 
         return plot_corner(self)
 
+    def summary(self) -> str:
+        """Mean and standard deviation of each parameter, with the units of the fit, as text.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> import numpy as np
+        >>> samples = np.array([[1e-6], [3e-6]])
+        >>> units = ("s",)
+        >>> posterior = hc.Posterior(("lag",), samples, 0.5, 1.0, 100, np.zeros(1), units)
+        >>> print(posterior.summary())
+        posterior: 2 samples of 1 parameter
+          lag  2.0 +- 1.0 us
+        """
+        width = max(map(len, self.names))
+        size = f"{counted(len(self.samples), 'sample')} of {counted(len(self.names), 'parameter')}"
+        lines = [f"posterior: {size}", *(f"  {name:<{width}}  {row}" for name, row in self._rows())]
+        return "\n".join([*lines, *filter(None, [self._too_short()])])
+
+    __str__ = summary
+
     def __repr__(self) -> str:
-        rows = ", ".join(
-            f"{name} = {with_error(self.means[name], self.errors[name])}" for name in self.names
+        rows = ", ".join(f"{name} = {row}" for name, row in self._rows())
+        return short("Posterior", f"{len(self.samples)} samples", self._too_short(), rows)
+
+    def _rows(self) -> list[tuple[str, str]]:
+        """Name, and mean with error and unit, of each parameter."""
+        means, errors = self.means, self.errors
+        return [
+            (name, shown_with_error(means[name], errors[name], unit))
+            for name, unit in zip(self.names, self.units, strict=True)
+        ]
+
+    def _too_short(self) -> str:
+        """A sentence if there are too few steps for reliable errors."""
+        if self.long_enough:
+            return ""
+        if np.isnan(self.autocorrelation):
+            return f"{self.steps} steps are too few to estimate their autocorrelation; take more"
+        return (
+            f"only {self.steps} steps, too few for an autocorrelation of "
+            f"{self.autocorrelation:.0f} steps: take {LONG_ENOUGH} times that"
         )
-        length = ""
-        if not self.long_enough:
-            length = f"only {self.steps} steps, too few for an autocorrelation of "
-            length += f"{self.autocorrelation:.0f} steps: take {LONG_ENOUGH} times that"
-        return short("Posterior", f"{len(self.samples)} samples", length, rows)
 
 
 def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) -> Posterior:
@@ -165,6 +203,8 @@ def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) 
     begin = result.variables + random.normal(size=(walkers, count)) @ root.T
     begin = np.clip(begin, low + 1e-9, high - 1e-9)
     sampler: Any = emcee.EnsembleSampler(walkers, count, log_probability)
+    # The wrapper of emcee prints all interruptions to stdout, among the results of commands.
+    sampler.log_prob_fn = log_probability
     sampler.random_state = np.random.RandomState(seed).get_state()
     try:
         for done, _ in enumerate(sampler.sample(begin, iterations=steps), start=1):

@@ -22,13 +22,21 @@ _BETWEEN_NAMES: Final = re.compile(r"\s{2,}|(?<=[\])])\s+")
 _ADVICE: Final = "save the file with decimal points in all numbers"
 
 
-def sample_rows(path: str | os.PathLike[str]) -> Rows:
-    """Rows of a file as text, with decimal points; the last line shows what separates columns."""
-    lines = csv_lines(path)
+def sample_rows(path: str | os.PathLike[str]) -> tuple[Rows, list[int]]:
+    """Rows of a file as text, with decimal points, and the numbers of their lines.
+
+    The last line shows what separates columns.
+    """
+    numbered = csv_lines(path)
+    numbers, lines = list(numbered), list(numbered.values())
     if lines and _is_spaced(lines[-1]):
-        return with_decimal_points([_spaced_cells(line) for line in lines], certain=True)
+        return with_decimal_points([_spaced_cells(line) for line in lines], certain=True), numbers
     separator = next((each for each in ";\t" if lines and each in lines[-1]), ",")
-    return with_decimal_points(parsed_lines(lines, separator), certain=separator == ",")
+    rows = parsed_lines(lines, separator)
+    return (
+        with_decimal_points(list(rows.values()), certain=separator == ","),
+        [numbers[index] for index in rows],
+    )
 
 
 def _is_spaced(line: str) -> bool:

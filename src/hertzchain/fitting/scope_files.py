@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -26,12 +27,15 @@ TIME_UNIT, SIGNAL_UNITS, SOURCE = "horizontal units", "vertical units", "source"
 BESIDE: Final = (3, 4)
 
 
-def header_and_samples(rows: Rows) -> tuple[list[str], Rows]:
-    """Names with units, and the rows of samples; settings above them are not read."""
+def header_and_samples(rows: Rows, lines: Sequence[int]) -> tuple[list[str], Rows]:
+    """Names with units, and the rows of samples, which are the last ones.
+
+    Settings above them are not read; ``lines`` has the number of the line of each row.
+    """
     if _settings_beside(rows):
         return _without_settings_beside(rows)
     if _numbered(rows):
-        return _with_times_of_numbers(rows)
+        return _with_times_of_numbers(rows, lines)
     at = _header_row(rows)
     header, body = rows[at], rows[at + 1 :]
     units = [""] * len(header)
@@ -133,17 +137,18 @@ def _numbered(rows: Rows) -> bool:
     )
 
 
-def _with_times_of_numbers(rows: Rows) -> tuple[list[str], Rows]:
+def _with_times_of_numbers(rows: Rows, lines: Sequence[int]) -> tuple[list[str], Rows]:
     """Names with units, and samples with times in place of their numbers."""
     names = [cell.lower() for cell in rows[0]]
     start, step = (float(rows[1][names.index(each)]) for each in ("start", "increment"))
     columns = [i for i, name in enumerate(names) if i and name not in ("", "start", "increment")]
     header = [_with_unit(rows[0][i], _unit(rows[1][i])) for i in columns]
     body = []
-    for number, row in enumerate(rows[2:], start=1):
+    for number, row in zip(lines[2:], rows[2:], strict=True):
         if len(row) <= columns[-1] or not _is_numeric(row[:1]):
             raise InputError(
-                f"row {number} must have a number and {len(columns)} samples; complete or remove it"
+                f"line {number} must have a number and {len(columns)} samples; complete or remove "
+                "it"
             )
         time = start + step * float(row[0])
         body.append([repr(time), *(row[i] for i in columns)])

@@ -19,12 +19,18 @@ def shown_value(
     parameter: Parameter, traces: Traces, value: float, sigma: float, *, at_bound: bool
 ) -> str:
     """Value, error and unit of a parameter."""
-    factor, unit = SHOWN.get(unit := unit_of_parameter(parameter, traces), (1.0, unit))
+    unit = unit_of_parameter(parameter, traces)
     if 0.0 < sigma < np.inf and not at_bound:
-        shown = with_error(factor * value, factor * sigma)
-    else:
-        shown = f"{factor * value:.5g} ({'at its bound' if at_bound else 'not determined'})"
-    return f"{shown} {unit}".rstrip()
+        return shown_with_error(value, sigma, unit)
+    factor, unit = SHOWN.get(unit, (1.0, unit))
+    why = "at its bound" if at_bound else "not determined"
+    return f"{factor * value:.5g} ({why}) {unit}".rstrip()
+
+
+def shown_with_error(value: float, sigma: float, unit: str) -> str:
+    """Value and error with their unit; times and lengths in us and um."""
+    factor, unit = SHOWN.get(unit, (1.0, unit))
+    return f"{with_error(factor * value, factor * sigma)} {unit}".rstrip()
 
 
 def unit_of_parameter(parameter: Parameter, traces: Traces) -> str:

@@ -25,6 +25,7 @@ from .arrival_notes import (
 )
 from .coupling import coupling_notes, resolved_coupling, static_force
 from .misread_columns import inversion_notes
+from .missing_rows import gap_notes, gaps_between, with_missing_samples
 from .places import check_places
 from .sensor_comparison import (
     HEADING,
@@ -59,7 +60,8 @@ class TraceComparison:
     Attributes
     ----------
     traces : Traces
-        The data, of one shot.
+        The data, of one shot.  Rows that are missing in an otherwise even record are rows of
+        missing samples.
     signals : tuple of ndarray
         Simulated signals at the times of the data [N or m/s]; NaN beyond the end of the run.
     time_offset : float
@@ -68,9 +70,10 @@ class TraceComparison:
         Whether the time offset was given; otherwise, it is that of the least squares of the
         differences, with a free amplitude of each signal.
     notes : tuple of str
-        Remarks, one sentence each: samples that the run does not cover, incomplete peaks, peaks
-        that suggest another unit, arrivals in another order or outside the record, another time
-        offset that agrees almost as well, saturated sensors, and sensors without the static force.
+        Remarks, one sentence each: samples that the run does not cover, missing rows, incomplete
+        peaks, peaks that suggest another unit, arrivals in another order or outside the record,
+        another time offset that agrees almost as well, saturated sensors, and sensors without the
+        static force.
 
     Examples
     --------
@@ -221,7 +224,8 @@ def compare_traces(
     """Compare a run with measured traces of one shot; `hertzchain.Run.compare` documents it."""
     _require_comparable(run, traces)
     check_places((signal.place for signal in traces.shots[0].signals), run.chain)
-    traces = resolved_coupling(traces, [run.chain])
+    gaps = gaps_between(traces.shots[0].times)
+    traces = resolved_coupling(_complete(traces), [run.chain])
     shot = traces.shots[0]
     grid, columns = _columns(run, shot)
     check_arrivals(run, shot, columns, grid)
@@ -250,6 +254,7 @@ def compare_traces(
         warn_user(note, InputWarning)
     notes = (
         *suspicious,
+        *gap_notes(gaps),
         *inversion_notes({each.name: each.scale for each in found.sensors}),
         *level_notes(shot, signals),
         *missing_notes(found.sensors),
@@ -257,6 +262,11 @@ def compare_traces(
         *coupling_notes(traces, [run.chain]),
     )
     return replace(found, notes=notes)
+
+
+def _complete(traces: Traces) -> Traces:
+    """Traces with missing samples in place of missing rows."""
+    return Traces(tuple(map(with_missing_samples, traces.shots)))
 
 
 def check_unit_of_times(run: Run, traces: Traces) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,15 +13,15 @@ from ..collision import Array
 from ..errors import InputError, errors_at
 from ..representation import counted
 from ..store.csv_tables import split_header
-from ..units import converted
+from ..units import UNITS, converted
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_list, file_path, shown_path, text
 from .noise import check_names_of_noise
 from .places import Place, place_named
-from .sample_rows import sample_rows
-from .scope_files import header_and_samples, sample
+from .sample_rows import Rows, sample_rows
+from .scope_files import WORDS, header_and_samples, sample
 from .signals import Shot
-from .trace_headers import header_of, without_unit
+from .trace_headers import header_of, other_unit_error, without_unit
 from .traces import Traces, check_times, make_shot, with_coupling
 
 Sensors = dict[str, tuple[str, str]] | None
@@ -104,23 +105,32 @@ def load_traces(
         raise InputError("give load_traces at least one file, such as 'data.csv'")
     wanted, channels = _wanted(sensors), check_bool("channels", channels) and len(paths) > 1
     files = [(path, _table(path)) for path in paths]
-    headers = [header for _, (header, _) in files]
+    headers = [table.header for _, table in files]
     if channels:
         _check_channels(wanted, headers)
     else:
         _check_shots(wanted, headers)
     parts = []
-    for path, (header, body) in files:
+    for path, table in files:
         with errors_at(shown_path(path)):
-            own = _present(wanted, header) if channels else wanted
-            parts.append(Traces(tuple(_shots(header, body, own, noise))))
+            own = _present(wanted, table.header) if channels else wanted
+            parts.append(Traces(tuple(_shots(table, own, noise))))
     found = functools.reduce(Traces.merge if channels else Traces.__add__, parts)
     check_names_of_noise(noise, found.names)
     return with_coupling(found, coupling)
 
 
-def _table(path: str | os.PathLike[str]) -> tuple[list[str], list[list[str]]]:
-    """Header and rows of samples of a file."""
+@dataclass(frozen=True)
+class Table:
+    """Header and rows of samples of a file, with the number of the line of each row."""
+
+    header: list[str]
+    body: Rows
+    lines: list[int]
+
+
+def _table(path: str | os.PathLike[str]) -> Table:
+    """Header and samples of a file."""
     file = file_path("file of traces", path)
     if file.suffix.lower() == ".toml":
         raise InputError(
@@ -128,15 +138,15 @@ def _table(path: str | os.PathLike[str]) -> tuple[list[str], list[list[str]]]:
             "the traces first and the chain file last, as in hertzchain compare data.csv chain.toml"
         )
     with errors_at(shown_path(path)):
-        rows = sample_rows(file)
+        rows, lines = sample_rows(file)
         if not rows:
             raise InputError("the file has no header; write time [us], ball 6 [N], ...")
-        header, body = header_and_samples(rows)
+        header, body = header_and_samples(rows, lines)
         if not body:
             raise InputError(
                 "the file has a header but no samples; write one row per time below the header"
             )
-    return header, body
+    return Table(header, body, lines[-len(body) :])
 
 
 def _wanted(sensors: object) -> Sensors:
@@ -189,36 +199,33 @@ def _check_shots(wanted: Sensors, headers: Sequence[list[str]]) -> None:
             )
 
 
-def _shots(
-    header: list[str],
-    body: list[list[str]],
-    wanted: Sensors,
-    noise: float | Mapping[str, float] | None,
-) -> list[Shot]:
-    for number, row in enumerate(body, start=1):
+def _shots(table: Table, wanted: Sensors, noise: float | Mapping[str, float] | None) -> list[Shot]:
+    header = table.header
+    for number, row in zip(table.lines, table.body, strict=True):
         if len(row) != len(header):
-            advice = "complete or remove the row"
+            advice = "complete or remove the line"
             if len(row) == 2 * len(header):
                 advice = "if numbers have decimal commas, separate the columns by semicolons"
             raise InputError(
-                f"row {number} has {counted(len(row), 'cell')}, the header has {len(header)}; "
+                f"line {number} has {counted(len(row), 'cell')}, the header has {len(header)}; "
                 f"{advice}"
             )
     header, wanted = _with_times(header, wanted)
     time, shot, columns = _columns(header, wanted)
     unit = _unit_of_times(header[time])
     factor = converted("column 'time'", 1.0, unit, "s")
-    times = _numbers(body, time, header[time])
+    times = _numbers(table, time, header[time])
     samples = {
-        key: own * _numbers(body, index, header[index]) for key, (index, own) in columns.items()
+        key: own * _numbers(table, index, header[index]) for key, (index, own) in columns.items()
     }
-    labels = np.ones(len(body)) if shot is None else _numbers(body, shot, "shot")
+    labels = np.ones(len(times)) if shot is None else _numbers(table, shot, "shot")
+    lines = np.array(table.lines)
     if not np.isfinite(labels).all():
-        raise InputError(f"row {int(np.argmin(np.isfinite(labels))) + 1} has no shot")
+        raise InputError(f"line {lines[np.argmin(np.isfinite(labels))]} has no shot")
     shots = []
     for label in np.unique(labels):
         own = labels == label
-        check_times(times[own], unit)
+        check_times(times[own], unit, lines[own])
         shots.append(make_shot(factor * times[own], {k: v[own] for k, v in samples.items()}, noise))
     return shots
 
@@ -236,8 +243,19 @@ def _with_times(header: list[str], wanted: Sensors) -> tuple[list[str], Sensors]
 def _with_unit_of(header: str, time: str | None) -> str:
     if time is None:
         return header
-    unit = (split_header(time) or ("", None))[1] or (split_header(header) or ("", None))[1]
+    given, own = ((split_header(each) or ("", None))[1] for each in (time, header))
+    if given and own and _differ(given, own):
+        raise other_unit_error(header, own, time, "times are")
+    unit = given or own
     return f"time [{unit}]" if unit else "time"
+
+
+def _differ(unit: str, other: str) -> bool:
+    """Whether two units of time differ, which may be spelled as words or in other letters."""
+    one, two = (WORDS.get(each.lower(), each) for each in (unit, other))
+    if not {one, two} <= {*UNITS["time"]}:
+        return False
+    return converted("time", 1.0, one, "s") != converted("time", 1.0, two, "s")
 
 
 def _columns(
@@ -281,17 +299,17 @@ def _unit_of_times(header: str) -> str:
     return unit
 
 
-def _numbers(body: list[list[str]], index: int, name: str) -> Array:
+def _numbers(table: Table, index: int, name: str) -> Array:
     try:
-        return np.array([sample(row[index]) for row in body])
+        return np.array([sample(row[index]) for row in table.body])
     except ValueError:
         pass
-    for number, row in enumerate(body, start=1):
+    for number, row in zip(table.lines, table.body, strict=True):
         try:
             sample(row[index])
         except ValueError:
             raise InputError(
-                f"row {number} of column {name!r} is {row[index]!r}: it must be a number, or empty "
-                "if the sample is missing"
+                f"column {name!r} is {row[index]!r} in line {number}: it must be a number, or "
+                "empty if the sample is missing"
             ) from None
     raise AssertionError

@@ -61,11 +61,16 @@ def _place_and_unit(named: str, header: str, unit: str | None) -> tuple[Place, s
     """Place and unit of a sensor that is given as ``ball 6`` or ``ball 6 [V]``."""
     name, own = split_header(named) or (named, None)
     if own and unit and own != unit:
-        raise InputError(
-            f"column {header!r} has the unit {unit}, but the sensor is given as {named!r}; "
-            "leave out its unit, or correct the header"
-        )
+        raise other_unit_error(header, unit, named, "sensor is")
     return place_named(name, without_unit(named), column=without_unit(header)), own or unit
+
+
+def other_unit_error(header: str, unit: str, named: str, what: str) -> InputError:
+    """Error of a column that is given with another unit than that of its header."""
+    return InputError(
+        f"column {header!r} has the unit {unit}, but the {what} given as {named!r}; leave out "
+        "the unit, or correct the header"
+    )
 
 
 def _without_any_unit(header: str, place: Place, named: str | None) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..representation import counted
+from .missing_rows import gap_notes, gaps_between
 
 if TYPE_CHECKING:
     from .signals import Shot
@@ -17,11 +18,13 @@ EVEN: Final = 1e-3
 
 
 def trace_notes(shots: Sequence[Shot]) -> tuple[str, ...]:
-    """Remarks on missing, saturated and rounded samples and on uneven sampling."""
+    """Remarks on missing rows, on missing, saturated and rounded samples and on uneven sampling."""
     found = []
     for index, shot in enumerate(shots, start=1):
         steps = np.diff(shot.times)
-        if np.ptp(steps) > EVEN * steps.max():
+        if gaps := gaps_between(shot.times):
+            found += gap_notes(gaps, index)
+        elif np.ptp(steps) > EVEN * steps.max():
             low, high = 1e6 * steps.min(), 1e6 * steps.max()
             found.append(
                 f"shot {index} is sampled unevenly, every {low:.3g} to {high:.3g} us; "

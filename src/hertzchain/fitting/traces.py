@@ -183,7 +183,7 @@ class Traces:
         return sum(int(signal.valid.sum()) for _, signal in self)
 
     def notes(self) -> tuple[str, ...]:
-        """Remarks on missing, saturated and rounded samples and on uneven sampling.
+        """Remarks on missing rows, on missing, saturated and rounded samples, and on uneven steps.
 
         Returns
         -------
@@ -282,24 +282,28 @@ def make_shot(
     )
 
 
-def check_times(times: Array, unit: str = "s") -> None:
-    """Check that there are several times of samples, and that they increase."""
+def check_times(times: Array, unit: str = "s", lines: Array | None = None) -> None:
+    """Check that there are several times of samples, and that they increase.
+
+    ``lines`` are the numbers of the lines from which the times were read.
+    """
+    what, numbers = ("sample", np.arange(len(times)) + 1) if lines is None else ("line", lines)
     if times.ndim != 1 or len(times) < 2:
         raise InputError(f"a trace needs at least 2 samples, got {times.size}")
     if not np.all(np.isfinite(times)):
-        row = int(np.argmin(np.isfinite(times))) + 1
-        raise InputError(f"the time of sample {row} is missing; each sample needs one")
+        number = numbers[np.argmin(np.isfinite(times))]
+        raise InputError(f"the time of {what} {number} is missing; each sample needs one")
     if np.all(np.diff(times) > 0.0):
         return
     row = int(np.argmax(np.diff(times) <= 0.0)) + 1
     if times[row] == times[row - 1]:
         raise InputError(
-            f"times must increase, but samples {row} and {row + 1} are both at "
+            f"times must increase, but {what}s {numbers[row - 1]} and {numbers[row]} are both at "
             f"{times[row]:.15g} {unit}; write the times with more digits, or give each shot its "
             "own file"
         )
     raise InputError(
-        f"times must increase, but sample {row + 1} is at {times[row]:.9g} {unit} and the one "
+        f"times must increase, but {what} {numbers[row]} is at {times[row]:.9g} {unit} and the one "
         f"before it at {times[row - 1]:.9g} {unit}; sort the rows, or give each shot its own file"
     )
 

@@ -40,17 +40,44 @@ class WeakDirection:
     fixed_by: tuple[str, ...]
 
     def __str__(self) -> str:
-        names = _grouped(list(self.weights))
         alone = len(self.weights) == 1
-        how = "the data do not depend on" if self.exact else "the data hardly depend on"
-        text = f"{how} {names}{'' if alone else ' changed together'}"
-        if not alone:
-            ratio = " : ".join(f"{weight:.2g}" for weight in self.weights.values())
-            text += f" (in the ratio {ratio})"
-        if self.fixed_by:
-            priors = f"prior{'s' if len(self.fixed_by) > 1 else ''}"
-            return f"{text}; fixed only by the {priors} of {_grouped(list(self.fixed_by))}"
-        return f"{text}: fix {'it' if alone else 'one of them'}, or give it a prior"
+        text = self._one() if alone else self._several()
+        if not self.fixed_by:
+            return (
+                f"{text}: fix it, or give it a prior"
+                if alone
+                else (f"{text}; fix one of them, or give it a prior")
+            )
+        them = "it" if alone else "them"
+        priors, fix = ("priors", "fix") if len(self.fixed_by) > 1 else ("prior", "fixes")
+        return f"{text}; only the {priors} of {_grouped(list(self.fixed_by))} {fix} {them}"
+
+    def _one(self) -> str:
+        return (
+            f"the data {'do not' if self.exact else 'hardly'} depend on {next(iter(self.weights))}"
+        )
+
+    def _several(self) -> str:
+        names = _grouped(list(self.weights))
+        more = "only" if self.exact else "hardly more than"
+        what = "a combination" if len(self.weights) == 2 else "combinations"
+        then = "stay the same" if self.exact else "hardly change"
+        return (
+            f"the data determine {more} {what} of {names}: signals {then} if the relative changes "
+            f"of these are in the ratio {self._ratio()}"
+        )
+
+    def _ratio(self) -> str:
+        """Weights, of which the first is positive; that of several gains once if it is the same."""
+        sign = np.copysign(1.0, next(iter(self.weights.values())))
+        shown = {name: f"{sign * weight:.2g}" for name, weight in self.weights.items()}
+        gains = [name for name in shown if name.startswith("gain[")]
+        if len({shown[name] for name in gains}) == 1:
+            first, *others = gains
+            shown["the gains"] = shown.pop(first)
+            for name in others:
+                del shown[name]
+        return " : ".join(shown.values())
 
     def __repr__(self) -> str:
         return short("WeakDirection", str(self))

@@ -119,15 +119,15 @@ def read_csv(path: str | os.PathLike[str], known: Mapping[str, Column]) -> CsvTa
 
 def csv_rows(path: str | os.PathLike[str]) -> list[list[str]]:
     r"""Rows of a CSV file as text, without empty lines and lines that begin with ``#``."""
-    lines = csv_lines(path)
-    rows = parsed_lines(lines, ",")
+    lines = list(csv_lines(path).values())
+    rows = list(parsed_lines(lines, ",").values())
     if rows:
         _check_separator(lines[0])
     return rows
 
 
-def csv_lines(path: str | os.PathLike[str]) -> list[str]:
-    r"""Lines of a CSV file, without empty lines and lines that begin with ``#``.
+def csv_lines(path: str | os.PathLike[str]) -> dict[int, str]:
+    r"""Lines of a CSV file by number, without empty lines and lines that begin with ``#``.
 
     If the first of the others begins with a number, the comment before it is the header, as
     `numpy.savetxt` writes it.
@@ -138,11 +138,17 @@ def csv_lines(path: str | os.PathLike[str]) -> list[str]:
         raise InputError(
             f"cannot be read ({error.strerror}); give the path of a CSV file"
         ) from None
-    lines = [line for line in _decoded(content).splitlines() if line.strip()]
-    kept = [line for line in lines if not line.startswith("#")]
-    if kept and _NUMBER.match(kept[0]):
-        comments = lines[: lines.index(kept[0])]
-        kept = [*(line.lstrip("# ") for line in comments[-1:] if _NAMES.search(line)), *kept]
+    lines = {
+        number: line
+        for number, line in enumerate(_decoded(content).splitlines(), start=1)
+        if line.strip()
+    }
+    kept = {number: line for number, line in lines.items() if not line.startswith("#")}
+    first = min(kept, default=0)
+    if kept and _NUMBER.match(kept[first]):
+        comments = [number for number in lines if number < first]
+        names = {number: lines[number].lstrip("# ") for number in comments[-1:]}
+        kept = {number: line for number, line in names.items() if _NAMES.search(line)} | kept
     return kept
 
 
@@ -162,13 +168,15 @@ def _decoded(content: bytes) -> str:
     raise InputError("is not a text file; save the table as CSV in UTF-8")
 
 
-def parsed_lines(lines: Sequence[str], separator: str) -> list[list[str]]:
-    """Cells of lines, without spaces around them."""
+def parsed_lines(lines: Sequence[str], separator: str) -> dict[int, list[str]]:
+    """Cells without spaces around them, by the index of the last line of each row."""
+    reader, rows = csv.reader(lines, delimiter=separator, strict=True), {}
     try:
-        reader = csv.reader(lines, delimiter=separator, strict=True)
-        return [[cell.strip() for cell in row] for row in reader]
+        for row in reader:
+            rows[reader.line_num - 1] = [cell.strip() for cell in row]
     except csv.Error as error:
         raise InputError(f"is not a CSV table ({error}); check its quotation marks") from None
+    return rows
 
 
 def _check_separator(header: str) -> None:

@@ -874,19 +874,22 @@ def test_results_are_exported(softest, tmp_path):
     assert "best of" in softest.summary()
 
 
-def test_forces_that_differ_much_have_their_own_panels():
+def test_forces_that_differ_much_share_axes_and_the_small_one_is_enlarged_below():
     chain = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
     problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(0.05, 1.0)])
     result = hc.design(problem, budget=200)
     initial = hc.simulate(chain).wall_force().peak
     assert initial > 5.0 * result.value
     for figure, first in ((result.plot(), 1), (result.plot("forces").figure, 0)):
-        panels = figure.axes[first : first + 2]
-        tops = [float(line.get_ydata().max()) for axes in panels for line in axes.lines]
+        both, design = figure.axes[first : first + 2]
+        tops = [float(line.get_ydata().max()) for line in both.lines]
         assert tops == pytest.approx([initial, result.value], rel=1e-3)
-        # The heights of both curves can be compared.
-        for axes in panels:
-            assert initial < axes.get_ylim()[1] < 1.2 * initial
+        assert initial < both.get_ylim()[1] < 1.2 * initial
+        (line,) = design.lines
+        assert line.get_color() == both.lines[1].get_color()
+        assert result.value < design.get_ylim()[1] < 1.2 * result.value
+        assert design.get_title(loc="left").startswith("design: force axis enlarged ")
+        assert {axes.get_xlabel() for axes in (both, design)} == {"time $t$"}
     assert len(result.plot("forces", ax=plt.figure().add_subplot()).lines) == 2
 
 

@@ -518,20 +518,34 @@ def long_run(speed, beads, times=400):
     return hc.simulate(balls.replace(right_wall=hc.Wall()), times=times)
 
 
-def test_runs_whose_forces_or_durations_differ_much_have_their_own_panels():
+def test_runs_that_differ_much_share_axes_and_the_small_ones_are_enlarged_below():
     runs = {"strong": long_run(0.1, 8), "weak": long_run(1e-3, 60)}
-    beads = {"strong": [9], "weak": [61]}
-    first = plot_forces_of_runs(runs, beads)
-    strong, weak = first.figure.axes
-    assert first is strong
-    assert (strong.get_xlabel(), weak.get_xlabel()) == ("time [µs]", "time [ms]")
-    for axes, run, factor in ((strong, runs["strong"], 1e6), (weak, runs["weak"], 1e3)):
+    first = plot_forces_of_runs(runs, {"strong": [9], "weak": [61]})
+    both, weak, strong = first.figure.axes
+    assert first is both
+    assert {axes.get_xlabel() for axes in first.figure.axes} == {"time [ms]"}
+    assert len({axes.get_ylabel() for axes in first.figure.axes}) == 1
+    assert len({line.get_color() for line in both.lines}) == 2
+    peaks = [run.wall_force().peak for run in runs.values()]
+    assert [line.get_ydata().max() for line in both.lines] == peaks
+    # The weak force has an axis of forces of its own, the short run an axis of times.
+    for axes, name, number in ((weak, "weak: force", 1), (strong, "strong: time", 0)):
         (line,) = axes.lines
-        wall = run.wall_force()
-        assert line.get_ydata().max() == wall.peak
-        assert line.get_xdata()[-1] == pytest.approx(factor * run.times[-1])
-        # The curve fills its panel.
-        assert axes.get_ylim()[1] < 1.2 * wall.peak
+        assert line.get_color() == both.lines[number].get_color()
+        assert axes.get_ylim()[1] < 1.2 * peaks[number]
+        end = 1e3 * runs[name.split(":")[0]].times[-1]
+        assert axes.get_xlim()[1] == pytest.approx(end)
+        assert axes.get_title(loc="left").startswith(f"{name} axis enlarged ")
+    ratio = float(re.search(r"enlarged (\S+) times", weak.get_title(loc="left"))[1])
+    assert ratio == pytest.approx(peaks[0] / peaks[1], rel=0.05)
+
+
+def test_runs_in_different_units_have_a_panel_each():
+    scaled = hc.simulate(hc.Chain.uniform(6).replace(right_wall=hc.Wall()))
+    runs = {"real": long_run(0.1, 8), "scaled": scaled}
+    figure = plot_forces_of_runs(runs, {"real": [9], "scaled": [7]}).figure
+    assert [axes.get_xlabel() for axes in figure.axes] == ["time [µs]", "time $t$"]
+    assert [axes.get_ylabel() for axes in figure.axes] == ["force [N]", "force $F$"]
 
 
 def test_all_plots_of_a_run_have_the_same_unit_of_time():

@@ -25,6 +25,7 @@ from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from .chains import bead_centres, draw_beads, material_legend
 from .colours import COLOURS, curve_colour, grey
+from .enlarged import finish_enlarged, small_groups
 from .gradients import bars_of_changes
 from .legends import POINTS_PER_INCH, figure_of, place_legend
 from .style import (
@@ -42,8 +43,6 @@ if TYPE_CHECKING:
     from ..designs.problem import Design
     from ..designs.result import DesignResult
 
-# Part of the larger force at which the smaller one is visible on the same axis.
-VISIBLE: Final = 0.03
 # Width of a figure [inch] below which its panels are below each other, the height of a panel
 # [inch], and the longest line of the label of its y axis.
 NARROW, NARROW_HEIGHT, MAX_CHARACTERS = 5.0, 1.7, 18
@@ -104,7 +103,8 @@ def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
 def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     """Plot the force on the wall over time, or without a wall the leading pulse by bead.
 
-    Forces or durations that differ much are in two panels, unless axes are given.
+    If forces or durations differ much, a second panel has the weak or the short curve, enlarged,
+    unless axes are given.
     """
     with figure_style():
         lines = _lines(result)
@@ -117,6 +117,7 @@ def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 class _Line(NamedTuple):
     """Curve of one chain, and how to draw it."""
 
+    name: str
     label: str
     colour: int
     curve: Curve
@@ -127,7 +128,7 @@ def _lines(result: DesignResult) -> list[_Line]:
     names = {"initial": 0, "design": 2}
     unit = " N" if result.chain.units == "SI" else ""
     return [
-        _Line(f"{name}, peak {curve.peak:.4g}{unit}" if result.chain.right_wall else name,
+        _Line(name, f"{name}, peak {curve.peak:.4g}{unit}" if result.chain.right_wall else name,
               colour, curve)
         for (name, colour), curve in zip(
             names.items(), initial_and_final(result, MUCH), strict=True
@@ -144,23 +145,32 @@ def _differ(result: DesignResult, lines: Sequence[_Line]) -> bool:
 
 
 def _draw_panels(result: DesignResult, lines: Sequence[_Line], grid: GridSpecBase) -> Axes:
-    """Draw each line in its own panel, with a common axis of forces if both remain visible."""
+    """Draw both curves in one panel and, below it, the weak or the short one enlarged."""
     first: Axes = grid.figure.add_subplot(grid[0])  # type: ignore[attr-defined]
-    tops = [float(each.curve.y.max()) for each in lines]
-    common = first if min(tops) > VISIBLE * max(tops) else None
-    panels = [first, grid.figure.add_subplot(grid[1], sharey=common)]  # type: ignore[attr-defined]
-    for line, axes in zip(lines, panels, strict=True):
-        _draw_lines(result, [line._replace(label=f"force on the wall, {line.label}")], axes)
+    second: Axes = grid.figure.add_subplot(grid[1])  # type: ignore[attr-defined]
+    longest = max(float(each.curve.x[-1]) for each in lines)
+    groups = small_groups([float(each.curve.y.max()) for each in lines],
+                          [float(each.curve.x[-1]) for each in lines])  # fmt: skip
+    enlarged = [lines[i] for i in groups[0]]
+    _draw_lines(result, lines, first)
+    _draw_lines(result, enlarged, second, longest)
+    second.get_legend().remove()  # type: ignore[union-attr]
+    finish_enlarged(second, first, enlarged[0].name)
+    for axes in (first, second):
         # Panels are low.
         axes.set_ylabel("force [N]" if result.chain.units == "SI" else "force $F$")
     return first
 
 
-def _draw_lines(result: DesignResult, lines: Sequence[_Line], axes: Axes) -> Axes:
+def _draw_lines(
+    result: DesignResult, lines: Sequence[_Line], axes: Axes, longest: float = 0.0
+) -> Axes:
+    """Draw curves, with times in the unit for the longest one or for a longer time."""
     si, walled = result.chain.units == "SI", result.chain.right_wall is not None
     factor, label = 1.0, "bead $k$"
     if walled:
-        factor, label = time_axis(result.chain, max(float(each.curve.x[-1]) for each in lines))
+        ends = (float(each.curve.x[-1]) for each in lines)
+        factor, label = time_axis(result.chain, max(longest, *ends))
     for each in lines:
         axes.plot(
             factor * each.curve.x,

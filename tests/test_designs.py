@@ -560,9 +560,30 @@ def test_the_plot_of_a_front_has_hollow_points_where_contacts_yield(partly_yield
     hollow = [line for line in axes.lines if line.get_markerfacecolor() == "none"]
     outside = sum(point.verified.outside_range for point in partly_yielding.front)
     assert [len(line.get_xdata()) for line in hollow] == [outside]
+    # The same points with contacts that yield.
+    (crosses,) = (line for line in axes.lines if line.get_marker() == "x")
+    yielding = [point.verified.yielding["wall_force.peak"] for point in partly_yielding.front
+                if point.verified.outside_range]  # fmt: skip
+    assert sorted(crosses.get_ydata()) == pytest.approx(sorted(yielding))
+    assert "with contacts that yield" in [each.get_text() for each in axes.get_legend().get_texts()]
     # Nothing is between rows of balls: only points are on the front, and the line has steps.
-    (steps,) = (line for line in axes.lines if line.get_marker() == "None")
+    (steps,) = (line for line in axes.lines if line.get_drawstyle() != "default")
     assert steps.get_drawstyle() == "steps-post"
+
+
+def test_forces_with_contacts_that_yield_are_dashed(partly_yielding):
+    assert partly_yielding.verified.yielding
+    axes = partly_yielding.plot("forces")
+    elastic = [line for line in axes.lines if line.get_linestyle() == "-"]
+    (dashed,) = (line for line in axes.lines if line.get_linestyle() == "--")
+    assert len(elastic) == 2
+    assert dashed.get_color() == elastic[1].get_color()
+    peak = partly_yielding.verified.yielding["wall_force.peak"]
+    assert dashed.get_ydata().max() == pytest.approx(peak, rel=1e-3)
+    texts = [text.get_text() for text in axes.get_legend().get_texts()]
+    value = partly_yielding.values["wall_force.peak"]
+    assert texts[1] == f"design, peak {value:.4g} N (dashed, with yield: {peak:.4g} N)"
+    assert "yield" not in texts[0]
 
 
 def test_a_comparison_that_contacts_that_yield_reverse_says_so(partly_yielding):
@@ -889,7 +910,9 @@ def test_forces_that_differ_much_share_axes_and_the_small_one_is_enlarged_below(
         assert line.get_color() == both.lines[1].get_color()
         assert result.value < design.get_ylim()[1] < 1.2 * result.value
         assert design.get_title(loc="left").startswith("design: force axis enlarged ")
-        assert {axes.get_xlabel() for axes in (both, design)} == {"time $t$"}
+        # Both panels have the same times, which are below them.
+        assert both.get_xlim() == design.get_xlim()
+        assert [axes.get_xlabel() for axes in (both, design)] == ["", "time $t$"]
     assert len(result.plot("forces", ax=plt.figure().add_subplot()).lines) == 2
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -31,7 +31,6 @@ from .legends import POINTS_PER_INCH, figure_of, place_legend
 from .style import (
     MUCH,
     BeadLocator,
-    differ_much,
     figure_style,
     get_axes,
     label_log_axis,
@@ -43,6 +42,8 @@ if TYPE_CHECKING:
     from ..designs.problem import Design
     from ..designs.result import DesignResult
 
+# Numbers of the colours of both chains.
+CURVE_COLOURS: Final = {"initial": 0, "design": 2}
 # Width of a figure [inch] below which its panels are below each other, the height of a panel
 # [inch], and the longest line of the label of its y axis.
 NARROW, NARROW_HEIGHT, MAX_CHARACTERS = 5.0, 1.7, 18
@@ -103,81 +104,63 @@ def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
 def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     """Plot the force on the wall over time, or without a wall the leading pulse by bead.
 
+    Dashed curves are those of contacts that yield, if elastic ones leave the range of Hertz's law.
     If forces or durations differ much, a second panel has the weak or the short curve, enlarged,
     unless axes are given.
     """
     with figure_style():
-        lines = _lines(result)
-        if ax is not None or not _differ(result, lines):
-            return _draw_lines(result, lines, get_axes(ax))
+        curves = initial_and_final(result, MUCH)
+        if ax is not None or not _differ(result, curves):
+            return _draw_curves(result, curves, get_axes(ax))
         figure = plt.figure()
-        return _draw_panels(result, lines, figure.add_gridspec(2, 1))
+        return _draw_panels(result, curves, figure.add_gridspec(2, 1))
 
 
-class _Line(NamedTuple):
-    """Curve of one chain, and how to draw it."""
-
-    name: str
-    label: str
-    colour: int
-    curve: Curve
+def _differ(result: DesignResult, curves: Sequence[Curve]) -> bool:
+    """Whether durations or forces of both chains differ by so much that one is to be enlarged."""
+    return result.chain.right_wall is not None and bool(_small(curves))
 
 
-def _lines(result: DesignResult) -> list[_Line]:
-    """Lines of the initial chain and the design, with the peaks of forces."""
-    names = {"initial": 0, "design": 2}
-    unit = " N" if result.chain.units == "SI" else ""
-    return [
-        _Line(name, f"{name}, peak {curve.peak:.4g}{unit}" if result.chain.right_wall else name,
-              colour, curve)
-        for (name, colour), curve in zip(
-            names.items(), initial_and_final(result, MUCH), strict=True
-        )
-    ]  # fmt: skip
+def _small(curves: Sequence[Curve]) -> list[list[str]]:
+    """Names of chains whose forces are weak beside those of the other chain, or short."""
+    names = list(dict.fromkeys(each.name for each in curves))
+    both = [[each for each in curves if each.name == name] for name in names]
+    tops = [max(float(curve.y.max()) for curve in own) for own in both]
+    groups = small_groups(tops, [float(own[0].x[-1]) for own in both])
+    return [[names[i] for i in group] for group in groups]
 
 
-def _differ(result: DesignResult, lines: Sequence[_Line]) -> bool:
-    """Whether durations or forces differ by so much that the curves need their own axes."""
-    if result.chain.right_wall is None:
-        return False
-    last = (float(each.curve.x[-1]) for each in lines)
-    return differ_much(last) or differ_much(float(each.curve.y.max()) for each in lines)
-
-
-def _draw_panels(result: DesignResult, lines: Sequence[_Line], grid: GridSpecBase) -> Axes:
-    """Draw both curves in one panel and, below it, the weak or the short one enlarged."""
+def _draw_panels(result: DesignResult, curves: Sequence[Curve], grid: GridSpecBase) -> Axes:
+    """Draw both chains in one panel and, below it, the weak or the short one enlarged."""
     first: Axes = grid.figure.add_subplot(grid[0])  # type: ignore[attr-defined]
     second: Axes = grid.figure.add_subplot(grid[1])  # type: ignore[attr-defined]
-    longest = max(float(each.curve.x[-1]) for each in lines)
-    groups = small_groups([float(each.curve.y.max()) for each in lines],
-                          [float(each.curve.x[-1]) for each in lines])  # fmt: skip
-    enlarged = [lines[i] for i in groups[0]]
-    _draw_lines(result, lines, first)
-    _draw_lines(result, enlarged, second, longest)
+    ((name, *_), *_) = _small(curves)
+    longest = max(float(each.x[-1]) for each in curves)
+    _draw_curves(result, curves, first)
+    _draw_curves(result, [each for each in curves if each.name == name], second, longest)
     second.get_legend().remove()  # type: ignore[union-attr]
-    finish_enlarged(second, first, enlarged[0].name)
+    finish_enlarged(second, first, name)
+    if second.get_xlim() == first.get_xlim():
+        first.set_xlabel("")
+        first.tick_params(labelbottom=False)
     for axes in (first, second):
         # Panels are low.
         axes.set_ylabel("force [N]" if result.chain.units == "SI" else "force $F$")
     return first
 
 
-def _draw_lines(
-    result: DesignResult, lines: Sequence[_Line], axes: Axes, longest: float = 0.0
+def _draw_curves(
+    result: DesignResult, curves: Sequence[Curve], axes: Axes, longest: float = 0.0
 ) -> Axes:
     """Draw curves, with times in the unit for the longest one or for a longer time."""
     si, walled = result.chain.units == "SI", result.chain.right_wall is not None
     factor, label = 1.0, "bead $k$"
     if walled:
-        ends = (float(each.curve.x[-1]) for each in lines)
-        factor, label = time_axis(result.chain, max(longest, *ends))
-    for each in lines:
-        axes.plot(
-            factor * each.curve.x,
-            each.curve.y,
-            color=curve_colour(axes, each.colour),
-            label=each.label,
-        )
+        factor, label = time_axis(result.chain, max(longest, *(each.x[-1] for each in curves)))
+    for each in curves:
+        axes.plot(factor * each.x, each.y, "--" if each.yields else "-",
+                  color=curve_colour(axes, CURVE_COLOURS[each.name]),
+                  label=None if each.yields else _label(result, each.name, curves))  # fmt: skip
     if walled:
         _draw_limits(result, axes)
     axes.set_xlabel(label)
@@ -189,6 +172,17 @@ def _draw_lines(
     axes.margins(x=0.0)
     place_legend(axes)
     return axes
+
+
+def _label(result: DesignResult, name: str, curves: Sequence[Curve]) -> str:
+    """Label of both curves of a chain, with the peaks of forces."""
+    unit = " N" if result.chain.units == "SI" else ""
+    walled = result.chain.right_wall is not None
+    peaks = {each.yields: f"{each.peak:.4g}{unit}" for each in curves if each.name == name}
+    text = f"{name}, peak {peaks[False]}" if walled else name
+    if True in peaks:
+        text += f" (dashed, with yield: {peaks[True]})" if walled else " (dashed: with yield)"
+    return text
 
 
 def _draw_limits(result: DesignResult, axes: Axes) -> None:
@@ -279,11 +273,32 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             if flags.any():
                 axes.plot(x[flags], y[flags], "o", color=COLOURS[1], markerfacecolor=face,
                           label=f"{where} the range of Hertz's law")  # fmt: skip
+        _draw_yielding_points(result, (second, across), (first, up), axes)
         if outside.any():
             place_legend(axes)
         axes.set_xlabel(f"{words[second]} [{x_unit}]" if x_unit else words[second])
         axes.set_ylabel(f"{words[first]} [{y_unit}]" if y_unit else words[first])
     return axes
+
+
+def _draw_yielding_points(
+    result: DesignResult, across: tuple[str, float], up: tuple[str, float], axes: Axes
+) -> None:
+    """Draw points outside the range of Hertz's law also with contacts that yield, joined to them.
+
+    Both axes are given as the name of an objective and the factor to its unit.
+    """
+    shifts = []
+    for point in result.front:
+        elastic, yielding = point.values, point.values | point.verified.yielding
+        if point.verified.yielding:
+            shifts.append([[factor * values[name] for name, factor in (across, up)]
+                           for values in (elastic, yielding)])  # fmt: skip
+    if not shifts:
+        return
+    for begin, end in shifts:
+        axes.plot(*zip(begin, end, strict=True), ":", color=grey(axes, 0.6), linewidth=0.8)
+    axes.plot(*np.array(shifts)[:, 1].T, "x", color=COLOURS[2], label="with contacts that yield")
 
 
 def _join_points(result: DesignResult, x: Array, y: Array, axes: Axes) -> None:
@@ -303,8 +318,8 @@ def plot_design(result: DesignResult) -> Figure:
     """
     with figure_style():
         figure = plt.figure(figsize=figure_size(10.0, 6.4), layout="constrained")
-        lines = _lines(result)
-        apart = _differ(result, lines)
+        curves = initial_and_final(result, MUCH)
+        apart = _differ(result, curves)
         narrow = figure.get_figwidth() < NARROW
         if narrow:
             heights = [0.8, 2.0 if apart else 1.0, 1.0, 1.0]
@@ -315,9 +330,9 @@ def plot_design(result: DesignResult) -> Figure:
         panels = [grid[i] for i in range(4)]
         plot_beads(result, ax=figure.add_subplot(panels[0]))
         if apart:
-            _draw_panels(result, lines, panels[1].subgridspec(2, 1))
+            _draw_panels(result, curves, panels[1].subgridspec(2, 1))
         else:
-            _draw_lines(result, lines, figure.add_subplot(panels[1]))
+            _draw_curves(result, curves, figure.add_subplot(panels[1]))
         plot_history(result, ax=figure.add_subplot(panels[2]))
         last = figure.add_subplot(panels[3])
         if result.front:

@@ -580,7 +580,7 @@ def test_forces_with_contacts_that_yield_are_dashed(partly_yielding):
     assert dashed.get_color() == elastic[1].get_color()
     peak = partly_yielding.verified.yielding["wall_force.peak"]
     assert dashed.get_ydata().max() == pytest.approx(peak, rel=1e-3)
-    texts = [text.get_text() for text in axes.get_legend().get_texts()]
+    texts = [text.get_text().replace("\n", " ") for text in axes.get_legend().get_texts()]
     value = partly_yielding.values["wall_force.peak"]
     assert texts[1] == f"design, peak {value:.4g} N (dashed, with yield: {peak:.4g} N)"
     assert "yield" not in texts[0]
@@ -928,6 +928,29 @@ def test_figures_show_both_chains(softest):
     assert labels[1] == f"design, peak {softest.value:.4g}"
     with pytest.raises(hc.InputError, match="ax takes one kind"):
         softest.plot(ax=figure.axes[0])
+
+
+def test_figures_state_that_the_initial_chain_violates_constraints():
+    steel = "steel-52100"
+    chain = hc.Chain.from_materials(
+        "10 mm", steel, beads=13, velocity="0.01 m/s", right_wall=hc.Wall.of(steel)
+    )
+    problem = hc.Design(
+        chain, minimise="wall_force.peak", vary=[hc.vary.radii("5 mm", "10 mm", beads="2:")],
+        subject_to={"length": "<= 180 mm", "mass": "<= 1 kg"},
+    )  # fmt: skip
+    result = hc.design(problem, budget=100)
+    assert result.met
+    figure = result.plot()
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    assert "initial \nviolates length " in texts
+    assert "design " in texts
+    initial, design = (text.get_text() for text in figure.axes[1].get_legend().get_texts())
+    assert re.fullmatch(r"initial, peak \S+ N,\s*violates length", initial)
+    assert "violates" not in design
+    bars = figure.axes[-1]
+    assert bars.get_xlabel() == "bead $k$"
+    assert bars.get_xlim()[1] < 14.0
 
 
 def test_figures_at_the_width_of_a_column_are_legible():

@@ -30,7 +30,7 @@ from .measures import (
     sensors_of,
 )
 from .problem import Design
-from .requirements import violation
+from .requirements import TOLERANCE, violation
 
 RTOL: Final = 1e-11
 # The run is repeated for this multiple of its duration, to find a later and higher peak.
@@ -260,6 +260,13 @@ def met(problem: Design, values: dict[str, float]) -> bool:
     """Whether verified values meet all constraints, apart from rounding."""
     row: Array = np.array([[values[str(each.measure)] for each in problem.requirements]])
     return not problem.requirements or bool(violation(problem.requirements, row)[0] == 0.0)
+
+
+def violated(problem: Design, values: dict[str, float]) -> list[str]:
+    """Names of the measures whose constraints verified values violate."""
+    names = (str(each.measure) for each in problem.requirements
+             if each.excess(values[str(each.measure)]) > TOLERANCE)  # fmt: skip
+    return list(dict.fromkeys(names))
 
 
 def quietly(problem: Design, chain: Chain, price: float, seed: int) -> Verified:

@@ -21,6 +21,7 @@ from ..designs.exact_gradients import PEAK
 from ..designs.measures import USUAL
 from ..designs.objective import Objective
 from ..designs.sensitivity import changes
+from ..designs.verified import violated
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from .chains import bead_centres, draw_beads, material_legend
@@ -47,8 +48,9 @@ CURVE_COLOURS: Final = {"initial": 0, "design": 2}
 # Width of a figure [inch] below which its panels are below each other, the height of a panel
 # [inch], and the longest line of the label of its y axis.
 NARROW, NARROW_HEIGHT, MAX_CHARACTERS = 5.0, 1.7, 18
-# Width of a character, relative to the size of the font.
-CHARACTER: Final = 0.6
+# Width of a character, relative to the size of the font, and width of the handle of a legend in
+# characters.
+CHARACTER, HANDLE = 0.6, 6
 
 
 def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
@@ -65,7 +67,9 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
                 largest = factor * chain.radii.max()
                 axes.plot([end] * 2, [row * height - largest, row * height + largest],
                           color=grey(axes), linewidth=3.0)  # fmt: skip
-            axes.text(-0.01, row * height, f"{name} ", ha="right", va="center",
+            lines = [name, *_violations(result, name)]
+            axes.text(-0.01, row * height, " \n".join(lines) + " ", ha="right", va="center",
+                      fontsize=rcParams["font.size"] * (1.0 if len(lines) == 1 else 0.8),
                       transform=axes.get_yaxis_transform())  # fmt: skip
         axes.set_aspect("equal")
         axes.autoscale_view()
@@ -76,6 +80,15 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         material_legend([*chains.values()], axes, fontsize=8, loc="upper center",
                         bbox_to_anchor=(0.5, 1.3), ncols=3)  # fmt: skip
     return axes
+
+
+def _violations(result: DesignResult, name: str) -> list[str]:
+    """Statement that the initial chain or the design violates constraints; empty if not."""
+    found = result._initial if name == "initial" else result.verified
+    names = violated(result.problem, found.values)
+    if not names:
+        return []
+    return [f"violates {names[0] if len(names) == 1 else f'{len(names)} constraints'}"]
 
 
 def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
@@ -158,9 +171,9 @@ def _draw_curves(
     if walled:
         factor, label = time_axis(result.chain, max(longest, *(each.x[-1] for each in curves)))
     for each in curves:
-        axes.plot(factor * each.x, each.y, "--" if each.yields else "-",
-                  color=curve_colour(axes, CURVE_COLOURS[each.name]),
-                  label=None if each.yields else _label(result, each.name, curves))  # fmt: skip
+        words = None if each.yields else _label(result, each.name, curves, axes)
+        axes.plot(factor * each.x, each.y, "--" if each.yields else "-", label=words,
+                  color=curve_colour(axes, CURVE_COLOURS[each.name]))  # fmt: skip
     if walled:
         _draw_limits(result, axes)
     axes.set_xlabel(label)
@@ -174,15 +187,21 @@ def _draw_curves(
     return axes
 
 
-def _label(result: DesignResult, name: str, curves: Sequence[Curve]) -> str:
-    """Label of both curves of a chain, with the peaks of forces."""
+def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes) -> str:
+    """Label of both curves of a chain, with the peaks of forces, in lines that fit the axes."""
     unit = " N" if result.chain.units == "SI" else ""
     walled = result.chain.right_wall is not None
     peaks = {each.yields: f"{each.peak:.4g}{unit}" for each in curves if each.name == name}
-    text = f"{name}, peak {peaks[False]}" if walled else name
+    parts = [f"{name}, peak {peaks[False]}" if walled else name]
     if True in peaks:
-        text += f" (dashed, with yield: {peaks[True]})" if walled else " (dashed: with yield)"
-    return text
+        parts.append(f"(dashed, with yield: {peaks[True]})" if walled else "(dashed: with yield)")
+    violations = _violations(result, name)
+    parts[-1] += "," * len(violations)
+    letter = CHARACTER * FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points()
+    inches = axes.get_window_extent().width / axes.figure.dpi
+    letters = int(POINTS_PER_INCH * inches / letter) - HANDLE
+    text = " ".join(part.replace(" ", "\u00a0") for part in parts + violations)
+    return textwrap.fill(text, max(letters, 1), break_long_words=False).replace("\u00a0", " ")
 
 
 def _draw_limits(result: DesignResult, axes: Axes) -> None:
@@ -317,16 +336,20 @@ def plot_design(result: DesignResult) -> Figure:
     The panels are in two columns or, at the width of a column of a journal, below each other.
     """
     with figure_style():
-        figure = plt.figure(figsize=figure_size(10.0, 6.4), layout="constrained")
         curves = initial_and_final(result, MUCH)
         apart = _differ(result, curves)
+        # Two panels of forces need more height, also for a legend above them.
+        size = figure_size(10.0, 8.0 if apart else 6.4)
+        figure = plt.figure(figsize=size, layout="constrained")
         narrow = figure.get_figwidth() < NARROW
         if narrow:
-            heights = [0.8, 2.0 if apart else 1.0, 1.0, 1.0]
+            # Long legends are above the forces.
+            single = 1.8 if any(each.yields for each in curves) else 1.0
+            heights = [0.8, 2.5 if apart else single, 1.0, 1.0]
             figure.set_figheight(NARROW_HEIGHT * sum(heights))
             grid = figure.add_gridspec(4, 1, height_ratios=heights)
         else:
-            grid = figure.add_gridspec(2, 2)
+            grid = figure.add_gridspec(2, 2, height_ratios=[1.6 if apart else 1.0, 1.0])
         panels = [grid[i] for i in range(4)]
         plot_beads(result, ax=figure.add_subplot(panels[0]))
         if apart:
@@ -339,6 +362,7 @@ def plot_design(result: DesignResult) -> Figure:
             plot_front(result, ax=last)
         elif "masses" in result.chain.given:
             last.bar(np.arange(1, result.chain.beads + 1), result.chain.masses, color=COLOURS[3])
+            last.set_xlim(0.3, result.chain.beads + 0.7)
             last.set_xlabel("bead $k$")
             last.xaxis.set_major_locator(BeadLocator())
             last.set_ylabel("mass $m_k$")

@@ -731,7 +731,7 @@ def test_posterior_agrees_with_least_squares():
     # Lower row of the corner: values in the units of the printed results.
     assert posterior.units == ("", "m/s", "s")
     labels = [axes.get_xlabel() for axes in panels if axes.get_xlabel()]
-    assert labels == ["stiffness", "struck_by.velocity\n[m/s]", "time_offset\n[µs]"]
+    assert labels == ["stiffness", "struck_by.\nvelocity\n[m/s]", "time_offset\n[µs]"]
     middle = float(np.mean(panels[-1].get_xlim()))
     assert middle == pytest.approx(
         1e6 * posterior.means["time_offset"], abs=6e6 * posterior.errors["time_offset"]

@@ -443,6 +443,36 @@ def test_every_sensor_of_a_fit_has_a_legible_crest_with_points_and_line():
     assert min(text.get_fontsize() for text in figure.findobj(plt.Text)) >= 8.0
 
 
+def test_corner_plots_have_medians_errors_and_a_legend():
+    rng = np.random.default_rng(0)
+    scales = np.array([1e-6, 0.02, 3.0])
+    samples = scales * (50.0 + rng.normal(size=(4000, 3)))
+    names, units = ("time_offset", "struck_by.velocity", "gain[wall]"), ("s", "m/s", "")
+    posterior = hc.Posterior(names, samples, 0.5, 1.0, 100, 50.0 * scales, units)
+    figure = posterior.plot()
+    figure.draw_without_rendering()
+    titles = [axes.get_title().splitlines() for axes in figure.axes if axes.get_title()]
+    assert [title[0] for title in titles] == ["time_offset", "struck_by.", "gain[wall]"]
+    for title, values, unit in zip(titles, samples.T * [[1e6], [1.0], [1.0]], ("µs", "m/s", ""),
+                                   strict=True):  # fmt: skip
+        low, median, high = np.percentile(values, [16.0, 50.0, 84.0])
+        numbers = [float(each) for each in re.findall(r"[+-]?\d+\.\d+", title[-1])]
+        assert numbers == pytest.approx([median, high - median, low - median], abs=0.01 * median)
+        assert title[-1].endswith(f" {unit}" if unit else "$")
+    (words,) = ([text.get_text() for text in each.get_texts()] for each in figure.legends)
+    assert words == ["samples of the posterior", "value of the fit"]
+
+
+def test_labels_of_large_corner_plots_grow_with_the_figure():
+    sizes = []
+    for count in (2, 9):
+        names = tuple(f"gain[b{i}]" for i in range(count))
+        samples = np.random.default_rng(0).normal(size=(100, count))
+        figure = hc.Posterior(names, samples, 0.5, 1.0, 100, np.zeros(count), ("",) * count).plot()
+        sizes.append(figure.axes[-1].xaxis.label.get_size() / figure.get_figwidth())
+    assert sizes[1] > 0.75 * 9.0 / 7.4
+
+
 def test_a_crest_with_few_samples_says_so():
     times = np.linspace(0.0, 1e-3, 20)
     data = np.where(np.arange(20) == 7, 5.0, 0.0)

@@ -16,7 +16,7 @@ from hertzchain.plotting.animation import animate
 from hertzchain.plotting.budget import plot_budget
 from hertzchain.plotting.chains import bead_centres, plot_chain
 from hertzchain.plotting.colours import COLOURS, signed_map
-from hertzchain.plotting.fits import _draw_crest
+from hertzchain.plotting.fits import _draw_crest, plot_correlations
 from hertzchain.plotting.runs import plot_forces, plot_forces_of_runs, section_ends
 from hertzchain.plotting.style import figure_bytes
 from hertzchain.plotting.titles import chain_title
@@ -435,12 +435,20 @@ def test_every_sensor_of_a_fit_has_a_legible_crest_with_points_and_line():
         data, model = crest.lines
         assert 5 < len(data.get_xdata()) < 0.2 * len(upper.lines[0].get_xdata())
         assert model.get_ydata().max() == upper.lines[1].get_ydata().max()
-        # Above, narrow points lie on a broad line; in the crest, a narrow line on broad points.
-        for axes, in_front in ((upper, 0), (crest, 1)):
+        assert crest.get_ylabel() == f"crest [{signal.unit}]"
+        # A thin line in front of wider points hides no deviation.
+        for axes in (upper, crest):
             points, line = axes.lines[:2]
-            assert (points.get_zorder() > line.get_zorder()) == (in_front == 0)
-            assert (points.get_markersize() < line.get_linewidth()) == (in_front == 0)
+            assert points.get_zorder() < line.get_zorder()
+            assert points.get_markersize() > line.get_linewidth()
     assert min(text.get_fontsize() for text in figure.findobj(plt.Text)) >= 8.0
+
+
+def test_maps_of_correlations_have_no_negative_zeros(monkeypatch):
+    result = hc.fit(*hc.example_experiment())
+    monkeypatch.setattr(type(result), "correlation", np.array([[1.0, -0.004], [-0.004, 1.0]]))
+    axes = plot_correlations(result).axes[0]
+    assert [text.get_text() for text in axes.texts] == ["1.00", "0.00", "0.00", "1.00"]
 
 
 def test_corner_plots_have_medians_errors_and_a_legend():

@@ -121,9 +121,9 @@ def plot_fit(result: FitResult) -> Figure:
                 panels[0].tick_params(labelbottom=False)
                 panels[1].set_xlim(panels[0].get_xlim())
                 panels[2].set_xlabel(label)
+                panels[2].set_ylabel(f"crest [{signal.unit}]")
                 if column == 0:
                     panels[1].set_ylabel("residual\n/ noise")
-                    panels[2].set_ylabel("crest")
                 if len(shots) > 1:
                     panels[0].set_title(f"{signal.name}, shot {index + 1}")
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
@@ -172,7 +172,8 @@ def _draw_signal(
     axes: Axes, times: Any, signal: Signal, model: Any, size: float = 1.0, *, name: str = "model"
 ) -> None:
     shown = np.where(signal.valid, signal.values, np.nan)
-    _draw_data_and_model(axes, times, shown, model, point=1.8 * size, line=3.5 * size, name=name)
+    _draw_data_and_model(axes, times, shown, model, point=2.5 * size, line=0.6 + 0.4 * size,
+                         name=name)  # fmt: skip
     unused = ~signal.valid & np.isfinite(signal.values)
     axes.plot(times[unused], signal.values[unused], "x", color=grey(axes, 0.55), markersize=3.0)
     axes.set_ylabel(_signal_label(signal))
@@ -184,11 +185,10 @@ def _draw_data_and_model(
     axes: Axes, times: Any, data: Any, model: Any, *, point: float, line: float,
     name: str = "model",
 ) -> None:  # fmt: skip
-    """Draw the narrower of points and line in front, which hides neither."""
+    """Draw a line in front of points that are wider, which hides neither."""
     axes.plot(times, data, "o", color=grey(axes, 0.25), markersize=point, markeredgewidth=0.0,
               label="data", zorder=3.0)  # fmt: skip
-    axes.plot(times, model, color=COLOURS[6], linewidth=line, label=name,
-              zorder=2.0 if line > point else 4.0)  # fmt: skip
+    axes.plot(times, model, color=COLOURS[6], linewidth=line, label=name, zorder=4.0)
 
 
 def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any, size: float = 1.0) -> None:
@@ -270,7 +270,7 @@ def plot_correlations(result: FitResult) -> Figure:
         axes.grid(visible=False)
         if len(names) <= 12:
             for i, j in np.ndindex(values.shape):
-                axes.text(j, i, f"{values[i, j]:.2f}", ha="center", va="center", fontsize=6.5,
+                axes.text(j, i, f"{values[i, j]:z.2f}", ha="center", va="center", fontsize=6.5,
                           color="white" if abs(values[i, j]) > 0.6 else "black")  # fmt: skip
         figure.colorbar(mesh, ax=axes, label="correlation", shrink=0.8)
     return figure

@@ -560,9 +560,30 @@ def test_the_plot_of_a_front_has_hollow_points_where_contacts_yield(partly_yield
     hollow = [line for line in axes.lines if line.get_markerfacecolor() == "none"]
     outside = sum(point.verified.outside_range for point in partly_yielding.front)
     assert [len(line.get_xdata()) for line in hollow] == [outside]
+    # The same points with contacts that yield.
+    (crosses,) = (line for line in axes.lines if line.get_marker() == "x")
+    yielding = [point.verified.yielding["wall_force.peak"] for point in partly_yielding.front
+                if point.verified.outside_range]  # fmt: skip
+    assert sorted(crosses.get_ydata()) == pytest.approx(sorted(yielding))
+    assert "with contacts that yield" in [each.get_text() for each in axes.get_legend().get_texts()]
     # Nothing is between rows of balls: only points are on the front, and the line has steps.
-    (steps,) = (line for line in axes.lines if line.get_marker() == "None")
+    (steps,) = (line for line in axes.lines if line.get_drawstyle() != "default")
     assert steps.get_drawstyle() == "steps-post"
+
+
+def test_forces_with_contacts_that_yield_are_dashed(partly_yielding):
+    assert partly_yielding.verified.yielding
+    axes = partly_yielding.plot("forces")
+    elastic = [line for line in axes.lines if line.get_linestyle() == "-"]
+    (dashed,) = (line for line in axes.lines if line.get_linestyle() == "--")
+    assert len(elastic) == 2
+    assert dashed.get_color() == elastic[1].get_color()
+    peak = partly_yielding.verified.yielding["wall_force.peak"]
+    assert dashed.get_ydata().max() == pytest.approx(peak, rel=1e-3)
+    texts = [text.get_text().replace("\n", " ") for text in axes.get_legend().get_texts()]
+    value = partly_yielding.values["wall_force.peak"]
+    assert texts[1] == f"design, peak {value:.4g} N (dashed, with yield: {peak:.4g} N)"
+    assert "yield" not in texts[0]
 
 
 def test_a_comparison_that_contacts_that_yield_reverse_says_so(partly_yielding):
@@ -876,19 +897,24 @@ def test_results_are_exported(softest, tmp_path):
     assert "best of" in softest.summary()
 
 
-def test_forces_that_differ_much_have_their_own_panels():
+def test_forces_that_differ_much_share_axes_and_the_small_one_is_enlarged_below():
     chain = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
     problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(0.05, 1.0)])
     result = hc.design(problem, budget=200)
     initial = hc.simulate(chain).wall_force().peak
     assert initial > 5.0 * result.value
     for figure, first in ((result.plot(), 1), (result.plot("forces").figure, 0)):
-        panels = figure.axes[first : first + 2]
-        tops = [float(line.get_ydata().max()) for axes in panels for line in axes.lines]
+        both, design = figure.axes[first : first + 2]
+        tops = [float(line.get_ydata().max()) for line in both.lines]
         assert tops == pytest.approx([initial, result.value], rel=1e-3)
-        # The heights of both curves can be compared.
-        for axes in panels:
-            assert initial < axes.get_ylim()[1] < 1.2 * initial
+        assert initial < both.get_ylim()[1] < 1.2 * initial
+        (line,) = design.lines
+        assert line.get_color() == both.lines[1].get_color()
+        assert result.value < design.get_ylim()[1] < 1.2 * result.value
+        assert design.get_title(loc="left").startswith("design: force axis enlarged ")
+        # Both panels have the same times, which are below them.
+        assert both.get_xlim() == design.get_xlim()
+        assert [axes.get_xlabel() for axes in (both, design)] == ["", "time $t$"]
     assert len(result.plot("forces", ax=plt.figure().add_subplot()).lines) == 2
 
 
@@ -904,6 +930,29 @@ def test_figures_show_both_chains(softest):
     assert labels[1] == f"design, peak {softest.value:.4g}"
     with pytest.raises(hc.InputError, match="ax takes one kind"):
         softest.plot(ax=figure.axes[0])
+
+
+def test_figures_state_that_the_initial_chain_violates_constraints():
+    steel = "steel-52100"
+    chain = hc.Chain.from_materials(
+        "10 mm", steel, beads=13, velocity="0.01 m/s", right_wall=hc.Wall.of(steel)
+    )
+    problem = hc.Design(
+        chain, minimise="wall_force.peak", vary=[hc.vary.radii("5 mm", "10 mm", beads="2:")],
+        subject_to={"length": "<= 180 mm", "mass": "<= 1 kg"},
+    )  # fmt: skip
+    result = hc.design(problem, budget=100)
+    assert result.met
+    figure = result.plot()
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    assert "initial \nviolates length " in texts
+    assert "design " in texts
+    initial, design = (text.get_text() for text in figure.axes[1].get_legend().get_texts())
+    assert re.fullmatch(r"initial, peak \S+ N,\s*violates length", initial)
+    assert "violates" not in design
+    bars = figure.axes[-1]
+    assert bars.get_xlabel() == "bead $k$"
+    assert bars.get_xlim()[1] < 14.0
 
 
 def test_figures_at_the_width_of_a_column_are_legible():

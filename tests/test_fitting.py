@@ -773,7 +773,7 @@ def test_posterior_agrees_with_least_squares():
     for row, name, unit in zip(rows, free, ("", " m/s", " us"), strict=True):
         assert re.fullmatch(rf"  {re.escape(name)} +\S+ \+- [\d.]+{unit}", row)
     labels = [axes.get_xlabel() for axes in panels if axes.get_xlabel()]
-    assert labels == ["stiffness", "struck_by.velocity\n[m/s]", "time_offset\n[µs]"]
+    assert labels == ["stiffness", "struck_by.\nvelocity\n[m/s]", "time_offset\n[µs]"]
     middle = float(np.mean(panels[-1].get_xlim()))
     assert middle == pytest.approx(
         1e6 * posterior.means["time_offset"], abs=6e6 * posterior.errors["time_offset"]

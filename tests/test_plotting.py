@@ -16,7 +16,7 @@ from hertzchain.plotting.animation import animate
 from hertzchain.plotting.budget import plot_budget
 from hertzchain.plotting.chains import bead_centres, plot_chain
 from hertzchain.plotting.colours import COLOURS, signed_map
-from hertzchain.plotting.fits import _draw_crest
+from hertzchain.plotting.fits import _draw_crest, plot_correlations
 from hertzchain.plotting.runs import plot_forces, plot_forces_of_runs, section_ends
 from hertzchain.plotting.style import figure_bytes
 from hertzchain.plotting.titles import chain_title
@@ -435,12 +435,50 @@ def test_every_sensor_of_a_fit_has_a_legible_crest_with_points_and_line():
         data, model = crest.lines
         assert 5 < len(data.get_xdata()) < 0.2 * len(upper.lines[0].get_xdata())
         assert model.get_ydata().max() == upper.lines[1].get_ydata().max()
-        # Above, narrow points lie on a broad line; in the crest, a narrow line on broad points.
-        for axes, in_front in ((upper, 0), (crest, 1)):
+        assert crest.get_ylabel() == f"crest [{signal.unit}]"
+        # A thin line in front of wider points hides no deviation.
+        for axes in (upper, crest):
             points, line = axes.lines[:2]
-            assert (points.get_zorder() > line.get_zorder()) == (in_front == 0)
-            assert (points.get_markersize() < line.get_linewidth()) == (in_front == 0)
+            assert points.get_zorder() < line.get_zorder()
+            assert points.get_markersize() > line.get_linewidth()
     assert min(text.get_fontsize() for text in figure.findobj(plt.Text)) >= 8.0
+
+
+def test_maps_of_correlations_have_no_negative_zeros(monkeypatch):
+    result = hc.fit(*hc.example_experiment())
+    monkeypatch.setattr(type(result), "correlation", np.array([[1.0, -0.004], [-0.004, 1.0]]))
+    axes = plot_correlations(result).axes[0]
+    assert [text.get_text() for text in axes.texts] == ["1.00", "0.00", "0.00", "1.00"]
+
+
+def test_corner_plots_have_medians_errors_and_a_legend():
+    rng = np.random.default_rng(0)
+    scales = np.array([1e-6, 0.02, 3.0])
+    samples = scales * (50.0 + rng.normal(size=(4000, 3)))
+    names, units = ("time_offset", "struck_by.velocity", "gain[wall]"), ("s", "m/s", "")
+    posterior = hc.Posterior(names, samples, 0.5, 1.0, 100, 50.0 * scales, units)
+    figure = posterior.plot()
+    figure.draw_without_rendering()
+    titles = [axes.get_title().splitlines() for axes in figure.axes if axes.get_title()]
+    assert [title[0] for title in titles] == ["time_offset", "struck_by.", "gain[wall]"]
+    for title, values, unit in zip(titles, samples.T * [[1e6], [1.0], [1.0]], ("µs", "m/s", ""),
+                                   strict=True):  # fmt: skip
+        low, median, high = np.percentile(values, [16.0, 50.0, 84.0])
+        numbers = [float(each) for each in re.findall(r"[+-]?\d+\.\d+", title[-1])]
+        assert numbers == pytest.approx([median, high - median, low - median], abs=0.01 * median)
+        assert title[-1].endswith(f" {unit}" if unit else "$")
+    (words,) = ([text.get_text() for text in each.get_texts()] for each in figure.legends)
+    assert words == ["samples of the posterior", "value of the fit"]
+
+
+def test_labels_of_large_corner_plots_grow_with_the_figure():
+    sizes = []
+    for count in (2, 9):
+        names = tuple(f"gain[b{i}]" for i in range(count))
+        samples = np.random.default_rng(0).normal(size=(100, count))
+        figure = hc.Posterior(names, samples, 0.5, 1.0, 100, np.zeros(count), ("",) * count).plot()
+        sizes.append(figure.axes[-1].xaxis.label.get_size() / figure.get_figwidth())
+    assert sizes[1] > 0.75 * 9.0 / 7.4
 
 
 def test_a_crest_with_few_samples_says_so():
@@ -518,20 +556,34 @@ def long_run(speed, beads, times=400):
     return hc.simulate(balls.replace(right_wall=hc.Wall()), times=times)
 
 
-def test_runs_whose_forces_or_durations_differ_much_have_their_own_panels():
+def test_runs_that_differ_much_share_axes_and_the_small_ones_are_enlarged_below():
     runs = {"strong": long_run(0.1, 8), "weak": long_run(1e-3, 60)}
-    beads = {"strong": [9], "weak": [61]}
-    first = plot_forces_of_runs(runs, beads)
-    strong, weak = first.figure.axes
-    assert first is strong
-    assert (strong.get_xlabel(), weak.get_xlabel()) == ("time [µs]", "time [ms]")
-    for axes, run, factor in ((strong, runs["strong"], 1e6), (weak, runs["weak"], 1e3)):
+    first = plot_forces_of_runs(runs, {"strong": [9], "weak": [61]})
+    both, weak, strong = first.figure.axes
+    assert first is both
+    assert {axes.get_xlabel() for axes in first.figure.axes} == {"time [ms]"}
+    assert len({axes.get_ylabel() for axes in first.figure.axes}) == 1
+    assert len({line.get_color() for line in both.lines}) == 2
+    peaks = [run.wall_force().peak for run in runs.values()]
+    assert [line.get_ydata().max() for line in both.lines] == peaks
+    # The weak force has an axis of forces of its own, the short run an axis of times.
+    for axes, name, number in ((weak, "weak: force", 1), (strong, "strong: time", 0)):
         (line,) = axes.lines
-        wall = run.wall_force()
-        assert line.get_ydata().max() == wall.peak
-        assert line.get_xdata()[-1] == pytest.approx(factor * run.times[-1])
-        # The curve fills its panel.
-        assert axes.get_ylim()[1] < 1.2 * wall.peak
+        assert line.get_color() == both.lines[number].get_color()
+        assert axes.get_ylim()[1] < 1.2 * peaks[number]
+        end = 1e3 * runs[name.split(":")[0]].times[-1]
+        assert axes.get_xlim()[1] == pytest.approx(end)
+        assert axes.get_title(loc="left").startswith(f"{name} axis enlarged ")
+    ratio = float(re.search(r"enlarged (\S+) times", weak.get_title(loc="left"))[1])
+    assert ratio == pytest.approx(peaks[0] / peaks[1], rel=0.05)
+
+
+def test_runs_in_different_units_have_a_panel_each():
+    scaled = hc.simulate(hc.Chain.uniform(6).replace(right_wall=hc.Wall()))
+    runs = {"real": long_run(0.1, 8), "scaled": scaled}
+    figure = plot_forces_of_runs(runs, {"real": [9], "scaled": [7]}).figure
+    assert [axes.get_xlabel() for axes in figure.axes] == ["time [µs]", "time $t$"]
+    assert [axes.get_ylabel() for axes in figure.axes] == ["force [N]", "force $F$"]
 
 
 def test_all_plots_of_a_run_have_the_same_unit_of_time():

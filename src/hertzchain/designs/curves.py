@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import IncompleteWarning, InputWarning, ModelRangeWarning
 from ..pulse.quantities import QUANTITIES
 from ..simulation.simulate import simulate
+from .verified import dented_chain, yields
 
 if TYPE_CHECKING:
     from .result import DesignResult
@@ -24,27 +26,45 @@ QUIET: Final = 0.01
 
 
 class Curve(NamedTuple):
-    """Force on the wall over time, or without a wall a quantity of the leading pulse by bead."""
+    """Force on the wall over time, or without a wall a quantity of the leading pulse by bead.
 
+    ``name`` is ``"initial"`` or ``"design"``; ``yields`` states whether the contacts yield.
+    """
+
+    name: str
+    yields: bool
     x: Array
     y: Array
     peak: float
 
 
-def initial_and_final(result: DesignResult, most: float) -> tuple[Curve, Curve]:
+class _Motion(NamedTuple):
+    """A chain to simulate."""
+
+    name: str
+    yields: bool
+    chain: Chain
+
+
+def initial_and_final(result: DesignResult, most: float) -> list[Curve]:
     """Simulate the initial chain and the design, for the same time.
 
-    Each chain has its own time if these differ by more than the factor ``most``.
+    Each chain has its own time if these differ by more than the factor ``most``.  If contacts
+    exceed the pressure at first yield, a second curve of this chain is that of contacts that yield.
     """
+    motions = []
     with warnings.catch_warnings():
         # The result has the limits of the models among its notes.
         for each in (InputWarning, ModelRangeWarning, IncompleteWarning):
             warnings.simplefilter("ignore", each)
-        if result.chain.right_wall is not None:
-            initial, final = _forces(result, most)
-        else:
-            initial, final = _pulses(result)
-    return initial, final
+        for name, found in (("initial", result._initial), ("design", result.verified)):
+            motions.append(_Motion(name, False, found.chain))
+            dented = dented_chain(found.chain) if yields(found.hertz_range) else None
+            if dented is not None:
+                motions.append(_Motion(name, True, dented))
+        if result.chain.right_wall is None:
+            return _pulses(result, motions)
+        return _forces(motions, result.problem.until, most)
 
 
 def plotted_quantity(result: DesignResult) -> str:
@@ -54,28 +74,31 @@ def plotted_quantity(result: DesignResult) -> str:
     return name if name in QUANTITIES else "velocity"
 
 
-def _pulses(result: DesignResult) -> list[Curve]:
-    name = plotted_quantity(result)
-    pulses = [simulate(chain, times=0, rtol=RTOL).pulse()
-              for chain in (result.problem.chain, result.chain)]  # fmt: skip
-    found = []
-    for each in pulses:
-        values = each.column(name)
+def _pulses(result: DesignResult, motions: Sequence[_Motion]) -> list[Curve]:
+    quantity, found = plotted_quantity(result), []
+    for name, with_yield, chain in motions:
+        values = simulate(chain, times=0, rtol=RTOL).pulse().column(quantity)
         assert values is not None
-        found.append(Curve(1.0 + np.arange(len(values)), values, float(np.nanmax(values))))
+        beads = 1.0 + np.arange(len(values))
+        found.append(Curve(name, with_yield, beads, values, float(np.nanmax(values))))
     return found
 
 
-def _forces(result: DesignResult, most: float) -> list[Curve]:
-    chains, until = (result.problem.chain, result.chain), result.problem.until
-    ends = [simulate(chain, times=0, rtol=RTOL, until=until).end_time for chain in chains]
-    together = max(ends) <= most * min(ends)
+def _forces(motions: Sequence[_Motion], until: float | None, most: float) -> list[Curve]:
+    ends = dict[str, float]()
+    for name, _, chain in motions:
+        end = simulate(chain, times=0, rtol=RTOL, until=until).end_time
+        ends[name] = max(end, ends.get(name, 0.0))
+    together = max(ends.values()) <= most * min(ends.values())
     if together:
-        ends = [max(ends)] * 2
-    walls = [simulate(chain, times=TIMES, rtol=RTOL, until=end).wall_force()
-             for chain, end in zip(chains, ends, strict=True)]  # fmt: skip
-    curves = [Curve(each.times, each.force, each.largest_so_far) for each in walls]
-    return _until_quiet(curves) if together else [_until_quiet([each])[0] for each in curves]
+        ends = dict.fromkeys(ends, max(ends.values()))
+    curves = []
+    for name, with_yield, chain in motions:
+        wall = simulate(chain, times=TIMES, rtol=RTOL, until=ends[name]).wall_force()
+        curves.append(Curve(name, with_yield, wall.times, wall.force, wall.largest_so_far))
+    if together:
+        return _until_quiet(curves)
+    return [cut for name in ends for cut in _until_quiet([c for c in curves if c.name == name])]
 
 
 def _until_quiet(curves: Sequence[Curve]) -> list[Curve]:

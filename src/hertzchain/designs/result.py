@@ -143,6 +143,11 @@ class DesignResult:
         row = np.array([[values[str(each)] for each in objective.measures]])
         return float(objective.score(row)[0])
 
+    @cached_property
+    def _initial(self) -> Verified:
+        """Numbers of the chain of the problem."""
+        return self.problem.evaluate(self.problem.chain)
+
     @property
     def front_is_complete(self) -> bool:
         """Whether all choices of balls or orders were simulated, and a front misses no point."""

@@ -30,7 +30,7 @@ from .measures import (
     sensors_of,
 )
 from .problem import Design
-from .requirements import violation
+from .requirements import TOLERANCE, violation
 
 RTOL: Final = 1e-11
 # The run is repeated for this multiple of its duration, to find a later and higher peak.
@@ -106,10 +106,24 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     if chain.materials is not None and chain.units == "SI" and not table.reasons:
         limits = hertz_range(chain, table._overlaps[0, : chain.beads + 1])
         notes += limits.violations
-    yields = limits is not None and limits.yield_ratio.max() > 1.0
-    yielding = _with_yielding_contacts(problem, chain, values) if yields else {}
+    yielding = _with_yielding_contacts(problem, chain, values) if yields(limits) else {}
     scattered = {} if problem.scatter is None else _scattered(problem, chain, seed)
     return Verified(chain, values, RTOL, tuple(notes), scattered, limits, yielding)
+
+
+def yields(limits: HertzRange | None) -> bool:
+    """Whether elastic contacts exceed the pressure at first yield, if it is known."""
+    return limits is not None and bool(limits.yield_ratio.max() > 1.0)
+
+
+def dented_chain(chain: Chain) -> Chain | None:
+    """The chain with `ElasticPlastic` contacts; None if they do not apply to it."""
+    if not chain.lossless:
+        return None
+    try:
+        return chain.replace(loss=ElasticPlastic())
+    except InputError:
+        return None
 
 
 def _value(problem: Design, chain: Chain, measure: Measure, table: RunTable) -> float:
@@ -123,17 +137,14 @@ def _with_yielding_contacts(
 ) -> dict[str, float]:
     """Values with `ElasticPlastic` contacts; none if they do not apply to the chain."""
     measures = problem.measures
-    if not chain.lossless or any(m.key in NOT_YIELDING for m in problem.objective.measures):
+    if any(m.key in NOT_YIELDING for m in problem.objective.measures):
         return {}
     if any(m.of_whole_run for m in problem.objective.measures):
         return {}
     measures = tuple(m for m in measures if m.columns and m.key not in NOT_YIELDING)
-    try:
-        dented = chain.replace(loss=ElasticPlastic())
-    except InputError:
-        return {}
+    dented = dented_chain(chain)
     names = sorted({name for each in measures for name in each.columns})
-    if not names:
+    if dented is None or not names:
         return {}
     sensors = sensors_of(measures, [dented])
     table = simulate_many([dented], keep=names, sensors=sensors, until=problem.until)
@@ -249,6 +260,13 @@ def met(problem: Design, values: dict[str, float]) -> bool:
     """Whether verified values meet all constraints, apart from rounding."""
     row: Array = np.array([[values[str(each.measure)] for each in problem.requirements]])
     return not problem.requirements or bool(violation(problem.requirements, row)[0] == 0.0)
+
+
+def violated(problem: Design, values: dict[str, float]) -> list[str]:
+    """Names of the measures whose constraints verified values violate."""
+    names = (str(each.measure) for each in problem.requirements
+             if each.excess(values[str(each.measure)]) > TOLERANCE)  # fmt: skip
+    return list(dict.fromkeys(names))
 
 
 def quietly(problem: Design, chain: Chain, price: float, seed: int) -> Verified:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -21,16 +21,17 @@ from ..designs.exact_gradients import PEAK
 from ..designs.measures import USUAL
 from ..designs.objective import Objective
 from ..designs.sensitivity import changes
+from ..designs.verified import violated
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from .chains import bead_centres, draw_beads, material_legend
 from .colours import COLOURS, curve_colour, grey
+from .enlarged import finish_enlarged, small_groups
 from .gradients import bars_of_changes
 from .legends import POINTS_PER_INCH, figure_of, place_legend
 from .style import (
     MUCH,
     BeadLocator,
-    differ_much,
     figure_style,
     get_axes,
     label_log_axis,
@@ -42,13 +43,14 @@ if TYPE_CHECKING:
     from ..designs.problem import Design
     from ..designs.result import DesignResult
 
-# Part of the larger force at which the smaller one is visible on the same axis.
-VISIBLE: Final = 0.03
+# Numbers of the colours of both chains.
+CURVE_COLOURS: Final = {"initial": 0, "design": 2}
 # Width of a figure [inch] below which its panels are below each other, the height of a panel
 # [inch], and the longest line of the label of its y axis.
 NARROW, NARROW_HEIGHT, MAX_CHARACTERS = 5.0, 1.7, 18
-# Width of a character, relative to the size of the font.
-CHARACTER: Final = 0.6
+# Width of a character, relative to the size of the font, and width of the handle of a legend in
+# characters.
+CHARACTER, HANDLE = 0.6, 6
 
 
 def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
@@ -65,7 +67,9 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
                 largest = factor * chain.radii.max()
                 axes.plot([end] * 2, [row * height - largest, row * height + largest],
                           color=grey(axes), linewidth=3.0)  # fmt: skip
-            axes.text(-0.01, row * height, f"{name} ", ha="right", va="center",
+            lines = [name, *_violations(result, name)]
+            axes.text(-0.01, row * height, " \n".join(lines) + " ", ha="right", va="center",
+                      fontsize=rcParams["font.size"] * (1.0 if len(lines) == 1 else 0.8),
                       transform=axes.get_yaxis_transform())  # fmt: skip
         axes.set_aspect("equal")
         axes.autoscale_view()
@@ -76,6 +80,15 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         material_legend([*chains.values()], axes, fontsize=8, loc="upper center",
                         bbox_to_anchor=(0.5, 1.3), ncols=3)  # fmt: skip
     return axes
+
+
+def _violations(result: DesignResult, name: str) -> list[str]:
+    """Statement that the initial chain or the design violates constraints; empty if not."""
+    found = result._initial if name == "initial" else result.verified
+    names = violated(result.problem, found.values)
+    if not names:
+        return []
+    return [f"violates {names[0] if len(names) == 1 else f'{len(names)} constraints'}"]
 
 
 def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
@@ -104,70 +117,63 @@ def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
 def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     """Plot the force on the wall over time, or without a wall the leading pulse by bead.
 
-    Forces or durations that differ much are in two panels, unless axes are given.
+    Dashed curves are those of contacts that yield, if elastic ones leave the range of Hertz's law.
+    If forces or durations differ much, a second panel has the weak or the short curve, enlarged,
+    unless axes are given.
     """
     with figure_style():
-        lines = _lines(result)
-        if ax is not None or not _differ(result, lines):
-            return _draw_lines(result, lines, get_axes(ax))
+        curves = initial_and_final(result, MUCH)
+        if ax is not None or not _differ(result, curves):
+            return _draw_curves(result, curves, get_axes(ax))
         figure = plt.figure()
-        return _draw_panels(result, lines, figure.add_gridspec(2, 1))
+        return _draw_panels(result, curves, figure.add_gridspec(2, 1))
 
 
-class _Line(NamedTuple):
-    """Curve of one chain, and how to draw it."""
-
-    label: str
-    colour: int
-    curve: Curve
+def _differ(result: DesignResult, curves: Sequence[Curve]) -> bool:
+    """Whether durations or forces of both chains differ by so much that one is to be enlarged."""
+    return result.chain.right_wall is not None and bool(_small(curves))
 
 
-def _lines(result: DesignResult) -> list[_Line]:
-    """Lines of the initial chain and the design, with the peaks of forces."""
-    names = {"initial": 0, "design": 2}
-    unit = " N" if result.chain.units == "SI" else ""
-    return [
-        _Line(f"{name}, peak {curve.peak:.4g}{unit}" if result.chain.right_wall else name,
-              colour, curve)
-        for (name, colour), curve in zip(
-            names.items(), initial_and_final(result, MUCH), strict=True
-        )
-    ]  # fmt: skip
+def _small(curves: Sequence[Curve]) -> list[list[str]]:
+    """Names of chains whose forces are weak beside those of the other chain, or short."""
+    names = list(dict.fromkeys(each.name for each in curves))
+    both = [[each for each in curves if each.name == name] for name in names]
+    tops = [max(float(curve.y.max()) for curve in own) for own in both]
+    groups = small_groups(tops, [float(own[0].x[-1]) for own in both])
+    return [[names[i] for i in group] for group in groups]
 
 
-def _differ(result: DesignResult, lines: Sequence[_Line]) -> bool:
-    """Whether durations or forces differ by so much that the curves need their own axes."""
-    if result.chain.right_wall is None:
-        return False
-    last = (float(each.curve.x[-1]) for each in lines)
-    return differ_much(last) or differ_much(float(each.curve.y.max()) for each in lines)
-
-
-def _draw_panels(result: DesignResult, lines: Sequence[_Line], grid: GridSpecBase) -> Axes:
-    """Draw each line in its own panel, with a common axis of forces if both remain visible."""
+def _draw_panels(result: DesignResult, curves: Sequence[Curve], grid: GridSpecBase) -> Axes:
+    """Draw both chains in one panel and, below it, the weak or the short one enlarged."""
     first: Axes = grid.figure.add_subplot(grid[0])  # type: ignore[attr-defined]
-    tops = [float(each.curve.y.max()) for each in lines]
-    common = first if min(tops) > VISIBLE * max(tops) else None
-    panels = [first, grid.figure.add_subplot(grid[1], sharey=common)]  # type: ignore[attr-defined]
-    for line, axes in zip(lines, panels, strict=True):
-        _draw_lines(result, [line._replace(label=f"force on the wall, {line.label}")], axes)
+    second: Axes = grid.figure.add_subplot(grid[1])  # type: ignore[attr-defined]
+    ((name, *_), *_) = _small(curves)
+    longest = max(float(each.x[-1]) for each in curves)
+    _draw_curves(result, curves, first)
+    _draw_curves(result, [each for each in curves if each.name == name], second, longest)
+    second.get_legend().remove()  # type: ignore[union-attr]
+    finish_enlarged(second, first, name)
+    if second.get_xlim() == first.get_xlim():
+        first.set_xlabel("")
+        first.tick_params(labelbottom=False)
+    for axes in (first, second):
         # Panels are low.
         axes.set_ylabel("force [N]" if result.chain.units == "SI" else "force $F$")
     return first
 
 
-def _draw_lines(result: DesignResult, lines: Sequence[_Line], axes: Axes) -> Axes:
+def _draw_curves(
+    result: DesignResult, curves: Sequence[Curve], axes: Axes, longest: float = 0.0
+) -> Axes:
+    """Draw curves, with times in the unit for the longest one or for a longer time."""
     si, walled = result.chain.units == "SI", result.chain.right_wall is not None
     factor, label = 1.0, "bead $k$"
     if walled:
-        factor, label = time_axis(result.chain, max(float(each.curve.x[-1]) for each in lines))
-    for each in lines:
-        axes.plot(
-            factor * each.curve.x,
-            each.curve.y,
-            color=curve_colour(axes, each.colour),
-            label=each.label,
-        )
+        factor, label = time_axis(result.chain, max(longest, *(each.x[-1] for each in curves)))
+    for each in curves:
+        words = None if each.yields else _label(result, each.name, curves, axes)
+        axes.plot(factor * each.x, each.y, "--" if each.yields else "-", label=words,
+                  color=curve_colour(axes, CURVE_COLOURS[each.name]))  # fmt: skip
     if walled:
         _draw_limits(result, axes)
     axes.set_xlabel(label)
@@ -179,6 +185,23 @@ def _draw_lines(result: DesignResult, lines: Sequence[_Line], axes: Axes) -> Axe
     axes.margins(x=0.0)
     place_legend(axes)
     return axes
+
+
+def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes) -> str:
+    """Label of both curves of a chain, with the peaks of forces, in lines that fit the axes."""
+    unit = " N" if result.chain.units == "SI" else ""
+    walled = result.chain.right_wall is not None
+    peaks = {each.yields: f"{each.peak:.4g}{unit}" for each in curves if each.name == name}
+    parts = [f"{name}, peak {peaks[False]}" if walled else name]
+    if True in peaks:
+        parts.append(f"(dashed, with yield: {peaks[True]})" if walled else "(dashed: with yield)")
+    violations = _violations(result, name)
+    parts[-1] += "," * len(violations)
+    letter = CHARACTER * FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points()
+    inches = axes.get_window_extent().width / axes.figure.dpi
+    letters = int(POINTS_PER_INCH * inches / letter) - HANDLE
+    text = " ".join(part.replace(" ", "\u00a0") for part in parts + violations)
+    return textwrap.fill(text, max(letters, 1), break_long_words=False).replace("\u00a0", " ")
 
 
 def _draw_limits(result: DesignResult, axes: Axes) -> None:
@@ -269,11 +292,32 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             if flags.any():
                 axes.plot(x[flags], y[flags], "o", color=COLOURS[1], markerfacecolor=face,
                           label=f"{where} the range of Hertz's law")  # fmt: skip
+        _draw_yielding_points(result, (second, across), (first, up), axes)
         if outside.any():
             place_legend(axes)
         axes.set_xlabel(f"{words[second]} [{x_unit}]" if x_unit else words[second])
         axes.set_ylabel(f"{words[first]} [{y_unit}]" if y_unit else words[first])
     return axes
+
+
+def _draw_yielding_points(
+    result: DesignResult, across: tuple[str, float], up: tuple[str, float], axes: Axes
+) -> None:
+    """Draw points outside the range of Hertz's law also with contacts that yield, joined to them.
+
+    Both axes are given as the name of an objective and the factor to its unit.
+    """
+    shifts = []
+    for point in result.front:
+        elastic, yielding = point.values, point.values | point.verified.yielding
+        if point.verified.yielding:
+            shifts.append([[factor * values[name] for name, factor in (across, up)]
+                           for values in (elastic, yielding)])  # fmt: skip
+    if not shifts:
+        return
+    for begin, end in shifts:
+        axes.plot(*zip(begin, end, strict=True), ":", color=grey(axes, 0.6), linewidth=0.8)
+    axes.plot(*np.array(shifts)[:, 1].T, "x", color=COLOURS[2], label="with contacts that yield")
 
 
 def _join_points(result: DesignResult, x: Array, y: Array, axes: Axes) -> None:
@@ -292,28 +336,33 @@ def plot_design(result: DesignResult) -> Figure:
     The panels are in two columns or, at the width of a column of a journal, below each other.
     """
     with figure_style():
-        figure = plt.figure(figsize=figure_size(10.0, 6.4), layout="constrained")
-        lines = _lines(result)
-        apart = _differ(result, lines)
+        curves = initial_and_final(result, MUCH)
+        apart = _differ(result, curves)
+        # Two panels of forces need more height, also for a legend above them.
+        size = figure_size(10.0, 8.0 if apart else 6.4)
+        figure = plt.figure(figsize=size, layout="constrained")
         narrow = figure.get_figwidth() < NARROW
         if narrow:
-            heights = [0.8, 2.0 if apart else 1.0, 1.0, 1.0]
+            # Long legends are above the forces.
+            single = 1.8 if any(each.yields for each in curves) else 1.0
+            heights = [0.8, 2.5 if apart else single, 1.0, 1.0]
             figure.set_figheight(NARROW_HEIGHT * sum(heights))
             grid = figure.add_gridspec(4, 1, height_ratios=heights)
         else:
-            grid = figure.add_gridspec(2, 2)
+            grid = figure.add_gridspec(2, 2, height_ratios=[1.6 if apart else 1.0, 1.0])
         panels = [grid[i] for i in range(4)]
         plot_beads(result, ax=figure.add_subplot(panels[0]))
         if apart:
-            _draw_panels(result, lines, panels[1].subgridspec(2, 1))
+            _draw_panels(result, curves, panels[1].subgridspec(2, 1))
         else:
-            _draw_lines(result, lines, figure.add_subplot(panels[1]))
+            _draw_curves(result, curves, figure.add_subplot(panels[1]))
         plot_history(result, ax=figure.add_subplot(panels[2]))
         last = figure.add_subplot(panels[3])
         if result.front:
             plot_front(result, ax=last)
         elif "masses" in result.chain.given:
             last.bar(np.arange(1, result.chain.beads + 1), result.chain.masses, color=COLOURS[3])
+            last.set_xlim(0.3, result.chain.beads + 0.7)
             last.set_xlabel("bead $k$")
             last.xaxis.set_major_locator(BeadLocator())
             last.set_ylabel("mass $m_k$")

@@ -9,13 +9,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from ..fitting.goodness import autocorrelation
 from ..fitting.shown_values import SHOWN
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice
 from .colours import COLOURS, curve_colour, grey
-from .legends import place_legend
+from .legends import POINTS_PER_INCH, place_legend
 from .style import (
     TIME_LABELS,
     figure_style,
@@ -40,6 +41,8 @@ POINTS: Final = 4000
 CREST: Final = 5
 # More sensors than this are in two columns, which keeps text legible on a page.
 MAX_COLUMNS: Final = 3
+# Smallest font of a corner plot, and largest number of characters of a name in one line.
+SMALLEST, LONG_NAME = 6.5, 14
 # Width of panels [inches] below which points are smaller and there are fewer ticks.
 NARROW: Final = 2.0
 
@@ -118,9 +121,9 @@ def plot_fit(result: FitResult) -> Figure:
                 panels[0].tick_params(labelbottom=False)
                 panels[1].set_xlim(panels[0].get_xlim())
                 panels[2].set_xlabel(label)
+                panels[2].set_ylabel(f"crest [{signal.unit}]")
                 if column == 0:
                     panels[1].set_ylabel("residual\n/ noise")
-                    panels[2].set_ylabel("crest")
                 if len(shots) > 1:
                     panels[0].set_title(f"{signal.name}, shot {index + 1}")
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
@@ -169,7 +172,8 @@ def _draw_signal(
     axes: Axes, times: Any, signal: Signal, model: Any, size: float = 1.0, *, name: str = "model"
 ) -> None:
     shown = np.where(signal.valid, signal.values, np.nan)
-    _draw_data_and_model(axes, times, shown, model, point=1.8 * size, line=3.5 * size, name=name)
+    _draw_data_and_model(axes, times, shown, model, point=2.5 * size, line=0.6 + 0.4 * size,
+                         name=name)  # fmt: skip
     unused = ~signal.valid & np.isfinite(signal.values)
     axes.plot(times[unused], signal.values[unused], "x", color=grey(axes, 0.55), markersize=3.0)
     axes.set_ylabel(_signal_label(signal))
@@ -181,11 +185,10 @@ def _draw_data_and_model(
     axes: Axes, times: Any, data: Any, model: Any, *, point: float, line: float,
     name: str = "model",
 ) -> None:  # fmt: skip
-    """Draw the narrower of points and line in front, which hides neither."""
+    """Draw a line in front of points that are wider, which hides neither."""
     axes.plot(times, data, "o", color=grey(axes, 0.25), markersize=point, markeredgewidth=0.0,
               label="data", zorder=3.0)  # fmt: skip
-    axes.plot(times, model, color=COLOURS[6], linewidth=line, label=name,
-              zorder=2.0 if line > point else 4.0)  # fmt: skip
+    axes.plot(times, model, color=COLOURS[6], linewidth=line, label=name, zorder=4.0)
 
 
 def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any, size: float = 1.0) -> None:
@@ -267,7 +270,7 @@ def plot_correlations(result: FitResult) -> Figure:
         axes.grid(visible=False)
         if len(names) <= 12:
             for i, j in np.ndindex(values.shape):
-                axes.text(j, i, f"{values[i, j]:.2f}", ha="center", va="center", fontsize=6.5,
+                axes.text(j, i, f"{values[i, j]:z.2f}", ha="center", va="center", fontsize=6.5,
                           color="white" if abs(values[i, j]) > 0.6 else "black")  # fmt: skip
         figure.colorbar(mesh, ax=axes, label="correlation", shrink=0.8)
     return figure
@@ -315,16 +318,23 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
 
 
 def plot_corner(posterior: Posterior) -> Figure:
-    """Corner plot of a posterior: histogram of each parameter and scatter of each pair."""
+    """Corner plot of a posterior: histogram of each parameter and scatter of each pair.
+
+    Above the histograms are the medians, with the distances to the 16th and 84th percentiles.
+    """
     count = len(posterior.names)
-    factors, labels = _in_shown_units(posterior)
+    factors, names, units = _in_shown_units(posterior)
+    # Long names and their units do not fit one line of a panel.
+    labels = [f"{name}\n[{unit}]" if unit else name
+              for name, unit in zip(names, units, strict=True)]  # fmt: skip
     samples, estimates = factors * posterior.samples, factors * posterior.estimates
     drawn = samples[:: max(1, len(samples) // POINTS)]
+    side = max(1.7 * count + 0.6, 3.4)
     with figure_style():
         figure, panels = plt.subplots(
-            count, count, squeeze=False, figsize=figure_size(1.7 * count + 0.6, 1.7 * count + 0.6),
-            layout="constrained",
+            count, count, squeeze=False, figsize=figure_size(side, side), layout="constrained"
         )  # fmt: skip
+        size = _corner_font(figure.get_figwidth(), count, labels)
         for i, j in np.ndindex(count, count):
             axes: Any = panels[i, j]
             if j > i:
@@ -334,26 +344,58 @@ def plot_corner(posterior: Posterior) -> Figure:
                 axes.hist(samples[:, i], 40, histtype="step", color=COLOURS[1])
                 axes.axvline(estimates[i], color=COLOURS[2], linewidth=0.9)
                 axes.set_yticks([])
+                axes.set_title(f"{names[i]}\n{_median_in_words(samples[:, i])} {units[i]}".rstrip(),
+                               fontsize=size)  # fmt: skip
             else:
                 axes.plot(drawn[:, j], drawn[:, i], ".", color=COLOURS[1], markersize=1.0,
                           alpha=0.3, rasterized=True)  # fmt: skip
-                axes.plot(estimates[j], estimates[i], "+", color=COLOURS[2])
+                axes.plot(estimates[j], estimates[i], "+", color=COLOURS[2], markersize=0.7 * size)
             axes.locator_params(nbins=3)
-            axes.tick_params(labelsize=6.5, labelbottom=i == count - 1, labelleft=j == 0 < i)
+            axes.tick_params(labelsize=0.8 * size, labelbottom=i == count - 1, labelleft=j == 0 < i)
+            axes.tick_params(axis="x", labelrotation=45.0)
             axes.grid(visible=False)
             if i == count - 1:
-                axes.set_xlabel(labels[j], fontsize=8)
+                axes.set_xlabel(labels[j], fontsize=size)
             if j == 0 and i:
-                axes.set_ylabel(labels[i], fontsize=8)
+                axes.set_ylabel(labels[i], fontsize=size)
+        _corner_legend(figure, size)
     return figure
 
 
-def _in_shown_units(posterior: Posterior) -> tuple[np.ndarray[Any, Any], list[str]]:
-    """Factors to units in which parameters are shown, and their labels with these units."""
+def _corner_font(width: float, count: int, labels: Sequence[str]) -> float:
+    """Size of a font that is legible in a figure of this width [inch], and fits its panels."""
+    longest = max(len(line) for label in labels for line in label.splitlines())
+    fitting = POINTS_PER_INCH * 0.75 * width / count / (0.55 * longest)
+    return max(SMALLEST, min(fitting, 9.0 * max(1.0, width / 7.4)))
+
+
+def _corner_legend(figure: Figure, size: float) -> None:
+    """Explain the colours in the empty corner, or above the only panel."""
+    samples, value = (Line2D([], [], color=COLOURS[i]) for i in (1, 2))
+    samples.set(linestyle="", marker=".", label="samples of the posterior")
+    value.set(linewidth=0.9, marker="+", markersize=0.7 * size, label="value of the fit")
+    place: dict[str, Any] = (
+        {"loc": "outside upper center"} if len(figure.axes) == 1
+        else {"loc": "upper right", "bbox_to_anchor": (0.98, 0.98)}
+    )  # fmt: skip
+    figure.legend(handles=[samples, value], fontsize=size, **place)
+
+
+def _median_in_words(values: Any) -> str:
+    """Median and distances to the 16th and 84th percentiles, with two digits of the smaller."""
+    low, median, high = np.percentile(values, [16.0, 50.0, 84.0])
+    below, above = median - low, high - median
+    least = min(below, above)
+    if not least > 0.0:
+        return f"{median:.4g}"
+    digits = max(0, 1 - int(np.floor(np.log10(least))))
+    shown = [f"{each:.{digits}f}" for each in (median, above, below)]
+    return r"$\mathdefault{{{}^{{+{}}}_{{-{}}}}}$".format(*shown)
+
+
+def _in_shown_units(posterior: Posterior) -> tuple[np.ndarray[Any, Any], list[str], list[str]]:
+    """Factors to units in which parameters are shown, their names, and these units."""
     factors, shown = zip(*(SHOWN.get(unit, (1.0, unit)) for unit in posterior.units), strict=True)
-    # Long names and their units do not fit one line of a panel.
-    labels = [
-        f"{name}\n[{with_micro(unit)}]" if unit else name
-        for name, unit in zip(posterior.names, shown, strict=True)
-    ]
-    return np.array(factors), [literal(label) for label in labels]
+    names = [name.replace(".", ".\n") if len(name) > LONG_NAME else name
+             for name in posterior.names]  # fmt: skip
+    return np.array(factors), [*map(literal, names)], [literal(with_micro(unit)) for unit in shown]

@@ -45,6 +45,7 @@ def plot_gradient(
         if changes is None:
             axes.bar(np.arange(1, 1 + len(relative)), relative, color=COLOURS[1])
             axes.axhline(0.0, color=grey(axes), linewidth=0.8)
+            axes.set_xlim(0.3, len(relative) + 0.7)
             label = f"change [%] per 1% of {noun}"
         else:
             both = bars_of_changes(axes, *changes)
@@ -72,6 +73,7 @@ def bars_of_changes(axes: Axes, larger: Array, smaller: Array) -> bool:
     larger, smaller = 100.0 * larger, 100.0 * smaller
     beads = np.arange(1, len(larger) + 1)
     axes.axhline(0.0, color=grey(axes), linewidth=0.8)
+    axes.set_xlim(0.3, len(larger) + 0.7)
     if np.nanmax(np.abs(larger + smaller)) < MIRRORED * np.nanmax(np.abs(larger - smaller)):
         axes.bar(beads, larger, 0.7, color=COLOURS[3])
         return False

@@ -22,11 +22,11 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice, check_list, text
 from .colours import curve_colour, grey, signed_map
+from .enlarged import finish_enlarged, small_groups
 from .legends import place_legend
 from .style import (
     TIME_LABELS,
     BeadLocator,
-    differ_much,
     figure_style,
     get_axes,
     literal,
@@ -192,40 +192,45 @@ def plot_forces(
     given = check_list("beads", beads, "beads or walls, such as [3, 'ball 6', 'wall']")
     if not given:
         raise InputError("beads must contain at least one bead number, such as [3, 6]")
-    curves = [force_curve(run, each) for each in given]
-    factor, time_label = time_axis(run.chain, float(run.times[-1]))
     with figure_style():
         axes = get_axes(ax)
-        # Curves of several runs in the same axes have different colours and one unit of time.
-        drawn = len(axes.lines)
-        if axes.get_xlabel() in TIME_LABELS:
-            factor, time_label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
-        for i, (times, force, curve, cut_off) in enumerate(curves, drawn):
-            words = ", ".join(filter(None, (name, curve))) + CUT_OFF * cut_off
-            axes.plot(
-                factor * times,
-                force,
-                color=curve_colour(axes, i),
-                # Lines differ also in print without colours.
-                linestyle=("-", "--", "-.", ":")[i % 4],
-                marker="o" if cut_off else None,
-                markevery=[-1],
-                markerfacecolor="none",
-                clip_on=not cut_off,
-                label=words,
-            )
-        axes.set_xlabel(time_label)
-        axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
+        # Curves of several runs in the same axes have different colours.
+        _draw_forces(axes, run, given, name, len(axes.lines))
         set_title(axes, chain_title(run.chain))
-        axes.margins(x=0.0)
-        mark_horizon(axes, run.known_horizon, factor)
         if legend:
             place_legend(axes, own=ax is None)
     return axes
 
 
+def _draw_forces(axes: Axes, run: Run, beads: Sequence[int | str], name: str, first: int) -> None:
+    """Draw forces of a run, in the unit of time that the axes have, with colours from a first."""
+    curves = [force_curve(run, each) for each in beads]
+    factor, time_label = time_axis(run.chain, float(run.times[-1]))
+    if axes.get_xlabel() in TIME_LABELS:
+        factor, time_label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
+    for i, (times, force, curve, cut_off) in enumerate(curves, first):
+        axes.plot(
+            factor * times,
+            force,
+            color=curve_colour(axes, i),
+            # Lines differ also in print without colours.
+            linestyle=("-", "--", "-.", ":")[i % 4],
+            marker="o" if cut_off else None,
+            markevery=[-1],
+            markerfacecolor="none",
+            clip_on=not cut_off,
+            label=", ".join(filter(None, (name, curve))) + CUT_OFF * cut_off,
+        )
+    axes.set_xlabel(time_label)
+    axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
+    axes.margins(x=0.0)
+    mark_horizon(axes, run.known_horizon, factor)
+
+
 def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -> Axes:
-    """Plot forces of several runs: in one panel each if durations or forces differ much.
+    """Plot forces of several runs in the same axes, and weak or short ones also enlarged.
+
+    Runs in different units have a panel each.
 
     Parameters
     ----------
@@ -245,22 +250,36 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
     >>> from hertzchain.plotting.runs import plot_forces_of_runs
     >>> chain = hc.Chain.uniform(9).replace(right_wall=hc.Wall())
     >>> runs = {"short": hc.simulate(chain), "long": hc.simulate(chain, until=300.0)}
-    >>> len(plot_forces_of_runs(runs, {"short": [10], "long": [10]}).figure.axes)
-    2
+    >>> first = plot_forces_of_runs(runs, {"short": [10], "long": [10]})
+    >>> [axes.get_title(loc="left") for axes in first.figure.axes]
+    ['', 'short: time axis enlarged 16 times']
     """
-    largest = [
+    names = [*runs]
+    tops = [
         max(float(force_curve(run, bead)[1].max()) for bead in beads[name])
         for name, run in runs.items()
     ]
-    apart = differ_much(largest) or differ_much(float(run.times[-1]) for run in runs.values())
-    count = len(runs) if apart else 1
+    ends = [float(run.times[-1]) for run in runs.values()]
+    common = len({run.chain.units for run in runs.values()}) == 1
+    everything = [*range(len(names))]
+    panels = [everything, *small_groups(tops, ends)] if common else [[i] for i in everything]
+    label = time_axis(runs[names[0]].chain, max(ends))[1] if common and len(panels) > 1 else ""
+    colours = np.cumsum([0, *(len(beads[name]) for name in names)])
     with figure_style():
-        size = figure_size(6.0, 2.6 * count) if apart else None
-        figure, panels = plt.subplots(count, 1, squeeze=False, figsize=size)
-    for i, (name, run) in enumerate(runs.items()):
-        axes = plot_forces(run, beads[name], label=literal(name), ax=panels[i if apart else 0, 0])
-        axes.set_title("")
-    first: Axes = figure.axes[0]
+        size = figure_size(6.0, 2.6 * len(panels)) if len(panels) > 1 else None
+        grid = plt.subplots(len(panels), 1, squeeze=False, figsize=size)[1]
+        for axes, shown in zip(grid[:, 0], panels, strict=True):
+            axes.set_xlabel(label)
+            for i in shown:
+                name = names[i]
+                _draw_forces(axes, runs[name], beads[name], literal(name), int(colours[i]))
+        first: Axes = grid[0, 0]
+        place_legend(first, own=len(panels) == 1)
+        for axes, shown in zip(grid[1:, 0], panels[1:], strict=True):
+            if common:
+                finish_enlarged(axes, first, ", ".join(literal(names[i]) for i in shown))
+            else:
+                place_legend(axes)
     return first
 
 

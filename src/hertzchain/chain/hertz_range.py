@@ -94,6 +94,9 @@ class HertzRange:
         polymers have.
     losses : tuple of str
         Names of the losses that a law with yield would replace.
+    speed : float
+        Velocity of the impact [m/s], if all overlaps are about proportional to its power 4/5, as in
+        rows of balls without gaps, drives and static forces; otherwise 0.
 
     Examples
     --------
@@ -114,6 +117,7 @@ class HertzRange:
     given: NDArray[np.bool_]
     soft: NDArray[np.bool_]
     losses: tuple[str, ...]
+    speed: float = 0.0
 
     @property
     def violations(self) -> tuple[str, ...]:
@@ -137,6 +141,7 @@ class HertzRange:
                 f"pressure / yield is {ratio:.{digits}g} at {_place(at, self)}{besides} (limit 1 "
                 f"of Hertz's law{cautious}){self._basis(at)}; {self._excess(ratio)}"
                 f"{self._advice(ratio, self.static_yield_ratio, 1.0, digits)}"
+                f"{self._slower(ratio**-2.5)}"
                 f"{'' if linear else other}"
             )
         at = int(np.argmax(self.overlap_ratio))
@@ -145,6 +150,7 @@ class HertzRange:
             found.append(
                 f"overlap / radius is {ratio:.2g} at {_place(at, self)} "
                 f"(limit {MAX_OVERLAP_RATIO:g} of Hertz's law){self._basis(at)}; {advice}"
+                f"{self._slower((ratio / MAX_OVERLAP_RATIO) ** -1.25)}"
             )
         if self.speed_ratio > MAX_SPEED_RATIO:
             found.append(
@@ -176,6 +182,14 @@ class HertzRange:
             return ""
         several = "es" if len(self.losses) > 1 else ""
         return f", which replaces the loss{several} of the chain ({', '.join(self.losses)})"
+
+    def _slower(self, factor: float) -> str:
+        """Velocity of the impact to which to reduce it, if it is known; rounded down."""
+        if not self.speed:
+            return ""
+        speed = factor * self.speed
+        step = 10.0 ** (math.floor(math.log10(speed)) - 1)
+        return f" to about {math.floor(speed / step) * step:.2g} m/s"
 
     def _basis(self, contact: int) -> str:
         """Basis of the ratios of a contact whose stiffness is not that of its materials."""
@@ -288,6 +302,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
                 law.name for law in chain.contact_losses if not law.yields and law.name != "elastic"
             )
         ),
+        speed=_speed(chain),
     )
 
 
@@ -381,6 +396,15 @@ def _causes(chain: Chain) -> tuple[str, str]:
     return " or ".join(
         motion + ["the drive"] * driven
     ), load if chain.static_state.forces.any() else ""
+
+
+def _speed(chain: Chain) -> float:
+    """Velocity of the impact if overlaps are proportional to a power of it, otherwise 0."""
+    other = chain.drive is not None or chain.static_state.forces.any() or chain.gravity != 0.0
+    there = chain.contact_stiffness > 0.0
+    if other or chain.gaps.any() or (chain.contact_exponents[there] != HERTZ_EXPONENT).any():
+        return 0.0
+    return float(np.abs(chain.velocities).max())
 
 
 def _collisions(chain: Chain, static: Array) -> Array:

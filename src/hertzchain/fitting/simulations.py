@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
@@ -137,6 +138,10 @@ def range_notes(chain: Chain, duration: float) -> tuple[str, ...]:
         simulate(chain, until=duration, times=2, rtol=RTOL, check=False)
     found: list[Any] = [each.message for each in caught if each.category is ModelRangeWarning]
     # The velocity of measured data cannot be reduced any more.
+    lower = re.compile(r"reduce the velocity(?: to about (\S+ m/s))?")
     return tuple(
-        str(each).replace("reduce the velocity", "measure at a lower velocity") for each in found
+        lower.sub(
+            lambda it: f"measure at {f'about {it[1]}' if it[1] else 'a lower velocity'}", text
+        )
+        for text in map(str, found)
     )

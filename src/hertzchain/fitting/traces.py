@@ -287,9 +287,9 @@ def check_times(times: Array, unit: str = "s", lines: Array | None = None) -> No
 
     ``lines`` are the numbers of the lines from which the times were read.
     """
-    what, numbers = ("sample", np.arange(len(times)) + 1) if lines is None else ("line", lines)
     if times.ndim != 1 or len(times) < 2:
         raise InputError(f"a trace needs at least 2 samples, got {times.size}")
+    what, numbers = ("sample", np.arange(len(times)) + 1) if lines is None else ("line", lines)
     if not np.all(np.isfinite(times)):
         number = numbers[np.argmin(np.isfinite(times))]
         raise InputError(f"the time of {what} {number} is missing; each sample needs one")

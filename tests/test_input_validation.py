@@ -399,8 +399,8 @@ def public_calls(folder):
         "Waves.passing": tried(longer.waves().passing, contact=3),
         "Waves.at": tried(longer.waves().at, contact=3),
         "Waves.plot": tried(longer.waves().plot, legend=True, ax=None),
-        "Run.pulse_width": tried(run.pulse_width, bead=3),
-        "Run.plot": tried(run.plot, quantity="velocity", ax=None),
+        "Run.pulse_width": tried(longer.pulse_width, bead=3),
+        "Run.plot": tried(run.plot, quantity="velocity", relative=True, ax=None),
         "Run.plot_forces": tried(run.plot_forces, beads=[3], label="a run", legend=True, ax=None),
         "simulate": tried(
             hc.simulate,

@@ -191,7 +191,9 @@ def test_a_law_that_yields_is_said_to_replace_other_losses():
         row = Chain.from_materials(5e-3, "steel-52100", beads=5, velocity=1.0, loss=loss)
         return hc.hertz_range(row).violations[0]
 
-    assert advice(None).endswith("reduce the velocity to about 0.42 m/s or use loss=ElasticPlastic()")
+    assert advice(None).endswith(
+        "reduce the velocity to about 0.42 m/s or use loss=ElasticPlastic()"
+    )
     lossy = "use loss=ElasticPlastic(), which replaces the loss of the chain (viscoelastic)"
     assert advice(hc.Viscoelastic(1e-6)).endswith(lossy)
     two = advice([hc.Restitution(0.9), hc.Viscoelastic(1e-6), None, None])

@@ -39,15 +39,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..collision import HERTZ_EXPONENT, Array, collision_overlap
+from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..representation import counted, short
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import per_bead_array, real_numbers
-from .bisection import bisected
 from .chain import Chain
-from .contact_groups import effective_radii, reduced_masses, yield_strengths
+from .contact_groups import effective_radii, yield_strengths
 from .feature_support import require_chain
+from .impact_overlaps import impact_overlaps
 from .laws.elastic_plastic import restitution_beyond_yield
 from .materials import FIRST_YIELD, Material
 from .walls import materials_with_walls
@@ -61,8 +61,6 @@ OTHER_STIFFNESS: Final = 2.0
 SMALL_EXCESS: Final = 1.1
 # Young's modulus [Pa] below which a material is a polymer; glass and metals are stiffer.
 POLYMER: Final = 1e10
-# Halvings of an interval of overlaps, to rounding.
-BISECTIONS: Final = 53
 
 
 @dataclass(frozen=True, eq=False)
@@ -283,7 +281,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
             f"Chain.from_materials (chain: {chain.description})"
         )
     static = chain.static_state.overlaps
-    d = _collisions(chain, static) if overlaps is None else _with_walls(chain, overlaps)
+    d = impact_overlaps(chain, static) if overlaps is None else _with_walls(chain, overlaps)
     overlap_ratio, yield_ratio = _ratios(chain, d)
     at_rest, static_yield = _ratios(chain, static)
     sound = np.array([each.sound_speed for each in chain.materials])
@@ -405,41 +403,6 @@ def _speed(chain: Chain) -> float:
     if other or chain.gaps.any() or (chain.contact_exponents[there] != HERTZ_EXPONENT).any():
         return 0.0
     return float(np.abs(chain.velocities).max())
-
-
-def _collisions(chain: Chain, static: Array) -> Array:
-    """Overlaps if each bead hits the next one in an isolated, lossless collision."""
-    masses, speeds = chain.masses, chain.velocities.copy()
-    closing = np.zeros(chain.beads + 1)
-    for k in range(chain.beads - 1):
-        closing[k + 1] = max(speeds[k] - speeds[k + 1], 0.0)
-        speeds[k + 1] += 2.0 * masses[k] / (masses[k] + masses[k + 1]) * closing[k + 1]
-    if chain.right_wall is not None:
-        closing[-1] = max(float(speeds[-1]), 0.0)
-    found = static.copy()
-    struck = closing > 0.0
-    found[struck] = _overlap_under_load(
-        static[struck], reduced_masses(masses)[struck], chain.contact_stiffness[struck],
-        closing[struck], chain.contact_exponents[struck],
-    )  # fmt: skip
-    return found
-
-
-def _overlap_under_load(
-    static: Array, reduced: Array, stiffness: Array, speed: Array, exponent: Array
-) -> Array:
-    """Largest overlap of a collision under the constant force of the static overlap."""
-    # k (d^q - d0^q)/q - k d0^p (d - d0) = m v^2/2 with q = p + 1, in units of d0 + free.
-    free = collision_overlap(reduced, stiffness, speed, exponent)
-    if not static.any():
-        return free
-    unit, q = static + free, exponent + 1.0
-    rest, energy = static / unit, (free / unit) ** q
-
-    def below(d: Array) -> Array:
-        return np.asarray(d**q - rest**q - q * rest**exponent * (d - rest) < energy)
-
-    return np.asarray(unit * bisected(below, rest, np.ones_like(rest), BISECTIONS))
 
 
 def _with_walls(chain: Chain, overlaps: ArrayLike) -> Array:

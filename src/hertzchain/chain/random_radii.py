@@ -39,7 +39,8 @@ def relative_scatter(
     what: str, value: object, *, above: float = -math.inf, least: float = -math.inf
 ) -> float:
     """Check a standard deviation of the logarithm of the radius."""
-    percent = f"for {value:g}%, write {value:g}%" if isinstance(value, int | float) else ""
+    whole = isinstance(value, int | float) and MAX_SCATTER < value < 100.0 * MAX_SCATTER
+    percent = f"for {value:g}%, write {value:g}%" if whole else ""
     return number(
         what, value, unit=FRACTION, above=above, least=least, most=MAX_SCATTER, hint=percent
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -315,8 +315,7 @@ class Run(Trajectory):
 
     def plot(
         self, quantity: Literal["velocity", "force"] = "velocity", *, relative: bool = False,
-        ax: Axes | None = None,
-    ) -> Axes:  # fmt: skip
+        ax: Axes | None = None) -> Axes:  # fmt: skip
         """Plot the velocity of every bead, or the force in every contact, as a map.
 
         Parameters
@@ -324,8 +323,7 @@ class Run(Trajectory):
         quantity : str
             ``"velocity"`` or ``"force"``.
         relative : bool
-            Whether to divide the values of each bead or contact by the largest absolute one there,
-            so that waves in light beads or soft materials are visible.
+            Whether to divide the values of each bead or contact by the largest one there.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; by default those of a new figure.
 
@@ -433,22 +431,10 @@ class Run(Trajectory):
 
     def __repr__(self) -> str:
         saved = f"{len(self.times)} saved times, energy drift {self.energy_drift:.1e}"
-        message = self.message, self._unfinished_collision, self.prediction
-        return short("Run", self.chain.description, *message, saved)
+        return short("Run", self.chain.description, self.message, self._unfinished_collision,
+                     self.prediction, saved)  # fmt: skip
 
     def _repr_html_(self) -> str:
         from ..notebook.runs import run_html
 
         return run_html(self)
-
-
-def beginning_of(run: Run, count: int) -> Run:
-    """The run with only its first saved times."""
-    return replace(
-        run,
-        times=run.times[:count],
-        positions=run.positions[:count],
-        velocities=run.velocities[:count],
-        _forces=None if run._forces is None else run._forces[:count],
-        _accumulators=run._accumulators[:count],
-    )

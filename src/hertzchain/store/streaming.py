@@ -38,7 +38,7 @@ from ..errors import (
 )
 from ..representation import short
 from ..simulation.fixed_steps import FixedSteps, fixed_steps
-from ..simulation.run import Run, beginning_of
+from ..simulation.run import Run
 from ..simulation.saved_times import increasing_times
 from ..simulation.simulate import DEFAULT_RTOL, checked_rtol, simulate
 from ..simulation.state import State, fingerprint
@@ -330,7 +330,7 @@ def _resume(
         overlaps = np.maximum(overlaps, run.largest_overlaps)
         if done + count < len(wanted):
             # The last step was shortened, so times saved within it are computed again.
-            run = beginning_of(run, int(np.searchsorted(chunk, run.state.time, "right")))
+            run = _beginning_of(run, int(np.searchsorted(chunk, run.state.time, "right")))
             if not len(run.times):
                 count *= 2
                 continue
@@ -407,3 +407,15 @@ def _dataset(file: Path, content: bytes) -> xr.Dataset:
     except (OSError, ValueError, TypeError, LookupError) as error:
         reason = str(error).partition("\n")[0]
         raise DamagedFileError(file, f"is not netCDF ({reason})", file.parent, RESTORE) from None
+
+
+def _beginning_of(run: Run, count: int) -> Run:
+    """The run with only its first saved times."""
+    return replace(
+        run,
+        times=run.times[:count],
+        positions=run.positions[:count],
+        velocities=run.velocities[:count],
+        _forces=None if run._forces is None else run._forces[:count],
+        _accumulators=run._accumulators[:count],
+    )

@@ -611,3 +611,30 @@ def test_balls_that_are_longer_than_a_limit_need_no_search(limit, optional, said
     assert (found.runs == 1) == bool(said)
     assert said in "".join(found.notes)
     assert ("not searched" in found.summary()) == bool(said)
+
+
+def test_diameters_vary_and_impossible_constraints_are_stated_before_the_search(tmp_path, run):
+    file = tmp_path / "sizes.toml"
+    text = """
+[chain]
+diameters = "10 mm"
+materials = "steel-52100"
+beads = 6
+velocity = "0.01 m/s"
+right_wall = {}
+[design]
+minimise = "wall_force.peak"
+[[design.vary]]
+diameters = ["5 mm", "10 mm"]
+[design.subject_to]
+"wall_force.impulse" = "<= 1e-9 N*s"
+"""
+    file.write_text(text)
+    shown = run(file, "--dry-run").stdout
+    assert "cannot be met" in shown
+    assert "there is nothing to search" in shown
+    assert "for the whole budget" not in shown
+    file.write_text(text.partition("[design.subject_to]")[0])
+    shown = run(file, "--dry-run", "--budget", "400").stdout
+    assert "5 variables, method 'gradient'" in shown
+    assert "for the whole budget, without the verification" in shown

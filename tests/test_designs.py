@@ -502,7 +502,8 @@ def test_a_genetic_search_finds_most_of_a_front_in_few_simulations():
         assert found.runs <= 600
         assert not found.front_is_complete
         assert (
-            f"Pareto front of {found.runs} simulated choices (0.18 of all); it" in found.summary()
+            f"Pareto front of {found.runs} simulated choices, of {problem.space.count:.2g} in all; "
+            "it may miss points" in found.summary()
         )
         assert f"Pareto front of {found.runs} simulated" in found._repr_html_()
         front = points(found)
@@ -1251,3 +1252,43 @@ def test_summaries_list_the_sizes_that_varied():
     assert head == "diameters [mm], from the struck end"
     assert listed.split(", ")[0].endswith("20")
     assert len(listed.split(", ")) <= 13
+
+
+def test_a_runner_up_that_is_better_with_yield_is_named():
+    chain = hc.Chain.from_materials("10 mm", "steel-52100", beads=7, velocity="1 m/s").replace(
+        right_wall=hc.Wall()
+    )
+    balls = hc.vary.balls(diameters=["5 mm", "10 mm", "16 mm", "20 mm"], materials="steel-52100")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = hc.design(hc.Design(chain, minimise="wall_force.peak", vary=[balls]), budget=500)
+    by_yield = [each.yielding["wall_force.peak"] for each in (found.verified, *found.runners_up)]
+    order = sorted(range(5), key=by_yield.__getitem__)
+    swapped = dataclasses.replace(
+        found, verified=[found.verified, *found.runners_up][order[1]],
+        runners_up=tuple([found.verified, *found.runners_up][i] for i in (order[0], *order[2:])),
+    )  # fmt: skip
+    line = f"runner-up 1, which is worse with elastic contacts, has {by_yield[order[0]]:.4g} N"
+    assert line in swapped.summary()
+    best = dataclasses.replace(
+        found, verified=[found.verified, *found.runners_up][order[0]],
+        runners_up=tuple([found.verified, *found.runners_up][i] for i in order[1:]),
+    )  # fmt: skip
+    assert "runner-up" not in best.summary()
+
+
+def test_diameters_are_twice_the_radii():
+    assert hc.vary.diameters("5 mm", "25 mm", beads="3:") == hc.vary.radii(
+        "2.5 mm", "12.5 mm", beads="3:"
+    )
+    assert hc.vary.diameters(0.005, "1 in") == hc.vary.radii(0.0025, "0.5 in")
+
+
+def test_limits_below_zero_cannot_be_met():
+    problem = hc.Design(
+        WALLED, minimise="length", vary=[hc.vary.radii(0.5, 1.0)],
+        subject_to={"wall_force.peak": "<= -3"},
+    )  # fmt: skip
+    found = hc.design(problem, budget=200)
+    assert found.method == "none"
+    assert "wall_force.peak is never negative" in "".join(found.notes)

@@ -117,8 +117,8 @@ def similar_names(name: object, choices: Iterable[str]) -> str:
     asked = name.lower() if isinstance(name, str) else ""
     near = difflib.get_close_matches(asked, lower, n=1, cutoff=NEAR)
     containing = [choice for choice in lower if asked in choice] if len(asked) > 2 else []
-    # A part of several names, such as "steel", means all of them, those that begin with it first.
-    if not near or (len(containing) > 1 and asked not in lower):
+    # A part of names, such as "steel" or "plastic", means them, those that begin with it first.
+    if not near or (containing and asked not in lower):
         near = sorted(containing, key=lambda choice: not choice.startswith(asked))
     if not near:
         near = [choice for choice in lower if _is_near(asked, choice.partition("-")[0])]

@@ -114,7 +114,7 @@ def tapered_radii(taper: str, rate: float, beads: int) -> Array:
 
 
 def _advice(kind: str, direction: Literal["backward", "forward"], rate: float) -> str:
-    """What to try instead of a rate that is out of range."""
+    """Advice for a rate that is out of range."""
     other = "forward" if direction == "backward" else "backward"
     if rate < 0.0:
         return f"for the other direction, use {other}-{kind} with {-rate:g}"

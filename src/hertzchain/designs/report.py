@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 SHOWN: Final = {
     "radii": (2e3, "diameters [mm]"), "masses": (1e3, "masses [g]"), "gaps": (1e6, "gaps [um]"),
 }  # fmt: skip
+# Relative difference of values that is not reported.
+NEGLIGIBLE: Final = 1e-3
 # Longer lists of sizes are shortened.
 MAX_SIZES: Final = 12
 
@@ -65,8 +67,8 @@ def front_in_words(result: DesignResult) -> str:
         return "Pareto front"
     if result.problem.scatter is not None:
         return "Pareto front of the simulated choices, which may miss points"
-    return (f"Pareto front of {result.runs} simulated choices ({result.runs / space.count:.2g} of "
-            "all); it may miss points, fewer with a larger budget")  # fmt: skip
+    return (f"Pareto front of {result.runs} simulated choices, of {space.count:.2g} in all; it may "
+            "miss points, fewer with a larger budget")  # fmt: skip
 
 
 def _scattered(result: DesignResult, each: Measure) -> str:
@@ -132,7 +134,23 @@ def _heading(result: DesignResult) -> list[str]:
     if _has_yielding_value(result, found):
         lines.append(f"  the same chain with contacts that yield, loss=ElasticPlastic(): "
                      f"{_shown_if_yielding(result, found)}")  # fmt: skip
+        lines += _better_if_yielding(result, found)
     return lines
+
+
+def _better_if_yielding(result: DesignResult, found: Verified) -> list[str]:
+    """The runner-up that is better than the design with contacts that yield, if there is one."""
+    places = [i for i, each in enumerate(result.runners_up) if met(result.problem, each.values)]
+    if not places:
+        return []
+    values = [result._sign * _value_if_yielding(result, result.runners_up[i]) for i in places]
+    least = int(np.nanargmin(values)) if np.isfinite(values).any() else 0
+    own = result._sign * _value_if_yielding(result, found)
+    if not values[least] < own - NEGLIGIBLE * abs(own):
+        return []
+    shown = _shown_if_yielding(result, result.runners_up[places[least]])
+    return [f"  runner-up {places[least] + 1}, which is worse with elastic contacts, has {shown} "
+            "with contacts that yield"]  # fmt: skip
 
 
 def _range_in_words(result: DesignResult) -> str:
@@ -223,14 +241,15 @@ def _starts(result: DesignResult) -> list[str]:
                 "larger budget, or method 'genetic'"]  # fmt: skip
     work = counted(result.runs, "simulation")
     if result.gradients:
-        work += f", {counted(result.gradients, 'gradient')}"
+        work += f", including those of {counted(result.gradients, 'gradient')}"
     if len(result.finals) == 0:
         return [f"no search was completed: the budget was used up in {work}, which began with the "
                 "chains to compare with; give a larger budget"]  # fmt: skip
     starts = counted(len(result.finals), "start")
     best, median = result.spread
     ends = f" (best {result._shown(best)}, median {result._shown(median)})"
-    if result._shown(best) != result._shown(result.value):
+    improved = result._sign * (result.value - best) < 0.0
+    if improved and result._shown(best) != result._shown(result.value):
         ends = (f" (the best one ended at {result._shown(best)}, the median at "
                 f"{result._shown(median)}; the search from there improved it)")  # fmt: skip
     # Scores of trials that violate constraints are not compared.

@@ -37,8 +37,9 @@ MIN_SAMPLES: Final = 8.0
 PROMINENCE: Final = 0.1
 # Waves meet, or a wall reflects one, if |W| is less than this fraction of the integral of |f v|.
 STANDING: Final = 0.2
-# Impulse over that of the crest: 1 in a symmetric pulse.
-MERGED: Final = 1.5
+# Impulse over that of the crest, 1 in a symmetric pulse, and force between two waves over that of
+# the smaller one.
+MERGED, BETWEEN = 1.5, 0.1
 SPLINE_ORDER: Final = 5
 # Bisections of the time between two saved times that give double precision.
 BISECTIONS: Final = 45
@@ -72,6 +73,8 @@ class WaveEvent:
         after the maximum [scaled, or s].
     samples : float
         Saved times per `duration`; the numbers above are reliable from 8 on.
+    lowest : float
+        Larger of the forces at ``begin`` and ``end``, relative to the amplitude.
     units : str
         ``"scaled"`` or ``"SI"``.
     """
@@ -87,6 +90,7 @@ class WaveEvent:
     begin: float
     end: float
     samples: float
+    lowest: float = 0.0
     units: str = "scaled"
 
     @property
@@ -115,8 +119,12 @@ class WaveEvent:
 
     @property
     def merged(self) -> bool:
-        """Whether `impulse` is more than 1.5 times that of the crest, as with unseparated waves."""
-        return self.impulse > MERGED * self.impulse_of_crest
+        """Whether `impulse` includes waves that have not separated from this one.
+
+        This is so if it is more than 1.5 times that of the crest, or if the force does not fall
+        below a tenth of its maximum on both sides.
+        """
+        return self.lowest > BETWEEN or self.impulse > MERGED * self.impulse_of_crest
 
     @property
     def resolved(self) -> bool:
@@ -227,6 +235,7 @@ def events_at(run: Trajectory, contact: int, floor: float) -> list[WaveEvent]:
         "direction": _directions(curves, works, begin, end),
         "width": _widths(curves, crests, 0.5 * heights), "begin": begin, "end": end,
         "samples": impulses / heights / spacing,
+        "lowest": np.maximum(*(curves.force_curve(each) for each in (begin, end))) / heights,
     }  # fmt: skip
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
     return [

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..chain.chain import Chain
 from ..collision import Array
@@ -90,30 +91,38 @@ class Wave:
 
     @property
     def momentum(self) -> float:
-        """Median of `momenta`, negative towards bead 1 [scaled, or kg m/s]."""
-        return float(np.median(self.momenta))
+        """Median of `momenta`, negative towards bead 1 [scaled, or kg m/s].
+
+        Events that are `WaveEvent.merged` count only if all are.
+        """
+        return float(np.median(self.momenta[self._counted]))
 
     @property
     def energy(self) -> float:
-        """Median of `energies` [scaled, or J]."""
-        return float(np.median(self.energies))
+        """Median of `energies`, of the same events as `momentum` [scaled, or J]."""
+        return float(np.median(self.energies[self._counted]))
+
+    @property
+    def _counted(self) -> NDArray[np.bool_]:
+        separated = np.array([not event.merged for event in self.events])
+        return separated if separated.any() else ~separated
 
     @property
     def width(self) -> float:
-        """Median of the known `widths`; NaN if none is known [scaled, or s]."""
+        """Median of the known `widths`, in time; NaN if none is known [scaled, or s]."""
         known = self.widths[np.isfinite(self.widths)]
         return float(np.median(known)) if len(known) else np.nan
 
     @property
     def speed(self) -> float:
-        """Mean speed along the track, without sign [radii R_1 per time, or m/s].
+        """Median speed from contact to contact, without sign [radii R_1 per time, or m/s].
 
         The unit is that of `hertzchain.Pulse.speed`.  A contact is half-way between the centres
         of its beads.
         """
         centres = np.concatenate(([0.0], np.cumsum(self.chain.centre_distances)))
-        places = 0.5 * (centres[:-1] + centres[1:])[self.contacts[[0, -1]] - 1]
-        return float(abs(places[1] - places[0]) / (self.times[-1] - self.times[0]))
+        places = 0.5 * (centres[:-1] + centres[1:])[self.contacts - 1]
+        return float(np.median(np.abs(np.diff(places) / np.diff(self.times))))
 
     @property
     def samples(self) -> float:
@@ -131,7 +140,7 @@ class Wave:
 
     @property
     def merged(self) -> bool:
-        """Whether `momentum` and `energy` include waves that have not separated from this one.
+        """Whether `momentum` and `energy` may include waves that have not separated from this one.
 
         This is so if most of its events are `WaveEvent.merged`.
         """

@@ -29,7 +29,7 @@ USUAL_TIMES: Final = 400
     "--until",
     metavar="TIME",
     help="Stop time, such as 60 or, in SI units, 2ms.  [default: when the peak force on the "
-    "right wall is complete, at most 10 transits of the pulse, or more if the wall is soft; "
+    "right wall is complete, at most 20 transits of the pulse, or more if the wall is soft; "
     "without a right wall, when the pulse has left the chain]",
 )
 @click.option(

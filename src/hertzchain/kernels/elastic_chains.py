@@ -288,7 +288,7 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
         return 0
     if state[TRANSIT, lane] == 0.0:
         return NOTHING_MORE
-    late = expired(lane, state, numbers[REBOUNDS])
+    late = expired(lane, state, numbers[REBOUNDS], can_escape)
     if late or held(lane, state):
         if complete(w, beads, lane, chain, can_escape, state, peak):
             return WALL_DONE

@@ -53,7 +53,7 @@ def ending_with_peak(w, beads, lane, state, wall, rebounds):
         return WALL_DONE
     if nothing_can_happen(w, beads, lane):
         return NOTHING_MORE
-    if expired(lane, state, rebounds):
+    if expired(lane, state, rebounds, True):
         return TRANSIT_LIMIT
     # After a return, the peak is not new, and the tolerance remains.
     if is_new and w[FORCE + beads * LANES + lane] < FALLEN * peak:

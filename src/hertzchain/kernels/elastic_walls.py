@@ -263,8 +263,8 @@ def held(lane, state):
 
 
 @compiled
-def expired(lane, state, rebounds):
+def expired(lane, state, rebounds, can_escape):
     """Whether the longest run has ended, and half a transit since the end of the impact."""
-    last = state[WATCH_START, lane] + longest_watch(state[TRANSIT, lane], rebounds)
+    last = state[WATCH_START, lane] + longest_watch(state[TRANSIT, lane], rebounds, can_escape)
     late = state[TIME, lane] >= last
     return late and (state[SINCE, lane] == 0.0 or held(lane, state))

@@ -156,7 +156,9 @@ class Ending:
             self.since.setdefault(side, record.time)
         transit = self.peak_times.get(side, 0.0)
         held = side in self.since and record.time - self.since[side] >= HELD * transit
-        last = transit + longest_watch(transit, self._rebounds(side))
+        last = transit + longest_watch(
+            transit, self._rebounds(side), motion_can_escape(self.equation.chain, side)
+        )
         expired = transit > 0.0 and record.time > last
         return expired or (held and self._proven(record, side))
 

@@ -79,10 +79,11 @@ def simulate(
     until : float, optional
         Stop time [scaled, or s]; by default the last of the given ``times``.  If ``times`` is a
         number, a chain with a right wall runs until the largest force on the wall is complete and
-        the impact has ended (see `hertzchain.simulation.wall_watch`), at most for ten transits of
-        the pulse or, on a soft wall, for the first transit and twice the time in which all beads,
-        moving as one, would rebound.  Any other chain runs until the pulse has left, that is, until
-        every bead has passed its first velocity maximum.  Required for a drive without an end.
+        the impact has ended (see `hertzchain.simulation.wall_watch`), at most for ten
+        transits of the pulse, 20 if the left end is free, or, on a soft wall, for the first transit
+        and twice the time in which all beads, moving as one, would rebound.  Any other chain runs
+        until the pulse has left, that is, until every bead has passed its first velocity maximum.
+        Required for a drive without an end.
     times : int or array_like
         Times at which to save the state: increasing numbers >= 0, or the number of evenly spaced
         times.  If ``until`` is given, exactly this number of times is saved, otherwise at most

@@ -11,9 +11,9 @@ exceeded the peak for half a transit since then, where a transit is the time tha
 pass the chain.  This rule is empirical, and it starts again if a larger force follows.
 
 Without a given end, a run continues until the peak is complete and half a transit has passed since
-the end of the impact, or until `WallWatch.last`: ten transits or, on a soft wall, the first transit
-and twice the time in which all beads, moving as one with the momentum of the impact, would rebound
-from the wall.
+the end of the impact, or until `WallWatch.last`: ten transits, or 20 if motion can escape, or, on a
+soft wall, the first transit and twice the time in which all beads, moving as one with the momentum
+of the impact, would rebound from the wall.
 
 Walls are watched from the end of the first transit on, or from the end of the drive, at fixed times
 between the calls of the compiled loop.  The array ``completion`` of the state stores the result; a
@@ -42,7 +42,7 @@ from ..kernels.wall_rule import (
 )
 from .budget import overlaps_of, stored_energy
 from .time_scales import impact_momentum, rebound_time, transit_times
-from .wall_bound import RIGHT, Approach, Target, wall_targets
+from .wall_bound import RIGHT, Approach, Target, motion_can_escape, wall_targets
 
 # Checks per transit of a run by fixed steps to a given time, which may be very long.
 FEW_CHECKS: Final = 2
@@ -163,7 +163,8 @@ class WallWatch:
     def last(self) -> float:
         """Time at which a run without a given end stops at the latest."""
         rebounds = MAX_REBOUNDS * (self._rebound if self._struck else self._rebound_after_drive())
-        return self.start + longest_watch(self.transit, rebounds)
+        can_escape = motion_can_escape(self.chain, RIGHT)
+        return self.start + longest_watch(self.transit, rebounds, can_escape)
 
     @property
     def expired(self) -> bool:

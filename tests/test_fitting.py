@@ -829,6 +829,10 @@ def test_command_reports_a_model_that_does_not_describe_the_data(tmp_path, comma
     done = command(data, chain, "--free", "time_offset", "--prior", "exponent=1.5,0.1")
     assert done.returncode == 2
     assert "has a prior but is not free" in done.stderr
+    done = command(data, chain, "--free", "time_offset")
+    assert done.returncode == 2
+    assert "ball 11 is in V without calibration, so its gain must be free: add " in done.stderr
+    assert "--also-free 'gain[*]'" in done.stderr
 
 
 def test_command_reports_a_fit_that_does_not_converge(monkeypatch):

@@ -300,7 +300,7 @@ def test_maps_relative_to_each_contact_show_weak_waves():
     assert (np.max(relative.get_array()[1:-1], axis=1) > 0.98).all()
     assert np.max(relative.get_array()[-1]) == 0.0  # the free end
     label = run.plot(relative=True).figure.axes[1].get_ylabel()
-    assert label == "velocity, relative to the largest of the bead"
+    assert label == "velocity / largest of the bead"
     with pytest.raises(hc.InputError, match="relative must be True or False"):
         run.plot(relative="bead")
 

@@ -65,9 +65,10 @@ def two_sizes(
     else:
         assert radii is not None
         found = checked_sizes("radius", radii)
-    if found.shape not in ((), (1,), (2,)):
+    if found.shape not in ((), (2,)):
         raise InputError(
-            f"a dimer has one or two sizes, got {found.size}; Chain.periodic repeats any cell"
+            f"a dimer has two sizes, or one number for both, got a list of {found.size}; "
+            "Chain.periodic repeats any cell"
         )
     return np.resize(found, 2)
 

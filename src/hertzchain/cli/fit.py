@@ -44,7 +44,8 @@ if TYPE_CHECKING:
     multiple=True,
     metavar="NAME",
     help="Free parameter, such as loss.time or 'gain[*]'; repeatable.  [default: those of the "
-    "table [fit] of the chain file]",
+    "table [fit] of the chain file; without it, the stiffness, the velocity of the striker, the "
+    "parameter of the loss, the time offset and the gains of sensors in V]",
 )
 @click.option(
     "--also-free",
@@ -195,6 +196,7 @@ def _defects(
     import hertzchain
 
     from ..fitting.diagnosis import without_tested
+    from ..fitting.goodness import NO_ERRORS
 
     scans = []
     for kind, what in (("gap", "contacts tried"), ("bead", "balls tried")):
@@ -214,7 +216,9 @@ def _defects(
         return result, lines
     best = without_tested(min(found, key=lambda each: each.chi2 + each.penalty), *tested)
     document["fit_with_defect"] = best.as_dict()
-    return best, [*lines, f"without {best.names[-1]}: {result.verdict}"]
+    # The errors above are those of the fit with the defect.
+    verdict = result.verdict.removesuffix(NO_ERRORS)
+    return best, [*lines, f"without {best.names[-1]}: {verdict}"]
 
 
 def _pressures(result: FitResult) -> list[str]:

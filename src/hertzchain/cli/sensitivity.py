@@ -115,7 +115,7 @@ def _table(
     of_beads = by != "stiffness"
     columns = ["bead k" if of_beads else "contact k"]
     columns += ["diameter [mm]"] if of_beads and chain.units == "SI" else []
-    columns += [*shown, *([] if changes else [f"derivative{unit}"])]
+    columns += [*shown, *([] if changes else [f"derivative by {by}{unit}"])]
     for column in columns:
         table.add_column(escape(column), justify="right", no_wrap=True)
     for i in rows:

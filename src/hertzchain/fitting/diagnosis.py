@@ -314,7 +314,7 @@ def _levels(result: FitResult) -> tuple[str, ...]:
     found: dict[str, str] = {}
     flat = itertools.chain.from_iterable(result.predicted)
     for (_, signal), model in zip(result.traces, flat, strict=True):
-        if not signal.before:
+        if not signal.before or f"offset[{signal.name}]" in result.names:
             continue
         quiet = signal.values[: signal.before]
         independent = signal.before / correlation_length(quiet[np.isfinite(quiet)])

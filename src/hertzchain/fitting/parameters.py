@@ -9,6 +9,7 @@ from typing import Final
 
 from ..chain.chain import Chain
 from ..errors import InputError, short_repr, unknown_name_error
+from ..representation import listed
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_list
 from .chain_parameters import (
@@ -107,6 +108,7 @@ def free_parameters(
     for name in names:
         kind_and_value(name, traces, chains)  # unknown names are reported before others
     known_priors = _checked_priors(priors, traces, chains, names, optional)
+    _check_gains(names, traces)
     starts = {}
     for text, value in start.items():
         for name in expanded(parse_name(text), traces):
@@ -116,6 +118,20 @@ def free_parameters(
             elif text not in optional:
                 raise unknown_name_error("free parameter", str(name), map(str, names))
     return [_parameter(name, traces, chains, known_priors.get(name), starts) for name in names]
+
+
+def _check_gains(names: Collection[Name], traces: Traces) -> None:
+    """Raise `InputError` if the gain of a sensor without calibration is not free."""
+    free = {name.item for name in names if name.key == "gain"}
+    fixed = dict.fromkeys(
+        signal.name for _, signal in traces if not signal.calibrated and signal.name not in free
+    )
+    if fixed and "" not in free:
+        these, gains = ("is", "its gain") if len(fixed) == 1 else ("are", "their gains")
+        raise InputError(
+            f"{listed([*fixed])} {these} in V without calibration, so {gains} must be free: add "
+            "'gain[*]' to the free parameters"
+        )
 
 
 def _parsed(text: object, traces: Traces, chain: Chain) -> Name:

@@ -98,7 +98,7 @@ def plot_run(
     drawn = RUN_QUANTITIES[quantity]
     label = f"{quantity} [{drawn.unit}]" if run.chain.units == "SI" else drawn.label
     if relative:
-        label = f"{quantity}, relative to the largest of the {drawn.per}"
+        label = f"{quantity} / largest of the {drawn.per}"
     with figure_style():
         axes = get_axes(ax)
         times, values = _with_many_times(run.times, values)

@@ -239,6 +239,8 @@ def _result(
     problem = trials.problem
     tops = [given] if given is not None else trials.best[: RUNNERS_UP + 1]
     checked = [(top, _verified(trials, top)) for top in tops if np.isfinite(top.score)]
+    if not checked:
+        raise InputError(f"{'; '.join(notes)}, and the given chain has no value to report")
     checked.sort(key=lambda pair: _verified_rank(trials, pair))
     best, verified = checked[0]
     others = tuple(each for _, each in checked[1:])

@@ -70,7 +70,8 @@ def plot_pulses(
         Whether the y axis is logarithmic.
     residuals : bool
         Whether a panel below shows the relative differences from the first pulse,
-        :math:`Q / Q_\mathrm{first} - 1`, at the beads that both have.
+        :math:`Q / Q_\mathrm{first} - 1`, at the beads that both have.  If some of them would not
+        be visible beside others, the panel has their sizes on a logarithmic axis.
     legend : bool
         Whether to add a legend, which is above the axes if it would cover data inside them.  For
         a common legend of several axes, use ``figure.legend(*axes.get_legend_handles_labels())``.
@@ -243,42 +244,37 @@ def _draw(axes: Axes, pulse: Pulse, values: Array, i: int, label: str | None) ->
     )
 
 
-def _compress(axes: Axes, differences: Sequence[Array]) -> None:
-    """Use a logarithmic scale, linear around 0, if some curves are not visible beside others."""
-    largest = [float(np.abs(each).max(initial=0.0)) for each in differences]
+def _hidden(differences: Sequence[Array]) -> float:
+    """Largest difference of the curve that would not be visible beside others, otherwise 0."""
+    largest = [float(np.nanmax(np.abs(each), initial=0.0)) for each in differences]
     present = [each for each in largest if each > 0.0]
-    if not present or min(present) > HIDDEN * max(present):
-        return
-    low, high = (int(np.floor(np.log10(each))) for each in (min(present), max(present)))
-    axes.set_yscale("symlog", linthresh=10.0**low)
-    powers = 10.0 ** np.arange(high, low, -max(1, (high - low + 1) // 2))
-    together = np.concatenate(differences)
-    marks = [
-        *(-powers[-together.min() > powers] if together.min() < -(10.0 ** (low + 1)) else []),
-        0.0, *(powers[together.max() > powers]),
-    ]  # fmt: skip
-    marks.sort()
-    axes.set_yticks(marks, labels=[f"{each:g}" for each in marks])
-    axes.minorticks_off()
+    return min(present) if present and min(present) < HIDDEN * max(present) else 0.0
 
 
 def _draw_residuals(axes: Axes, pulses: Sequence[Pulse], quantity: str, begin: int) -> None:
     """Relative differences from the first pulse, in percent."""
     first = pulses[0].columns()[quantity]
-    axes.axhline(0.0, color=grey(axes, 0.6), linewidth=0.7)
-    differences: list[Array] = []
-    for i, pulse in enumerate(pulses[1:], start=begin + 1):
+    differences = []
+    for pulse in pulses[1:]:
         other = pulse.columns()[quantity]
         both = min(len(first), len(other))
         with np.errstate(divide="ignore", invalid="ignore"):
-            shown = 100.0 * (other[:both] / first[:both] - 1.0)
+            differences.append(100.0 * (other[:both] / first[:both] - 1.0))
+    least = _hidden(differences)
+    if not least:
+        axes.axhline(0.0, color=grey(axes, 0.6), linewidth=0.7)
+    for i, (pulse, values) in enumerate(zip(pulses[1:], differences, strict=True), begin + 1):
+        shown = np.abs(values) if least else values
         ends = {len(each.columns()[quantity]) for each in (pulses[0], pulse)
                 if ends_free(each, quantity)}  # fmt: skip
-        free = both in ends
+        free = len(shown) in ends
         _draw(axes, pulse, shown[:-1] if free else shown, i, None)
         if free:
             _draw_free_end(axes, pulse, shown[-1], i)
-        differences.append(shown[np.isfinite(shown)])
-    _compress(axes, differences)
+    if least:
+        axes.set_yscale("log")
+        axes.set_ylim(bottom=0.03 * least)
+        axes.set_ylabel("|difference|\n[%]")
+        return
     # In two lines, the label is not taller than the panel of a narrow figure.
     axes.set_ylabel("difference\n[%]")

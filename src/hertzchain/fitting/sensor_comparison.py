@@ -349,13 +349,20 @@ def unit_notes(sensors: Sequence[SensorComparison], outside: Collection[str]) ->
 
 
 def level_notes(shot: Shot, signals: Sequence[Array]) -> list[str]:
-    """Notes on calibrated sensors whose level before the pulse is not that of the simulation."""
+    """Notes on sensors whose level before the pulse is not that of the simulation."""
     notes = []
     for signal, model in zip(shot.signals, signals, strict=True):
-        if not signal.before or not signal.calibrated:
+        if not signal.before:
+            continue
+        error = signal.sigma / independent_samples(signal.quiet_values) ** 0.5
+        if not signal.calibrated:
+            if abs(signal.level) > CERTAIN * error:
+                notes.append(
+                    f"before the pulse, {signal.name} is at {signal.level:.3g} {signal.unit}, to "
+                    f"which the simulation is shifted; a fit needs 'offset[{signal.name}]'"
+                )
             continue
         first = float(model[np.isfinite(model)][0])
-        error = signal.sigma / independent_samples(signal.quiet_values) ** 0.5
         if abs(signal.level - first) > CERTAIN * error:
             notes.append(
                 f"before the pulse, {signal.name} is at {signal.level:.3g} {signal.unit}, the "

@@ -163,7 +163,6 @@ _MEANT: Final[Mapping[str, str]] = MappingProxyType(
         "kind": "taper",
         "speed": "velocity",
         "wall": "right_wall",
-        "diameter": "diameters",
         "material": "materials",
         "striker": "struck_by",
         "number": "beads",

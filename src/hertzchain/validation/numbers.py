@@ -110,7 +110,8 @@ def _reject_bare_number(what: str, text: str, unit: str | None) -> None:
         return
     if unit in (None, "", SCALED):
         raise InputError(f"{what} {text!r} is text; give the number {text.strip()} without quotes")
-    shown = str(unit).replace("**", "^")
+    # Sizes of beads are usually given in millimetres.
+    shown = "mm" if unit == "m" else str(unit).replace("**", "^")
     raise InputError(
         f"{what} {text!r} has no unit; write '{text.strip()} {shown}' or another unit, or a number "
         "without quotes in SI units"

@@ -208,9 +208,10 @@ def test_a_dry_run_states_the_search_and_the_given_chain(file, tmp_path, run):
     chain = load_design(file)[0].chain
     peak = hc.simulate(chain, rtol=1e-10).wall_force().peak
     # Two materials and two sizes for up to three places.
-    assert shown[0] == "Smallest wall_force.peak: 84 choices for 3 places, method 'enumerate'"
-    assert shown[1] == "12 chains to compare with, budget 500 simulations"
-    assert shown[2] == f"the given chain: wall_force.peak {peak:.4g} N"
+    assert shown[0] == "objective: smallest wall_force.peak"
+    assert shown[1] == "84 choices for 3 places, method 'enumerate'"
+    assert shown[2] == "12 chains to compare with, budget 500 simulations"
+    assert shown[3] == f"the given chain: wall_force.peak {peak:.4g} N"
     document = json.loads(run(file, "--dry-run", "--budget", "10 s", "--json").stdout)
     assert document["values"]["wall_force.peak"] == pytest.approx(peak, rel=1e-6)
     assert 0.0 < document["seconds_per_trial"] < 1.0

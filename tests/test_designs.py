@@ -1,6 +1,7 @@
 """Design of chains: problems, variables, methods of search, and verified results."""
 
 import dataclasses
+import importlib
 import itertools
 import re
 import warnings
@@ -1292,3 +1293,21 @@ def test_limits_below_zero_cannot_be_met():
     found = hc.design(problem, budget=200)
     assert found.method == "none"
     assert "wall_force.peak is never negative" in "".join(found.notes)
+
+
+def test_scattered_chains_without_a_value_have_a_reason(monkeypatch):
+    module = importlib.import_module("hertzchain.designs.distribution")
+    simulate_all = module.measured
+
+    def incomplete(*arguments, **options):
+        found = simulate_all(*arguments, **options)
+        values = found.values.copy()
+        values[3] = np.nan
+        return found._replace(values=values)
+
+    found = hc.distribution(WALLED, "wall_force.peak", hc.Scatter(radius=0.01, samples=20))
+    assert (found.failed, found.reason) == (0, "")
+    monkeypatch.setattr(module, "measured", incomplete)
+    found = hc.distribution(WALLED, "wall_force.peak", hc.Scatter(radius=0.01, samples=20))
+    assert found.failed == 1
+    assert found.reason == "wall_force.peak is not complete at the end of the run"

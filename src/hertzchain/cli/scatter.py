@@ -111,6 +111,7 @@ def _document(found: Distribution) -> dict[str, Any]:
         "standard_deviation": found.standard_deviation,
         "percentiles": {str(percent): found.percentile(percent) for percent in PERCENTILES},
         "failed": found.failed,
+        "reason": found.reason,
         "outside_range": found.outside_range,
         "values": found.values.tolist(),
     }
@@ -118,7 +119,7 @@ def _document(found: Distribution) -> dict[str, Any]:
 
 def _table(found: Distribution) -> str:
     """Lines with values, each also relative to the nominal chain."""
-    from ..representation import usual_unit, with_decimals
+    from ..representation import counted, usual_unit, with_decimals
 
     rows = {"nominal": found.nominal, "mean": found.mean,
             "standard deviation": found.standard_deviation}  # fmt: skip
@@ -139,6 +140,9 @@ def _table(found: Distribution) -> str:
     wide, long = (max(map(len, column)) for column in (shown, parts))
     for name, value, part in zip(rows, shown, parts, strict=True):
         lines.append(f"  {name:18}  {value:>{wide}}  {part:>{long}}".rstrip())
+    if found.failed:
+        count = counted(found.failed, "chain")
+        lines.append(f"note: {count} without a value, the first because {found.reason}")
     if few := found._few_values_note(PERCENTILES):
         lines.append(f"note: {few} (--chains)")
     return "\n".join(lines)

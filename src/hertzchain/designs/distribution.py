@@ -51,6 +51,8 @@ class Distribution(Frozen):
     outside_range : int
         Number of random chains of materials that have left the range of Hertz's law in the whole
         run (`RunTable.outside_range`).
+    reason : str
+        Why the first of the failed chains has no value; empty if none failed.
     """
 
     chain: Chain
@@ -60,6 +62,7 @@ class Distribution(Frozen):
     values: Array
     failed: int = 0
     outside_range: int = 0
+    reason: str = ""
 
     @property
     def mean(self) -> float:
@@ -264,8 +267,11 @@ def distribution(
     if len(good) < 2 or not np.isfinite(nominal):
         raise SimulationError(f"fewer than two chains have a value of {measure}")
     good.setflags(write=False)
+    failed = len(found) - len(good)
+    missing = f"{measure} is not complete at the end of the run"
+    reason = next(iter(simulated.reasons), missing) if failed else ""
     return Distribution(
-        chain, deviations, str(measure), float(nominal), good, len(found) - len(good), outside
+        chain, deviations, str(measure), float(nominal), good, failed, outside, reason
     )
 
 

@@ -21,6 +21,8 @@ from .reference_chains import reference_points
 from .search_budget import Budget
 from .trials import RTOL, Trials
 
+# Numbers of choices from which only two digits are printed.
+MANY: Final = 1e7
 # Number of trials that are timed, the second time after the kernels were compiled.
 TIMED: Final = 32
 # Methods for sizes whose trials take much less time than their gradients.
@@ -94,7 +96,9 @@ def estimate(
             each = _time_of_search(trials, method, count)
     if isinstance(space, BallSpace):
         choices = space.count
-        size = f"{counted(space.count, 'choice')} for {counted(space.size, 'place')}"
+        many = f"about {space.count:.2g} choices"
+        known = counted(space.count, "choice") if space.count < MANY else many
+        size = f"{known} for {counted(space.size, 'place')}"
     else:
         size = counted(space.size, "variable")
     return Estimate(
@@ -128,7 +132,8 @@ def in_lines(problem: Design, found: Estimate) -> str:
     limit, text = found.budget, " against ".join(map(str, problem.objectives))
     budget = f"{limit.seconds:g} s" if limit.runs == float("inf") else f"{limit.runs} simulations"
     lines = [
-        f"{text[:1].upper()}{text[1:]}: {found.size}, method {found.method!r}",
+        f"objective: {text}",
+        f"{found.size}, method {found.method!r}",
         f"{counted(found.compared, 'chain')} to compare with, budget {budget}",
     ]
     if found.samples > 1:

@@ -166,7 +166,10 @@ BALLS = Chain.from_materials(5e-3, "brass", beads=3)
         (lambda: Chain.dimer(beads=4), "needs a mass ratio, two radii or two diameters"),
         (lambda: Chain.dimer(0.5, radii=[1, 2], beads=4), "only one of mass_ratio and radii"),
         (lambda: Chain.dimer(radii=[1, 2], diameters=[1, 2], beads=4), "only one of radii and"),
-        (lambda: Chain.dimer(radii=[1, 2, 3], beads=4), "two sizes, got 3; Chain.periodic"),
+        (
+            lambda: Chain.dimer(radii=[1, 2, 3], beads=4),
+            "two sizes, .* got a list of 3; Chain.periodic",
+        ),
         (lambda: Chain.dimer(diameters=["1 kg", "1 m"], beads=4), "diameter .* unit such as m"),
         (lambda: Chain.dimer(radii=[1e-3] * 2, materials=["ptfe"], beads=4), "2 beads, but 1 mat"),
         (lambda: Chain.dimer(0.0, beads=4), "mass ratio of a dimer must be above 0, got 0"),

@@ -852,7 +852,7 @@ def test_sensitivity_agrees_with_differences_of_runs(run, tmp_path):
 
 def listed_beads(table):
     """Beads and changes in percent in the rows of a table of sensitivities."""
-    rows = re.findall(r"^ +(\d+) +([+-][\d.]+) +([+-][\d.]+) +\S+ *$", table, re.MULTILINE)
+    rows = re.findall(r"^ +(\d+) +\S+ +([+-][\d.]+) +([+-][\d.]+) *$", table, re.MULTILINE)
     return [(int(bead), float(up), float(down)) for bead, up, down in rows]
 
 

@@ -33,7 +33,8 @@ from .problem import Design
 from .requirements import TOLERANCE, violation
 
 RTOL: Final = 1e-11
-# The run is repeated for this multiple of its duration, to find a later and higher peak.
+# The run is repeated for this multiple of its duration, to find a later and higher peak, or to
+# complete a peak.
 LONGER: Final = 2.0
 # Relative difference from which a later peak is higher.
 SAME: Final = 1e-6
@@ -129,7 +130,12 @@ def dented_chain(chain: Chain) -> Chain | None:
 def _value(problem: Design, chain: Chain, measure: Measure, table: RunTable) -> float:
     if measure.of_whole_run:
         return value_in_whole_run(measure, chain, problem.until, RTOL)
-    return float(measure.from_table(table)[0])
+    value = float(measure.from_table(table)[0])
+    if np.isnan(value) and problem.until is None and not table.reasons:
+        # A peak that is not complete at the end of the longest run may be proven later.
+        until = LONGER * float(table["end_time"][0])
+        return float(measured([chain], [measure], until=until, rtol=RTOL).values[0, 0])
+    return value
 
 
 def _with_yielding_contacts(
@@ -147,11 +153,16 @@ def _with_yielding_contacts(
     if dented is None or not names:
         return {}
     sensors = sensors_of(measures, [dented])
-    table = simulate_many([dented], keep=names, sensors=sensors, until=problem.until)
+    table = simulate_many([dented], keep=[*names, "end_time"], sensors=sensors, until=problem.until)
     if table.reasons:
         return {}
+    if problem.until is None and any(np.isnan(m.from_table(table)[0]) for m in measures):
+        until = LONGER * float(table["end_time"][0])
+        table = simulate_many([dented], keep=names, sensors=sensors, until=until)
     of_chain = {name: value for name, value in values.items() if name in OF_CHAIN}
-    return of_chain | {str(m): float(m.from_table(table)[0]) for m in measures}
+    found = {str(m): float(m.from_table(table)[0]) for m in measures}
+    # Incomplete peaks have no value.
+    return of_chain | {name: value for name, value in found.items() if np.isfinite(value)}
 
 
 def _later_motion(problem: Design, chain: Chain, values: dict[str, float]) -> list[str]:

@@ -26,6 +26,28 @@ def test_machine_code_is_deferred_by_the_installed_numba():
     assert isinstance(compiled.library, deferred_code.DeferredLibrary)
 
 
+def test_branches_on_none_are_not_compiled_for_other_arguments():
+    @internal(**(OPTIONS | {"cache": False}))
+    def of_none(x):
+        return 2.0 * x
+
+    @internal(**(OPTIONS | {"cache": False}))
+    def of_value(x):
+        return 3.0 * x
+
+    @internal(**(OPTIONS | {"cache": False}))
+    def chosen(x):
+        if x is None:
+            return of_none(1.0)
+        return of_value(x)
+
+    python = callable_from_python(chosen)
+    assert python(1.5) == 4.5
+    assert not of_none.overloads
+    assert python(None) == 2.0
+    assert len(of_none.overloads) == len(of_value.overloads) == 1
+
+
 def test_another_numba_compiles_as_usual(monkeypatch):
     monkeypatch.setattr(deferred_code, "UNDOCUMENTED", ("a_method_that_does_not_exist",))
 

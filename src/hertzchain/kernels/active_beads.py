@@ -58,7 +58,7 @@ MAX_COLLISIONS = 100
 # Beads at rest or in free flight that are kept at each end of the window; number of beads by which
 # the window grows or shrinks.
 MARGIN, STRIDE = 4, 8
-WITHOUT_CACHE: Any = {name: OPTIONS[name] for name in OPTIONS if name != "cache"}
+WITHOUT_CACHE: Any = OPTIONS | {"cache": False, "no_cpython_wrapper": True}
 
 
 @compiled

@@ -3,6 +3,7 @@
 import base64
 import json
 import os
+import re
 import shutil
 from importlib.resources import files
 from pathlib import Path
@@ -563,6 +564,61 @@ def test_a_bad_link_is_explained_above_the_views(page):
 def test_sensors_have_the_names_of_balls(page):
     tab = page.new_tab(page.origin + "#taper=uniform&beads=12&struck_by.count=1&~sensors=[8]")
     assert "sensor in bead 8 (ball 7): first maximum" in tab.text_content("#legend-force")
+
+
+def test_beads_of_several_materials_have_rings_and_a_legend(page):
+    names = ["ptfe", "steel-316", "brass", "glass", "nylon", "rubber"]
+    chain = f"#radii=5+mm&beads=6&materials={json.dumps(names)}&velocity=0.1+m/s"
+    tab = page.new_tab(page.origin + chain.replace(" ", ""))
+    assert tab.locator("#title-A .key").all_text_contents() == [f"{each}, 10 mm" for each in names]
+    # The lowest point of each ring.
+    colours = tab.evaluate("""() => {
+      const canvas = document.getElementById("stage-A"), box = canvas.getBoundingClientRect();
+      const pen = canvas.getContext("2d");
+      const { width, data } = pen.getImageData(0, 0, canvas.width, canvas.height);
+      return [1, 2, 3, 4, 5].map(bead => {
+        const [x, y, r] = hertzchain.placeOf("A", bead), row = Math.round(y - box.top + 0.88 * r);
+        return data.slice(4 * (row * width + Math.round(x - box.left))).slice(0, 3).join();
+      });
+    }""")
+    styles = tab.locator("#title-A .ring").evaluate_all(
+        """rings => rings.map(each => getComputedStyle(each)).map(
+            style => [style.color, style.borderTopStyle])"""
+    )
+    assert colours == [re.sub(r"[^0-9,]", "", each) for each, _ in styles[:5]]
+    assert len(set(colours)) == 5
+    # Further materials have the same colours, but other rings.
+    assert styles[5] == [styles[0][0], "dashed"]
+    assert page.tab.locator("#title-A .key").count() == 0
+
+
+def test_small_forces_can_be_seen_next_to_large_ones(page):
+    wall = "right_wall.material=rubber&~sensors=[3]"
+    row = "#diameters=12+mm&beads=10&materials=steel-52100&velocity=0.3+m/s&"
+    tab = page.new_tab(page.origin + row + wall)
+    heights = """[...document.querySelectorAll("#chart-force path")].map(each => {
+        const ys = each.getAttribute("d").match(/ [0-9.]+/g).map(Number);
+        return Math.max(...ys) - Math.min(...ys); })"""
+    sensor, weak = tab.evaluate(heights)
+    assert weak < 0.2 * sensor
+    tab.select_option("#force-scale", "each")
+    tab.wait_for_selector("#chart-force text:has-text('relative to the largest of each curve')")
+    sensor, relative = tab.evaluate(heights)
+    assert relative == pytest.approx(sensor, abs=0.2)
+    tab.select_option("#force-scale", "log")
+    tab.wait_for_selector("#chart-force text:has-text('force [N]')")
+    sensor, logarithmic = tab.evaluate(heights)
+    assert 0.5 * sensor < logarithmic < sensor
+    assert "~forces=log" in tab.evaluate("location.hash")
+
+
+def test_the_legend_states_the_force_with_contacts_that_yield(page):
+    row = "#diameters=12+mm&beads=10&materials=steel-316&velocity=2+m/s&right_wall.rigid=true"
+    tab = page.new_tab(page.origin + row)
+    assert re.search(
+        r"peak 1\.\d+ kN at .* µs; 0\.0\d+ kN if contacts yield", tab.text_content("#legend-force")
+    )
+    assert "Pressure / yield is" in tab.text_content("#warnings-count")
 
 
 def test_invalid_input_is_explained_next_to_its_control(page):

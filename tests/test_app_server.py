@@ -99,6 +99,61 @@ def test_the_peak_on_a_wall_is_complete_and_shown(document, clock):
     assert arrays["times"][-1] > wall.peak_time
 
 
+def test_a_run_that_ends_before_the_impact_on_a_soft_wall_says_so():
+    row = {"diameters": "12 mm", "beads": 60, "materials": "steel-52100", "velocity": "0.3 m/s"}
+    document = {"chain": {**row, "right_wall": {"stiffness": 1e6}}}
+    whole = hc.simulate(chain_of(document), times=0, rtol=1e-9, check=False)
+    # The peak is complete, but the wall is loaded for much longer.
+    assert whole.wall_force().complete_since is None
+    header, arrays = computed(document, frames=320)["run"]
+    assert arrays["times"][-1] >= whole.end_time > 4.0 * whole.wall_force().peak_time
+    said = header["warnings"][-1]
+    assert said.startswith(f"the run ends at t = {1e3 * arrays['times'][-1]:.4g} ms; the impact")
+    assert "has not ended: the wall is still loaded with" in said
+
+
+def test_an_impact_without_a_complete_peak_says_so():
+    chain = {"taper": "uniform", "beads": 10, "right_wall": {}}
+    drive = {"kind": "step", "of": "force", "amplitude": 0.1}
+    ended, driven = (computed({"chain": {**chain, **more}})["run"][0]["warnings"]
+                     for more in ({}, {"drive": drive}))  # fmt: skip
+    assert not any("the run ends" in each for each in ended)
+    assert re.search("the run ends at .*; the peak on the right wall is not complete", driven[-1])
+
+
+def test_contacts_that_are_still_closed_are_stated():
+    heavy = {"diameters": "12 mm", "beads": 20, "materials": "steel-52100",
+             "struck_by": {"velocity": "10 mm/s", "mass": "5 kg"}}  # fmt: skip
+    header, arrays = computed({"chain": heavy})["run"]
+    closed = int(np.count_nonzero(arrays["forces"][-1].reshape(-1)))
+    assert header["message"].endswith(
+        f"{closed} contacts still closed, so velocities are not final"
+    )
+    assert "closed" not in computed(TAPER)["run"][0]["message"].replace("nothing", "")
+
+
+def test_the_peak_with_contacts_that_yield_is_stated():
+    row = {"diameters": "12 mm", "beads": 10, "materials": "steel-316", "right_wall": {}}
+    yields, below = ({"chain": {**row, "velocity": each}} for each in ("2 m/s", "1 mm/s"))
+    peak = computed(yields)["run"][0]["peaks"]["right"]
+    dented = chain_of(yields).replace(loss=hc.ElasticPlastic())
+    with pytest.warns(hc.ModelRangeWarning, match="overlap / radius"):
+        expected = hc.simulate(dented).wall_force().peak
+    assert peak["yielding"] == pytest.approx(expected, rel=1e-6)
+    assert peak["first"] > 10.0 * expected
+    assert computed(below)["run"][0]["peaks"]["right"]["yielding"] is None
+
+
+def test_beads_of_several_materials_are_described():
+    diameters = ["6 mm", "12 mm", "6 mm", "10 mm"]
+    materials = ["ptfe", "steel-316", "ptfe", "steel-316"]
+    both = {"chain": {"diameters": diameters, "materials": materials, "velocity": "0.1 m/s"}}
+    header, arrays = computed(both)["beads"]
+    assert header["kinds"] == ["ptfe, 6 mm", "steel-316, 12 mm to 10 mm"]
+    assert arrays["kinds"].tolist() == [0, 1, 0, 1]
+    assert computed(STEEL)["beads"][0]["kinds"] == []
+
+
 LOSS = {"law": "restitution", "coefficient": 0.8}
 LOSSY = {"chain": {**STEEL["chain"], "loss": LOSS}}
 

@@ -1,9 +1,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { FACTORS, STEPS, entered, parsed, percent, placeAt, plain, positionOf, powers, prefixed, rangeOf, short, ticks, timeAt, valueAt, valued } from "../../src/hertzchain/app/static/js/numbers.js";
+import { FACTORS, STEPS, USUAL, entered, parsed, percent, placeAt, plain, positionOf, powers, prefixed, rangeOf, short, ticks, timeAt, valueAt, valued } from "../../src/hertzchain/app/static/js/numbers.js";
 
 Object.assign(FACTORS, { m: 1, cm: 1e-2, mm: 1e-3, in: 25.4e-3, "m/s": 1, "mm/s": 1e-3, "%": 1e-2 });
+Object.assign(USUAL, { length: [[0.1, 50], [0.05, 5]], velocity: [[0.01, 20], [0.01, 5]], acceleration: [[-20, 20], [-0.1, 0.1]],
+  beads: [[2, 200], [2, 200]], rate: [[0.001, 0.3], [0.001, 0.3]] });
 
 test("short numbers keep their size and sign", () => {
   assert.equal(short(0), "0");

@@ -28,6 +28,40 @@ FORMS: Final = {
     "radii": "a list of radii", "diameters": "a list of diameters", "cell": "a repeated cell",
     "mass_ratio": "a dimer’s mass ratio",
 }  # fmt: skip
+# Usual ranges of sliders by dimension, in the units that the page shows, in SI units and scaled.
+RANGES_OF_DIMENSIONS: Final = {
+    "length": ((0.1, 50), (0.05, 5)), "velocity": ((0.01, 20), (0.01, 5)),
+    "force": ((0.1, 1000), (0.001, 10)), "frequency": ((0.1, 50), (0.01, 10)),
+    "time": ((1, 10_000), (0.1, 100)), "stiffness": ((1e6, 1e12), (0.01, 100)),
+    "mass": ((0.01, 1000), (0.01, 100)), "acceleration": ((-20, 20), (-0.1, 0.1)),
+    "damping": ((1e-4, 10), (1e-3, 1)), "pressure": ((0.1, 500), (0.01, 100)),
+    "density": ((500, 20_000), (0.01, 100)),
+}  # fmt: skip
+# Those of keys without a dimension, by name.
+RANGES: Final = {
+    "beads": (2, 200), "cells": (1, 100), "exponent": (1.1, 4), "rate": (0.001, 0.3),
+    "mass_ratio": (0.01, 1), "ratio": (0.05, 1.2), "relative": (0, 0.3), "seed": (0, 50),
+    "count": (1, 8), "between": (1, 4), "strikers": (0, 5), "cycles": (0.5, 20),
+    "grade": (3, 1000),
+}  # fmt: skip
+# Values with which forms of chains and new tables begin where the schema has no default: those of
+# scaled chains, and in SI units by name or dimension.
+BEGIN: Final = {
+    "forms": {
+        "taper": {"taper": "backward-exponential", "rate": 0.05, "beads": 40},
+        "first": {"first": 1, "last": 0.3, "beads": 40},
+        "first_diameter": {"first_diameter": 1, "last_diameter": 0.3, "beads": 40},
+        "diameters": {"diameters": [1, 0.7]},
+        "radii": {"radii": [1, 0.8, 0.6, 0.8, 1]},
+        "cell": {"cell": [1, 0.6], "cells": 20},
+        "mass_ratio": {"mass_ratio": 0.3428, "beads": 40},
+    },
+    "other": {"bead": 10, "radius": 2, "seed": 1, "relative": 0.05, "ratio": 0.4,
+              "coefficient": 0.9, "amplitude": 0.3, "frequency": 0.1,
+              "times": [0, 5, 10], "values": [0, 0.1, 0]},
+    "SI": {"radius": "20 mm", "amplitude": "10 N", "frequency": "5 kHz", "time": "10 µs",
+           "times": ["0 µs", "50 µs", "100 µs"], "values": ["0 N", "10 N", "0 N"]},
+}  # fmt: skip
 # Number of beads in a picture of the gallery.
 MAX_THUMBNAIL: Final = 40
 
@@ -71,6 +105,8 @@ def about(document: object = None) -> dict[str, Any]:
             for each in QUANTITIES.values()
         },
         "factors": _factors(),
+        "begin": BEGIN,
+        "ranges": RANGES_OF_DIMENSIONS | {name: (each, each) for name, each in RANGES.items()},
         "theories": [*THEORIES, "effective-chain"],
         "gallery": gallery(),
         "max_beads": MAX_BEADS,

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from typing import Any, Final
 
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.description import sizes_in_words
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..notebook.drawing import engineering
@@ -16,6 +18,7 @@ from ..propagation.propagate import propagate
 from ..pulse.pulse import Pulse
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
+from ..simulation.yielding import peak_with_yielding_contacts
 from ..sweeps.methods import record_warnings
 from ..theory.catalogue import THEORIES
 from ..theory.effective_chain import effective_chain
@@ -95,7 +98,10 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
             yield _pulse_part(request, pulse, compiled, [], began, note)
         if request.run:
             found = _not_repeated(before, [on_the_page(each) for each in warned])
-            yield _run_part(run, whole, sensed, request, found, time.perf_counter() - began)
+            found += [] if request.draft else _unfinished_impact(run, whole)
+            took = time.perf_counter() - began
+            yielding = None if request.draft else peak_with_yielding_contacts(whole, progress)
+            yield _run_part(run, whole, sensed, request, found, took, yielding)
 
 
 def _not_repeated(before: list[str], found: list[str]) -> list[str]:
@@ -113,13 +119,26 @@ def _description(chain: Chain) -> dict[str, Any]:
         "features": list(chain.features), "strikers": chain.strikers,
         "exponent": p if isinstance(p, float) else None,
         "walls": [name.removesuffix(" wall") for name in walls if name in chain.features],
+        "kinds": [f"{name}, {sizes_in_words(chain.radii[beads])}"
+                  for name, beads in _kinds(chain).items()],
     }  # fmt: skip
+
+
+def _kinds(chain: Chain) -> dict[str, list[int]]:
+    """Beads of each material, counted from 0; none if there is only one."""
+    found: dict[str, list[int]] = {}
+    for bead, material in enumerate(chain.materials or ()):
+        found.setdefault(material.name, []).append(bead)
+    return found if len(found) > 1 else {}
 
 
 def _bead_arrays(chain: Chain) -> dict[str, Array]:
     centres = np.cumsum(np.concatenate(([chain.radii[0]], chain.centre_distances)))
+    kinds = np.zeros(chain.beads, np.int16)
+    for number, beads in enumerate(_kinds(chain).values()):
+        kinds[beads] = number
     return {"radii": chain.radii, "masses": chain.masses, "centres": centres,
-            "start": chain.velocities}  # fmt: skip
+            "start": chain.velocities, "kinds": kinds}  # fmt: skip
 
 
 class _Theories:
@@ -209,11 +228,11 @@ def limited(stop: Stop) -> Callable[..., None]:
 def motion(
     chain: Chain, exact: Pulse | None, request: Request, progress: Callable[..., None]
 ) -> tuple[Run, Run, list[Warning]]:
-    """The run that is shown, and the same run continued until the impact on the wall has ended.
+    """The run that is shown, and the same run continued until the peak on the wall is complete.
 
-    If the impact ends, the run that is shown includes it, as that of `simulate` without ``until``;
-    otherwise it includes the largest force.  Drafts are not continued.  The warnings are those of
-    the longest run: earlier ones state smaller overlaps.
+    If the peak becomes complete, the run that is shown is as long as that of `simulate` without
+    ``until``; otherwise it includes the largest force.  Drafts are not continued.  The warnings
+    are those of the longest run: earlier ones state smaller overlaps.
     """
     options: dict[str, Any] = {"rtol": request.rtol, "check": False, "progress": progress}
     with record_warnings():
@@ -232,11 +251,12 @@ def motion(
         return run, run, warned
     wall = whole._wall_force("right")
     later = END_AFTER_PEAK * wall.largest_so_far_time
-    if wall.complete_since is not None:
+    # The impact need not have ended, as on a soft wall that is still loaded after its peak.
+    if wall.complete:
         later = max(later, whole.end_time)
     if later > times[-1]:
         peak = wall.largest_so_far_time
-        with record_warnings():
+        with record_warnings(), suppress(SimulationError):  # The longer run may take too long.
             times = saved_times(chain, exact, request.frames, request.clock, progress, later, peak)
             run = simulate(chain, times=times, **options)
     return run, whole, of_whole
@@ -280,8 +300,9 @@ def _sensor_run(run: Run, request: Request, progress: Callable[..., None]) -> Ru
 
 
 def _run_part(
-    run: Run, whole: Run, sensed: Run, request: Request, warnings: list[str], took: float
-) -> Part:
+    run: Run, whole: Run, sensed: Run, request: Request, warnings: list[str], took: float,
+    yielding: float | None,
+) -> Part:  # fmt: skip
     began, chain = time.perf_counter(), run.chain
     arrays: dict[str, Any] = {"times": run.times}
     arrays |= columns_as_int16("velocities", run.velocities)
@@ -304,7 +325,7 @@ def _run_part(
             peaks[side] = {
                 "first": wall.peak if wall.proven else None, "time": wall.peak_time,
                 "largest": wall.largest_so_far, "largest_time": wall.largest_so_far_time,
-                "impulse": wall.impulse,
+                "impulse": wall.impulse, "yielding": yielding if side == "right" else None,
             }  # fmt: skip
     if not request.draft or chain.beads <= MAX_BEADS_OF_DRAFT_BUDGET:
         arrays |= _budget_arrays(run)
@@ -322,9 +343,28 @@ def _run_part(
 
 def _end(run: Run) -> str:
     """How the run ended; its end time is the choice of the page, not a request of the user."""
-    if run.status != "time reached":
-        return run.message
-    return f"the run ends at t = {engineering(run.end_time, 's', run.chain.units)}"
+    text = run.message
+    if run.status == "time reached":
+        text = f"the run ends at t = {engineering(run.end_time, 's', run.chain.units)}"
+    # A drive keeps contacts closed.
+    closed = run._still_closed if run.chain.drive is None else ""
+    return f"{text}, with {closed}" if closed else text
+
+
+def _unfinished_impact(run: Run, whole: Run) -> list[str]:
+    """Sentence about an impact on the right wall that has not ended at the end of the run."""
+    if run.chain.right_wall is None or not run.success:
+        return []
+    end = engineering(run.end_time, "s", run.chain.units)
+    if run._wall_force("right").largest_so_far == 0.0:
+        return [f"the run ends at t = {end}, before a bead reaches the right wall"]
+    wall = whole._wall_force("right")
+    if wall.complete_since is None:
+        what = "" if wall.complete else "the peak on the right wall is not complete: "
+        return [f"the run ends at t = {end}; {what}{wall.reason}"]
+    if run.end_time < wall.complete_since:
+        return [f"the run ends at t = {end}, before the impact on the right wall has ended"]
+    return []
 
 
 def _budget_arrays(run: Run) -> dict[str, Any]:

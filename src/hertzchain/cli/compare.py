@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from ..simulation.yielding import pressures_below_yield
 from .options import (
     StrictCommand,
     figure_option,
@@ -20,7 +21,6 @@ from .options import (
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .wording import on_command_line
-from .yielding import pressures_below_yield
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain

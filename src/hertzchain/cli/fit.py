@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..simulation.yielding import pressures_below_yield
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
 from .options import (
     StrictCommand,
@@ -23,7 +24,6 @@ from .options import (
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .wording import on_command_line
-from .yielding import pressures_below_yield
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

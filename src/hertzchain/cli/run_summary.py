@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..simulation.yielding import peak_with_yielding_contacts, pressures_below_yield
 from .output import show_table
 from .wording import on_command_line
-from .yielding import peak_with_yielding_contacts, pressures_below_yield
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain

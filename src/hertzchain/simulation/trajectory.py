@@ -154,14 +154,14 @@ class Trajectory(ShortDir):
     @property
     def _unfinished(self) -> str:
         """That contacts still act after a run without ``until``; empty if none, or if all do."""
-        if self.status not in NATURAL_ENDS or self.chain.static_state.forces.any():
-            return ""
-        closed = len(self.closed_contacts)
-        return (
-            f"{counted(closed, 'contact')} still closed, so velocities are not final"
-            if closed
-            else ""
-        )
+        return self._still_closed if self.status in NATURAL_ENDS else ""
+
+    @property
+    def _still_closed(self) -> str:
+        """That contacts still act at the end; empty if none, or if static forces close them."""
+        closed = 0 if self.chain.static_state.forces.any() else len(self.closed_contacts)
+        words = f"{counted(closed, 'contact')} still closed, so velocities are not final"
+        return words if closed else ""
 
     @property
     def _unfinished_collision(self) -> str:

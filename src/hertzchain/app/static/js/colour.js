@@ -5,7 +5,9 @@
 export const COLOURS = {};
 
 const NAMES = ["ink", "soft", "line", "card", "accent", "bead", "edge", "forward", "back", "striker", "wall",
-  "s0", "s1", "s2", "s3"];
+  "s0", "s1", "s2", "s3", "m0", "m1", "m2", "m3", "m4"];
+/** Number of colours of materials; the rings of further materials are dashed. */
+export const KINDS = 5;
 
 /** Colours of velocities and forces from -1 to 1, at 0 .. 511, as pixels. */
 export const PIXELS = new Uint32Array(512);

@@ -7,14 +7,6 @@ import { at, changed, listed } from "./state.js";
 /** @typedef {(document: Document, moving: boolean, path: string) => void} Change */
 /** @typedef {(string | number)[]} Path */
 
-/** Values with which a new table begins, where its schema has no default.
- * @type {Record<string, any>} */
-const BEGIN = {
-  bead: 10, radius: 2, seed: 1, relative: 0.05, ratio: 0.4, coefficient: 0.9, amplitude: 0.3, frequency: 0.1,
-};
-/** @type {Record<string, string>} */
-const BEGIN_SI = { radius: "20 mm", amplitude: "10 N", frequency: "5 kHz", time: "10 µs" };
-
 /** @param {string} id @returns {any} */
 export const $ = (id) => document.getElementById(id);
 
@@ -144,19 +136,10 @@ export class Controls {
   /** @param {string} form */
   changeForm(form) {
     const { chain } = this.document, si = this.si;
-    /** @type {Record<string, any>} */
-    const begins = {
-      taper: { taper: "backward-exponential", rate: 0.05, beads: 40, ...(si ? { radius: "5 mm" } : {}) },
-      first: { first: 1, last: 0.3, beads: 40 },
-      first_diameter: { first_diameter: 1, last_diameter: 0.3, beads: 40 },
-      diameters: { diameters: [1, 0.7] },
-      radii: { radii: [1, 0.8, 0.6, 0.8, 1] },
-      cell: { cell: [1, 0.6], cells: 20 },
-      mass_ratio: { mass_ratio: 0.3428, beads: 40 },
-    };
+    const begin = this.about.begin.forms[form];
     const dropped = this.keysOfForms;
     const kept = Object.fromEntries(Object.entries(chain).filter(([name]) => !dropped.has(name) && !(form === "mass_ratio" && ["materials", "velocity", "units"].includes(name))));
-    this.change({ ...this.document, chain: { ...(si ? resized(begins[form], si) : begins[form]), ...kept } }, false, "form");
+    this.change({ ...this.document, chain: { ...(si ? resized(begin, si) : begin), ...(si && form === "taper" ? { radius: "5 mm" } : {}), ...kept } }, false, "form");
   }
 
   /** A table of the schema: on or off, or several. @param {string} name */
@@ -219,18 +202,11 @@ export class Controls {
   /** A table with values for its required keys. @param {any} section @param {any} table */
   begin(section, table) {
     for (const key of section.keys) {
-      if (key.per === "row") table[key.name] = this.rows(key);
-      if (!key.required && !["relative", "ratio"].includes(key.name)) continue;
-      const si = this.si ? BEGIN_SI[key.name] ?? (key.dimension ? BEGIN_SI[key.dimension] : undefined) : undefined;
-      table[key.name] = si ?? BEGIN[key.name] ?? (key.kind === "boolean" ? false : key.choices?.[0] ?? valued(this.inside(key), this.unitOf(key)));
+      if (!key.required && key.per !== "row" && !["relative", "ratio"].includes(key.name)) continue;
+      const { SI, other } = this.about.begin, si = this.si ? SI[key.name] ?? SI[key.dimension] : undefined;
+      table[key.name] = si ?? other[key.name] ?? (key.kind === "boolean" ? false : key.choices?.[0] ?? valued(this.inside(key), this.unitOf(key)));
     }
     return table;
-  }
-
-  /** A triangle, for a drive that is a table. @param {any} key */
-  rows(key) {
-    if (this.si) return key.name === "times" ? ["0 µs", "50 µs", "100 µs"] : ["0 N", "10 N", "0 N"];
-    return key.name === "times" ? [0, 5, 10] : [0, 0.1, 0];
   }
 
   /** A number that a key allows. @param {any} key */

@@ -13,7 +13,7 @@ import { fromLink } from "./state.js";
 
 /** Choices of the view; another clock needs another run.
  * @type {[string, keyof import("./state.js").View, boolean?][]} */
-export const SELECTS = [["quantity", "quantity"], ["camera", "camera"], ["map-of", "map"], ["map-scale", "scale"], ["budget-of", "budget"], ["errors", "errors"], ["clock", "clock", true]];
+export const SELECTS = [["quantity", "quantity"], ["camera", "camera"], ["map-of", "map"], ["map-scale", "scale"], ["budget-of", "budget"], ["force-scale", "forces"], ["errors", "errors"], ["clock", "clock", true]];
 
 /** @param {App} app */
 export function listen(app) {

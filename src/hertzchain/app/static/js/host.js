@@ -1,8 +1,8 @@
 /** Where results come from: the local server, the page itself, or a notebook. */
 
-import { Splitter } from "./parts.js";
+import { Splitter } from "./results.js";
 
-/** @typedef {import("./parts.js").Part} Part */
+/** @typedef {import("./results.js").Part} Part */
 /** @typedef {{name: string, blob: Blob}} File */
 /** @typedef {{about: () => Promise<any>, results: (body: any, received: (part: Part) => void) => Promise<void>,
  *   read: (text: string) => Promise<any>, save: (body: any) => Promise<File>, state: (state: any) => void}} Host */

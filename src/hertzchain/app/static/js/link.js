@@ -8,7 +8,7 @@ const PATIENCE = 250;
 const BETWEEN_MAPS = 120;
 
 /** @typedef {{number: number, draft: boolean, sent: number, input: number}} Sent */
-/** @typedef {{part: (part: import("./parts.js").Part, sent: Sent) => void, offline: (message: string) => void}} Handlers */
+/** @typedef {{part: (part: import("./results.js").Part, sent: Sent) => void, offline: (message: string) => void}} Handlers */
 
 let numbers = 0;
 const session = Array.from(crypto.getRandomValues(new Uint8Array(12)), (each) => each.toString(36)).join("").slice(0, 24);
@@ -55,7 +55,7 @@ export class Link {
     void this.stream({ ...rest, session, slot: this.slot, number: sent.number }, sent, request);
   }
 
-  /** @param {import("./parts.js").Part} part @param {Sent} sent */
+  /** @param {import("./results.js").Part} part @param {Sent} sent */
   received(part, sent) {
     this.on.part(part, sent);
     const now = performance.now(), kind = part.header.part;

@@ -1,11 +1,11 @@
 
-import { readColours } from "./colour.js";
+import { KINDS, readColours } from "./colour.js";
 import { $, Controls, make } from "./controls.js";
 import { SELECTS, listen } from "./events.js";
 import { host, stored } from "./host.js";
 import { Link } from "./link.js";
 import { SpaceTime } from "./map.js";
-import { FACTORS, gapOf, inMillimetres, placeAt, timeAt } from "./numbers.js";
+import { FACTORS, USUAL, gapOf, inMillimetres, placeAt, timeAt } from "./numbers.js";
 import { Results } from "./results.js";
 import { fillDialogs } from "./share.js";
 import { Stage } from "./stage.js";
@@ -22,6 +22,7 @@ const SETTLE = 180;
 const MAX_SENSORS = 4;
 const about = await host.about();
 Object.assign(FACTORS, about.factors);
+Object.assign(USUAL, about.ranges);
 /** @type {import("./state.js").State} */
 const state = (!stored && fromLink(location.hash)) || { A: about.document, B: stored?.view?.B ?? null, active: "A", view: { ...copy(VIEW), ...stored?.view?.view } };
 if (stored?.kind !== "saved" && !(!stored && fromLink(location.hash))) {
@@ -231,7 +232,7 @@ function requestOf(slot, rough, input) {
 function take(slot, part, sent) {
   const found = results[slot], kind = found.take(part), received = performance.now();
   if (kind === "beads" || kind === "run") {
-    if (found.beads.header) stages[slot].chain(found.beads.arrays.get("radii"), found.beads.arrays.get("centres"), found.beads.header, gapOf(state[slot]));
+    if (found.beads.header) stages[slot].chain(found.beads, gapOf(state[slot]));
     stages[slot].motion = found.motion;
   }
   if (kind === "beads" || kind === "pulse") dirty.pulse = dirty.table = true;
@@ -340,7 +341,10 @@ function draw() {
 function showTitles() {
   for (const slot of SLOTS) {
     const header = results[slot].beads.header;
-    if (header) $(`title-${slot}`).textContent = (state.B ? `${slot}: ` : "") + header.description;
+    if (!header) continue;
+    const kinds = header.kinds.map((/** @type {string} */ text, /** @type {number} */ i) => make("span", { className: "key" },
+      make("i", { className: "ring", style: `color:var(--m${i % KINDS});${i < KINDS ? "" : "border-style:dashed"}` }), text));
+    $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description, ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
   }
   const beads = own().beads.header?.beads, list = own().warnings.map(upper);
   if (beads) $("bead").max = String(beads);

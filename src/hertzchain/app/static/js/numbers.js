@@ -12,29 +12,10 @@ export const SHOWN = {
   length: "mm", mass: "g", time: "µs", frequency: "kHz", pressure: "GPa",
 };
 
-/** Usual ranges of sliders in the units shown: SI, then scaled; number fields accept all values.
- * @type {Record<string, [[number, number], [number, number]]>} */
-const USUAL = {
-  length: [[0.1, 50], [0.05, 5]],
-  velocity: [[0.01, 20], [0.01, 5]],
-  force: [[0.1, 1000], [0.001, 10]],
-  frequency: [[0.1, 50], [0.01, 10]],
-  time: [[1, 10000], [0.1, 100]],
-  stiffness: [[1e6, 1e12], [0.01, 100]],
-  mass: [[0.01, 1000], [0.01, 100]],
-  acceleration: [[-20, 20], [-0.1, 0.1]],
-  damping: [[1e-4, 10], [1e-3, 1]],
-  pressure: [[0.1, 500], [0.01, 100]],
-  density: [[500, 20000], [0.01, 100]],
-};
-
-/** Usual ranges of keys without a dimension, by name.
- * @type {Record<string, [number, number]>} */
-const BY_NAME = {
-  beads: [2, 200], cells: [1, 100], exponent: [1.1, 4], rate: [0.001, 0.3], mass_ratio: [0.01, 1],
-  ratio: [0.05, 1.2], relative: [0, 0.3], seed: [0, 50], count: [1, 8], between: [1, 4],
-  strikers: [0, 5], cycles: [0.5, 20], grade: [3, 1000],
-};
+/** Usual ranges of sliders in these units (SI, then scaled), by dimension or name, from the server;
+ * number fields accept all values.
+ * @type {Record<string, [number, number][]>} */
+export const USUAL = {};
 
 /** A number in few characters. @param {number} value @param {number} [digits] */
 export function short(value, digits = 4) {
@@ -153,12 +134,13 @@ export function metres(value, otherwise) {
  * @returns {Range} */
 export function rangeOf(key, si, value, chain = {}) {
   const least = key.least ?? key.above, most = key.most ?? key.below;
-  let [low, high] = (key.dimension && USUAL[key.dimension]?.[si ? 0 : 1]) || BY_NAME[key.name] || [0.01, 10];
+  const usual = USUAL[key.dimension || key.name]?.[si ? 0 : 1];
+  let [low, high] = usual ?? [0.01, 10];
   if (si && key.dimension && chain.unit && FACTORS[chain.unit]) {
     const factor = FACTORS[SHOWN[key.dimension] ?? key.unit] / FACTORS[chain.unit];
     [low, high] = [low * factor, high * factor];
   }
-  if (!key.dimension && least !== undefined && most !== undefined && !(key.name in BY_NAME)) [low, high] = [least, most];
+  if (!usual && !key.dimension && least !== undefined && most !== undefined) [low, high] = [least, most];
   if (key.name === "rate" && chain.taper?.endsWith("linear") && chain.beads) {
     high = chain.taper.startsWith("forward") ? 0.999 / (chain.beads - 1) : 1;
     low = high / 1000;

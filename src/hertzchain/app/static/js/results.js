@@ -1,5 +1,59 @@
+/** Results of a chain, and the binary messages that contain them; `messages.py` describes their layout. */
 
-/** @typedef {import("./parts.js").Part} Part */
+/** @typedef {{header: any, arrays: Map<string, any>}} Part */
+
+const VERSION = 1;
+/** @type {Record<string, any>} */
+const KINDS = { f8: Float64Array, f4: Float32Array, i2: Int16Array, i8: BigInt64Array };
+
+/** The arrays are views of the buffer. @param {ArrayBuffer} buffer @param {number} [start]
+ * @returns {Part} */
+export function unpack(buffer, start = 0) {
+  const view = new DataView(buffer, start);
+  const length = view.getUint32(0, true);
+  if (view.getUint32(4, true) !== VERSION) throw new Error("The page and the server have different versions; reload the page.");
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, start + 8, length)));
+  /** @type {Map<string, any>} */
+  const arrays = new Map();
+  for (const [name, kind, shape, offset] of header.arrays) {
+    const count = shape.reduce((/** @type {number} */ a, /** @type {number} */ b) => a * b, 1);
+    arrays.set(name, new KINDS[kind](buffer, start + 8 + length + offset, count));
+  }
+  return { header, arrays };
+}
+
+/** Splits a stream of bytes into messages, each preceded by its length. */
+export class Splitter {
+  constructor() {
+    /** @type {Uint8Array[]} */
+    this.chunks = [];
+    this.size = 0;
+    this.needed = 4;
+  }
+
+  /** @param {Uint8Array} chunk @returns {Part[]} */
+  add(chunk) {
+    this.chunks.push(chunk);
+    this.size += chunk.length;
+    /** @type {Part[]} */
+    const found = [];
+    if (this.size < this.needed) return found;
+    let bytes = new Uint8Array(this.size), at = 0;
+    for (const each of this.chunks) {
+      bytes.set(each, at);
+      at += each.length;
+    }
+    for (;;) {
+      this.needed = bytes.length < 4 ? 4 : 4 + new DataView(bytes.buffer, bytes.byteOffset).getUint32(0, true);
+      if (bytes.length < this.needed) break;
+      found.push(unpack(bytes.slice(4, this.needed).buffer));
+      bytes = bytes.subarray(this.needed);
+    }
+    this.chunks = [bytes];
+    this.size = bytes.length;
+    return found;
+  }
+}
 
 const START = () => ({ header: /** @type {any} */ (null), arrays: /** @type {Map<string, any>} */ (new Map()) });
 

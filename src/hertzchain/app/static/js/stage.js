@@ -1,6 +1,6 @@
 /** The beads, to scale, with the pulse in them. */
 
-import { COLOURS, STEPS, penOf, stepOf } from "./colour.js";
+import { COLOURS, KINDS, STEPS, penOf, stepOf } from "./colour.js";
 
 /** @typedef {{count: number, beads: number, times: Float64Array, velocities: Int16Array, speeds: Float64Array,
  *   forces: Int16Array, strengths: Float64Array}} Motion */
@@ -26,6 +26,8 @@ export class Stage {
     /** @type {string[]} */
     this.walls = [];
     this.strikers = 0;
+    /** Numbers of the materials of the beads, if there are several. @type {Int16Array | null} */
+    this.kinds = null;
     this.long = 1;
     this.largest = 1;
     /** @type {Motion | null} */
@@ -45,16 +47,17 @@ export class Stage {
     canvas.onpointercancel = () => this.up();
   }
 
-  /** @param {Float64Array} radii @param {Float64Array} centres @param {any} header @param {number} wallGap */
-  chain(radii, centres, header, wallGap) {
-    this.radii = radii;
-    this.centres = centres;
+  /** @param {import("./results.js").Part} beads @param {number} wallGap */
+  chain({ header, arrays }, wallGap) {
+    this.radii = arrays.get("radii");
+    this.centres = arrays.get("centres");
+    this.kinds = header.kinds.length ? arrays.get("kinds") : null;
     this.walls = header.walls;
     this.strikers = header.strikers;
     this.wallGap = header.units === "SI" ? wallGap : 0;
-    const last = radii.length - 1;
-    this.long = centres[last] + radii[last] + this.wallGap;
-    this.largest = radii.reduce((a, b) => Math.max(a, b), 0);
+    const last = this.radii.length - 1;
+    this.long = this.centres[last] + this.radii[last] + this.wallGap;
+    this.largest = this.radii.reduce((a, b) => Math.max(a, b), 0);
   }
 
   get middle() {
@@ -251,7 +254,10 @@ export class Stage {
       pen.arc(x, y, Math.max(r - 0.5, 0.5), 0, 6.2832);
       pen.fillStyle = moving ? STEPS[stepOf(v)] : k < this.strikers ? COLOURS.striker : COLOURS.bead;
       pen.fill();
+      if (this.kinds) this.drawKind(pen, this.kinds[k], x, y, r);
       if (r > 3) {
+        pen.beginPath();
+        pen.arc(x, y, Math.max(r - 0.5, 0.5), 0, 6.2832);
         pen.strokeStyle = COLOURS.edge;
         pen.lineWidth = r > 12 ? 1.25 : 0.75;
         pen.stroke();
@@ -263,6 +269,19 @@ export class Stage {
         pen.fill();
       }
     }
+  }
+
+  /** A ring in the colour of the material. @param {Pen} pen @param {number} kind
+   * @param {number} x @param {number} y @param {number} r */
+  drawKind(pen, kind, x, y, r) {
+    const wide = Math.max(1.75, 0.24 * r);
+    pen.beginPath();
+    pen.arc(x, y, Math.max(r - wide / 2, 0.5), 0, 6.2832);
+    pen.strokeStyle = COLOURS[`m${kind % KINDS}`];
+    pen.lineWidth = wide;
+    pen.setLineDash(kind < KINDS ? [] : [r / 3, r / 5]);
+    pen.stroke();
+    pen.setLineDash([]);
   }
 
   /** Forces of the contacts, as bars across them. @param {Pen} pen

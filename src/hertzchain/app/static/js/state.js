@@ -2,7 +2,7 @@
 
 /** @typedef {Record<string, any>} Document a chain file as JSON: `chain` and, perhaps, `materials` */
 /** @typedef {"A" | "B"} Slot */
-/** @typedef {{quantity: string, log: boolean, bead: number, sensors: number[], camera: string,
+/** @typedef {{quantity: string, log: boolean, bead: number, sensors: number[], camera: string, forces: string,
  *   clock: string, speed: number, map: string, scale: string, budget: string, errors: string,
  *   hidden: string[]}} View */
 /** @typedef {{A: Document, B: Document | null, active: Slot, view: View}} State */
@@ -10,7 +10,7 @@
 /** @type {View} */
 export const VIEW = {
   quantity: "velocity", log: false, bead: 1, sensors: [], camera: "whole", clock: "beads", speed: 1,
-  map: "velocities", scale: "bead", budget: "energy", errors: "theories",
+  forces: "all", map: "velocities", scale: "bead", budget: "energy", errors: "theories",
   hidden: ["hard-sphere", "two-thirds-bca", "modified-bca-printed"],
 };
 

@@ -145,7 +145,7 @@ export class Views {
     const axis = this.timeAxis(own), x = times(motion.times, axis.factor);
     this.factor = axis.factor;
     this.drawBudget(state, own, x, axis.label);
-    this.drawForces(own, other, axis);
+    this.drawForces(state.view.forces, own, other, axis);
     this.drawNumbers(state, own, other);
     this.drawModes(own);
   }
@@ -179,20 +179,23 @@ export class Views {
     replace($("legend-budget"), names.map((name) => make("span", { className: "key" }, make("i", { className: `swatch part ${name.replaceAll(" ", "-")}` }), name)));
   }
 
-  /** Forces of both chains at their times. @param {Results} own @param {Results | null} other @param {any} axis */
-  drawForces(own, other, axis) {
+  /** Forces of both chains at their times. @param {string} scale @param {Results} own @param {Results | null} other @param {any} axis */
+  drawForces(scale, own, other, axis) {
     const traces = forcesOf(own), theirs = other?.motion && other.si === own.si ? forcesOf(other) : [];
-    const [factor, unit] = own.si ? prefixed(Math.max(...[...traces, ...theirs].map((each) => each.peak.force), 0), "N") : [1, ""];
+    const most = Math.max(...[...traces, ...theirs].map((each) => each.peak.force), 0), [factor, unit] = own.si ? prefixed(most, "N") : [1, ""];
+    // Curves on a logarithmic axis end at a part of the largest force.
+    const shown = (/** @type {number[]} */ y) => scale === "log" ? y.map((each) => Math.max(each, 1e-4 * most) * factor) : times(y, scale === "each" ? 1 / (largest(y) || 1) : factor);
     const series = [...traces, ...theirs].map((each, i) => {
-      const x = [...each.times], y = [...each.values], { what, force, time } = each.peak, next = Math.ceil(placeAt(x, time) * (x.length - 1));
+      const x = [...each.times], y = [...each.values], { what, force, time, yielding } = each.peak, next = Math.ceil(placeAt(x, time) * (x.length - 1));
       // Saved times may be on both sides of a short peak.
       x.splice(next, 0, time);
       y.splice(next, 0, force);
       const [faint, label] = i < traces.length ? ["", each.label] : [" faint", `other chain, ${each.label}`];
-      return { name: each.name + faint, label, x: times(x, axis.factor), y: times(y, factor), note: `${label}: ${what} ${short(force * factor)} ${unit} at ${short(time * axis.factor)} ${axis.unit}` };
+      return { name: each.name + faint, label, x: times(x, axis.factor), y: shown(y),
+        note: `${label}: ${what} ${short(force * factor)} ${unit} at ${short(time * axis.factor)} ${axis.unit}${yielding ? `; ${short(yielding * factor)} ${unit} if contacts yield` : ""}` };
     });
     const message = series.length ? "" : "Click a bead for a sensor, or add a wall.";
-    this.force.draw(series, { xLabel: axis.label, yLabel: inUnit("force", unit), message }, `Forces: ${summary(series)}`);
+    this.force.draw(series, { xLabel: axis.label, yLabel: scale === "each" ? "force, relative to the largest of each curve" : inUnit("force", unit), log: scale === "log", message }, `Forces: ${summary(series)}`);
     replace($("legend-force"), series.map(({ name, note }) => key(name, note)));
   }
 
@@ -306,8 +309,8 @@ function forcesOf(results) {
   for (const [key, values] of results.run.arrays) {
     const name = key.startsWith("force.") ? key.slice(6) : "";
     if (!name) continue;
-    const side = name === "left" || name === "right", { first, time, largest, largest_time } = peaks[name];
-    const peak = first === null ? { what: "largest so far", force: largest ?? 0, time: largest_time ?? 0 } : { what: side ? "peak" : "first maximum", force: first, time };
+    const side = name === "left" || name === "right", { first, time, largest, largest_time, yielding } = peaks[name];
+    const peak = first === null ? { what: "largest so far", force: largest ?? 0, time: largest_time ?? 0 } : { what: side ? "peak" : "first maximum", force: first, time, yielding };
     found.push({ peak, times: results.run.arrays.get("times"), values, name: side ? `wall-${name}` : `sensor${sensors.indexOf(Number(name))}`, label: side ? `${name} wall` : `sensor in bead ${name}${strikers && +name > strikers ? ` (ball ${+name - strikers})` : ""}` });
   }
   return found;

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { Splitter, unpack } from "../../src/hertzchain/app/static/js/parts.js";
+import { Splitter, unpack } from "../../src/hertzchain/app/static/js/results.js";
 
 /** A message as `messages.py` packs it. */
 function packed(header, values) {

@@ -7,7 +7,8 @@ import warnings
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from ..simulation.run import Run
+    from ..validation.objects import Progress
+    from .run import Run
 
 # Largest number of beads for which the second run, of contacts with kinks, takes about a second.
 MAX_BEADS: Final = 100
@@ -24,26 +25,29 @@ def pressures_below_yield(*runs: Run) -> list[str]:
     return [line] if line else []
 
 
-def peak_with_yielding_contacts(run: Run) -> float | None:
+def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> float | None:
     """Largest force on the right wall of an elastic run that yields; `None` if it is not known."""
     from ..chain.hertz_range import hertz_range
     from ..chain.laws.elastic_plastic import ElasticPlastic
-    from ..errors import InputError
-    from ..simulation.simulate_many import simulate_many
+    from ..errors import InputError, SimulationError
+    from .simulate import simulate
 
     chain = run.chain
     if chain.materials is None or chain.units != "SI" or not chain.lossless:
         return None
-    if chain.right_wall is None or chain.beads > MAX_BEADS or run.status != "wall force complete":
+    if chain.right_wall is None or chain.beads > MAX_BEADS:
+        return None
+    if not run._wall_force("right").complete:
         return None
     if hertz_range(chain, run.largest_overlaps).yield_ratio.max() <= 1.0:
         return None
-    try:
-        dented = chain.replace(loss=ElasticPlastic())
-    except InputError:
-        return None
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # those of the elastic run are shown
-        table = simulate_many([dented], keep=["wall_peak_force"])
-    peak = float(table["wall_peak_force"][0])
-    return None if table.reasons or math.isnan(peak) else peak
+        try:
+            dented = chain.replace(loss=ElasticPlastic())
+            peak = (
+                simulate(dented, times=0, check=False, progress=progress).wall_force("right").peak
+            )
+        except (InputError, SimulationError):
+            return None
+    return None if math.isnan(peak) else peak

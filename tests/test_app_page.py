@@ -592,6 +592,24 @@ def test_beads_of_several_materials_have_rings_and_a_legend(page):
     assert page.tab.locator("#title-A .key").count() == 0
 
 
+def test_a_material_has_the_same_colour_in_both_chains(page):
+    chains = [["ptfe", "brass"], ["glass", "brass", "ptfe"]]
+    pairs = []
+    for slot, each in zip(("", "b."), chains, strict=True):
+        values = {"radii": "5+mm", "velocity": "0.1+m/s", "beads": len(each)}
+        values["materials"] = json.dumps(each)
+        pairs += [f"{slot}{name}={value}" for name, value in values.items()]
+    tab = page.new_tab(page.origin + "#" + "&".join(pairs).replace(" ", ""))
+    shown = [
+        dict(tab.locator(f"#title-{slot} .key").evaluate_all(
+            "keys => keys.map(each => [each.textContent, each.firstChild.style.color])"))
+        for slot in "AB"
+    ]  # fmt: skip
+    assert list(shown[0]) == ["ptfe, 10 mm", "brass, 10 mm"]
+    assert shown[0].items() < shown[1].items()
+    assert len(set(shown[1].values())) == 3
+
+
 def test_small_forces_can_be_seen_next_to_large_ones(page):
     wall = "right_wall.material=rubber&~sensors=[3]"
     row = "#diameters=12+mm&beads=10&materials=steel-52100&velocity=0.3+m/s&"

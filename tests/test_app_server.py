@@ -149,7 +149,7 @@ def test_beads_of_several_materials_are_described():
     materials = ["ptfe", "steel-316", "ptfe", "steel-316"]
     both = {"chain": {"diameters": diameters, "materials": materials, "velocity": "0.1 m/s"}}
     header, arrays = computed(both)["beads"]
-    assert header["kinds"] == ["ptfe, 6 mm", "steel-316, 12 mm to 10 mm"]
+    assert header["kinds"] == [["ptfe", "6 mm"], ["steel-316", "12 mm to 10 mm"]]
     assert arrays["kinds"].tolist() == [0, 1, 0, 1]
     assert computed(STEEL)["beads"][0]["kinds"] == []
 

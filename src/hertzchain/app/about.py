@@ -56,6 +56,8 @@ BEGIN: Final = {
         "cell": {"cell": [1, 0.6], "cells": 20},
         "mass_ratio": {"mass_ratio": 0.3428, "beads": 40},
     },
+    # A soft polymer, which can be seen next to steel.
+    "material": {"density": "1200 kg/m^3", "young": "2 GPa", "poisson": 0.35},
     "other": {"bead": 10, "radius": 2, "seed": 1, "relative": 0.05, "ratio": 0.4,
               "coefficient": 0.9, "amplitude": 0.3, "frequency": 0.1,
               "times": [0, 5, 10], "values": [0, 0.1, 0]},

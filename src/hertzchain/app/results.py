@@ -119,7 +119,7 @@ def _description(chain: Chain) -> dict[str, Any]:
         "features": list(chain.features), "strikers": chain.strikers,
         "exponent": p if isinstance(p, float) else None,
         "walls": [name.removesuffix(" wall") for name in walls if name in chain.features],
-        "kinds": [f"{name}, {sizes_in_words(chain.radii[beads])}"
+        "kinds": [[name, sizes_in_words(chain.radii[beads])]
                   for name, beads in _kinds(chain).items()],
     }  # fmt: skip
 

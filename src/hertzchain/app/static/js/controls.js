@@ -168,8 +168,7 @@ export class Controls {
       let number = 1;
       while (own.includes(`material ${number}`)) number++;
       this.opened.add("materials");
-      // A soft polymer, which can be seen next to steel.
-      this.put(["materials", `material ${number}`], { density: "1200 kg/m^3", young: "2 GPa", poisson: 0.35 });
+      this.put(["materials", `material ${number}`], this.about.begin.material);
     }, { id: "add-material", "aria-label": `${what}: own material` });
     return this.group("materials", "Own materials", own.length > 0, [hint(section.description), ...entries, add]);
   }

@@ -310,6 +310,7 @@ function wakeLater() {
 
 function draw() {
   const found = own(), time = found.motion ? timeAt(found.motion.times, u) : 0;
+  if (dirty.pulse || dirty.times) showTitles();
   for (const slot of SLOTS) {
     if (!state[slot] || !results[slot].ready) continue;
     const { motion } = results[slot], place = placeOf(slot);
@@ -323,7 +324,6 @@ function draw() {
   }
   const axis = found.motion ? views.timeAxis(found) : { factor: 1, label: "" };
   map.draw(time, state.view.bead, axis);
-  if (dirty.pulse || dirty.times) showTitles();
   if (dirty.pulse) {
     views.drawPulse(state, found, other());
     dirty.pulse = false;
@@ -339,11 +339,14 @@ function draw() {
 }
 
 function showTitles() {
+  const names = [...new Set(SLOTS.flatMap((slot) => (state[slot] && results[slot].beads.header?.kinds) || []).map(([name]) => name))];
   for (const slot of SLOTS) {
     const header = results[slot].beads.header;
     if (!header) continue;
-    const kinds = header.kinds.map((/** @type {string} */ text, /** @type {number} */ i) => make("span", { className: "key" },
-      make("i", { className: "ring", style: `color:var(--m${i % KINDS});${i < KINDS ? "" : "border-style:dashed"}` }), text));
+    // A material has the same colour in both chains.
+    const colours = stages[slot].colours = header.kinds.map((/** @type {string[]} */ [name]) => names.indexOf(name));
+    const kinds = colours.map((/** @type {number} */ i, /** @type {number} */ n) => make("span", { className: "key" },
+      make("i", { className: "ring", style: `color:var(--m${i % KINDS});${i < KINDS ? "" : "border-style:dashed"}` }), header.kinds[n].join(", ")));
     $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description, ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
   }
   const beads = own().beads.header?.beads, list = own().warnings.map(upper);

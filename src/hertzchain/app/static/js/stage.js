@@ -14,6 +14,12 @@ const FULL = 32767;
 const RIM = 6;
 const MOST = 6, LEAST = 0.15;
 
+/** @param {Pen} pen @param {number} x @param {number} y @param {number} r */
+function circle(pen, x, y, r) {
+  pen.beginPath();
+  pen.arc(x, y, Math.max(r, 0.5), 0, 6.2832);
+}
+
 export class Stage {
   /** @param {HTMLCanvasElement} canvas @param {Handlers} on */
   constructor(canvas, on) {
@@ -26,8 +32,9 @@ export class Stage {
     /** @type {string[]} */
     this.walls = [];
     this.strikers = 0;
-    /** Numbers of the materials of the beads, if there are several. @type {Int16Array | null} */
-    this.kinds = null;
+    this.kinds = new Int16Array(0);
+    /** Numbers of the colours of the materials, if there are several. @type {number[]} */
+    this.colours = [];
     this.long = 1;
     this.largest = 1;
     /** @type {Motion | null} */
@@ -51,7 +58,7 @@ export class Stage {
   chain({ header, arrays }, wallGap) {
     this.radii = arrays.get("radii");
     this.centres = arrays.get("centres");
-    this.kinds = header.kinds.length ? arrays.get("kinds") : null;
+    this.kinds = arrays.get("kinds");
     this.walls = header.walls;
     this.strikers = header.strikers;
     this.wallGap = header.units === "SI" ? wallGap : 0;
@@ -250,38 +257,31 @@ export class Stage {
       const r = Math.max(this.radii[k] * scale, 0.5), x = this.px(this.centres[k]);
       if (x + r < -2 || x - r > W + 2) continue;
       const v = speeds[k], moving = v > 0.004 || v < -0.004;
-      pen.beginPath();
-      pen.arc(x, y, Math.max(r - 0.5, 0.5), 0, 6.2832);
+      circle(pen, x, y, r - 0.5);
       pen.fillStyle = moving ? STEPS[stepOf(v)] : k < this.strikers ? COLOURS.striker : COLOURS.bead;
       pen.fill();
-      if (this.kinds) this.drawKind(pen, this.kinds[k], x, y, r);
+      if (this.colours.length) {
+        // A ring in the colour of the material.
+        const kind = this.colours[this.kinds[k]], wide = Math.max(1.75, 0.24 * r);
+        circle(pen, x, y, r - wide / 2);
+        pen.strokeStyle = COLOURS[`m${kind % KINDS}`];
+        pen.lineWidth = wide;
+        pen.setLineDash(kind < KINDS ? [] : [r / 3, r / 5]);
+        pen.stroke();
+        pen.setLineDash([]);
+      }
       if (r > 3) {
-        pen.beginPath();
-        pen.arc(x, y, Math.max(r - 0.5, 0.5), 0, 6.2832);
+        circle(pen, x, y, r - 0.5);
         pen.strokeStyle = COLOURS.edge;
         pen.lineWidth = r > 12 ? 1.25 : 0.75;
         pen.stroke();
       }
       if (r > 7) {
-        pen.beginPath();
-        pen.arc(x - 0.33 * r, y - 0.36 * r, 0.19 * r, 0, 6.2832);
+        circle(pen, x - 0.33 * r, y - 0.36 * r, 0.19 * r);
         pen.fillStyle = "#ffffff47";
         pen.fill();
       }
     }
-  }
-
-  /** A ring in the colour of the material. @param {Pen} pen @param {number} kind
-   * @param {number} x @param {number} y @param {number} r */
-  drawKind(pen, kind, x, y, r) {
-    const wide = Math.max(1.75, 0.24 * r);
-    pen.beginPath();
-    pen.arc(x, y, Math.max(r - wide / 2, 0.5), 0, 6.2832);
-    pen.strokeStyle = COLOURS[`m${kind % KINDS}`];
-    pen.lineWidth = wide;
-    pen.setLineDash(kind < KINDS ? [] : [r / 3, r / 5]);
-    pen.stroke();
-    pen.setLineDash([]);
   }
 
   /** Forces of the contacts, as bars across them. @param {Pen} pen
@@ -326,8 +326,7 @@ export class Stage {
     const x = this.px(this.centres[this.bead - 1]), r = this.radii[this.bead - 1] * this.look.scale;
     pen.strokeStyle = COLOURS.accent;
     pen.lineWidth = 2;
-    pen.beginPath();
-    pen.arc(x, y, Math.max(r + 1.5, 4.5), 0, 6.2832);
+    circle(pen, x, y, Math.max(r + 1.5, 4.5));
     pen.stroke();
     pen.fillStyle = COLOURS.accent;
     pen.font = "600 12px system-ui, sans-serif";

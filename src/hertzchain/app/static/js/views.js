@@ -9,8 +9,6 @@ import { title } from "./results.js";
 /** @typedef {import("./chart.js").Series} Series */
 /** @typedef {import("./state.js").State} State */
 
-const MAX_ROWS = 2000;
-
 /** @param {number} count @param {number} [first] */
 const range = (count, first = 1) => Float64Array.from({ length: count }, (_, i) => i + first);
 
@@ -93,7 +91,7 @@ export class Views {
     }
     const series = exact ? shown.map((name) => difference(name, title(name), own.theory(name, quantity), exact, true)) : [];
     const estimate = quantity === "velocity" ? own.theory("local-rate", "velocity_error") : undefined;
-    if (exact && estimate && !hidden.includes("local-rate")) series.push({ ...line("estimate", "estimate of the local-rate law", estimate, 100) });
+    if (exact && estimate && !hidden.includes("local-rate")) series.push(line("estimate", "estimate of the local-rate law", estimate, 100));
     for (const each of series) each.apart = jumps(own, exact);
     replace($("legend-error"), series.at(-1)?.name === "estimate" ? [key("estimate", "error estimated by the law")] : []);
     card.hidden = !series.length && !other && !!own.pulse.header;
@@ -242,7 +240,7 @@ export class Views {
     const columns = /** @type {[string, any][]} */ ([[of("radius", "m"), own.beads.arrays.get("radii")], [of("mass", "kg"), own.beads.arrays.get("masses")],
       ...["velocity", "arrival", "residence", "peak_force"].map((name) => [of(name, this.about.quantities[name].unit), own.exact(name)]),
       ...own.theories.map(([name]) => [of(`${quantity}, ${title(name)}`, info.unit), own.theory(name, quantity)])]).filter(([, values]) => values);
-    const rows = Array.from({ length: Math.min(own.beads.header.beads, MAX_ROWS) }, (_, k) => [String(k + 1),
+    const rows = Array.from({ length: own.beads.header.beads }, (_, k) => [String(k + 1),
       ...columns.map(([, values]) => (k < values.length && Number.isFinite(values[k]) ? String(+values[k].toPrecision(7)) : ""))]);
     $("table").replaceChildren(table(["bead", ...columns.map(([name]) => name)], rows, state.view.bead - 1));
   }

@@ -21,6 +21,7 @@ TIMEOUT = 300_000
 PICTURES = (
     ("taper", "light", 1440, 1150, None, 0.55),
     ("striker-and-wall", "dark", 1440, 1120, "Heavy steel striker and a wall", 0.62),
+    ("materials", "light", 1440, 1150, "Steel and PTFE shock absorber", 0.4),
     ("shock-absorber", "light", 1440, 1300, "Shock absorber", 0.47),
     ("phone", "light", 400, 800, "A defect", 0.6),
 )
@@ -50,6 +51,8 @@ def main() -> None:
                 page.click(f"button[aria-label='Open {example}']")
                 page.wait_for_timeout(100)
                 page.wait_for_selector(SETTLED)
+            if name == "materials":
+                page.select_option("#force-scale", "each")
             page.evaluate(GO_TO, place)
             page.wait_for_timeout(200)
             page.screenshot(path=FOLDER / f"{name}.png")

@@ -282,6 +282,39 @@ def test_labels_state_what_differs():
     assert legend(given) == ["a", "b", "$q_1$"]
 
 
+def test_colours_show_chains_and_lines_show_methods():
+    tapers = [hc.Chain.tapered("forward-exponential", q, beads=9) for q in (0.01, 0.02)]
+    pulses = [method(chain) for chain in tapers for method in (hc.propagate, hc.bca)]
+    axes = hc.plot_pulses(pulses, residuals=True)
+    assert legend(axes) == ["q = 0.01", "q = 0.02", "propagation", "BCA", "last bead (free end)"]
+    assert axes.get_title() == "forward-exponential, 9 beads"
+    curves = [line for line in axes.lines if len(line.get_xdata()) > 1]
+    colours, lines, markers = (
+        [getattr(curve, f"get_{name}")() for curve in curves]
+        for name in ("color", "linestyle", "marker")
+    )
+    assert colours[0] == colours[1] != colours[2] == colours[3]
+    assert lines[0] == lines[2] != lines[1] == lines[3]
+    assert markers[0] == markers[2] != markers[1] == markers[3]
+    # Differences from the simulation of the same chain.
+    _, below = axes.figure.axes
+    shown = [line.get_ydata() for line in below.lines[1:] if len(line.get_ydata()) > 1]
+    for (exact, theory), found in zip((pulses[:2], pulses[2:]), shown, strict=True):
+        expected = 100.0 * (theory.velocity / exact.velocity - 1.0)
+        np.testing.assert_allclose(found, expected[: len(found)])
+    named = hc.plot_pulses(pulses, labels=["a", "b", "c", "d"])
+    assert legend(named)[:4] == ["a", "b", "c", "d"]
+    # Chains that their descriptions do not distinguish have a colour per pulse.
+    alike = hc.plot_pulses([*pulses, *pulses])
+    assert len({line.get_linestyle() for line in alike.lines} - {"None"}) == 1
+
+
+def test_curves_beyond_the_last_colour_have_other_symbols():
+    axes = hc.plot_pulses([hc.bca(hc.Chain.uniform(n)) for n in range(5, 17)])
+    looks = {(line.get_color(), line.get_marker()) for line in axes.lines}
+    assert len(looks) == 12
+
+
 def test_small_differences_are_visible_beside_large_ones():
     chain = hc.Chain.tapered("backward-exponential", 0.02, beads=60)
     pulses = [hc.propagate(chain), hc.bca(chain), hc.local_rate(chain)]

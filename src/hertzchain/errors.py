@@ -28,6 +28,8 @@ from typing import Final
 # Least similarity of two names, as measured by difflib, for one to be suggested instead of the
 # other: "mas" and "masses" are similar enough, "iron" and "bronze" are not.
 NEAR: Final = 0.65
+# Words that users try, and names that they mean.
+OTHER_WORDS: Final = {"speed": "velocity", "impulse": "momentum"}
 # Largest number of errors listed in one message.
 MAX_LISTED: Final = 20
 
@@ -115,6 +117,8 @@ def similar_names(name: object, choices: Iterable[str]) -> str:
     """Those of the known names that an unknown one may mean, such as ``'radii' or 'radius'``."""
     lower = {choice.lower(): choice for choice in choices}
     asked = name.lower() if isinstance(name, str) else ""
+    if (meant := OTHER_WORDS.get(asked)) in lower:
+        return repr(lower[meant])
     near = difflib.get_close_matches(asked, lower, n=1, cutoff=NEAR)
     containing = [choice for choice in lower if asked in choice] if len(asked) > 2 else []
     # A part of names, such as "steel" or "plastic", means them, those that begin with it first.

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,7 +16,7 @@ from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_list, check_type
-from .colours import curve_colour, grey
+from .colours import COLOURS, curve_colour, grey
 from .labels import distinguish
 from .legends import place_legend
 from .style import (
@@ -34,6 +35,8 @@ from .titles import chain_words
 HIDDEN: Final = 0.02
 # Opacity of the band of a spread.
 BAND: Final = 0.25
+# Lines of different methods, if curves of a chain share a colour.
+LINES: Final = ("-", "--", ":", "-.")
 # Labels of symbols at free ends and of bands.
 FREE_END: Final = "last bead (free end)"
 LOTS: Final = "± one standard deviation"
@@ -53,10 +56,11 @@ def plot_pulses(
     r"""Plot one quantity of several pulses against the bead number.
 
     By default a label states what distinguishes a pulse from the others (its method, taper, rate,
-    number of beads, ...); the title has the parts that all of them share.  If the last
-    bead leaves a free end at a larger velocity, its value has a filled symbol without a line.  A
-    shaded band shows the spread of a pulse by `disorder`: one standard deviation over random
-    chains.
+    number of beads, ...); the title has the parts that all of them share.  For several chains and
+    several methods, the colour of a curve shows its chain, its line and symbol show its method,
+    and the legend has one entry for each of these.  If the last bead leaves a free end at a larger
+    velocity, its value has a filled symbol without a line.  A shaded band shows the spread of a
+    pulse by `disorder`: one standard deviation over random chains.
 
     Parameters
     ----------
@@ -70,7 +74,8 @@ def plot_pulses(
         Whether the y axis is logarithmic.
     residuals : bool
         Whether a panel below shows the relative differences from the first pulse,
-        :math:`Q / Q_\mathrm{first} - 1`, at the beads that both have.  If some of them would not
+        :math:`Q / Q_\mathrm{first} - 1`, at the beads that both have.  For several chains and
+        methods, they are relative to the first pulse of the same chain.  If some of them would not
         be visible beside others, the panel has their sizes on a logarithmic axis.
     legend : bool
         Whether to add a legend, which is above the axes if it would cover data inside them.  For
@@ -106,7 +111,8 @@ def plot_pulses(
     pulses = _checked(pulses, quantity)
     log, residuals = check_bool("log", log), check_bool("residuals", residuals)
     legend = check_bool("legend", legend)
-    names, title = distinguish(_words(pulses))
+    words = _words(pulses)
+    names, title = distinguish(words)
     names = [literal(name) for name in names]
     if labels is not None:
         names = check_list("labels", labels, "labels")
@@ -116,14 +122,18 @@ def plot_pulses(
         raise InputError("residuals need at least two pulses: omit residuals")
     with figure_style():
         axes, lower = _axes(ax, residuals=residuals)
-        begin = number_of_curves(axes)
-        for i, (pulse, name) in enumerate(zip(pulses, names, strict=True), begin):
+        looks = _looks(words, number_of_curves(axes))
+        grouped = labels is None and any(look.line for look in looks)
+        for pulse, look, name in zip(pulses, looks, names, strict=True):
             values = pulse.columns()[quantity]
             free = ends_free(pulse, quantity)
-            _draw_spread(axes, pulse, quantity, i, free=free)
+            _draw_spread(axes, pulse, quantity, look, free=free)
             if free:
-                _draw_free_end(axes, pulse, values[-1], i)
-            _draw(axes, pulse, values[:-1] if free else values, i, str(name))
+                _draw_free_end(axes, pulse, values[-1], look)
+            label = None if grouped else str(name)
+            _draw(axes, pulse, values[:-1] if free else values, look, label)
+        if grouped:
+            _label_groups(axes, words, looks)
         _label_parts(axes, pulses, quantity)
         row = QUANTITIES[quantity]
         axes.set_ylabel(row.label_in(pulses[0].chain.units))
@@ -134,7 +144,7 @@ def plot_pulses(
         lowest.set_xlabel(f"{row.per} $k$")
         lowest.xaxis.set_major_locator(BeadLocator())
         if lower is not None:
-            _draw_residuals(lower, pulses, quantity, begin)
+            _draw_residuals(lower, pulses, quantity, looks)
             lower.set_xlim(axes.get_xlim())
         set_title(axes, literal(title))
         if legend:
@@ -176,6 +186,51 @@ def _words(pulses: Sequence[Pulse]) -> list[list[str]]:
     return titles if count[0] == count[1] else described
 
 
+@dataclass(frozen=True)
+class _Look:
+    """Numbers of the colour, of the symbol and of the line of a curve."""
+
+    colour: int
+    symbol: int
+    line: int = 0
+
+    @property
+    def marker(self) -> str:
+        # Curves whose colours repeat have another symbol.
+        return MARKERS[(self.symbol + self.symbol // len(COLOURS)) % len(MARKERS)]
+
+
+def _looks(words: Sequence[Sequence[str]], begin: int) -> list[_Look]:
+    """Colours by chain and lines by method if there are several of both, otherwise by pulse."""
+    chains = list(dict.fromkeys(tuple(chain) for _, *chain in words))
+    methods = list(dict.fromkeys(method for method, *_ in words))
+    different = len({*map(tuple, words)}) == len(words) >= len(chains) + len(methods)
+    if not different or min(len(chains), len(methods)) < 2:
+        return [_Look(i, i) for i in range(begin, begin + len(words))]
+    return [
+        _Look(begin + chains.index((*chain,)), i := methods.index(method), i)
+        for method, *chain in words
+    ]
+
+
+def _label_groups(axes: Axes, words: Sequence[Sequence[str]], looks: Sequence[_Look]) -> None:
+    """Entries of the legend for each chain, in its colour, and for each method, in grey."""
+    chains = {look.colour: chain for (_, *chain), look in zip(words, looks, strict=True)}
+    for colour, name in zip(chains, distinguish([*chains.values()])[0], strict=True):
+        axes.plot([], [], color=curve_colour(axes, colour), label=literal(name))
+    methods = {look: method for (method, *_), look in zip(words, looks, strict=True)}
+    for look, name in {look.line: (look, name) for look, name in methods.items()}.values():
+        axes.plot([], [], color=grey(axes, 0.4), **_line(look), label=literal(name))
+
+
+def _line(look: _Look) -> dict[str, Any]:
+    """Line and symbol of a curve, as arguments of `Axes.plot`."""
+    return {
+        "linestyle": LINES[look.line % len(LINES)], "linewidth": 0.9,
+        "marker": look.marker, "markerfacecolor": "none",
+    }  # fmt: skip
+
+
 def _axes(ax: Axes | Sequence[Axes] | None, *, residuals: bool) -> tuple[Axes, Axes | None]:
     return get_two_axes(ax) if residuals else (get_axes(ax), None)  # type: ignore[arg-type]
 
@@ -193,10 +248,10 @@ def label_free_end(axes: Axes) -> None:
     axes.plot([], [], color=grey(axes, 0.4), marker=MARKERS[0], linestyle="none", label=FREE_END)
 
 
-def _draw_free_end(axes: Axes, pulse: Pulse, value: float, i: int) -> None:
+def _draw_free_end(axes: Axes, pulse: Pulse, value: float, look: _Look) -> None:
     """A filled symbol, which no line joins to the other beads."""
-    colour, marker = curve_colour(axes, i), MARKERS[i % len(MARKERS)]
-    axes.plot(pulse.bead[-1:], [value], color=colour, marker=marker, linestyle="none")
+    colour = curve_colour(axes, look.colour)
+    axes.plot(pulse.bead[-1:], [value], color=colour, marker=look.marker, linestyle="none")
 
 
 def _spread(pulse: Pulse, quantity: str) -> Array | None:
@@ -205,14 +260,14 @@ def _spread(pulse: Pulse, quantity: str) -> Array | None:
     return pulse.column(name) if name in QUANTITIES else None
 
 
-def _draw_spread(axes: Axes, pulse: Pulse, quantity: str, i: int, *, free: bool) -> None:
+def _draw_spread(axes: Axes, pulse: Pulse, quantity: str, look: _Look, *, free: bool) -> None:
     """A band of one standard deviation, and a bar of this height at a free end."""
     spread = _spread(pulse, quantity)
     if spread is None:
         return
     values = pulse.columns()[quantity]
     bead, low, high = pulse.bead[: len(values)], values * np.exp(-spread), values * np.exp(spread)
-    colour, end = curve_colour(axes, i), len(values) - free
+    colour, end = curve_colour(axes, look.colour), len(values) - free
     axes.fill_between(bead[:end], low[:end], high[:end], color=colour, alpha=BAND, linewidth=0.0)
     if free:
         axes.vlines(bead[-1], low[-1], high[-1], color=colour, alpha=BAND, linewidth=3.0)
@@ -230,17 +285,16 @@ def _label_parts(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
         label_free_end(axes)
 
 
-def _draw(axes: Axes, pulse: Pulse, values: Array, i: int, label: str | None) -> None:
+def _draw(axes: Axes, pulse: Pulse, values: Array, look: _Look, label: str | None) -> None:
+    beads = pulse.chain.beads
     axes.plot(
         pulse.bead[: len(values)],
         values,
-        color=curve_colour(axes, i),
-        marker=MARKERS[i % len(MARKERS)],
-        markerfacecolor="none",
+        color=curve_colour(axes, look.colour),
         # Markers of different pulses at different beads do not hide each other.
-        markevery=(i * max(1, pulse.chain.beads // 60), max(1, pulse.chain.beads // 20)),
-        linewidth=0.9,
+        markevery=(look.symbol * max(1, beads // 60), max(1, beads // 20)),
         label=label,
+        **_line(look),
     )
 
 
@@ -251,26 +305,28 @@ def _hidden(differences: Sequence[Array]) -> float:
     return min(present) if present and min(present) < HIDDEN * max(present) else 0.0
 
 
-def _draw_residuals(axes: Axes, pulses: Sequence[Pulse], quantity: str, begin: int) -> None:
-    """Relative differences from the first pulse, in percent."""
-    first = pulses[0].columns()[quantity]
+def _draw_residuals(
+    axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequence[_Look]
+) -> None:
+    """Relative differences from the first pulse, of the same chain if colours are, in percent."""
+    grouped = any(look.line for look in looks)
+    first: dict[int, Pulse] = {}
     differences = []
-    for pulse in pulses[1:]:
-        other = pulse.columns()[quantity]
-        both = min(len(first), len(other))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            differences.append(100.0 * (other[:both] / first[:both] - 1.0))
-    least = _hidden(differences)
+    for pulse, look in zip(pulses, looks, strict=True):
+        reference = first.setdefault(look.colour if grouped else 0, pulse)
+        if reference is not pulse:
+            differences.append((look, pulse, reference, _difference(pulse, reference, quantity)))
+    least = _hidden([values for *_, values in differences])
     if not least:
         axes.axhline(0.0, color=grey(axes, 0.6), linewidth=0.7)
-    for i, (pulse, values) in enumerate(zip(pulses[1:], differences, strict=True), begin + 1):
+    for look, pulse, reference, values in differences:
         shown = np.abs(values) if least else values
-        ends = {len(each.columns()[quantity]) for each in (pulses[0], pulse)
+        ends = {len(each.columns()[quantity]) for each in (reference, pulse)
                 if ends_free(each, quantity)}  # fmt: skip
         free = len(shown) in ends
-        _draw(axes, pulse, shown[:-1] if free else shown, i, None)
+        _draw(axes, pulse, shown[:-1] if free else shown, look, None)
         if free:
-            _draw_free_end(axes, pulse, shown[-1], i)
+            _draw_free_end(axes, pulse, shown[-1], look)
     if least:
         axes.set_yscale("log")
         axes.set_ylim(bottom=0.03 * least)
@@ -278,3 +334,11 @@ def _draw_residuals(axes: Axes, pulses: Sequence[Pulse], quantity: str, begin: i
         return
     # In two lines, the label is not taller than the panel of a narrow figure.
     axes.set_ylabel("difference\n[%]")
+
+
+def _difference(pulse: Pulse, reference: Pulse, quantity: str) -> Array:
+    """Relative difference of two pulses in percent, at the beads that both have."""
+    first, other = reference.columns()[quantity], pulse.columns()[quantity]
+    both = min(len(first), len(other))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(100.0 * (other[:both] / first[:both] - 1.0))

@@ -4,6 +4,7 @@ import re
 import subprocess
 import sys
 import warnings
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -128,6 +129,41 @@ def test_waves_fronts_and_states_have_their_numbers(units):
     root, _ = parsed(waves)
     assert len(root.findall(".//table/tr")) == min(len(waves), 12) + 1
     assert "no waves" in parsed(waves.passing(20).left.right)[1]
+
+
+@pytest.mark.parametrize("units", UNITS)
+def test_single_waves_reflections_peaks_and_horizons_have_their_numbers(units):
+    chain = balls(40, units).replace(right_wall=hc.Wall())
+    unit = hc.Scales.of(chain).time if units == "SI" else 1.0
+    run = hc.simulate(chain, until=80.0 * unit, times=2000)
+    wave, found = run.waves().left[0], run.reflection(20, 40)
+    peaks, horizon = run.velocity_peaks(10), run.horizon()
+    for item, words in (
+        (wave, ["to the left", engineering(wave.energy, "J", units),
+                f"{wave.contacts.min()} to {wave.contacts.max()}"]),
+        (found, ["between contacts 20 and 40", f"{found.reflected_energy:.4f}",
+                 engineering(found.incident.energy, "J", units)]),
+        (peaks, ["of bead 10", engineering(peaks.times[0], "s", units)]),
+        (horizon, ["predictable within 1% at all saved times"]),
+    ):  # fmt: skip
+        root, text = parsed(item)
+        assert text.startswith(type(item).__name__)
+        assert root.find(".//svg") is not None or root.find(".//table") is not None
+        for word in words:
+            assert word in text, (word, text)
+    rows = found.to_dataframe()
+    assert rows["part"].tolist() == ["incident", "reflected"]
+    np.testing.assert_allclose(rows["energy"][1] / rows["energy"][0], found.reflected_energy)
+    coarse = replace(wave, events=tuple(replace(each, samples=3.0) for each in wave.events))
+    assert "not resolved, with 3 saved times" in parsed(coarse)[1]
+
+
+def test_samples_of_a_fit_are_listed():
+    samples = np.array([[1e-6], [3e-6]])
+    text = parsed(hc.Posterior(("lag",), samples, 0.5, np.nan, 20, np.zeros(1), ("s",)))[1]
+    assert "Posterior 2 samples" in text
+    assert "lag 2.0 +- 1.0 us" in text
+    assert "20 steps are too few" in text
 
 
 def test_gradients_show_where_a_quantity_depends_on_the_chain():

@@ -146,6 +146,11 @@ class Posterior:
         rows = ", ".join(f"{name} = {row}" for name, row in self._rows())
         return short("Posterior", f"{len(self.samples)} samples", self._too_short(), rows)
 
+    def _repr_html_(self) -> str:
+        from ..notebook.fits import posterior_html
+
+        return posterior_html(self)
+
     def _rows(self) -> list[tuple[str, str]]:
         """Name, and mean with error and unit, of each parameter."""
         means, errors = self.means, self.errors

@@ -25,7 +25,7 @@ AREA_COLUMNS: Final = 160
 # Points up to which each has a dot.
 MAX_DOTS: Final = 60
 # Margins of a chart: left, right, top, bottom.
-MARGINS: Final = (58, 12, 10, 34)
+MARGINS: Final = (64, 12, 10, 34)
 PREFIXES: Final = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 FONT = "font-family:system-ui,-apple-system,'Segoe UI',sans-serif"
@@ -238,7 +238,7 @@ def _axes(frame: _Frame, x_label: str, y_label: str) -> str:
     parts.append(
         f'<path d="M{left} {frame.floor}H{WIDTH - right}" stroke="currentColor" opacity="0.5"/>'
         f'<text x="{middle}" y="{frame.height - 4}" text-anchor="middle">{escape(x_label)}</text>'
-        f'<text transform="translate(11 {frame.floor // 2}) rotate(-90)" text-anchor="middle">'
+        f'<text transform="translate(10 {frame.floor // 2}) rotate(-90)" text-anchor="middle">'
         f"{escape(y_label)}</text>"
     )
     return "".join(parts)

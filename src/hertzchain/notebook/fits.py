@@ -10,6 +10,7 @@ import numpy as np
 from ..collision import Array
 from ..fitting.defect_scan import DefectScan
 from ..fitting.loss_comparison import LossComparison
+from ..fitting.posterior import Posterior
 from ..fitting.result import FitResult
 from ..fitting.sensor_comparison import HEADINGS
 from ..fitting.signals import Shot
@@ -121,6 +122,13 @@ def defect_scan_html(scan: DefectScan) -> str:
               "reduction of chi2", whole=True),
         numbers(shown), *_notes((text,)),
     )  # fmt: skip
+
+
+def posterior_html(posterior: Posterior) -> str:
+    """Mean and standard deviation of each parameter."""
+    rows = table(("parameter", "mean and error"), posterior._rows())
+    about = counted(len(posterior.samples), "sample")
+    return page("Posterior", about, rows, *_notes(filter(None, [posterior._too_short()])))
 
 
 def _figures(shot: Shot, models: Sequence[Array | None]) -> list[str]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..simulation.budget import COLOURS as LOCATION_COLOURS
 from ..simulation.budget import Budget
+from ..simulation.horizon import Horizon
 from ..simulation.run import Run
 from ..simulation.sensor_force import SHOWN, SensorForce
 from ..simulation.wall_force import WallForce
@@ -144,6 +145,17 @@ def wall_force_html(wall: WallForce) -> str:
         sentences = [wall._later] if ended else [wall._later, wall.reason]
         parts.extend(note(f"{each[:1].upper()}{each[1:]}.") for each in sentences)
     return page("WallForce", f"{wall.side} wall", *parts)
+
+
+def horizon_html(horizon: Horizon) -> str:
+    """Estimated error of the velocities over time."""
+    factor, second = axis_unit(horizon.times, "s", horizon.chain.units)
+    curve = Curve(factor * horizon.times, 100.0 * horizon.error)
+    message = f"{horizon.message[:1].upper()}{horizon.message[1:]}."
+    return page(
+        "Horizon", horizon.chain.description,
+        chart([curve], f"time{second}", "estimated error [%]", log=True), note(message),
+    )  # fmt: skip
 
 
 def sensor_force_html(sensor: SensorForce) -> str:

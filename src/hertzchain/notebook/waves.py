@@ -1,4 +1,4 @@
-"""HTML representations of waves, fronts, leading pulses, energy fluxes and states."""
+"""HTML representations of waves, reflections, fronts, leading pulses, fluxes and states."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from ..collision import Array
 from ..simulation.energy_flux import EnergyFlux
 from ..simulation.fronts import Fronts
 from ..simulation.leading_pulse import LeadingPulse
+from ..simulation.reflection import Reflection
 from ..simulation.state import State
-from ..simulation.waves import Waves
+from ..simulation.velocity_peaks import VelocityPeaks
+from ..simulation.waves import DIRECTIONS, Wave, Waves
 from .drawing import (
     COLOURS,
     Curve,
@@ -25,7 +27,7 @@ from .drawing import (
     table,
 )
 
-# Strongest waves that are drawn and listed.
+# Strongest waves that are drawn and listed, and strongest peaks that are listed.
 MAX_WAVES: Final = 12
 
 
@@ -65,6 +67,78 @@ def waves_html(waves: Waves) -> str:
     if len(waves) > len(shown):
         parts.append(note(f"The {len(shown)} waves of the largest energy, of {len(waves)}."))
     return page("Waves", description, *parts)
+
+
+def wave_html(wave: Wave) -> str:
+    """Largest force of a wave at each contact, and its numbers."""
+    units, order = wave.chain.units, np.argsort(wave.contacts)
+    factor, newton = axis_unit(wave.amplitudes, "N", units)
+    curve = Curve(wave.contacts[order].astype(float), factor * wave.amplitudes[order])
+    begin, end = (engineering(wave.times[i], "s", units) for i in (0, -1))
+    found = {
+        "contacts": f"{wave.contacts.min()} to {wave.contacts.max()}",
+        "time": f"{begin} to {end}",
+        "force": engineering(wave.amplitude, "N", units),
+        "momentum": engineering(wave.momentum, "kg m/s", units),
+        "energy": engineering(wave.energy, "J", units),
+    }
+    if np.isfinite(wave.width):
+        found["width in time"] = engineering(wave.width, "s", units)
+    parts = [chart([curve], "contact", f"largest force{newton}", whole=True), numbers(found)]
+    if wave.merged:
+        parts.append(note("Momentum and energy may include waves that have not separated."))
+    if not wave.resolved:
+        few = f"{wave.samples:.2g} saved times during the passage of a contact"
+        parts.append(note(f"The wave is not resolved, with {few}: save more times."))
+    about = f"to the {DIRECTIONS[wave.direction]}: {wave.chain.description}"
+    return page("Wave", about, *parts)
+
+
+def reflection_html(found: Reflection) -> str:
+    """The incident wave, and the reflected and transmitted parts of it."""
+    units, incident = found.chain.units, found.incident
+    rows = [
+        (name, f"{len(events)}", *(f"{part:.4f}" for part in parts))
+        for name, events, parts in (
+            ("reflected", found.reflected, (
+                found.reflected_energy, found.reflected_momentum, found.reflected_force)),
+            ("transmitted", found.transmitted, (
+                found.transmitted_energy, found.transmitted_momentum, found.transmitted_force)),
+        )
+    ]  # fmt: skip
+    shown = {
+        "incident wave at": engineering(incident.time, "s", units),
+        "its energy": engineering(incident.energy, "J", units),
+        "its momentum": engineering(incident.impulse, "kg m/s", units),
+        "its force": engineering(incident.amplitude, "N", units),
+        "counted until": engineering(found.until, "s", units),
+        "energy kept": f"{found.kept_energy:.4f}",
+    }
+    if found._unexplained:
+        shown["energy unexplained"] = f"{found.unexplained_energy:.4f}"
+    parts = [
+        table(("", "waves", "energy", "momentum", "largest force"), rows, numeric=True),
+        numbers(shown), note("Parts are relative to the incident wave."),
+    ]  # fmt: skip
+    if found.disturbed:
+        parts.append(note("The count ended because another wave entered."))
+    about = f"between contacts {found.before} and {found.after}: {found.chain.description}"
+    return page("Reflection", about, *parts)
+
+
+def velocity_peaks_html(peaks: VelocityPeaks) -> str:
+    """Times, heights and widths of the largest peaks."""
+    largest = np.sort(np.argsort(-peaks.amplitudes)[:MAX_WAVES])
+    rows = [
+        (engineering(peaks.times[i], "s", peaks.units),
+         engineering(peaks.velocities[i], "m/s", peaks.units),
+         engineering(peaks.widths[i], "s", peaks.units) if np.isfinite(peaks.widths[i]) else "")
+        for i in largest
+    ]  # fmt: skip
+    parts = [table(("time", "velocity", "width"), rows)]
+    if len(rows) < len(peaks):
+        parts.append(note(f"The {len(rows)} largest of {len(peaks)} peaks."))
+    return page("VelocityPeaks", f"of bead {peaks.bead}", *parts)
 
 
 def energy_flux_html(flux: EnergyFlux) -> str:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from ..representation import measure, short
 from .missing_values import reason, together
 from .run_pulse import moving_first
 from .trajectory import Trajectory
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 # Fraction of the maximum that defines a front, and the fractions between which the force rises.
 HEIGHT: Final = 0.5
@@ -89,6 +92,28 @@ class Fronts:
         """
         taken = np.diff(self.times, prepend=np.nan)
         return np.asarray(self.chain.centre_distances / taken)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per contact.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``contact``; columns ``time``, ``height`` and ``speed``.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(20).replace(drive=hc.StepDrive(0.5))
+        >>> fronts = hc.simulate(chain, until=30.0, times=900).fronts()
+        >>> f"{fronts.to_dataframe().time.loc[10]:.2f}"
+        '11.97'
+        """
+        import pandas as pd
+
+        contacts = pd.Index(np.arange(1, self.chain.beads), name="contact")
+        columns = {"time": self.times, "height": self.heights, "speed": self.speed}
+        return pd.DataFrame(columns, index=contacts)
 
     def __repr__(self) -> str:
         known, units = np.flatnonzero(np.isfinite(self.times)), self.chain.units

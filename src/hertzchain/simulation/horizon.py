@@ -63,6 +63,11 @@ class Horizon:
             return f"velocities predictable within {part} until t = {time}"
         return f"velocities predictable within {part} at all saved times, up to t = {time}"
 
+    def _repr_html_(self) -> str:
+        from ..notebook.runs import horizon_html
+
+        return horizon_html(self)
+
     def __repr__(self) -> str:
         compared = f"from rtol {self.rtol:g} against {self.shadow_rtol:g}"
         if np.isnan(self.rtol):

@@ -34,6 +34,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -45,6 +46,9 @@ from ..representation import measure, short
 from ..validation.keywords import checked_methods
 from ..validation.numbers import real_numbers
 from .missing_values import reason, together
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @checked_methods
@@ -135,6 +139,32 @@ class LeadingPulse:
         with np.errstate(over="ignore"):
             parts = np.clip(left / fall, 0.0, 1.0)
         return np.asarray(parts * (velocities > 0.0))
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per contact.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``contact``; columns ``crest``, ``handed_over``, ``rise_time``, ``rear``,
+            ``momentum`` and ``kinetic_energy``.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> pulse = hc.simulate(hc.Chain.uniform(60), times=0).leading_pulse()
+        >>> round(float(pulse.to_dataframe().momentum.loc[41]), 5)
+        1.13831
+        """
+        import pandas as pd
+
+        columns = {
+            "crest": self.crest, "handed_over": self.handed_over, "rise_time": self.rise_time,
+            "rear": self.rear[:-1], "momentum": self.momentum,
+            "kinetic_energy": self.kinetic_energy,
+        }  # fmt: skip
+        contacts = pd.Index(np.arange(1, self.chain.beads), name="contact")
+        return pd.DataFrame(columns, index=contacts)
 
     def __repr__(self) -> str:
         known, units = np.flatnonzero(np.isfinite(self.momentum)), self.chain.units

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from .wave_events import (
     largest_force_of,
     require_resolved,
 )
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 # Events above this fraction of the largest force at their contact are counted; below this fraction
 # of the largest force of the run, forces are those of rounding errors.
@@ -141,10 +144,43 @@ class Reflection:
         left = self.reflected_energy + self.transmitted_energy + self.kept_energy
         return 1.0 + self.entered_energy - left
 
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per wave.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``part`` (``"incident"``, ``"reflected"`` or ``"transmitted"``), ``contact``,
+            ``time``, ``amplitude``, ``momentum``, ``energy``, ``width`` and ``samples``.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(40).replace(right_wall=hc.Wall.rigid())
+        >>> found = hc.simulate(chain, until=80.0, times=800).reflection(25, 40)
+        >>> found.to_dataframe()["part"].unique().tolist()
+        ['incident', 'reflected']
+        """
+        import pandas as pd
+
+        parts = {"incident": (self.incident,), "reflected": self.reflected,
+                 "transmitted": self.transmitted}  # fmt: skip
+        columns = ("contact", "time", "amplitude", "momentum", "energy", "width", "samples")
+        rows = [
+            {"part": part, **{name: getattr(event, name) for name in columns}}
+            for part, events in parts.items() for event in events
+        ]  # fmt: skip
+        return pd.DataFrame(rows)
+
     @property
     def _unexplained(self) -> str:
         shown = f", unexplained {self.unexplained_energy:.4f}"
         return shown if abs(self.unexplained_energy) > SHOWN else ""
+
+    def _repr_html_(self) -> str:
+        from ..notebook.waves import reflection_html
+
+        return reflection_html(self)
 
     def __repr__(self) -> str:
         ended = "another wave entered" if self.disturbed else "nothing else entered"

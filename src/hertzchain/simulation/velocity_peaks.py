@@ -62,6 +62,11 @@ class VelocityPeaks:
             facts += [f"the first {peak(0)}", f"the largest {peak(largest)}"][: 1 + (largest > 0)]
         return short("VelocityPeaks", f"bead {self.bead}", ", ".join(facts))
 
+    def _repr_html_(self) -> str:
+        from ..notebook.waves import velocity_peaks_html
+
+        return velocity_peaks_html(self)
+
     @property
     def amplitudes(self) -> Array:
         """Absolute heights of the peaks, shape (W,) [scaled, or m/s]."""

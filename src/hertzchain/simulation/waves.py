@@ -183,6 +183,11 @@ class Wave:
             f"{doubt})"
         )
 
+    def _repr_html_(self) -> str:
+        from ..notebook.waves import wave_html
+
+        return wave_html(self)
+
 
 @checked_methods
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 import hertzchain as hc
-from hertzchain.sensitivity import gradient as module
+from hertzchain.derivatives import gradient as module
 
 LONG = hc.Chain.uniform(100)
 BUDGETS = {20: "30 s", 60: "60 s"}

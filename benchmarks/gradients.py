@@ -12,7 +12,7 @@ import warnings
 import numpy as np
 
 import hertzchain as hc
-from hertzchain.sensitivity import gradient as module
+from hertzchain.derivatives import gradient as module
 
 TO = ("radii", "masses", "stiffness", "gaps", "velocities")
 REPETITIONS = 7

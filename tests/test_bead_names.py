@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.derivatives.names import KNOWN
 from hertzchain.designs.measured import measured
 from hertzchain.designs.measures import NAMES, parse_measure
 from hertzchain.pulse.quantity_names import COLUMNS
-from hertzchain.sensitivity.names import KNOWN
 
 ROW = hc.Chain.from_materials("10 mm", "steel-52100", beads=6).struck_by(velocity="0.2 m/s")
 CHAIN = ROW.replace(right_wall=hc.Wall())

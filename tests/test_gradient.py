@@ -13,8 +13,8 @@ from long_double_steps import derivative
 from scipy_chain import trajectory
 
 import hertzchain as hc
+from hertzchain.derivatives import gradient as module
 from hertzchain.errors import IncompleteWarning, InputError
-from hertzchain.sensitivity import gradient as module
 
 NUMBERS = "masses", "stiffness", "overlaps", "velocities"
 

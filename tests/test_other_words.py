@@ -1,6 +1,8 @@
 """Names that the package does not have lead to those that it has."""
 
 import traceback
+from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -25,6 +27,18 @@ def test_unknown_names_have_one_suggestion(name, meant):
 def test_names_without_any_likeness_have_none():
     with pytest.raises(AttributeError, match=r"has no attribute 'zzz'$"):
         hc.zzz  # noqa: B018
+
+
+def test_words_that_lead_to_functions_are_not_names_of_modules():
+    package = Path(hc.__file__).parent
+    modules = {path.stem for path in package.iterdir() if not path.stem.startswith("_")}
+    assert "derivatives" in modules
+    assert not modules & hc._OTHER_WORDS.keys()
+    public = {name for name in hc.__all__ if isinstance(getattr(hc, name), ModuleType)}
+    assert modules & set(hc.__all__) <= public
+    hc.gradient(hc.Chain.uniform(5), "pulse.velocity@3", to=["radii"])
+    with pytest.raises(AttributeError, match="did you mean 'gradient'"):
+        hc.sensitivity  # noqa: B018
 
 
 def test_unknown_materials_are_one_sentence():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.sensitivity.gradient import _recorded
+from hertzchain.derivatives.gradient import _recorded
 
 WALLED = ["--material", "ptfe", "--diameter", "10 mm", "--beads", "10", "--wall", "same"]
 

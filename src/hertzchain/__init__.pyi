@@ -31,6 +31,9 @@ from .chain.scales import Scales as Scales
 from .chain.static_state import StaticState as StaticState
 from .chain.tapers import TAPERS as TAPERS
 from .chain.walls import Wall as Wall
+from .derivatives.gradient import Gradient as Gradient
+from .derivatives.gradient import gradient as gradient
+from .derivatives.gradient import gradients as gradients
 from .designs import vary as vary
 from .designs.design import design as design
 from .designs.distribution import Distribution as Distribution
@@ -68,9 +71,6 @@ from .propagation.propagate import propagate_many as propagate_many
 from .pulse.comparison import Comparison as Comparison
 from .pulse.pulse import Pulse as Pulse
 from .pulse.pulse_table import PulseTable as PulseTable
-from .sensitivity.gradient import Gradient as Gradient
-from .sensitivity.gradient import gradient as gradient
-from .sensitivity.gradient import gradients as gradients
 from .simulation.budget import Budget as Budget
 from .simulation.energy_flux import EnergyFlux as EnergyFlux
 from .simulation.fronts import Fronts as Fronts

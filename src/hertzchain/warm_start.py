@@ -17,9 +17,9 @@ from .chain.laws.dashpot import Dashpot
 from .chain.laws.velocity_power import VelocityPower
 from .chain.laws.walton_braun import WaltonBraun
 from .chain.walls import Wall
+from .derivatives.gradient import gradients
 from .errors import SimulationError
 from .propagation.propagate import propagate, propagate_many
-from .sensitivity.gradient import gradients
 from .simulation.simulate import simulate
 from .simulation.simulate_many import simulate_many
 from .theory.local_rate import local_rate, local_rate_gradient

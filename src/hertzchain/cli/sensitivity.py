@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from ..chain.chain import Chain
     from ..collision import Array
-    from ..sensitivity.gradient import Gradient
+    from ..derivatives.gradient import Gradient
 
 BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density")
 

@@ -13,9 +13,9 @@ from ..chain.chain import Chain
 from ..chain.laws.dashpot import Dashpot
 from ..chain.laws.velocity_power import VelocityPower
 from ..collision import Array
+from ..derivatives.equation import has_gradient
+from ..derivatives.gradient import Gradient, gradients, quantity_values
 from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError
-from ..sensitivity.equation import has_gradient
-from ..sensitivity.gradient import Gradient, gradients, quantity_values
 from ..simulation.simulate import simulate
 from .bounds import impact_varies
 from .measures import IMPULSE, LARGEST, LARGEST_IN_SENSOR, PULSE, SENSORS, SHARES, Measure

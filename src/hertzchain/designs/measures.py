@@ -34,12 +34,12 @@ from ..chain.bead_names import NAME, bead_number
 from ..chain.chain import Chain
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
+from ..derivatives.equation import has_gradient
 from ..errors import InputError, short_repr, unknown_name_error
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
 from ..pulse.quantity_names import COLUMNS
 from ..representation import measure as shown
-from ..sensitivity.equation import has_gradient
 from ..simulation.run_table import RunTable
 from ..validation.numbers import whole_number
 

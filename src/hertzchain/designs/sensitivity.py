@@ -9,8 +9,8 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..derivatives.gradient import Gradient
 from ..errors import InputError
-from ..sensitivity.gradient import Gradient
 from .exact_gradients import PEAK
 from .measured import measured
 from .problem import Design

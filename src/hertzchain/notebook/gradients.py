@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..collision import Array
+from ..derivatives.gradient import Gradient
 from ..representation import measure
-from ..sensitivity.gradient import Gradient
 from .drawing import COLOURS, Curve, chart, legend, note, numbers, page, table
 
 

@@ -16,7 +16,7 @@ from .style import BeadLocator, figure_style, get_axes, set_title
 from .titles import chain_title
 
 if TYPE_CHECKING:
-    from ..sensitivity.gradient import Gradient
+    from ..derivatives.gradient import Gradient
 
 NOUNS: Final = {"radii": "the radius", "masses": "the mass", "velocities": "the velocity",
                 "young": "Young's modulus"}  # fmt: skip

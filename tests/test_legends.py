@@ -115,6 +115,19 @@ def test_panels_of_a_given_figure_keep_their_size_and_their_neighbours():
     assert axes.bbox.height > 0.2 * axes.figure.bbox.height
 
 
+def test_legends_of_small_panels_leave_room_for_the_data():
+    run = hc.simulate(hc.Chain.uniform(24), until=40.0, times=1000)
+    figure, grid = plt.subplots(2, 3, layout="constrained")
+    for axes in grid.flat[::2]:
+        hc.plot_pulses(four_tapers(60)[:3], ax=axes)
+    for axes in grid.flat[1::2]:
+        run.plot_forces([5, 10, 15], ax=axes)
+    figure.draw_without_rendering()
+    for axes in grid.flat:
+        assert axes.bbox.width > 0.12 * figure.bbox.width
+        assert axes.get_legend().get_texts()[0].get_fontsize() < 8.0
+
+
 @pytest.mark.parametrize(
     "draw",
     [

@@ -309,6 +309,42 @@ def test_colours_show_chains_and_lines_show_methods():
     assert len({line.get_linestyle() for line in alike.lines} - {"None"}) == 1
 
 
+def test_differences_of_a_short_chain_end_at_its_free_end():
+    pulses = [hc.propagate(hc.Chain.uniform(n)) for n in (6, 12)]
+    _, lower = hc.plot_pulses(pulses, residuals=True).figure.axes
+    (end,) = [line for line in lower.lines if line.get_linestyle() == "None"]
+    assert end.get_xdata().tolist() == [6]
+
+
+def test_a_shorter_run_states_where_it_ends():
+    chain = hc.Chain.uniform(9).replace(right_wall=hc.Wall())
+    runs = [hc.simulate(chain, until=end, times=100) for end in (20.0, 21.0, 60.0)]
+    axes = None
+    for run, name in zip(runs, "abc", strict=True):
+        axes = run.plot_forces([4], label=name, ax=axes)
+        if name == "b":
+            assert legend(axes) == ["a, bead 4", "b, bead 4"]
+    shown = ["a, bead 4, until $t$ = 20", "b, bead 4, until $t$ = 21", "c, bead 4"]
+    assert legend(axes) == shown
+    balls = hc.Chain.from_materials("5 mm", "brass", beads=9, velocity="1 cm/s")
+    axes = hc.simulate(balls, until="200 us").plot_forces([4])
+    hc.simulate(balls, until="600 us").plot_forces([4], ax=axes)
+    assert legend(axes) == ["bead 4, until 200 µs", "bead 4"]
+    with pytest.raises(hc.InputError, match=r"to compare two runs, use run.pulse\(\).compare"):
+        runs[0].compare(runs[1])
+
+
+def test_a_comparison_with_traces_shows_the_peaks():
+    traces, chain = hc.example_experiment()
+    compared = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201).compare(traces)
+    wall = compared.sensors[-1]
+    peaks = f"peak {wall.measured_peak:.4g} N, simulated {wall.simulated_peak:.4g} N"
+    for axes in (compared.plot().axes[-1], compared.plot("wall")):
+        assert axes.get_title() == f"wall\n{peaks}"
+    with hc.figure_style("double column"):
+        assert compared.plot("wall").get_title() == "wall"
+
+
 def test_curves_beyond_the_last_colour_have_other_symbols():
     axes = hc.plot_pulses([hc.bca(hc.Chain.uniform(n)) for n in range(5, 17)])
     looks = {(line.get_color(), line.get_marker()) for line in axes.lines}

@@ -26,7 +26,7 @@ from .style import (
     seconds_axis,
     with_micro,
 )
-from .widths import figure_size
+from .widths import figure_size, journal_width
 
 if TYPE_CHECKING:
     from ..fitting.posterior import Posterior
@@ -177,7 +177,7 @@ def _draw_signal(
     unused = ~signal.valid & np.isfinite(signal.values)
     axes.plot(times[unused], signal.values[unused], "x", color=grey(axes, 0.55), markersize=3.0)
     axes.set_ylabel(_signal_label(signal))
-    axes.set_title(signal.name)
+    axes.set_title(literal(signal.name))
     axes.margins(x=0.0)
 
 
@@ -276,16 +276,26 @@ def plot_correlations(result: FitResult) -> Figure:
     return figure
 
 
+def _draw_compared(
+    axes: Axes, comparison: TraceComparison, i: int, factor: float, *, own: bool = True
+) -> None:
+    """Draw data and simulation of a sensor, with the peaks in the title of a figure of its own."""
+    shot, found = comparison.traces.shots[0], comparison.sensors[i]
+    model = comparison.scaled[i]
+    _draw_signal(axes, factor * shot.times, shot.signals[i], model, name="simulation")
+    if own and journal_width.get() is None:
+        peak, simulated = found.cells[:2]
+        axes.set_title(f"{literal(found.name)}\npeak {peak}, simulated {simulated}")
+
+
 def plot_sensor(comparison: TraceComparison, sensor: str, *, ax: Axes | None = None) -> Axes:
     """Plot data and simulation of one sensor."""
-    shot = comparison.traces.shots[0]
-    names = [signal.name for signal in shot.signals]
+    names = [each.name for each in comparison.sensors]
     i = names.index(check_choice("sensor", sensor, names))
     factor, label = _time_axis(comparison.traces)
     with figure_style():
         axes = get_axes(ax)
-        model = comparison.scaled[i]
-        _draw_signal(axes, factor * shot.times, shot.signals[i], model, name="simulation")
+        _draw_compared(axes, comparison, i, factor, own=ax is None)
         axes.set_xlabel(label)
         place_legend(axes, own=ax is None)
     return axes
@@ -293,8 +303,7 @@ def plot_sensor(comparison: TraceComparison, sensor: str, *, ax: Axes | None = N
 
 def plot_comparison(comparison: TraceComparison) -> Figure:
     """Plot data and simulation, one panel per sensor."""
-    shot = comparison.traces.shots[0]
-    count = len(shot.signals)
+    count = len(comparison.sensors)
     # Up to three panels are below each other, which leaves no place empty.
     columns = 1 if count < 4 else 2
     rows = -(-count // columns)
@@ -308,8 +317,7 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
             if i >= count:
                 axes.remove()
                 continue
-            model = comparison.scaled[i]
-            _draw_signal(axes, factor * shot.times, shot.signals[i], model, name="simulation")
+            _draw_compared(axes, comparison, i, factor)
             if i >= count - columns:
                 axes.set_xlabel(label)
                 axes.tick_params(labelbottom=True)

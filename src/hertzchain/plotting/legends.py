@@ -9,6 +9,7 @@ from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.collections import Collection, PathCollection
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -27,6 +28,11 @@ CLEARANCE: Final = 2.0
 COMPACT: Final[dict[str, Any]] = {
     "handlelength": 1.6, "columnspacing": 1.2, "borderpad": 0.2, "borderaxespad": 0.3,
 }  # fmt: skip
+# Width [inches] of panels below which letters are smaller, and their least size [points].
+FULL_WIDTH: Final = 2.6
+MIN_SIZE: Final = 5.5
+# Part of the width of a panel that is certain to remain when a layout has made room for others.
+ROOM: Final = 0.75
 # Largest height of a legend above axes in a figure of somebody else, relative to the axes.
 MAX_SHARE: Final = 0.5
 # Distance [points] of a title from a legend, whose height varies with the resolution of a file.
@@ -42,12 +48,14 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
     taller by the height of the legend, which leaves the axes their size.  In other figures, whose
     layout may change with the next panels, Matplotlib chooses the place again for each drawing if
     its choice is good; a legend that is wider than the axes, takes most of their height, or has no
-    room above them, is where it covers least.
+    room above them, is where it covers least.  Legends of narrow panels have small letters.
     """
-    legend = axes.legend(loc=PLACES[0])
+    compact = {} if own else _compact(axes)
+    legend = axes.legend(loc=PLACES[0], **compact)
     figure_of(axes).draw_without_rendering()
     width, height = legend.get_window_extent().size
-    if width <= axes.bbox.width and height <= axes.bbox.height:
+    may_shrink = not own and figure_of(axes).get_layout_engine() is not None
+    if width <= axes.bbox.width * (ROOM if may_shrink else 1.0) and height <= axes.bbox.height:
         for place in PLACES:
             legend.set_loc(place)
             if not covers_data(legend):
@@ -56,15 +64,23 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
                     if covers_data(legend):
                         legend.set_loc(place)
                 return
-    if not _place_above(axes, own=own):
-        # Its text stays legible on the data below it.
+    if not _place_above(axes, compact, own=own):
+        # Its text stays legible on the data below it; a layout would make the axes narrower.
         axes.legend(
             loc="best",
             frameon=True,
             facecolor=axes.get_facecolor(),
             edgecolor="none",
             framealpha=0.8,
-        )
+            **compact,
+        ).set_in_layout(False)
+
+
+def _compact(axes: Axes) -> dict[str, Any]:
+    """Short handles and, in a narrow panel, small letters."""
+    size = FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points()
+    part = axes.bbox.width / figure_of(axes).dpi / FULL_WIDTH
+    return {**COMPACT, "fontsize": max(min(1.0, part) * size, min(size, MIN_SIZE))}
 
 
 def covers_data(legend: Legend) -> bool:
@@ -119,20 +135,20 @@ def _patch_meets(patch: Patch, axes: Axes, box: Bbox) -> bool:
     return placed_by_data and bool(box.overlaps(patch.get_window_extent()))
 
 
-def _place_above(axes: Axes, *, own: bool) -> bool:
+def _place_above(axes: Axes, compact: dict[str, Any], *, own: bool) -> bool:
     """Put the legend between the axes and their title; false if these have no room for it."""
     figure = figure_of(axes)
     # In a figure of its own, a legend may also be above the labels of the y axis.
     left = figure.bbox.x0 if own else axes.bbox.x0
     for columns in range(len(axes.get_legend_handles_labels()[1]), 0, -1):
-        legend = _above(axes, columns)
+        legend = _above(axes, columns, compact)
         width, height = legend.get_window_extent().size
         if width <= axes.bbox.x1 - left:
             break
     if not own and (width > axes.bbox.width or height > MAX_SHARE * axes.bbox.height):
         return False
     if width > axes.bbox.width:
-        _above(axes, columns, right=True)
+        _above(axes, columns, compact, right=True)
     inches = height / figure.dpi
     _lift_titles(axes, TITLE_DISTANCE + ROUNDING * POINTS_PER_INCH * inches)
     if own:
@@ -163,12 +179,12 @@ def _has_room(legend: Legend) -> bool:
     return not covered and box.y1 <= figure.bbox.y1
 
 
-def _above(axes: Axes, columns: int, *, right: bool = False) -> Legend:
+def _above(axes: Axes, columns: int, compact: dict[str, Any], *, right: bool = False) -> Legend:
     place: dict[str, Any] = {
         "loc": "lower right" if right else "lower left",
         "bbox_to_anchor": (float(right), 1.0),
     }
-    return axes.legend(ncols=columns, **place, **COMPACT)
+    return axes.legend(ncols=columns, **{**COMPACT, **compact}, **place)
 
 
 def figure_of(axes: Axes) -> Figure:

@@ -129,7 +129,7 @@ def plot_pulses(
             free = ends_free(pulse, quantity)
             _draw_spread(axes, pulse, quantity, look, free=free)
             if free:
-                _draw_free_end(axes, pulse, values[-1], look)
+                _draw_free_end(axes, len(values), values[-1], look)
             label = None if grouped else str(name)
             _draw(axes, pulse, values[:-1] if free else values, look, label)
         if grouped:
@@ -248,10 +248,10 @@ def label_free_end(axes: Axes) -> None:
     axes.plot([], [], color=grey(axes, 0.4), marker=MARKERS[0], linestyle="none", label=FREE_END)
 
 
-def _draw_free_end(axes: Axes, pulse: Pulse, value: float, look: _Look) -> None:
+def _draw_free_end(axes: Axes, bead: int, value: float, look: _Look) -> None:
     """A filled symbol, which no line joins to the other beads."""
     colour = curve_colour(axes, look.colour)
-    axes.plot(pulse.bead[-1:], [value], color=colour, marker=look.marker, linestyle="none")
+    axes.plot([bead], [value], color=colour, marker=look.marker, linestyle="none")
 
 
 def _spread(pulse: Pulse, quantity: str) -> Array | None:
@@ -326,7 +326,7 @@ def _draw_residuals(
         free = len(shown) in ends
         _draw(axes, pulse, shown[:-1] if free else shown, look, None)
         if free:
-            _draw_free_end(axes, pulse, shown[-1], look)
+            _draw_free_end(axes, len(shown), shown[-1], look)
     if least:
         axes.set_yscale("log")
         axes.set_ylim(bottom=0.03 * least)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import weakref
 from collections.abc import Mapping, Sequence
 from typing import Final, Literal
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
 from ..chain.bead_names import bead_label, bead_number, wall_number
 from ..chain.chain import Chain
@@ -43,6 +45,10 @@ CUT_OFF = " (peak not complete)"
 SECTION, MAX_SECTIONS = 2, 8
 # Fewest times of a map.
 MAP_TIMES: Final = 1000
+# A run that ends before this part of the time axis states its end in the legend.
+SHORT_RUN: Final = 0.9
+# Labels of forces in axes, without the ends of runs.
+_labels: weakref.WeakKeyDictionary[Line2D, str] = weakref.WeakKeyDictionary()
 
 
 @checked_arguments("plot_run")
@@ -154,7 +160,8 @@ def plot_forces(
     """Plot the force in sensors in beads, and on walls, over time.
 
     Curves contain the maxima, which are located between the saved times.  If the peak force on a
-    wall is not complete, its curve ends in an open circle, and the legend states it.
+    wall is not complete, its curve ends in an open circle, and the legend states it.  If one of
+    several runs in the same axes is shorter, the legend states where it ends.
 
     Parameters
     ----------
@@ -209,7 +216,7 @@ def _draw_forces(axes: Axes, run: Run, beads: Sequence[int | str], name: str, fi
     if axes.get_xlabel() in TIME_LABELS:
         factor, time_label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
     for i, (times, force, curve, cut_off) in enumerate(curves, first):
-        axes.plot(
+        (line,) = axes.plot(
             factor * times,
             force,
             color=curve_colour(axes, i),
@@ -219,12 +226,23 @@ def _draw_forces(axes: Axes, run: Run, beads: Sequence[int | str], name: str, fi
             markevery=[-1],
             markerfacecolor="none",
             clip_on=not cut_off,
-            label=", ".join(filter(None, (name, curve))) + CUT_OFF * cut_off,
         )
+        _labels[line] = ", ".join(filter(None, (name, curve))) + CUT_OFF * cut_off
     axes.set_xlabel(time_label)
     axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
     axes.margins(x=0.0)
+    _label_curves(axes)
     mark_horizon(axes, run.known_horizon, factor)
+
+
+def _label_curves(axes: Axes) -> None:
+    """Label the forces in axes; those of shorter runs also with the time at which these end."""
+    lines = [line for line in axes.lines if line in _labels]
+    ends = [float(np.max(line.get_xdata())) for line in lines]
+    _, _, unit = axes.get_xlabel().rstrip("]").partition("[")
+    for line, end in zip(lines, ends, strict=True):
+        shown = f"{end:.4g} {unit}" if unit else f"$t$ = {end:.4g}"
+        line.set_label(_labels[line] + (f", until {shown}" if end < SHORT_RUN * max(ends) else ""))
 
 
 def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -> Axes:

@@ -425,6 +425,11 @@ class Run(Trajectory):
         from ..fitting.trace_comparison import compare_traces
         from ..fitting.trace_files import load_traces
 
+        if isinstance(traces, Run):
+            raise InputError(
+                "compare takes measured traces; to compare two runs, use "
+                "run.pulse().compare(other.pulse()), or plot_forces with label and ax"
+            )
         if isinstance(traces, str | os.PathLike):
             traces = load_traces(traces)
         return compare_traces(self, traces, time_offset=time_offset)

@@ -1150,7 +1150,7 @@ def test_pulse_by_the_disorder_law(run):
         (options, "--method disorder requires --scatter"),
         (["pulse", "--scatter", "1%"], "hertzchain scatter simulates"),
         ([*options, "--scatter", "0"], "--modulus-scatter above 0"),
-        ([*options, "--scatter", "5%"], "at most 0.03"),
+        ([*options, "--scatter", "5%"], "for more, use hertzchain scatter"),
         (["pulse", "--beads", "5", "--method", "disorder", "--scatter", "1%"],
          "use hertzchain scatter"),
         (["pulse", "--quantity", "velocity_spread", "--method", "bca", "--method", "local-rate"],

@@ -146,7 +146,8 @@ def test_si_units():
 
 @pytest.mark.parametrize(("chain", "options", "message"), [
     (hc.Chain.uniform(20), {}, "scatter or modulus_scatter above 0"),
-    (hc.Chain.uniform(20), {"scatter": 0.04}, "at most 0.03"),
+    (hc.Chain.uniform(20), {"scatter": 0.04},
+     "at most 0.03, got 0.04; for more, use propagate_many with Chain.with_scatter"),
     (hc.Chain.uniform(20), {"scatter": -0.01}, "at least 0"),
     (hc.Chain.uniform(20), {"modulus_scatter": 0.2}, "at most 0.1"),
     (hc.Chain.uniform(8), {"scatter": 0.01}, "at least 10 beads"),

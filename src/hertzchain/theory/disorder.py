@@ -93,11 +93,14 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     '0.6%, +-1.8%'
     """
     scatters = {
-        "radii": number("scatter", scatter, unit=FRACTION, least=0.0, most=SCATTERS[-1]),
+        "radii": number(
+            "scatter", scatter, unit=FRACTION, least=0.0, most=SCATTERS[-1],
+            hint="for more, use propagate_many with Chain.with_scatter",
+        ),
         "moduli": number(
             "modulus_scatter", modulus_scatter, unit=FRACTION, least=0.0, most=MAX_MODULUS_SCATTER
         ),
-    }
+    }  # fmt: skip
     if not any(scatters.values()):
         raise InputError("disorder requires a scatter or modulus_scatter above 0; for none, use "
                          "local_rate")  # fmt: skip

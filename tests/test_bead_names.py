@@ -69,6 +69,19 @@ def test_quantities_of_commands_have_names(command, run, tmp_path):
     assert "6 balls after its strikers, no ball 9" in err
 
 
+def test_plots_and_headings_of_sensitivities_name_balls(run, tmp_path):
+    (tmp_path / "row.toml").write_text(hc.chain_as_toml(CHAIN))
+    code, out, err = run("sensitivity", tmp_path / "row.toml", "--quantity", "velocity@ball 4")
+    assert code == 0, err
+    assert "\nvelocity@ball 4 = " in out
+    axes = hc.gradient(CHAIN, "velocity@ball 4").plot()
+    assert axes.get_title().replace("\n", " ").endswith("velocity of bead 5 (ball 4)")
+    plain = hc.gradient(hc.Chain.uniform(5), "velocity@4").plot()
+    assert plain.get_title().endswith("velocity of bead 4")
+    assert plain.get_ylabel() == "change [%] per 1% of the radius"
+    assert axes.get_ylabel() == "change [%] per 1% of the diameter"
+
+
 @pytest.mark.parametrize("ball", [3, 6])
 @pytest.mark.parametrize("wall", [None, hc.Wall()])
 @pytest.mark.parametrize("loss", [None, hc.Restitution(0.95)])

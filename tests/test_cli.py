@@ -924,6 +924,68 @@ def test_sensitivity_to_larger_and_smaller_beads_at_the_kink_of_a_peak(run, tmp_
     assert np.abs(0.01 * np.array(found["relative"]) - change[:15]).max() > 0.05
 
 
+YIELDING = (*BALLS[:4], "--beads", 6, "--speed", "1 m/s", "--wall", "same")
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_sensitivity_and_scatter_of_elastic_contacts_that_would_yield(run, tmp_path):
+    chain = hertzchain.Chain.from_materials(
+        5e-3, "steel-52100", beads=6, velocity=1.0, right_wall=hertzchain.Wall()
+    )
+    elastic, yielding = (
+        hertzchain.simulate(chain.replace(loss=loss)).wall_force().peak
+        for loss in (None, hertzchain.ElasticPlastic())
+    )
+    shown = f"{yielding:.4g} N, {yielding / elastic:.1%} of the elastic value (--loss elastic-plas"
+    code, out, _ = run("sensitivity", *YIELDING)
+    assert code == 0
+    assert f"= {elastic:.4g} N with elastic contacts, to which all changes refer" in out
+    assert f"with contacts that yield, it is {shown}" in out
+    found = json.loads(run("sensitivity", *YIELDING, "--json")[1])
+    assert found["value_with_yielding_contacts"] == pytest.approx(yielding, rel=1e-5)
+    assert found["method"] == "adjoint"
+    picture = tmp_path / "scatter.svg"
+    scatter = ("scatter", *YIELDING, "--relative", "1%", "--chains", 5, "--plot", picture)
+    assert (
+        f"elastic contacts; with contacts that yield, the nominal one is {shown}"
+        in (run(*scatter)[1])
+    )
+    assert "nominal chain, elastic contacts" in picture.read_text()
+    found = json.loads(run(*scatter, "--json")[1])
+    assert found["nominal_with_yielding_contacts"] == pytest.approx(yielding, rel=1e-5)
+    slow = json.loads(run("scatter", *BALLS[:-3], "1 mm/s", *BALLS[-2:], *scatter[-6:-2],
+                          "--json")[1])  # fmt: skip
+    assert slow["nominal_with_yielding_contacts"] is None
+
+
+def test_sensitivity_of_contacts_that_yield_is_found_by_differences(run):
+    dented = (*YIELDING, "--loss", "elastic-plastic")
+    found = json.loads(run("sensitivity", *dented, "--json")[1])
+    assert found["method"] == "central differences"
+    assert found["value_with_yielding_contacts"] is None
+    assert 0.0 < found["error"] < 1e-3
+    # The force on the wall is proportional to the square of all radii.
+    assert sum(found["relative"]) == pytest.approx(2.0, abs=1e-4)
+    changes = np.array([found["change_if_larger"], found["change_if_smaller"]])
+    assert 50.0 * (changes[0] - changes[1]) == pytest.approx(found["relative"], abs=0.01)
+    code, out, _ = run("sensitivity", *dented, "--quantity", "velocity@last", "--to", "velocities")
+    assert code == 0
+    assert "derivatives are central differences of simulations, with an estimated error of" in out
+    found = run("sensitivity", *dented, "--quantity", "velocity@last", "--to", "velocities",
+                "--json")[1]  # fmt: skip
+    assert json.loads(found)["gradient"][1:] == [None] * 5
+
+
+def test_sensitivity_by_the_stiffness_of_a_scaled_chain_keeps_its_wall(run, tmp_path):
+    chain = hertzchain.Chain.tapered("forward-exponential", 0.05, beads=5)
+    chain = chain.replace(right_wall=hertzchain.Wall())
+    (tmp_path / "row.toml").write_text(hertzchain.chain_as_toml(chain))
+    code, out, err = run("sensitivity", tmp_path / "row.toml", "--to", "stiffness", "--json")
+    assert code == 0, err
+    found = json.loads(out)
+    assert 100.0 * np.array(found["change_if_larger"]) == pytest.approx(found["relative"], abs=5e-3)
+
+
 def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_path):
     picture = tmp_path / "scatter.svg"
     command = ("scatter", *BALLS, "--relative", "0.05%", "--chains", 400, "--plot", picture)

@@ -329,7 +329,7 @@ STEEL = hc.Chain.from_materials(5e-3, "steel-304", beads=6, velocity=1.0)
         ({"minimise": "largest_velocity@9", "until": 9.0}, "this chain has 8 beads"),
         (
             {"chain": WALLED.replace(loss=hc.WaltonBraun(0.5)), "minimise": "largest_energy@5"},
-            "needs a chain that hc.gradient accepts",
+            "needs a chain without drive that is elastic",
         ),
         ({"minimise": "largest_velocity@5/velocity@2"}, "must be quantities of the leading pulse"),
         ({"maximise": "length"}, "has one of minimise, maximise and match"),

@@ -31,9 +31,9 @@ from .chain.scales import Scales as Scales
 from .chain.static_state import StaticState as StaticState
 from .chain.tapers import TAPERS as TAPERS
 from .chain.walls import Wall as Wall
-from .derivatives.gradient import Gradient as Gradient
 from .derivatives.gradient import gradient as gradient
 from .derivatives.gradient import gradients as gradients
+from .derivatives.result import Gradient as Gradient
 from .designs import vary as vary
 from .designs.design import design as design
 from .designs.distribution import Distribution as Distribution

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -19,6 +20,7 @@ from .options import (
 )
 from .output import save_figure, show_json
 from .progress import progress_bar
+from .wording import on_command_line
 
 if TYPE_CHECKING:
     from ..designs.distribution import Distribution
@@ -107,6 +109,7 @@ def _document(found: Distribution) -> dict[str, Any]:
         "quantity": found.quantity,
         "unit": found.unit,
         "nominal": found.nominal,
+        "nominal_with_yielding_contacts": None if isnan(found.yielding) else found.yielding,
         "mean": found.mean,
         "standard_deviation": found.standard_deviation,
         "percentiles": {str(percent): found.percentile(percent) for percent in PERCENTILES},
@@ -145,4 +148,6 @@ def _table(found: Distribution) -> str:
         lines.append(f"note: {count} without a value, the first because {found.reason}")
     if few := found._few_values_note(PERCENTILES):
         lines.append(f"note: {few} (--chains)")
+    if yielding := found._yielding_note:
+        lines.append(f"note: {on_command_line(yielding)}")
     return "\n".join(lines)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from .chain_options import ChainOptions, chain_from, chain_options
 from .options import StrictCommand, figure_option, json_option, measure_from, quantity_option
 from .output import save_figure, show_json, show_table
+from .progress import progress_bar
 from .pulse_tables import TABLE_ROWS
 
 if TYPE_CHECKING:
@@ -18,7 +19,8 @@ if TYPE_CHECKING:
 
     from ..chain.chain import Chain
     from ..collision import Array
-    from ..derivatives.gradient import Gradient
+    from ..derivatives.result import Gradient
+    from ..designs.measures import Measure
 
 BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density")
 
@@ -46,7 +48,7 @@ def sensitivity(
     The table states by how many percent the quantity changes if the radius (or another parameter)
     of one bead changes by 1%, the largest changes first.  The changes of the peak force on the wall
     are simulated, for +1% and -1%; those of other quantities follow from the derivatives, which
-    are exact.
+    are exact or, with losses such as elastic-plastic, differences of simulations.
 
     \b
     Examples:
@@ -57,8 +59,7 @@ def sensitivity(
     import hertzchain
 
     from ..designs.exact_gradients import name_of
-    from ..designs.measures import in_words
-    from ..designs.sensitivity import changes_of_peak, derivatives_mislead
+    from ..designs.sensitivity import changes_of_peak
     from ..errors import InputError
 
     chain = chain_from(options)
@@ -66,32 +67,82 @@ def sensitivity(
     name = name_of(measure, chain.beads)
     if name is None:
         raise InputError(f"{measure} has no derivatives; use wall_force.peak or velocity@last")
-    found = hertzchain.gradient(chain, name, to=by)
-    changes = changes_of_peak(chain, found, by)
+    with progress_bar("chains simulated") as progress:
+        found = hertzchain.gradient(chain, name, to=by, progress=progress)
+        changes = changes_of_peak(chain, found, by, progress)
     if plot is not None:
         from ..plotting.gradients import plot_gradient
 
         save_figure(plot_gradient(found, by, changes=changes), plot)
     if as_json:
-        from ..store import results
-
-        document = {"schema_version": results.SCHEMA_VERSION, "quantity": name}
-        document |= {"value": found.value, "unit": found.unit, "parameter": by}
-        document |= {"gradient": found[by].tolist(), "gradient_unit": found.units[by]}
-        document |= {"relative": found.relative(by).tolist(), "error": found.error}
-        if changes:
-            for key, values in zip(("larger", "smaller"), changes, strict=True):
-                document[f"change_if_{key}"] = [None if isnan(x) else x for x in values.tolist()]
-        show_json(document)
+        show_json(_document(found, measure, by, changes))
     else:
-        click.echo(chain.description)
-        click.echo(f"{name} = {in_words(found.value, found.unit, chain.units)}")
-        if changes and derivatives_mislead(found, by, changes):
-            click.echo(
-                "Other maxima of the force can become the largest. The changes by 1% of several\n"
-                "beads do not add up: use hertzchain scatter."
-            )
+        click.echo("\n".join(_lines(found, measure, by, changes)))
         show_table(_table(chain, found, by, changes, every_bead))
+
+
+def _document(
+    found: Gradient, measure: Measure, by: str, changes: tuple[Array, Array] | None
+) -> dict[str, Any]:  # fmt: skip
+    from ..store import results
+
+    document: dict[str, Any] = {
+        "schema_version": results.SCHEMA_VERSION,
+        "quantity": found.quantity,
+        "value": found.value,
+        "unit": found.unit,
+        "value_with_yielding_contacts": _number(_yielding(found, measure)),
+        "parameter": by,
+        "gradient": [*map(_number, found[by].tolist())],
+        "gradient_unit": found.units[by],
+        "relative": found.relative(by).tolist(),
+        "method": found.method,
+        "error": found.error,
+    }
+    if changes:
+        for key, values in zip(("larger", "smaller"), changes, strict=True):
+            document[f"change_if_{key}"] = [*map(_number, values.tolist())]
+    return document
+
+
+def _number(value: float) -> float | None:
+    return None if isnan(value) else value
+
+
+def _yielding(found: Gradient, measure: Measure) -> float:
+    from ..designs.yielding import value_if_yielding
+
+    assert found._chain is not None
+    return value_if_yielding(found._chain, measure)
+
+
+def _lines(
+    found: Gradient, measure: Measure, by: str, changes: tuple[Array, Array] | None
+) -> list[str]:  # fmt: skip
+    """The chain, the value, and the method of the derivatives or changes."""
+    from ..designs.measures import in_words
+    from ..designs.sensitivity import derivatives_mislead
+    from ..designs.yielding import yielding_note
+
+    chain = found._chain
+    assert chain is not None
+    lines = [chain.description, f"{measure} = {in_words(found.value, found.unit, chain.units)}"]
+    if not isnan(yielding := _yielding(found, measure)):
+        lines[1] += " with elastic contacts, to which all changes refer"
+        note = yielding_note("it", measure, found.value, yielding)
+        lines.append(f"  {note} (--loss elastic-plastic)")
+    if found.method != "adjoint":
+        first = "each change by 1% is simulated; derivatives (--json)" if changes else "derivatives"
+        lines.append(
+            f"{first} are {found.method} of simulations, with an estimated error of "
+            f"{found.error:.1g} of the largest one"
+        )
+    if changes and derivatives_mislead(found, by, changes):
+        lines.append(
+            "Other maxima of the force can become the largest. The changes by 1% of several\n"
+            "beads do not add up: use hertzchain scatter."
+        )
+    return lines
 
 
 def _table(

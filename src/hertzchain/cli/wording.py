@@ -45,7 +45,10 @@ OPTIONS: Final = {
         ),
         (r"\buse hertzchain\.simulate\([^)]*\)\.pulse\(\)", "use --method simulate"),
     ),
-    "loss": ((r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),),
+    "loss": (
+        (r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),
+        (r"\(loss=ElasticPlastic\(\)\)", "(--loss elastic-plastic)"),
+    ),
 }
 
 

@@ -13,7 +13,6 @@ from ..chain.laws import Loss
 from ..chain.laws.dashpot import Dashpot
 from ..chain.laws.elastic import Elastic
 from ..chain.laws.restitution import Restitution
-from ..chain.laws.unloading_ratio import UnloadingRatio
 from ..chain.laws.velocity_power import VelocityPower
 from ..chain.laws.viscoelastic import Viscoelastic
 from ..collision import HERTZ_EXPONENT, Array
@@ -166,8 +165,13 @@ def _check(chain: Chain) -> None:
             "gradient does not support a drive; use chain.replace(drive=None, velocities=...), or "
             "differences of simulate"
         )
-    for law in {id(law): law for law in chain.contact_losses}.values():
-        _check_law(law)
+    for law in chain.contact_losses:
+        if not is_linear(law):
+            raise InputError(
+                f"the loss {law} has no exact derivatives, because its force is not linear in the "
+                "closing speed, jumps or depends on the past; use Viscoelastic, Restitution or "
+                "Dashpot"
+            )
     if chain.beads > MOST_BEADS:
         raise InputError(
             f"gradient supports chains of at most {MOST_BEADS} beads, got {chain.beads}; shorten "
@@ -175,21 +179,11 @@ def _check(chain: Chain) -> None:
         )
 
 
-def _check_law(law: Loss) -> None:
-    """Raise an error for a law whose force is not linear in the closing speed."""
-    if isinstance(law, Elastic | Viscoelastic | Restitution | Dashpot):
-        return
-    if isinstance(law, VelocityPower) and law.alpha == 1.0:
-        return
-    reason = "its force depends on the largest overlap so far"
-    if isinstance(law, UnloadingRatio):
-        reason = "its force jumps when a contact begins to open"
-    elif isinstance(law, VelocityPower):
-        reason = "its force is not linear in the relative velocity"
-    raise InputError(
-        f"gradient does not support the loss {law}, because {reason}; use Viscoelastic, "
-        "Restitution or Dashpot, or differences of simulate_many"
-    )
+def is_linear(law: Loss) -> bool:
+    """Whether the force of a law is linear in the closing speed and does not jump or remember."""
+    if isinstance(law, VelocityPower):
+        return law.alpha == 1.0
+    return isinstance(law, Elastic | Viscoelastic | Restitution | Dashpot)
 
 
 def _damping(chain: Chain) -> tuple[Array, Array, Array]:

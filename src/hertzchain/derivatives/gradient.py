@@ -3,180 +3,36 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Sequence
+from functools import partial
 
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.feature_support import require_chain
 from ..chain.hertz_range import warn_outside_hertz
 from ..collision import Array
-from ..errors import IncompleteWarning, InputError, unknown_name_error, warn_user
-from ..frozen import Frozen
-from ..representation import short
+from ..errors import IncompleteWarning, InputError, warn_user
 from ..simulation.simulate import default_step_limit
-from ..validation.keywords import checked_arguments, checked_methods
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
-from ..validation.objects import check_list
+from ..validation.objects import Progress, callback, check_list
 from .accuracy import TIGHTER, Accuracy, SecondRun, least_error
 from .backward_pass import Slopes, backward_pass
 from .dependence import Reader
-from .equation import Equation, equation_of
+from .differences import Differences, differences, needs_differences
+from .equation import METHOD, Equation, equation_of
 from .gauges import Missing
 from .names import Name, parse
 from .parameters import by_fields, checked_parameters
 from .record import run
 from .relative import per_unit, unit_of_parameter, unit_of_quantity, value_of_parameter
+from .result import Gradient
 from .targets import Ending, targets_of
 from .window import follow_pulse
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 DEFAULT_RTOL, WINDOW_RTOL, DAMPED_RTOL = 1e-10, 3e-8, 1e-12
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-5
-
-
-@checked_methods
-@dataclass(frozen=True, eq=False)
-class Gradient(Frozen):
-    """Value of a quantity and its derivatives; unpacks as ``value, gradient``.
-
-    ``gradient["radii"]`` is the array of derivatives with respect to the radii.
-
-    Attributes
-    ----------
-    quantity : str
-        Name of the quantity, with its bead, such as ``"pulse.velocity@90"``.
-    value : float
-        Value [scaled, or SI]; NaN if the quantity does not exist in the run.
-    gradient : mapping of str to ndarray
-        Derivatives with respect to the parameters in ``to``, each of the shape of the parameter.
-    status : str
-        ``"complete"``, or why the quantity is incomplete or does not exist.
-    steps : int
-        Number of steps of the integration.
-    unit : str
-        Unit of the value; empty in a scaled chain.
-    units : mapping of str to str
-        Units of the derivatives, such as ``"N/m"``; empty in a scaled chain.
-    parameters : mapping of str to ndarray
-        Values of the parameters [scaled, or SI].
-    """
-
-    quantity: str
-    value: float
-    gradient: Mapping[str, Array] = field(repr=False)
-    status: str
-    steps: int
-    _accuracy: Accuracy = field(repr=False, compare=False)
-    unit: str = field(default="", repr=False)
-    units: Mapping[str, str] = field(default_factory=dict, repr=False)
-    parameters: Mapping[str, Array] = field(default_factory=dict, repr=False)
-    _chain: Chain | None = field(default=None, repr=False, compare=False)
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        super().__setstate__(state)
-        for values in (*self.gradient.values(), *self.parameters.values()):
-            values.setflags(write=False)
-
-    @cached_property
-    def error(self) -> float:
-        """Estimated relative error of the derivatives, in units of the largest of an array.
-
-        It is five times the difference to a second gradient, with a tenth of the tolerance and a
-        wider window, which is computed when the attribute is first read.  With damping, it is
-        at least an estimate that follows from the tolerance.
-        """
-        return self._accuracy.relative_error(self.gradient)
-
-    def __iter__(self) -> Iterator[float | Mapping[str, Array]]:
-        return iter((self.value, self.gradient))
-
-    def __getitem__(self, name: str) -> Array:
-        if not isinstance(name, str) or name not in self.gradient:
-            raise unknown_name_error("parameter of this gradient", name, self.gradient)
-        return self.gradient[name]
-
-    def relative(self, name: str = "radii") -> Array:
-        r"""Logarithmic derivatives :math:`\partial \ln Q/\partial \ln x`, without dimension.
-
-        They state by how many percent the quantity changes if a parameter grows by 1%.  Compare
-        these if you ask which bead matters most: absolute derivatives favour small beads.
-
-        Parameters
-        ----------
-        name : str
-            One of the parameters of this gradient.
-
-        Returns
-        -------
-        ndarray
-            Of the shape of the parameter; 0 where it is 0.
-
-        Raises
-        ------
-        InputError
-            If the gradient does not have the parameter, or the value of the quantity is 0.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> found = hc.gradient(hc.Chain.uniform(3), "pulse.energy@3", to="velocities")
-        >>> found.relative("velocities").round(4)
-        array([2., 0., 0.])
-        """
-        slopes = self[name]
-        if self.value == 0.0:
-            raise InputError(
-                f"{self.quantity} is 0 and has no relative derivatives; use the absolute ones"
-            )
-        return np.asarray(slopes * self.parameters[name] / self.value)
-
-    def plot(self, name: str = "radii", *, ax: Axes | None = None) -> Axes:
-        """Plot by how many percent the quantity changes if a parameter of each bead grows by 1%.
-
-        Parameters
-        ----------
-        name : str
-            One of the parameters of this gradient with a value for each bead or contact.
-        ax : matplotlib.axes.Axes, optional
-            Axes to draw into.  By default, a new figure is created.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            As `relative`.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> hc.gradient(hc.Chain.uniform(5), "pulse.velocity@5", to="radii").plot().get_ylabel()
-        'change [%] per 1% of the radius'
-        """
-        from ..plotting.gradients import plot_gradient
-
-        return plot_gradient(self, name, ax=ax)
-
-    def __repr__(self) -> str:
-        units = {name: f" [{unit}]" if unit else "" for name, unit in self.units.items()}
-        names = "derivatives by " + ", ".join(f"{name}{units[name]}" for name in self.gradient)
-        value = f"{self.value:.6g}" + (f" {self.unit}" if self.unit not in ("", "1") else "")
-        return short(
-            "Gradient", f"{self.quantity} = {value}", names,
-            f"relative error about {self.error:.1g}", self.status,
-        )  # fmt: skip
-
-    def _repr_html_(self) -> str:
-        from ..notebook.gradients import gradient_html
-
-        return gradient_html(self)
 
 
 @checked_arguments("gradient")
@@ -189,8 +45,9 @@ def gradient(
     until: float | None = None,
     rtol: float | None = None,
     max_steps: int | None = None,
+    progress: Progress | None = None,
 ) -> Gradient:
-    r"""Value of a simulated quantity and its exact derivatives with respect to parameters.
+    r"""Value of a simulated quantity and its derivatives with respect to parameters.
 
     The chain is integrated by the Runge-Kutta-Nyström pair RKN8(6) of `simulate_many` with a
     separate step size; with damping, by DOP853.  One backward pass over the stored steps then
@@ -208,12 +65,17 @@ def gradient(
     At a maximum the derivative of its time does not contribute (envelope theorem).  Derivatives
     of times follow from the implicit function theorem.
 
+    These derivatives are exact.  They exist for elastic chains and for the losses `Viscoelastic`,
+    `Restitution` and `Dashpot`.  The forces of other losses, such as `ElasticPlastic`, jump when a
+    contact begins to open, are not linear in the closing speed, or depend on the past.  Their
+    derivatives are central differences of four simulations per bead, in which a parameter is larger
+    and smaller by 0.1% and 0.2%: ``method`` and ``error`` of the result state this and the
+    difference between both steps.
+
     Parameters
     ----------
     chain : Chain
-        A chain without drive, elastic or with the loss `Viscoelastic`, `Restitution` or `Dashpot`.
-        The forces of other losses jump when a contact begins to open, are not linear in the closing
-        speed, or depend on the past.
+        A chain without drive.
     quantity : str
         ``"pulse."`` and a column of `Pulse`, of a ``bead``; ``"wall_force."`` or
         ``"left_wall_force."`` and ``peak``, ``peak_time``, ``impulse``, ``impulse_of_impact``,
@@ -224,14 +86,15 @@ def gradient(
         ``"final.velocity"`` or ``"final.position"`` of a ``bead`` at ``until``; or
         ``"energy."`` and ``kinetic``, ``forward``, ``backward``, ``contacts`` or ``walls``, the
         energy at ``until``.  ``"pulse.velocity@90"`` and
-        ``"velocity@last"`` include the bead.
+        ``"velocity@last"`` include the bead.  Differences have those that `simulate_many` gives.
     to : str or iterable of str
         Parameters: ``"radii"``, ``"masses"``, ``"stiffness"``, ``"gaps"``, ``"velocities"``,
         ``"young"``, ``"poisson"``, ``"density"`` (of each bead), ``"left_wall.stiffness"``,
         ``"right_wall.stiffness"``, ``"left_wall.gap"``, ``"right_wall.gap"``,
         ``"precompression"``, ``"gravity"``, ``"loss.time"``, ``"loss.coefficient"`` or
-        ``"loss.gamma"``.  Masses and stiffness follow the radii and materials unless they are given
-        in the chain; the unit of a scaled chain remains fixed when radius 1 is varied.
+        ``"loss.gamma"``; by differences, those of each bead or contact except gaps, where they are
+        not 0 (NaN otherwise).  Masses and stiffness follow the radii and materials unless they are
+        given in the chain; the unit of a scaled chain remains fixed when radius 1 is varied.
     bead : int or str, optional
         Number k of the bead, from 1, or its name, such as ``"ball 9"``.
     until : float, optional
@@ -244,6 +107,8 @@ def gradient(
         curvature, and about its square root with damping.
     max_steps : int, optional
         Step limit; by default 2000 per bead, and at least a million.
+    progress : callable, optional
+        Called as ``progress(chains_done, chains)`` if derivatives are differences of simulations.
 
     Returns
     -------
@@ -252,8 +117,8 @@ def gradient(
     Raises
     ------
     InputError
-        If the chain does not have the quantity or a parameter, has another loss or a drive, or an
-        argument is out of range.
+        If the chain does not have the quantity or a parameter, has a drive, or an argument is out
+        of range.
     SimulationError
         If the step limit is reached.
 
@@ -279,8 +144,9 @@ def gradient(
     if not isinstance(quantity, str):
         raise InputError("gradient requires the name of one quantity; use gradients for several")
     found = gradients(
-        chain, [quantity], to=to, bead=bead, until=until, rtol=rtol, max_steps=max_steps
-    )
+        chain, [quantity], to=to, bead=bead, until=until, rtol=rtol, max_steps=max_steps,
+        progress=progress,
+    )  # fmt: skip
     return found[0]
 
 
@@ -294,12 +160,13 @@ def gradients(
     until: float | None = None,
     rtol: float | None = None,
     max_steps: int | None = None,
+    progress: Progress | None = None,
 ) -> list[Gradient]:
     """Values of several quantities and their derivatives, from one run.
 
     Parameters
     ----------
-    chain, to, bead, until, rtol, max_steps
+    chain, to, bead, until, rtol, max_steps, progress
         As for `gradient`.
     quantities : iterable of str
         Names as for `gradient`.  ``"wall_force.maxima"`` gives several: all maxima of at least
@@ -319,17 +186,29 @@ def gradients(
     wall_force.peak 1.244 (10,)
     pulse.arrival@10 10.91 (10,)
     """
+    require_chain(METHOD, chain)
+    callback("progress", progress)
     quantities = check_list("quantities", quantities, "names of quantities")
-    reader, names, rtol, parameters = _recorded(
-        chain, quantities, to=to, bead=bead, until=until, rtol=rtol, max_steps=max_steps
-    )
-    second = SecondRun(partial(_slopes_again, chain, quantities, parameters, bead, until, rtol))
-    found = _read(reader, names, parameters, rtol, second)
+    if needs_differences(chain):
+        names = [parse(chain, each, bead, until) for each in quantities]
+        parameters = checked_parameters(chain, to)
+        runs, overlaps = differences(
+            chain, names, parameters, until=until, rtol=rtol, max_steps=max_steps,
+            progress=progress,
+        )  # fmt: skip
+        found = [_of_differences(chain, *each) for each in zip(names, runs, strict=True)]
+    else:
+        reader, names, rtol, parameters = _recorded(
+            chain, quantities, to=to, bead=bead, until=until, rtol=rtol, max_steps=max_steps
+        )
+        second = SecondRun(partial(_slopes_again, chain, quantities, parameters, bead, until, rtol))
+        found = _read(reader, names, parameters, rtol, second)
+        overlaps = reader.record.largest_overlaps()
     for each in found:
         if each.status != "complete":
             warn_user(f"{each.quantity}: {each.status}", IncompleteWarning)
     if chain.units == "SI":
-        warn_outside_hertz(chain, reader.record.largest_overlaps())
+        warn_outside_hertz(chain, overlaps)
     return found
 
 
@@ -429,15 +308,35 @@ def _read(
 ) -> list[Gradient]:
     equation: Equation = reader.record.equation
     steps, chain, least = reader.record.steps, equation.chain, least_error(equation, rtol)
-    own = {key: value_of_parameter(chain, key) for key in to}
     read = [(name, each) for name in names for each in _derivatives(reader, name, to)]
     out = []
     for index, (name, (label, value, arrays, status)) in enumerate(read):
-        unit = unit_of_quantity(chain, name)
-        units = {key: per_unit(unit, unit_of_parameter(chain, key)) for key in to}
         accuracy = Accuracy(least, second, index, len(read))
-        out.append(Gradient(label, value, arrays, status, steps, accuracy, unit, units, own, chain))
+        settings = _settings(chain, name, to)
+        out.append(Gradient(label, value, arrays, status, steps, accuracy, *settings, chain))
     return out
+
+
+def _of_differences(chain: Chain, name: Name, found: Differences) -> Gradient:
+    """The result of differences of simulations."""
+    complete = math.isfinite(found.value)
+    status = "complete" if complete else f"{name} is not complete at the end of the run"
+    for values in found.slopes.values():
+        values.setflags(write=False)
+    settings = _settings(chain, name, tuple(found.slopes))
+    return Gradient(
+        str(name), found.value, found.slopes, status, 0, found, *settings, chain,
+        "central differences",
+    )  # fmt: skip
+
+
+def _settings(
+    chain: Chain, name: Name, to: tuple[str, ...]
+) -> tuple[str, dict[str, str], dict[str, Array]]:
+    """Units of the value and of the derivatives, and values of the parameters."""
+    unit = unit_of_quantity(chain, name)
+    units = {key: per_unit(unit, unit_of_parameter(chain, key)) for key in to}
+    return unit, units, {key: value_of_parameter(chain, key) for key in to}
 
 
 def _nan_like(equation: Equation, name: str) -> Array:

@@ -13,7 +13,7 @@ from ..collision import Array
 from ..errors import IncompleteWarning, InputWarning, ModelRangeWarning
 from ..pulse.quantities import QUANTITIES
 from ..simulation.simulate import simulate
-from .verified import dented_chain, yields
+from ..simulation.yielding import dented_chain, yields
 
 if TYPE_CHECKING:
     from .result import DesignResult

@@ -24,6 +24,7 @@ from ..validation.objects import Progress, callback, check_type
 from .measured import measured
 from .measures import Measure, measure_of
 from .scatter import Scatter, scatter_from
+from .yielding import value_if_yielding, yielding_note
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,6 +54,9 @@ class Distribution(Frozen):
         run (`RunTable.outside_range`).
     reason : str
         Why the first of the failed chains has no value; empty if none failed.
+    yielding : float
+        Value of the chain without deviations with `ElasticPlastic` contacts, if its elastic ones
+        exceed the pressure at first yield; otherwise NaN.
     """
 
     chain: Chain
@@ -63,6 +67,7 @@ class Distribution(Frozen):
     failed: int = 0
     outside_range: int = 0
     reason: str = ""
+    yielding: float = math.nan
 
     @property
     def mean(self) -> float:
@@ -102,6 +107,14 @@ class Distribution(Frozen):
             f"{count} chains do not determine the percentiles "
             f"{listed([f'{each:g}%' for each in few])}; at least {needed} do"
         )
+
+    @property
+    def _yielding_note(self) -> str:
+        """The nominal value with contacts that yield; an empty text if elastic ones do not."""
+        if math.isnan(self.yielding):
+            return ""
+        note = yielding_note("the nominal one", self._measure, self.nominal, self.yielding)
+        return f"all values are those of elastic contacts; {note} (loss=ElasticPlastic())"
 
     def percentile(self, percent: float) -> float:
         """Value below which a percentage of the chains is.
@@ -173,6 +186,7 @@ class Distribution(Frozen):
             f"mean {mean}", f"standard deviation {deviation}", f"nominal {nominal}",
             f"{self.failed} chains failed" if self.failed else "",
             f"{self.outside_range} chains outside Hertz's range" if self.outside_range else "",
+            self._yielding_note,
         )  # fmt: skip
 
 
@@ -268,11 +282,14 @@ def distribution(
         raise SimulationError(f"fewer than two chains have a value of {measure}")
     good.setflags(write=False)
     failed = len(found) - len(good)
+    table = simulated.table
+    overlaps = None if table is None else table._overlaps[0, : chain.beads + 1]
     missing = f"{measure} is not complete at the end of the run"
     reason = next(iter(simulated.reasons), missing) if failed else ""
     return Distribution(
-        chain, deviations, str(measure), float(nominal), good, failed, outside, reason
-    )
+        chain, deviations, str(measure), float(nominal), good, failed, outside, reason,
+        value_if_yielding(chain, measure, overlaps),
+    )  # fmt: skip
 
 
 def _outside_range(chains: Sequence[Chain], table: RunTable | None) -> int:

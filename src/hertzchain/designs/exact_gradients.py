@@ -14,7 +14,8 @@ from ..chain.laws.dashpot import Dashpot
 from ..chain.laws.velocity_power import VelocityPower
 from ..collision import Array
 from ..derivatives.equation import has_gradient
-from ..derivatives.gradient import Gradient, gradients, quantity_values
+from ..derivatives.gradient import gradients, quantity_values
+from ..derivatives.result import Gradient
 from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError
 from ..simulation.simulate import simulate
 from .bounds import impact_varies

@@ -179,8 +179,8 @@ class Measure:
             raise InputError(f"{self}: this chain has {chain.beads} beads")
         if self.of_whole_run and not has_gradient(chain):
             raise InputError(
-                f"{self} needs a chain that hc.gradient accepts: without drive, elastic or with "
-                "the loss Viscoelastic, Restitution or Dashpot"
+                f"{self} needs a chain without drive that is elastic or has the loss Viscoelastic, "
+                "Restitution or Dashpot"
             )
         if self.key == "largest_force" and not chain.lossless:
             raise InputError(

@@ -9,8 +9,10 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..derivatives.gradient import Gradient
+from ..derivatives.differences import FIELDS, changed
+from ..derivatives.result import Gradient
 from ..errors import InputError
+from ..validation.objects import Progress
 from .exact_gradients import PEAK
 from .measured import measured
 from .problem import Design
@@ -18,8 +20,6 @@ from .problem import Design
 STEP, RTOL = 1e-4, 1e-9
 # Derivatives that differ from the changes by 1% by a larger fraction of the largest one mislead.
 MISLEADING: Final = 0.1
-# Parameters that are fields of a chain, with a value for each bead or contact.
-FIELDS: Final = ("radii", "masses", "stiffness", "velocities")
 
 
 def sensitivity(problem: Design, chain: Chain) -> Array:
@@ -38,7 +38,9 @@ def changes(problem: Design, chain: Chain, part: float) -> tuple[Array, Array]:
     return np.expm1(larger), np.expm1(smaller)
 
 
-def changes_of_peak(chain: Chain, found: Gradient, by: str) -> tuple[Array, Array] | None:
+def changes_of_peak(
+    chain: Chain, found: Gradient, by: str, progress: Progress | None = None
+) -> tuple[Array, Array] | None:
     """Simulated relative changes of the peak on the wall if one value grows or shrinks by 1%.
 
     `None` for other quantities, for parameters such as Young's modulus, and if no changed
@@ -48,7 +50,7 @@ def changes_of_peak(chain: Chain, found: Gradient, by: str) -> tuple[Array, Arra
         return None
 
     def peaks(chains: list[Chain]) -> Array:
-        return measured(chains, [PEAK], rtol=RTOL).values[:, 0]
+        return measured(chains, [PEAK], rtol=RTOL, progress=progress).values[:, 0]
 
     larger, smaller = np.expm1(_changes_of_logarithm(peaks, chain, by, (1.01, 0.99)))
     return None if np.isnan([larger, smaller]).all() else (larger, smaller)
@@ -87,10 +89,7 @@ def _changes_of_logarithm(
     places = np.flatnonzero(own)
     chains = [chain]
     for factor in factors:
-        for k in places:
-            changed = own.copy()
-            changed[k] *= factor
-            chains.append(chain.replace(**{field: changed}))
+        chains += [changed(chain, field, int(k), factor) for k in places]
     logarithms = np.log(values(chains))
     found = np.zeros((2, len(own)))
     found[:, places] = (logarithms[1:] - logarithms[0]).reshape(2, -1)

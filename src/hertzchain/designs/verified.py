@@ -10,7 +10,6 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.hertz_range import HertzRange, hertz_range
-from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantity_names import COLUMNS
@@ -18,19 +17,20 @@ from ..representation import measure as shown
 from ..simulation.run_table import RunTable
 from ..simulation.simulate import simulate
 from ..simulation.simulate_many import simulate_many
+from ..simulation.yielding import dented_chain, yields
 from .exact_gradients import value_in_whole_run
 from .measured import measured
 from .measures import (
     FIRST_MAXIMUM,
     LARGEST_IN_SENSOR,
     OF_CHAIN,
-    RANGE,
     Measure,
     in_words,
     sensors_of,
 )
 from .problem import Design
 from .requirements import TOLERANCE, violation
+from .yielding import NOT_YIELDING
 
 RTOL: Final = 1e-11
 # The run is repeated for this multiple of its duration, to find a later and higher peak, or to
@@ -41,8 +41,6 @@ SAME: Final = 1e-6
 # Measures at the first maximum of a velocity; saved times; relative difference that is reported.
 PER_VELOCITY: Final = ("velocity", "momentum", "energy", "energy_share", "momentum_share")
 TIMES, LATER, MAX_CHECKED = 2000, 0.01, 10
-# Measures that are computed from overlaps by the elastic law.
-NOT_YIELDING: Final = ("largest_force", *RANGE)
 # Fresh samples of a scatter.
 FRESH: Final = 400
 
@@ -110,21 +108,6 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     yielding = _with_yielding_contacts(problem, chain, values) if yields(limits) else {}
     scattered = {} if problem.scatter is None else _scattered(problem, chain, seed)
     return Verified(chain, values, RTOL, tuple(notes), scattered, limits, yielding)
-
-
-def yields(limits: HertzRange | None) -> bool:
-    """Whether elastic contacts exceed the pressure at first yield, if it is known."""
-    return limits is not None and bool(limits.yield_ratio.max() > 1.0)
-
-
-def dented_chain(chain: Chain) -> Chain | None:
-    """The chain with `ElasticPlastic` contacts; None if they do not apply to it."""
-    if not chain.lossless:
-        return None
-    try:
-        return chain.replace(loss=ElasticPlastic())
-    except InputError:
-        return None
 
 
 def _value(problem: Design, chain: Chain, measure: Measure, table: RunTable) -> float:

@@ -58,5 +58,7 @@ def distribution_html(found: Distribution) -> str:
     notes = [note(f"{few}.")] if few else []
     if found.outside_range:
         notes += [note(f"{found.outside_range} chains exceed the limits of Hertz's law.")]
+    if yielding := found._yielding_note:
+        notes.append(note(f"{yielding[:1].upper()}{yielding[1:]}."))
     about = f"{found.quantity} of {len(found.values)} random chains: {found.chain.description}"
     return page("Distribution", about, figure, numbers(words), *notes)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..collision import Array
-from ..derivatives.gradient import Gradient
+from ..derivatives.result import Gradient
 from ..representation import measure
 from .drawing import COLOURS, Curve, chart, legend, note, numbers, page, table
 

@@ -255,7 +255,8 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes.set_xlabel("bead $k$")
         axes.xaxis.set_major_locator(BeadLocator())
         name = "score" if objective.single is None else objective.single.label
-        change = f"change [%] if $R_k$ {'changes' if both else 'grows'} by 1%"
+        size = "diameter" if result.chain.units == "SI" else "$R_k$"
+        change = f"change [%] if {size} {'changes' if both else 'grows'} by 1%"
         axes.set_ylabel(f"{name}:\n{change}")
     return axes
 

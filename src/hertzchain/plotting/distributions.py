@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from matplotlib.axes import Axes
@@ -24,7 +25,8 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
         factor, unit = usual_unit(found.nominal, found.unit)
         axes.hist(factor * found.values, bins="auto", color=COLOURS[5],
                   edgecolor=axes.get_facecolor(), linewidth=0.5)  # fmt: skip
-        axes.axvline(factor * found.nominal, color=grey(axes), label="nominal chain")
+        elastic = "" if math.isnan(found.yielding) else ", elastic contacts"
+        axes.axvline(factor * found.nominal, color=grey(axes), label=f"nominal chain{elastic}")
         axes.axvline(factor * found.mean, color=COLOURS[2], linestyle="--", label="mean")
         label_narrow_axis(axes)
         axes.set_xlabel(found.label + (f" [{with_micro(unit)}]" if unit != "1" else ""))

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from matplotlib.axes import Axes
 
+from ..chain.bead_names import bead_label
+from ..chain.chain import Chain
 from ..collision import Array
 from ..designs.measures import parse_measure
 from ..errors import InputError
@@ -16,7 +19,7 @@ from .style import BeadLocator, figure_style, get_axes, set_title
 from .titles import chain_title
 
 if TYPE_CHECKING:
-    from ..derivatives.gradient import Gradient
+    from ..derivatives.result import Gradient
 
 NOUNS: Final = {"radii": "the radius", "masses": "the mass", "velocities": "the velocity",
                 "young": "Young's modulus"}  # fmt: skip
@@ -36,7 +39,7 @@ def plot_gradient(
     if relative.ndim != 1:
         raise InputError(f"{name} has one value only, which is not plotted; use relative({name!r})")
     with figure_style():
-        axes, noun = get_axes(ax), NOUNS.get(name, name)
+        axes, noun = get_axes(ax), noun_of(name, found._chain)
         joints = name in ("stiffness", "gaps")
         strikers = 0 if found._chain is None or joints else found._chain.strikers
         if strikers:
@@ -46,15 +49,15 @@ def plot_gradient(
             axes.bar(np.arange(1, 1 + len(relative)), relative, color=COLOURS[1])
             axes.axhline(0.0, color=grey(axes), linewidth=0.8)
             axes.set_xlim(0.3, len(relative) + 0.7)
-            label = f"change [%] per 1% of {noun}"
+            axis = f"change [%] per 1% of {noun}"
         else:
             both = bars_of_changes(axes, *changes)
-            label = f"change [%] if {noun} {'changes' if both else 'grows'} by 1%"
+            axis = f"change [%] if {noun} {'changes' if both else 'grows'} by 1%"
         axes.xaxis.set_major_locator(BeadLocator())
         axes.set_xlabel("contact $k$" if joints else "bead $k$")
-        axes.set_ylabel(label)
+        axes.set_ylabel(axis)
         chain = "" if found._chain is None else f"{chain_title(found._chain)}, "
-        set_title(axes, f"{chain}{_label(found.quantity)}")
+        set_title(axes, f"{chain}{_label(found)}")
         if strikers:
             place_legend(axes)
             legend = axes.get_legend()
@@ -88,9 +91,19 @@ def bars_of_changes(axes: Axes, larger: Array, smaller: Array) -> bool:
     return True
 
 
-def _label(quantity: str) -> str:
+def noun_of(name: str, chain: Chain | None) -> str:
+    """A parameter in words; sizes of chains in SI units are shown as diameters."""
+    if name == "radii" and chain is not None and chain.units == "SI":
+        return "the diameter"
+    return NOUNS.get(name, name)
+
+
+def _label(found: Gradient) -> str:
     """A quantity in words, or its name if only gradients have it, as ``final.position@3``."""
     try:
-        return parse_measure(quantity).label
+        measure = parse_measure(found.quantity)
     except InputError:
-        return quantity
+        return found.quantity
+    if measure.bead and found._chain is not None:
+        measure = replace(measure, name=bead_label(found._chain, measure.bead))
+    return measure.label

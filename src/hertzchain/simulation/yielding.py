@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from typing import TYPE_CHECKING, Final
 
+from ..chain.hertz_range import HertzRange, hertz_range
+from ..chain.laws.elastic_plastic import ElasticPlastic
+from ..errors import InputError, SimulationError
+from .simulate import simulate
+
 if TYPE_CHECKING:
+    from ..chain.chain import Chain
     from ..validation.objects import Progress
     from .run import Run
 
-# Largest number of beads for which the second run, of contacts with kinks, takes about a second.
+# Longest chain for which a further simulation, of contacts with kinks, takes about a second.
 MAX_BEADS: Final = 100
 
 
 def pressures_below_yield(*runs: Run) -> list[str]:
     """A line with the largest pressure of all runs, if it is known and below its limit."""
-    from ..chain.hertz_range import hertz_range
-
     if any(run.chain.materials is None or run.chain.units != "SI" for run in runs):
         return []
     found = [hertz_range(run.chain, run.largest_overlaps) for run in runs]
@@ -25,29 +28,36 @@ def pressures_below_yield(*runs: Run) -> list[str]:
     return [line] if line else []
 
 
+def yields(limits: HertzRange | None) -> bool:
+    """Whether elastic contacts exceed the pressure at first yield, if it is known."""
+    return limits is not None and bool(limits.yield_ratio.max() > 1.0)
+
+
+def dented_chain(chain: Chain) -> Chain | None:
+    """The chain with `ElasticPlastic` contacts; None if they do not apply to it."""
+    if not chain.lossless:
+        return None
+    try:
+        return chain.replace(loss=ElasticPlastic())
+    except InputError:
+        return None
+
+
 def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> float | None:
     """Largest force on the right wall of an elastic run that yields; `None` if it is not known."""
-    from ..chain.hertz_range import hertz_range
-    from ..chain.laws.elastic_plastic import ElasticPlastic
-    from ..errors import InputError, SimulationError
-    from .simulate import simulate
-
     chain = run.chain
-    if chain.materials is None or chain.units != "SI" or not chain.lossless:
+    if chain.materials is None or chain.units != "SI" or chain.beads > MAX_BEADS:
         return None
-    if chain.right_wall is None or chain.beads > MAX_BEADS:
+    if chain.right_wall is None or not run._wall_force("right").complete:
         return None
-    if not run._wall_force("right").complete:
-        return None
-    if hertz_range(chain, run.largest_overlaps).yield_ratio.max() <= 1.0:
+    dented = dented_chain(chain)
+    if dented is None or not yields(hertz_range(chain, run.largest_overlaps)):
         return None
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # those of the elastic run are shown
         try:
-            dented = chain.replace(loss=ElasticPlastic())
-            peak = (
+            return (
                 simulate(dented, times=0, check=False, progress=progress).wall_force("right").peak
             )
         except (InputError, SimulationError):
             return None
-    return None if math.isnan(peak) else peak

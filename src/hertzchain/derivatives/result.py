@@ -1,0 +1,170 @@
+"""Value of a quantity and its derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError, unknown_name_error
+from ..frozen import Frozen
+from ..representation import short
+from ..validation.keywords import checked_methods
+from .accuracy import Accuracy
+from .differences import Differences
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@checked_methods
+@dataclass(frozen=True, eq=False)
+class Gradient(Frozen):
+    """Value of a quantity and its derivatives; unpacks as ``value, gradient``.
+
+    ``gradient["radii"]`` is the array of derivatives with respect to the radii.
+
+    Attributes
+    ----------
+    quantity : str
+        Name of the quantity, with its bead, such as ``"pulse.velocity@90"``.
+    value : float
+        Value [scaled, or SI]; NaN if the quantity does not exist in the run.
+    gradient : mapping of str to ndarray
+        Derivatives with respect to the parameters in ``to``, each of the shape of the parameter.
+    status : str
+        ``"complete"``, or why the quantity is incomplete or does not exist.
+    steps : int
+        Number of steps of the integration.
+    unit : str
+        Unit of the value; empty in a scaled chain.
+    units : mapping of str to str
+        Units of the derivatives, such as ``"N/m"``; empty in a scaled chain.
+    parameters : mapping of str to ndarray
+        Values of the parameters [scaled, or SI].
+    method : str
+        ``"adjoint"`` for exact derivatives, or ``"central differences"`` of simulations, for losses
+        without exact ones.
+    """
+
+    quantity: str
+    value: float
+    gradient: Mapping[str, Array] = field(repr=False)
+    status: str
+    steps: int
+    _accuracy: Accuracy | Differences = field(repr=False, compare=False)
+    unit: str = field(default="", repr=False)
+    units: Mapping[str, str] = field(default_factory=dict, repr=False)
+    parameters: Mapping[str, Array] = field(default_factory=dict, repr=False)
+    _chain: Chain | None = field(default=None, repr=False, compare=False)
+    method: str = field(default="adjoint", repr=False)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        for values in (*self.gradient.values(), *self.parameters.values()):
+            values.setflags(write=False)
+
+    @cached_property
+    def error(self) -> float:
+        """Estimated relative error of the derivatives, in units of the largest of an array.
+
+        It is five times the difference to a second gradient, with a tenth of the tolerance and a
+        wider window, which is computed when the attribute is first read.  With damping, it is
+        at least an estimate that follows from the tolerance.  Of central differences, it is the
+        change if their step is twice as large.
+        """
+        return self._accuracy.relative_error(self.gradient)
+
+    def __iter__(self) -> Iterator[float | Mapping[str, Array]]:
+        return iter((self.value, self.gradient))
+
+    def __getitem__(self, name: str) -> Array:
+        if not isinstance(name, str) or name not in self.gradient:
+            raise unknown_name_error("parameter of this gradient", name, self.gradient)
+        return self.gradient[name]
+
+    def relative(self, name: str = "radii") -> Array:
+        r"""Logarithmic derivatives :math:`\partial \ln Q/\partial \ln x`, without dimension.
+
+        They state by how many percent the quantity changes if a parameter grows by 1%.  Compare
+        these if you ask which bead matters most: absolute derivatives favour small beads.
+
+        Parameters
+        ----------
+        name : str
+            One of the parameters of this gradient.
+
+        Returns
+        -------
+        ndarray
+            Of the shape of the parameter; 0 where it is 0.
+
+        Raises
+        ------
+        InputError
+            If the gradient does not have the parameter, or the value of the quantity is 0.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> found = hc.gradient(hc.Chain.uniform(3), "pulse.energy@3", to="velocities")
+        >>> found.relative("velocities").round(4)
+        array([2., 0., 0.])
+        """
+        slopes = self[name]
+        if self.value == 0.0:
+            raise InputError(
+                f"{self.quantity} is 0 and has no relative derivatives; use the absolute ones"
+            )
+        own = self.parameters[name]
+        # Central differences have no derivative by an entry that is 0.
+        return np.where(own == 0.0, 0.0, slopes * own / self.value)
+
+    def plot(self, name: str = "radii", *, ax: Axes | None = None) -> Axes:
+        """Plot by how many percent the quantity changes if a parameter of each bead grows by 1%.
+
+        Parameters
+        ----------
+        name : str
+            One of the parameters of this gradient with a value for each bead or contact.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into.  By default, a new figure is created.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            As `relative`.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.gradient(hc.Chain.uniform(5), "pulse.velocity@5", to="radii").plot().get_ylabel()
+        'change [%] per 1% of the radius'
+        """
+        from ..plotting.gradients import plot_gradient
+
+        return plot_gradient(self, name, ax=ax)
+
+    def __repr__(self) -> str:
+        units = {name: f" [{unit}]" if unit else "" for name, unit in self.units.items()}
+        names = "derivatives by " + ", ".join(f"{name}{units[name]}" for name in self.gradient)
+        value = f"{self.value:.6g}" + (f" {self.unit}" if self.unit not in ("", "1") else "")
+        return short(
+            "Gradient", f"{self.quantity} = {value}", names,
+            f"relative error about {self.error:.1g}",
+            "" if self.method == "adjoint" else f"by {self.method}", self.status,
+        )  # fmt: skip
+
+    def _repr_html_(self) -> str:
+        from ..notebook.gradients import gradient_html
+
+        return gradient_html(self)

@@ -1,0 +1,46 @@
+"""Values of elastic chains with contacts that yield instead."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Final
+
+from ..chain.chain import Chain
+from ..chain.hertz_range import hertz_range
+from ..collision import Array
+from ..simulation.simulate_many import simulate_many
+from ..simulation.yielding import MAX_BEADS, dented_chain, yields
+from .measured import measured
+from .measures import RANGE, Measure, in_words
+
+# Measures that are computed from overlaps by the elastic law.
+NOT_YIELDING: Final = ("largest_force", *RANGE)
+
+
+def value_if_yielding(chain: Chain, measure: Measure, overlaps: Array | None = None) -> float:
+    """Value of a measure with `ElasticPlastic` contacts instead of elastic ones.
+
+    NaN if elastic contacts, with these largest overlaps or those of a simulation, do not yield, or
+    if the value is not known.
+    """
+    if chain.units != "SI" or chain.materials is None or chain.beads > MAX_BEADS:
+        return math.nan
+    dented = dented_chain(chain)
+    if dented is None or not measure.columns or measure.key in NOT_YIELDING:
+        return math.nan
+    with warnings.catch_warnings():
+        # Those of the elastic chain are shown.
+        warnings.simplefilter("ignore")
+        if overlaps is None:
+            overlaps = simulate_many([chain])._overlaps[0, : chain.beads + 1]
+        if not yields(hertz_range(chain, overlaps)):
+            return math.nan
+        return float(measured([dented], [measure]).values[0, 0])
+
+
+def yielding_note(what: str, measure: Measure, elastic: float, yielding: float) -> str:
+    """A sentence with the value of contacts that yield, beside the elastic one."""
+    value = in_words(yielding, measure.unit, "SI")
+    part = f", {yielding / elastic:.1%} of the elastic value" if elastic else ""
+    return f"with contacts that yield, {what} is {value}{part}"

@@ -137,8 +137,8 @@ def walls():
 
 def ranges():
     """Descents alone and with an evolution strategy, for radii within close and wide limits."""
-    for beads in (13, 40):
-        for low in (0.5, 0.2):
+    for beads, limits in ((13, (0.5, 0.2)), (20, (0.2,)), (27, (0.2,)), (40, (0.5, 0.2))):
+        for low in limits:
             chain = hc.Chain.uniform(beads).replace(right_wall=hc.Wall())
             problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(low, 1.0)])
             for method in ("gradient", "hybrid"):

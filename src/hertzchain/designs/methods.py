@@ -42,8 +42,9 @@ from .trials import Outcome, Trials
 METHODS: Final = ("auto", "law", "scan", "hybrid", "gradient", "evolution", "enumerate", "genetic")
 # More variables need more memory and time than these methods can use.
 MAX_VARIABLES: Final = {"hybrid": 500, "evolution": 500, "gradient": 2000}
-# Ratio of the limits of radii from which an evolution strategy is better than descents alone.
-WIDE: Final = 2.25
+# Ratio of the limits of radii from which, and number of variables up to which, an evolution
+# strategy is better than descents alone.
+WIDE, MOST_EVOLVED = 2.25, 30
 # A time budget is regarded as this many simulations per second where a number is needed.
 RUNS_PER_SECOND: Final = 1500
 MIDDLE: Final = 0.5
@@ -114,18 +115,19 @@ def method_for(problem: Design, given: str, budget_runs: float) -> str:
 
 
 def _for_sizes(problem: Design) -> str:
-    """Descents alone if their derivatives are exact and the limits are close to each other.
+    """Descents alone if derivatives are exact, and limits are close or variables are many.
 
     For the force on a wall behind beads whose radii vary by a factor of two, they end as low as
     with an evolution strategy at equal processor time (20 beads), or 4% to 5% lower (60).  If radii
-    vary by a factor of five, they end in poor local minima, up to 40% higher.  At gaps that just
-    close, derivatives jump.
+    vary by a factor of five, they end in poor local minima with 12 and 19 variables, but not with
+    26 and 39 (`benchmarks/designs.py ranges`).  At gaps that just close, derivatives jump.
     """
     space = problem.space
     if not isinstance(space, SizeSpace) or "gaps" in space.fields or not covered(problem):
         return "hybrid"
     few = space.size <= MAX_VARIABLES["hybrid"]
-    return "gradient" if few and _largest_range(space) < WIDE else "hybrid"
+    close = _largest_range(space) < WIDE or space.size > MOST_EVOLVED
+    return "gradient" if few and close else "hybrid"
 
 
 def _largest_range(space: SizeSpace) -> float:

@@ -1,10 +1,13 @@
 """Legends against the places of the data in a figure, at widths of journals and in panels."""
 
+from types import SimpleNamespace
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.plotting import designs
 from hertzchain.plotting.legends import covers_data, place_legend
 
 TAPERS = {"backward-linear": 0.3, "backward-exponential": 0.05,
@@ -224,3 +227,25 @@ def test_letters_of_panels_are_above_the_legend(place):
     legend = panels[1].get_legend().get_window_extent()
     assert legend.y0 >= panels[1].bbox.y1
     assert letter.get_window_extent().y0 >= legend.y1 - 1.0
+
+
+@pytest.mark.parametrize(("beads", "rows"), [(9, 1), (60, 2), (90, 3), (180, 0)])
+def test_designs_of_two_materials_show_diameters_and_all_beads(beads, rows, monkeypatch):
+    chain = hc.Chain.dimer(
+        diameters=["10 mm", "6 mm"], materials=["steel-316", "ptfe"], beads=beads,
+        right_wall=hc.Wall.of("steel-316"),
+    )  # fmt: skip
+    monkeypatch.setattr(designs, "_violations", lambda *_: [])
+    axes = designs.plot_beads(SimpleNamespace(problem=SimpleNamespace(chain=chain), chain=chain))
+    axes.figure.draw_without_rendering()
+    # All beads are in the axes.
+    assert axes.get_legend().get_window_extent().y0 >= axes.bbox.y1
+    assert {text.get_text() for text in axes.get_legend().get_texts()} == {"steel-316", "ptfe"}
+    texts = [text for text in axes.texts if text.get_text() in ("10", "6")]
+    boxes = [text.get_window_extent() for text in texts]
+    if rows:
+        assert len(texts) == beads
+        assert len({round(box.y1) for box in boxes}) == rows
+        assert not any(one.overlaps(other) for i, one in enumerate(boxes) for other in boxes[:i])
+    else:
+        assert "10 mm and 6 mm in turn" in [text.get_text() for text in axes.texts]

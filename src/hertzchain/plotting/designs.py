@@ -15,6 +15,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.gridspec import GridSpecBase
 
 from ..chain.chain import Chain
+from ..chain.description import sizes_in_words
 from ..collision import Array
 from ..designs.curves import Curve, initial_and_final, plotted_quantity
 from ..designs.exact_gradients import PEAK
@@ -48,6 +49,11 @@ CURVE_COLOURS: Final = {"initial": 0, "design": 2}
 # Width of a figure [inch] below which its panels are below each other, the height of a panel
 # [inch], and the longest line of the label of its y axis.
 NARROW, NARROW_HEIGHT, MAX_CHARACTERS = 5.0, 1.7, 18
+# Largest number of rows of diameters below beads, and the distance of upright ones in several rows,
+# relative to the size of the font.
+MOST_ROWS, ROOM = 3, 1.3
+PLUS_MINUS: Final = "\N{PLUS-MINUS SIGN}"
+GROWS: Final = "if diameter grows by 1%"
 # Width of a character, relative to the size of the font, and width of the handle of a legend in
 # characters.
 CHARACTER, HANDLE = 0.6, 6
@@ -77,8 +83,9 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             _write_diameters(result.chain, axes, height - result.chain.radii.max() * factor)
         axes.set_yticks([])
         axes.set_xlabel(f"position{unit}")
-        material_legend([*chains.values()], axes, fontsize=8, loc="upper center",
-                        bbox_to_anchor=(0.5, 1.3), ncols=3)  # fmt: skip
+        # Above the axes, which are low if the chain is long.
+        material_legend([*chains.values()], axes, fontsize=8, loc="lower center",
+                        bbox_to_anchor=(0.5, 1.0), borderaxespad=0.2, ncols=3)  # fmt: skip
     return axes
 
 
@@ -92,7 +99,10 @@ def _violations(result: DesignResult, name: str) -> list[str]:
 
 
 def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
-    """Write the diameters [mm] below the beads, upright if they are narrow, if there is room."""
+    """Write the diameters [mm] below the beads, or their range if there is no room.
+
+    They are upright if the beads are narrow, and in several rows if one has no room.
+    """
     figure = figure_of(axes)
     size = 0.8 * float(FontProperties(size=rcParams["font.size"]).get_size_in_points())
     low, high = axes.get_xlim()
@@ -100,18 +110,31 @@ def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
     point = (high - low) / (POINTS_PER_INCH * figure.get_figwidth() * axes.get_position().width)
     texts = [f"{2e3 * radius:.4g}" for radius in chain.radii]
     centres = 1e3 * bead_centres(chain)
-    apart = np.diff(centres) / (point * size)
-    if apart.min(initial=np.inf) < 1.0:
-        return
+    rows = _rows(centres / (point * size))
+    label = "diameter [mm]"
+    if rows == 0:
+        texts, centres, rows = [sizes_in_words(chain.radii)], np.array([0.5 * (low + high)]), 1
+        label = "diameters"
     lengths = CHARACTER * np.array([len(text) for text in texts])
-    upright = bool((apart < 0.5 * (lengths[1:] + lengths[:-1]) + 0.5 * CHARACTER).any())
-    tall = lengths.max() if upright else 1.0
-    for text, centre in zip(texts, centres, strict=True):
-        axes.text(centre, height - 0.3 * size * point, text, fontsize=size, ha="center", va="top",
+    apart = np.diff(centres) / (point * size)
+    crowded = (apart < 0.5 * (lengths[1:] + lengths[:-1]) + 0.5 * CHARACTER).any()
+    upright = rows > 1 or bool(crowded)
+    tall = lengths.max() + CHARACTER if upright else 1.0
+    for i, (text, centre) in enumerate(zip(texts, centres, strict=True)):
+        below = height - (0.3 + i % rows * tall) * size * point
+        axes.text(centre, below, text, fontsize=size, ha="center", va="top",
                   rotation=90.0 * upright)  # fmt: skip
-    axes.text(-0.01, height - 0.3 * size * point, "diameter [mm] ", fontsize=size, ha="right",
+    axes.text(-0.01, height - 0.3 * size * point, f"{label} ", fontsize=size, ha="right",
               va="top", transform=axes.get_yaxis_transform())  # fmt: skip
-    axes.set_ylim(bottom=height - size * point * (0.6 + tall))
+    axes.set_ylim(bottom=height - size * point * (0.6 + rows * tall))
+
+
+def _rows(centres: Array) -> int:
+    """Number of rows of upright texts at places in units of their size; 0 if there are too many."""
+    for rows in range(1, MOST_ROWS + 1):
+        if (centres[rows:] - centres[:-rows]).min(initial=np.inf) >= (ROOM if rows > 1 else 1.0):
+            return rows
+    return 0
 
 
 def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
@@ -255,8 +278,9 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes.set_xlabel("bead $k$")
         axes.xaxis.set_major_locator(BeadLocator())
         name = "score" if objective.single is None else objective.single.label
-        size = "diameter" if result.chain.units == "SI" else "$R_k$"
-        change = f"change [%] if {size} {'changes' if both else 'grows'} by 1%"
+        change = f"change [%] if $R_k$ {'changes' if both else 'grows'} by 1%"
+        if result.chain.units == "SI":
+            change = f"change [%] {f'for {PLUS_MINUS}1% in diameter' if both else GROWS}"
         axes.set_ylabel(f"{name}:\n{change}")
     return axes
 

@@ -602,8 +602,13 @@ def test_a_comparison_that_contacts_that_yield_reverse_says_so(partly_yielding):
 
 
 def test_a_front_may_be_limited_to_some_points():
-    front = hc.design(balls_and_masses(), budget=400).front
-    few = hc.design(balls_and_masses(), budget=400, points=3).front
+    whole = hc.design(balls_and_masses(), budget=400)
+    found = hc.design(balls_and_masses(), budget=400, points=3)
+    front, few = whole.front, found.front
+    note = f"3 of the {len(front)} points of the front are shown"
+    assert any(each.startswith(note) for each in found.notes)
+    assert not any("points of the front are shown" in each for each in whole.notes)
+    assert found.runs == whole.runs
     assert [few[0].value, few[-1].value] == [front[0].value, front[-1].value]
     assert len(few) == 3
     assert {each.value for each in few} < {each.value for each in front}

@@ -25,7 +25,7 @@ from .bounds import bounds_of, impossible
 from .dry_run import Estimate, estimate
 from .measures import in_words
 from .methods import Found, method_for, price_of, run_method
-from .pareto import SEARCHES, compared_points, design_front
+from .pareto import MOST_POINTS, SEARCHES, compared_points, design_front
 from .problem import Design
 from .reference_chains import evaluated_references, reference_count
 from .rejections import notes_on_rejections
@@ -70,8 +70,11 @@ def design(
     seed : int
         Seed of the random numbers.
     points : int, optional
-        Largest number of points of a Pareto front of two objectives.  By default 9 of sizes, and
-        all of balls and orders.
+        Largest number of points of a Pareto front of two objectives.  For sizes, and for balls with
+        a scatter, it is the number of searches among which the budget is divided, 9 by default.
+        The search for a front of balls or orders does not depend on it: at most 100 points are
+        reported by default, and of more points those closest to equal steps of the second
+        objective.
     store : path-like, optional
         Folder of journals of all trials, one for each method, budget and seed.  A search that was
         interrupted resumes from its journal and gives the result that it would have given.
@@ -113,7 +116,7 @@ def design(
     limit = budget_from(budget)
     seed = whole_number("seed", seed, least=0)
     if points is not None:
-        points = whole_number("points", points, least=2, most=200)
+        points = whole_number("points", points, least=2, most=MOST_POINTS)
     count = points or SEARCHES
     chosen = _chosen_method(problem, method, limit)
     reason = impossible(problem)

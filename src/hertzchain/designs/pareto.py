@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from .front_search import search_front
 from .methods import Found, method_for, run_method
 from .reference_chains import evaluated_references
 from .requirements import Requirement
-from .trials import Trials
+from .trials import Outcome, Trials
 
 if TYPE_CHECKING:
     from .objective import Objective
@@ -24,8 +24,10 @@ if TYPE_CHECKING:
 Finish = Callable[[Trials, Found, tuple[str, ...]], "DesignResult"]
 
 
-# Points of a front of sizes unless given, and largest number of those of a front of choices.
+# Unless given: number of searches for points of sizes, and largest number of points of choices.
 SEARCHES, MOST_CHOICES = 9, 100
+# Largest number of points that can be given.
+MOST_POINTS: Final = 200
 
 
 def design_front(
@@ -47,15 +49,21 @@ def design_front(
         found = [_searched_together(trials, finish)]
     else:
         found = _searched(trials, method, points or SEARCHES, finish)
-    best = found[0]
+    best, notes = found[0], list[str]()
     if problem.discrete and trials.memory is not None:
-        found = _of_all_trials(trials, best, points or MOST_CHOICES, finish)
+        front = _of_all_trials(trials)
+        shown = _spread(front, points or MOST_CHOICES)
+        if len(shown) < len(front):
+            more = min(len(front), MOST_POINTS)
+            notes = [f"{len(shown)} of the {len(front)} points of the front are shown, in about "
+                     f"equal steps of {second}; points = {more} shows more"]  # fmt: skip
+        found = [_verified_point(trials, best.method, each, finish) for each, _ in shown]
     kept = _front(found, problem)
     return dataclasses.replace(
         kept[0] if kept else best, problem=problem, front=tuple(kept), runs=trials.runs,
         gradients=trials.gradients, rejected=trials.rejected, seconds=trials.journal.seconds,
         method=best.method, finals=best.finals, history=best.history,
-        notes=(*best.notes, *_notes_on_yield(kept, problem)),
+        notes=(*best.notes, *notes, *_notes_on_yield(kept, problem)),
         references=best.references, compared=best.compared,
     )  # fmt: skip
 
@@ -94,31 +102,34 @@ def _searched_together(trials: Trials, finish: Finish) -> DesignResult:
     return finish(first, Found("genetic", ends), ())
 
 
-def _of_all_trials(
-    trials: Trials, best: DesignResult, points: int, finish: Finish
-) -> list[DesignResult]:  # fmt: skip
-    """Choices that no other trial beats; of many, some that are spread over the front."""
+def _of_all_trials(trials: Trials) -> list[tuple[Outcome, float]]:
+    """Choices that no other trial beats, with the cost of the second objective."""
     assert trials.memory is not None
-    problem = trials.problem._only(0)
     known = {point.tobytes(): (point, values) for point, values in trials.memory.values()}
-    outcomes = trials.outcomes(
+    part = dataclasses.replace(trials, problem=trials.problem._only(0))
+    outcomes = part.outcomes(
         [point for point, _ in known.values()], np.array([values for _, values in known.values()])
     )
     good = [each for each in outcomes if each.met and np.isfinite(each.score)]
     measured = ((_sign(o), trials.position[o.measures[0]]) for o in trials.problem.objectives)
     costs = np.column_stack([[s * each.values[p] for each in good] for s, p in measured])
-    chosen_rows = undominated(costs)
-    front = [good[i] for i in chosen_rows]
-    if len(front) > points:
-        values = costs[chosen_rows, 1]
-        levels = np.linspace(values[0], values[-1], points)
-        chosen = np.unique(np.abs(values - levels[:, np.newaxis]).argmin(axis=1))
-        front = [front[i] for i in chosen]
-    found: list[DesignResult] = []
-    for each in front:
-        part = dataclasses.replace(trials, problem=problem, best=[each])
-        found.append(finish(part, Found(best.method, [each]), ()))
-    return found
+    return [(good[i], float(costs[i, 1])) for i in undominated(costs)]
+
+
+def _spread(front: list[tuple[Outcome, float]], points: int) -> list[tuple[Outcome, float]]:
+    """All points or, of many, those closest to equal steps of the second objective."""
+    if len(front) <= points:
+        return front
+    values = np.array([value for _, value in front])
+    levels = np.linspace(values[0], values[-1], points)
+    return [front[i] for i in np.unique(np.abs(values - levels[:, np.newaxis]).argmin(axis=1))]
+
+
+def _verified_point(
+    trials: Trials, method: str, outcome: Outcome, finish: Finish
+) -> DesignResult:  # fmt: skip
+    part = dataclasses.replace(trials, problem=trials.problem._only(0), best=[outcome])
+    return finish(part, Found(method, [outcome]), ())
 
 
 def _notes_on_yield(front: list[DesignResult], problem: Design) -> list[str]:

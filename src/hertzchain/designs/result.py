@@ -150,7 +150,7 @@ class DesignResult:
 
     @property
     def front_is_complete(self) -> bool:
-        """Whether all choices of balls or orders were simulated, and a front misses no point."""
+        """Whether all choices of balls or orders were simulated, and no point was missed."""
         space, scatter = self.problem.space, self.problem.scatter
         if not isinstance(space, BallSpace) or (scatter is not None and self.method == "genetic"):
             return False

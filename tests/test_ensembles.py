@@ -510,3 +510,33 @@ def test_sensors_of_beads_that_no_chain_has_are_rejected():
     # The shorter chain has no bead 9.
     table = hc.simulate_many(chains, keep=["sensor_impulse"], sensors=[9])
     assert [*table.reasons] == [0]
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+@pytest.mark.parametrize(
+    "loss", [hc.ElasticPlastic(), hc.Restitution(0.9), hc.WaltonBraun(0.8)], ids=str
+)
+def test_a_run_for_the_peak_alone_ends_when_the_peak_is_proven(loss, monkeypatch):
+    """Reference: the whole run."""
+    rng = np.random.default_rng(4)
+    runs, ends = [], []
+    own = ensemble_columns.simulate_to_peak
+    monkeypatch.setattr(
+        ensemble_columns, "simulate_to_peak", lambda *a, **b: runs.append(own(*a, **b)) or runs[-1]
+    )
+    for _ in range(6):
+        radii = rng.choice([1.5e-3, 2e-3, 2.5e-3, 4e-3], 7)
+        chain = hc.Chain.from_materials(
+            radii, "steel-52100", velocity=1.0, right_wall=hc.Wall(), loss=loss
+        )
+        keep = ["wall_peak_force", "wall_peak_time", "velocity", "arrival"]
+        table = hc.simulate_many([chain], keep=keep, check_range=False)
+        whole = hc.simulate_many([chain], keep=keep)
+        for name in keep:
+            np.testing.assert_allclose(table[name], whole[name], rtol=1e-6)
+        ends.append(hc.simulate(chain, times=0).end_time)
+    assert sum(run.end_time for run in runs) < 0.95 * sum(ends)
+    assert len(runs) == 6
+    # The impulse needs the whole impact.
+    hc.simulate_many([chain], keep="wall_impulse_of_impact", check_range=False)
+    assert len(runs) == 6

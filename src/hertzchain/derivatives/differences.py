@@ -6,7 +6,7 @@ import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,25 +67,25 @@ def differences(
     """
     columns = [_column(name) for name in names]
     places = {each: np.flatnonzero(_entries(chain, each)) for each in to}
-    chains = [chain] + [
+    chains = [
         changed(chain, each, int(k), factor)
         for factor in FACTORS for each, some in places.items() for k in some
     ]  # fmt: skip
     sensors = sorted({name.bead for name in names if name.group == "sensor" and name.bead})
+    options: dict[str, Any] = {"keep": columns, "sensors": sensors, "until": until,
+                               "rtol": rtol or RTOL, "max_steps": max_steps}  # fmt: skip
     with warnings.catch_warnings():
         # Each chain would warn, in several threads that share the filters.
         warnings.simplefilter("ignore", ModelRangeWarning)
-        table = simulate_many(
-            chains, keep=columns, sensors=sensors, until=until, rtol=rtol or RTOL,
-            max_steps=max_steps, progress=progress,
-        )  # fmt: skip
-    if 0 in table.reasons:
-        raise SimulationError(table.reasons[0])
-    found = [
-        _differences(chain, places, _values(table, *pair))
-        for pair in zip(names, columns, strict=True)
-    ]
-    return found, table._overlaps[0, : chain.beads + 1]
+        own = simulate_many([chain], **options)
+        if own.reasons:
+            raise SimulationError(own.reasons[0])
+        others = simulate_many(chains, check_range=False, progress=progress, **options)
+    found = []
+    for name, column in zip(names, columns, strict=True):
+        values = [_values(table, name, column) for table in (own, others)]
+        found.append(_differences(chain, places, float(values[0][0]), values[1]))
+    return found, own._overlaps[0]
 
 
 def _column(name: Name) -> str:
@@ -143,11 +143,11 @@ def _values(table: RunTable, name: Name, column: str) -> Array:
 
 
 def _differences(
-    chain: Chain, places: Mapping[str, NDArray[np.int64]], values: Array
-) -> Differences:  # fmt: skip
+    chain: Chain, places: Mapping[str, NDArray[np.int64]], value: float, values: Array
+) -> Differences:
     """Derivatives from the values of the chain and of the others, in their order."""
     kept: list[dict[str, Array]] = []
-    blocks = values[1:].reshape(len(FACTORS), -1)
+    blocks = values.reshape(len(FACTORS), -1)
     for larger, smaller, step in ((0, 1, STEP), (2, 3, 2.0 * STEP)):
         changes = (blocks[larger] - blocks[smaller]) / (2.0 * step)
         slopes, begin = dict[str, Array](), 0
@@ -157,4 +157,4 @@ def _differences(
             slopes[name][some] = changes[begin : begin + len(some)] / own[some]
             begin += len(some)
         kept.append(slopes)
-    return Differences(float(values[0]), *kept)
+    return Differences(value, *kept)

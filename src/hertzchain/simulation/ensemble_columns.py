@@ -35,7 +35,7 @@ from .run_end import Status
 from .run_message import FAILURES, end_message
 from .run_pulse import pulse_of, times_between
 from .sensor_force import MANY_TIMES, MIN_HEIGHT, sensor_maxima
-from .simulate import MAX_RTOL, MIN_RTOL, default_step_limit, simulate
+from .simulate import MAX_RTOL, MIN_RTOL, default_step_limit, simulate, simulate_to_peak
 
 # Quantities of the leading pulse that a simulation determines.
 PULSE_QUANTITIES: Final = {
@@ -335,9 +335,12 @@ def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:
     rtol = min(max(TIGHTER * request.rtol, MIN_RTOL), MAX_RTOL)
     times = MANY_TIMES if any(name in SENSOR_QUANTITIES for name in keep) else 0
     options: dict[str, Any] = {"rtol": rtol, "progress": progress}
-    run = simulate(
-        chain, until=request.until, times=times, max_steps=request.max_steps, **options
-    )  # fmt: skip
+    if request.until is None and chain.right_wall is not None and request.peak_only(chain):
+        run = simulate_to_peak(chain, max_steps=request.max_steps, **options)
+    else:
+        run = simulate(
+            chain, until=request.until, times=times, max_steps=request.max_steps, **options
+        )  # fmt: skip
     found: dict[str, Any] = {}
     if any(name in PULSE_QUANTITIES for name in keep):
         pulse = pulse_of(chain, run._peaks, run._crossings, tails=False)

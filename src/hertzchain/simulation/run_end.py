@@ -16,6 +16,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels import state_layout
 from ..kernels.wall_rule import CHECKS
+from .wall_bound import RIGHT, motion_can_escape
 from .wall_watch import FEW_CHECKS, WallWatch
 
 Status = Literal[
@@ -38,13 +39,17 @@ class RunEnd:
         until: float | None,
         *,
         fixed: bool = False,
+        at_peak: bool = False,
     ) -> None:
         self.chain, self.counts, self.default = chain, arrays["counts"], until is None
         self.until = math.inf if until is None else until
         self.struck = bool(chain.velocities[0] > 0.0) and chain.drive is None
+        # Whether the run ends at once if no larger force on the right wall can follow.
+        self.at_peak = at_peak
         self.watch: WallWatch | None = None
         if any(chain.wall_stiffness):
-            checks = FEW_CHECKS if fixed and until is not None else CHECKS
+            few = (fixed and until is not None) or (at_peak and motion_can_escape(chain, RIGHT))
+            checks = FEW_CHECKS if few else CHECKS
             self.watch = WallWatch(chain, arrays, checks, fixed=fixed)
 
     def goal(self) -> tuple[float, bool]:
@@ -103,7 +108,7 @@ class RunEnd:
             return None
         if watch.closed:
             return "nothing more happens"
-        if watch.ends_run(forces):
+        if watch.ends_run(forces, at_peak=self.at_peak):
             return "wall force complete"
         return "transit limit" if watch.expired else None
 

@@ -183,6 +183,21 @@ def simulate(
     return run
 
 
+def simulate_to_peak(
+    chain: Chain, *, rtol: float, max_steps: int | None, progress: Progress
+) -> Run:  # fmt: skip
+    """A run without saved times that ends when no larger force on the right wall can follow."""
+    check_clock(chain)
+    _check_end(chain, None, 0, 0.0)
+    start = first_state(chain)
+    frames = _Frames(chain, start.time, None, 0)
+    limit = max_steps or default_step_limit(chain.beads)
+    run = _integrate(chain, start, None, frames, rtol, limit, progress, None, at_peak=True)
+    if not run.success:
+        raise SimulationError(run.message)
+    return run
+
+
 def checked_rtol(rtol: float) -> float:
     """Check the tolerance per step, 1e-14 .. 1e-6."""
     return number("rtol", rtol, least=MIN_RTOL, most=MAX_RTOL)
@@ -325,13 +340,15 @@ def _integrate(
     max_steps: int,
     progress: Progress | None,
     fixed: FixedSteps | None,
+    *,
+    at_peak: bool = False,
 ) -> Run:
     from ..kernels import state_layout
 
     progress = progress or slow_run_notice()
     going = _Integration(chain, start, frames, rtol, fixed)
     kernel, counts = going.kernel, going.counts
-    end = RunEnd(chain, going.state.arrays, until, fixed=fixed is not None)
+    end = RunEnd(chain, going.state.arrays, until, fixed=fixed is not None, at_peak=at_peak)
     first = int(counts[state_layout.STEPS])
     status: Status | None = None
     # A longer run resumes bit for bit from the state before the last, shortened step.

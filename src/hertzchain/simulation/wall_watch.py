@@ -44,7 +44,8 @@ from .budget import overlaps_of, stored_energy
 from .time_scales import impact_momentum, rebound_time, transit_times
 from .wall_bound import RIGHT, Approach, Target, motion_can_escape, wall_targets
 
-# Checks per transit of a run by fixed steps to a given time, which may be very long.
+# Checks per transit of a run by fixed steps to a given time, which may be very long, or to a proven
+# peak: in chains of ten beads, a check takes longer than the integration between two of them.
 FEW_CHECKS: Final = 2
 SMALLEST: Final = float(np.finfo(float).tiny)
 
@@ -260,11 +261,17 @@ class WallWatch:
         since = float(self.completion[state_layout.SINCE, side])
         return since > 0.0 and self._mark - since >= HELD * self.transit
 
-    def ends_run(self, forces: Array) -> bool:
-        """Whether the peak on the right wall is complete, and enough time has passed."""
-        if not (self.held(RIGHT) or self.expired):
+    def ends_run(self, forces: Array, *, at_peak: bool = False) -> bool:
+        """Whether the peak on the right wall is complete, and enough time has passed.
+
+        A peak that is proven needs no more time, if only it is needed.
+        """
+        target = self.targets[-1]
+        # The bound takes time; the estimate is smaller.
+        likely = at_peak and target.can_escape and self.completion[state_layout.BOUNDED, RIGHT]
+        if not (self.held(RIGHT) or self.expired or likely):
             return False
-        overlaps, target = self._overlaps(), self.targets[-1]
+        overlaps = self._overlaps()
         return self.complete(target, self.reach(target, overlaps, self._stored(overlaps, forces)))
 
     def complete(self, target: Target, reach: Approach) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -58,7 +58,6 @@ def calibrate(
     """
     from .. import calibration
     from ..chain.tapers import PAPER_TAPERS
-    from ..store import results
     from ..store.writing import write_bytes
     from ..validation.objects import check_choice
 
@@ -84,9 +83,7 @@ def calibrate(
     if output is not None:
         write_bytes(output, calibration.calibrated_toml(found).encode())
     if as_json:
-        document: dict[str, Any] = {"schema_version": results.SCHEMA_VERSION}
-        document["calibrations"] = [result.as_dict() for result in found]
-        show_json(document)
+        show_json({"calibrations": [result.as_dict() for result in found]})
         return
     for result in found:
         _show_calibration(result)

@@ -134,12 +134,10 @@ def _one_shot(traces: Traces, shot: int | None) -> Traces:
 
 def _as_dict(found: TraceComparison) -> dict[str, Any]:
     """Plain values for JSON: numbers that do not exist are `None`."""
-    from ..store import results
     from ..validation.json_types import finite
 
     sensors = [finite(dataclasses.asdict(each)) for each in found.sensors]
     return {
-        "schema_version": results.SCHEMA_VERSION, "time_offset": found.time_offset,
-        "interval": list(found.interval), "covered": found.covered, "sensors": sensors,
-        "notes": list(found.notes),
+        "time_offset": found.time_offset, "interval": list(found.interval),
+        "covered": found.covered, "sensors": sensors, "notes": list(found.notes),
     }  # fmt: skip

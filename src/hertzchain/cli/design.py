@@ -90,9 +90,7 @@ def design(
         )
     _write(result, out, plot)
     if as_json:
-        from ..store import results
-
-        show_json({"schema_version": results.SCHEMA_VERSION} | result.as_dict())
+        show_json(result.as_dict())
     else:
         click.echo(on_command_line(result.summary()))
     return DONE if result.met else OUTSIDE_TOLERANCE
@@ -101,16 +99,14 @@ def design(
 def _show_estimate(problem: Any, options: dict[str, Any], as_json: bool) -> None:
     from ..designs.design import dry_run
     from ..designs.dry_run import in_lines
-    from ..store import results
 
     found = dry_run(problem, **options)
     if not as_json:
         click.echo(in_lines(problem, found))
         return
     show_json({
-        "schema_version": results.SCHEMA_VERSION, "method": found.method, "size": found.size,
-        "compared": found.compared, "values": found.given, "seconds_per_trial": found.trial,
-        "seconds": found.seconds,
+        "method": found.method, "size": found.size, "compared": found.compared,
+        "values": found.given, "seconds_per_trial": found.trial, "seconds": found.seconds,
     })  # fmt: skip
 
 

@@ -157,9 +157,7 @@ def fit(
         if not as_json:
             click.echo(f"\n{posterior.summary()}")
     if as_json:
-        from ..store import results
-
-        show_json({"schema_version": results.SCHEMA_VERSION} | document)
+        show_json(document)
     if not result.converged:
         return FAILED
     good = result.describes and not result.prior_conflict

@@ -25,10 +25,13 @@ def show_table(table: Table) -> None:
 
 
 def show_json(document: dict[str, Any]) -> None:
-    """Print a document, whose numbers must be finite, on stdout."""
+    """Print a document, whose numbers must be finite, with the version of its schema on stdout."""
     import json
 
-    click.echo(json.dumps(document, indent=2, allow_nan=False))
+    from ..store.results import SCHEMA_VERSION
+
+    versioned = {"schema_version": SCHEMA_VERSION} | document
+    click.echo(json.dumps(versioned, indent=2, allow_nan=False))
 
 
 def save_figure(axes: Any, plot: Path) -> None:

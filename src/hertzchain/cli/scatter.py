@@ -102,10 +102,7 @@ def _part(text: str) -> float:
 
 
 def _document(found: Distribution) -> dict[str, Any]:
-    from ..store import results
-
     return {
-        "schema_version": results.SCHEMA_VERSION,
         "quantity": found.quantity,
         "unit": found.unit,
         "nominal": found.nominal,

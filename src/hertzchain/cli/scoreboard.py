@@ -50,7 +50,6 @@ def scoreboard(
     """
     from ..evaluation import evaluate
     from ..evaluation.scoreboard import QUANTITIES as SCORED
-    from ..store import results
     from ..validation.objects import check_choice
 
     check_choice("quantity", quantity, SCORED)
@@ -64,8 +63,7 @@ def scoreboard(
 
         save_figure(plot_scoreboard(board, **what), figure)
     if as_json:
-        document = {"schema_version": results.SCHEMA_VERSION} | board.as_dict()
-        show_json(document)
+        show_json(board.as_dict())
     else:
         show_table(_scoreboard_table(board, by="case" if every_chain else "family", **what))
 

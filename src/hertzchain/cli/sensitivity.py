@@ -84,16 +84,15 @@ def sensitivity(
 def _document(
     found: Gradient, measure: Measure, by: str, changes: tuple[Array, Array] | None
 ) -> dict[str, Any]:  # fmt: skip
-    from ..store import results
+    from ..validation.json_types import finite
 
     document: dict[str, Any] = {
-        "schema_version": results.SCHEMA_VERSION,
         "quantity": found.quantity,
         "value": found.value,
         "unit": found.unit,
-        "value_with_yielding_contacts": _number(_yielding(found, measure)),
+        "value_with_yielding_contacts": finite(_yielding(found, measure)),
         "parameter": by,
-        "gradient": [*map(_number, found[by].tolist())],
+        "gradient": finite(found[by].tolist()),
         "gradient_unit": found.units[by],
         "relative": found.relative(by).tolist(),
         "method": found.method,
@@ -101,12 +100,8 @@ def _document(
     }
     if changes:
         for key, values in zip(("larger", "smaller"), changes, strict=True):
-            document[f"change_if_{key}"] = [*map(_number, values.tolist())]
+            document[f"change_if_{key}"] = finite(values.tolist())
     return document
-
-
-def _number(value: float) -> float | None:
-    return None if isnan(value) else value
 
 
 def _yielding(found: Gradient, measure: Measure) -> float:

@@ -110,12 +110,10 @@ def _bands(found: Spectrum) -> tuple[Any, Any, float | None]:
 
 
 def _document(found: Spectrum) -> dict[str, Any]:
-    from ..store import results
     from ..validation.json_types import finite
 
     bands, gaps, speed = _bands(found)
     document: dict[str, Any] = finite({
-        "schema_version": results.SCHEMA_VERSION,
         "units": found.chain.units,
         "frequencies": found.frequencies.tolist(),
         "decay_rates": found.decay_rates.tolist(),

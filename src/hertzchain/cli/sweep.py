@@ -265,7 +265,6 @@ def _place(text: str) -> tuple[str, Any]:
 
 
 def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> None:
-    from ..store.results import SCHEMA_VERSION
     from ..sweeps.sweep import estimate
 
     if sys.stderr.isatty():
@@ -273,7 +272,7 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
     found = estimate(specification, workers=workers)
     if as_json:
         show_json({
-            "schema_version": SCHEMA_VERSION, "points": found.points, "batches": found.batches,
+            "points": found.points, "batches": found.batches,
             "bytes_on_disk": found.bytes_on_disk, "files": found.files, "seconds": found.seconds,
             "unfinished": found.unfinished,
         })  # fmt: skip
@@ -294,16 +293,13 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
 
 
 def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: bool) -> int:
-    from ..store.results import SCHEMA_VERSION
-
     store = opened.folder
     counts = opened.counts()
     outside, incomplete = opened.flagged("outside_range"), opened.flagged("incomplete")
     failures = opened.failures(5) if counts["failed"] else []
     if as_json:
         show_json({
-            "schema_version": SCHEMA_VERSION, "store": str(store), **counts,
-            "outside_range": outside, "incomplete": incomplete,
+            "store": str(store), **counts, "outside_range": outside, "incomplete": incomplete,
             "failures": [{"point": place, "reason": reason} for place, reason in failures],
         })  # fmt: skip
     else:

@@ -137,16 +137,15 @@ def _material(chain: Chain, side: Side) -> str | None:
     return material_of_wall(wall, chain.materials[0 if side == "left" else -1]).name
 
 
-def _is_nan(value: object) -> bool:
-    return isinstance(value, float) and math.isnan(value)
-
-
 def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
     """All fields except the trace; null for a number that does not exist."""
+    from ..validation.json_types import finite
+
     found = {name: value for name, value in vars(force).items() if name not in ("times", "force")}
     if (duration := getattr(force, "duration", None)) is not None:
         found["duration"] = duration
-    return {name: None if _is_nan(value) else value for name, value in found.items()}
+    numbers: dict[str, object] = finite(found)
+    return numbers
 
 
 def _wall_lines(run: Run, wall: WallForce) -> str:

@@ -20,6 +20,7 @@ def wave_table(waves: Waves) -> Table:
     from rich.table import Table
 
     from ..pulse.quantities import WAVE_QUANTITIES
+    from ..representation import usual_unit
 
     rows = waves_as_list(waves)
     counts = f"{len(waves.right)} to the right, {len(waves.left)} to the left"
@@ -28,7 +29,8 @@ def wave_table(waves: Waves) -> Table:
     table = Table(
         title=f"waves: {counts}", caption=caption, box=box.SIMPLE_HEAD, title_justify="left"
     )
-    factor, time_unit = _unit_of_times(rows, waves.chain.units)
+    last = max((row["last_time"] for row in rows), default=0.0)
+    factor, time_unit = usual_unit(last, "s") if waves.chain.units == "SI" else (1.0, "")
     for name in ("", "contacts", "times", "amplitude", "momentum", "energy", "width", "speed"):
         quantity = WAVE_QUANTITIES.get("first_time" if name == "times" else name)
         real = quantity is not None and waves.chain.units == "SI"
@@ -49,18 +51,6 @@ def wave_table(waves: Waves) -> Table:
             *("" if value is None else f"{value:.4g}" for value in numbers),
         )
     return table
-
-
-def _unit_of_times(rows: list[dict[str, Any]], units: str) -> tuple[float, str]:
-    """Factor and name of the unit in which the times of waves are shown."""
-    from ..representation import MICROSECONDS, MILLISECONDS
-
-    if units != "SI":
-        return 1.0, ""
-    last = max((row["last_time"] for row in rows), default=0.0)
-    if last < MICROSECONDS:
-        return 1e6, "us"
-    return (1e3, "ms") if last < MILLISECONDS else (1.0, "s")
 
 
 def waves_as_list(waves: Waves) -> list[dict[str, Any]]:

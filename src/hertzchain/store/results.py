@@ -24,6 +24,7 @@ from ..pulse.quantities import RUN_QUANTITIES, TIME
 from ..simulation.checked_state import check_state
 from ..simulation.run import Run
 from ..simulation.state import State, fingerprint
+from ..validation.json_types import finite
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_type, file_path
 from .chain_as_toml import chain_as_toml
@@ -58,17 +59,12 @@ def pulses_as_json(pulses: Sequence[Pulse]) -> str:
         "chain": chain_as_dict(pulses[0].chain),
         "pulses": [
             {"method": pulse.method}
-            | {name: _as_list(values) for name, values in pulse.columns().items()}
+            | {name: finite(values.tolist()) for name, values in pulse.columns().items()}
             | ({"notes": dict(pulse.notes)} if pulse.notes else {})
             for pulse in pulses
         ],
     }
     return json.dumps(document, indent=2, allow_nan=False)
-
-
-def _as_list(values: Array) -> list[float | None]:
-    """Convert numbers for JSON, which has no NaN."""
-    return [None if math.isnan(value) else value for value in values.tolist()]
 
 
 def chain_as_dict(chain: Chain) -> dict[str, Any]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 import io
 import json
 import math
@@ -28,7 +27,7 @@ from ..validation.json_types import finite
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_type, file_path
 from .chain_as_toml import chain_as_toml
-from .run_files import chain_file_of, run_as_netcdf
+from .run_files import chain_file_of, digest_of, run_as_netcdf
 from .writing import write_bytes
 
 SCHEMA_VERSION: Final = 1
@@ -213,7 +212,7 @@ def save_state(state: State, path: str | os.PathLike[str]) -> None:
     target = file_path("state file", path)
     content = io.BytesIO()
     about = {"version": __version__, "chain": fingerprint(state.chain)}
-    about["digest"] = _state_digest(about, state.arrays)
+    about["digest"] = digest_of(state.arrays, f"{about['version']} {about['chain']}")
     texts = {name: np.array(text) for name, text in about.items()}
     np.savez(content, **texts, **state.arrays)  # type: ignore[arg-type]
     write_bytes(target, content.getvalue())
@@ -260,7 +259,7 @@ def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
             f"state {name!r} belongs to another chain than {chain.description}; give the chain "
             "of the saved run"
         )
-    if about.pop("digest") != _state_digest(about, arrays):
+    if about["digest"] != digest_of(arrays, f"{about['version']} {about['chain']}"):
         raise InputError(
             f"state {name!r} was changed after it was written; restore it from a copy, or restart "
             "the run"
@@ -271,15 +270,6 @@ def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
     except InputError as error:
         raise InputError(f"state {name!r} cannot be used: {error}") from None
     return state
-
-
-def _state_digest(about: Mapping[str, str], arrays: Mapping[str, Array]) -> str:
-    found = hashlib.sha256(f"{about['version']} {about['chain']}".encode())
-    for name in sorted(arrays):
-        values = arrays[name]
-        found.update(f"\0{name} {values.dtype.str} {values.shape}\0".encode())
-        found.update(np.ascontiguousarray(values).tobytes())
-    return found.hexdigest()
 
 
 def _run_as_csv(run: Run) -> str:

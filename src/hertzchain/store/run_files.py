@@ -74,14 +74,15 @@ def _records(run: Run) -> bytes:
         arrays["_forces"] = run._forces
     arrays["chain"] = np.array(fingerprint(run.chain))
     saved = {name: getattr(run, name) for name in SAVED.values()}
-    arrays["digest"] = np.array(_digest(arrays | saved))
+    arrays["digest"] = np.array(digest_of(arrays | saved))
     content = io.BytesIO()
     np.savez_compressed(content, **arrays)  # type: ignore[arg-type]
     return content.getvalue()
 
 
-def _digest(arrays: Mapping[str, Array]) -> str:
-    found = hashlib.sha256()
+def digest_of(arrays: Mapping[str, Array], about: str = "") -> str:
+    """Digest of named arrays and of a text about them."""
+    found = hashlib.sha256(about.encode())
     for name in sorted(arrays):
         values = np.ascontiguousarray(arrays[name])
         found.update(f"\0{name} {values.dtype.str} {values.shape}\0".encode())
@@ -158,7 +159,7 @@ def _run_from(chain: Chain, saved: Mapping[str, Array]) -> Run:
     with np.load(io.BytesIO(saved[RECORDS].astype(np.int8).tobytes())) as file:
         arrays = {name: np.asarray(file[name], order="C") for name in file.files}
     digest = str(arrays.pop("digest"))
-    if digest != _digest(arrays | motion):
+    if digest != digest_of(arrays | motion):
         raise InputError("its numbers are not those of the run")
     if str(arrays["chain"]) != fingerprint(chain):
         raise InputError("its chain is not that of the run")

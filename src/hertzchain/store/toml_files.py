@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import os
 import tomllib
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any
 
 from ..errors import InputError
 from ..validation.objects import file_path
-
-# Characters that a basic string escapes by a letter.
-_LETTERS: Final = {'"': '\\"', "\\": "\\\\", "\b": "\\b", "\t": "\\t", "\n": "\\n", "\f": "\\f",
-                   "\r": "\\r"}  # fmt: skip
 
 
 def read_toml(what: str, path: str | os.PathLike[str], hint: str) -> dict[str, Any]:
@@ -59,12 +56,5 @@ def toml_key(name: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    return '"' + "".join(map(_escaped, text)) + '"'
-
-
-def _escaped(character: str) -> str:
-    if character in _LETTERS:
-        return _LETTERS[character]
-    if ord(character) < 0x20 or ord(character) == 0x7F:
-        return f"\\u{ord(character):04x}"
-    return character
+    # A string of JSON is one of TOML, except that TOML also escapes the character DEL.
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", r"\u007f")

@@ -20,7 +20,7 @@ from .feature_support import require_chain
 from .laws import Loss
 from .materials import contact_modulus, sphere_stiffness
 from .parts import Part
-from .scales import Scale, Scales
+from .scales import Scales
 
 # Two numbers that differ by rounding only.
 ROUNDING: Final = 1e-12
@@ -72,8 +72,9 @@ def converted(item: T, scales: Scales, *, to_si: bool) -> T:
     for field in dataclasses.fields(item):  # type: ignore[arg-type]
         value = getattr(item, field.name)
         if "scale" in field.metadata and value is not None:
-            unit, axis = _named(field.metadata["scale"], item), field.metadata["axis"]
-            changes[field.name] = _in_units(value, unit, scales, axis=axis, to_si=to_si)
+            unit, axis = field.metadata["scale"], field.metadata["axis"]
+            own = unit(item) if callable(unit) else unit
+            changes[field.name] = _in_units(value, own, scales, axis=axis, to_si=to_si)
         elif isinstance(value, Chain) or _is_convertible(value):
             changes[field.name] = converted(value, scales, to_si=to_si)
     return dataclasses.replace(item, **changes)  # type: ignore[type-var]
@@ -84,11 +85,6 @@ def _is_convertible(item: object) -> bool:
     if not dataclasses.is_dataclass(item) or isinstance(item, type):
         return False
     return isinstance(item, Part) or any("scale" in f.metadata for f in dataclasses.fields(item))
-
-
-def _named(unit: Scale, item: object) -> Any:
-    """The unit of a field of an item, where it depends on the item."""
-    return unit(item) if callable(unit) else unit
 
 
 def _in_units(value: Any, unit: Any, scales: Scales, *, axis: int, to_si: bool) -> Any:

@@ -186,7 +186,7 @@ def simulate(
     for name, run in runs.items():
         _save(run, beads[name], out, forces, animation, magnify)
     if plot is not None:
-        _save_plot(runs, beads, plot, forces=bool(sensors))
+        save_figure(_drawn(runs, beads, forces=bool(sensors)), plot)
     if as_json:
         found = [run_as_dict(run, beads[name], waves=waves) for name, run in runs.items()]
         show_json(found[0] if len(found) == 1 else _together(runs, found))
@@ -266,12 +266,6 @@ def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str,
     found = [{name: each[name] for name in each if name not in names} for each in found]
     named = [{"name": name} | each for name, each in zip(runs, found, strict=True)]
     return version | {"runs": named}
-
-
-def _save_plot(
-    runs: dict[str, Run], beads: dict[str, list[int]], plot: Path, *, forces: bool
-) -> None:
-    save_figure(_drawn(runs, beads, forces=forces), plot)
 
 
 def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], *, forces: bool) -> Axes:

@@ -90,7 +90,8 @@ def _check_tables(entry: Any, section: Section, complete: bool, place: str = "")
             if chosen is None and not complete:
                 continue
             if chosen is None:
-                yield f"{place} has no {section.variant_key}: choose from {_names(section)}"
+                names = ", ".join(section.variants)
+                yield f"{place} has no {section.variant_key}: choose from {names}"
                 continue
             if not isinstance(chosen, str) or chosen not in section.variants:
                 what = f"{section.variant_key} of {place}"
@@ -102,10 +103,6 @@ def _check_tables(entry: Any, section: Section, complete: bool, place: str = "")
             del values[section.variant_key]
             known.insert(0, section.variant_key)
         yield from _check_keys(values, place, keys, known, complete=complete)
-
-
-def _names(section: Section) -> str:
-    return ", ".join(section.variants)
 
 
 def _example(section: Section) -> str:

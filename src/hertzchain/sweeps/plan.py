@@ -96,7 +96,7 @@ class Plan:
         short = [axis.name for axis in self.specification.axes]
         reserved = {*TAKEN, *self.variables}
         return tuple(
-            _full_name(axis) if short.count(name) > 1 or name in reserved else name
+            "_".join(path_in_document(axis)) if short.count(name) > 1 or name in reserved else name
             for axis, name in zip(self.specification.axes, short, strict=True)
         )
 
@@ -313,10 +313,6 @@ class Plan:
         """Yield up to 200 points for trials, including the first and the last."""
         for flat in spread(self.points):
             yield tuple(int(i) for i in np.unravel_index(flat, self.shape))
-
-
-def _full_name(axis: Axis) -> str:
-    return "_".join(path_in_document(axis))
 
 
 @lru_cache(maxsize=4)

@@ -166,10 +166,6 @@ def _sorted(table: Mapping[str, Any]) -> Any:
     return json.loads(json.dumps(table, sort_keys=True))
 
 
-def _unknown_method(name: object, known: Sequence[str]) -> InputError:
-    return unknown_name_error("method", name, known)
-
-
 # Tables of a specification, and its title.
 TABLES: Final = ("title", "chain", "materials", "axes", "points", "sweep", "method")
 
@@ -389,8 +385,10 @@ class _Reader:
             if name in known or (key == "keep" and isinstance(name, str) and sensor_of(name)):
                 names.append(name)
                 continue
-            explained = _unknown_method if key == "methods" else unknown_quantity
-            self._add(f"sweep.{key}[{place}]", explained(entry, known))
+            if key == "methods":
+                self._add(f"sweep.methods[{place}]", unknown_name_error("method", entry, known))
+            else:
+                self._add(f"sweep.{key}[{place}]", unknown_quantity(entry, known))
         if len(set(names)) < len(names):
             self._add(f"sweep.{key}", f"has one name twice: {', '.join(names)}")
         return tuple(names) or default

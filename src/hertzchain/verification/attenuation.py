@@ -39,12 +39,7 @@ LAWS: Final[dict[str, tuple[Callable[[float], Loss], float, float]]] = {
 LOSS, CONTACT = 2e-4, 40
 
 
-def cases() -> list[Case]:
-    """Cases of this topic."""
-    return list(_coefficients())
-
-
-def _coefficients() -> Iterator[Case]:
+def cases() -> Iterator[Case]:
     """Coefficients of the decay per bead, from the formula and from simulations."""
     for name, (_, *expected) in LAWS.items():
         for p, value in zip((1.5, 2.0), expected, strict=True):

@@ -20,12 +20,7 @@ Method = Literal["BCA", "propagate"]
 BEADS: Final[dict[Method, int]] = {"BCA": 30_000, "propagate": 3000}
 
 
-def cases() -> list[Case]:
-    """Cases of this topic."""
-    return list(_tapers())
-
-
-def _tapers() -> Iterator[Case]:
+def cases() -> Iterator[Case]:
     """Power laws over the last two thirds of backward linear tapers with S = 0.9."""
     exponents = {"velocity": -1.5, "residence": 1.3, "arrival": 2.3}
     methods: dict[Method, float] = {"BCA": 1e-4, "propagate": 2e-3}

@@ -16,12 +16,7 @@ from .case import Case
 JAYAPRAKASH = "Jayaprakash et al., PRE 83, 036606 (2011): anti-resonances"
 
 
-def cases() -> list[Case]:
-    """Cases of this topic."""
-    return list(_dimers())
-
-
-def _dimers() -> Iterator[Case]:
+def cases() -> Iterator[Case]:
     """Mass ratios at which solitary waves exist, and ratios at which pulses decay."""
     for ratio in (1.0, 0.342845, 0.154752, 0.090127, 0.061503):
         yield Case(

@@ -63,7 +63,7 @@ SIZE_KEYS: Final = tuple(item.name for item in dataclasses.fields(Sizes))
 LATER: Final = ("precompression", "held_by", "gravity")
 # Methods of a chain that change its beads, in the order in which they are applied.
 MORE_BEADS: Final = ("decorated", "with_defects", "with_scatter")
-METHODS: Final = (*MORE_BEADS, "struck_by")
+BEAD_METHODS: Final = (*MORE_BEADS, "struck_by")
 PARTS: Final = ("left_wall", "right_wall", "loss", "drive")
 SHAPES: Final[Mapping[str, type[Shape]]] = {"cone": Cone, "crossed-cylinders": CrossedCylinders}
 DRIVES: Final[Mapping[str, type[Drive]]] = {

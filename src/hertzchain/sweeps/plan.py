@@ -18,7 +18,7 @@ from ..chain.tapers import check_taper, tapered_radii
 from ..collision import Array
 from ..errors import InputError, SimulationError, raise_all
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
-from ..store.chain_files import METHODS, chain_from
+from ..store.chain_files import BEAD_METHODS, chain_from
 from ..validation.numbers import has_unit
 from .axes import Axis
 from .change_value import path_in_document, with_value
@@ -233,7 +233,7 @@ class Plan:
         keys = {path[0] for path in axes} | self.specification.chain.keys()
         values = axes[("beads",)].values if ("beads",) in axes else []
         whole = bool(values) and all(isinstance(value, int) for value in values)
-        return values if whole and keys.isdisjoint(METHODS) else None
+        return values if whole and keys.isdisjoint(BEAD_METHODS) else None
 
     def _changes_length(self, place: int, axis: Axis) -> bool:
         first = (0,) * len(self.shape)
@@ -245,7 +245,7 @@ class Plan:
         """Number of beads of a point; 0 if its chain cannot be made."""
         try:
             table = self.document(index)["chain"]
-            if isinstance(table.get("beads"), int) and not table.keys() & METHODS:
+            if isinstance(table.get("beads"), int) and not table.keys() & BEAD_METHODS:
                 return int(table["beads"])
             return self.chain(index).beads
         except InputError:

@@ -259,6 +259,7 @@ class Loss(Part):
                 )
             contacts, si = _contact_of(chain, contact), chain.units == "SI"
         else:
+            self._check_without_chain()
             si = reduced_mass is not None and stiffness is not None
             contacts = _contact_with(reduced_mass, stiffness, exponent, si=si)
         if self.with_units and not si:
@@ -271,6 +272,9 @@ class Loss(Part):
         if chain is None and reduced_mass is None and stiffness is None:
             self._warn_without_loss(found)
         return found
+
+    def _check_without_chain(self) -> None:
+        """Raise `InputError` if restitution depends on more than mass and stiffness."""
 
     def _warn_without_loss(self, restitution: float) -> None:
         """Warn about parameters that are hardly losses in scaled variables."""

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from ...collision import HERTZ_EXPONENT, Array
 from ...errors import InputError
 from ...kernels.law_kinds import YIELDING, LawRow
-from ...validation.keywords import checked_arguments, checked_fields
+from ...validation.keywords import checked_fields
 from ..materials import FIRST_YIELD
 from .base import ContactArrays, ContactsAtRest, Loss, parameter
 
@@ -102,28 +102,13 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
             )
         return LawRow(YIELDING)
 
-    @checked_arguments("restitution")
-    def restitution(
-        self, speed: float, *, chain: Any = None, contact: int = 1,
-        reduced_mass: float | None = None, stiffness: float | None = None,
-        exponent: float = HERTZ_EXPONENT,
-    ) -> float:  # fmt: skip
-        if self.yield_overlap is None and chain is None:
+    def _check_without_chain(self) -> None:
+        if self.yield_overlap is None:
             raise InputError(
                 "the restitution of ElasticPlastic depends on the overlap at yield, which follows "
                 "from materials and radii: give chain=..., or use "
                 "ElasticPlastic(yield_overlap=...).restitution(speed, ...)"
             )
-        return super().restitution(
-            speed,
-            chain=chain,
-            contact=contact,
-            reduced_mass=reduced_mass,
-            stiffness=stiffness,
-            exponent=exponent,
-        )
-
-    restitution.__doc__ = Loss.restitution.__doc__
 
     def strength(self, contacts: ContactArrays) -> Array:
         """Overlaps at yield."""

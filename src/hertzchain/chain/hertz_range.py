@@ -49,7 +49,7 @@ from .contact_groups import effective_radii, yield_strengths
 from .feature_support import require_chain
 from .impact_overlaps import impact_overlaps
 from .laws.elastic_plastic import restitution_beyond_yield
-from .materials import FIRST_YIELD, Material
+from .materials import FIRST_YIELD, Material, contact_moduli
 from .walls import materials_with_walls
 
 MAX_OVERLAP_RATIO: Final = 0.01
@@ -349,8 +349,8 @@ def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:
 
 def _ratios(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
     """Overlap over radius and pressure over yield of all contacts, walls included."""
-    modulus, radius = _moduli(chain), effective_radii(chain.radii)
-    strength = yield_strengths(_bodies(chain))
+    bodies, radius = _bodies(chain), effective_radii(chain.radii)
+    modulus, strength = contact_moduli(bodies), yield_strengths(bodies)
     # Johnson, Eqs. (4.22) to (4.24): a^3 = 3 F R/(4 E*), a^2 = R d and p_0 = 2 E* d/(pi a).
     force = chain.contact_stiffness * overlaps**chain.contact_exponents
     d = np.cbrt(0.75 * force / (modulus * np.sqrt(radius))) ** 2
@@ -361,7 +361,7 @@ def _ratios(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
 
 def _given(chain: Chain) -> NDArray[np.bool_]:
     """Contacts that are not those of spheres of their materials; none at free ends."""
-    own = 4.0 / 3.0 * _moduli(chain) * np.sqrt(effective_radii(chain.radii))
+    own = 4.0 / 3.0 * contact_moduli(_bodies(chain)) * np.sqrt(effective_radii(chain.radii))
     ratio, there = chain.contact_stiffness / own, chain.contact_stiffness > 0.0
     other = (ratio > OTHER_STIFFNESS) | (ratio * OTHER_STIFFNESS < 1.0)
     return np.asarray(there & (other | (chain.contact_exponents != HERTZ_EXPONENT)))
@@ -379,21 +379,15 @@ def _bodies(chain: Chain) -> list[Material]:
     return materials_with_walls(chain.materials, (chain.left_wall, chain.right_wall))
 
 
-def _moduli(chain: Chain) -> Array:
-    """Effective modulus of the materials of each contact."""
-    compliance = np.array([each.compliance for each in _bodies(chain)])
-    return 1.0 / (compliance[:-1] + compliance[1:])
-
-
 def _causes(chain: Chain) -> tuple[str, str]:
     """Names of the causes of the motion and of the static force."""
     driven = chain.drive is not None
     motion = ["the velocity"] if chain.velocities.any() or not driven else []
     # Of both, only the precompression can be chosen.
     load = "the precompression" if chain.precompression > 0.0 else "gravity"
-    return " or ".join(
-        motion + ["the drive"] * driven
-    ), load if chain.static_state.forces.any() else ""
+    if driven:
+        motion.append("the drive")
+    return " or ".join(motion), load if chain.static_state.forces.any() else ""
 
 
 def _speed(chain: Chain) -> float:

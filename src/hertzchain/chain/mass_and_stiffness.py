@@ -9,10 +9,8 @@ import numpy as np
 
 from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
 from ..errors import InputError
-from .materials import Material, contact_modulus, sphere_stiffness
+from .materials import Material, Materials, contact_moduli, contact_modulus, sphere_stiffness
 from .walls import Wall, material_of_wall
-
-Materials = Sequence[Material] | None
 
 
 def sphere_masses(radii: Array, materials: Materials, *, scaled: bool) -> Array:
@@ -48,10 +46,7 @@ def contact_stiffness(
             f"materials determine the stiffness of Hertz contacts (exponent 1.5) only, not of p = "
             f"{others[0]:g}; give stiffness in N/m^{others[0]:g}"
         )
-    compliance = np.array([each.compliance for each in known])
-    with np.errstate(divide="ignore", over="ignore"):
-        modulus = 1.0 / (compliance[:-1] + compliance[1:])
-    return np.asarray(sphere_stiffness(radii[:-1], radii[1:], modulus))
+    return sphere_stiffness(radii[:-1], radii[1:], contact_moduli(known))
 
 
 def wall_stiffness(

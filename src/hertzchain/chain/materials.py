@@ -144,6 +144,8 @@ def _check_text(what: str, given: str, categories: tuple[str, ...]) -> None:
 # Material of a rigid wall: only the bead deforms.
 RIGID: Final = Material("rigid", density=1.0, young=math.inf, poisson=0.0)
 MaterialLike: TypeAlias = Material | str
+# Materials of all beads; None in a chain without them.
+Materials: TypeAlias = Sequence[Material] | None
 
 
 @cache
@@ -211,6 +213,13 @@ def contact_modulus(one: Material, other: Material) -> float:
     111.54
     """
     return 1.0 / (one.compliance + other.compliance)
+
+
+def contact_moduli(materials: Sequence[Material]) -> Array:
+    """Effective modulus of each contact of neighbouring bodies [Pa]; infinite if both are rigid."""
+    compliance = np.array([each.compliance for each in materials])
+    with np.errstate(divide="ignore", over="ignore"):
+        return np.asarray(1.0 / (compliance[:-1] + compliance[1:]))
 
 
 def sphere_stiffness(radius: ArrayLike, next_radius: ArrayLike, modulus: ArrayLike) -> Array:

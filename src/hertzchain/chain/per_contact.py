@@ -14,11 +14,10 @@ from ..validation.numbers import real_numbers
 from .input_checks import checked_exponent
 from .laws import Loss
 from .laws.elastic import Elastic
-from .materials import Material, material
+from .materials import Material, Materials, material
 from .walls import Wall, material_of_wall
 
 T = TypeVar("T")
-Materials: TypeAlias = Sequence[Material] | None
 Walls: TypeAlias = tuple[Wall | None, Wall | None]
 ELASTIC: Final = Elastic()
 

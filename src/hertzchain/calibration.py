@@ -247,11 +247,8 @@ def beads_in_window(window: Window, beads: int) -> np.ndarray[tuple[int], np.dty
 
 def fit_line(x: Array, y: Array) -> tuple[Array, Array]:
     """Fit a line by least squares; return (intercept, slope) and their standard errors."""
-    fit = np.polynomial.Polynomial.fit(x, y, 1).convert().coef
-    spread = np.sum((x - x.mean()) ** 2)
-    variance = np.sum((y - fit[0] - fit[1] * x) ** 2) / (len(x) - 2)
-    errors = np.sqrt(variance * np.array([1.0 / len(x) + x.mean() ** 2 / spread, 1.0 / spread]))
-    return fit, errors
+    fit, covariance = np.polyfit(x, y, 1, cov=True)
+    return fit[::-1], np.sqrt(np.diagonal(covariance))[::-1]
 
 
 def _fit_ratio(ratios: Array) -> tuple[RatioCorrection, dict[str, float]]:

@@ -17,7 +17,6 @@ Pulses = Mapping[tuple[str, float], Pulse]
 def integrate_chains(
     chains: Iterable[tuple[str, float]],
     *,
-    beads: int = BEADS,
     progress: Progress | None = None,
     drifts: list[tuple[float, float]] | None = None,
 ) -> dict[tuple[str, float], Pulse]:
@@ -25,7 +24,7 @@ def integrate_chains(
     ordered = sorted(chains)
     pulses = {}
     for done, (taper, rate) in enumerate(ordered, start=1):
-        run = simulate(Chain.tapered(taper, rate, beads=beads), times=0, rtol=DEFAULT_RTOL)
+        run = simulate(Chain.tapered(taper, rate, beads=BEADS), times=0, rtol=DEFAULT_RTOL)
         pulses[taper, rate] = run.pulse()
         if drifts is not None:
             drifts.append((run.energy_drift, run.momentum_drift))

@@ -271,14 +271,13 @@ def real_numbers(
 def bounded_numbers(
     what: str,
     given: ArrayLike | Any,
-    place: str = "entry",
     *,
     unit: str | None = None,
     above: float = -math.inf,
     least: float = -math.inf,
 ) -> Array:
     """Convert finite real numbers above a bound, or at least at it, to an array of any shape."""
-    values = real_numbers(what, given, place, unit=unit)
+    values = real_numbers(what, given, unit=unit)
     good = np.isfinite(values) & (values > above) & (values >= least)
     if not good.all():
         bounds = (("above", above), ("at least", least))

@@ -53,6 +53,25 @@ def test_importing_is_quick():
     assert min(times) < 0.1
 
 
+def test_the_places_named_in_contributing_exist():
+    text = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
+    rows = [row for row in text.splitlines() if row.startswith("|") and "](docs/" in row]
+    code = [name for row in rows for name in re.findall(r"`([a-z_/]+(?:\.py|/laws))`", row)]
+    pages = [name for row in rows for name in re.findall(r"\]\((docs/[^)#]+)", row)]
+    assert len(rows) >= 8
+    assert [name for name in code if not (ROOT / "src" / "hertzchain" / name).exists()] == []
+    assert [name for name in pages if not (ROOT / name).exists()] == []
+    assert len(code) > len(rows)
+
+
+@pytest.mark.parametrize("package", ["chain", "simulation"])
+def test_large_packages_list_their_modules(package):
+    folder = ROOT / "src" / "hertzchain" / package
+    modules = {path.stem for path in folder.iterdir() if not path.name.startswith("__")}
+    listed = ast.get_docstring(ast.parse((folder / "__init__.py").read_text("utf-8")))
+    assert set(re.findall(r"`(\w+)`", listed)) == modules
+
+
 def test_all_public_names_are_there():
     for name in hc.__all__:
         assert getattr(hc, name) is not None

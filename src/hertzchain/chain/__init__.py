@@ -1,1 +1,15 @@
-"""Description of a chain: beads, materials, losses, walls, drives, strikers; builders, checks."""
+"""Description of a chain: beads, materials, losses, walls, drives, strikers; builders, checks.
+
+- the chain: `chain`, its `fields`, `parts` and `description`, and its `builders` with their
+  `builder_arguments`;
+- methods that return a modified chain: `modifications`, `pieces`, `strikers`, `contact_shapes`;
+- radii: `tapers`, `taper_sizes`, `random_radii`, `scattered_radii`, `repeated_cells`;
+- masses and contacts: `materials`, `mass_and_stiffness`, exponents and losses `per_contact`,
+  `contact_groups`, and the `laws` of loss;
+- ends: `walls`, `drives`, and `boundary_checks` of both with the precompression;
+- equilibrium: `static_forces`, `static_state`, `equilibrium`;
+- units: `scales`, `conversion`;
+- range of the model: `hertz_range` with `impact_overlaps`, and `loss_range`;
+- input: `input_checks`, `feature_support`, `bead_names`, `places`;
+- numerical method: `bisection`.
+"""

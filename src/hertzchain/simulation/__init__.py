@@ -1,1 +1,15 @@
-"""Integration of the equations of motion of all beads, and evaluation of runs."""
+"""Integration of the equations of motion of all beads, and evaluation of runs.
+
+- integration: `simulate` by adaptive or `fixed_steps`, and its `saved_times`;
+- input of the compiled loop: `kernel_input`, `kernel_laws`, `drive_pieces`, `time_scales`;
+- state: `state`, `checked_state`;
+- end of a run: `run_end`, `run_message`, `slow_run`;
+- forces on walls: `wall_force`, the rule for a complete peak in `wall_watch`, and its bounds in
+  `wall_bound`;
+- results: `run` and its base class `trajectory`, `budget`, `largest_overlaps`, `force_table`;
+- the leading pulse: `run_pulse`, `leading_pulse`, `pulse_width`, `tail`, `missing_values`;
+- waves: `waves`, `find_waves`, `wave_events`, `reflection`, `energy_flux`, `fronts`;
+- single beads: `velocity_peaks`, `sensor_force`, `sensor_curve`;
+- predictability: `horizon`, `find_horizon`;
+- many chains: `simulate_many`, `ensemble_input`, `ensemble_columns`, `run_table`.
+"""

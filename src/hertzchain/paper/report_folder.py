@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
 import os
 import re
@@ -16,6 +15,7 @@ from typing import Final
 
 from ..errors import InputError
 from ..representation import listed
+from ..store.digests import file_digest
 from ..store.file_lock import lock
 from ..store.writing import cannot_write, replace_file
 
@@ -109,7 +109,7 @@ def check_replaceable(out: Path, names: Iterable[str], manifest: Manifest) -> No
         ours = (
             place.is_dir()
             if name == "figures"
-            else place.is_file() and digest(place) in manifest.files.get(name, ())
+            else place.is_file() and file_digest(place) in manifest.files.get(name, ())
         )
         if not ours:
             raise InputError(
@@ -121,7 +121,7 @@ def check_replaceable(out: Path, names: Iterable[str], manifest: Manifest) -> No
 def move_report(fresh: Path, out: Path, parts: Collection[str]) -> None:
     """Move the files of a new report to its folder; all other files there are kept."""
     old = read_manifest(out)
-    new = {name: digest(fresh / name) for name in files_of(parts)}
+    new = {name: file_digest(fresh / name) for name in files_of(parts)}
     check_replaceable(out, new, old)
     both = {name: (*old.files.get(name, ()), written) for name, written in new.items()}
     Manifest(old.parts, {**old.files, **both}).write(fresh, out)
@@ -151,11 +151,6 @@ def replaced_report(out: Path, parts: Collection[str]) -> str:
         else ""
     )
     return f"The report replaces an earlier one that also contained {shown}{kept}."
-
-
-def digest(path: Path) -> str:
-    """SHA-256 of a file."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _is_left_behind(folder: Path) -> bool:

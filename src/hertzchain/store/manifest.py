@@ -19,6 +19,7 @@ from .. import __version__
 from ..collision import Array
 from ..errors import InputError
 from .damage import DamagedFileError
+from .digests import document_digest
 from .writing import write_bytes
 
 SCHEMA: Final = "hertzchain stream 3"
@@ -130,7 +131,7 @@ class Manifest:
         """Replace the manifest of a folder."""
         document: dict[str, Any] = {"schema": SCHEMA, "hertzchain_version": __version__}
         document |= asdict(self)
-        document["sha256"] = _document_digest(document)
+        document["sha256"] = document_digest(document)
         write_bytes(folder / MANIFEST_FILE, json.dumps(document, indent=1).encode())
 
 
@@ -145,7 +146,7 @@ def load_manifest(folder: Path) -> Manifest:
     try:
         document = json.loads(file.read_bytes())
         digest = document.pop("sha256")
-        whole = digest == _document_digest(document)
+        whole = digest == document_digest(document)
     except FileNotFoundError:
         raise InputError(
             f"{os.fspath(folder)!r} has no {MANIFEST_FILE}: it is not a run of stream, or the "
@@ -179,7 +180,3 @@ def _manifest_from(file: Path, document: Mapping[str, Any]) -> Manifest:
         document["chain"], document["rtol"], document["chain_file"], document["method"],
         document["step"], parts, announced,
     )  # fmt: skip
-
-
-def _document_digest(document: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()

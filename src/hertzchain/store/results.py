@@ -27,7 +27,8 @@ from ..validation.json_types import finite
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_type, file_path
 from .chain_as_toml import chain_as_toml
-from .run_files import chain_file_of, digest_of, run_as_netcdf
+from .digests import array_digest
+from .run_files import chain_file_of, run_as_netcdf
 from .writing import write_bytes
 
 SCHEMA_VERSION: Final = 1
@@ -212,7 +213,7 @@ def save_state(state: State, path: str | os.PathLike[str]) -> None:
     target = file_path("state file", path)
     content = io.BytesIO()
     about = {"version": __version__, "chain": fingerprint(state.chain)}
-    about["digest"] = digest_of(state.arrays, f"{about['version']} {about['chain']}")
+    about["digest"] = array_digest(state.arrays, f"{about['version']} {about['chain']}")
     texts = {name: np.array(text) for name, text in about.items()}
     np.savez(content, **texts, **state.arrays)  # type: ignore[arg-type]
     write_bytes(target, content.getvalue())
@@ -259,7 +260,7 @@ def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
             f"state {name!r} belongs to another chain than {chain.description}; give the chain "
             "of the saved run"
         )
-    if about["digest"] != digest_of(arrays, f"{about['version']} {about['chain']}"):
+    if about["digest"] != array_digest(arrays, f"{about['version']} {about['chain']}"):
         raise InputError(
             f"state {name!r} was changed after it was written; restore it from a copy, or restart "
             "the run"

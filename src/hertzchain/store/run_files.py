@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 import os
 import tomllib
@@ -21,6 +20,7 @@ from ..simulation.run import Run
 from ..simulation.state import State, fingerprint
 from .chain_as_toml import chain_as_toml
 from .chain_files import chain_from
+from .digests import array_digest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -74,20 +74,10 @@ def _records(run: Run) -> bytes:
         arrays["_forces"] = run._forces
     arrays["chain"] = np.array(fingerprint(run.chain))
     saved = {name: getattr(run, name) for name in SAVED.values()}
-    arrays["digest"] = np.array(digest_of(arrays | saved))
+    arrays["digest"] = np.array(array_digest(arrays | saved))
     content = io.BytesIO()
     np.savez_compressed(content, **arrays)  # type: ignore[arg-type]
     return content.getvalue()
-
-
-def digest_of(arrays: Mapping[str, Array], about: str = "") -> str:
-    """Digest of named arrays and of a text about them."""
-    found = hashlib.sha256(about.encode())
-    for name in sorted(arrays):
-        values = np.ascontiguousarray(arrays[name])
-        found.update(f"\0{name} {values.dtype.str} {values.shape}\0".encode())
-        found.update(values.tobytes())
-    return found.hexdigest()
 
 
 def read_run(file: Path) -> Run:
@@ -159,7 +149,7 @@ def _run_from(chain: Chain, saved: Mapping[str, Array]) -> Run:
     with np.load(io.BytesIO(saved[RECORDS].astype(np.int8).tobytes())) as file:
         arrays = {name: np.asarray(file[name], order="C") for name in file.files}
     digest = str(arrays.pop("digest"))
-    if digest != digest_of(arrays | motion):
+    if digest != array_digest(arrays | motion):
         raise InputError("its numbers are not those of the run")
     if str(arrays["chain"]) != fingerprint(chain):
         raise InputError("its chain is not that of the run")

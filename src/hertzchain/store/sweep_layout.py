@@ -7,7 +7,6 @@ is another.
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
 import os
 import re
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from .batch_files import DIGEST, ROW
 from .damage import DamagedFileError
+from .digests import document_digest, file_digest
 from .writing import cannot_write
 
 # Version of the layout, stored in the attribute `MARKER` of the group.
@@ -123,13 +123,13 @@ def check_layout(folder: Path, attributes: Mapping[str, Any]) -> None:
         )
     others = {key: value for key, value in attributes.items() if key != SEAL}
     keys = json.loads((folder / GROUP_FILE).read_bytes()).keys() - {CONSOLIDATED}
-    if _seal(others) != attributes.get(SEAL) or keys != GROUP_KEYS:
+    if document_digest(others) != attributes.get(SEAL) or keys != GROUP_KEYS:
         raise DamagedFileError(folder / GROUP_FILE, "is not as it was written", folder, RESTORE)
     for relative, digest in others[FILES].items():
         file = folder / relative
         if not file.is_file():
             raise DamagedFileError(file, "is missing", folder, RESTORE)
-        if _file_digest(file) != digest:
+        if file_digest(file) != digest:
             raise DamagedFileError(file, "is not as it was written", folder, RESTORE)
 
 
@@ -175,21 +175,12 @@ def _seal_group(group: Any, folder: Path) -> None:
     """Store digests of all files that exist before the first batch."""
     files = sorted(file for file in folder.rglob("*") if file.is_file())
     digests = {
-        file.relative_to(folder).as_posix(): _file_digest(file)
+        file.relative_to(folder).as_posix(): file_digest(file)
         for file in files
         if file != folder / GROUP_FILE
     }
     attributes = {**group.attrs.asdict(), FILES: digests}
-    group.update_attributes({**attributes, SEAL: _seal(attributes)})
-
-
-def _file_digest(file: Path) -> str:
-    with file.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
-
-
-def _seal(attributes: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(attributes, sort_keys=True).encode()).hexdigest()
+    group.update_attributes({**attributes, SEAL: document_digest(attributes)})
 
 
 def _create_array(group: Any, name: str, variable: Variable) -> None:

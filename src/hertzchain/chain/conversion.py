@@ -22,7 +22,7 @@ from .materials import contact_modulus, sphere_stiffness
 from .parts import Part
 from .scales import Scales
 
-# Two numbers that differ by rounding only.
+# Relative difference of numbers that differ by a conversion only.
 ROUNDING: Final = 1e-12
 # Units of the arrays and numbers of a chain.
 CHAIN_SCALES: Final[Mapping[str, str]] = {

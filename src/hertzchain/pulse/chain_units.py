@@ -15,6 +15,7 @@ from typing import Any, Final, TypeVar
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.conversion import ROUNDING
 from ..chain.feature_support import Alternative, require_chain, require_supported
 from ..chain.hertz_range import hertz_range, warn_outside_hertz
 from ..chain.scales import Scales
@@ -27,8 +28,6 @@ F = TypeVar("F", bound=Callable[..., Any])
 P = TypeVar("P", bound=Pulse)
 # Features that a chain in SI units may lose, or gain, when it is scaled.
 UNIT_FEATURES: Final = ("SI units", "masses", "stiffness")
-# Relative difference of numbers that differ by a conversion only.
-ROUNDING: Final = 1e-12
 
 
 def for_any_units(

@@ -29,6 +29,7 @@ SYMBOLS: Final[Mapping[str, tuple[str, tuple[int, int, int]]]] = MappingProxyTyp
         "s": ("1", (0, 0, 1)), "ms": ("1e-3", (0, 0, 1)), "us": ("1e-6", (0, 0, 1)),
         "ns": ("1e-9", (0, 0, 1)), "min": ("60", (0, 0, 1)), "h": ("3600", (0, 0, 1)),
         "N": ("1", (1, 1, -2)), "kN": ("1e3", (1, 1, -2)), "mN": ("1e-3", (1, 1, -2)),
+        "MN": ("1e6", (1, 1, -2)),
         "Pa": ("1", (-1, 1, -2)), "kPa": ("1e3", (-1, 1, -2)), "MPa": ("1e6", (-1, 1, -2)),
         "GPa": ("1e9", (-1, 1, -2)),
         "Hz": ("1", (0, 0, -1)), "kHz": ("1e3", (0, 0, -1)), "MHz": ("1e6", (0, 0, -1)),
@@ -58,6 +59,8 @@ MEANT: Final = {
     "mu": "um", "micron": "um", "microns": "um", "mum": "um", "sec": "s", "msec": "ms",
     "usec": "us", "inch": "in", "mins": "min", "minutes": "min", "hours": "h",
 }  # fmt: skip
+# Largest number of letters of a symbol whose spelling, apart from the case, is not corrected.
+SHORT_SYMBOL: Final = 2
 _FACTOR: Final = re.compile(r"([*/·]?)\s*([A-Za-zµ]+)\s*(?:(?:\^|\*\*)\s*([+-]?\d+(?:\.\d*)?))?\s*")
 _QUANTITY: Final = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*((?:[A-Za-zµμ°%/]|1\s*/)[^\[\]{}()=,;]*?)\s*"
@@ -112,7 +115,7 @@ def converted(what: str, number: str | float, unit: str, si: str) -> float:
     if given is None and not si:
         raise InputError(f"{what} must be a plain number or a percentage, got the unit {unit!r}")
     if given is None:
-        raise unknown_name_error(f"unit of {what}", unit, choices)
+        raise _unknown_unit(f"unit of {what}", unit, target, choices)
     if given.powers != target.powers:
         needed = f"a unit such as {', '.join(choices)}" if si else "no unit"
         raise InputError(
@@ -125,6 +128,21 @@ def converted(what: str, number: str | float, unit: str, si: str) -> float:
         return float(Decimal(str(number)) * given.factor / target.factor)
     except (decimal.DecimalException, OverflowError):
         return value * float(given.factor / target.factor)
+
+
+def _unknown_unit(what: str, unit: str, target: Unit, choices: tuple[str, ...]) -> InputError:
+    """Error for an unknown unit, with those of the right dimension that it may mean."""
+    asked = unit.strip()
+    meant = [
+        repr(each) for each in dict.fromkeys((*choices, *SYMBOLS))
+        if each.lower() == asked.lower() and (found := _parse(each))
+        and found.powers == target.powers
+    ]  # fmt: skip
+    # Any two short symbols are similar: "mn" is neither more nor less like "m" than like "nm".
+    if not meant and len(asked) > SHORT_SYMBOL:
+        return unknown_name_error(what, unit, choices)
+    hint = f"; did you mean {' or '.join(meant)}?" if meant else ""
+    return InputError(f"unknown {what} {short_repr(unit)}: choose from {', '.join(choices)}{hint}")
 
 
 def _exponent_advice(given: Unit, target: Unit) -> str:

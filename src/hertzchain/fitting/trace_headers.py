@@ -38,7 +38,7 @@ def header_of(text: str, named: str | None = None) -> tuple[Place, str, float]:
     try:
         return place, si, converted(f"column {place.name!r}", 1.0, unit, si)
     except InputError as error:
-        raise InputError(f"{error}, or V or mV for a sensor without calibration") from None
+        raise InputError(f"{error}; without calibration, write V or mV") from None
 
 
 def positive_noise(name: str, given: object, unit: str) -> float:

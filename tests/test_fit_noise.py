@@ -11,6 +11,7 @@ from synthetic_traces import bench, signals
 from synthetic_traces import recorded as synthetic
 
 import hertzchain as hc
+from hertzchain.fitting.fit import fit_with
 from hertzchain.fitting.goodness import goodness_of
 from hertzchain.fitting.noise import (
     correlation_of_rounding,
@@ -19,6 +20,8 @@ from hertzchain.fitting.noise import (
     noise_of,
     onset,
 )
+from hertzchain.fitting.parameters import default_names
+from hertzchain.fitting.settings import Settings
 
 
 def first_order(rng, rho, shape):
@@ -257,3 +260,52 @@ def test_residuals_smaller_than_their_noise_are_noted():
     assert result.goodness.ratio == pytest.approx(1.0 / 1.5**2, rel=0.1)
     assert "the residuals are smaller than their noise: check it" in result.verdict
     assert "multiply all errors by 0.67" in result.verdict
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory):
+    """Forces without noise, as `hertzchain simulate --forces` writes them, and their chain."""
+    nominal = bench(loss=hc.Viscoelastic(0.5e-6))
+    run = hc.simulate(nominal, times=np.arange(0.0, 600e-6, 0.8e-6))
+    file = tmp_path_factory.mktemp("simulated") / "forces.csv"
+    run.save_forces(file, ["ball 6", "ball 16", "wall"])
+    return file, nominal
+
+
+def test_the_chain_that_made_noise_free_data_describes_them(simulated):
+    result = hc.fit(*simulated)
+    assert result.describes
+    assert result.goodness.noiseless
+    assert "the model describes the data to the accuracy of the simulation" in result.verdict
+    assert result.values["stiffness"] == pytest.approx(1.0, abs=1e-6)
+    assert max(result.chi2_per_sample.values()) < 0.3
+    assert result.warnings[-1].endswith("if the data are measured, give noise")
+    assert not any("cannot be excluded" in each for each in result.warnings)
+
+
+@pytest.mark.parametrize("change", ["loss", "gap", "ball"])
+def test_another_chain_does_not_describe_noise_free_data(change, simulated):
+    file, nominal = simulated
+    wrong = {
+        "loss": nominal.replace(loss=hc.Restitution(0.93)),
+        "gap": nominal.replace(gaps=np.where(np.arange(nominal.beads - 1) == 9, 2e-8, 0.0)),
+        "ball": nominal.replace(radii=np.append(nominal.radii[:-1], 1.003 * nominal.radii[-1])),
+    }[change]
+    traces = hc.load_traces(file)
+    names = default_names(traces, wrong)
+    result = fit_with(traces, [wrong], Settings(names), 1)
+    assert not result.describes
+    assert result.goodness.ratio > 10.0
+
+
+@pytest.mark.parametrize("digits", [3, 4, 6, 17])
+def test_printed_digits_are_part_of_the_noise(digits, simulated, tmp_path):
+    """Samples with a number of significant digits are not on one grid."""
+    file, nominal = simulated
+    rows = np.genfromtxt(file, delimiter=",", skip_header=1)
+    printed = tmp_path / "printed.csv"
+    head = file.read_text().splitlines()[0]
+    np.savetxt(printed, rows, ["%.9g", *[f"%.{digits}g"] * 3], ",", header=head, comments="")
+    result = hc.fit(printed, nominal)
+    assert result.describes
+    assert result.goodness.noiseless == (digits > 4)

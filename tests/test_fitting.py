@@ -565,8 +565,6 @@ GOOD = "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 20 - abs(i - 80)}\n" for i 
         (HEAD + "0,1\n1\n", "line 3 has 1 cell, the header has 2"),
         (HEAD + "0,1\n1,x\n", "column 'ball 6 [N]' is 'x' in line 3"),
         (HEAD + "0,1\n1,1\n", "has no signal"),
-        (HEAD + "0,0.0\n" + "".join(f"{i},0.0\n" for i in range(1, 60)) + "60,5\n61,7\n62,5\n",
-         "before the pulse are all equal"),
         ("time [us],ball 6 [N],ball 6 [kN]\n0,1,1\n1,2,2\n", "two columns of 'ball 6'"),
         ("", "no header"),
     ],

@@ -55,6 +55,8 @@ class Goodness:
     noise_error : float
         Relative standard deviation of chi-squared because the noise of signals was estimated from
         the samples before the pulse; 0 if it was given.
+    noiseless : bool
+        Whether no signal has noise: residuals are compared with the accuracy of the simulation.
     """
 
     chi2: float
@@ -66,6 +68,7 @@ class Goodness:
     correlation: float
     noise_error: float = 0.0
     counted: float = 0.0
+    noiseless: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "counted", self.counted or float(self.samples))
@@ -112,6 +115,8 @@ class Goodness:
     @property
     def reservation(self) -> str:
         """Addition to the verdict that the model describes the data, if it depends on the noise."""
+        if self.noiseless:
+            return " to the accuracy of the simulation"
         if self.excess < -UNLIKELY:
             return f", but the residuals are smaller than their noise: check it; {self.if_measured}"
         if not self.noise_uncertain:
@@ -233,6 +238,7 @@ def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) 
     return Goodness(
         chi2, len(residuals), sum(part.independent for part in parts), int(np.sum(~used)), freedom,
         float(variance**0.5), _correlation(parts), float(noise**0.5), counted,
+        all(part.signal.noiseless for part in parts),
     )  # fmt: skip
 
 

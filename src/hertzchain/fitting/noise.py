@@ -39,6 +39,12 @@ WIDER, STEEPER = 1.5, 2.5
 BESIDE: Final = 1
 # Fraction of the height above which samples belong to a pulse.
 PULSE: Final = 0.05
+# Accuracy of the simulated signals of a fit: rms error over the largest sample.  It is due to the
+# interpolation in time next to contacts that close or open; a smaller noise cannot be seen.
+ACCURACY: Final = 2e-5
+# Significant digits of the largest samples of a file that are fewer than this accuracy requires,
+# the least number of these samples, and the part of the largest from which they are counted.
+FEW_DIGITS, MIN_LARGE, LARGE = range(2, 6), 8, 0.5
 # Trial values, in steps, of a noise that is smaller than a step, and of the level within a step.
 TRIAL_NOISES: Final = np.linspace(0.01, 1.2, 120)
 TRIAL_LEVELS: Final = np.linspace(-0.5, 0.5, 100, endpoint=False)
@@ -84,6 +90,14 @@ def noise_of(quiet: Array) -> float:
     """Standard deviation of a quiet part, whose mean absorbs a part of slow noise."""
     independent = independent_samples(quiet)
     return float(np.std(quiet) * (independent / (independent - 1.0)) ** 0.5)
+
+
+def is_still(quiet: Array, least: float) -> bool:
+    """Whether most samples of a quiet part are nearer to each other than noise makes them.
+
+    The first rise of the pulse may be above the others, if there is no noise.
+    """
+    return float(np.median(np.abs(quiet - np.median(quiet)))) / 0.6745 < least
 
 
 def noise_before_rounding(quiet: Array, step: float) -> float:
@@ -189,6 +203,23 @@ def digitiser_step(values: Array) -> float:
     on_grid = np.abs(gaps / step - np.round(gaps / step)) < 0.01 * np.maximum(gaps / step, 1.0)
     repeated = len(levels) < 0.9 * len(values)
     return step if step > 0.0 and repeated and bool(on_grid.all()) else 0.0
+
+
+def printed_step(values: Array) -> float:
+    """Step of the largest samples if they have few significant digits; 0 otherwise.
+
+    Samples that are printed with a number of significant digits are not on one grid.
+    """
+    size = np.abs(values)
+    large = size[size > LARGE * size.max()]
+    if len(large) < MIN_LARGE:
+        return 0.0
+    power = np.floor(np.log10(size.max()))
+    for digits in FEW_DIGITS:
+        step = float(10.0 ** (power + 1.0 - digits))
+        if np.all(np.abs(large / step - np.round(large / step)) < 1e-6):
+            return step
+    return 0.0
 
 
 def base_level(values: Array) -> float:

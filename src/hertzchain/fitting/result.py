@@ -289,7 +289,9 @@ class FitResult:
         if not self.describes and not self.goodness.undecided:
             return (*self.advice, *(str(each) for each in self.weak), *self.notes)
         effects = sorted(self.effects, key=lambda each: (-each.present, -each.improvement))
-        found = [each.note for each in effects if each.note]
+        # Data without noise are not of sensors.
+        real = not self.goodness.noiseless
+        found = [each.note for each in effects if each.note and (real or each.present)]
         # Effects can be mistaken for each other, so only the strongest is reported.
         if effects and effects[0].present:
             found = list(self.advice) or found[:1]

@@ -49,6 +49,9 @@ class Signal(Frozen):
     coupling : str
         ``"DC"`` if the signal contains the static force, ``"AC"`` if it does not, or empty if this
         is decided by the level.
+    noiseless : bool
+        Whether the samples before the pulse have less noise than the simulated signals of a fit
+        have errors, so that ``noise`` is the accuracy of these.
     """
 
     place: Place
@@ -61,6 +64,7 @@ class Signal(Frozen):
     level: float = np.nan
     before: int = 0
     coupling: str = ""
+    noiseless: bool = False
 
     @property
     def name(self) -> str:

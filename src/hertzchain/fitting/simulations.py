@@ -15,6 +15,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, SimulationError
 from ..simulation.simulate import simulate
+from ..simulation.time_scales import transit_times
 from .chain_parameters import JUMPING
 from .places import Place
 from .symmetry import Units, similarity_key, units_of
@@ -26,6 +27,8 @@ RTOL: Final = 1e-9
 PER_UNIT: Final = 32
 # ... and this many times as many where the force jumps.
 FINER: Final = 2
+# ... and at most this many times as many where later beads are smaller, and pulses shorter.
+MOST_FINER: Final = 8.0
 MAX_TIMES: Final = 400_000
 # Ratio of the duration of a run to that of the data; slower chains then need no new run.
 LONGER: Final = 1.12
@@ -106,6 +109,7 @@ class Simulator:
         jumps = any(isinstance(law, JUMPING) for law in chain.contact_losses)
         part = PER_UNIT * (FINER if jumps else 1)
         spacing = duration / 2000 if units.time == 1.0 else units.time / part
+        spacing /= min(_shortening(chain), max(MAX_TIMES // 2 * spacing / duration, 1.0))
         count = int(np.ceil(duration / spacing)) + 4
         if count > MAX_TIMES:
             raise InputError(
@@ -129,6 +133,13 @@ class Simulator:
         columns = np.column_stack([place.signal(run) for place in self.places])
         force = np.array([place.quantity == "force" for place in self.places])
         return Simulated(units, spacing, columns, force)
+
+
+def _shortening(chain: Chain) -> float:
+    """Ratio of the time in which a pulse passes the first bead to the shortest such time."""
+    times = transit_times(chain)
+    first = float(times[min(chain.strikers, len(times) - 1)])
+    return min(max(first / float(times.min()), 1.0), MOST_FINER)
 
 
 def range_notes(chain: Chain, duration: float) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..representation import counted
 from .missing_rows import gap_notes, gaps_between
+from .noise import ACCURACY
 
 if TYPE_CHECKING:
     from .signals import Shot
@@ -30,7 +31,7 @@ def trace_notes(shots: Sequence[Shot]) -> tuple[str, ...]:
                 f"shot {index} is sampled unevenly, every {low:.3g} to {high:.3g} us; "
                 "nothing is resampled"
             )
-        found += _coarse_notes(shot, index)
+        found += [*_coarse_notes(shot, index), *_noiseless_notes(shot, index)]
         for signal in shot.signals:
             missing = int(np.isnan(signal.values).sum())
             flat = int((~signal.valid).sum()) - missing
@@ -54,4 +55,16 @@ def _coarse_notes(shot: Shot, number: int) -> list[str]:
         "than three times their noise: rounding errors are then correlated, and equal successive "
         "samples count less"
         for step, names in steps.items()
+    ]
+
+
+def _noiseless_notes(shot: Shot, number: int) -> list[str]:
+    """A note on signals without noise, such as simulated ones."""
+    names = [signal.name for signal in shot.signals if signal.noiseless]
+    if not names:
+        return []
+    return [
+        f"{', '.join(names)} in shot {number} {'has' if len(names) == 1 else 'have'} less noise "
+        f"before the pulse than {ACCURACY:g} of the largest sample, the accuracy of the simulated "
+        "signals, which is therefore used as noise; if the data are measured, give noise"
     ]

@@ -16,15 +16,18 @@ from ..validation.keywords import checked_arguments, checked_fields, checked_met
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_choice, check_list, check_type
 from .noise import (
+    ACCURACY,
     MIN_QUIET,
     QUIET_PART,
     at_limits,
     check_names_of_noise,
     clipped_part,
     digitiser_step,
+    is_still,
     noise_before_rounding,
     noise_of,
     onset,
+    printed_step,
     saturated,
 )
 from .places import Place
@@ -334,7 +337,7 @@ def _signal(
     values = at_limits(values)
     present = np.isfinite(values)
     beyond &= present
-    step = digitiser_step(values[present])
+    step = max(digitiser_step(values[present]), printed_step(values[present]))
     valid = present & ~beyond
     flat = saturated(values[present]) | beyond[present]
     valid[present] = ~flat
@@ -347,27 +350,32 @@ def _signal(
         )
     known = noise.get(place.name) if isinstance(noise, Mapping) else noise
     before = values[:quiet][valid[:quiet]]
-    level, used = float(before.mean()) if len(before) else np.nan, 0
+    level, used, noiseless = float(before.mean()) if len(before) else np.nan, 0, False
     if known is not None:
         known = positive_noise(place.name, known, unit)
     else:
         used = len(before)
-        if used < MIN_QUIET:
-            raise InputError(
-                f"the noise of {place.name} cannot be estimated from {used} samples before the "
-                f"pulse arrives: record at least {MIN_QUIET}, or give noise"
-            )
-        known = noise_of(before)
-        if known < step:
-            known = noise_before_rounding(before, step)
-        if max(known, step) == 0.0:
-            raise InputError(
-                f"the samples of {place.name} before the pulse are all equal, which leaves its "
-                "noise unknown; give noise"
-            )
+        known = _estimated_noise(place, before, step)
+        least = ACCURACY * float(np.abs(values[present] - level).max())
+        if known < least or (step <= least and is_still(before, least)):
+            # This noise is known, not estimated.
+            known, used, noiseless = least, 0, step <= least
     for each in (values, valid):
         each.setflags(write=False)
-    return Signal(place, unit, values, valid, known, used, step, level, len(before))
+    return Signal(
+        place, unit, values, valid, known, used, step, level, len(before), noiseless=noiseless
+    )
+
+
+def _estimated_noise(place: Place, before: Array, step: float) -> float:
+    """Noise of the samples before the pulse, without rounding errors that are larger."""
+    if len(before) < MIN_QUIET:
+        raise InputError(
+            f"the noise of {place.name} cannot be estimated from {len(before)} samples before the "
+            f"pulse arrives: record at least {MIN_QUIET}, or give noise"
+        )
+    found = noise_of(before)
+    return found if found >= step else noise_before_rounding(before, step)
 
 
 def with_coupling(traces: Traces, coupling: Any) -> Traces:

@@ -200,7 +200,9 @@ def digitiser_step(values: Array) -> float:
         return 0.0
     gaps = np.diff(levels)
     step = float(gaps.min())
-    on_grid = np.abs(gaps / step - np.round(gaps / step)) < 0.01 * np.maximum(gaps / step, 1.0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        parts = gaps / step
+        on_grid = np.abs(parts - np.round(parts)) < 0.01 * np.maximum(parts, 1.0)
     repeated = len(levels) < 0.9 * len(values)
     return step if step > 0.0 and repeated and bool(on_grid.all()) else 0.0
 

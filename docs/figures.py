@@ -294,6 +294,23 @@ def fit_causes() -> Figure:
     return canvas
 
 
+def fit_defects() -> Figure:
+    """Chi-squared with an odd ball or a gap at each place, of a chain whose ball 8 is smaller."""
+
+    def row(diameters: list[float]) -> hc.Chain:
+        balls = hc.Chain.from_materials(0.5e-3 * np.array(diameters), "steel-52100")
+        struck = balls.struck_by(velocity="0.3 m/s").replace(loss=hc.Viscoelastic("0.6 us"))
+        return struck.replace(right_wall=hc.Wall())
+
+    run = hc.simulate(row([10.0] * 7 + [9.7] + [10.0] * 4), times=1e-6 * np.arange(400))
+    noise = 0.1 * np.random.default_rng(1).standard_normal((2, 500))
+    ball, wall = np.pad([run.sensor("ball 4"), run.sensor("wall")], ((0, 0), (100, 0))) + noise
+    traces = hc.Traces.from_arrays(1e-6 * np.arange(500), {"ball 4 [N]": ball, "wall [N]": wall})
+    equal = hc.fit(traces, row([10.0] * 12), free=["stiffness", "loss.time", "time_offset"])
+    balls, gaps = hc.scan_defects(equal, "bead"), hc.scan_defects(equal, "gap")
+    return gaps.plot(ax=balls.plot()).get_figure(root=True)
+
+
 def _three_sensors(chain: hc.Chain, offset: float, gain: float) -> hc.Traces:
     """Synthetic traces; ball 10 has an offset and a gain."""
     run = hc.simulate(chain, times=np.arange(0.0, 7e-4, 1e-6))
@@ -359,6 +376,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "fit-result": fit_result,
     "fit-correlations": fit_correlations,
     "fit-causes": fit_causes,
+    "fit-defects": fit_defects,
     "design-shock-absorber": design_shock_absorber,
     **{
         draw.__name__.replace("_", "-"): draw

@@ -216,7 +216,9 @@ def test_the_exit_code_is_that_of_the_fit_with_a_gap(run, tmp_path):
     assert re.match(r"scan for a gap at each of 1\d contacts, gap\[0-1\] to ", scan)
     assert re.search(r"\n  gap\[8-9\] +\d+ +0\.\d+ um\n", scan)
     assert scan.endswith("gap[8-9] explains more than noise would (a chi2 lower by 20)")
-    assert balls.startswith("scan for another radius of each of 15 beads, radius[1] to ")
+    # The kind of defect that does not describe the data has one line.
+    assert re.fullmatch(r"rejected: the best fit with another radius instead, radius\[\d+\], has "
+                        r"chi2 \d+, and that with gap\[8-9\] only \d+", balls)  # fmt: skip
     assert without.startswith("without gap[8-9]: chi2 ")
     assert ", far more than expected: the model does not describe the data" in without
     assert hc.load_chain(tmp_path / "fitted.toml").gaps[8] == pytest.approx(1e-6 * value, rel=1e-3)
@@ -267,6 +269,13 @@ def test_an_odd_ball_is_found_and_parameters_are_added(run, tmp_path):
     value, error, unit = re.findall(r"radius\[8\] +(\S+) \+- (\S+) (\w+)", out)[0]
     unit_in_m = {"m": 1.0, "mm": 1e-3, "um": 1e-6}[unit]
     assert abs(unit_in_m * float(value) - 5.15e-3) < 4.0 * unit_in_m * float(error) < 1e-4
+    shown = re.findall(r": diameter (\S+) \+- (\S+) mm, \+(\S+) \+- \S+% from 10 mm", out)[0]
+    diameter, of_diameter, percent = map(float, shown)
+    assert abs(diameter - 10.3) < 4.0 * of_diameter < 0.2
+    assert percent == pytest.approx(10.0 * (diameter - 10.0), abs=0.1)
+    parts = out.split("\n\n")
+    assert parts[1].startswith("scan for another radius of each of 15 beads, radius[1] to ")
+    assert re.match(r"(rejected|not excluded): the best fit with a gap instead, gap\[", parts[2])
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import sys
 import warnings
 
 import click
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -358,6 +359,22 @@ def assert_printed(scan, begin, size):
     assert max(map(len, lines)) <= 100
 
 
+def assert_the_best_gap_is_marked(scan):
+    axes = scan.plot()
+    curve, best, without, noise = axes.lines
+    # Contact 0-1 is between the striker and ball 1.
+    assert (curve.get_xdata()[0], best.get_xdata(), best.get_ydata()) == (
+        0.5, [8.5], [pytest.approx(scan.result.chi2 - scan.improvements.max())]
+    )  # fmt: skip
+    assert curve.get_label().startswith("gap, best: gap[8-9], 0.")
+    assert without.get_ydata()[0] == scan.result.chi2
+    assert noise.get_ydata()[0] == scan.result.goodness.freedom
+    # Another kind of defect shares the levels.
+    assert scan.plot(ax=axes) is axes
+    assert len(axes.lines) == 6
+    plt.close(axes.figure)
+
+
 def test_a_gap_beyond_the_sizes_that_were_tried_is_marked():
     scan = hc.scan_defects(hc.fit(*hc.example_experiment()))
     assert "largest gap" not in str(scan)
@@ -391,6 +408,7 @@ def test_odd_balls_between_and_beside_sensors_are_found(ball, change):
     assert found.describes
     name = f"radius[{ball}]"
     assert abs(found.values[name] / radii[ball - 1] - 1.0) < 3e-3
+    assert dict(found.rows())[name].endswith("% from 9.525 mm")
     assert "largest change" not in str(scan)
 
 
@@ -405,6 +423,7 @@ def test_hidden_gap_is_found_and_measured():
     assert_printed(
         scan, "scan for a gap at each of 20 contacts, gap[0-1] to gap[19-20]: seven", 0.3
     )
+    assert_the_best_gap_is_marked(scan)
     found = scan.fit(candidates=1)
     assert found.describes
     assert abs(found.values["gap[8-9]"] - 0.3e-6) < 3.0 * found.errors["gap[8-9]"] < 0.05e-6

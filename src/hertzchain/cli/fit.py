@@ -28,6 +28,7 @@ from .wording import on_command_line
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from ..fitting.defect_scan import DefectScan
     from ..fitting.posterior import Posterior
     from ..fitting.result import FitResult
     from ..fitting.traces import Traces
@@ -79,8 +80,8 @@ if TYPE_CHECKING:
     help="Also sample the posterior with emcee (extra: fit), as a check of the errors.",
 )
 @figure_option(
-    "Plot data, fit and residuals to FILE; residuals, correlations and "
-    "the corner plot get names with -residuals, -correlations and -corner."
+    "Plot data, fit and residuals to FILE; residuals, correlations, defects "
+    "and the corner plot get names with -residuals, -correlations, -defects and -corner."
 )
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write the fitted chain (.toml)."
@@ -128,7 +129,8 @@ def fit(
     tested = _tested(laws=laws is not None, defects=defects)
     result = without_tested(result, *tested)
     document = result.as_dict()
-    lines = []
+    lines: list[str] = []
+    scans: list[DefectScan] = []
     if laws is not None:
         with progress_bar("laws fitted") as progress:
             compared = hertzchain.compare_losses(
@@ -138,7 +140,7 @@ def fit(
         document["comparison"] = compared.as_dict()
         lines.append(compared.summary())
     if defects:
-        result, found = _defects(result, document, tested)
+        result, scans, found = _defects(result, document, tested)
         lines += found
     # Sampling takes long and may be stopped: everything else is printed and written before.
     if not as_json:
@@ -149,7 +151,7 @@ def fit(
 
         write_bytes(out, result.chain_toml().encode())
     if plot is not None:
-        _save_plots(result, plot)
+        _save_plots(result, plot, scans)
     if sample is not None:
         posterior = _posterior(result, sample, plot)
         document["posterior"] = {"mean": posterior.means, "error": posterior.errors,
@@ -189,8 +191,8 @@ def _tested(*, laws: bool, defects: bool) -> list[str]:
 
 def _defects(
     result: FitResult, document: dict[str, Any], tested: Sequence[str]
-) -> tuple[FitResult, list[str]]:
-    """Scan for a gap or odd ball and fit it if there is one; return the last fit and lines."""
+) -> tuple[FitResult, list[DefectScan], list[str]]:
+    """Scan for a gap or odd ball and fit it; return the last fit, the scans and lines."""
     import hertzchain
 
     from ..fitting.diagnosis import without_tested
@@ -205,18 +207,42 @@ def _defects(
         for scan in scans
         for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
     ]
-    lines, found = [scan.summary() for scan in scans], []
+    found = {}
     for scan in scans:
         if scan.found:
             with progress_bar("defects fitted") as progress:
-                found.append(scan.fit(progress=progress))
+                found[scan.kind] = scan.fit(progress=progress)
     if not found:
-        return result, lines
-    best = without_tested(min(found, key=lambda each: each.chi2 + each.penalty), *tested)
+        return result, scans, [scan.summary() for scan in scans]
+    kind = min(found, key=lambda each: found[each].chi2 + found[each].penalty)
+    best = without_tested(found[kind], *tested)
     document["fit_with_defect"] = best.as_dict()
     # The errors above are those of the fit with the defect.
     verdict = result.verdict.removesuffix(NO_ERRORS)
-    return best, [*lines, f"without {best.names[-1]}: {verdict}"]
+    scans.sort(key=lambda scan: scan.kind != kind)
+    return (
+        best,
+        scans,
+        [
+            scans[0].summary(),
+            *(_other_kind(scan, found.get(scan.kind), best) for scan in scans[1:]),
+            f"without {best.names[-1]}: {verdict}",
+        ],
+    )
+
+
+def _other_kind(scan: DefectScan, fit: FitResult | None, best: FitResult) -> str:
+    """A line on a kind of defect that is not the best one."""
+    from ..fitting.defect_scan import FOUND, WORDS
+
+    what = f"{WORDS[scan.kind][0].removesuffix(' at each of').removesuffix(' of each of')}"
+    if fit is None:
+        return f"{what}, of {scan.names[0]} to {scan.names[-1]}, explains no more than noise would"
+    name, other = fit.names[-1], best.names[-1]
+    text = f"the best fit with {what} instead, {name}, has chi2 {fit.chi2:.0f}"
+    if fit.chi2 + fit.penalty - best.chi2 - best.penalty < FOUND:
+        return f"not excluded: {text}, and that with {other} {best.chi2:.0f}"
+    return f"rejected: {text}, and that with {other} only {best.chi2:.0f}"
 
 
 def _pressures(result: FitResult) -> list[str]:
@@ -255,7 +281,11 @@ def _posterior(result: FitResult, steps: int, plot: Path | None) -> Posterior:
     return posterior
 
 
-def _save_plots(result: FitResult, plot: Path) -> None:
+def _save_plots(result: FitResult, plot: Path, scans: Sequence[DefectScan]) -> None:
+    from ..plotting.defects import plot_defect_scans
+
+    if scans:
+        save_figure(plot_defect_scans(scans), plot.with_name(f"{plot.stem}-defects{plot.suffix}"))
     _save_figure(result.plot(), plot)
     _save_figure(result.plot_residuals(), plot, "-residuals")
     _save_figure(result.plot_correlations(), plot, "-correlations")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from .parameters import Parameter, kind_and_value
 from .problem import Problem
 from .result import FitResult
 from .symmetry import units_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # Parameter of each kind of defect, and its trial sizes: for a gap in units of the motion, otherwise
 # the relative change of a radius or stiffness, in both directions.  Large changes shift the signals
@@ -109,7 +112,7 @@ class DefectScan:
         ]
         order = np.argsort(-self.improvements, kind="stable")[:SHOWN]
         lines += [
-            f"  {self.names[i]:<16}{_rounded(self.improvements[i]):>16}{self._size(i):>12}"
+            f"  {self.names[i]:<16}{_rounded(self.improvements[i]):>16}{self.size_text(i):>12}"
             + self._remark(i)
             for i in order
         ]
@@ -123,7 +126,31 @@ class DefectScan:
                          f"{FOUND:g})")  # fmt: skip
         return "\n".join(lines)
 
-    def _size(self, i: int) -> str:
+    @property
+    def places(self) -> Array:
+        """Numbers of the balls, without the striker; for a contact, the mean of its two."""
+        first = 1 if self.kind == "bead" else 1.5 - self.result.chain.strikers
+        return first + np.arange(len(self.names))
+
+    def size_text(self, i: int) -> str:
+        """Size of a defect, such as ``"0.4 um"`` or ``"+3%"``.
+
+        Parameters
+        ----------
+        i : int
+            Index of the defect in `names`.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> scan = hc.scan_defects(hc.fit(*hc.example_experiment()))
+        >>> scan.size_text(0).endswith(" um")
+        True
+        """
         change = float(self.changes[i])
         return f"{1e6 * change:.3g} um" if self.kind == "gap" else f"{100.0 * change:+.2g}%"
 
@@ -134,6 +161,33 @@ class DefectScan:
             largest = tried[-1] * units_of(self.result.chain).scales.length
             return "  largest gap that was tried" if change > 0.999 * largest else ""
         return "  largest change that was tried" if change > 0.999 * tried[-1] else ""
+
+    def plot(self, *, legend: bool = True, ax: Axes | None = None) -> Axes:
+        """Plot the estimated chi-squared of the fit with one defect against its place.
+
+        The best defect has a larger symbol.  Scans of several kinds can share axes.
+
+        Parameters
+        ----------
+        legend : bool
+            Whether the axes have a legend.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into; by default those of a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> scan = hc.scan_defects(hc.fit(*hc.example_experiment()))
+        >>> scan.plot().get_ylabel()
+        '$\\\\chi^2$ with one defect'
+        """
+        from ..plotting.defects import plot_defect_scans
+
+        return plot_defect_scans([self], legend=legend, ax=ax)
 
     def fit(self, candidates: int | None = None, *, progress: Progress | None = None) -> FitResult:
         """Fit the defects, each in a separate fit, and return the best fit.
@@ -200,12 +254,9 @@ class DefectScan:
 
     def __repr__(self) -> str:
         i = int(np.argmax(self.improvements))
-        factor, unit = (1e6, " um") if self.kind == "gap" else (1.0, "")
+        change = "of about" if self.kind == "gap" else "changed by about"
         rest = float(np.sort(self.improvements)[-2]) if len(self.names) > 1 else 0.0
-        text = (
-            f"{self.best} of about {factor * self.sizes[i]:.3g}{unit} lowers chi2 by "
-            f"{self.improvements[i]:.0f}"
-        )
+        text = f"{self.best} {change} {self.size_text(i)} lowers chi2 by {self.improvements[i]:.0f}"
         other = f"the next by {rest:.0f}; call fit()"
         if not self.found:
             text, other = f"no {self.kind} explains more than noise would", ""

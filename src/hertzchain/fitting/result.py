@@ -21,7 +21,7 @@ from .goodness import NO_ERRORS, Goodness
 from .model import Model
 from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
-from .shown_values import shown_value
+from .shown_values import shown_diameter, shown_value
 from .systematics import Effect
 from .traces import Traces
 from .weak_directions import WeakDirection
@@ -270,7 +270,7 @@ class FitResult:
         return [
             (str(each), shown_value(
                 each, self.traces, value, sigma, at_bound=str(each) in self.at_bounds
-            ))
+            ) + shown_diameter(each, self.traces, self.model.chains, value, sigma))
             for each, value, sigma in triples
         ]  # fmt: skip
 

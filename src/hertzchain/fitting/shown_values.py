@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
 
+from ..chain.chain import Chain
 from ..representation import with_error
-from .parameters import Parameter
+from .parameters import Parameter, kind_and_value
 from .traces import Traces
 
 # Values and errors of times and lengths are shown in these units.
@@ -43,3 +44,18 @@ def unit_of_parameter(parameter: Parameter, traces: Traces) -> str:
     if name.key == "offset" and len(units) == 1:
         return units.pop()
     return parameter.kind.unit
+
+
+def shown_diameter(
+    parameter: Parameter, traces: Traces, chains: Sequence[Chain], value: float, sigma: float
+) -> str:
+    """Diameter of a ball, and its difference from the nominal one; empty for other parameters."""
+    if parameter.name.key != "radius" or not 0.0 < sigma < np.inf:
+        return ""
+    _, nominal = kind_and_value(parameter.name, traces, chains)
+    percent = with_error(100.0 * (value / nominal - 1.0), 100.0 * sigma / nominal)
+    sign = "" if percent.startswith("-") else "+"
+    return (
+        f": diameter {with_error(2e3 * value, 2e3 * sigma)} mm, {sign}{percent}% "
+        f"from {2e3 * nominal:.6g} mm"
+    )

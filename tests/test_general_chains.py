@@ -454,11 +454,40 @@ def test_largest_overlaps_of_later_waves_do_not_depend_on_the_saved_times(loss):
     assert np.any(coarse.largest_overlaps[1:-1] > 1.001 * coarse.pulse().peak_overlap)
 
 
+@pytest.mark.parametrize("times", [2, 5, 10, 40, 100])
+@pytest.mark.parametrize("loss", [None, hc.Restitution(0.9), hc.UnloadingRatio(0.2)])
+def test_largest_overlaps_do_not_exceed_those_of_the_motion_between_few_saved_times(loss, times):
+    """Between two walls, so few times are saved that a cubic through them means nothing."""
+    wall = hc.Wall(gap=0.2)
+    chain = hc.Chain.from_radii([1.0, 0.8, 1.2, 0.9, 1.0, 1.0, 1.0, 1.0])
+    chain = chain.replace(left_wall=wall, right_wall=wall, loss=loss)
+    coarse = hc.simulate(chain, until=40.0, times=times).largest_overlaps
+    fine = hc.simulate(chain, until=40.0, times=8001)
+    seen = -np.diff(np.pad(fine.positions, ((0, 0), (1, 1))), axis=1) - fine.chain.static_state.gaps
+    # The sampled maxima are up to (0.005 / 2)^2 / 2 times the curvature too small.
+    np.testing.assert_allclose(coarse[1:-1], seen.max(axis=0)[1:-1], rtol=2e-5)
+
+
+def test_fixed_steps_do_not_interpolate_overlaps_between_few_saved_times():
+    wall = hc.Wall()
+    chain = hc.Chain.uniform(20).replace(left_wall=wall, right_wall=wall)
+    largest = hc.simulate(chain, until=400.0, times=0).largest_overlaps
+    for times in (20, 40, 100, 200):
+        run = hc.simulate(chain, until=400.0, times=times, method="verlet", drift=1e-8)
+        # Later waves differ, as the motion is unpredictable, but not by half.
+        assert (run.largest_overlaps < 1.2 * largest).all(), times
+
+
 def test_static_overlaps_count():
     held = BALLS.replace(left_wall=hc.Wall(), right_wall=hc.Wall(), precompression=50.0)
     run = hc.simulate(held.replace(velocities=np.zeros(6)), until=1e-5, times=2)
     static = (50.0 / held.contact_stiffness[:-1]) ** (2 / 3)
     np.testing.assert_allclose(run.largest_overlaps[:-1], static, rtol=1e-12)
+    # A contact that is unloaded first has had its static overlap, whatever times are saved.
+    unloaded = held.replace(precompression=5.0, velocities=[-1e-3, 0, 0, 0, 0, 0])
+    for times in (0, 5):
+        run = hc.simulate(unloaded, until=2e-6, times=times)
+        assert run.largest_overlaps[1] == pytest.approx(0.1 ** (2 / 3) * static[1], rel=1e-12)
 
 
 def test_a_run_out_of_the_range_of_hertz_warns_once():

@@ -56,6 +56,43 @@ def test_closed_contacts_are_those_with_overlaps_at_the_end():
     assert hc.simulate(hc.Chain.uniform(2)).closed_contacts.tolist() == []
 
 
+def test_closed_contacts_include_those_under_static_forces():
+    """Contacts are closed if the overlap of the saved positions is not 0."""
+    wall = hc.Wall()
+    still = hc.Chain.uniform(5).replace(
+        precompression=1.0, left_wall=wall, right_wall=wall, velocities=np.zeros(5)
+    )
+    assert hc.simulate(still, until=0.3).closed_contacts.tolist() == [1, 2, 3, 4]
+    column = hc.Chain.uniform(5).replace(gravity=0.1, right_wall=wall)
+    for until in (1.0, 5.0, 10.0, 20.0):
+        run = hc.simulate(column, until=until)
+        closed = [k for k in range(1, 5) if run.overlap(k)[-1] > 0.0]
+        assert run.closed_contacts.tolist() == closed
+    assert closed == [2, 3, 4]
+
+
+def test_closed_contacts_are_not_those_one_step_before_the_end():
+    chain = hc.Chain.from_radii([1.0, 0.8, 1.2, 0.9, 1.1, 0.7, 1.0, 1.3])
+    chain = chain.replace(right_wall=hc.Wall())
+    for until in np.arange(8.0, 40.0, 0.25):
+        run = hc.simulate(chain, until=until, times=100)
+        closed = [k for k in range(1, 8) if run.overlap(k)[-1] > 1e-8 * run.overlap(k).max()]
+        assert run.closed_contacts.tolist() == closed, until
+
+
+def test_contacts_open_at_their_dents():
+    """The beads of a plastic collision separate at the dent, half of the largest overlap."""
+    pair = hc.Chain.uniform(2).replace(loss=hc.WaltonBraun(0.5))
+    run = hc.simulate(pair, until=4.0, times=401)
+    overlap, force = run.overlap(1), run.force(1)
+    dent = 0.5 * (1.25 * 0.5) ** 0.4
+    separated = (run.times > run.times[np.argmax(overlap)]) & (overlap < dent)
+    assert run.open_contacts()[separated].all()
+    assert not run.open_contacts()[~separated].any()
+    assert (overlap[separated] > 0.0).any()
+    assert (force[separated] == 0.0).all()
+
+
 def test_peaks_and_times_of_the_uniform_chain(uniform_run):
     pulse = uniform_run.pulse()
     np.testing.assert_allclose(pulse.velocity[1:8], UNIFORM_VELOCITIES, rtol=1e-11)
@@ -303,6 +340,17 @@ def test_a_run_stopped_early_has_the_pulse_it_has_seen():
         assert 7 <= np.count_nonzero(seen) <= 9
         np.testing.assert_allclose(pulse.column(name)[seen], values[seen], rtol=1e-12)
         assert "before the end of the run" in pulse.notes[name]
+
+
+def test_weak_pulses_of_compressed_chains_are_not_lost():
+    """The velocity of bead 2 is proportional to the impact, however small its overlaps are."""
+    wall = hc.Wall()
+    held = hc.Chain.uniform(5).replace(precompression=1.0, left_wall=wall, right_wall=wall)
+    found = []
+    for velocity in (1e-6, 1e-9):
+        run = hc.simulate(held.replace(velocities=[velocity, 0.0, 0.0, 0.0, 0.0]), until=6.0)
+        found.append(run.pulse().velocity[1] / velocity)
+    assert found[1] == pytest.approx(found[0], rel=1e-5)
 
 
 def test_no_pulse_where_no_contact_was_reached():

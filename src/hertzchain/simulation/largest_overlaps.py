@@ -1,10 +1,17 @@
-"""Largest overlaps between the saved times of a run."""
+"""Largest overlaps between the saved times of a run with fixed steps."""
 
 from __future__ import annotations
+
+from typing import Final
 
 import numpy as np
 
 from ..collision import Array
+
+# An interpolated maximum counts if it exceeds the saved overlaps next to it by at most this
+# fraction: if four times or more are saved during a contact.  Between fewer, it may be far from
+# any overlap of the motion.
+RESOLVED: Final = 0.1
 
 
 def largest_between(times: Array, overlaps: Array, velocities: Array) -> Array:
@@ -30,5 +37,6 @@ def largest_between(times: Array, overlaps: Array, velocities: Array) -> Array:
     # Squares of the numbers at the foot of a pulse may underflow, and rounding errors of the rise
     # may contradict the rates.
     s = np.nan_to_num(np.clip(s, 0.0, 1.0))
-    np.maximum.at(found, contacts, low + s * (c1 + s * (c2 + s * c3)))
+    peaks, seen = low + s * (c1 + s * (c2 + s * c3)), np.maximum(low, low + rise)
+    np.maximum.at(found, contacts, np.where(peaks <= (1.0 + RESOLVED) * seen, peaks, seen))
     return found

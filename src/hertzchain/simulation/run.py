@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from ..errors import IncompleteWarning, InputError, SimulationError, warn_user
 from ..pulse.pulse import Pulse
@@ -34,6 +34,9 @@ if TYPE_CHECKING:
     from ..fitting.trace_comparison import TraceComparison
     from ..fitting.traces import Traces
     from .horizon import Horizon
+
+# Number of beads up to which a run is regarded as a collision.
+FEW: Final = 3
 
 
 @checked_methods
@@ -436,8 +439,10 @@ class Run(Trajectory):
 
     def __repr__(self) -> str:
         saved = f"{len(self.times)} saved times, energy drift {self.energy_drift:.1e}"
-        return short("Run", self.chain.description, self.message, self._unfinished_collision,
-                     self.prediction, saved)  # fmt: skip
+        # The final velocities of a collision of few beads are often the result.
+        unfinished = self._unfinished if self.chain.beads <= FEW else ""
+        return short("Run", self.chain.description, self.message, unfinished, self.prediction,
+                     saved)  # fmt: skip
 
     def _repr_html_(self) -> str:
         from ..notebook.runs import run_html

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
 
 # Overlap, relative to its maximum, below which a contact is regarded as open.
 OPEN: Final = 1e-9
-# Number of beads up to which a run is regarded as a collision.
-FEW: Final = 3
 # Status of runs that end by themselves although contacts may still act.
 NATURAL_ENDS: Final = ("pulse left", "wall force complete")
 
@@ -94,9 +92,9 @@ class Trajectory(ShortDir):
         """Largest overlap of each contact, shape (N + 1,) [scaled, or m].
 
         Contact numbers are those of `forces`.  Maxima are located within the steps.  With fixed
-        steps, those of waves after the leading pulse are found by cubic Hermite interpolation
-        between the saved times.  The value of a wall is the overlap :math:`(F/k)^{1/p}` that its
-        largest force :math:`F` causes without losses.
+        steps, those of waves after the leading pulse are interpolated between the saved times,
+        if about four are saved during a contact, or else the largest at these times.  The value of
+        a wall is the overlap :math:`(F/k)^{1/p}` of its largest force :math:`F` without losses.
 
         Examples
         --------
@@ -116,14 +114,21 @@ class Trajectory(ShortDir):
         walls = loading_overlaps(self.chain.contact_groups, peak)[[0, -1]]
         found = self._crossings[state_layout.LARGEST_OVERLAP]
         passed = np.concatenate((walls[:1], found, walls[1:]))
-        saved = largest_between(
-            self.times, overlaps_of(self.chain, self.times, self.positions), self.velocities
-        )
-        end = self.state.arrays["y"][np.newaxis, : self.chain.beads]
-        at_end = overlaps_of(self.chain, np.array([self.end_time]), end)[0, 1:-1]
-        saved[1:-1] = np.maximum(saved[1:-1], at_end)
-        saved = np.where(self.chain.contact_stiffness > 0.0, saved, 0.0)
-        return np.asarray(np.maximum(passed, saved))
+        overlaps = overlaps_of(self.chain, self.times, self.positions)
+        saved = np.max(overlaps, axis=0, initial=0.0)
+        if np.isnan(self.rtol):
+            saved = largest_between(self.times, overlaps, self.velocities)
+        others = self._overlaps_at_end, self.chain.static_state.overlaps
+        largest = np.maximum.reduce([passed, saved, *others])
+        return np.where(self.chain.contact_stiffness > 0.0, largest, 0.0)
+
+    @property
+    def _overlaps_at_end(self) -> Array:
+        """Overlaps of all contacts at the end of the run or, if it is not saved, the last step."""
+        time, end = self.state.time, self.state.positions
+        if len(self.times) and self.times[-1] == self.end_time:
+            time, end = self.end_time, self.positions[-1]
+        return overlaps_of(self.chain, np.array([time]), end[np.newaxis])[0]
 
     @property
     def closed_contacts(self) -> Array:
@@ -143,9 +148,7 @@ class Trajectory(ShortDir):
         [1] 0.549
         [] 0.5
         """
-        end = self.state.arrays["y"][np.newaxis, : self.chain.beads]
-        overlaps = overlaps_of(self.chain, np.array([self.end_time]), end)[0, 1:-1]
-        closed = overlaps > OPEN * self.largest_overlaps[1:-1]
+        closed = self._overlaps_at_end[1:-1] > OPEN * self.largest_overlaps[1:-1]
         if self._forces is not None and len(self.times) and self.times[-1] == self.end_time:
             # Contacts with losses that do not attract are released before their overlap vanishes.
             closed &= self.forces[-1, 1:-1] != 0.0
@@ -162,11 +165,6 @@ class Trajectory(ShortDir):
         closed = 0 if self.chain.static_state.forces.any() else len(self.closed_contacts)
         words = f"{counted(closed, 'contact')} still closed, so velocities are not final"
         return words if closed else ""
-
-    @property
-    def _unfinished_collision(self) -> str:
-        """The same for few beads, whose final velocities are often the result."""
-        return self._unfinished if self.chain.beads <= FEW else ""
 
     @property
     def success(self) -> bool:
@@ -186,12 +184,8 @@ class Trajectory(ShortDir):
 
     @property
     def _reached(self) -> bool:
-        """Whether any contact between two beads was compressed beyond its state at rest."""
-        gaps = self.chain.static_state.gaps[1:-1]
-        moved = self.state.arrays["y"][: self.chain.beads]
-        compressed = moved[:-1] - moved[1:] > np.maximum(gaps, 0.0)
-        seen = self.largest_overlaps[1:-1] > np.maximum(-gaps, 0.0) * (1.0 + 1e-9)
-        return bool(np.any(seen | compressed))
+        """Whether any contact between two beads was compressed, by the motion or at rest."""
+        return bool(np.any(self.largest_overlaps[1:-1] > 0.0))
 
     def _require_times(self) -> None:
         if not len(self.times):
@@ -354,8 +348,8 @@ class Trajectory(ShortDir):
         Returns
         -------
         ndarray of bool, shape (T, N - 1)
-            True for open contacts.  Successive closed contacts hold a fragment of the chain
-            together.
+            True for open contacts, including those that open at a permanent dent or whose force
+            is cut off.  Successive closed contacts hold a fragment of the chain together.
 
         Examples
         --------
@@ -364,9 +358,9 @@ class Trajectory(ShortDir):
         >>> bool(run.open_contacts()[-1, :10].all())
         True
         """
-        gaps = self.chain.static_state.gaps[1:-1]
-        apart: Array = self.positions[:, :-1] - self.positions[:, 1:] - gaps < 0.0
-        return apart
+        overlaps = overlaps_of(self.chain, self.times, self.positions)[:, 1:-1]
+        released = (self.forces[:, 1:-1] == 0.0) & (overlaps > OPEN * self.largest_overlaps[1:-1])
+        return np.asarray((overlaps < 0.0) | released)
 
     def to_xarray(self) -> xr.Dataset:
         """Labelled dataset with coordinates ``time``, ``bead`` = 1..N and ``contact`` = 0..N.

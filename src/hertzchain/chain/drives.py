@@ -193,6 +193,10 @@ class StepDrive(Part):
 class TableDrive(Part):
     """Values at given times with linear interpolation; constant before and after.
 
+    A displacement is counted from the wall's position at rest.  If it is not 0 at time 0, the
+    wall is already there, and its contact with bead 1 begins compressed, or open: subtract the
+    offset of a displacement sensor.
+
     Attributes
     ----------
     times : ndarray, shape (n,)
@@ -207,6 +211,13 @@ class TableDrive(Part):
     >>> import hertzchain as hc
     >>> hc.TableDrive([0.0, 1.0, 2.0], [0.0, 5.0, 0.0]).value([0.5, 3.0])
     array([2.5, 0. ])
+
+    The force on the left wall at time 0 is :math:`k d^{3/2}` of an offset d:
+
+    >>> moved = hc.TableDrive([0.0, 1.0], [0.25, 0.25], of="displacement")
+    >>> chain = hc.Chain.uniform(5).replace(left_wall=hc.Wall(stiffness=1.0), drive=moved)
+    >>> float(hc.simulate(chain, until=1.0).force(0)[0])
+    0.125
     """
 
     times: Array = field(metadata=scale("time"))

@@ -75,11 +75,11 @@ def errors():
 
     chain = hc.Chain.tapered("forward-exponential", 0.03, beads=20).replace(right_wall=hc.Wall())
     kept = {}
-    run, sweep = module.run, module.sweep
+    run, backward_pass = module.run, module.backward_pass
     module.run = lambda *args: kept.setdefault("record", run(*args))
-    module.sweep = lambda *args: kept.setdefault("slopes", sweep(*args))
+    module.backward_pass = lambda *args: kept.setdefault("slopes", backward_pass(*args))
     hc.gradient(chain, "wall_force.impulse", to="masses", until=40.0)
-    module.run, module.sweep = run, sweep
+    module.run, module.backward_pass = run, backward_pass
     record, worst = kept["record"], 0.0
     lengths = np.concatenate([block.lengths for block in record.blocks])
     for name in ("masses", "stiffness"):

@@ -5,13 +5,11 @@ from __future__ import annotations
 import warnings
 from typing import TYPE_CHECKING, Final
 
-from ..chain.hertz_range import HertzRange, hertz_range
-from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..errors import InputError, SimulationError
-from .simulate import simulate
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
+    from ..chain.hertz_range import HertzRange
     from ..validation.objects import Progress
     from .run import Run
 
@@ -21,6 +19,8 @@ MAX_BEADS: Final = 100
 
 def pressures_below_yield(*runs: Run) -> list[str]:
     """A line with the largest pressure of all runs, if it is known and below its limit."""
+    from ..chain.hertz_range import hertz_range
+
     if any(run.chain.materials is None or run.chain.units != "SI" for run in runs):
         return []
     found = [hertz_range(run.chain, run.largest_overlaps) for run in runs]
@@ -35,6 +35,8 @@ def yields(limits: HertzRange | None) -> bool:
 
 def dented_chain(chain: Chain) -> Chain | None:
     """The chain with `ElasticPlastic` contacts; None if they do not apply to it."""
+    from ..chain.laws.elastic_plastic import ElasticPlastic
+
     if not chain.lossless:
         return None
     try:
@@ -45,6 +47,9 @@ def dented_chain(chain: Chain) -> Chain | None:
 
 def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> float | None:
     """Largest force on the right wall of an elastic run that yields; `None` if it is not known."""
+    from ..chain.hertz_range import hertz_range
+    from .simulate import simulate
+
     chain = run.chain
     if chain.materials is None or chain.units != "SI" or chain.beads > MAX_BEADS:
         return None

@@ -117,6 +117,44 @@ def test_fit_reads_the_columns_of_an_oscilloscope(run, files):
     assert {*json.loads(out)["chi2_per_sample"]} == {"ball 5", "wall"}
 
 
+@pytest.mark.parametrize("command", ["compare", "fit"])
+def test_noise_is_given_for_all_sensors_or_by_sensor(run, files, command, monkeypatch):
+    given = []
+
+    def read(*paths, noise, **options):  # noqa: ARG001
+        given.append(noise)
+        raise hc.InputError("the file is not read in this test")
+
+    monkeypatch.setattr(hc, "load_traces", read)
+    for noises in (["0.2"], ["3 mN"], ["wall=0.05 N", "ball 5 = 0.2"], []):
+        options = [each for noise in noises for each in ("--noise", noise)]
+        code, _, _ = run(command, files / "one.csv", files / "row.toml", *options)
+        assert code == 2
+    assert given == [0.2, "3 mN", {"wall": "0.05 N", "ball 5": 0.2}, None]
+
+
+def test_noise_without_a_sensor_and_unknown_noise_are_explained(run, files):
+    two = ("compare", files / "one.csv", files / "row.toml", *PLACES)
+    code, _, err = run(*two, "--noise", "0.1 N", "--noise", "wall=1 N")
+    assert code == 2
+    assert "--noise '0.1 N' names no sensor; give one --noise for all sensors, or one" in err
+    code, _, err = run(*two, "--noise", "ball 9=1 N")
+    assert code == 2
+    assert "unknown sensor of noise 'ball 9': choose from ball 5, wall" in err
+
+
+def test_traces_that_begin_with_the_pulse_lead_to_the_option_for_noise(run, files):
+    lines = (files / "one.csv").read_text().splitlines()
+    late = next(i for i, line in enumerate(lines[1:], 1) if float(line.split(",")[1]) > 1.0)
+    (files / "late.csv").write_text("\n".join([lines[0], *lines[late:]]) + "\n")
+    late = ("compare", files / "late.csv", files / "row.toml", *PLACES)
+    code, _, err = run(*late)
+    assert code == 2
+    assert "or give --noise" in err
+    code, _, err = run(*late, "--noise", "0.1 N")
+    assert code == 0, err
+
+
 def test_mistakes_of_compare_are_explained(run, files):
     code, _, err = run("compare", files / "two.csv", files / "row.toml", *PLACES)
     assert code == 2

@@ -14,6 +14,8 @@ from .options import (
     StrictCommand,
     figure_option,
     json_option,
+    noise_from,
+    noise_option,
     seconds_from,
     sensors_from,
     sensors_option,
@@ -38,6 +40,7 @@ MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 @click.argument("traces", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.argument("chain", type=click.Path(path_type=Path))
 @sensors_option
+@noise_option
 @click.option("--shot", type=int, metavar="NUMBER", help="Shot of the traces, from 1.")
 @click.option(
     "--until", metavar="TIME", help="Stop time, such as 700us.  [default: duration of the record]"
@@ -51,8 +54,9 @@ MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 @json_option()
 @figure_option("Plot data and simulation to FILE.")
 def compare(
-    traces: tuple[Path, ...], chain: Path, sensors: tuple[str, ...], shot: int | None,
-    until: str | None, time_offset: str | None, as_json: bool, plot: Path | None,
+    traces: tuple[Path, ...], chain: Path, sensors: tuple[str, ...], noises: tuple[str, ...],
+    shot: int | None, until: str | None, time_offset: str | None, as_json: bool,
+    plot: Path | None,
 ) -> None:  # fmt: skip
     """Compare a simulation with measured traces, without a fit.
 
@@ -72,7 +76,10 @@ def compare(
     from ..fitting.settings import load_experiment
     from ..validation.numbers import number
 
-    seen = hertzchain.load_traces(*traces, sensors=sensors_from(sensors), channels=True)
+    noise: Any = noise_from(noises)
+    seen = hertzchain.load_traces(
+        *traces, sensors=sensors_from(sensors), channels=True, noise=noise
+    )
     data = _one_shot(seen, shot)
     data, (described,), _ = load_experiment(data, chain, hertzchain.load_traces)
     times = data.shots[0].times

@@ -18,6 +18,8 @@ from .options import (
     figure_option,
     json_option,
     names_from,
+    noise_from,
+    noise_option,
     sensors_from,
     sensors_option,
 )
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
 @click.command(cls=StrictCommand)
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @sensors_option
+@noise_option
 @click.option(
     "--channels", is_flag=True, help="The files of traces are channels of one shot, not shots."
 )
@@ -88,9 +91,10 @@ if TYPE_CHECKING:
 )
 @json_option()
 def fit(
-    files: tuple[Path, ...], sensors: tuple[str, ...], channels: bool, free: tuple[str, ...],
-    also_free: tuple[str, ...], priors: tuple[str, ...], starts: int, laws: str | None,
-    defects: bool, sample: int | None, plot: Path | None, out: Path | None, as_json: bool,
+    files: tuple[Path, ...], sensors: tuple[str, ...], noises: tuple[str, ...], channels: bool,
+    free: tuple[str, ...], also_free: tuple[str, ...], priors: tuple[str, ...], starts: int,
+    laws: str | None, defects: bool, sample: int | None, plot: Path | None, out: Path | None,
+    as_json: bool,
 ) -> int:  # fmt: skip
     """Fit a chain and its sensors to measured traces.
 
@@ -120,7 +124,8 @@ def fit(
         raise click.UsageError("give at least one CSV file of traces and, last, the chain file")
     check_writable(out, "--out", (".toml",))
     places = sensors_from(sensors)
-    traces = hertzchain.load_traces(*files[:-1], sensors=places, channels=channels)
+    noise: Any = noise_from(noises)
+    traces = hertzchain.load_traces(*files[:-1], sensors=places, channels=channels, noise=noise)
     known = dict(_prior(text) for text in priors)
     settings: dict[str, Any] = {"free": _free(traces, files[-1], free, also_free), "priors": known}
     # The number of simulations is not known in advance.

@@ -204,6 +204,30 @@ def sensors_from(texts: tuple[str, ...]) -> dict[str, str] | None:
     return {column.strip(): place.strip() or column.strip() for column, _, place in pairs} or None
 
 
+noise_option = click.option(
+    "--noise",
+    "noises",
+    multiple=True,
+    metavar="[SENSOR=]SIZE",
+    help="Standard deviation of the noise of all sensors or of one, such as '3 mV' or "
+    "'wall=0.05 N'; repeatable.  [default: from the samples before the pulse]",
+)
+
+
+def noise_from(texts: tuple[str, ...]) -> float | str | dict[str, float | str] | None:
+    """Noise of all sensors, or by sensor; None if it has to be estimated."""
+    if len(texts) == 1 and "=" not in texts[0]:
+        return as_typed(texts[0])
+    for text in texts:
+        if "=" not in text:
+            raise click.UsageError(
+                f"--noise {text!r} names no sensor; give one --noise for all sensors, or one for "
+                f"each, such as --noise 'wall={text}'"
+            )
+    pairs = (text.partition("=") for text in texts)
+    return {name.strip(): as_typed(size.strip()) for name, _, size in pairs} or None
+
+
 quantity_option = click.option(
     "--quantity",
     metavar="NAME",

@@ -25,6 +25,7 @@ WORDINGS: Final = (
     (r"(?<![-.'])\bmax_steps\b", "--max-steps"),
     (r"\bgive load_traces sensors=\{'([^']*)': '([^']*)'\}", r"add --sensor '\1=\2'"),
     (r"\bgive sensors to load_traces\b", "add --sensor"),
+    (r"\bgive (the )?noise\b", "give --noise"),
     (r"\(scan_defects\)", "(--defects)"),
     (r"\(compare_losses\)", "(--laws all)"),
     (r"\bcompare_losses compares", "--laws all compares"),

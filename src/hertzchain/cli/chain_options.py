@@ -33,8 +33,8 @@ IMPACT: Final = (
         "--striker",
         type=int,
         metavar="COUNT",
-        help="Strike the chain, at rest, with this number of beads like the first.  [default: "
-        "bead 1 moves]",
+        help="Add this number of beads like the first as a striker, which hits the chain at rest.  "
+        "[default: bead 1 moves]",
     ),
 )
 OPTIONS: Final = (
@@ -82,7 +82,7 @@ OPTIONS: Final = (
         "--loss",
         metavar="LAW",
         shell_complete=complete_losses,
-        help="Law of loss with its parameters, such as restitution=0.96, viscoelastic='0.6 us' or "
+        help="Loss law with its parameters, such as restitution=0.96, viscoelastic='0.6 us' or "
         "elastic-plastic; replaces that of a FILE.",
     ),
 )

@@ -48,8 +48,7 @@ MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 @click.option(
     "--time-offset",
     metavar="TIME",
-    help="Time of the data at which the simulation begins.  [default: that of the least "
-    "squares of the differences]",
+    help="Time of the data at which the simulation begins.  [default: found by least squares]",
 )
 @json_option()
 @figure_option("Plot data and simulation to FILE.")

@@ -104,10 +104,11 @@ def fit(
     parameters and priors.
 
     The exit code is 1 if the search does not converge, and 3 if the model does not describe the
-    data within their noise, or only with values that contradict their priors.  If --defects finds a
-    gap or an odd ball, the fit that includes it is printed first, and the exit code, --out, --plot
-    and --sample refer to this fit.  All results are printed and written before sampling begins, so
-    that only the posterior is lost if it is interrupted; with --json, they are printed at the end.
+    data within their noise, if this cannot be decided, or if a value contradicts its prior.  If
+    --defects finds a gap or an odd ball, the fit that includes it is printed first, and the exit
+    code, --out, --plot and --sample refer to this fit.  All results are printed and written before
+    sampling begins, so only the posterior is lost if sampling is interrupted; with --json, they are
+    printed at the end.
 
     \b
     Examples:

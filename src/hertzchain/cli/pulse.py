@@ -81,7 +81,7 @@ def _method_help() -> str:
 @click.option(
     "--modulus-scatter",
     type=Fraction(),
-    help="The same of the Young's moduli, at most 10%.",
+    help="The same for the Young's moduli, at most 10%.",
 )
 @click.option("--log", is_flag=True, help="Use a logarithmic y axis.")
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
@@ -100,7 +100,8 @@ def pulse(
 
     The chain is given by options or by FILE (TOML or CSV); --plot compares several files.  For a
     chain in SI units, the pulse is computed in the paper's scaled variables and printed in SI
-    units.  Several methods are compared with the simulation; without one, with the first.
+    units.  Several methods are compared with the simulation or, if there is none, with the first
+    method.
 
     \b
     Examples:

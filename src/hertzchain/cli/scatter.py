@@ -33,14 +33,18 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @click.option(
     "--relative", metavar="SCATTER", help="Standard deviation of ln R, such as 0.01 or 1%."
 )
-@click.option("--grade", type=int, help="Grade of the balls by ISO 3290-1 instead, 3 to 200.")
+@click.option(
+    "--grade", type=int, help="Grade of the balls by ISO 3290-1, 3 to 200, instead of --relative."
+)
 @click.option(
     "--only",
     "some",
     metavar="BEADS",
     help="Beads that deviate, such as 2:.  [default: all but strikers]",
 )
-@click.option("--chains", "count", type=int, default=300, show_default=True, help="Random chains.")
+@click.option(
+    "--chains", "count", type=int, default=300, show_default=True, help="Number of chains."
+)
 @click.option("--seed", type=int, default=1, show_default=True, help="Seed of the random radii.")
 @quantity_option
 @json_option()
@@ -54,7 +58,7 @@ def scatter(
 
     Many chains with random radii are simulated, and the distribution of the quantity is printed.
     All chains have the materials, walls and impact of the given one.  If there is no striker, bead
-    1 is the projectile; with --only 2: it keeps its radius, and with it the momentum of the impact.
+    1 is the projectile; exclude it with --only "2:" to keep the momentum of the impact.
     Without simulations, `hertzchain pulse --method disorder` predicts mean and spread of the
     leading pulse.
 

@@ -29,14 +29,14 @@ USUAL_TIMES: Final = 400
     "--until",
     metavar="TIME",
     help="Stop time, such as 60 or, in SI units, 2ms.  [default: when the peak force on the "
-    "right wall is complete, at most 20 transits of the pulse, or more if the wall is soft; "
-    "without a right wall, when the pulse has left the chain]",
+    "right wall is complete and the impact is over, after at most 20 transits of the pulse, or "
+    "more if the wall is soft; without a right wall, when the pulse has left the chain]",
 )
 @click.option(
     "--times",
     type=int,
-    help="Number of saved times; without --until, whose value is the end, at most this number and "
-    "usually more than half of it.  [default: 400; with --sensor, --forces, --animate or "
+    help="Number of saved times.  Without --until, at most this number of times, and usually more "
+    "than half of it, is saved.  [default: 400; with --sensor, --forces, --animate or "
     "several files, 4000]",
 )
 @click.option(

@@ -17,8 +17,8 @@ from .progress import progress_bar
 def warm_up(first: bool, as_json: bool) -> None:
     """Compile all kernels now instead of at their first use.
 
-    This is required once per installation and uses two processes.  If everything is already
-    compiled, the command takes a few seconds.
+    Kernels are compiled only once per installation; the command uses two processes.  If everything
+    is already compiled, it takes a few seconds.
 
     \b
     Examples:

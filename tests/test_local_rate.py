@@ -278,6 +278,29 @@ def test_equal_beads_of_any_exponent_have_the_solitary_wave(exponent):
     assert pulse.velocity[86] == pytest.approx(velocity, rel=1e-5)
 
 
+# Measured: at most 0.3% of the largest derivative.
+@pytest.mark.parametrize("name", ["sine", "scatter", "forward"])
+def test_derivatives_at_the_last_contacts_are_those_of_the_simulation(name):
+    k = np.arange(39)
+    rates = {
+        "sine": 0.03 * np.sin(2.0 * np.pi * k / 45.0),
+        "scatter": np.diff(0.003 * np.random.default_rng(5).standard_normal(40)),
+        "forward": np.linspace(-0.03, -0.07, 39),
+    }[name]
+    radii, step = np.exp(np.concatenate([[0.0], np.cumsum(rates)])), 2e-4
+    moves = np.concatenate([step * np.eye(40), -step * np.eye(40)])
+    moved = hc.propagate_many([hc.Chain.from_radii(radii * np.exp(row)) for row in moves])
+    for quantity, power in (("residence", 1.0), ("peak_force", 2.0)):
+        logs = np.log([moved[i].column(quantity) for i in range(80)])
+        slopes = (logs[:40] - logs[40:]).T / (2.0 * step)
+        # A chain is scaled by its first radius, and its residence times and forces by these powers.
+        slopes[:, 0] += power
+        for contact in (36, 37, 38, 39):
+            true = slopes[contact - 1]
+            _, found = hc.local_rate_gradient(hc.Chain.from_radii(radii), quantity, bead=contact)
+            assert np.abs(found - true).max() < 0.008 * np.abs(true).max()
+
+
 # Measured: at most 0.0062 (at the last bead), 0.0024, 0.0009, and below 0.0002.
 @pytest.mark.parametrize(
     ("exponent", "must"),

@@ -36,7 +36,7 @@ from .stored import Stored
 from .train import fast_changes, slow_tables
 
 # Less than for Hertz contacts: the differences between neighbouring exponents would show no more.
-EFFORT: Final = Effort(1600, 600, 9, 500, 2, 2, 5, ((63, 700, 100, 0, 0),), 0, (0, 0), 0, 0)
+EFFORT: Final = Effort(1600, 600, 9, 500, 2, 2, 5, ((63, 700, 100, 0, 0),), (0, 0), 0, 0)
 # The constants of the error estimate are piecewise linear in the logarithm of the exponent.  They
 # are determined at that many random exponents, so that they include errors of the interpolation.
 ERROR_EXPONENTS: Final = np.geomspace(LOWEST, HIGHEST, 8)

@@ -12,7 +12,6 @@ from hertzchain.collision import Array
 from .second_degree import Chains
 from .sensitivities import Sensitivity, simulate_slopes
 from .training_chains import (
-    ending_rates,
     odd_rates,
     oscillating_rates,
     random_rates,
@@ -43,11 +42,10 @@ class Effort:
     random : tuple
         Numbers of contacts, and of rough, smooth, odd and steep random chains with as many, for
         the products of fast changes.
-    ending : int
-        Number of chains for the second order of the last contacts, which is omitted if it is 0.
     slopes : tuple
         Numbers of long and of short chains whose derivatives are simulated for the products of
-        fast changes; without them, there are no products with the slow change.
+        fast changes; without them, there are no products with the slow change, and the last
+        contacts have no functions of their own.
     starting, oscillating : int
         Numbers of chains whose rates change quickly behind the impact, or all along.
     """
@@ -60,7 +58,6 @@ class Effort:
     rounds: int
     every: int
     random: tuple[tuple[int, int, int, int, int], ...]
-    ending: int
     slopes: tuple[int, int]
     starting: int
     oscillating: int
@@ -72,15 +69,13 @@ class FastData:
 
     Attributes
     ----------
-    random, ending, starting, oscillating : Chains
-        Chains of all kinds, those that change slowly towards their end, and those that change
-        quickly behind the impact, or all along.
+    random, starting, oscillating : Chains
+        Chains of all kinds, and those that change quickly behind the impact, or all along.
     long, short : list of Sensitivity
         Chains whose derivatives are known.
     """
 
     random: Chains
-    ending: Chains
     starting: Chains
     oscillating: Chains
     long: list[Sensitivity]
@@ -98,7 +93,6 @@ def fast_data(effort: Effort, exponent: float, shrink: float) -> FastData:
     long, short = effort.slopes
     return FastData(
         random_chains(first, effort.random, exponent, shrink),
-        simulated(ending_rates(first, effort.ending, shrink), exponent),
         simulated(starting_rates(second, effort.starting, STARTING, shrink), exponent),
         simulated(oscillating_rates(second, effort.oscillating, OSCILLATING, shrink), exponent),
         simulate_slopes(wavy_rates(third, long, LONG, shrink), exponent),

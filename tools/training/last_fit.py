@@ -1,13 +1,12 @@
-"""Fit the second order of the response of the last contacts.
+"""Fit the higher orders of the states of the last contacts.
 
-The equations are the states of chains that change slowly towards their end, and the derivatives of
-those of other random chains with respect to the radii.
+The equations are the states of chains that change slowly or quickly towards their end, and the
+derivatives of these states with respect to the last radii.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -16,129 +15,121 @@ from scipy.interpolate import BSpline
 from hertzchain.collision import Array
 from hertzchain.kernels import last_contacts as kernel
 from hertzchain.kernels.fast_changes import STATES
-from hertzchain.kernels.local_rate_pulse import divide
-from hertzchain.theory.universal_functions import UniversalFunctions, padded_knots
+from hertzchain.theory.universal_functions import FastTables, padded_knots
 
-from .second_degree import STEP, Chains, divided, sound
-from .sensitivities import Sensitivity, law_slopes, law_states, of_radii
+from .sensitivities import Sensitivity, of_radii, simulate_slopes
+from .training_chains import ending_rates, wavy_rates
 
 KNOTS: Final = np.array([-0.15, -0.11, -0.08, -0.05, -0.025, 0.0, 0.025, 0.06, 0.12, 0.25, 0.5])
-RIDGE: Final = 1e-3
-# Errors are relative to that of a second degree with typical coefficients.
-FLOOR, OF_CHANGE, OF_MEMORY, OF_FAST = 3e-5, 20.0, 1.0, 1.0
-# Weight of derivatives, which decreases with the size of the fast changes.
-OF_SLOPES, SIZE = 0.4, 0.004
-# Larger errors are not those of a second degree.
-LARGEST: Final = 0.1
-ROUNDS: Final = 6
-# The last B-splines are zero, except for the last contact: in strong backward tapers, few chains
-# determine them, and the response is nearly of first order.
-ZERO: Final = 3
+RIDGE: Final = 1e-4
+# Numbers of chains that change slowly towards their end, of those among them with larger rates,
+# and of those that change quickly, with their numbers of contacts.
+SLOWLY, STRONGLY, QUICKLY = 500, 120, 250
+CONTACTS, STRONG_CONTACTS = 32, 22
+# Number of last rates that are changed; tolerance of these simulations.
+CHANGED: Final = 18
+RTOL: Final = 1e-9
+# Weight of the states, relative to that of derivatives, which decreases with the changes near the
+# end: with their size and with its square.
+OF_STATES: Final = 40.0
+FLOOR, OF_SIZE, OF_SQUARE, NEAR = 2e-3, 0.2, 20.0, 11
+ROUNDS: Final = 4
+# Larger errors are not those of a low degree.
+LARGEST, LARGEST_SLOPE = 0.1, 1.0
+# Step of the derivatives of the products.
+STEP: Final = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
-class Equations:
-    """Equations of one of the last contacts.
-
-    Attributes
-    ----------
-    matrix, size, rest : ndarray, shapes (C, n), (C,), (C, 3)
-        Products times B-splines, typical errors, and what the states lack.
-    normal, right : ndarray, shapes (n, n), (n, 3)
-        Normal equations of the derivatives with respect to the radii.
-    """
-
-    matrix: Array
-    size: Array
-    rest: Array
-    normal: Array
-    right: Array
+def ending_slopes(exponent: float) -> list[Sensitivity]:
+    """Chains with the derivatives of their states with respect to the last rates."""
+    random = np.random.default_rng(6)
+    slowly = [row[-CONTACTS:] for row in ending_rates(random, SLOWLY)]
+    strongly = [row[-STRONG_CONTACTS:] + random.uniform(0.1, 0.5) for row in slowly[-STRONGLY:]]
+    rates = [*slowly, *strongly, *wavy_rates(random, QUICKLY, CONTACTS)]
+    return simulate_slopes(rates, exponent, CHANGED, RTOL)
 
 
-def products_of(parts: tuple[Array, Array], contact: int, knots: Array) -> tuple[Array, Array]:
-    """Memories at a contact, and their products times B-splines, from both parts of the rates."""
-    memories, products = np.empty(kernel.COUNT), np.empty(kernel.PRODUCTS)
-    mean = kernel.recall(contact, *parts, memories)
-    kernel.multiply_memories(memories, products)
+def last_states(tables: FastTables, rates: Array) -> Array:
+    """States of the last contacts, (4, 3)."""
+    states = np.zeros((len(rates), STATES))
+    kernel.write_last(rates, tables, states)
+    return states[-kernel.LAST :]
+
+
+def products_of(rates: Array, contact: int, knots: Array) -> Array:
+    """Products of the inputs of a contact times B-splines."""
+    inputs, products = np.empty(kernel.COUNT), np.empty(kernel.PRODUCTS)
+    mean = kernel.recall(contact, rates, inputs, np.empty(kernel.TERMS))
+    kernel.multiply_inputs(inputs, products)
     flat = np.clip([mean], knots[0], knots[-1])
     splines = BSpline.design_matrix(flat, padded_knots(knots), 3).toarray()[0]
-    return memories, (products[:, None] * splines).ravel()
+    return (products[:, None] * splines).ravel()
 
 
-def value_equations(
-    rates: Sequence[Array], rest: Sequence[Array], left: int, knots: Array
-) -> tuple[Array, Array, Array]:
-    """Products times B-splines, typical errors, and what the states of a contact lack."""
-    both = [products_of(divide(row, len(row)), len(row) - 1 - left, knots) for row in rates]
-    memories = np.array([memory for memory, _ in both])
-    fast = memories[:, kernel.COUNT - len(kernel.OFFSETS) :]
-    size = FLOOR + OF_CHANGE * memories[:, 0] ** 2 + OF_MEMORY * memories[:, kernel.SLOW - 1] ** 2
-    size += OF_FAST * (fast**2).sum(axis=1)
-    return np.array([products for _, products in both]), size, np.array([
-        each[-1 - left] for each in rest
-    ])  # fmt: skip
+def of_last_rates(function, rates: Array) -> Array:
+    """Derivatives of a function of the rates with respect to the last ones, (..., 18)."""
+    steps = STEP * np.eye(len(rates))[-CHANGED:]
+    moved = [function(rates + step) - function(rates - step) for step in steps]
+    return np.moveaxis(np.array(moved), 0, -1) / (2.0 * STEP)
 
 
-def slope_equations(rest: Sequence[Sensitivity], left: int, knots: Array) -> tuple[Array, Array]:
-    """Normal equations of the derivatives with respect to the radii."""
-    unknowns = kernel.PRODUCTS * (len(knots) + 2)
-    normal, right = np.zeros((unknowns, unknowns)), np.zeros((unknowns, STATES))
-    for chain in rest:
-        contact = len(chain.rates) - 1 - left
-        if not sound(chain, slice(contact, contact + 1)):
-            continue
-        weight = OF_SLOPES / (SIZE + np.sqrt(np.mean(divided(chain.rates)[1] ** 2)))
-        steps = STEP * np.eye(len(chain.rates))
-        moved = [
-            products_of(divide(chain.rates + step, len(step)), contact, knots)[1]
-            - products_of(divide(chain.rates - step, len(step)), contact, knots)[1]
-            for step in steps
-        ]
-        slopes = weight * of_radii(np.array(moved).T / (2.0 * STEP))
-        normal += slopes @ slopes.T
-        right += slopes @ (weight * of_radii(chain.slopes[contact])).T
-    return normal, right
+def weight_of(rates: Array, contact: int) -> float:
+    """Weight of the derivatives at a contact."""
+    square = float((np.diff(rates)[max(0, contact - NEAR + 1) :] ** 2).sum())
+    return 1.0 / (FLOOR + OF_SIZE * np.sqrt(square) + OF_SQUARE * square)
 
 
-def fit_last(
-    functions: UniversalFunctions, ending: Chains, chains: Sequence[Sensitivity] = ()
-) -> Array:
-    """Coefficients of B-splines, (splines, 792), for functions that have none yet."""
-    knots = functions.fast.last_knots
-    rates = ending.rates
+def fit_last(tables: FastTables, chains: Sequence[Sensitivity]) -> Array:
+    """Coefficients of B-splines, (splines, 552), for tables that have none yet."""
     rest = [
-        true - law_states(functions, row) for row, true in zip(rates, ending.states, strict=True)
-    ]
-    sloped = [chain.less(law_slopes(functions, chain.rates)) for chain in chains]
-    found = [
-        fit_one(
-            Equations(
-                *value_equations(rates, rest, left, knots), *slope_equations(sloped, left, knots)
-            )
+        Sensitivity(
+            chain.rates,
+            chain.states[-kernel.LAST :] - last_states(tables, chain.rates),
+            of_last_radii(
+                chain.slopes[-kernel.LAST :]
+                - of_last_rates(lambda rates: last_states(tables, rates), chain.rates)
+            ),
         )
-        for left in reversed(range(kernel.LAST))
+        for chain in chains
     ]
-    # From (contacts, states, products, splines).
-    of_contacts = np.array(found)
-    of_contacts[:-1, ..., -ZERO:] = 0.0
-    return np.moveaxis(of_contacts, 3, 0).reshape(len(knots) + 2, -1)
+    found = [fit_one(rest, stage, tables.last_knots) for stage in range(kernel.LAST)]
+    # From (contacts, products, splines, states).
+    return np.transpose(found, (2, 0, 3, 1)).reshape(len(tables.last_knots) + 2, -1)
 
 
-def fit_one(of: Equations) -> Array:
-    """Coefficients (states, products, splines) of one contact."""
-    found = []
-    for error, right_of_slope in zip(of.rest.T, of.right.T, strict=True):
-        used = (np.abs(error) < LARGEST) / of.size
-        for _ in range(ROUNDS):
-            weighted = of.matrix * used[:, None]
-            normal = weighted.T @ weighted + of.normal
-            scale = np.sqrt(np.diag(normal))
-            scale += 1e-3 * scale.max()
-            normal = normal / scale / scale[:, None] + RIDGE * np.eye(len(scale))
-            right = weighted.T @ (error * used) + right_of_slope
-            coefficients = np.linalg.solve(normal, right / scale) / scale
-            # Outliers count with the root of their error.
-            left = np.abs(error - of.matrix @ coefficients) / of.size
-            used = (np.abs(error) < LARGEST) / of.size / np.sqrt(1.0 + left / np.median(left) / 3.0)
-        found.append(coefficients.reshape(kernel.PRODUCTS, -1))
-    return np.array(found)
+def of_last_radii(slopes: Array) -> Array:
+    """Derivatives with respect to the radii ahead of the first of the last rates."""
+    return of_radii(slopes)[..., 1:]
+
+
+def fit_one(rest: Sequence[Sensitivity], stage: int, knots: Array) -> Array:
+    """Coefficients (products, splines, 3) of one contact."""
+    equations = [each for chain in rest for each in equations_of(chain, stage, knots)]
+    found = np.zeros((kernel.PRODUCTS * (len(knots) + 2), STATES))
+    robust = np.ones(len(equations))
+    for _ in range(ROUNDS):
+        normal, right = np.zeros((len(found), len(found))), np.zeros_like(found)
+        for (matrix, wanted), factor in zip(equations, robust, strict=True):
+            normal += factor * matrix @ matrix.T
+            right += factor * matrix @ wanted
+        scale = np.sqrt(np.diag(normal))
+        scale += 1e-3 * scale.max()
+        normal = normal / scale / scale[:, None] + RIDGE * np.eye(len(scale))
+        found = np.linalg.solve(normal, right / scale[:, None]) / scale[:, None]
+        # In steep forward tapers, states have kinks: outliers count with the root of their error.
+        missed = np.array([np.abs(wanted - matrix.T @ found).max() for matrix, wanted in equations])
+        robust = 1.0 / (1.0 + missed / np.median(missed) / 3.0)
+    return found.reshape(kernel.PRODUCTS, -1, STATES)
+
+
+def equations_of(chain: Sensitivity, stage: int, knots: Array) -> list[tuple[Array, Array]]:
+    """Weighted equations of a chain, (unknowns, C), and what they should give, (C, 3)."""
+    rates, states, slopes = chain.rates, chain.states[stage], chain.slopes[stage]
+    if np.abs(states).max() > LARGEST or np.abs(slopes).max() > LARGEST_SLOPE:
+        return []
+    contact = len(rates) - kernel.LAST + stage
+    weight = weight_of(rates, contact)
+    of_state = OF_STATES * products_of(rates, contact, knots)[:, None]
+    of_slopes = of_last_radii(of_last_rates(lambda row: products_of(row, contact, knots), rates))
+    wanted = np.concatenate([OF_STATES * states[None], slopes.T])
+    return [(weight * np.hstack([of_state, of_slopes]), weight * wanted)]

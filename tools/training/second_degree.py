@@ -260,14 +260,14 @@ def fit_stages(
     chains: Sequence[Sensitivity],
     starting: Chains | None = None,
 ) -> Array:
-    """Add to the coefficients ``second`` of functions what the first and last contacts lack.
+    """Add to the coefficients ``second`` what the first contacts and the fifth last one lack.
 
     The states of the first contacts of chains that are ``starting`` with quick changes count, too.
     """
     knots, steady = functions.fast.knots, functions.fast.steady
     unknowns = PRODUCTS * (len(knots) + 1)
-    contacts = [*range(FIRST_CONTACTS), *range(-END, 0)]
-    stages = [*range(FIRST_CONTACTS), *range(STAGES - END, STAGES)]
+    # The last four contacts have functions of their own.
+    contacts, stages = [*range(FIRST_CONTACTS), -END], [*range(FIRST_CONTACTS), STAGES - END]
     matrix = np.zeros((len(contacts), unknowns, unknowns))
     right = np.zeros((len(contacts), unknowns, STATES))
     for chain in chains:
@@ -275,7 +275,7 @@ def fit_stages(
         weight = slope_weight(divided(chain.rates)[1])
         values, slopes = slopes_of_terms(chain.rates, knots, steady)
         for at, k in enumerate(contacts):
-            part = slice(k, k + 1 if k != -1 else None)
+            part = slice(k, k + 1)
             if not sound(rest, part):
                 continue
             for left, wanted, factor in (

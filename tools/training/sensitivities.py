@@ -34,7 +34,7 @@ class Sensitivity:
     states : ndarray, shape (M, 3)
         States of the contacts.
     slopes : ndarray, shape (M, 3, M)
-        Derivatives of the states with respect to the rates.
+        Derivatives of the states with respect to the rates, or to the last ones.
     """
 
     rates: Array
@@ -46,15 +46,20 @@ class Sensitivity:
         return Sensitivity(self.rates, self.states - other.states, self.slopes - other.slopes)
 
 
-def simulate_slopes(rates: Sequence[Array], exponent: float) -> list[Sensitivity]:
-    """Simulated states and derivatives of the chains for which all simulations succeed."""
+def simulate_slopes(
+    rates: Sequence[Array], exponent: float, last: int = 0, rtol: float = RTOL
+) -> list[Sensitivity]:
+    """Simulated states and derivatives of the chains for which all simulations succeed.
+
+    The derivatives are those with respect to all rates, or to so many ``last`` ones.
+    """
     found = []
     for row in rates:
-        steps = SIMULATED_STEP * np.eye(len(row))
-        moved = states_of([row, *(row + steps), *(row - steps)], exponent, (RTOL,))
-        states = [each for each in moved if each is not None]
+        steps = SIMULATED_STEP * np.eye(len(row))[-last:]
+        moved = [row, *(row + steps), *(row - steps)]
+        states = [each for each in states_of(moved, exponent, (rtol,)) if each is not None]
         if len(states) == len(moved):
-            up, down = np.array(states[1:]).reshape(2, len(row), len(row), STATES)
+            up, down = np.array(states[1:]).reshape(2, len(steps), len(row), STATES)
             slopes = np.moveaxis(up - down, 0, -1) / (2.0 * SIMULATED_STEP)
             found.append(Sensitivity(row, states[0], slopes))
     return found

@@ -31,7 +31,7 @@ from .error_fit import JAGGED, REFERENCE, error_constants
 from .estimate_chains import estimate_chains
 from .fast_data import Effort, fast_data, simulated
 from .last_fit import KNOTS as LAST_KNOTS
-from .last_fit import fit_last
+from .last_fit import ending_slopes, fit_last
 from .response_fit import UNITS, Anchors, fit_contact
 from .responses import measure
 from .rollout import UNTIL, missing_states, refine
@@ -54,7 +54,7 @@ from .training_chains import (
 )  # fmt: skip
 
 FULL: Final = Effort(
-    4000, DOUBLE_RAMPS, 3, 1500, 3, 3, 4, ((63, 2600, 300, 300, 0),), 4000, (400, 900), 1500, 600
+    4000, DOUBLE_RAMPS, 3, 1500, 3, 3, 4, ((63, 2600, 300, 300, 0),), (400, 900), 1500, 600
 )
 # Added to the constant c of the gain of products whose derivatives are fitted: unlike the
 # attenuation, the second derivatives of single states do not vanish in equal beads.
@@ -166,8 +166,6 @@ def fast_changes(
         return of_response(found)
 
     measured["second"] = np.zeros((len(FAST_KNOTS) + 2, STATES * FAST_PAIRS))
-    measured["last_knots"] = scaled(LAST_KNOTS, shrink)
-    measured["last"] = np.zeros((len(LAST_KNOTS) + 2, LAST))
     found = stored("second order of slow changes", lambda: second_order(slow, functions(), effort))
     data = stored("chains with fast changes", lambda: fast_data(effort, exponent, shrink))
     if effort.starting:
@@ -179,11 +177,10 @@ def fast_changes(
     measured["second"] = stored(
         "products of fast changes", lambda: fit(functions(), values, data.long)
     )
-    if effort.ending:
-        measured["last"] = stored(
-            "last contacts", lambda: fit_last(functions(), data.ending, sloped)
-        )
     if effort.slopes[1]:
+        measured |= {"last_knots": LAST_KNOTS, "last": np.zeros((len(LAST_KNOTS) + 2, LAST))}
+        ending = stored("chains with changes at the end", lambda: ending_slopes(exponent))
+        measured["last"] = stored("last contacts", lambda: fit_last(functions().fast, ending))
         within = measured["second"]
         measured["second"] = stored(
             "products of fast changes at both ends",

@@ -36,8 +36,8 @@ EXACT, TRANSITION, CHANGING = 0.995, 2.0, 1.5
 FADING, OF_AHEAD, OF_NEXT, OF_SECOND = 0.75, 0.8, 0.5, 0.1
 # Error of the interpolation in tapers, relative to the error near the rate 0.
 INTERPOLATED = 0.042
-# Overlap of impact and free end in equal beads.
-OF_EQUAL = 0.05
+# Overlap of impact and free end in equal beads, and where the rate changes between them.
+OF_EQUAL, OF_SPREAD = 0.05, 0.3
 # Larger weight of changes in backward tapers, where products of fast changes are less well known.
 LESS_KNOWN = 1.5
 # Weights of higher orders of large changes, and of fast changes that are much larger.
@@ -152,15 +152,18 @@ def train_behind(rate, train):
 
 
 @compiled
-def overlap(contacts, contact, mean_size, mean):
+def overlap(contacts, contact, mean_size, mean, spread):
     """Effect of the impact on the free end of a short chain, nearly all of it on the last bead."""
     if contacts - contact > END:
         return 0.0
     share = 1.0 if contact == contacts - 1 else 0.03
-    size = np.exp(-0.25 * contacts) * mean_size + OF_EQUAL * np.exp(-0.55 * contacts)
-    return share * np.exp(-60.0 * max(mean, 0.0)) * size
+    remembered = np.exp(-0.25 * contacts)
+    size = remembered * mean_size + OF_EQUAL * np.exp(-0.55 * contacts)
+    changed = OF_SPREAD * remembered * spread * spread
+    return share * np.exp(-60.0 * max(mean, 0.0)) * size + changed
 
 
+# ending: first of the contacts with functions of their own, which forget the rates after the impact
 # doubts: (followed, 4), of `hertzchain.kernels.local_rate.forward`
 # regular: (followed, 2), of `hertzchain.kernels.alternation.add_alternation`
 # parts: (followed, 16), result.  With the size a of fast changes, the slow rate q, its change b,
@@ -171,17 +174,19 @@ def overlap(contacts, contact, mean_size, mean):
 #   the pulse; the sum of squares of alternating b that strong backward tapers leave to the slow
 #   rates.  Nearly all of a^2 is omitted where rates alternate
 @compiled
-def write_parts(contacts, slow, fast, doubts, regular, parts):
+def write_parts(contacts, ending, slow, fast, doubts, regular, parts):
     """Write the terms of the estimated error of the velocity behind each contact."""
     exponential, third, tapered, mixed, faded, steep = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     train, overtaken, mean, mean_size, weight = 0.0, 0.0, 0.0, 0.0, 0.0
     before, jagged, slope = 0.0, 0.0, 0.0
+    lowest, highest = slow[0], slow[0]
     for k in range(len(parts)):
         q, all_of_it = slow[k], size_of(fast[k : k + TAPS])
         doubted = 1.0 - EXACT * regular[k, 0]
         size = doubted * all_of_it
         step = slow[k] - slow[k - 1] if k > 0 else 0.0
         forgotten = memory(q, 0.2)
+        lowest, highest = min(lowest, q), max(highest, q)
         exponential = max(exponential, of_exponential(k, q))
         third += size * (np.sqrt(size) / (1.0 + size / LARGE) + BEYOND * size)
         known = all_of_it - size
@@ -227,5 +232,6 @@ def write_parts(contacts, slow, fast, doubts, regular, parts):
         if k == contacts - 1:
             parts[k, 11] += STEEP_END * abs(slope) ** 3
         parts[k, 12] = size if at_end else 0.0
-        parts[k, 13] = overlap(contacts, k, mean_size / weight, mean / weight)
+        spread = highest - lowest if k >= ending else 0.0
+        parts[k, 13] = overlap(contacts, k, mean_size / weight, mean / weight, spread)
         parts[k, 14], parts[k, 15] = lost_maximum(contacts, k, slow) + overtaken, jagged

@@ -1,21 +1,31 @@
-r"""Second order of the response of the last four contacts to changes of the rate.
+r"""States of the last four contacts.
 
-Near the free end, the response depends on the history of the rate more strongly than within the
-chain.  To the states of the last four contacts, this module adds
+Near the free end, the slow part of the rates is not well defined, and the response depends on the
+history of the rate more strongly than within the chain.  The states of the last four contacts are
+therefore expanded about a mean of the rates s behind them:
 
 .. math::
 
-    \frac{1}{1 + (\eta_3^2 + \eta_4^2 + \dots + \eta_{11}^2)/\eta_0^2}
-        \sum_{i\le j} B_{ij}(\bar q_k)\,\eta_i \eta_j, \qquad
-    \bar q_k = \frac{\sum_o \mu^o q_{k-o}}{\sum_o \mu^o}
+    z_k = Z_k(\bar s) + \sum_{o=-13}^{2} G_o(\bar s)\,(s_{k+o} - \bar s)
+        + G_*(\bar s)\,(\bar s_{k-14} - \bar s)
+        + \beta \sum_{i\le j} B_{ij}(\bar s)\,\eta_i \eta_j
+        + \beta^2 \sum_{i\le j\le l\le 3} C_{ijl}(\bar s)\,\eta_i \eta_j \eta_l,
+    \\
+    \beta = \frac{1}{1 + \sum_i \eta_i^2/\eta_0^2}, \qquad
+    \bar s = \bar s_k = \frac{\sum_o \mu^o s_{k-o}}{\sum_o \mu^o} .
 
-with three memories of the changes of the slow rate q,
+Z is the state on a long exponential chain, and G the simulated response to a change of one rate or,
+with the mean :math:`\bar s_{k-14}`, of all earlier ones.  In short chains, the differences of Z and
+G between one of the first twelve contacts after the impact and a contact within are added.  Further
+on, the difference of Z decays along the whole chain and depends on the mean of all rates.
 
-.. math:: \eta_i = \sum_{o\ge0} \lambda_i^o\,(q_{k-o} - q_{k-o-1}) ,
+The inputs :math:`\eta` are two memories :math:`\sum_o \lambda_i^o (s_{k-o} - s_{k-o-1})` and the
+changes :math:`s_{k+o} - s_{k+o-1}` near the contact, of which the last one comes first.  Beyond the
+last contact, deviations and changes are zero.  The factor :math:`\beta` keeps the higher orders
+bounded.
 
-of which the first is the last change, with the changes of q at the next two contacts, and the fast
-changes e at the contacts k, k - 1, k - 2, k - 3, k + 1 and k + 2.  Beyond the last contact, changes
-are zero.  The denominator keeps the term bounded for large changes.
+Tables for exponents without these functions are empty: there, the free end is that of
+`hertzchain.kernels.fast_changes`.
 """
 
 from __future__ import annotations
@@ -23,9 +33,10 @@ from __future__ import annotations
 import numpy as np
 
 from .fast_changes import (
-    AHEAD,
     BEHIND,
+    EARLY,
     STATES,
+    TAPS,
     allocating,
     combine,
     compiled,
@@ -38,143 +49,218 @@ from .fast_changes import (
 # Number of these contacts.
 LAST = 4
 # Factors by which memories decay per contact, and that of the mean.
-MEMORIES = (0.0, 0.6, 0.85)
+MEMORIES = (0.6, 0.85)
 MEAN = 0.75
-# Offsets of the fast changes, and numbers of memories, and of these and all changes.
+# Offsets of the changes, and numbers of memories, and of these and all changes.
 OFFSETS = (0, -1, -2, -3, 1, 2)
-SLOW, COUNT = len(MEMORIES), len(MEMORIES) + AHEAD + len(OFFSETS)
-PRODUCTS = COUNT * (COUNT + 1) // 2
-# Sum of squares of the slowest memory and the other changes beyond which the term grows no more.
-LARGE = 0.1**2
+PAST, COUNT = len(MEMORIES), len(MEMORIES) + len(OFFSETS)
+PAIRS = COUNT * (COUNT + 1) // 2
+# Products of three inputs are those of the first ones, in a unit in which they are not tiny.
+CUBED, UNIT = 3, 0.05
+PRODUCTS = PAIRS + CUBED * (CUBED + 1) * (CUBED + 2) // 6
+# Terms of first order: deviations of rates, that of the earlier ones, and 1.
+TERMS = TAPS + 2
+# Sum of squares of the inputs beyond which the higher orders grow no more.
+LARGE = 0.2**2
 
 
 @compiled
-def advance(contact, slow, memories, total, weight):
-    """Update the memories, and the sums of the mean rate, at the next contact."""
-    change = slow[contact] - slow[contact - 1] if contact > 0 else 0.0
-    for i in range(SLOW):
-        memories[i] = MEMORIES[i] * memories[i] + change
-    return MEAN * total + slow[contact], MEAN * weight + 1.0
+def first_of(contacts, tables):
+    """First of the contacts with functions of their own; the number of contacts without tables."""
+    return contacts - LAST if len(tables.end_places) > 0 else contacts
 
 
 @compiled
-def add_changes(contact, slow, fast, memories):
-    """Write the changes at and near a contact behind its memories."""
-    for o in range(1, AHEAD + 1):
-        known = contact + o < len(slow)
-        memories[SLOW + o - 1] = slow[contact + o] - slow[contact + o - 1] if known else 0.0
-    for i in range(len(OFFSETS)):
-        memories[SLOW + AHEAD + i] = fast[BEHIND + contact + OFFSETS[i]]
-
-
-@entry_point
-def recall(contact, slow, fast, memories):
-    """Write the memories and changes at a contact; returns the mean of the rates."""
-    memories[:] = 0.0
+def mean_until(contact, rates):
+    """Mean of the rates up to a contact, in which the last ones count most."""
     total, weight = 0.0, 0.0
     for k in range(contact + 1):
-        total, weight = advance(k, slow, memories, total, weight)
-    add_changes(contact, slow, fast, memories)
+        total, weight = MEAN * total + rates[k], MEAN * weight + 1.0
     return total / weight
 
 
+@compiled
+def average(contact, rates):
+    """Mean of the rates up to a contact, in which all count the same."""
+    total = 0.0
+    for k in range(contact + 1):
+        total += rates[k]
+    return total / (contact + 1)
+
+
+@compiled
+def change_at(contact, rates):
+    """Change of the rate from the contact before; zero at the first one and beyond the ends."""
+    return rates[contact] - rates[contact - 1] if 0 < contact < len(rates) else 0.0
+
+
 @entry_point
-def multiply_memories(memories, products):
-    """Write all products of two memories, bounded; returns the factor that bounds them."""
-    square = 0.0
-    for i in range(SLOW - 1, COUNT):
-        square += memories[i] ** 2
-    factor = 1.0 / (1.0 + square / LARGE)
+def recall(contact, rates, inputs, terms):
+    """Write the inputs of higher orders and the terms of the first; returns the mean rate."""
+    inputs[:] = 0.0
+    for k in range(contact + 1):
+        change = change_at(k, rates)
+        for i in range(PAST):
+            inputs[i] = MEMORIES[i] * inputs[i] + change
+    for i in range(len(OFFSETS)):
+        inputs[PAST + i] = change_at(contact + OFFSETS[i], rates)
+    mean = mean_until(contact, rates)
+    for i in range(TAPS):
+        k = contact + i - BEHIND
+        terms[i] = rates[k] - mean if 0 <= k < len(rates) else 0.0
+    earlier = contact - BEHIND - 1
+    terms[TAPS] = mean_until(earlier, rates) - mean if earlier >= 0 else 0.0
+    terms[TAPS + 1] = 1.0
+    return mean
+
+
+@entry_point
+def multiply_inputs(inputs, products):
+    """Write products of two and of three inputs, bounded; returns the factor that bounds them."""
+    factor = 1.0 / (1.0 + dot(inputs, inputs) / LARGE)
     n = 0
     for i in range(COUNT):
-        scaled = factor * memories[i]
+        scaled = factor * inputs[i]
         for j in range(i, COUNT):
-            products[n] = scaled * memories[j]
+            products[n] = scaled * inputs[j]
             n += 1
+    for i in range(CUBED):
+        for j in range(i, CUBED):
+            scaled = factor * factor / UNIT * inputs[i] * inputs[j]
+            for k in range(j, CUBED):
+                products[n] = scaled * inputs[k]
+                n += 1
     return factor
 
 
-# contacts: number of contacts of the chain
-# slow, fast: results of `smooth`, up to two contacts ahead of the last one followed
+# rates: of all contacts of the chain
 # tables: `hertzchain.theory.universal_functions.FastTables`
-# states: (followed, 3), to whose last rows the response is added
+# states: (followed, 3), whose last rows are written
 @allocating
-def add_last(contacts, slow, fast, tables, states):
-    """Add the response of the last four contacts, as far as they are followed."""
-    if len(states) <= contacts - LAST:
+def write_last(rates, tables, states):
+    """Write the states of the last four contacts, as far as they are followed."""
+    first = first_of(len(rates), tables)
+    if len(states) <= first:
         return
-    memories, products = np.zeros(COUNT), np.empty(PRODUCTS)
-    coefficients = np.empty(STATES * PRODUCTS)
-    total, weight, interval = 0.0, 0.0, 0
-    for k in range(len(states)):
-        total, weight = advance(k, slow, memories, total, weight)
-        stage = k - (contacts - LAST)
-        if stage < 0:
-            continue
-        add_changes(k, slow, fast, memories)
-        interval, x = interval_of(total / weight, tables.last_knots, interval)
-        polynomials(tables.last[stage, interval], x, coefficients)
-        multiply_memories(memories, products)
+    inputs, products = np.empty(COUNT), np.empty(PRODUCTS)
+    terms, values = np.empty(TERMS), np.empty(STATES * max(PRODUCTS, TERMS))
+    place, knot = 0, 0
+    for k in range(first, len(states)):
+        mean = recall(k, rates, inputs, terms)
+        place, x = interval_of(mean, tables.end_places, place)
+        linear = values[: STATES * TERMS]
+        polynomials(tables.end_response[k - first, place], x, linear)
         for i in range(STATES):
-            states[k, i] += dot(coefficients[i * PRODUCTS : (i + 1) * PRODUCTS], products)
+            states[k, i] = dot(linear[i * TERMS : (i + 1) * TERMS], terms)
+        if k < len(tables.impact):
+            rate = mean if k < EARLY else average(k, rates)
+            early, x = interval_of(rate, tables.end_places, place)
+            polynomials(tables.impact[k, early], x, linear)
+            for i in range(STATES):
+                states[k, i] += dot(linear[i * TERMS : (i + 1) * TERMS], terms)
+        knot, x = interval_of(mean, tables.last_knots, knot)
+        higher = values[: STATES * PRODUCTS]
+        polynomials(tables.last[k - first, knot], x, higher)
+        multiply_inputs(inputs, products)
+        for i in range(STATES):
+            states[k, i] += dot(higher[i * PRODUCTS : (i + 1) * PRODUCTS], products)
 
 
-# seeds: (followed, 3), derivatives with respect to the states
-# to_slow, to_fast: as long as slow and fast; results are added
+# seeds: (followed, 3), derivatives with respect to the states; those of the last four are set to
+#   0, so that the recursion ignores them
+# to_rates: as long as the rates; results are added
 @allocating
-def from_last(contacts, slow, fast, tables, seeds, to_slow, to_fast):
-    """Add derivatives with respect to both parts of the rates."""
-    if len(seeds) <= contacts - LAST:
+def from_last(rates, tables, seeds, to_rates):
+    """Add derivatives with respect to the rates."""
+    first = first_of(len(rates), tables)
+    if len(seeds) <= first:
         return
-    memories, to_memory, held = np.zeros(COUNT), np.zeros(COUNT), np.zeros(SLOW)
-    work, to_mean = np.empty((3, PRODUCTS)), 0.0
-    for k in range(len(seeds) - 1, -1, -1):
-        to_mean *= MEAN
-        for i in range(SLOW):
-            held[i] *= MEMORIES[i]
-        stage = k - (contacts - LAST)
-        if stage >= 0:
-            mean = recall(k, slow, fast, memories)
-            slope = from_memories(
-                tables.last_knots, tables.last[stage], mean, memories, seeds[k], work, to_memory
-            )
-            to_mean += slope * (1.0 - MEAN) / (1.0 - MEAN ** (k + 1))
-            from_changes(k, to_memory, to_slow, to_fast)
-            for i in range(SLOW):
-                held[i] += to_memory[i]
-        to_slow[k] += to_mean
-        if k > 0:
-            for i in range(SLOW):
-                to_slow[k] += held[i]
-                to_slow[k - 1] -= held[i]
+    inputs, to_input, terms = np.empty(COUNT), np.empty(COUNT), np.empty(TERMS)
+    work = np.empty((3, max(PRODUCTS, TERMS)))
+    for k in range(first, len(seeds)):
+        mean = recall(k, rates, inputs, terms)
+        places, pieces = tables.end_places, tables.end_response[k - first]
+        slope = from_terms(k, places, pieces, mean, terms, seeds[k], work, to_rates)
+        if k < EARLY:
+            slope += from_terms(k, places, tables.impact[k], mean, terms, seeds[k], work, to_rates)
+        elif k < len(tables.impact):
+            rate, pieces = average(k, rates), tables.impact[k]
+            left = from_terms(k, places, pieces, rate, terms, seeds[k], work, to_rates)
+            to_rates[: k + 1] += left / (k + 1)
+        spread_mean(k, slope, to_rates)
+        pieces = tables.last[k - first]
+        slope = from_inputs(tables.last_knots, pieces, mean, inputs, seeds[k], work, to_input)
+        spread_mean(k, slope, to_rates)
+        for i in range(len(OFFSETS)):
+            add_change(k + OFFSETS[i], to_input[PAST + i], to_rates)
+        for i in range(PAST):
+            value = to_input[i]
+            for earlier in range(k, 0, -1):
+                add_change(earlier, value, to_rates)
+                value *= MEMORIES[i]
+        seeds[k] = 0.0
 
 
 @compiled
-def from_memories(knots, pieces, mean, memories, seed, work, to_memory):
-    """Write derivatives with respect to the memories; returns that with respect to the mean."""
-    products, weights, slopes = work[0], work[1], work[2]
+def spread_mean(contact, value, to_rates):
+    """Add the derivative with respect to the mean of the rates up to a contact."""
+    value *= (1.0 - MEAN) / (1.0 - MEAN ** (contact + 1))
+    for k in range(contact, -1, -1):
+        to_rates[k] += value
+        value *= MEAN
+
+
+@compiled
+def add_change(contact, value, to_rates):
+    """Add the derivative with respect to a change of the rate."""
+    if 0 < contact < len(to_rates):
+        to_rates[contact] += value
+        to_rates[contact - 1] -= value
+
+
+@compiled
+def from_terms(contact, places, pieces, rate, terms, seed, work, to_rates):
+    """Add derivatives of the first order; returns that by the rate of the tables."""
+    weights, slopes, to_mean = work[0, :TERMS], work[1, :TERMS], 0.0
+    place, x = interval_of(rate, places, 0)
+    combine(pieces[place], seed, x, places[0] <= rate <= places[-1], weights, slopes)
+    for i in range(TAPS):
+        k = contact + i - BEHIND
+        if 0 <= k < len(to_rates):
+            to_rates[k] += weights[i]
+            to_mean -= weights[i]
+    earlier = contact - BEHIND - 1
+    if earlier >= 0:
+        spread_mean(earlier, weights[TAPS], to_rates)
+        to_mean -= weights[TAPS]
+    spread_mean(contact, to_mean, to_rates)
+    return dot(slopes, terms)
+
+
+@compiled
+def from_inputs(knots, pieces, mean, inputs, seed, work, to_input):
+    """Write derivatives of the higher orders by the inputs; returns that by the mean."""
+    products, weights, slopes = work[0, :PRODUCTS], work[1, :PRODUCTS], work[2, :PRODUCTS]
     interval, x = interval_of(mean, knots, 0)
     inside = knots[0] <= mean <= knots[-1]
     combine(pieces[interval], seed, x, inside, weights, slopes)
-    factor = multiply_memories(memories, products)
-    bounded = -2.0 / LARGE * factor * dot(weights, products)
+    factor = multiply_inputs(inputs, products)
+    bounded = dot(weights[:PAIRS], products[:PAIRS])
+    bounded += 2.0 * dot(weights[PAIRS:], products[PAIRS:])
     for i in range(COUNT):
-        to_memory[i] = bounded * memories[i] if i >= SLOW - 1 else 0.0
+        to_input[i] = -2.0 / LARGE * factor * bounded * inputs[i]
     n = 0
     for i in range(COUNT):
         for j in range(i, COUNT):
-            to_memory[i] += factor * weights[n] * memories[j]
-            to_memory[j] += factor * weights[n] * memories[i]
+            to_input[i] += factor * weights[n] * inputs[j]
+            to_input[j] += factor * weights[n] * inputs[i]
             n += 1
+    for i in range(CUBED):
+        for j in range(i, CUBED):
+            for k in range(j, CUBED):
+                scaled = factor * factor / UNIT * weights[n]
+                to_input[i] += scaled * inputs[j] * inputs[k]
+                to_input[j] += scaled * inputs[i] * inputs[k]
+                to_input[k] += scaled * inputs[i] * inputs[j]
+                n += 1
     return dot(slopes, products)
-
-
-@compiled
-def from_changes(contact, to_memory, to_slow, to_fast):
-    """Add derivatives with respect to the changes at and near a contact."""
-    for o in range(1, AHEAD + 1):
-        if contact + o < len(to_slow):
-            to_slow[contact + o] += to_memory[SLOW + o - 1]
-            to_slow[contact + o - 1] -= to_memory[SLOW + o - 1]
-    for i in range(len(OFFSETS)):
-        to_fast[BEHIND + contact + OFFSETS[i]] += to_memory[SLOW + AHEAD + i]

@@ -21,7 +21,7 @@ from .fast_changes import (
     smooth,
     write_steps,
 )
-from .last_contacts import add_last, from_last
+from .last_contacts import first_of, from_last, write_last
 from .local_rate import WORK as SLOW_WORK
 from .local_rate import backward, forward
 
@@ -109,11 +109,15 @@ def evaluate(
     )
     steps = np.empty(len(fast))
     write_steps(slow, steps)
-    sound = add_response(contacts, slow, fast, steps, fast_tables, work, states)
-    add_last(contacts, slow, fast, fast_tables, states)
+    within = states[: first_of(contacts, fast_tables)]
+    sound = add_response(contacts, slow, fast, steps, fast_tables, work, within)
+    if sound == len(within):
+        sound = len(states)
+    write_last(rates, fast_tables, states)
     differences = np.empty(contacts)
     alternating = add_alternation(rates, fast_tables, differences, work, states, regular)
-    write_parts(contacts, slow, fast, doubts, regular, parts)
+    ending = first_of(contacts, fast_tables)
+    write_parts(contacts, ending, slow, fast, doubts, regular, parts)
     return min(lost, sound), sound, alternating
 
 
@@ -195,13 +199,14 @@ def gradient(
     to_slow, to_fast = np.zeros(len(slow)), np.zeros(len(fast))
     work, steps, to_steps = np.empty(LONGEST_WORK), np.empty(len(fast)), np.empty(len(fast))
     write_steps(slow, steps)
-    from_response(
-        len(rates), slow, fast, steps, fast_tables, seeds, work, sound, to_slow, to_fast, to_steps
-    )
-    from_last(len(rates), slow, fast, fast_tables, seeds, to_slow, to_fast)
     if alternating:
         differences, to_differences = np.empty(len(rates)), np.empty(len(rates))
         from_alternation(rates, fast_tables, differences, work, seeds, to_differences, to_rates)
+    from_last(rates, fast_tables, seeds, to_rates)
+    within = seeds[: first_of(len(rates), fast_tables)]
+    from_response(
+        len(rates), slow, fast, steps, fast_tables, within, work, sound, to_slow, to_fast, to_steps
+    )
     _, _, knots, response = slow_tables
     backward(slow, knots, response, deviations, slopes, seeds, work, to_slow)
     from_smooth(rates, to_slow, to_fast, slow, to_rates)

@@ -166,8 +166,8 @@ def local_rate_gradient(
     .. math:: Q_k, \qquad \frac{\partial \ln Q_k}{\partial \ln R_j}, \quad j = 1..N
 
     The derivatives of the law are computed by the adjoint method, to rounding errors.  They
-    differ from those of the simulated pulse by 0.1 to 1% of the largest one in smooth tapers, also
-    if radii scatter by 0.3%, and by up to 3% at the last contacts and in steep forward tapers; see
+    differ from those of the simulated pulse by 0.1 to 1% of the largest one in tapers with rates
+    above -0.03, also if radii scatter by 0.3%, and by up to 2% in steeper forward tapers; see
     `gradient` for derivatives of the simulation.
     They depend only on the chain up to seven beads ahead of the bead, or up to bead 11.  The units
     are kept fixed when :math:`R_1` is varied: the impact velocity is 1 and masses are :math:`R^3`.

@@ -62,8 +62,8 @@ FAST_VALUES: Final = ("single", "early", "end", "end_slopes", "second", "last", 
 # Arguments of the tables of fast changes.
 FAST_ARGUMENTS: Final = ("places", "knots", "last_knots", "bases", "steady")
 NOTHING: Final = np.zeros(0)
-# Number of coefficients of the last four contacts.
-LAST: Final = 792
+# Number of coefficients of higher orders of the last four contacts.
+LAST: Final = 552
 MIN_BEADS: Final = 9
 
 
@@ -88,8 +88,15 @@ class FastTables(NamedTuple):
         change of the slow rate, for each stage and component.
     last_knots : ndarray, shape (L + 1,)
         Ends of the intervals of ``last``.
-    last : ndarray, shape (4, L, 4, 198)
-        Coefficients B of the last four contacts, see `hertzchain.kernels.last_contacts`.
+    last : ndarray, shape (4, L, 4, 138)
+        Coefficients B and C of the last four contacts, see `hertzchain.kernels.last_contacts`.
+    end_places : ndarray, shape (P + 1,)
+        Ends of the intervals of the following tables; empty if there are none.
+    end_response : ndarray, shape (4, P, 4, 54)
+        First order of the last four contacts: of each component, the responses G to sixteen rates
+        and to all earlier ones, and the state on an exponential chain.
+    impact : ndarray, shape (24, P, 4, 54)
+        The same of the first contacts, less those within.
     steady : float
         Constant c of the factor of the products of two fast changes.
     bases : ndarray, shape (B + 1,)
@@ -105,6 +112,9 @@ class FastTables(NamedTuple):
     second: Array
     last_knots: Array
     last: Array
+    end_places: Array
+    end_response: Array
+    impact: Array
     steady: float
     bases: Array
     alternating: Array
@@ -241,9 +251,9 @@ def assemble(
 
 def fast_tables(
     exponent: float, slow: tuple[Array, Array, Array, Array], places: Array, single: Array,
-    end: Array, end_slopes: Array, knots: Array, second: Array, last_knots: Array, last: Array,
-    early: Array | None = None, bases: Array = NOTHING, alternating: Array = NOTHING,
-    steady: Array | None = None,
+    end: Array, end_slopes: Array, knots: Array, second: Array,
+    last_knots: Array = NOTHING, last: Array = NOTHING, early: Array | None = None,
+    bases: Array = NOTHING, alternating: Array = NOTHING, steady: Array | None = None,
 ) -> FastTables:  # fmt: skip
     """Build the tables of fast changes, and of the first order that the recursion misses.
 
@@ -252,10 +262,11 @@ def fast_tables(
     the derivatives of those of exponential chains, (n + 1, 5, 3).  ``second`` (K + 3, 1890) and
     ``last`` (L + 3, 792) are coefficients of B-splines, ``alternating`` (B + 1, 18, 36) values at
     the bases.  Without ``early``, the tables belong to a recursion whose first order is not
-    completed.
+    completed.  Without ``last``, the last contacts have no functions of their own.
     """
     from scipy.interpolate import Akima1DInterpolator, CubicHermiteSpline, CubicSpline
 
+    from .end_response import end_tables
     from .linear_response import missing_response, pieces_of
 
     # Near the free end of steep forward tapers, functions of the rate have kinks: there,
@@ -280,7 +291,8 @@ def fast_tables(
         knots=knots,
         second=_by_stage(cubic_pieces(knots, second)),
         last_knots=last_knots,
-        last=_by_contact(cubic_pieces(last_knots, last)),
+        last=_by_contact(last_knots, last),
+        **end_tables(slow, places, single, end, end_slopes, early if len(last) else None),
         steady=exponents.steady_gain(exponent) if steady is None else float(steady),
         bases=bases,
         alternating=_alternating(bases, alternating),
@@ -314,10 +326,13 @@ def _by_stage(pieces: Array) -> Array:
     return np.ascontiguousarray(np.moveaxis(by_stage, 2, 0))
 
 
-def _by_contact(pieces: Array) -> Array:
-    """Coefficients of each of the last contacts, (contacts, intervals, 4, 198)."""
+def _by_contact(knots: Array, coefficients: Array) -> Array:
+    """Coefficients of each of the last contacts, (contacts, intervals, 4, 138)."""
     from ..kernels.last_contacts import LAST as CONTACTS
 
+    if not len(coefficients):
+        return np.zeros((0, 0, 4, 0))
+    pieces = cubic_pieces(knots, coefficients)
     by_contact = pieces.reshape(*pieces.shape[:2], CONTACTS, -1)
     return np.ascontiguousarray(np.moveaxis(by_contact, 2, 0))
 
@@ -361,11 +376,9 @@ def universal_functions(exponent: float) -> UniversalFunctions:
 
 def functions_of(exponent: float, of: dict[str, Array]) -> UniversalFunctions:
     """Universal functions from interpolated tables."""
-    # The second order of the last contacts has no table, as it varies too much with the exponent.
-    last = {"last_knots": of["fast_knots"][[0, -1]], "last": np.zeros((4, LAST))}
     names = "places", "single", "early", "end", "end_slopes", "second"
     fast = {name: of[name] for name in names if name in of}
-    fast |= last | {"knots": of["fast_knots"]}
+    fast |= {"knots": of["fast_knots"]}
     return assemble(
         exponent, of["nodes"], of["values"], of["knots"], of["response"], fast, of["error"]
     )

@@ -7,8 +7,10 @@ from typing import Final
 
 import numpy as np
 
+from ..chain.contact_groups import loading_forces
 from ..collision import Array
 from .budget import overlaps_of
+from .largest_overlaps import largest_between
 from .trajectory import Trajectory
 
 # Saved times before and after a maximum that determine the force there, and points in between.
@@ -17,6 +19,15 @@ POINTS: Final = 64
 REFINEMENTS: Final = 4
 # Saved forces and those of the elastic law agree within this fraction of the largest force.
 AGREEMENT: Final = 1e-6
+# Points at which the force is interpolated between two saved times.
+BETWEEN: Final = 8
+# The force at a saved time is interpolated between its neighbours.  If the error is less than the
+# first fraction of the largest force, intervals of half this length resolve the force, and their
+# error is at least the second number of times smaller (64 times for short intervals).
+RESOLVED: Final = 0.1
+SMALLER: Final = 16.0
+# Largest overlaps are seen if the saved times show at least this fraction of them.
+SEEN: Final = 0.98
 
 Curve = Callable[[Array], Array]
 
@@ -35,6 +46,52 @@ def maximum_near(run: Trajectory, bead: int, force: Array, i: int) -> tuple[floa
     coarse, *_ = _top(run, bead, force, around[(around - i) % 2 == 1], i)
     corner = 0.0 if elastic else abs(height - float(force[i]))
     return height, time, max(2.0 * abs(height - coarse), corner)
+
+
+def largest_force(run: Trajectory, bead: int, force: Array) -> tuple[int, float]:
+    """Number of the saved time next to the largest force, and an upper bound of this force.
+
+    The force is interpolated between all saved times if the contacts are elastic.  Contacts whose
+    overlaps were larger than the saved times show may have had larger forces in between.
+    """
+    place, bound = int(np.argmax(force)), float(force.max())
+    curve, elastic = _curve(run, bead, force, np.arange(len(force)))
+    limit, unseen = _limit(run, bead)
+    if elastic and len(force) > 2 * NEIGHBOURS:
+        within = np.linspace(0.0, 1.0, BETWEEN + 2)
+        tops = curve(run.times[:-1, np.newaxis] + np.outer(np.diff(run.times), within)).max(axis=1)
+        errors = _errors_between_neighbours(run, bead, force)
+        errors = np.maximum(errors[:-1], errors[1:])
+        clear = errors < RESOLVED * bound
+        bound = min(float(np.max(tops + np.where(clear, errors / SMALLER, errors))), limit)
+        first = int(np.argmax(np.where(clear, tops, -np.inf)))
+        if clear.any() and tops[first] > force[place]:
+            place = first + int(force[first + 1] > force[first])
+    return place, limit if unseen else bound
+
+
+def _limit(run: Trajectory, bead: int) -> tuple[float, bool]:
+    """Force on a sensor with the largest overlaps of both contacts, and whether one is unseen.
+
+    The largest overlaps are located within the steps of the whole run.
+    """
+    chain, sides = run.chain, slice(bead - 1, bead + 1)
+    largest = run.largest_overlaps
+    overlaps = overlaps_of(chain, run.times, run.positions)
+    seen = largest_between(run.times, overlaps, run.velocities)
+    whole = run.times[0] == 0.0 and run.times[-1] == run.end_time
+    unseen = whole and bool(np.any(seen[sides] < SEEN * largest[sides]))
+    return 0.5 * float(loading_forces(chain.contact_groups, largest)[sides].sum()), unseen
+
+
+def _errors_between_neighbours(run: Trajectory, bead: int, force: Array) -> Array:
+    """Error at each saved time of the elastic force that is interpolated between its neighbours."""
+    errors, every = np.zeros(len(force)), np.arange(len(force))
+    for first in (0, 1):
+        inside = every[1 + first : len(force) - 1 : 2]
+        curve, _ = _curve(run, bead, force, every[first::2])
+        errors[inside] = np.abs(curve(run.times[inside]) - force[inside])
+    return errors
 
 
 def _top(
@@ -72,8 +129,6 @@ def _elastic_force(run: Trajectory, contact: int, used: Array) -> Curve | None:
     The polynomial has the saved overlap, its rate and its acceleration at both ends.  `None` if the
     saved forces do not agree with the law of elastic contacts.
     """
-    from scipy.interpolate import BPoly
-
     chain, times = run.chain, run.times[used]
     stiffness = float(chain.contact_stiffness[contact])
     if stiffness == 0.0:
@@ -93,5 +148,26 @@ def _elastic_force(run: Trajectory, contact: int, used: Array) -> Curve | None:
     driven = chain.drive is not None and contact < 2
     if driven or not np.allclose(law(overlap), saved, rtol=0.0, atol=AGREEMENT * saved.max()):
         return None
-    quintic = BPoly.from_derivatives(times, np.stack((overlap, *rates), axis=1))
+    quintic = _quintic(times, overlap, *rates)
     return lambda t: law(quintic(t))
+
+
+def _quintic(times: Array, values: Array, rates: Array, curvatures: Array) -> Curve:
+    """Polynomial of degree 5 in each interval, from values and two derivatives at both ends.
+
+    `scipy.interpolate.BPoly.from_derivatives` is the same, but takes a loop over the intervals.
+    """
+    from scipy.interpolate import PPoly
+
+    h = np.diff(times)
+    slope, bend = h * rates[:-1], 0.5 * h**2 * curvatures[:-1]
+    rest = np.diff(values) - slope - bend
+    turn = h * rates[1:] - slope - 2.0 * bend
+    bent = 0.5 * h**2 * curvatures[1:] - bend
+    high = (
+        6.0 * rest - 3.0 * turn + bent,
+        -15.0 * rest + 7.0 * turn - 2.0 * bent,
+        10.0 * rest - 4.0 * turn + bent,
+    )
+    rows = (*high, bend, slope, values[:-1])
+    return PPoly(np.array([row / h ** (5 - i) for i, row in enumerate(rows)]), times)

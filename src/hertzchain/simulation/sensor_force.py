@@ -14,7 +14,7 @@ from ..errors import IncompleteWarning, InputError, warn_user
 from ..representation import measure, short
 from ..validation.keywords import checked_methods
 from .force_table import force_dataframe
-from .sensor_curve import maximum_near
+from .sensor_curve import largest_force, maximum_near
 from .trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -55,7 +55,9 @@ class SensorForce:
         saved times.  In elastic chains, by polynomials of degree 5 for the overlaps, and the bound
         is usually negligible.  With losses or a drive, by a spline through the saved forces; the
         bound then assumes that the force may have a jump or a corner.  If it has none, as with
-        `Restitution`, the error is about a hundredth of the bound.
+        `Restitution`, the error is about a hundredth of the bound.  Saved times that do not show
+        the largest overlaps of both contacts are too few: the bound then includes the force at
+        these overlaps.
     units : str
         ``"scaled"`` or ``"SI"``.
     """
@@ -171,15 +173,18 @@ def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
     force = run.sensor(bead)
     at_rest = 0.5 * float(run.chain.static_state.forces[bead - 1 : bead + 1].sum())
     found = find_maxima(bead, run.times, force, at_rest, run.chain.units)
-    places = [found.first_maximum_time, found.largest_so_far_time]
-    near = [np.searchsorted(found.times, time) for time in places if not math.isnan(time)]
-    tops = [maximum_near(run, found.bead, found.force, int(i)) for i in near]
+    place, bound = largest_force(run, bead, force)
+    near = [place]
+    if not math.isnan(found.first_maximum_time):
+        near.insert(0, int(np.searchsorted(found.times, found.first_maximum_time)))
+    tops = [maximum_near(run, bead, force, i) for i in near]
     first, first_time, _ = tops[0] if len(tops) == 2 else (math.nan,) * 3
-    # A maximum elsewhere may be larger between saved times.
+    # The first maximum may be larger between saved times than the one at a saved time.
     largest, largest_time, _ = max(tops)
     return replace(
         found, first_maximum=first, first_maximum_time=first_time, largest_so_far=largest,
-        largest_so_far_time=largest_time, error=max(top[2] for top in tops),
+        largest_so_far_time=largest_time,
+        error=max(bound - largest, *(top[2] for top in tops)),
     )  # fmt: skip
 
 

@@ -1,0 +1,60 @@
+"""Largest forces in sensors, between saved times."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
+
+
+def row(**changes):
+    """Steel balls and PTFE balls behind a striker: the largest force in ball 4 comes late."""
+    materials = ["steel-52100"] * 6 + ["ptfe"] * 6
+    balls = hc.Chain.from_materials(diameters=["9.5 mm"] * 12, materials=materials)
+    struck = balls.struck_by(diameter="19 mm", material="steel-52100", velocity="0.01 m/s")
+    return struck.replace(right_wall=hc.Wall.of("steel-52100"), **changes)
+
+
+def test_a_late_and_short_maximum_between_saved_times_is_found():
+    # The ensemble locates maxima within its steps.
+    exact = hc.simulate_many([row()], keep=["sensor_largest_so_far"], sensors=[5])
+    exact = float(exact["sensor_largest_so_far"].squeeze())
+    assert exact == pytest.approx(1.30113, rel=1e-5)  # DOP853 of SciPy
+    for times in (400, 600, 1000, 4000):
+        found = hc.simulate(row(), times=times).sensor_force("ball 4")
+        assert found.first_maximum == pytest.approx(1.2229, rel=1e-3)
+        assert abs(found.largest_so_far - exact) <= found.error + 1e-7 * exact
+        assert found.error < 5e-3 * exact
+
+
+def test_bounds_of_the_error_hold_in_random_rows_with_few_saved_times():
+    rng, warned = np.random.default_rng(0), 0
+    for _ in range(12):
+        beads = int(rng.integers(8, 14))
+        materials = [*rng.choice(["steel-52100", "ptfe", "brass"], beads)]
+        balls = hc.Chain.from_materials(
+            diameters=[*rng.uniform(0.005, 0.015, beads)], materials=materials
+        )
+        chain = balls.struck_by(diameter=0.02, material="steel-52100", velocity=0.01)
+        chain = chain.replace(right_wall=hc.Wall.of("steel-52100"))
+        bead = beads // 2
+        exact = hc.simulate(chain, times=20_000).sensor_force(bead).largest_so_far
+        for times in (100, 150, 400):
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                found = hc.simulate(chain, times=times).sensor_force(bead)
+            assert abs(found.largest_so_far - exact) <= 1.01 * found.error + 1e-6 * exact
+            warned += any("interpolated between" in str(each.message) for each in caught)
+    assert 0 < warned < 36
+
+
+@pytest.mark.parametrize("loss", [None, hc.Restitution(0.95)])
+def test_saved_times_that_miss_the_largest_overlaps_are_reported(loss):
+    run = hc.simulate(row(loss=loss), times=40)
+    with pytest.warns(hc.IncompleteWarning, match="between .* saved times; save more times"):
+        found = run.sensor_force("ball 4")
+    exact = hc.simulate(row(loss=loss), times=4000).sensor_force("ball 4").largest_so_far
+    assert found.largest_so_far + found.error >= exact

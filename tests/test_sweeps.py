@@ -203,6 +203,19 @@ def test_a_chain_and_arrays_are_welcome():
     np.testing.assert_array_equal(found.velocity.sel(gamma=0.1)[0], pulse.velocity)
 
 
+def test_an_axis_does_not_add_a_second_striker():
+    row = hc.Chain.from_materials(diameters=["9 mm"] * 5, materials="steel-52100")
+    struck = row.struck_by(velocity="0.1 m/s", diameter="20 mm", material="steel-52100")
+    spec = {"chain": struck, "axes": {"struck_by.velocity": [1.0]}, "sweep": {"methods": ["bca"]}}
+    with pytest.raises(hc.InputError, match="would add a further striker.*vary 'velocity'"):
+        hc.sweep(spec)
+    spec["axes"] = {"velocity": ["0.1 m/s", "0.2 m/s"]}
+    expected = hc.propagate(struck).velocity
+    spec["sweep"] = {"methods": ["propagate"], "keep": ["velocity"]}
+    found = hc.sweep(spec).velocity.sel(chain_velocity=0.1).squeeze()
+    assert found.values == pytest.approx(expected, rel=1e-9)
+
+
 def test_a_point_that_fails_has_its_reason_and_the_others_go_on():
     chain, axes = {"taper": "forward-linear"}, {"rate": [0.01, 0.05], "beads": [15, 40]}
     found = swept(chain, axes, methods=["propagate", "bca"])

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import prod
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from ..validation.json_types import to_json_types
 from ..validation.keywords import FIELD_ALIASES
 from ..validation.numbers import FRACTION, has_unit, number, whole_number
 from ..validation.objects import file_path
+
+if TYPE_CHECKING:
+    from ..chain.chain import Chain
 
 SPACINGS: Final = ("list", "linspace", "geomspace")
 # Largest first or last value of a linspace: their difference must be finite, too.
@@ -256,6 +259,18 @@ def conflicts(paths: Sequence[tuple[str, ...]]) -> list[str]:
         for place, path in enumerate(paths)
         for earlier in paths[:place]
         if earlier[: len(path)] == path
+    ]
+
+
+def second_strikers(paths: Iterable[tuple[str, ...]], chain: Chain | None) -> list[str]:
+    """Find axes that would add a striker to a given chain that has one."""
+    if chain is None or not chain.strikers:
+        return []
+    return [
+        f"axes.{'.'.join(path)}: would add a further striker, because the given chain has one "
+        "already: give the chain as a table with 'struck_by' or, in SI units, vary 'velocity'"
+        for path in paths
+        if path[0] == "struck_by"
     ]
 
 

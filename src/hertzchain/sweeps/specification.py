@@ -49,6 +49,7 @@ from .axes import (
     conflicts,
     duplicates,
     flattened,
+    second_strikers,
     too_many_points,
     unequal_lengths,
 )
@@ -341,6 +342,7 @@ class _Reader:
             if not entries:
                 self._add("axes", "nothing varies: add parameters and their values")
             self.problems += conflicts([path for path, _ in found_axes])
+        self.problems += second_strikers(entries, self.inlined)
         if combine != "zip" and (excess := too_many_points(entries)):
             self.problems += excess
             return (), combine

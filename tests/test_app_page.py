@@ -195,7 +195,7 @@ def test_a_click_makes_a_sensor(page):
     after = page.tab.evaluate("hertzchain.state.view.sensors")
     assert len(after) == len(before) + 1
     force = page.array("run", f"force.{after[-1]}")
-    run = hc.simulate(chain_of(page.document()), times=page.array("run", "times"), rtol=1e-9)
+    run = hc.simulate(chain_of(page.document()), times=page.array("run", "forces.times"), rtol=1e-9)
     assert np.array_equal(force, run.sensor(after[-1]))
     assert f"sensor in bead {after[-1]}" in page.tab.text_content("#legend-force")
 
@@ -634,9 +634,53 @@ def test_the_legend_states_the_force_with_contacts_that_yield(page):
     row = "#diameters=12+mm&beads=10&materials=steel-316&velocity=2+m/s&right_wall.rigid=true"
     tab = page.new_tab(page.origin + row)
     assert re.search(
-        r"peak 1\.\d+ kN at .* µs; 0\.0\d+ kN if contacts yield", tab.text_content("#legend-force")
+        r"peak 1\.\d+ kN at .* µs; peak if contacts yield 0\.0\d+ kN",
+        tab.text_content("#legend-force"),
     )
     assert "Pressure / yield is" in tab.text_content("#warnings-count")
+
+
+def test_the_comparison_has_the_peaks_if_contacts_yield_and_the_warnings_of_both_chains(page):
+    row = "diameters=12+mm&beads=10&materials={}&velocity=2+m/s&right_wall.rigid=true"
+    second = "&".join(f"b.{each}" for each in row.format("ptfe").split("&"))
+    view = "&~errors=difference&~sensors=[8]"
+    tab = page.new_tab(f"{page.origin}#{row.format('steel-316')}&{second}{view}")
+    rows = [each.split("\t") for each in tab.locator("#legend-error tr").all_inner_texts()]
+    found = {label.partition(" [")[0]: numbers for label, *numbers in rows}
+    assert list(found)[1:7] == [
+        "sensor in bead 8, first maximum", "sensor in bead 8, time of first maximum",
+        "sensor in bead 8, largest so far", "sensor in bead 8, time of largest so far",
+        "right wall, peak", "right wall, time of peak",
+    ]  # fmt: skip
+    peaks = [page_peaks(tab, slot)["right"] for slot in "AB"]
+    assert all(each["yielding"] < each["first"] for each in peaks)
+    a, b = (each["yielding"] for each in peaks)
+    assert found["right wall, peak if contacts yield"][2] == f"{b / a:.4g}"
+    legend = tab.text_content("#legend-force")
+    assert "; largest so far" in legend
+    assert "peak if contacts yield" in legend
+    shown = tab.text_content("#warnings")
+    assert "A: Pressure / yield is" in shown
+    assert "B: Pressure / yield is" in shown
+    # A chain that does not yield is compared by its peak.
+    slow = second.replace("2+m/s", "1+mm/s")
+    tab = page.new_tab(f"{page.origin}#{row.format('steel-316')}&{slow}{view}")
+    rows = [each.split("\t") for each in tab.locator("#legend-error tr").all_inner_texts()]
+    found = {label.partition(" [")[0]: numbers for label, *numbers in rows}
+    a, b = (page_peaks(tab, slot)["right"] for slot in "AB")
+    ratio = found["right wall, peak if contacts yield"][2]
+    assert float(ratio.replace("−", "-")) == pytest.approx(b["first"] / a["yielding"], rel=5e-3)
+
+
+def page_peaks(tab, slot):
+    return tab.evaluate(f"hertzchain.results.{slot}.run.header.peaks")
+
+
+def test_negative_residence_times_are_explained_below_the_table(page):
+    tab = page.new_tab(page.origin + '#cell=["20+mm","4+mm"]&cells=4'
+                       "&materials=steel-52100&velocity=10+mm/s")  # fmt: skip
+    tab.click("#table-details summary")
+    tab.wait_for_selector("#table:has-text('residence: negative where')")
 
 
 def test_invalid_input_is_explained_next_to_its_control(page):

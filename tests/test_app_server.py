@@ -24,6 +24,7 @@ import hertzchain as hc
 from hertzchain.app import background_import
 from hertzchain.app.about import about, gallery
 from hertzchain.app.documents import chain_of, document_as_toml, document_of_file
+from hertzchain.app.force_curves import contact_durations
 from hertzchain.app.messages import Part
 from hertzchain.app.results import Cancelled, limited
 from hertzchain.app.serve import RunningServer, bind
@@ -72,8 +73,9 @@ def test_runs_are_those_of_the_library():
         # Half a step of 16 bits, relative to the largest value of each bead.
         assert np.all(np.abs(shown - values) <= 1.6e-5 * np.abs(values).max(axis=0))
         assert np.any(values)
-    assert np.array_equal(arrays["force.7"], run.sensor(7))
-    assert np.array_equal(arrays["force.right"], run.forces[:, -1])
+    fine = hc.simulate(chain, times=arrays["forces.times"], rtol=1e-9)
+    assert np.array_equal(arrays["force.7"], fine.sensor(7))
+    assert np.array_equal(arrays["force.right"], fine.forces[:, -1])
     assert header["peaks"]["right"]["first"] == run.wall_force().peak
     budget = run.budget()
     for name in ("contacts", "leading pulse"):
@@ -141,7 +143,18 @@ def test_the_peak_with_contacts_that_yield_is_stated():
         expected = hc.simulate(dented).wall_force().peak
     assert peak["yielding"] == pytest.approx(expected, rel=1e-6)
     assert peak["first"] > 10.0 * expected
-    assert computed(below)["run"][0]["peaks"]["right"]["yielding"] is None
+    assert [each[:2] for each in peak["shown"]] == [
+        ["peak", peak["first"]], ["peak if contacts yield", peak["yielding"]]
+    ]  # fmt: skip
+    # Contacts that do not yield have the same peak; that of other losses is not known.
+    peak = computed(below)["run"][0]["peaks"]["right"]
+    assert peak["yielding"] == peak["first"]
+    assert len(peak["shown"]) == 1
+    plastic = {"chain": {**yields["chain"], "loss": {"law": "elastic-plastic"}}}
+    peak = computed(plastic)["run"][0]["peaks"]["right"]
+    assert peak["yielding"] == peak["first"] == pytest.approx(expected, rel=1e-6)
+    lossy = {"chain": {**yields["chain"], "loss": LOSS}}
+    assert computed(lossy)["run"][0]["peaks"]["right"]["yielding"] is None
 
 
 def test_beads_of_several_materials_are_described():
@@ -168,6 +181,61 @@ def test_maxima_in_sensors_do_not_depend_on_the_clock(document, clock):
     for bead in (3, 10):
         sensor = run.sensor_force(bead)
         assert peaks[str(bead)]["first"] == pytest.approx(sensor.first_maximum, rel=2e-6)
+
+
+HARD_AND_SOFT = {
+    "chain": {
+        "radii": "4.75 mm", "materials": ["steel-52100"] * 6 + ["ptfe"] * 6,
+        "struck_by": {"diameter": "19 mm", "material": "steel-52100", "velocity": "2 mm/s"},
+        "right_wall": {"material": "steel-52100"},
+    }
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("clock", ["beads", "time"])
+def test_forces_after_the_first_transit_are_resolved(clock):
+    """The largest force is that of a short oscillation between two frames of the animation."""
+    header, arrays = computed(HARD_AND_SOFT, frames=320, clock=clock, sensors=[5])["run"]
+    times, force = arrays["forces.times"], arrays["force.5"]
+    chain = chain_of(HARD_AND_SOFT)
+    run = hc.simulate(chain, times=np.linspace(0.0, times[-1], 100_001), rtol=1e-9)
+    sensor = run.sensor_force(5)
+    peaks = header["peaks"]["5"]
+    assert peaks["largest"] == pytest.approx(sensor.largest_so_far, rel=1e-4)
+    assert peaks["largest_time"] == pytest.approx(sensor.largest_so_far_time, rel=1e-4)
+    assert peaks["largest"] > 1.05 * peaks["first"]
+    assert [each[0] for each in peaks["shown"]] == ["first maximum", "largest so far"]
+    # Straight lines between the points deviate by at most 4% of the largest force.
+    assert np.abs(np.interp(run.times, times, force) - sensor.force).max() < 0.04 * force.max()
+    assert len(times) < 2000
+    assert not any("forces in sensors" in each for each in header["warnings"])
+
+
+def test_forces_that_are_not_resolved_are_stated():
+    header, arrays = computed(steep(0.1, 35), frames=320)["run"]
+    assert 4000 <= len(arrays["forces.times"]) <= 4320
+    said = [each for each in header["warnings"] if each.startswith("forces in sensors and on")]
+    assert len(said) == 1
+    assert "forces in between are not shown" in said[0]
+
+
+def test_durations_of_contacts_are_those_of_collisions():
+    pair = hc.Chain.from_materials([5e-3, 3e-3], "steel-52100", velocity=0.1)
+    pair = pair.replace(right_wall=hc.Wall.rigid(gap=1e-3))
+    # Until the second ball returns from the wall.
+    run = hc.simulate(pair, until=7e-3, times=400_001, rtol=1e-9)
+    inner, wall = contact_durations(pair, run.largest_overlaps)[1:]
+    for duration, force in ((inner, run.forces[:, 1]), (wall, run.forces[:, 2])):
+        assert np.ptp(run.times[force > 0.0]) == pytest.approx(duration, rel=0.01)
+
+
+def test_negative_residence_times_have_a_note():
+    bouncing = {"chain": {"diameters": ["20 mm", "4 mm"] * 4, "materials": "steel-52100",
+                          "velocity": "10 mm/s"}}  # fmt: skip
+    header, arrays = computed(bouncing)["pulse"]
+    assert arrays["exact.residence"].min() < 0.0
+    assert header["table_note"].startswith("residence: negative where")
+    assert computed(TAPER)["pulse"][0]["table_note"] == ""
 
 
 def test_drafts_and_endless_drives_have_the_largest_force_so_far():

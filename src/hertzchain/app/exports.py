@@ -23,6 +23,7 @@ from ..theory.effective_chain import effective_chain
 from ..validation.numbers import number
 from ..validation.objects import check_choice
 from .documents import chain_of, document_as_toml
+from .force_curves import run_for_forces
 from .messages import Part
 from .requests import Request
 from .results import Stop, limited, motion, results
@@ -40,6 +41,7 @@ FORMATS: Final[Mapping[str, str]] = {
 FIGURES: Final = ("chain", "pulse", "map", "forces", "budget")
 EFFECTIVE: Final = "effective-chain"
 FRAMES: Final = 400
+RTOL: Final = 1e-9
 # A figure ends a little after the time at which the peak on the wall is known to be complete.
 PAST_THE_END: Final = 1.01
 
@@ -146,7 +148,7 @@ def _simulated(chain: Chain, stop: Stop) -> tuple[Pulse, Run | None]:
 
 def _run(chain: Chain, exact: Pulse | None, stop: Stop) -> Run:
     """The run of the page at equally spaced times, until the peak on the wall is complete."""
-    request = Request("figure", "A", 0, None, frames=FRAMES, clock="time")
+    request = Request("figure", "A", 0, None, frames=FRAMES, rtol=RTOL, clock="time")
     progress = limited(stop)
     run, whole, _ = motion(chain, exact, request, progress)
     if whole is run:
@@ -166,6 +168,9 @@ def _figure(given: Mapping[str, Any], stop: Stop) -> Export:
     )
     if kind in ("map", "forces", "budget") and run is None:
         run = _run(chain, pulses["simulation"], stop)
+    if kind == "forces" and run is not None:
+        places = _places(chain, given.get("sensors"))
+        run, _ = run_for_forces(run, places, RTOL, limited(stop))
     curves = _shown_curves(given, quantity, chain, pulses, stop) if kind == "pulse" else {}
     with _figures:
         content = _draw(kind, form, quantity, chain, curves, run, given)

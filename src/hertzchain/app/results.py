@@ -15,15 +15,16 @@ from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..notebook.drawing import engineering
 from ..propagation.propagate import propagate
+from ..pulse.notes import OUT_OF_ORDER, out_of_order
 from ..pulse.pulse import Pulse
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
-from ..simulation.yielding import peak_with_yielding_contacts
 from ..sweeps.methods import record_warnings
 from ..theory.catalogue import THEORIES
 from ..theory.effective_chain import effective_chain
 from ..theory.spectrum import spectrum
 from .documents import chain_of
+from .force_curves import force_at, peaks_at, places_of, run_for_forces
 from .messages import Part, columns_as_int16
 from .requests import Request
 from .shown_times import pulse_of, saved_times
@@ -38,10 +39,6 @@ MAX_BEADS_OF_DRAFT_BUDGET: Final = 300
 MAX_CONTINUATIONS: Final = 4
 # The run that is shown lasts at least until this multiple of the time of the peak on the wall.
 END_AFTER_PEAK: Final = 1.05
-# Saved times in each of the two intervals next to the maximum of the force in a sensor.
-NEAR_MAXIMA: Final = 65
-# A run of more beads is not repeated for the sake of its sensors.
-MAX_BEADS_OF_REPETITION: Final = 300
 
 Stop = Callable[[], bool]
 
@@ -91,7 +88,6 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
     progress = limited(stop)
     with record_warnings():
         run, whole, warned = motion(chain, exact, request, progress)
-        sensed = _sensor_run(run, request, progress)
         if exact is None:
             pulse = pulse_of(run)
             note = refusal if pulse is None else ""
@@ -99,9 +95,13 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
         if request.run:
             found = _not_repeated(before, [on_the_page(each) for each in warned])
             found += [] if request.draft else _unfinished_impact(run, whole)
+            forces = run
+            if not request.draft:
+                places = [*places_of(chain, _sensors(chain, request)).values()]
+                forces, note = run_for_forces(run, places, request.rtol, progress)
+                found += [note] if note else []
             took = time.perf_counter() - began
-            yielding = None if request.draft else peak_with_yielding_contacts(whole, progress)
-            yield _run_part(run, whole, sensed, request, found, took, yielding)
+            yield _run_part(run, whole, forces, request, found, took, progress)
 
 
 def _not_repeated(before: list[str], found: list[str]) -> list[str]:
@@ -194,13 +194,15 @@ def _pulse_part(
     request: Request, exact: Pulse | None, compiled: _Theories, warned: list[Warning],
     began: float, note: str = "",
 ) -> Part:  # fmt: skip
-    arrays = dict(compiled.arrays)
+    arrays, unordered = dict(compiled.arrays), ""
     if exact is not None:
         arrays |= pulse_arrays("exact", exact)
         note = sentences([note, *exact.notes.values()])
+        unordered = OUT_OF_ORDER if out_of_order(exact.residence) else ""
     header = {
         "part": "pulse", **request.identity, "theories": compiled.header,
         "method": exact.method if exact is not None else None, "note": note,
+        "table_note": unordered,
         "warnings": [on_the_page(each) for each in warned], "seconds": time.perf_counter() - began,
     }  # fmt: skip
     return Part(header, arrays)
@@ -278,55 +280,19 @@ def _sensors(chain: Chain, request: Request) -> list[int]:
     return [bead for bead in request.sensors if bead <= chain.beads]
 
 
-def _sensor_run(run: Run, request: Request, progress: Callable[..., None]) -> Run:
-    """The same run with many saved times near the maxima of the forces in sensors."""
-    beads = _sensors(run.chain, request)
-    if request.draft or not beads or not run.success or run.chain.beads > MAX_BEADS_OF_REPETITION:
-        return run
-    with record_warnings():
-        found = [run.sensor_force(bead) for bead in beads]
-    near = np.array([(each.first_maximum_time, each.largest_so_far_time) for each in found])
-    after = np.searchsorted(run.times, near[np.isfinite(near)])
-    # Equal intervals are divided once: no two times may differ by rounding only.
-    intervals = np.clip(np.unique((after - 1, after)), 0, len(run.times) - 2)
-    fine = [
-        np.linspace(run.times[j], run.times[j + 1], NEAR_MAXIMA)[1:-1] for j in np.unique(intervals)
-    ]
-    times = np.sort(np.concatenate((run.times, *fine)))
-    try:
-        return simulate(run.chain, times=times, rtol=request.rtol, check=False, progress=progress)
-    except SimulationError:
-        return run  # A repetition would take too long.
-
-
 def _run_part(
-    run: Run, whole: Run, sensed: Run, request: Request, warnings: list[str], took: float,
-    yielding: float | None,
+    run: Run, whole: Run, forces: Run, request: Request, warnings: list[str], took: float,
+    progress: Callable[..., None],
 ) -> Part:  # fmt: skip
-    began, chain = time.perf_counter(), run.chain
-    arrays: dict[str, Any] = {"times": run.times}
+    began, chain, sensors = time.perf_counter(), run.chain, _sensors(run.chain, request)
+    arrays: dict[str, Any] = {"times": run.times, "forces.times": forces.times}
     arrays |= columns_as_int16("velocities", run.velocities)
     arrays |= columns_as_int16("forces", run.forces)
-    sensors = _sensors(chain, request)
-    peaks: dict[str, Any] = {}
-    for bead in sensors:
-        arrays[f"force.{bead}"] = run.sensor(bead)
-        sensor = sensed.sensor_force(bead)
-        peaks[str(bead)] = {
-            "first": sensor.first_maximum, "time": sensor.first_maximum_time,
-            "largest": sensor.largest_so_far, "largest_time": sensor.largest_so_far_time,
-        }  # fmt: skip
-    for side, contact in (("left", 0), ("right", -1)):
-        if f"{side} wall" in chain.features:
-            # This property does not issue the warning of `wall_force`.
-            wall = whole._wall_force(side)  # type: ignore[arg-type]
-            arrays[f"force.{side}"] = run.forces[:, contact]
-            # A peak that a later impact may exceed is shown as the largest force so far.
-            peaks[side] = {
-                "first": wall.peak if wall.proven else None, "time": wall.peak_time,
-                "largest": wall.largest_so_far, "largest_time": wall.largest_so_far_time,
-                "impulse": wall.impulse, "yielding": yielding if side == "right" else None,
-            }  # fmt: skip
+    peaks = {}
+    for number, (name, place) in enumerate(places_of(chain, sensors).items()):
+        arrays[f"force.{name}"] = force_at(forces, place)
+        found = peaks_at(forces, whole, place, None if request.draft else progress)
+        peaks[name] = {"name": f"sensor{number}", **found}
     if not request.draft or chain.beads <= MAX_BEADS_OF_DRAFT_BUDGET:
         arrays |= _budget_arrays(run)
     modes = "" if request.draft else _add_spectrum(chain, arrays)

@@ -21,15 +21,13 @@ SPREADS: Final = (
     "spread: relative standard deviation over random chains, error: that of the velocity; "
     "all quantities: --csv, --json"
 )
-OUT_OF_ORDER: Final = (
-    "residence: negative where the pulse arrives at the next bead before it arrives at this one"
-)
 
 
 def pulse_table(pulse: Pulse, every_bead: bool) -> Table:
     """Table of a pulse with one column per quantity; with spreads, of those that have one."""
     from rich.markup import escape
 
+    from ..pulse.notes import OUT_OF_ORDER, out_of_order
     from ..pulse.quantities import QUANTITIES
 
     beads = pulse.chain.beads
@@ -47,13 +45,14 @@ def pulse_table(pulse: Pulse, every_bead: bool) -> Table:
         table.add_column(f"{heading}\n{symbol}{escape(unit)}", justify="right", no_wrap=True)
     for i in rows:
         table.add_row(str(i + 1), *(_cell(columns[name], i, digits[name]) for name in shown))
-    notes = [SPREADS] * spreads + [OUT_OF_ORDER] * _out_of_order(pulse)
+    notes = [SPREADS] * spreads + [OUT_OF_ORDER] * out_of_order(pulse.residence)
     _add_notes(table, [pulse], *notes)
     return table
 
 
 def side_by_side(pulses: list[Pulse], quantity: str, every_bead: bool) -> Table:
     """Table of one quantity with one column per pulse."""
+    from ..pulse.notes import OUT_OF_ORDER, out_of_order
     from ..pulse.quantities import QUANTITIES
 
     chain = pulses[0].chain
@@ -67,7 +66,7 @@ def side_by_side(pulses: list[Pulse], quantity: str, every_bead: bool) -> Table:
         table.add_column(pulse.method, justify="right")
     for i in rows:
         table.add_row(str(i + 1), *(_cell(values, i, 8) for values in columns))
-    unordered = quantity == "residence" and any(map(_out_of_order, pulses))
+    unordered = quantity == "residence" and any(out_of_order(each.residence) for each in pulses)
     _add_notes(table, pulses, OUT_OF_ORDER if unordered else "")
     return table
 
@@ -77,11 +76,6 @@ def _cell(values: Array | None, i: int, digits: int) -> str:
     if values is None or i >= len(values):
         return ""
     return "-" if math.isnan(values[i]) else f"{values[i]:.{digits}g}"
-
-
-def _out_of_order(pulse: Pulse) -> bool:
-    """Whether the pulse arrives at a bead before it arrives at the one behind."""
-    return pulse.residence is not None and bool((pulse.residence < 0.0).any())
 
 
 def _add_notes(table: Table, pulses: list[Pulse], *more: str) -> None:

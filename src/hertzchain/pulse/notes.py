@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import Final
 
+from ..collision import Array
 from ..errors import InputError, short_repr
 from ..validation.objects import check_choice, text
 from .quantities import QUANTITIES
+
+OUT_OF_ORDER: Final = (
+    "residence: negative where the pulse arrives at the next bead before it arrives at this one"
+)
 
 
 def checked_notes(notes: Mapping[str, str]) -> dict[str, str]:
@@ -28,3 +34,8 @@ def notes_in_words(notes: Mapping[str, str], quantities: Iterable[str] = QUANTIT
         if name in notes:
             about.setdefault(notes[name], []).append(name)
     return [f"{', '.join(names)}: {note}" for note, names in about.items()]
+
+
+def out_of_order(residence: Array | None) -> bool:
+    """Whether the pulse arrives at a bead before it arrives at the one behind."""
+    return residence is not None and bool((residence < 0.0).any())

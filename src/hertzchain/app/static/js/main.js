@@ -349,7 +349,7 @@ function showTitles() {
       make("i", { className: "ring", style: `color:var(--m${i % KINDS});${i < KINDS ? "" : "border-style:dashed"}` }), header.kinds[n].join(", ")));
     $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description, ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
   }
-  const beads = own().beads.header?.beads, list = own().warnings.map(upper);
+  const beads = own().beads.header?.beads, list = SLOTS.flatMap((slot) => state[slot] ? results[slot].warnings.map((text) => (state.B ? `${slot}: ` : "") + upper(text)) : []);
   if (beads) $("bead").max = String(beads);
   if (beads < state.view.bead) select(beads);
   $("warnings").hidden = !list.length;

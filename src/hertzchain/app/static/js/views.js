@@ -180,17 +180,26 @@ export class Views {
   /** Forces of both chains at their times. @param {string} scale @param {Results} own @param {Results | null} other @param {any} axis */
   drawForces(scale, own, other, axis) {
     const traces = forcesOf(own), theirs = other?.motion && other.si === own.si ? forcesOf(other) : [];
-    const most = Math.max(...[...traces, ...theirs].map((each) => each.peak.force), 0), [factor, unit] = own.si ? prefixed(most, "N") : [1, ""];
+    const all = [...traces, ...theirs], most = Math.max(...all.flatMap(({ shown }) => shown.map(([, force]) => force)), 0), [factor, unit] = own.si ? prefixed(most, "N") : [1, ""];
     // Curves on a logarithmic axis end at a part of the largest force.
-    const shown = (/** @type {number[]} */ y) => scale === "log" ? y.map((each) => Math.max(each, 1e-4 * most) * factor) : times(y, scale === "each" ? 1 / (largest(y) || 1) : factor);
-    const series = [...traces, ...theirs].map((each, i) => {
-      const x = [...each.times], y = [...each.values], { what, force, time, yielding } = each.peak, next = Math.ceil(placeAt(x, time) * (x.length - 1));
-      // Saved times may be on both sides of a short peak.
-      x.splice(next, 0, time);
-      y.splice(next, 0, force);
+    const scaled = (/** @type {number[]} */ y) => scale === "log" ? y.map((each) => Math.max(each, 1e-4 * most) * factor) : times(y, scale === "each" ? 1 / (largest(y) || 1) : factor);
+    const series = all.map((each, i) => {
+      const x = [...each.times], y = [...each.values];
       const [faint, label] = i < traces.length ? ["", each.label] : [" faint", `other chain, ${each.label}`];
-      return { name: each.name + faint, label, x: times(x, axis.factor), y: shown(y),
-        note: `${label}: ${what} ${short(force * factor)} ${unit} at ${short(time * axis.factor)} ${axis.unit}${yielding ? `; ${short(yielding * factor)} ${unit} if contacts yield` : ""}` };
+      /** @type {any} */
+      let last;
+      const notes = each.shown.map(([what, force, time]) => {
+        if (last === time) return what;
+        last = time;
+        const text = `${what} ${short(force * factor)} ${unit}`;
+        if (time === null) return text;
+        // Saved times may be on both sides of a short peak.
+        const next = Math.ceil(placeAt(x, time) * (x.length - 1));
+        x.splice(next, 0, time);
+        y.splice(next, 0, force);
+        return `${text} at ${short(time * axis.factor)} ${axis.unit}`;
+      });
+      return { name: each.name + faint, label, x: times(x, axis.factor), y: scaled(y), note: `${label}: ${notes.join("; ")}` };
     });
     const message = series.length ? "" : "Click a bead for a sensor, or add a wall.";
     this.force.draw(series, { xLabel: axis.label, yLabel: scale === "each" ? "force, relative to the largest of each curve" : inUnit("force", unit), log: scale === "log", message }, `Forces: ${summary(series)}`);
@@ -202,10 +211,12 @@ export class Views {
     if (state.view.errors !== "difference" || !own.run.header || !other?.run.header || own.si !== other.si) return;
     /** @type {Map<string, any[]>} */
     const found = new Map();
-    (state.active === "A" ? [own, other] : [other, own]).forEach((chain, i) => {
-      const numbers = forcesOf(chain).flatMap(({ label, peak }) => [[`${label}, ${peak.what}`, "N", peak.force], [`${label}, time`, "s", peak.time]]);
+    const chains = state.active === "A" ? [own, other] : [other, own];
+    chains.forEach((chain, i) => {
+      const numbers = forcesOf(chain).flatMap(({ label, shown }) => shown.flatMap(([what, force, time]) => [[`${label}, ${what}`, "N", force], ...(time === null ? [] : [[`${label}, time of ${what}`, "s", time]])]));
       numbers.push(["velocity of the last bead", "m/s", chain.exact("velocity")?.at(-1)], ["arrival there", "s", chain.exact("arrival")?.at(-1)]);
-      for (const [label, unit, value] of numbers) found.set(label, Object.assign(found.get(label) ?? [unit, NaN, NaN], { [i + 1]: value ?? NaN }));
+      // The peak of a chain whose contacts do not yield is compared with that of one whose contacts do.
+      for (const [label, unit, value] of numbers) found.set(label, Object.assign(found.get(label) ?? [unit, ...chains.map(({ run }) => (/yield/.test(label) && run.header.peaks.right?.yielding) || NaN)], { [i + 1]: value ?? NaN }));
     });
     const rows = [...found].map(([label, [unit, a, b]]) => {
       const same = [...found.values()].flatMap(([each, ...values]) => (each === unit ? values.filter(Number.isFinite) : []));
@@ -242,7 +253,7 @@ export class Views {
       ...own.theories.map(([name]) => [of(`${quantity}, ${title(name)}`, info.unit), own.theory(name, quantity)])]).filter(([, values]) => values);
     const rows = Array.from({ length: own.beads.header.beads }, (_, k) => [String(k + 1),
       ...columns.map(([, values]) => (k < values.length && Number.isFinite(values[k]) ? String(+values[k].toPrecision(7)) : ""))]);
-    $("table").replaceChildren(table(["bead", ...columns.map(([name]) => name)], rows, state.view.bead - 1));
+    $("table").replaceChildren(table(["bead", ...columns.map(([name]) => name)], rows, state.view.bead - 1), own.pulse.header?.table_note ?? "");
   }
 }
 
@@ -301,17 +312,10 @@ const ends = (of, y) => y?.length === of?.beads.header?.beads && !of.beads.heade
 /** Whether it is much larger than the others, too. @param {any} of @param {any} y */
 const jumps = (of, y) => ends(of, y) && y.at(-1) * y.at(-3) > 1.2 * y.at(-2) ** 2;
 
-/** Forces on sensors and walls with their peaks. @param {Results} results */
-function forcesOf(results) {
-  const { sensors, peaks } = results.run.header, { strikers } = results.beads.header, found = [];
-  for (const [key, values] of results.run.arrays) {
-    const name = key.startsWith("force.") ? key.slice(6) : "";
-    if (!name) continue;
-    const side = name === "left" || name === "right", { first, time, largest, largest_time, yielding } = peaks[name];
-    const peak = first === null ? { what: "largest so far", force: largest ?? 0, time: largest_time ?? 0 } : { what: side ? "peak" : "first maximum", force: first, time, yielding };
-    found.push({ peak, times: results.run.arrays.get("times"), values, name: side ? `wall-${name}` : `sensor${sensors.indexOf(Number(name))}`, label: side ? `${name} wall` : `sensor in bead ${name}${strikers && +name > strikers ? ` (ball ${+name - strikers})` : ""}` });
-  }
-  return found;
+/** Forces on sensors and walls with their peaks. @param {Results} results
+ * @returns {{shown: [string, number, any][], times: any, values: any, name: string, label: string}[]} */
+function forcesOf({ run: { header, arrays } }) {
+  return Object.entries(header.peaks).map(([name, each]) => ({ ...each, times: arrays.get("forces.times"), values: arrays.get(`force.${name}`) }));
 }
 
 /** Largest error from bead 2 on in percent, as `Comparison.worst`; NaN if there is none.

@@ -1,0 +1,187 @@
+"""Forces in sensors and on walls at times that resolve their contacts, and their peaks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from ..chain.bead_names import bead_label
+from ..chain.chain import Chain
+from ..chain.laws.elastic_plastic import ElasticPlastic
+from ..collision import Array, compression_time
+from ..errors import SimulationError
+from ..simulation.run import Run
+from ..simulation.sensor_force import SHOWN
+from ..simulation.simulate import simulate
+from ..simulation.wall_force import Side
+from ..simulation.yielding import peak_with_yielding_contacts, pressures_below_yield
+from ..sweeps.methods import record_warnings
+
+# Intervals in the shortest contact, and the smallest number that needs no warning.  A light bead
+# between two others oscillates faster than a collision of two beads suggests.
+PER_CONTACT: Final = 16
+ENOUGH: Final = 10
+# Largest number of intervals, and of states of single beads in all of them.
+MAX_INTERVALS: Final = 4000
+MAX_STATES: Final = 2_400_000
+# No force has acted if velocities have changed by less than this fraction of the largest one.
+UNCHANGED: Final = 1e-6
+# Saved times in each of the two intervals next to the maximum of the force in a sensor.
+NEAR_MAXIMA: Final = 65
+
+Places = Sequence[int]
+
+
+def run_for_forces(
+    run: Run, places: Places, rtol: float, progress: Callable[..., None]
+) -> tuple[Run, str]:
+    """The same run with times that resolve contacts, and a sentence if they do not.
+
+    ``places`` are beads with a sensor, 0 for the left wall and N + 1 for the right one.
+    """
+    if not places or not run.success:
+        return run, ""
+    needed = _needed_intervals(run, places)
+    most = min(MAX_INTERVALS, MAX_STATES // run.chain.beads)
+    share = max(1.0, float(needed.sum()) / most)
+    options: dict[str, Any] = {"rtol": rtol, "check": False, "progress": progress}
+    fine = run
+    try:
+        with record_warnings():
+            times = _divided(run.times, needed / share)
+            fine = simulate(run.chain, times=times, **options)
+            fine = _near_maxima(fine, [k for k in places if 1 <= k <= run.chain.beads], options)
+    except SimulationError:  # A repetition would take too long.
+        share = share if fine is not run else float(needed.max())
+    return fine, _coarse(fine, PER_CONTACT / share)
+
+
+def _needed_intervals(run: Run, places: Places) -> Array:
+    """Number of intervals into which each interval of saved times must be divided."""
+    durations = contact_durations(run.chain, run.largest_overlaps)
+    widths, needed = np.diff(run.times), np.ones(len(run.times) - 1)
+    fastest = np.abs(run.velocities).max(initial=0.0)
+    changed = np.abs(np.diff(run.velocities, axis=0)) > UNCHANGED * fastest
+    for k in places:
+        shortest = durations[max(k - 1, 0) : k + 1].min()
+        moved = changed[:, max(k - 2, 0) : k + 1].any(axis=1)
+        needed = np.maximum(needed, np.where(moved, PER_CONTACT * widths / shortest, 1.0))
+    return needed
+
+
+def contact_durations(chain: Chain, overlaps: Array) -> Array:
+    """Durations of head-on collisions of two beads with these largest overlaps, shape (N + 1,).
+
+    Walls have an infinite mass; the duration is infinite without contact.
+    """
+    inverse = np.concatenate(([0.0], 1.0 / chain.masses, [0.0]))
+    reduced, found = 1.0 / (inverse[:-1] + inverse[1:]), np.full(chain.beads + 1, np.inf)
+    touched = (overlaps > 0.0) & (chain.contact_stiffness > 0.0)
+    d, m, k, p = (
+        each[touched]
+        for each in (overlaps, reduced, chain.contact_stiffness, chain.contact_exponents)
+    )
+    # The energy stored in the contact is the kinetic energy of the collision.
+    speed = np.sqrt(2.0 * k * d ** (p + 1.0) / ((p + 1.0) * m))
+    found[touched] = 2.0 * compression_time(m, k, speed, p)
+    return found
+
+
+def _divided(times: Array, parts: Array) -> Array:
+    """Times with each interval divided into at least so many equal parts."""
+    counts = np.maximum(np.ceil(parts), 1.0).astype(int)
+    pieces = zip(times[:-1], times[1:], counts, strict=True)
+    return np.concatenate(
+        [np.linspace(begin, end, n, endpoint=False) for begin, end, n in pieces] + [times[-1:]]
+    )
+
+
+def _near_maxima(run: Run, sensors: Places, options: dict[str, Any]) -> Run:
+    """The same run with many saved times near maxima that are not known accurately."""
+    found = [run.sensor_force(bead) for bead in sensors]
+    near = np.array([
+        (each.first_maximum_time, each.largest_so_far_time)
+        for each in found
+        if each.error > SHOWN * each.largest_so_far
+    ])  # fmt: skip
+    if not near.size:
+        return run
+    after = np.searchsorted(run.times, near[np.isfinite(near)])
+    # Equal intervals are divided once: no two times may differ by rounding only.
+    parts = np.ones(len(run.times) - 1)
+    parts[np.clip((after - 1, after), 0, len(parts) - 1)] = NEAR_MAXIMA - 1
+    return simulate(run.chain, times=_divided(run.times, parts), **options)
+
+
+def _coarse(run: Run, resolution: float) -> str:
+    """Sentence about forces between the times at which they are drawn."""
+    if resolution >= ENOUGH:
+        return ""
+    return (
+        f"forces in sensors and on walls are drawn at {len(run.times)} times, about "
+        f"{resolution:.2g} in the shortest contact; forces in between are not shown, and the "
+        "largest force in a sensor may be higher"
+    )
+
+
+def places_of(chain: Chain, sensors: Places) -> dict[str, int]:
+    """Beads with a sensor and walls by the names of their curves."""
+    found = {str(bead): bead for bead in sensors}
+    sides = (("left", 0), ("right", chain.beads + 1))
+    return found | {side: k for side, k in sides if f"{side} wall" in chain.features}
+
+
+def force_at(run: Run, place: int) -> Array:
+    """Force in a sensor in a bead, or on a wall, at the saved times."""
+    if 1 <= place <= run.chain.beads:
+        return run.sensor(place)
+    return run.forces[:, 0 if place == 0 else -1]
+
+
+def peaks_at(
+    forces: Run, whole: Run, place: int, progress: Callable[..., None] | None
+) -> dict[str, Any]:
+    """Peaks of a curve; ``whole`` is a run that is long enough for the peak on the wall."""
+    if 1 <= place <= forces.chain.beads:
+        label = f"sensor in {bead_label(forces.chain, place)}"
+        return {"label": label, **_sensor_peaks(forces, place)}
+    side: Side = "left" if place == 0 else "right"
+    found = _wall_peaks(whole, side, progress)
+    return {"name": f"wall-{side}", "label": f"{side} wall", **found}
+
+
+def _sensor_peaks(run: Run, bead: int) -> dict[str, Any]:
+    """The first maximum of the force in a sensor, and the largest force."""
+    force = run.sensor_force(bead)
+    first, time = force.first_maximum, force.first_maximum_time
+    largest, largest_time = force.largest_so_far, force.largest_so_far_time
+    shown = [] if math.isnan(first) else [["first maximum", first, time]]
+    return {
+        "first": first, "time": time, "largest": largest, "largest_time": largest_time,
+        "shown": [*shown, ["largest so far", largest, largest_time]],
+    }  # fmt: skip
+
+
+def _wall_peaks(run: Run, side: Side, progress: Callable[..., None] | None) -> dict[str, Any]:
+    """The peak on a wall or the largest force so far; with ``progress``, also if contacts yield."""
+    # This property does not issue the warning of `wall_force`.
+    wall = run._wall_force(side)
+    # A peak that a later impact may exceed is shown as the largest force so far.
+    first, time = (wall.peak, wall.peak_time) if wall.proven else (None, wall.peak_time)
+    largest, largest_time = wall.largest_so_far, wall.largest_so_far_time
+    shown = [["largest so far", largest, largest_time] if first is None else ["peak", first, time]]
+    yielding = None
+    if side == "right" and first is not None and progress is not None:
+        yielding = peak_with_yielding_contacts(run, progress)
+        if yielding is not None:
+            shown.append(["peak if contacts yield", yielding, None])
+        # No contact yields, or the peak includes it.
+        elif isinstance(run.chain.loss, ElasticPlastic) or pressures_below_yield(run):
+            yielding = first
+    return {
+        "first": first, "time": time, "largest": largest, "largest_time": largest_time,
+        "impulse": wall.impulse, "yielding": yielding, "shown": shown,
+    }  # fmt: skip

@@ -657,7 +657,7 @@ def test_the_comparison_has_the_peaks_if_contacts_yield_and_the_warnings_of_both
     a, b = (each["yielding"] for each in peaks)
     assert found["right wall, peak if contacts yield"][2] == f"{b / a:.4g}"
     legend = tab.text_content("#legend-force")
-    assert "; largest so far" in legend
+    assert "; the largest so far" in legend
     assert "peak if contacts yield" in legend
     shown = tab.text_content("#warnings")
     assert "A: Pressure / yield is" in shown

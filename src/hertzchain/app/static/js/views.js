@@ -189,7 +189,7 @@ export class Views {
       /** @type {any} */
       let last;
       const notes = each.shown.map(([what, force, time]) => {
-        if (last === time) return what;
+        if (last === time) return `the ${what}`;
         last = time;
         const text = `${what} ${short(force * factor)} ${unit}`;
         if (time === null) return text;
@@ -197,7 +197,7 @@ export class Views {
         const next = Math.ceil(placeAt(x, time) * (x.length - 1));
         x.splice(next, 0, time);
         y.splice(next, 0, force);
-        return `${text} at ${short(time * axis.factor)} ${axis.unit}`;
+        return `${text} at ${short(time * axis.factor)} ${axis.unit}`.trim();
       });
       return { name: each.name + faint, label, x: times(x, axis.factor), y: scaled(y), note: `${label}: ${notes.join("; ")}` };
     });

@@ -599,6 +599,33 @@ def test_a_comparison_that_contacts_that_yield_reverse_says_so(partly_yielding):
     (line,) = (line for line in found.summary().splitlines() if line.startswith("  row: "))
     assert f"({0.5 * force:.4g} N with contacts that yield); this design: 50.0% of this" in line
     assert line.endswith("200.0% with contacts that yield, which reverses the comparison")
+    (entry,) = found.as_dict()["references"].values()
+    assert entry["value"] == 2.0 * force
+    assert entry["value_with_yielding_contacts"] == 0.5 * force
+    assert entry["yielding_reverses_comparison"]
+
+
+def test_the_row_of_equal_balls_is_named_and_a_search_that_does_not_beat_it_says_so():
+    chain = hc.Chain.from_materials(
+        "5 mm", "steel-52100", beads=5, velocity="0.1 m/s", right_wall=hc.Wall.of("steel-52100")
+    )
+    balls = hc.vary.balls(
+        materials=["steel-52100"], diameters=["5 mm", "8 mm"], beads="2:", optional=True
+    )
+    found = hc.design(hc.Design(chain, minimise="length", vary=[balls]), budget=100)
+    (line,) = (x for x in found.summary().splitlines() if "row of equal balls (" in x)
+    assert "tried), 1 ball of 5 mm steel-52100: 15 mm; this design: 100.0% of this" in line
+    assert "no other choice is better than the best row of equal balls" in found.summary()
+    (entry,) = found.as_dict()["references"].values()
+    assert entry["balls"] == "1 ball of 5 mm steel-52100"
+    assert entry["chain_file"]["chain"]["radii"] == [5e-3, 2.5e-3]
+    assert entry["value"] == pytest.approx(15e-3)
+    few = hc.design(found.problem, method="genetic", budget=12)
+    advice = "nothing better than the best row of equal balls; give a larger budget or another seed"
+    assert advice in few.summary()
+    assert "one start only by method 'genetic'" in few.summary()
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[balls])
+    assert "nothing better" not in hc.design(problem, budget=100).summary()
 
 
 def test_a_front_may_be_limited_to_some_points():
@@ -1162,10 +1189,13 @@ def test_a_design_with_all_choices_states_the_search_and_units_of_scatter():
     count = int(problem.space.count)
     assert f"best of all {count} simulated choices" in repr(result)
     lines = [line for line in result.summary().splitlines() if "with scatter" in line]
-    values = [f"{kind} {result.verified.scattered[f'{kind} of wall_force.peak']:.4g} N"
-              for kind in ("mean", "CVaR90", "worst")]  # fmt: skip
     assert len(lines) == 1
-    assert lines[0].endswith(f"wall_force.peak {', '.join(values)}")
+    shown = re.fullmatch(r".*wall_force.peak mean (\S+) N, CVaR90 (\S+) N, worst (\S+) N", lines[0])
+    values = [result.verified.scattered[f"{kind} of wall_force.peak"]
+              for kind in ("mean", "CVaR90", "worst")]  # fmt: skip
+    # The values differ in the fourth digit, and have enough digits to see by how much.
+    assert float(shown[3]) - float(shown[1]) == pytest.approx(values[2] - values[0], rel=0.01)
+    assert list(map(float, shown.groups())) == pytest.approx(values, rel=1e-4)
 
 
 def test_a_design_without_a_trial_that_meets_the_constraints_is_drawn():
@@ -1180,6 +1210,8 @@ def test_a_design_without_a_trial_that_meets_the_constraints_is_drawn():
     assert "median" not in hc.design(problem, method="genetic", budget=60).summary()
     texts = [text.get_text() for axes in result.plot().axes for text in axes.texts]
     assert "no trial met the constraints" in texts
+    heading = result.summary().splitlines()[0]
+    assert "the trial that violates them least has a wall_force.peak of " in heading
 
 
 @pytest.mark.parametrize("seed", [0, 1])

@@ -14,8 +14,8 @@ from ..store.chain_as_toml import chain_as_toml
 from ..store.chain_files import chain_from
 from ..store.toml_files import toml_text
 from ..validation.json_types import finite
+from .comparison import compared, equal_balls, references_in_words
 from .measures import Measure
-from .report import references_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,6 +68,20 @@ def _balls(result: DesignResult) -> dict[str, Any]:
     }
 
 
+def _reference(result: DesignResult, name: str) -> dict[str, Any]:
+    """A chain to compare with, and whether contacts that yield reverse the comparison."""
+    found = result.references[name]
+    both = compared(result, found)
+    return {
+        "value": both.value,
+        "value_with_yielding_contacts": both.value_if_yielding,
+        "yielding_reverses_comparison": both.reversed,
+        "constraints_met": both.met,
+        "balls": equal_balls(result, name) or None,
+        "chain_file": tomllib.loads(chain_as_toml(found.chain)),
+    }
+
+
 def as_dict(result: DesignResult) -> dict[str, Any]:
     """Plain types; numbers that are not finite are None."""
     problem = result.problem
@@ -83,8 +97,8 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "constraints_met": result.met,
         "constraints": [str(each) for each in problem.requirements],
         "references": {
-            name: result.objective_of(found)
-            for name, found in references_in_words(result).items()
+            words: _reference(result, name)
+            for words, name in zip(references_in_words(result), result.references, strict=True)
         },
         "bounds": [str(each) for each in result.bounds],
         "promise": None if result.promise is None else dict(

@@ -13,6 +13,7 @@ from .trials import Reference, Trials
 
 # Values of each end of the tapers.
 ENDS: Final = 9
+EQUAL_BALLS: Final = "row of equal balls"
 # Number of rows of equal balls, of all lengths and balls.
 MAX_EQUAL: Final = 200
 
@@ -23,7 +24,7 @@ def reference_points(problem: Design) -> dict[str, list[Any]]:
     if isinstance(space, BallSpace):
         if space.order:
             return {"given order": [space.start]}
-        return {"row of equal balls": _equal_balls(space)}
+        return {EQUAL_BALLS: _equal_balls(space)}
     levels = np.linspace(0.0, 1.0, ENDS)
     equal = [space.taper(level, level) for level in levels]
     tapers = [space.taper(one, other) for one in levels for other in levels if one != other]

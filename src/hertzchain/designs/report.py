@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import itertools
-import math
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ..representation import counted
+from ..representation import counted, usual_unit, with_decimals
 from .ball_choice import BallSpace
+from .comparison import (
+    NEGLIGIBLE,
+    best_reference,
+    compared,
+    has_yielding_value,
+    references_in_words,
+    value_if_yielding,
+)
 from .measures import Measure, in_words
 from .size_space import SizeSpace
 from .verified import Verified, met
@@ -21,8 +28,8 @@ if TYPE_CHECKING:
 SHOWN: Final = {
     "radii": (2e3, "diameters [mm]"), "masses": (1e3, "masses [g]"), "gaps": (1e6, "gaps [um]"),
 }  # fmt: skip
-# Relative difference of values that is not reported.
-NEGLIGIBLE: Final = 1e-3
+# Methods whose results depend on the seed.
+SEEDED: Final = ("genetic", "evolution", "gradient", "hybrid")
 # Longer lists of sizes are shortened.
 MAX_SIZES: Final = 12
 
@@ -34,6 +41,7 @@ def summary(result: DesignResult) -> str:
     lines += [f"  {text}" for text in _starts(result)]
     for name, found in references_in_words(result).items():
         lines.append(f"  {name}: {_compared(result, found)}")
+    lines += _no_better(result)
     if result.promise is not None:
         value, error = result.promise
         lines.append(f"  the local-rate law promised {value:.6g} with an estimated error of "
@@ -75,8 +83,12 @@ def _scattered(result: DesignResult, each: Measure) -> str:
     """Values of a measure in samples of the scatter, and whether they exceed a limit."""
     values = {kind: result.verified.scattered[f"{kind} of {each}"]
               for kind in ("mean", "CVaR90", "worst")}  # fmt: skip
-    parts = [f"{kind} {in_words(value, each.unit, result.chain.units)}"
-             for kind, value in values.items()]  # fmt: skip
+    scaled, worst = result.chain.scaled, values["worst"]
+    factor, unit = (1.0, "") if scaled or each.unit == "1" else usual_unit(worst, each.unit)
+    # With so many digits that the values differ, and with at least about four.
+    spread = factor * min(abs(worst - values["mean"]), 0.1 * abs(worst))
+    texts = with_decimals([factor * value for value in values.values()], spread)
+    parts = [f"{kind} {text} {unit}".strip() for kind, text in zip(values, texts, strict=True)]
     limits = [limit for limit in result.problem.requirements if limit.measure == each]
     over = [kind for kind, value in values.items() if any(x.excess(value) > 0.0 for x in limits)]
     verb = "exceed" if len(over) > 1 else "exceeds"
@@ -127,11 +139,13 @@ def _heading(result: DesignResult) -> list[str]:
         first = (f"{_first_upper(aim)} {problem.scatter.statistic} of {name}: {searched} in the "
                  f"search; {value} without scatter")  # fmt: skip
     if not result.met:
+        name = "score" if single is None else str(single)
+        article = "an" if name[0] in "aeiou" else "a"
         first = ("No chain meets the constraints; the trial that violates them least has "
-                 f"{problem.objective.single or 'the score'} {value.strip()}")  # fmt: skip
+                 f"{article} {name} of {value.strip()}")  # fmt: skip
     lines = [first, f"  verified: the integration was repeated at rtol {found.rtol:g}"
              f"{_range_in_words(result)}"]  # fmt: skip
-    if _has_yielding_value(result, found):
+    if has_yielding_value(result, found):
         lines.append(f"  the same chain with contacts that yield, loss=ElasticPlastic(): "
                      f"{_shown_if_yielding(result, found)}")  # fmt: skip
         lines += _better_if_yielding(result, found)
@@ -143,9 +157,9 @@ def _better_if_yielding(result: DesignResult, found: Verified) -> list[str]:
     places = [i for i, each in enumerate(result.runners_up) if met(result.problem, each.values)]
     if not places:
         return []
-    values = [result._sign * _value_if_yielding(result, result.runners_up[i]) for i in places]
+    values = [result._sign * value_if_yielding(result, result.runners_up[i]) for i in places]
     least = int(np.nanargmin(values)) if np.isfinite(values).any() else 0
-    own = result._sign * _value_if_yielding(result, found)
+    own = result._sign * value_if_yielding(result, found)
     if not values[least] < own - NEGLIGIBLE * abs(own):
         return []
     shown = _shown_if_yielding(result, result.runners_up[places[least]])
@@ -170,41 +184,37 @@ def _range_in_words(result: DesignResult) -> str:
 
 def _compared(result: DesignResult, found: Verified) -> str:
     """Value of a chain to compare with, and which part of it the design has."""
-    own, other = result.value, result.objective_of(found)
-    text = result._shown(other)
+    both = compared(result, found)
+    text = result._shown(both.value)
     # At a small excess of the pressure, the values agree in all digits that are shown.
     if (yielding := _shown_if_yielding(result, found)) != text.strip():
         text += f" ({yielding} with contacts that yield)"
-    if not met(result.problem, found.values):
+    if not both.met:
         return f"{text}, which does NOT meet the constraints"
-    if not other:
+    if not both.value:
         return text
-    own_yielding, other_yielding = (
-        _value_if_yielding(result, each) for each in (result.verified, found)
-    )
-    part, yielding_part = f"{own / other:.1%}", f"{own_yielding / other_yielding:.1%}"
+    part = f"{both.own / both.value:.1%}"
+    yielding_part = f"{both.own_if_yielding / both.value_if_yielding:.1%}"
     text += f"; this design: {part} of this value"
     if part != yielding_part:
         text += f", {yielding_part} with contacts that yield"
-    reversed_order = (own - other) * (own_yielding - other_yielding) < 0.0
-    return f"{text}, which reverses the comparison" if reversed_order else text
+    return f"{text}, which reverses the comparison" if both.reversed else text
 
 
-def _has_yielding_value(result: DesignResult, found: Verified) -> bool:
-    """Whether the objective has another value with contacts that yield."""
-    if not found.yielding or all(each.of_chain for each in result.problem.objective.measures):
-        return False
-    return math.isfinite(result._objective(found.yielding))
-
-
-def _value_if_yielding(result: DesignResult, found: Verified) -> float:
-    """Objective with contacts that yield; of a chain whose contacts do not, the elastic one."""
-    known = _has_yielding_value(result, found)
-    return result._objective(found.yielding if known else found.values)
+def _no_better(result: DesignResult) -> list[str]:
+    """A statement that the search has improved nothing, and what to try."""
+    name = best_reference(result)
+    if name is None or result.method in ("none", "scan"):
+        return []
+    best = f"the {'best ' if result.compared[name] > 1 else ''}{name}"
+    choices = _choices(result)
+    if choices is not None and choices[0] >= choices[1]:
+        return [f"  no other choice is better than {best}"]
+    return [f"  the search found nothing better than {best}; give a larger budget or another seed"]
 
 
 def _shown_if_yielding(result: DesignResult, found: Verified) -> str:
-    return result._shown(_value_if_yielding(result, found)).strip()
+    return result._shown(value_if_yielding(result, found)).strip()
 
 
 def _first_upper(text: str) -> str:
@@ -214,7 +224,7 @@ def _first_upper(text: str) -> str:
 def search_in_words(result: DesignResult) -> str:
     """The choices or starts of which the design is the best."""
     if (choices := _choices(result)) is None:
-        return f"best of {counted(len(result.finals), 'start')}"
+        return _of_starts(result)
     done, count = choices
     if done >= count:
         return f"best of all {counted(count, 'simulated choice')}"
@@ -245,7 +255,6 @@ def _starts(result: DesignResult) -> list[str]:
     if len(result.finals) == 0:
         return [f"no search was completed: the budget was used up in {work}, which began with the "
                 "chains to compare with; give a larger budget"]  # fmt: skip
-    starts = counted(len(result.finals), "start")
     best, median = result.spread
     ends = f" (best {result._shown(best)}, median {result._shown(median)})"
     improved = result._sign * (result.value - best) < 0.0
@@ -254,8 +263,14 @@ def _starts(result: DesignResult) -> list[str]:
                 f"{result._shown(median)}; the search from there improved it)")  # fmt: skip
     # Scores of trials that violate constraints are not compared.
     spread = ends if len(result.finals) > 1 and result.met else ""
-    return [f"best of {starts}{spread} by method {result.method!r}, in {work} and "
-            f"{result.seconds:.0f} s"]  # fmt: skip
+    advice = "; try other seeds" if len(result.finals) == 1 and result.method in SEEDED else ""
+    return [f"{_of_starts(result)}{spread} by method {result.method!r}, in {work} and "
+            f"{result.seconds:.0f} s{advice}"]  # fmt: skip
+
+
+def _of_starts(result: DesignResult) -> str:
+    count = len(result.finals)
+    return "one start only" if count == 1 else f"best of {counted(count, 'start')}"
 
 
 def _requirement(result: DesignResult, index: int) -> str:
@@ -305,13 +320,3 @@ def _point(result: DesignResult, index: int) -> str:
     (block,) = result.problem.space.blocks  # type: ignore[union-attr]
     size = getattr(found.chain, block.field)[block.places[0]]
     return f"{block.field} {size:.6g}: {result._shown(result.objective_of(found))}"
-
-
-def references_in_words(result: DesignResult) -> dict[str, Verified]:
-    """The references, with the numbers of chains of which they are the best."""
-
-    def described(name: str) -> str:
-        tried = result.compared[name]
-        return f"best {name} (of {tried} tried)" if tried > 1 else name
-
-    return {described(name): found for name, found in result.references.items()}

@@ -6,8 +6,9 @@ from typing import Final
 
 import numpy as np
 
+from ..designs.comparison import references_in_words
 from ..designs.distribution import Distribution
-from ..designs.report import front_in_words, references_in_words, search_in_words
+from ..designs.report import front_in_words, search_in_words
 from ..designs.result import DesignResult
 from ..representation import counted
 from .drawing import Curve, axis_unit, chart, engineering, note, numbers, page, table

@@ -1,0 +1,103 @@
+"""A design compared with its references, with elastic contacts and with contacts that yield."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from ..representation import counted
+from .ball_choice import BallSpace
+from .reference_chains import EQUAL_BALLS
+from .verified import Verified, met
+
+if TYPE_CHECKING:
+    from .result import DesignResult
+
+# Relative difference of values that is not reported.
+NEGLIGIBLE: Final = 1e-3
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A chain to compare with, beside the design.
+
+    Attributes
+    ----------
+    value, own : float
+        Objective of this chain and of the design.
+    value_if_yielding, own_if_yielding : float
+        The same with contacts that yield; of a chain whose contacts do not, the elastic value.
+    met : bool
+        Whether this chain meets the constraints.
+    """
+
+    value: float
+    own: float
+    value_if_yielding: float
+    own_if_yielding: float
+    met: bool
+
+    @property
+    def reversed(self) -> bool:
+        """Whether the better one of both is another one if contacts yield."""
+        elastic, yielding = self.own - self.value, self.own_if_yielding - self.value_if_yielding
+        return elastic * yielding < 0.0
+
+
+def compared(result: DesignResult, found: Verified) -> Comparison:
+    """The design and a chain to compare with."""
+    return Comparison(
+        result.objective_of(found), result.value, value_if_yielding(result, found),
+        value_if_yielding(result, result.verified), met(result.problem, found.values),
+    )  # fmt: skip
+
+
+def has_yielding_value(result: DesignResult, found: Verified) -> bool:
+    """Whether the objective has another value with contacts that yield."""
+    if not found.yielding or all(each.of_chain for each in result.problem.objective.measures):
+        return False
+    return math.isfinite(result._objective(found.yielding))
+
+
+def value_if_yielding(result: DesignResult, found: Verified) -> float:
+    """Objective with contacts that yield; of a chain whose contacts do not, the elastic one."""
+    known = has_yielding_value(result, found)
+    return result._objective(found.yielding if known else found.values)
+
+
+def best_reference(result: DesignResult) -> str | None:
+    """Name of the best reference that meets the constraints, if the design is hardly better."""
+    sign = result._sign
+    names = [name for name, found in result.references.items()
+             if met(result.problem, found.values)]  # fmt: skip
+    if not names or not result.met or result.problem.scatter is not None:
+        return None
+    best = min(names, key=lambda name: sign * result.objective_of(result.references[name]))
+    other = result.objective_of(result.references[best])
+    better = sign * (other - result.value)
+    return best if better <= NEGLIGIBLE * abs(other) else None
+
+
+def references_in_words(result: DesignResult) -> dict[str, Verified]:
+    """The references, with the numbers of chains of which they are the best, and their balls."""
+
+    def described(name: str) -> str:
+        tried = result.compared[name]
+        text = f"best {name} (of {tried} tried)" if tried > 1 else name
+        balls = equal_balls(result, name)
+        return f"{text}, {balls}" if balls else text
+
+    return {described(name): found for name, found in result.references.items()}
+
+
+def equal_balls(result: DesignResult, name: str) -> str:
+    """The balls of the row of equal ones, such as ``24 balls of 5 mm ptfe``; else empty."""
+    space, chain = result.problem.space, result.references[name].chain
+    if name != EQUAL_BALLS or not isinstance(space, BallSpace) or chain.materials is None:
+        return ""
+    first = int(space.places[0])
+    count = chain.beads - (result.problem.chain.beads - space.size)
+    return (
+        f"{counted(count, 'ball')} of {2e3 * chain.radii[first]:g} mm {chain.materials[first].name}"
+    )

@@ -20,6 +20,7 @@ import hertzchain as hc
 from hertzchain.designs import dry_run as timing
 from hertzchain.designs import trials
 from hertzchain.designs.design import dry_run
+from hertzchain.designs.dry_run import in_lines
 from hertzchain.designs.exports import chain_text
 from hertzchain.designs.genetic import search
 from hertzchain.designs.methods import method_for
@@ -289,6 +290,21 @@ def test_constraints_that_cannot_be_met_give_exit_code_3(file, run):
         ("right_wall = {gap = 0.0}", "", "needs a right wall"),
         ("budget = 400", "budget = 0", "budget must be a whole number of at least 1"),
         ("budget = 400", 'budget = "soon"', "a number of simulations or a time"),
+        (
+            'minimise = "wall_force.peak"',
+            'minimise = ["wall_force.peak", "wall_force.peak"]',
+            "a Pareto front needs two different measures, got wall_force.peak twice",
+        ),
+        (
+            "[[design.vary]]",
+            '[design.subject_to]\nwall_force.peak = "<= 30 N"\n[[design.vary]]',
+            'because of the dot: write "wall_force.peak" = "<= 30 N"',
+        ),
+        (
+            'minimise = "wall_force.peak"',
+            "minimise = {wall_force.peak = 1.0}",
+            'because of the dot: write "wall_force.peak" = 1.0',
+        ),
         ("[design]", "[other]", "unknown table of a design file 'other'"),
         ("[design]", "[desing]", "did you mean 'design'"),
     ],
@@ -481,6 +497,7 @@ def test_too_many_variables_are_explained():
         ("diameter [mm]\n4\n", "no column material"),
         ("diameter [mm],material\n", "has no balls"),
         ("diameter [mm],material\n-4,ptfe\n", "must be above 0"),
+        ("diameter [mm],material\n.005,ptfe\n", "write diameter [m] if the column is in metres"),
         ("diameter [mm],material,colour\n4,ptfe,red\n", "unknown or repeated"),
     ],
 )
@@ -593,7 +610,9 @@ def test_chain_files_of_designs_have_units_and_end_with_a_newline():
 @pytest.mark.parametrize(
     ("limit", "optional", "said"),
     [
-        ("4.9 mm", True, "length <= 4.9 mm cannot be met: the balls that do not vary have 5 mm"),
+        # The arriving ball and a smallest one: a chain has two balls.
+        ("7.9 mm", True, "length <= 7.9 mm cannot be met: every row has at least 8 mm"),
+        ("8 mm", True, ""),
         ("13.9 mm", False, "length <= 13.9 mm cannot be met: every row has at least 14 mm"),
         ("14 mm", False, ""),
     ],
@@ -639,3 +658,37 @@ diameters = ["5 mm", "10 mm"]
     shown = run(file, "--dry-run", "--budget", "400").stdout
     assert "5 variables, method 'gradient'" in shown
     assert "for the whole budget, without the verification" in shown
+
+
+@pytest.mark.parametrize("optional", [True, False])
+def test_a_striker_that_varies_is_a_note(optional):
+    row = hc.Chain.from_materials("3 mm", "steel-52100", beads=3, velocity=0.0)
+    row = row.struck_by(radius="5 mm", velocity="0.1 m/s").replace(right_wall=hc.Wall())
+    sizes = {"materials": "steel-52100", "diameters": ["5 mm", "8 mm"], "optional": optional}
+    notes = []
+    for beads in ("1:", "2:"):
+        given = hc.Design(row, minimise="wall_force.peak",
+                          vary=[hc.vary.balls(beads=beads, **sizes)])  # fmt: skip
+        found = hc.design(given, budget=100)
+        notes.append([each for each in found.notes if "striker" in each])
+        text = in_lines(given, dry_run(given, budget=100))
+        assert [f"note: {each}" for each in notes[-1]] == [
+            line for line in text.splitlines() if "striker" in line
+        ]
+    assert notes == [["the striker varies, too, and with it the impact; beads = '2:' lets only the "
+                      "beads behind vary"], []]  # fmt: skip
+
+
+def test_a_dry_run_of_slow_trials_times_few(monkeypatch):
+    given = problem()
+    clock, count = [0.0], []
+
+    def values(_trials, points, _rtol):
+        count.append(len(points))
+        clock[0] += 3.0 * len(points)
+        return np.ones((len(points), 1))
+
+    monkeypatch.setattr(Trials, "_values", values)
+    monkeypatch.setattr(time, "perf_counter", lambda: clock[0])
+    assert dry_run(given, budget=400, threads=1).trial == pytest.approx(3.0)
+    assert sum(count) == 2

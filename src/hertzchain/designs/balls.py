@@ -19,6 +19,8 @@ SHIPPED: Final = "bearing-balls"
 # Inch [m], divisor of the smallest fraction of it that is a size of balls, and the largest
 # rounding error of catalogues in mm with four digits, such as 7.1438 mm.
 INCH, FINEST, ROUNDED = 25.4e-3, 64, 0.6e-7
+# Diameter [m] below which one of these units of a column is probably wrong.
+SMALLEST, LARGE_UNITS = 50e-6, ("m", "cm", "mm", "in")
 COLUMNS: Final = ("diameter", "material", "grade", "price", "name", "count")
 
 
@@ -105,6 +107,12 @@ def _ball(row: int, cells: dict[str, str], unit: str, width: int, given: list[st
     diameter = converted(f"diameter in row {row}", read("diameter"), unit, "m")
     if not 0.0 < diameter < float("inf"):
         raise InputError(f"diameter in row {row} must be above 0, got {cells['diameter']}")
+    if diameter < SMALLEST and unit in LARGE_UNITS:
+        raise InputError(
+            f"diameter in row {row} must be at least {1e3 * SMALLEST:g} mm in a column in {unit}, "
+            f"got {cells['diameter']} {unit}; write diameter [m] if the column is in metres, or "
+            "diameter [um] if the balls are this small"
+        )
     with errors_at(f"row {row}"):
         kind = material(cells["material"])
     price = read("price") if cells.get("price") else float("nan")

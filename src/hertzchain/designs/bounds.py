@@ -85,6 +85,19 @@ def impact_varies(problem: Design) -> bool:
     )
 
 
+def note_on_impact(problem: Design) -> list[str]:
+    """A note if a bead that moves at the beginning is among those that vary."""
+    strikers = problem.chain.strikers
+    moving = np.flatnonzero(problem.chain.velocities)
+    if not impact_varies(problem) or moving.max() >= max(1, strikers):
+        return []
+    what = f"striker{'s' if strikers > 1 else ''}" if strikers else "bead that moves at first"
+    return [
+        f"the {what} {'vary' if strikers > 1 else 'varies'}, too, and with it the impact; "
+        f"beads = '{max(1, strikers) + 1}:' lets only the beads behind vary"
+    ]
+
+
 def impossible(problem: Design) -> str | None:
     """The reason why the constraints of a problem cannot be met, if a bound shows it."""
     for each in problem.requirements:
@@ -106,14 +119,12 @@ def _too_small(problem: Design) -> str | None:
     smallest = min(2.0 * ball.radius for ball in space.balls)
     size = {"length": 2.0 * float(chain.radii[fixed].sum()),
             "mass": float(chain.masses[fixed].sum())}  # fmt: skip
-    if not space.optional:
-        size["length"] += smallest * space.size
+    striking = int((space.places < chain.strikers).sum())
+    size["length"] += smallest * max(0, space.least - striking)
     for each in problem.requirements:
         least = size.get(each.measure.key)
         if least is not None and each.sign > 0 and least > each.limit * (1.0 + 1e-9):
             shown = in_words(least, each.measure.unit, chain.units)
-            which = (
-                "the balls that do not vary have" if space.optional else "every row has at least"
-            )
+            which = "every row has at least" if space.least else "the balls that do not vary have"
             return f"{each} cannot be met: {which} {shown}"
     return None

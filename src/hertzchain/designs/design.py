@@ -21,7 +21,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number, worker_count
 from ..validation.objects import Progress, callback, check_type, file_path
 from .ball_choice import BallSpace
-from .bounds import bounds_of, impossible
+from .bounds import bounds_of, impossible, note_on_impact
 from .dry_run import Estimate, estimate
 from .measures import in_words
 from .methods import Found, method_for, price_of, run_method
@@ -250,7 +250,7 @@ def _result(
     promise = found.promise
     space = problem.space
     parts = tuple(space.parts(best.x)) if isinstance(space, BallSpace) and not space.order else ()
-    notes = (*notes, *_differs(trials, best, verified), *verified.notes,
+    notes = (*notes, *note_on_impact(problem), *_differs(trials, best, verified), *verified.notes,
              *notes_on_rejections(trials, verified))  # fmt: skip
     return DesignResult(
         problem, verified, met(problem, verified.values), best.score,

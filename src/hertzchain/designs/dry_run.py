@@ -13,6 +13,7 @@ import numpy as np
 
 from ..representation import counted, duration_in_words
 from .ball_choice import BallSpace
+from .bounds import note_on_impact
 from .genetic import BATCH, Population, search
 from .measures import in_words
 from .methods import run_method
@@ -23,8 +24,8 @@ from .trials import RTOL, Trials
 
 # Numbers of choices from which only two digits are printed.
 MANY: Final = 1e7
-# Number of trials that are timed, the second time after the kernels were compiled.
-TIMED: Final = 32
+# Largest number of trials that are timed, and their time [s].
+TIMED, LONGEST = 32, 5.0
 # Methods for sizes whose trials take much less time than their gradients.
 WITH_GRADIENTS: Final = ("gradient", "hybrid", "law")
 # Among balls, and with these methods, a short search is timed: its least and largest number of
@@ -84,13 +85,10 @@ def estimate(
     # The longest chains, because good ones are seldom short.
     lengths = [problem.space.chain_of(point).beads for point in points]
     timed = [points[i] for i in np.argsort(lengths, kind="stable")[-TIMED:]]
-    for _ in range(2):
-        begun = time.perf_counter()
-        trials._values(timed, RTOL)
-        spent = time.perf_counter() - begun
-    space, each, choices = problem.space, spent / len(timed), math.inf
+    each = _time_of_trials(trials, timed)
+    space, choices = problem.space, math.inf
     searched = isinstance(space, BallSpace) or method in WITH_GRADIENTS
-    if searched and problem.scatter is None:
+    if searched and problem.scatter is None and LEAST * each < LONGEST:
         # The first trials may need further kernels.
         for count in (LEAST, int(np.clip(TIME / each, LEAST, MOST))):
             each = _time_of_search(trials, method, count)
@@ -105,6 +103,20 @@ def estimate(
         method, size, len(points), budget, problem.evaluate(problem.chain).values,
         each, trials.samples, choices, impossible,
     )  # fmt: skip
+
+
+def _time_of_trials(trials: Trials, points: list[Any]) -> float:
+    """Time per trial, of as many as take little time."""
+
+    def timed(count: int) -> float:
+        begun = time.perf_counter()
+        trials._values(points[-count:], RTOL)
+        return (time.perf_counter() - begun) / count
+
+    # The first trial of each kind includes the compilation.
+    each = min(timed(1) for _ in range(2))
+    count = int(np.clip(LONGEST / each, 1, len(points)))
+    return each if count == 1 else min(timed(count) for _ in range(2))
 
 
 def _time_of_search(trials: Trials, method: str, count: int) -> float:
@@ -144,6 +156,7 @@ def in_lines(problem: Design, found: Estimate) -> str:
     shown = (f"{name} {in_words(value, units[name], problem.chain.units)}"
              for name, value in found.given.items() if value == value)  # fmt: skip
     lines.append(f"the given chain: {', '.join(shown)}")
+    lines += [f"note: {note}" for note in note_on_impact(problem)]
     if found.impossible is not None:
         return "\n".join(lines)
     whole = " for the whole budget," if found.choices == math.inf else ""

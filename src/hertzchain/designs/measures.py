@@ -24,7 +24,7 @@ name                                                    meaning
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -282,6 +282,17 @@ def measure_of(chain: Chain, name: object) -> Measure:
     measure = parse_measure(name, chain)
     measure.check(chain)
     return measure
+
+
+def check_name(name: object, value: object) -> None:
+    """Raise `InputError` for a table, which TOML makes of a name with a dot and no quotes."""
+    if isinstance(value, Mapping) and value:
+        (key, inner), *_ = value.items()
+        shown = inner if isinstance(inner, float | int) else repr(inner).replace("'", '"')
+        raise InputError(
+            f"{name}.{key} needs quotes in a TOML file, because of the dot: write "
+            f'"{name}.{key}" = {shown}'
+        )
 
 
 def parse_measure(text: object, chain: Chain | None = None) -> Measure:

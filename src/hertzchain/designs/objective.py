@@ -12,7 +12,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, short_repr
 from ..validation.numbers import number, real_numbers
-from .measures import CURVES, Measure, measure_of
+from .measures import CURVES, Measure, check_name, measure_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,13 +80,20 @@ def objectives_from(
                     "each objective of a Pareto front must be the name of a measure, such as "
                     f"'wall_force.peak', got {short_repr(name)}"
                 )
-        return tuple(_of({name: 1.0}, sign, chain) for name in what)
+        first, second = (_of({name: 1.0}, sign, chain) for name in what)
+        if first.single == second.single:
+            raise InputError(
+                f"a Pareto front needs two different measures, got {first.single} twice"
+            )
+        return first, second
     return (_of(what if isinstance(what, Mapping) else {what: 1.0}, sign, chain),)
 
 
 def _of(weights: Mapping[Any, Any], sign: float, chain: Chain) -> Objective:
     if not weights:
         raise InputError("the objective has no measures: give a name, such as 'wall_force.peak'")
+    for name, weight in weights.items():
+        check_name(name, weight)
     measures = tuple(measure_of(chain, name) for name in weights)
     values = [sign * number(f"weight of {m}", w)
               for m, w in zip(measures, weights.values(), strict=True)]  # fmt: skip

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ..errors import InputError
 from .dominance import undominated
 from .front_search import search_front
 from .methods import Found, method_for, run_method
@@ -39,9 +38,7 @@ def design_front(
     of the second objective.  Choices of balls are those of all trials that no other trial beats.
     """
     problem = trials.problem
-    first, second = (objective.single for objective in problem.objectives)
-    if first is None or second is None or first == second:
-        raise InputError("a Pareto front needs two different measures")
+    second = problem.objectives[1].single
     trials.memory = {} if trials.draws is None else None
     if method == "enumerate":
         found = [_solve(trials, problem._only(0), method, 1.0, finish)]

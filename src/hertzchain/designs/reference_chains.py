@@ -39,7 +39,7 @@ def _equal_balls(space: BallSpace) -> list[Any]:
     lengths = np.array([space.size])
     if space.optional:
         count = min(space.size, max(1, MAX_EQUAL // len(space.balls)))
-        lengths = np.unique(np.linspace(1, space.size, count).round().astype(int))
+        lengths = np.unique(np.linspace(max(1, space.least), space.size, count).round().astype(int))
     empty = len(space.balls)
     rows = [
         np.where(np.arange(space.size) < length, ball, empty)

@@ -15,7 +15,7 @@ from ..errors import InputError, short_repr
 from ..representation import measure as shown
 from ..units import converted
 from ..validation.numbers import number
-from .measures import Measure, measure_of
+from .measures import Measure, check_name, measure_of
 
 _FORM: Final = re.compile(r"\s*(<=|>=|≤|≥|<|>)\s*([^\s<>=].*?)\s*")
 _VALUE: Final = re.compile(r"[-+]?[\d.]+([eE][-+]?\d+)?(\s*[a-zA-Zµ][\w/^* ]*)?")
@@ -62,6 +62,7 @@ def requirements_from(given: object, chain: Chain) -> tuple[Requirement, ...]:
         )
     found = []
     for name, texts in given.items():
+        check_name(name, texts)
         measure = measure_of(chain, name)
         listed = texts if isinstance(texts, list | tuple) else [texts]
         found += [_requirement(measure, text, chain) for text in listed]

@@ -12,6 +12,7 @@ import pytest
 from scipy_chain import trajectory, wall_peak
 
 import hertzchain as hc
+from hertzchain.designs import pareto
 from hertzchain.designs.balls import Ball, load_balls
 from hertzchain.designs.bundle_descent import Model, _step
 from hertzchain.designs.dominance import best_spread, undominated
@@ -572,6 +573,45 @@ def test_the_plot_of_a_front_has_hollow_points_where_contacts_yield(partly_yield
     # Nothing is between rows of balls: only points are on the front, and the line has steps.
     (steps,) = (line for line in axes.lines if line.get_drawstyle() != "default")
     assert steps.get_drawstyle() == "steps-post"
+
+
+def test_points_of_a_front_that_yield_beats_are_marked_and_the_verification_is_reported(
+    monkeypatch,
+):
+    """A struck row of steel and PTFE; lengths are those of the row, without the striker."""
+    lines = []
+    monkeypatch.setattr(pareto, "INTERVAL", 0.0)
+    monkeypatch.setattr(pareto, "write_line", lines.append)
+    chain = hc.Chain.from_materials("5 mm", "steel-52100", beads=4, velocity=0.0)
+    chain = chain.struck_by(diameter="20 mm", velocity="1 m/s")
+    kinds = hc.vary.balls(
+        materials=["steel-52100", "ptfe"], diameters=["4.7625 mm", "7.9375 mm"], beads="2:",
+        optional=True,
+    )  # fmt: skip
+    found = hc.design(
+        hc.Design(chain.replace(right_wall=hc.Wall.of("steel-52100")),
+                  minimise=["wall_force.peak", "length"], vary=[kinds]),
+        progress=print,
+    )  # fmt: skip
+    count = len(found.front)
+    assert lines == [
+        f"hertzchain: verified {i} of {count} points of the front" for i in range(1, count + 1)
+    ]
+    forces = [(point.values | point.verified.yielding)["wall_force.peak"] for point in found.front]
+    lengths = [point.values["length"] for point in found.front]
+    beaten = [
+        (1e3 * length, force) for force, length in zip(forces, lengths, strict=True)
+        if any(f <= force and x <= length and (f, x) != (force, length)
+               for f, x in zip(forces, lengths, strict=True))
+    ]  # fmt: skip
+    assert beaten
+    axes = found.plot("front")
+    (circles,) = axes.collections
+    assert np.array(circles.get_offsets()) == pytest.approx(np.array(beaten))
+    assert axes.get_xlabel() == "length of the chain without the striker [mm]"
+    # The striker is shaded where changes of the objective are plotted.
+    panel = found.plot("sensitivity")
+    assert [text.get_text() for text in panel.texts] == ["striker"]
 
 
 def test_forces_with_contacts_that_yield_are_dashed(partly_yielding):

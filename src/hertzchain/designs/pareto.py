@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from ..kernels.compile_notice import write_line
+from ..simulation.slow_run import INTERVAL
 from .dominance import undominated
 from .front_search import search_front
 from .methods import Found, method_for, run_method
@@ -54,7 +57,7 @@ def design_front(
             more = min(len(front), MOST_POINTS)
             notes = [f"{len(shown)} of the {len(front)} points of the front are shown, in about "
                      f"equal steps of {second}; points = {more} shows more"]  # fmt: skip
-        found = [_verified_point(trials, best.method, each, finish) for each, _ in shown]
+        found = _verified_points(trials, best.method, [each for each, _ in shown], finish)
     kept = _front(found, problem)
     return dataclasses.replace(
         kept[0] if kept else best, problem=problem, front=tuple(kept), runs=trials.runs,
@@ -122,26 +125,39 @@ def _spread(front: list[tuple[Outcome, float]], points: int) -> list[tuple[Outco
     return [front[i] for i in np.unique(np.abs(values - levels[:, np.newaxis]).argmin(axis=1))]
 
 
-def _verified_point(
-    trials: Trials, method: str, outcome: Outcome, finish: Finish
-) -> DesignResult:  # fmt: skip
-    part = dataclasses.replace(trials, problem=trials.problem._only(0), best=[outcome])
-    return finish(part, Found(method, [outcome]), ())
+def _verified_points(
+    trials: Trials, method: str, outcomes: list[Outcome], finish: Finish
+) -> list[DesignResult]:
+    """Results of all points; a line states the progress, which the budget does not include."""
+    found: list[DesignResult] = []
+    written = time.monotonic()
+    for outcome in outcomes:
+        part = dataclasses.replace(trials, problem=trials.problem._only(0), best=[outcome])
+        found.append(finish(part, Found(method, [outcome]), ()))
+        if trials.progress is not None and time.monotonic() - written >= INTERVAL:
+            written = time.monotonic()
+            write_line(f"hertzchain: verified {len(found)} of {len(outcomes)} points of the front")
+    return found
 
 
 def _notes_on_yield(front: list[DesignResult], problem: Design) -> list[str]:
     """Which points are not on the front of contacts that yield."""
     if not any(point.verified.yielding for point in front):
         return []
-    names = [str(each.single) for each in problem.objectives]
-    values = [point.values | point.verified.yielding for point in front]
-    signs = [_sign(each) for each in problem.objectives]
-    costs = np.array([[s * row[n] for s, n in zip(signs, names, strict=True)] for row in values])
-    beaten = len(front) - len(undominated(costs))
+    beaten = len(beaten_if_yielding(front, problem))
     changed = (f"; with contacts that yield, {beaten} of the {len(front)} points are beaten by "
                "others" if beaten else "")  # fmt: skip
     return [f"the front is that of elastic contacts{changed}; the constraint yield_ratio = '<= 1' "
             "keeps it within the range of Hertz's law"]  # fmt: skip
+
+
+def beaten_if_yielding(front: Sequence[DesignResult], problem: Design) -> list[int]:
+    """Places of the points that another point beats if contacts yield."""
+    names = [str(each.single) for each in problem.objectives]
+    values = [point.values | point.verified.yielding for point in front]
+    signs = [_sign(each) for each in problem.objectives]
+    costs = np.array([[s * row[n] for s, n in zip(signs, names, strict=True)] for row in values])
+    return sorted(set(range(len(front))) - {int(i) for i in undominated(costs)})
 
 
 def _front(found: list[DesignResult], problem: Design) -> list[DesignResult]:

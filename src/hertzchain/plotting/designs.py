@@ -21,6 +21,7 @@ from ..designs.curves import Curve, initial_and_final, plotted_quantity
 from ..designs.exact_gradients import PEAK
 from ..designs.measures import USUAL
 from ..designs.objective import Objective
+from ..designs.pareto import beaten_if_yielding
 from ..designs.sensitivity import changes
 from ..designs.verified import violated
 from ..errors import InputError
@@ -274,6 +275,7 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             result.changes if own
             else changes(result.problem._with_objective(objective), result.chain, 0.01)
         )  # fmt: skip
+        _shade_arriving(result, axes)
         both = bars_of_changes(axes, *found)
         axes.set_xlabel("bead $k$")
         axes.xaxis.set_major_locator(BeadLocator())
@@ -283,6 +285,15 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             change = f"change [%] {f'for {PLUS_MINUS}1% in diameter' if both else GROWS}"
         axes.set_ylabel(f"{name}:\n{change}")
     return axes
+
+
+def _shade_arriving(result: DesignResult, axes: Axes) -> None:
+    """Shade the strikers, whose sizes are given, as in the plot of a gradient."""
+    if count := result.chain.strikers:
+        axes.axvspan(0.5, count + 0.5, color="0.9", linewidth=0.0)
+        axes.text(0.5 * (1 + count), 0.98, f"striker{'s' if count > 1 else ''}", ha="center",
+                  va="top", rotation=90.0, fontsize=rcParams["legend.fontsize"],
+                  transform=axes.get_xaxis_transform())  # fmt: skip
 
 
 def _of_motion(problem: Design) -> Objective:
@@ -320,6 +331,11 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         _draw_yielding_points(result, (second, across), (first, up), axes)
         if outside.any():
             place_legend(axes)
+        if count := result.chain.strikers:
+            # The row is drawn with them.
+            without = f" without the striker{'s' if count > 1 else ''}"
+            words |= {str(each): f"{each.label}{without}" for each in result.problem.measures
+                      if each.key in ("length", "mass", "beads")}  # fmt: skip
         axes.set_xlabel(f"{words[second]} [{x_unit}]" if x_unit else words[second])
         axes.set_ylabel(f"{words[first]} [{y_unit}]" if y_unit else words[first])
     return axes
@@ -343,6 +359,11 @@ def _draw_yielding_points(
     for begin, end in shifts:
         axes.plot(*zip(begin, end, strict=True), ":", color=grey(axes, 0.6), linewidth=0.8)
     axes.plot(*np.array(shifts)[:, 1].T, "x", color=COLOURS[2], label="with contacts that yield")
+    if beaten := beaten_if_yielding(result.front, result.problem):
+        values = [result.front[i].values | result.front[i].verified.yielding for i in beaten]
+        x, y = ([factor * row[name] for row in values] for name, factor in (across, up))
+        axes.scatter(x, y, s=70.0, facecolors="none", edgecolors=[grey(axes)], linewidths=0.8,
+                     label="beaten by others if contacts yield")  # fmt: skip
 
 
 def _join_points(result: DesignResult, x: Array, y: Array, axes: Axes) -> None:

@@ -486,6 +486,12 @@ def test_titles_name_strikers_walls_and_losses():
         (hc.Chain.uniform(5).replace(right_wall=hc.Wall.rigid()), "5 equal beads, rigid wall"),
         (hc.Chain.uniform(5).replace(loss=hc.Dashpot(0.1)), "5 equal beads, with losses"),
         (
+            hc.Chain.uniform(5).struck_by(mass=5.0, radius=1.0),
+            "5 equal beads and 1 striker (mass 5)",
+        ),
+        (hc.Chain.uniform(5).struck_by(), "5 equal beads and 1 striker"),
+        (hc.Chain.uniform(5).replace(masses=[1, 1, 4, 4, 4]), "given masses, 5 beads"),
+        (
             hc.Chain.dimer(diameters=["10 mm", "6 mm"], materials=["brass", "ptfe"], beads=9),
             "9 balls of brass and PTFE, 10 mm and 6 mm in turn",
         ),

@@ -15,6 +15,7 @@ from .tapers import taper_named
 
 
 def beads_description(
+    count: int,
     radii: Array,
     materials: Sequence[Material] | None,
     taper: str | None,
@@ -26,9 +27,10 @@ def beads_description(
 ) -> str:
     """Such as ``uniform, 20 beads``, or ``20 steel-52100 beads, diameter 10 mm``.
 
-    With a scatter, radii and taper are those without it.
+    Strikers are counted, but the radii are those of the other beads.  With a scatter, radii and
+    taper are those without it.
     """
-    beads = ", ".join(filter(None, (scatter, f"{len(radii)} beads")))
+    beads = ", ".join(filter(None, (scatter, f"{count} beads")))
     if taper is not None:
         symbols = taper_named(taper).symbols
         values = ", ".join(f"{symbols[name]} = {value:g}" for name, value in parameters)
@@ -37,7 +39,7 @@ def beads_description(
         return f"{cells or ('uniform' if np.ptp(radii) == 0.0 else 'given radii')}, {beads}"
     names = list(dict.fromkeys(each.name for each in materials or ()))
     diameters = "diameter" if np.ptp(radii) == 0.0 else "diameters"
-    counted = beads_of(len(radii), "beads", names or ["SI"])
+    counted = beads_of(count, "beads", names or ["SI"])
     sizes = f"{diameters} {sizes_in_words(radii)}"
     return ", ".join(filter(None, (counted, sizes, scatter)))
 
@@ -92,15 +94,31 @@ def _distinguishable(one: float, other: float) -> tuple[str, str]:
 
 
 def features_in_words(
-    names: Sequence[str], left_out: Sequence[str], strikers: int, velocities: Array
+    names: Sequence[str], left_out: Sequence[str], strikers: str, velocities: Array, moving: int
 ) -> str:
     """Such as ``, 2 strikers, right wall``; equal velocities of all strikers are not named."""
-    moving = velocities[:strikers]
-    usual = strikers > 0 and np.ptp(moving) == 0.0 and not velocities[strikers:].any()
-    number = f"{strikers} strikers" if strikers > 1 else "strikers"
+    first = velocities[:moving]
+    usual = moving > 0 and np.ptp(first) == 0.0 and not velocities[moving:].any()
     hidden = {*left_out, *["velocities"] * usual}
-    shown = (number if name == "strikers" else name for name in names if name not in hidden)
+    shown = (strikers if name == "strikers" else name for name in names if name not in hidden)
     return "".join(f", {name}" for name in shown)
+
+
+def strikers_in_words(count: int, radii: Array, masses: Array | None, units: str) -> str:
+    """Such as ``1 striker`` or ``2 strikers (19 mm)``, if their size is not that of the next bead.
+
+    Masses are `None` if they follow from the radii.  Otherwise they are shown, because the radius
+    of a striker of a given mass need not be its size.
+    """
+    number = f"{count} striker{'s' * (count > 1)}"
+    sizes = radii if masses is None else masses
+    if count == 0 or np.ptp(sizes[: count + 1]) == 0.0:
+        return number
+    if masses is None and units == "SI":
+        return f"{number} ({sizes_in_words(radii[:count])})"
+    name, unit = ("radius", "m") if masses is None else ("mass", "kg")
+    ends = dict.fromkeys(measure(each, unit, units) for each in (sizes[0], sizes[count - 1]))
+    return f"{number} ({name} {' to '.join(ends)})"
 
 
 def impact_in_words(velocities: Array, units: str) -> str:

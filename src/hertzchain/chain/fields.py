@@ -41,6 +41,7 @@ from .description import (
     features_in_words,
     impact_in_words,
     law_in_words,
+    strikers_in_words,
 )
 from .drives import Drive
 from .laws import Loss
@@ -418,13 +419,14 @@ class ChainFields(Frozen):
         law, own = law_in_words(self.exponents), slice(self.strikers, None)
         shape: ChainFields | ScatteredRadii = self.scatter or self
         scatter = self.scatter.words(self.radii, self.strikers) if self.scatter else ""
-        masses = self.masses[own] if "masses" in self.given else None
-        cells = cells_in_words(shape.radii[own], masses)
+        masses = self.masses if "masses" in self.given else None
+        cells = cells_in_words(shape.radii[own], None if masses is None else masses[own])
         # The name of a dimer implies equal contacts.
         implied = cells.startswith("dimer, mass") and self.scaled and (self.stiffness == 1.0).all()
         left_out = ["SI units", "masses", "stiffness"] if implied else ["SI units"]
-        rest = features_in_words(self.features, left_out, self.strikers, self.velocities)
-        kind = shape.radii, self.materials, shape.taper, shape.taper_parameters
+        first = strikers_in_words(self.strikers, shape.radii, masses, self.units)
+        rest = features_in_words(self.features, left_out, first, self.velocities, self.strikers)
+        kind = self.beads, shape.radii[own], self.materials, shape.taper, shape.taper_parameters
         beads = beads_description(*kind, cells, scatter, scaled=self.scaled)
         still = self._at_rest_by_default and self.drive is None and not self.velocities.any()
         return f"{beads}{law}{rest}{', at rest' * still}"

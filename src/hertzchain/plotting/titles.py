@@ -7,7 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.description import beads_of, law_in_words, length_in_words, sizes_in_words
+from ..chain.description import (
+    beads_of,
+    law_in_words,
+    length_in_words,
+    sizes_in_words,
+    strikers_in_words,
+)
 from ..chain.laws.restitution import Restitution
 from ..chain.materials import Material
 from .style import literal
@@ -15,14 +21,11 @@ from .style import literal
 
 def chain_words(chain: Chain) -> str:
     """Such as ``20 steel balls, 20 mm to 8 mm, PTFE wall``; strikers are named, not counted."""
-    count, first = chain.beads, chain.strikers
-    title, *_ = chain.description.partition(f"{count} beads")
-    title += f"{count} beads"
     if chain.units == "SI":
-        balls = beads_of(count - first, "balls", _materials(chain.materials, first) or ["SI"])
-        title = f"{balls}{_strikers(chain)}"
-    elif chain.taper is None and np.ptp(chain.radii) == 0.0:
-        title = f"{count} equal beads"
+        materials = _materials(chain.materials, chain.strikers) or ["SI"]
+        title = f"{beads_of(chain.beads - chain.strikers, 'balls', materials)}{_strikers(chain)}"
+    else:
+        title = _scaled_beads(chain)
     title += law_in_words(chain.exponents)
     return ", ".join(filter(None, (title, _wall(chain), _loss(chain))))
 
@@ -30,6 +33,21 @@ def chain_words(chain: Chain) -> str:
 def chain_title(chain: Chain) -> str:
     """The same, escaped for Matplotlib."""
     return literal(chain_words(chain))
+
+
+def _scaled_beads(chain: Chain) -> str:
+    """Such as ``20 equal beads``, or ``given masses, 20 beads and 1 striker (mass 5)``."""
+    first, number = chain.strikers, chain.beads - chain.strikers
+    kind, *_ = chain.description.partition(f"{chain.beads} beads")
+    beads = f"{kind}{number} beads"
+    if kind == "uniform, ":
+        equal = np.ptp(chain.masses[first:]) == 0.0
+        beads = f"{number} equal beads" if equal else f"given masses, {number} beads"
+    if not first:
+        return beads
+    masses = chain.masses if "masses" in chain.given else None
+    radii = (chain.scatter or chain).radii
+    return f"{beads} and {strikers_in_words(first, radii, masses, chain.units)}"
 
 
 def _strikers(chain: Chain) -> str:

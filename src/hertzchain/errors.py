@@ -51,7 +51,7 @@ class ModelRangeWarning(UserWarning):
 
 
 class IncompleteWarning(UserWarning):
-    """A result is incomplete: the run ended before the motion that determines it."""
+    """A result is incomplete: the run ended too early, or points of a sweep failed."""
 
 
 class InputWarning(UserWarning):

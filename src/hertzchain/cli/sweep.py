@@ -117,9 +117,10 @@ def run(
     with ExitStack() as stack:
         pool = stack.enter_context(_pool(scheduler, processes, workers))
         progress = stack.enter_context(progress_bar("points done", rate=True))
-        # The outcome states the number of points outside the range.
+        # The outcome states the numbers of points that failed or are outside the range.
         stack.enter_context(warnings.catch_warnings())
-        warnings.simplefilter("ignore", hertzchain.ModelRangeWarning)
+        for category in (hertzchain.ModelRangeWarning, hertzchain.IncompleteWarning):
+            warnings.simplefilter("ignore", category)
         try:
             hertzchain.sweep(
                 specification, target, executor=pool, shard=part, skip_damaged=skip_damaged,

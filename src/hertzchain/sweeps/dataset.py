@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__
-from ..errors import ModelRangeWarning, warn_user
+from ..errors import IncompleteWarning, ModelRangeWarning, warn_user
 from ..store.sweep_layout import STATUS, Variable
-from ..store.sweep_store import MEANINGS, plain_text
+from ..store.sweep_store import FAILED, MEANINGS, plain_text
 from ..units import UNITS
 from .axes import Axis
 from .batches import Result
@@ -200,4 +200,19 @@ def warn_outside_range(found: xr.Dataset) -> None:
             f"{outside} of {found['outside_range'].size} points are outside the validity range of "
             "a method or of Hertz's law (variable outside_range)",
             ModelRangeWarning,
+        )
+
+
+def warn_failures(found: xr.Dataset) -> None:
+    """Warn once if points failed, with the first reason."""
+    failed = found.status.values == FAILED
+    points = int(failed.any(axis=-1).sum())
+    if points:
+        first = dict(zip(found.status.dims, np.argwhere(failed)[0], strict=True))
+        at = found.reason.isel(first)
+        place = ", ".join(f"{name} = {value.item()}" for name, value in at.coords.items())
+        warn_user(
+            f"{points} of {failed[..., 0].size} points failed (status {FAILED}, values NaN, see "
+            f"variable reason), the first at {place}: {at.item()}",
+            IncompleteWarning,
         )

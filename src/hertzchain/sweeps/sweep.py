@@ -26,6 +26,7 @@ from .dataset import (
     bytes_of,
     columns_of,
     variables_of,
+    warn_failures,
     warn_outside_range,
 )
 from .dispatch import results_of
@@ -123,6 +124,8 @@ def sweep(
 
     Warns
     -----
+    IncompleteWarning
+        Once, if points failed, with their number and the reason of the first.
     ModelRangeWarning
         Once, if points of a sweep in SI units are outside the range of a method or of Hertz's law.
 
@@ -166,6 +169,7 @@ def sweep(
             target.write(result.batch, plan.region(result.batch), columns_of(plan, result))
             report(result.batch)
         found = target.open()
+    warn_failures(found)
     if plan.units == "SI":
         warn_outside_range(found)
     return found

@@ -525,6 +525,13 @@ def test_the_gradient_warns_only_of_the_chain_up_to_the_bead():
         hc.local_rate_gradient(chain, bead=60)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_an_estimate_without_meaning_is_not_printed():
+    law = hc.local_rate(hc.Chain.from_radii([1.0] * 10 + [0.001] * 5 + [1.0] * 10))
+    assert law.velocity_error.max() > 1e10
+    assert "error of the velocity: above 1000% (bead 7)" in str(law)
+
+
 @pytest.mark.parametrize("evaluated", [hc.local_rate, partial(hc.local_rate_gradient, bead=2)])
 def test_an_argument_that_is_not_a_chain_is_named(evaluated):
     with pytest.raises(InputError, match=r"requires a Chain, got \[1.0, 1.0\]"):

@@ -21,7 +21,7 @@ from ..chain.hertz_range import warn_outside_hertz
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units, scaled_chain, unit_of
-from ..pulse.pulse import Pulse, assemble_pulse
+from ..pulse.pulse import MAX_ESTIMATE, Pulse, assemble_pulse
 from ..pulse.quantities import QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
@@ -320,7 +320,8 @@ def _warn_outside(chain: Chain, functions: UniversalFunctions, bead: int) -> Non
         error = solution.error(functions)
         k = int(np.argmax(~(error <= DOUBTFUL)))
         place = "the end" if bead == chain.beads else f"bead {bead}"
-        size = f"{error[bead - 2]:.1%}" if error[bead - 2] < 10.0 else "above 1000%"
+        last = error[bead - 2]
+        size = f"{last:.1%}" if last < MAX_ESTIMATE else f"above {100.0 * MAX_ESTIMATE:g}%"
         reason = (
             f"the estimated velocity error exceeds {DOUBTFUL:.1%} first at bead {k + 2} and is "
             f"{size} at {place}"

@@ -1,3 +1,5 @@
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -5,6 +7,13 @@ from hypothesis import strategies as st
 
 from hertzchain import Chain, InputError
 from hertzchain.chain.tapers import TAPERS
+
+
+def test_an_assignment_points_to_replace():
+    chain = Chain.uniform(3)
+    with pytest.raises(dataclasses.FrozenInstanceError, match=r"chain.replace\(radii=...\)"):
+        chain.radii = [1.0, 2.0, 3.0]
+    assert chain.replace(radii=[1.0, 2.0, 3.0]).radii.tolist() == [1.0, 2.0, 3.0]
 
 
 def test_tapers_follow_their_equations():
@@ -67,7 +76,9 @@ def test_the_named_longest_forward_linear_chain_exists(rate):
         (lambda: Chain.tapered("backward-exponential", 0.5, beads=2000), "bead 343 .*represented"),
         (lambda: Chain.tapered("forward-exponential", 0.5, beads=2000), "bead 584 .*represented"),
         (lambda: Chain.uniform(1), "at least 2 beads, got 1; for one ball that hits a wall"),
-        (lambda: Chain.uniform(2.5), "whole number of at least 2, got 2.5"),
+        (lambda: Chain.uniform(2.5), "whole number of at least 2, got 2.5$"),
+        (lambda: Chain.uniform(30.0), "whole number of at least 2, got 30.0; write 30$"),
+        (lambda: Chain.uniform(1.0), "whole number of at least 2, got 1.0$"),
         (lambda: Chain.uniform(True), "whole number of at least 2, got True"),
         (
             lambda: Chain.uniform(10**15),

@@ -61,6 +61,20 @@ class Frozen(ShortDir):
         self.__dict__.update(state)
 
 
+def name_replace(cls: type[Given]) -> type[Given]:
+    """Decorate a frozen dataclass, so that the error of an assignment names its ``replace``."""
+
+    def rejected(self: Given, name: str, _: object) -> None:
+        raise dataclasses.FrozenInstanceError(
+            f"a {type(self).__name__} does not change: {name} cannot be assigned; replace returns "
+            f"a changed copy: {type(self).__name__.lower()}.replace({name}=...)"
+        )
+
+    # The class itself must not define it: `dataclass` does.
+    cls.__setattr__ = rejected  # type: ignore[assignment, method-assign]
+    return cls
+
+
 def _same(one: Any, other: Any) -> bool:
     """Whether two values of a field are equal; NaN is equal to NaN."""
     if one is other:

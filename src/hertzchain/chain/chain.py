@@ -12,12 +12,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+from ..frozen import name_replace
 from ..validation.keywords import checked_fields
 from . import contact_shapes, modifications, pieces, strikers
 from .builders import ChainBuilders
 from .static_state import StaticState, static_state
 
 
+@name_replace
 @checked_fields
 @dataclass(frozen=True, eq=False, repr=False)
 class Chain(ChainBuilders):

@@ -54,6 +54,7 @@ def test_chain_files(tmp_path):
         ('[chain]\ntaper = "unifrm"\nbeads = 2', "did you mean 'uniform'"),
         ('[chain]\ntaper = "forward-linear"\nbeads = 3\nrate = true', "must be a number"),
         ('[chain]\ntaper = "uniform"\nbeads = 2.5', "whole number"),
+        ('[chain]\ntaper = "uniform"\nbeads = 3.0', "got 3.0 .*; write 3"),
     ],
 )
 def test_bad_chain_files_are_rejected_by_name(tmp_path, text, said):

@@ -39,6 +39,7 @@ def struck_by(
 ) -> C:
     """Return the chain at rest, to be hit by strikers from the left.
 
+    The impact on the first bead, such as ``velocity`` of `Chain.from_materials`, is then omitted.
     The method can be called repeatedly; later strikers are placed to the left of earlier
     ones.  Properties that are not given are those of the chain's first bead.
 

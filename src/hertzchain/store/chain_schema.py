@@ -309,6 +309,11 @@ def is_fraction(path: Sequence[str]) -> bool:
     return any(key.fraction for key in _keys_at(path))
 
 
+def is_count(path: Sequence[str]) -> bool:
+    """Whether the value at a path within [chain] must be a whole number."""
+    return {key.kind for key in _keys_at(path)} == {"integer"}
+
+
 def _keys_at(path: Sequence[str]) -> list[Key]:
     """Keys to which a path within [chain] can lead: several if they belong to variants."""
     words = [word for word in path if not word.isdigit()]

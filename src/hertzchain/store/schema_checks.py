@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import short_repr, similar_names, unknown_name_error
 from ..units import UNITS, quantity
+from ..validation.numbers import whole_hint
 from .chain_schema import KEYS, SECTIONS, TABLES
 from .schema_keys import Key, Section
 
@@ -210,7 +211,8 @@ def _problem_of_one(key: Key, value: Any, what: str) -> Iterator[str]:
             yield str(unknown_name_error(what, value, key.choices))
     elif key.kind == "integer":
         if isinstance(value, bool) or not isinstance(value, numbers.Integral):
-            yield f"{what} must be a whole number, got {short_repr(value)} ({key.description})"
+            given = f"{short_repr(value)} ({key.description}){whole_hint(value)}"
+            yield f"{what} must be a whole number, got {given}"
     elif isinstance(value, str) and _may_be_text(key) and quantity(value) is not None:
         return
     elif isinstance(value, bool) or not isinstance(value, numbers.Real):

@@ -15,12 +15,12 @@ import numpy as np
 
 from ..errors import InputError, errors_at, short_repr, unknown_name_error
 from ..representation import counted, short
-from ..store.chain_schema import dimensions_of, is_fraction
+from ..store.chain_schema import dimensions_of, is_count, is_fraction
 from ..store.csv_tables import csv_rows
 from ..units import PERCENT, UNITS, converted, quantity
 from ..validation.json_types import to_json_types
 from ..validation.keywords import FIELD_ALIASES
-from ..validation.numbers import FRACTION, has_unit, number, whole_number
+from ..validation.numbers import FRACTION, has_unit, number, whole_hint, whole_number
 from ..validation.objects import file_path
 
 if TYPE_CHECKING:
@@ -78,6 +78,8 @@ class Axis:
         object.__setattr__(self, "entry", _with_unit(to_json_types(self.entry)))
         if not self.values:
             raise InputError("has no values")
+        if is_count(self.path):
+            _check_whole(self.values)
 
     def __len__(self) -> int:
         return len(self.values)
@@ -433,6 +435,16 @@ def _spaced(kind: str, given: Any) -> list[float]:
     if np.all(values == np.round(values)) and np.abs(values).max() < 2**53:
         return [int(value) for value in values]
     return [first, *(_decimal(value) for value in values[1:-1]), last][:count]
+
+
+def _check_whole(values: Sequence[Any]) -> None:
+    """Raise `InputError` for the first value between whole numbers, or else the first float."""
+    floats = [i for i, value in enumerate(values) if isinstance(value, float)]
+    if floats:
+        i = next((i for i in floats if not values[i].is_integer()), floats[0])
+        raise InputError(
+            f"value {i + 1} must be a whole number, got {values[i]!r}{whole_hint(values[i])}"
+        )
 
 
 def _decimal(value: float) -> float:

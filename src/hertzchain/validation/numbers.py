@@ -190,8 +190,16 @@ def whole_number(what: str, value: object, *, least: int, most: int | None = Non
         raise InputError(f"{what} is too large; whole numbers have at most 63 bits")
     if count < least or (most is not None and count > most):
         bounds = f"of at least {least}" if most is None else f"from {least} to {most}"
-        raise InputError(f"{what} must be a whole number {bounds}, got {short_repr(value)}")
+        near = isinstance(value, float) and least <= value <= (MAX_INDEX if most is None else most)
+        hint = whole_hint(value) if near else ""
+        raise InputError(f"{what} must be a whole number {bounds}, got {short_repr(value)}{hint}")
     return count
+
+
+def whole_hint(value: object) -> str:
+    """How to write a float that is whole, which Python and NumPy do not accept as a count."""
+    whole = isinstance(value, float) and value.is_integer()
+    return f"; write {value:.0f}" if whole else ""
 
 
 def per_bead_array(

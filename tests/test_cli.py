@@ -226,7 +226,7 @@ def test_cite(run):
         (["pulse", "--quantity", "sped"], "unknown quantity 'sped'"),
         (["pulse", "--quantity", "arrival_spread"], "arrival_spread requires --method disorder"),
         (["pulse", "--json", "--csv"], "cannot be combined"),
-        (["pulse", "--plot", "pulse.doc"], "must end in .png"),
+        (["pulse", "--plot", "pulse.doc"], "must end in .png, .svg or .pdf"),
         (["pulse", "missing.toml"], "cannot read chain file 'missing.toml'"),
         (["pulse", "missing.toml", "--beads", "3"], "not both"),
         (["pulse", "--method", "modified-bca"], "use bca or theory.two_thirds_bca for other"),

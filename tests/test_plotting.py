@@ -409,6 +409,20 @@ def test_residuals_are_relative_differences_from_the_first_pulse():
         hc.plot_pulses([exact, theory], labels=["one"])
 
 
+def test_a_free_end_is_apart_and_exact_zeros_are_hidden_on_logarithmic_axes():
+    chain = hc.Chain.tapered("backward-exponential", 0.05, beads=40)
+    exact, theory, law = hc.propagate(chain), hc.bca(chain), hc.local_rate(chain)
+    axes = law.compare(exact).plot("velocity")
+    curve, end = axes.lines[:2]
+    assert curve.get_xdata().tolist() == list(range(2, 40))
+    assert (end.get_xdata().tolist(), end.get_linestyle()) == ([40], "None")
+    _, (_, lower) = plt.subplots(2)
+    hc.plot_pulses([exact, theory, law], residuals=True, ax=[axes, lower])
+    assert lower.get_yscale() == "log"
+    for line in lower.lines:
+        assert not (np.asarray(line.get_ydata(), float) == 0.0).any()
+
+
 def test_strikers_are_marked_above_the_chain():
     chain = hc.Chain.uniform(6)
     plain = plot_chain(chain)
@@ -909,7 +923,7 @@ def test_errors_of_a_comparison_are_drawn_in_percent():
     axes = theory.compare(exact).plot()
     shown = {line.get_label(): line.get_ydata() for line in axes.lines[:4]}
     assert list(shown) == ["velocity", "arrival", "residence", "peak force"]
-    expected = 100 * (theory.velocity / exact.velocity - 1)[1:]
+    expected = 100 * (theory.velocity / exact.velocity - 1)[1:-1]
     np.testing.assert_allclose(shown["velocity"], expected, rtol=1e-12)
     assert axes.get_xlabel() == "bead or contact $k$"
     sizes = theory.compare(exact).plot("peak_force", log=True, legend=False)

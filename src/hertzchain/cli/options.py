@@ -175,8 +175,10 @@ def check_writable(path: Path | None, option: str, endings: tuple[str, ...]) -> 
     """Check the extension and folder of an output file before anything is computed."""
     if path is None:
         return
+    from ..representation import listed
+
     if path.suffix not in endings:
-        raise click.UsageError(f"{option} {path} must end in {' or '.join(endings)}")
+        raise click.UsageError(f"{option} {path} must end in {listed(endings, 'or')}")
     if not path.parent.is_dir():
         raise click.UsageError(f"{option} {path}: the folder {path.parent} does not exist")
     from ..errors import InputError

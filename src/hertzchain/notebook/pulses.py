@@ -83,9 +83,7 @@ def comparison_html(comparison: Comparison) -> str:
     parts = []
     if curves:
         parts.append(legend((curve.label, curve.colour) for curve in curves))
-        parts.append(
-            chart(curves, "bead or contact k", "size of the error [%]", log=True, whole=True)
-        )
+        parts.append(chart(curves, "bead or contact k", "|error| [%]", log=True, whole=True))
     parts.append(table(("quantity", "largest error", "at k", "rms error"), rows, numeric=True))
     ours, theirs = comparison.pulse, comparison.reference
     about = f"of {ours.method} with {theirs.method}: {ours.chain.description}"

@@ -80,7 +80,7 @@ def run_table_html(runs: RunTable) -> str:
         factor, unit = axis_unit(values, KEPT[first].unit, runs.units)
         part = 100.0 * (np.arange(len(values)) + 0.5) / len(values)
         label = f"{first}{unit}"
-        parts.insert(0, chart([Curve(part, factor * values)], "chains with less [%]", label))
+        parts.insert(0, chart([Curve(part, factor * values)], "share of chains below [%]", label))
     parts.append(table(("quantity", "smallest", "median", "largest"), rows, numeric=True))
     if runs._range_note:
         parts.append(note(f"{runs._range_note}."))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 
+from ..pulse.free_end import ends_free
 from ..pulse.quantities import QUANTITIES
 from .colours import curve_colour, grey
 from .legends import place_legend
@@ -24,15 +25,23 @@ def plot_comparison(
     """Plot relative errors in percent against the bead number; their sizes if ``log``."""
     with figure_style():
         axes = get_axes(ax)
+        ends = []
         for i, name in enumerate(quantities):
             errors = 100.0 * comparison.errors(name)
             beads = np.arange(1, len(errors) + 1)
+            shown, marker = np.abs(errors) if log else errors, MARKERS[i % len(MARKERS)]
+            free = any(ends_free(each, name) for each in (comparison.pulse, comparison.reference))
+            end = len(shown) - free
             # The reference of bead 1 may be 0, and its error a difference.
             axes.plot(
-                beads[1:], (np.abs(errors) if log else errors)[1:],
-                color=curve_colour(axes, i), marker=MARKERS[i % len(MARKERS)],
+                beads[1:end], shown[1:end], color=curve_colour(axes, i), marker=marker,
                 markevery=max(1, len(beads) // 10), label=name.replace("_", " "),
             )  # fmt: skip
+            if free:
+                ends.append((beads[end:], shown[end:], marker, curve_colour(axes, i)))
+        # No line joins a free end, which moves unlike the other beads.
+        for bead, error, marker, colour in ends:
+            axes.plot(bead, error, color=colour, marker=marker, linestyle="none")
         if log:
             axes.set_yscale("log")
             label_log_axis(axes.yaxis)
@@ -41,7 +50,7 @@ def plot_comparison(
         contacts = {QUANTITIES[name].per == "contact" for name in quantities}
         axes.set_xlabel("bead or contact $k$" if len(contacts) > 1 else
                         "contact $k$" if contacts == {True} else "bead $k$")  # fmt: skip
-        axes.set_ylabel("size of the error [%]" if log else "error [%]")
+        axes.set_ylabel("|error| [%]" if log else "error [%]")
         axes.xaxis.set_major_locator(BeadLocator())
         ours, theirs = comparison.pulse, comparison.reference
         set_title(axes, f"{ours.method} against {theirs.method}, {ours.chain.description}")

@@ -320,7 +320,8 @@ def _draw_residuals(
     if not least:
         axes.axhline(0.0, color=grey(axes, 0.6), linewidth=0.7)
     for look, pulse, reference, values in differences:
-        shown = np.abs(values) if least else values
+        # An exact zero, such as that of bead 1, has no place on a logarithmic axis.
+        shown = np.where(values == 0.0, np.nan, np.abs(values)) if least else values
         ends = {len(each.columns()[quantity]) for each in (reference, pulse)
                 if ends_free(each, quantity)}  # fmt: skip
         free = len(shown) in ends

@@ -45,7 +45,7 @@ def solitary_wave_html(wave: SolitaryWave) -> str:
     return page(
         "SolitaryWave", f"in equal beads, p = {wave.exponent:g}",
         legend((curve.label, curve.colour) for curve in curves),
-        chart(curves, "distance from the crest [beads]", "value / value at the crest"), numbers(shown),
+        chart(curves, "distance from the crest [beads]", "value / crest value"), numbers(shown),
     )  # fmt: skip
 
 

@@ -45,6 +45,15 @@ ACCURACY: Final = 2e-5
 # Significant digits of the largest samples of a file that are fewer than this accuracy requires,
 # the least number of these samples, and the part of the largest from which they are counted.
 FEW_DIGITS, MIN_LARGE, LARGE = range(2, 6), 8, 0.5
+# Trial steps of a digitiser are the smallest gaps between different values and these quantiles of
+# all; the step is then refined with gaps of up to the widest numbers of steps.  Values on the
+# grid are nearer to it than a part of the step, which allows for printed digits; most are on it.
+# Fewer values than a number of levels may be near a grid by chance, so that they must be nearer.
+GAPS: Final = (0.1, 0.25, 0.5)
+SMALLEST: Final = 4
+WIDEST: Final = (4.5, 20.5, 100.5, np.inf)
+NEAR, MOST = 0.25, 0.9
+MIN_LEVELS, MOST_COUNTED, ROUNDED = 20, 3, 0.02
 # Trial values, in steps, of a noise that is smaller than a step, and of the level within a step.
 TRIAL_NOISES: Final = np.linspace(0.01, 1.2, 120)
 TRIAL_LEVELS: Final = np.linspace(-0.5, 0.5, 100, endpoint=False)
@@ -194,17 +203,36 @@ def _from_all_lags(rho: Array) -> float:
 
 
 def digitiser_step(values: Array) -> float:
-    """Smallest distance between different values; 0 if they are not on a grid."""
-    levels = np.unique(values)
-    if len(levels) < 3 or len(values) < MIN_QUIET:
+    """Largest common spacing of the different values; 0 if they are not on a grid.
+
+    Printed values are near the grid only, and single ones, such as interpolated samples, may be
+    anywhere.
+    """
+    levels, counts = np.unique(values, return_counts=True)
+    if len(levels) < 3 or len(values) < MIN_QUIET or len(levels) >= 0.9 * len(values):
         return 0.0
+    # Values that are equal except for rounding in binary are one.
+    first = np.flatnonzero(np.diff(levels, prepend=-np.inf) > EQUAL * np.abs(levels).max())
+    levels, weights = levels[first], np.minimum(np.add.reduceat(counts, first), MOST_COUNTED)
+    if len(levels) < 3:
+        return 0.0
+    gaps = np.sort(np.diff(levels))
+    trials = np.unique([*gaps[:SMALLEST], *np.quantile(gaps, GAPS, method="lower")])
+    return max(_spacing(levels, weights, each) for each in trials.tolist())
+
+
+def _spacing(levels: Array, weights: Array, trial: float) -> float:
+    """Spacing of the grid on which levels are, from an estimate; 0 if they are not on one."""
     gaps = np.diff(levels)
-    step = float(gaps.min())
-    with np.errstate(over="ignore", invalid="ignore"):
-        parts = gaps / step
-        on_grid = np.abs(parts - np.round(parts)) < 0.01 * np.maximum(parts, 1.0)
-    repeated = len(levels) < 0.9 * len(values)
-    return step if step > 0.0 and repeated and bool(on_grid.all()) else 0.0
+    step = float(gaps[np.abs(gaps - trial) < NEAR * trial].mean())
+    for most in WIDEST:  # a wide gap has a whole number of steps only if the step is accurate
+        some = gaps[gaps < most * step]
+        step = float(some.sum() / max(np.round(some / step).sum(), 1.0))
+    phase = np.exp(2j * np.pi * (levels - levels[0]) / step)
+    distance = np.abs(np.angle(phase * np.conj(weights @ phase))) / (2.0 * np.pi)
+    few = weights.sum() < MIN_LEVELS
+    near = np.average(distance < (ROUNDED if few else NEAR), weights=weights)
+    return step if near > (1.0 - 1e-9 if few else MOST) else 0.0
 
 
 def printed_step(values: Array) -> float:

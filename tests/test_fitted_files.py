@@ -7,7 +7,9 @@ import pytest
 from scipy_row import FREE, TRUTH, chain, forces, recorded, traces
 
 import hertzchain as hc
+from hertzchain.fitting.chain_parameters import with_sizes
 from hertzchain.fitting.fitted_file import readable_chain
+from hertzchain.fitting.names import parse_name
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 STEEL = "steel-52100"
@@ -165,3 +167,19 @@ def test_the_file_has_the_fitted_velocity(tmp_path):
     (tmp_path / "fitted.toml").write_text(result.chain_toml())
     read = hc.load_chain(tmp_path / "fitted.toml")
     assert read.velocities.max() == pytest.approx(result.values["struck_by.velocity"], rel=1e-6)
+
+
+@pytest.mark.parametrize("ball", [7, 15])
+def test_a_given_stiffness_changes_with_the_radius_of_a_ball(ball):
+    """As that of the materials does, also for the wall behind the last ball."""
+    nominal, sizes = chain(), {parse_name(f"radius[{ball}]"): 5.05e-3}
+    given = nominal.replace(
+        stiffness=0.97 * nominal.stiffness,
+        right_wall=hc.Wall(stiffness=0.97 * nominal.wall_stiffness[1]),
+    )
+    derived, changed = (with_sizes(each, sizes, 1e-6) for each in (nominal, given))
+    assert changed.contact_stiffness / 0.97 == pytest.approx(derived.contact_stiffness, rel=2e-3)
+    assert changed.stiffness == pytest.approx(0.97 * derived.stiffness, rel=1e-12)
+    # Contacts that are not those of spheres keep it.
+    conical = given.replace(exponent=2.0)
+    assert with_sizes(conical, sizes, 1e-6).stiffness == pytest.approx(conical.stiffness, rel=1e-15)

@@ -12,8 +12,10 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.laws import Loss
 from ..chain.laws.base import LAWS
+from ..chain.materials import sphere_stiffness
 from ..chain.per_contact import MaterialPairs
 from ..chain.walls import Wall
+from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, unknown_name_error
 from ..units import is_unit
 from ..validation.numbers import FRACTION
@@ -266,7 +268,8 @@ def _material(chain: Chain, name: Name) -> Any:
 def with_sizes(chain: Chain, values: Mapping[Name, float], reference: float) -> Chain:
     """The chain with other materials, sizes, stiffness, exponents and velocities.
 
-    ``reference`` is the overlap at which the force does not depend on the exponent.
+    ``reference`` is the overlap at which the force does not depend on the exponent.  A given
+    stiffness of Hertz contacts, such as that of a fitted chain, changes with the radii.
     """
     changes: dict[str, Any] = {}
     for field in ("radius", "mass"):
@@ -277,11 +280,30 @@ def with_sizes(chain: Chain, values: Mapping[Name, float], reference: float) -> 
             ).copy()
             for name, value in chosen.items():
                 array[bead_indices(chain, name)] = value
+    if "radii" in changes:
+        changes |= _given_stiffness(chain, changes["radii"])
     materials = {name: value for name, value in values.items() if name.key.startswith("materials.")}
     if materials:
         changes["materials"] = _changed_materials(chain, materials)
     out = chain.replace(**changes) if changes else chain
     return out.replace(**_forces_and_speeds(out, values, reference))
+
+
+def _given_stiffness(chain: Chain, radii: Array) -> dict[str, Any]:
+    """Given stiffness of Hertz contacts, which is proportional to the root of effective radii."""
+    changes: dict[str, Any] = {}
+    hertz = chain.contact_exponents == HERTZ_EXPONENT
+    if "stiffness" in chain.given:
+        before, after = (
+            sphere_stiffness(each[:-1], each[1:], 1.0) for each in (chain.radii, radii)
+        )
+        changes["stiffness"] = chain.stiffness * np.where(hertz[1:-1], after / before, 1.0)
+    for side, end in zip((0, -1), ENDS, strict=True):
+        wall: Wall | None = getattr(chain, end)
+        if wall is not None and wall.stiffness is not None and hertz[side]:
+            ratio = float(radii[side] / chain.radii[side])
+            changes[end] = dataclasses.replace(wall, stiffness=wall.stiffness * ratio**0.5)
+    return changes
 
 
 def _changed_materials(chain: Chain, values: Mapping[Name, float]) -> tuple[Any, ...]:

@@ -7,6 +7,7 @@ from importlib import resources
 from typing import Any
 
 from hertzchain.designs.balls import SHIPPED, inch_fraction, load_balls
+from hertzchain.fitting.settings import KEYS
 from hertzchain.store.chain_schema import chain_schema
 
 Keys = Sequence[Mapping[str, Any]]
@@ -25,6 +26,7 @@ def chain_file_page() -> str:
         "numbers. An empty default means that the value follows from other keys.",
         "",
         *_sections(),
+        *_fit_section(),
     ])  # fmt: skip
 
 
@@ -77,6 +79,16 @@ def _sections() -> Iterator[str]:
                 yield from _table(keys)
             else:
                 yield from (f"{chosen} there are no further keys.", "")
+
+
+def _fit_section() -> Iterator[str]:
+    yield from ("## `[fit]`", "", "Settings of a [fit](../how-to/fit.md) of the chain to measured "
+                "traces; other commands do not use them. [Names of parameters]"
+                "(../how-to/fit.md#names-of-parameters) lists the names.", "")  # fmt: skip
+    yield from ("| key | value | meaning |", "|---|---|---|")
+    for name, (value, meaning) in KEYS.items():
+        yield f"| `{name}` | {value} | {meaning} |"
+    yield ""
 
 
 def _table(keys: Keys) -> Iterator[str]:

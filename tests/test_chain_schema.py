@@ -12,7 +12,7 @@ import pytest
 import hertzchain as hc
 from hertzchain.chain.laws import LAWS, Loss
 from hertzchain.chain.materials import Material
-from hertzchain.store.chain_files import DRIVES, METHODS, PARTS, SHAPES, chain_from
+from hertzchain.store.chain_files import BEAD_METHODS, DRIVES, PARTS, SHAPES, chain_from
 from hertzchain.store.chain_schema import (
     FORMS,
     KEYS,
@@ -40,7 +40,7 @@ def parameters(function):
 
 def functions():
     """Each section that is a function or class of Python, with its keys."""
-    for name in METHODS:
+    for name in BEAD_METHODS:
         yield getattr(hc.Chain, name), SECTIONS[f"chain.{name}"].keys
     for name, law in LAWS.items():
         yield law, SECTIONS["chain.loss"].variants[name]
@@ -82,7 +82,7 @@ def test_fields_of_a_chain_are_those_of_python():
         if name in ("exponent", "strikers", "precompression", "held_by", "gravity"):
             assert in_files[name].default == item.default
     assert {*FORMS} < {*KEYS}
-    assert {*METHODS, *PARTS, "with_contacts", "exponent"} == {*TABLES}
+    assert {*BEAD_METHODS, *PARTS, "with_contacts", "exponent"} == {*TABLES}
     assert {*LAWS.values()} == {*Loss.__subclasses__()}
 
 
@@ -182,6 +182,15 @@ def test_the_reference_lists_every_key():
                 (row, *_) = re.findall(rf"^\| `{key['name']}` \| .*{ends}$", page, re.M)
                 assert f"| {key['unit']} |" in row
                 assert ("| required |" in row) == key["required"]
+
+
+def test_the_reference_lists_the_settings_of_a_fit():
+    import schema_tables
+
+    _, found, section = schema_tables.chain_file_page().partition("## `[fit]`\n")
+    assert found
+    for key in ("free", "prior", "start", "coupling"):
+        assert f"| `{key}` | " in section
 
 
 def test_the_table_of_calibrated_constants_is_that_of_the_package():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 from ..chain.chain import Chain
 from ..errors import InputError, errors_at, short_repr, unknown_name_error
@@ -15,7 +15,18 @@ from ..validation.objects import file_path, shown_path
 from .coupling import resolved_coupling
 from .traces import Traces, with_coupling
 
-KEYS = ("free", "prior", "start", "coupling")
+# Keys of the table [fit] of a chain file: values and meanings.
+KEYS: Final[Mapping[str, tuple[str, str]]] = {
+    "free": ("list of text", "names of the free parameters; by default, the stiffness, the "
+             "velocity, the parameters of the loss, the time offset and the gains of sensors in V"),
+    "prior": ("table", "for each name, a value and its standard deviation from other "
+              "measurements, `[0.3, 0.003]` or with units"),
+    "start": ("table", "for each name, the value from which the fit starts; that of the prior or "
+              "of the chain if omitted"),
+    "coupling": ("`AC`, `DC` or table", "whether the signals of all sensors, or by name, contain "
+                 "the static force (`DC`); by default, this is decided by the level before the "
+                 "pulse"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

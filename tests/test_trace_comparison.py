@@ -518,3 +518,13 @@ def test_a_run_with_few_saved_times_is_not_compared():
         run.compare(traces())
     needed = int(re.search(r"at least times=(\d+)", str(caught.value))[1])
     assert hc.simulate(chain(), until=7e-4, times=needed).compare(traces()).covered > 0.9
+
+
+def test_a_run_agrees_with_its_forces_also_at_the_foot_of_the_pulse(tmp_path):
+    run = hc.simulate(chain(), until=7e-4, times=701)
+    run.save_forces(tmp_path / "forces.csv", ["ball 5", "wall"])
+    found = run.compare(tmp_path / "forces.csv")
+    assert found.notes == ()
+    text = found.summary()
+    assert "+0.00 us" in text
+    assert "-0.0" not in text.replace("time offset -0", "")

@@ -111,7 +111,7 @@ class SensorComparison:
     @property
     def cells(self) -> tuple[str, ...]:
         """Peaks, arrivals and residual as text."""
-        difference = f"{self.peak_ratio - 1.0:+.1%}"
+        difference = f"{self.peak_ratio - 1.0:+z.1%}"
         if self.lower_bound:
             difference = "saturated" if self.saturated else "no crest"
         return (
@@ -132,8 +132,8 @@ def _time(value: float, sign: str = "") -> str:
     if not np.isfinite(value):
         return "-"
     if abs(value) < MILLISECONDS:
-        return f"{1e6 * value:{sign}.2f} us"
-    return f"{1e3 * value:{sign}.2f} ms" if abs(value) < SECONDS else f"{value:{sign}.2f} s"
+        return f"{1e6 * value:{sign}z.2f} us"
+    return f"{1e3 * value:{sign}z.2f} ms" if abs(value) < SECONDS else f"{value:{sign}.2f} s"
 
 
 def _aligned(name: str, *cells: str) -> str:
@@ -355,19 +355,24 @@ def level_notes(shot: Shot, signals: Sequence[Array]) -> list[str]:
         if not signal.before:
             continue
         error = signal.sigma / independent_samples(signal.quiet_values) ** 0.5
+        # The level of both signals contains the foot of their pulse.
+        quiet = (signal.valid & np.isfinite(model))[: signal.before]
+        if not quiet.any():
+            continue
+        expected = float(model[: signal.before][quiet].mean())
         if not signal.calibrated:
-            if abs(signal.level) > CERTAIN * error:
+            foot = expected - float(model[np.isfinite(model)][0])
+            if abs(signal.level - scale_of(signal, model) * foot) > CERTAIN * error:
                 notes.append(
                     f"before the pulse, {signal.name} is at {signal.level:.3g} {signal.unit}, to "
                     f"which the simulation is shifted; a fit needs 'offset[{signal.name}]'"
                 )
             continue
-        first = float(model[np.isfinite(model)][0])
-        if abs(signal.level - first) > CERTAIN * error:
+        if abs(signal.level - expected) > CERTAIN * error:
             notes.append(
                 f"before the pulse, {signal.name} is at {signal.level:.3g} {signal.unit}, the "
-                f"simulation at {first:.3g} {signal.unit}; the difference is part of the residual: "
-                "check the zero of the sensor"
+                f"simulation at {expected:.3g} {signal.unit}; the difference is part of the "
+                "residual: check the zero of the sensor"
             )
     return notes
 

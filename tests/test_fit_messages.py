@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from scipy_row import BALLS, FREE, TRUTH, chain, recorded, traces
+from scipy_row import BALLS, FREE, TRUTH, VELOCITY, chain, recorded, traces
 
 import hertzchain as hc
 from hertzchain.cli import cli
@@ -298,3 +298,13 @@ def test_unknown_parameters_are_listed_with_the_sensors_of_the_data():
         hc.fit(data, chain(), free=["stifness"])
     assert f"gain[{data.names[0]}]" in str(error.value)
     assert "gain[ball 6]" not in str(error.value)
+
+
+def test_relative_changes_of_a_gap_are_relative_to_its_value():
+    """Signals with v^-2, k, gap^-2 and gain^2 are the same: one dimension is not determined."""
+    volts = {f"{each.name} [V]": 0.05 * each.values for _, each in traces(gap=0.3e-6)}
+    data = hc.Traces.from_arrays(traces(gap=0.3e-6).shots[0].times, volts)
+    priors = {"struck_by.velocity": (VELOCITY, 0.01 * VELOCITY)}
+    result = hc.fit(data, chain(), free=[*FREE, "gap[8-9]", "gain[*]"], priors=priors)
+    (weak,) = result.weak
+    assert "ratio 0.5 : -1 : -1 : 1;" in str(weak)

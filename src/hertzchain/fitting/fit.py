@@ -218,7 +218,7 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     factors = [each.kind.factor for each in model.parameters]
     weak = weak_directions(
         [name for name, ok in zip(names, free, strict=True) if ok],
-        physical[:, free], np.where(factors, estimates, sizes)[free], priors,
+        physical[:, free], estimates[free], np.where(factors, estimates, sizes)[free], priors,
     )  # fmt: skip
     for each in weak:
         if each.exact and not each.fixed_by:

@@ -16,6 +16,8 @@ from ..representation import listed, short
 WEAK, EXACT_PART = 1.0, 3e-6
 # Smallest weight of a parameter that is named, relative to the largest.
 MIN_WEIGHT: Final = 0.1
+# Fraction of the size of a parameter below which a change relative to its value has no meaning.
+NEAR_ZERO: Final = 0.01
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,7 @@ class WeakDirection:
     Attributes
     ----------
     weights : dict
-        Relative changes of the parameters; the largest is 1.
+        Changes of the parameters relative to their values; the largest is 1.
     error : float
         Relative error along the direction from the data only, without priors.
     exact : bool
@@ -92,13 +94,14 @@ def _grouped(names: list[str]) -> str:
 
 
 def weak_directions(
-    names: Sequence[str], jacobian: Array, sizes: Array, priors: dict[str, float]
+    names: Sequence[str], jacobian: Array, values: Array, sizes: Array, priors: dict[str, float]
 ) -> tuple[WeakDirection, ...]:
     """Weak directions from the derivatives of the data with respect to the parameters.
 
-    ``sizes`` are the sizes to which changes are relative; ``priors`` the standard deviations of
-    the priors, relative to the sizes.
+    ``sizes`` are the sizes to which errors are relative; ``priors`` the standard deviations of
+    the priors, relative to the sizes.  Weights are relative to values, except for those near zero.
     """
+    relative = np.where(np.abs(values) > NEAR_ZERO * np.abs(sizes), values, sizes)
     scaled = jacobian * sizes
     _, singular, rows = np.linalg.svd(scaled, full_matrices=False)
     found = []
@@ -115,6 +118,9 @@ def weak_directions(
         fixed = tuple(
             name for name in weights if name in priors and priors[name] < WEAK * abs(weights[name])
         )
+        changes = dict(zip(names, row * sizes / relative, strict=True))
+        largest = changes[max(weights, key=lambda name: abs(changes[name]))]
+        weights = {name: float(changes[name] / largest) for name in weights}
         error = float(1.0 / value) if value > 0.0 else np.inf
         found.append(WeakDirection(weights, error, bool(exact), fixed))
     return tuple(found)

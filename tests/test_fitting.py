@@ -111,8 +111,8 @@ def test_the_verdict_names_an_uncertain_noise(example):
     [
         (0.11, ", far more than expected: the model does not describe the data"),
         (0.25, "7 standard deviations more than expected: the model does not describe the data"),
-        (0.35, "cannot be decided, because chi2 is known to +-35% only"),
-        (0.60, "cannot be decided, because chi2 is known to +-60% only"),
+        (0.35, "cannot be decided, because chi2 is known only to +-35%"),
+        (0.60, "cannot be decided, because chi2 is known only to +-60%"),
     ],
 )
 def test_a_large_chi_squared_never_counts_as_a_description(example, uncertainty, words):
@@ -124,6 +124,12 @@ def test_a_large_chi_squared_never_counts_as_a_description(example, uncertainty,
     # The residuals of an undecided fit may be used with the factor (5665.3/2156)^(1/2).
     assert ("multiply all errors by 1.62" in result.verdict) == good.undecided
     assert ("have no meaning" in result.verdict) == (not good.undecided)
+
+
+def test_a_very_large_chi_squared_has_no_error(example):
+    good = Goodness(52_058_000.0, 2160, 2160.0, 0, 2156, 0.17, 0.2, noise_error=0.1)
+    verdict = dataclasses.replace(example, goodness=good).verdict
+    assert "independent samples), 24146 times the expectation, far more" in verdict
 
 
 def test_laws_are_not_compared_if_the_noise_is_too_uncertain(example):
@@ -845,7 +851,7 @@ def test_command_reports_a_model_that_does_not_describe_the_data(tmp_path, comma
     assert "Warning" not in done.stderr
     done = command(data, chain, "--free", "time_offset", "--prior", "exponent=1.5,0.1")
     assert done.returncode == 2
-    assert "has a prior but is not free" in done.stderr
+    assert "has a prior but is not free: add --also-free '" in done.stderr
     done = command(data, chain, "--free", "time_offset")
     assert done.returncode == 2
     assert "ball 11 is in V without calibration, so its gain must be free: add " in done.stderr

@@ -4,9 +4,11 @@ import json
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from scipy.linalg import eig, expm
 
 import hertzchain as hc
+from hertzchain.cli import cli
 from hertzchain.theory.dispersion import band_edges, dispersion_diatomic, dispersion_uniform
 from hertzchain.theory.linear_contacts import linear_contacts
 
@@ -669,3 +671,22 @@ def test_the_command_spectrum(run, tmp_path):
     code, _, err = run("spectrum", file, "--precompression", "20")
     assert code == 2
     assert "has no unit" in err
+
+
+def test_frequencies_of_a_transfer_function_may_have_units():
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=6).replace(
+        precompression=10.0, held_by="force", right_wall=hc.Wall()
+    )
+    found = hc.spectrum(chain)
+    expected = found.transfer_force([1e3, 2e3], 4)
+    np.testing.assert_array_equal(found.transfer_force(["1 kHz", "2 kHz"], 4), expected)
+    assert found.transfer("1 kHz", 4) == found.transfer(1e3, 4)
+    with pytest.raises(hc.InputError, match="frequency must have a unit such as Hz, kHz"):
+        found.transfer_force("1 N", 4)
+
+
+def test_the_csv_of_a_transfer_function_has_no_file():
+    arguments = ["spectrum", "chain.toml", "--transfer", "3", "--csv", "out.csv"]
+    done = CliRunner().invoke(cli, arguments)
+    assert done.exit_code == 2
+    assert "--csv takes no file name, because the table is printed" in done.stderr

@@ -32,7 +32,12 @@ if TYPE_CHECKING:
     "bead 1, instead of the bands; contact k is between beads k and k + 1.",
 )  # fmt: skip
 @json_option()
-@click.option("--csv", "as_csv", is_flag=True, help="With --transfer, print it as CSV.")
+@click.option(
+    "--csv",
+    "as_csv",
+    is_flag=True,
+    help="With --transfer, print it as CSV, for example with '> transfer.csv'.",
+)
 @figure_option("Plot the bands, or the modes, to FILE.")
 def spectrum(
     options: ChainOptions, precompression: str | None, every_mode: bool, contact: int | None,
@@ -53,6 +58,11 @@ def spectrum(
     """
     import hertzchain
 
+    if as_csv and len(options.files) > 1:
+        raise click.UsageError(
+            "--csv takes no file name, because the table is printed; write, for example, "
+            "--csv > transfer.csv, and give one chain FILE"
+        )
     if contact is None and as_csv:
         raise click.UsageError("--csv prints a transfer function: add --transfer CONTACT")
     if contact is not None and not (plot or as_csv):

@@ -26,6 +26,9 @@ FAR: Final = 1.5
 UNLIKELY: Final = 3.0
 # Larger numbers of standard deviations are not stated, because they have no meaning.
 MANY: Final = 10.0
+# Ratio of a chi-squared to its expectation above which it is stated without an error, which is that
+# of the residuals of a true model.
+NO_ERROR: Final = 10.0
 NO_ERRORS: Final = "; the errors above have no meaning"
 
 
@@ -142,7 +145,7 @@ class Goodness:
         if self.undecided:
             return (
                 ": whether the model describes the data cannot be decided, because chi2 is known "
-                f"to +-{self.uncertainty:.0%} only; give the noise, or record more samples before "
+                f"only to +-{self.uncertainty:.0%}; give the noise, or record more samples before "
                 f"the pulse; {self.if_measured}"
             )
         if self.excess < self.correlation:
@@ -165,9 +168,12 @@ class Goodness:
                 f"{self.counted:.0f} samples, correlated as {self.effective_samples:.0f} "
                 "independent ones"
             )
+        ratio = f"{self.ratio:.{digits}f} +- {self.uncertainty:.{digits}f}"
+        if self.ratio > NO_ERROR and self.excess > MANY:
+            ratio = f"{self.ratio:.0f}"
         return (
             f"chi2 {self.chi2:.1f} for {self.freedom} degrees of freedom ({samples}), "
-            f"{self.ratio:.{digits}f} +- {self.uncertainty:.{digits}f} times the expectation"
+            f"{ratio} times the expectation"
         )
 
     @property

@@ -191,8 +191,8 @@ def _checked_priors(
         for name in asked:
             if name not in names:
                 raise InputError(
-                    f"{str(name)!r} has a prior but is not free; add it to free, whose names are "
-                    f"{', '.join(map(str, names))}"
+                    f"{str(name)!r} has a prior but is not free: add {str(name)!r} to the free "
+                    f"parameters, which are {', '.join(map(str, names))}, or remove the prior"
                 )
         if not asked:
             continue

@@ -120,7 +120,8 @@ class Spectrum(BandStructure):
         Parameters
         ----------
         frequencies : array_like
-            Frequencies f >= 0 of the drive [cycles per unit time, or Hz].
+            Frequencies f >= 0 of the drive [cycles per unit time, or Hz]; in SI units, also
+            text such as ``"1 kHz"``.
         bead : int
             Number k of the responding bead, from 1.
         drive : str
@@ -154,7 +155,7 @@ class Spectrum(BandStructure):
         >>> [float(found.transfer(np.sqrt(3) / (2 * np.pi), k).real.round(6)) for k in (1, 2)]
         [0.0, -0.666667]
         """
-        response = Response(self.contacts, _angular(frequencies))
+        response = Response(self.contacts, self._angular(frequencies))
         k = whole_number("bead", bead, least=1, most=self.chain.beads)
         return response.displacement(k, drive, driven_place(response, drive, at))
 
@@ -171,7 +172,8 @@ class Spectrum(BandStructure):
         Parameters
         ----------
         frequencies : array_like
-            Frequencies f >= 0 of the drive [cycles per unit time, or Hz].
+            Frequencies f >= 0 of the drive [cycles per unit time, or Hz]; in SI units, also
+            text such as ``"1 kHz"``.
         contact : int
             Number of the responding contact: contact k joins beads k and k + 1, contacts 0 and
             N are those with the walls.  A sensor in bead k shows the mean of contacts k - 1
@@ -202,7 +204,7 @@ class Spectrum(BandStructure):
         >>> np.abs(hc.spectrum(held).transfer_force([0.0, 2.0], 9)).round(6)
         array([1., 0.])
         """
-        response = Response(self.contacts, _angular(frequencies))
+        response = Response(self.contacts, self._angular(frequencies))
         c = whole_number("contact", contact, least=0, most=self.chain.beads)
         if self.contacts.springs[c] == 0.0:
             raise InputError(
@@ -210,6 +212,11 @@ class Spectrum(BandStructure):
                 f"give a contact from 1 to {self.chain.beads - 1}, or a wall"
             )
         return response.force(c, drive, driven_place(response, drive, at))
+
+    def _angular(self, frequencies: ArrayLike) -> Array:
+        """Angular frequencies."""
+        unit = self.chain._unit("Hz")
+        return 2.0 * math.pi * bounded_numbers("frequency", frequencies, unit=unit, least=0.0)
 
     @property
     def _usual_frequencies(self) -> Array:
@@ -274,8 +281,8 @@ class Spectrum(BandStructure):
         contact, drive, at
             As for `transfer_force`.
         frequencies : array_like, optional
-            Increasing frequencies of the drive [cycles per unit time, or Hz].  The default is
-            from 0 to a quarter above the highest mode.
+            Increasing frequencies of the drive [cycles per unit time, or Hz]; in SI units, also
+            text such as ``"1 kHz"``.  The default is from 0 to a quarter above the highest mode.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; by default those of a new figure.
 
@@ -365,7 +372,3 @@ def spectrum(chain: Chain) -> Spectrum:
     for array in (eigenvalues, modes, contacts.springs, contacts.dampers):
         array.setflags(write=False)
     return Spectrum(chain, eigenvalues, modes, contacts)
-
-
-def _angular(frequencies: ArrayLike) -> Array:
-    return 2.0 * math.pi * bounded_numbers("frequency", frequencies, least=0.0)

@@ -22,6 +22,7 @@ from ..chain.scales import scale
 from ..collision import Array
 from ..errors import InputError
 from ..representation import measure, short
+from ..validation.keywords import checked_methods
 from .missing_values import reason, together
 from .run_pulse import moving_first
 from .trajectory import Trajectory
@@ -39,6 +40,7 @@ MIN_TIMES: Final = 4
 SETTLED: Final = 0.9
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Fronts:
     r"""Fronts of a run; see `hertzchain.simulation.fronts`.

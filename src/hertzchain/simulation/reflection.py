@@ -11,6 +11,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..errors import InputError, InputWarning, SimulationError, warn_user
 from ..representation import counted, measure
+from ..validation.keywords import checked_methods
 from ..validation.numbers import number, whole_number
 from .trajectory import Trajectory
 from .wave_events import (
@@ -38,6 +39,7 @@ MISSING: Final = 0.05
 SHOWN: Final = 1e-3
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Reflection:
     r"""Reflected and transmitted waves, and coefficients, of an object between two contacts.

@@ -224,7 +224,8 @@ def test_sweeps_over_driven_chains_say_what_is_missing():
         "axes": {"method.until": [8.0, 60.0]},
         "sweep": {"methods": ["simulate"], "keep": ["peak_force", "residence"]},
     }  # fmt: skip
-    found = hc.sweep(document).squeeze("approach")
+    with pytest.warns(hc.IncompleteWarning, match="1 of 2 points failed"):
+        found = hc.sweep(document).squeeze("approach")
     assert found.status.values.tolist() == [2, 1]
     assert "peak_force: contacts" in str(found.reason.values[0])
     assert np.isfinite(found.peak_force.values[0, :3]).all()

@@ -480,7 +480,8 @@ def test_sweeps_keep_the_reasons_of_values_that_are_absent():
         "sweep": {"methods": ["simulate"], "keep": ["velocity"], "at": "every"},
         "method": {"until": 3.0},
     }
-    found = hc.sweep(specification)
+    with pytest.warns(hc.IncompleteWarning, match="2 of 2 points failed"):
+        found = hc.sweep(specification)
     assert "no first maximum of the velocity" in str(found["reason"].sel(beads=8).values)
 
 

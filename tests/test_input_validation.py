@@ -169,6 +169,7 @@ def public_calls(folder):
         ),
         "scan_defects": tried(hc.scan_defects, result=fitted, kind="gap", progress=None),
         "DefectScan.fit": tried(hc.scan_defects(fitted).fit, candidates=1),
+        "DefectScan.plot": tried(hc.scan_defects(fitted).plot, legend=True, ax=None),
         "FitResult.bic": tried(fitted.bic, inflation=1.0),
         "FitResult.plot": tried(fitted.plot, sensor="ball 4", shot=1, ax=None),
         "FitResult.sample": tried(fitted.sample, steps=10, seed=0, progress=None),

@@ -358,7 +358,9 @@ def test_small_differences_are_visible_beside_large_ones():
     assert lower.get_yscale() == "log"
     assert lower.get_ylabel() == "|difference|\n[%]"
     errors = 100.0 * np.abs(pulses[2].velocity / pulses[0].velocity - 1.0)
-    np.testing.assert_allclose(lower.lines[2].get_ydata(), errors[:-1])
+    # The logarithmic axis has no place for the exact velocity of bead 1.
+    assert errors[0] == 0.0
+    np.testing.assert_allclose(lower.lines[2].get_ydata()[1:], errors[1:-1])
     assert lower.get_ylim()[0] < errors.max() < lower.get_ylim()[1]
     similar = hc.plot_pulses([pulses[0], hc.bca(chain), hc.modified_bca(chain)], residuals=True)
     assert similar.figure.axes[1].get_yscale() == "linear"

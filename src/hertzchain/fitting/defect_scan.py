@@ -112,7 +112,7 @@ class DefectScan:
         ]
         order = np.argsort(-self.improvements, kind="stable")[:SHOWN]
         lines += [
-            f"  {self.names[i]:<16}{_rounded(self.improvements[i]):>16}{self.size_text(i):>12}"
+            f"  {self.names[i]:<16}{_rounded(self.improvements[i]):>16}{self._size_text(i):>12}"
             + self._remark(i)
             for i in order
         ]
@@ -132,25 +132,8 @@ class DefectScan:
         first = 1 if self.kind == "bead" else 1.5 - self.result.chain.strikers
         return first + np.arange(len(self.names))
 
-    def size_text(self, i: int) -> str:
-        """Size of a defect, such as ``"0.4 um"`` or ``"+3%"``.
-
-        Parameters
-        ----------
-        i : int
-            Index of the defect in `names`.
-
-        Returns
-        -------
-        str
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> scan = hc.scan_defects(hc.fit(*hc.example_experiment()))
-        >>> scan.size_text(0).endswith(" um")
-        True
-        """
+    def _size_text(self, i: int) -> str:
+        """Size of a defect, such as ``"0.4 um"`` or ``"+3%"``."""
         change = float(self.changes[i])
         return f"{1e6 * change:.3g} um" if self.kind == "gap" else f"{100.0 * change:+.2g}%"
 
@@ -256,7 +239,8 @@ class DefectScan:
         i = int(np.argmax(self.improvements))
         change = "of about" if self.kind == "gap" else "changed by about"
         rest = float(np.sort(self.improvements)[-2]) if len(self.names) > 1 else 0.0
-        text = f"{self.best} {change} {self.size_text(i)} lowers chi2 by {self.improvements[i]:.0f}"
+        size, lowers = self._size_text(i), f"lowers chi2 by {self.improvements[i]:.0f}"
+        text = f"{self.best} {change} {size} {lowers}"
         other = f"the next by {rest:.0f}; call fit()"
         if not self.found:
             text, other = f"no {self.kind} explains more than noise would", ""

@@ -35,7 +35,7 @@ def plot_defect_scans(
         for i, scan in enumerate(scans, len([each for each in present if "best" in each])):
             places, chi2 = scan.places, np.maximum(result.chi2 - scan.improvements, 1.0)
             best, marker = int(np.argmax(scan.improvements)), MARKERS[i % len(MARKERS)]
-            size = scan.size_text(best).replace("um", "µm")
+            size = scan._size_text(best).replace("um", "µm")
             name = f"{LABELS[scan.kind]}, best: {scan.best}, {size}"
             colour = curve_colour(axes, i)
             axes.plot(places, chi2, color=colour, marker=marker, label=name, linewidth=1.0)

@@ -266,13 +266,11 @@ def conflicts(paths: Sequence[tuple[str, ...]]) -> list[str]:
 
 def second_strikers(paths: Iterable[tuple[str, ...]], chain: Chain | None) -> list[str]:
     """Find axes that would add a striker to a given chain that has one."""
-    if chain is None or not chain.strikers:
-        return []
     return [
         f"axes.{'.'.join(path)}: would add a further striker, because the given chain has one "
         "already: give the chain as a table with 'struck_by' or, in SI units, vary 'velocity'"
         for path in paths
-        if path[0] == "struck_by"
+        if path[0] == "struck_by" and chain is not None and chain.strikers
     ]
 
 

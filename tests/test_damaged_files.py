@@ -133,7 +133,9 @@ def trials(short, long):
 @pytest.fixture(scope="module")
 def sweep_store(tmp_path_factory):
     store = tmp_path_factory.mktemp("sweep") / "sweep"
-    return Damaged(store), hc.sweep(SWEEP, store).load()
+    # The runs end before the pulse reaches the last beads.
+    with pytest.warns(hc.IncompleteWarning, match="18 of 18 points failed"):
+        return Damaged(store), hc.sweep(SWEEP, store).load()
 
 
 @pytest.fixture

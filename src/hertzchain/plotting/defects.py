@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from ..validation.objects import check_bool
 from .colours import curve_colour, grey
 from .legends import place_legend
 from .style import MARKERS, figure_style, get_axes, label_log_axis
@@ -28,6 +29,7 @@ def plot_defect_scans(
     Contacts are between the numbers of their balls.  The best defect of each kind has a larger
     symbol and is named with its size in the legend.
     """
+    legend = check_bool("legend", legend)
     with figure_style():
         axes = get_axes(ax)
         result = scans[0].result

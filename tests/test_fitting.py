@@ -373,6 +373,10 @@ def assert_the_best_gap_is_marked(scan):
         0.5, [8.5], [pytest.approx(scan.result.chi2 - scan.improvements.max())]
     )  # fmt: skip
     assert curve.get_label().startswith("gap, best: gap[8-9], 0.")
+    assert scan.found
+    assert "significant" not in curve.get_label()
+    weak = dataclasses.replace(scan, improvements=1e-3 * scan.improvements)
+    assert weak.plot().lines[0].get_label() == f"{curve.get_label()} (not significant)"
     assert without.get_ydata()[0] == scan.result.chi2
     assert noise.get_ydata()[0] == scan.result.goodness.freedom
     # Another kind of defect shares the levels.

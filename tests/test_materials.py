@@ -217,7 +217,7 @@ def test_a_small_excess_of_the_pressure_states_the_loss_of_velocity(speed):
 
 
 def test_the_limit_is_called_cautious_for_polymers_only():
-    words = "(limit 1 of Hertz's law, a limit that is cautious for polymers)"
+    words = "(limit 1 of Hertz's law, which is a cautious limit for polymers)"
     for name, wall, cautious in (
         ("ptfe", None, True), ("ptfe", "steel-52100", True), ("aluminium", None, False),
     ):  # fmt: skip

@@ -130,7 +130,7 @@ class HertzRange:
             others = int(np.count_nonzero(self.yield_ratio > 1.0)) - 1
             besides = f", and above 1 at {others} more" if others else ""
             digits = 3 if ratio > 1.05 else 5
-            cautious = ", a limit that is cautious for polymers" if self.soft[at] else ""
+            cautious = ", which is a cautious limit for polymers" if self.soft[at] else ""
             other = (
                 f" or use loss=ElasticPlastic({'yield_overlap=...' if self.given[at] else ''})"
                 f"{self._replaced}"

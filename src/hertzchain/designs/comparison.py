@@ -19,7 +19,7 @@ NEGLIGIBLE: Final = 1e-3
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ReferenceComparison:
     """A chain to compare with, beside the design.
 
     Attributes
@@ -45,9 +45,9 @@ class Comparison:
         return elastic * yielding < 0.0
 
 
-def compared(result: DesignResult, found: Verified) -> Comparison:
+def compared(result: DesignResult, found: Verified) -> ReferenceComparison:
     """The design and a chain to compare with."""
-    return Comparison(
+    return ReferenceComparison(
         result.objective_of(found), result.value, value_if_yielding(result, found),
         value_if_yielding(result, result.verified), met(result.problem, found.values),
     )  # fmt: skip

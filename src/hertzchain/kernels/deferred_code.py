@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 from llvmlite import binding
 from numba import types
+from numba.core import ir
 from numba.core.analysis import dead_branch_prune
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
@@ -67,6 +68,11 @@ class DeferMachineCode(AnalysisPass):
         return False
 
 
+def count_branches(function: ir.FunctionIR) -> int:
+    """Number of branches in the intermediate representation of a function."""
+    return sum(isinstance(block.terminator, ir.Branch) for block in function.blocks.values())
+
+
 class NotNone(NamedTuple):
     """The type of an argument that is never `None`; numba reads this field of literal types."""
 
@@ -86,8 +92,10 @@ class PruneBranchesOnNone(FunctionPass):
         """Compare the types of the arguments with `None`."""
         may_be_none = types.NoneType, types.Omitted, types.Optional
         known = [each if isinstance(each, may_be_none) else NotNone(each) for each in state.args]
+        before = count_branches(state.func_ir)
         dead_branch_prune(state.func_ir, known)
-        return True
+        # Numba analyses a changed function again, which takes time.
+        return count_branches(state.func_ir) < before
 
 
 class DeferringCompiler(CompilerBase):

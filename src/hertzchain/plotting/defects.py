@@ -38,7 +38,8 @@ def plot_defect_scans(
             places, chi2 = scan.places, np.maximum(result.chi2 - scan.improvements, 1.0)
             best, marker = int(np.argmax(scan.improvements)), MARKERS[i % len(MARKERS)]
             size = scan._size_text(best).replace("um", "µm")
-            name = f"{LABELS[scan.kind]}, best: {scan.best}, {size}"
+            doubt = "" if scan.found else " (not significant)"
+            name = f"{LABELS[scan.kind]}, best: {scan.best}, {size}{doubt}"
             colour = curve_colour(axes, i)
             axes.plot(places, chi2, color=colour, marker=marker, label=name, linewidth=1.0)
             axes.plot(places[best], chi2[best], marker, color=colour, markersize=9.0)

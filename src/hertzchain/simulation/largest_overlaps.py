@@ -1,4 +1,4 @@
-"""Largest overlaps between the saved times of a run with fixed steps."""
+"""Largest overlaps between the saved times of a run."""
 
 from __future__ import annotations
 

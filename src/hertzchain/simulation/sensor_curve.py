@@ -48,7 +48,7 @@ def maximum_near(run: Trajectory, bead: int, force: Array, i: int) -> tuple[floa
     return height, time, max(2.0 * abs(height - coarse), corner)
 
 
-def largest_force(run: Trajectory, bead: int, force: Array) -> tuple[int, float]:
+def place_and_bound_of_largest(run: Trajectory, bead: int, force: Array) -> tuple[int, float]:
     """Number of the saved time next to the largest force, and an upper bound of this force.
 
     The force is interpolated between all saved times if the contacts are elastic.  Contacts whose

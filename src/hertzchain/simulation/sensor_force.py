@@ -14,7 +14,7 @@ from ..errors import IncompleteWarning, InputError, warn_user
 from ..representation import measure, short
 from ..validation.keywords import checked_methods
 from .force_table import force_dataframe
-from .sensor_curve import largest_force, maximum_near
+from .sensor_curve import maximum_near, place_and_bound_of_largest
 from .trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -173,7 +173,7 @@ def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
     force = run.sensor(bead)
     at_rest = 0.5 * float(run.chain.static_state.forces[bead - 1 : bead + 1].sum())
     found = find_maxima(bead, run.times, force, at_rest, run.chain.units)
-    place, bound = largest_force(run, bead, force)
+    place, bound = place_and_bound_of_largest(run, bead, force)
     near = [place]
     if not math.isnan(found.first_maximum_time):
         near.insert(0, int(np.searchsorted(found.times, found.first_maximum_time)))

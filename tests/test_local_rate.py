@@ -324,6 +324,27 @@ def test_exponents_between_the_tables(exponent, must, name):
     assert np.mean(error <= law.velocity_error + 1e-7) > 0.9
 
 
+def error_at_the_end(rates):
+    """Largest error of the velocity at the last four beads."""
+    law = hc.local_rate(hc.Chain.from_radii(np.exp(np.concatenate([[0.0], np.cumsum(rates)]))))
+    return np.abs(law.compare(hc.propagate(law.chain)).errors("velocity"))[-4:].max()
+
+
+# Without the table of short chains, errors are up to 0.8%.
+@pytest.mark.parametrize("contacts", [8, 9, 12, 19, 32, 40, 41])
+@pytest.mark.parametrize("rate", [-0.065, -0.02, 0.0, 0.05])
+def test_the_free_end_of_short_exponential_chains(contacts, rate):
+    assert error_at_the_end(np.full(contacts, rate)) < 1e-4
+
+
+# With the response to exponential chains only, errors are up to 0.052%.
+@pytest.mark.parametrize("contacts", [12, 19, 32, 40, 41])
+@pytest.mark.parametrize("rise", [-0.02, 0.02])
+@pytest.mark.parametrize("mean", [-0.065, -0.02, 0.0, 0.05])
+def test_the_free_end_of_short_ramps(contacts, rise, mean):
+    assert error_at_the_end(mean + rise * np.linspace(-0.5, 0.5, contacts)) < 4e-4
+
+
 def test_the_range_of_rates_is_narrower_for_small_exponents():
     low = [universal_functions(p).range[0] for p in (1.25, 1.4, 1.6, 3.0)]
     np.testing.assert_allclose(low, [-0.0499, -0.1078, -0.1463, -0.165], atol=1e-4)

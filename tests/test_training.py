@@ -15,6 +15,7 @@ from training import (
     rollout,
     second_degree,
     sensitivities,
+    short_chains,
     training_chains,
 )
 from training.second_degree import Chains
@@ -82,6 +83,22 @@ def test_tables_of_single_changes_come_back(monkeypatch, exponent):
     by_state = functions.fast.first[:, place, 3].reshape(18, 3, -1)
     table = by_state[..., : len(range(-BEHIND, AHEAD + 1))].reshape(18, -1)
     np.testing.assert_allclose(found, table, rtol=0.0, atol=STEPS["single"])
+
+
+@pytest.mark.parametrize("exponent", [1.5, 2.0])
+def test_the_table_of_short_chains_comes_back(monkeypatch, exponent):
+    """One place and length of the table, simulated again."""
+    functions = universal_functions(exponent)
+    place, length = 21, 6
+    contacts = short_chains.SHORT_CONTACTS[length]
+    rate = functions.fast.end_places[place]
+    table = functions.fast.short[length, :, place, 3]
+    monkeypatch.setattr(short_chains, "PLACES", np.array([rate]))
+    monkeypatch.setattr(short_chains, "SHORT_CONTACTS", range(contacts, contacts + 1))
+    without = functions.fast._replace(short=functions.fast.short[:0])
+    found = short_chains.left_by_impact(dataclasses.replace(functions, fast=without))
+    assert -0.1 < rate < -0.03
+    np.testing.assert_allclose(found, table.reshape(1, 1, -1), rtol=0.0, atol=STEPS["short"])
 
 
 def made_up(response, stage, chains=4000):
@@ -187,6 +204,7 @@ def test_tables_are_read_as_they_were_written(tmp_path):
         "early": random.normal(size=(len(places), 12, 3)),
         "end": random.normal(size=(len(places), 5, 51)),
         "end_slopes": random.normal(size=(len(places), 5, 3)),
+        "short": random.normal(size=(len(places), len(short_chains.SHORT_CONTACTS), 24)),
         "knots": second_degree.KNOTS,
         "second": random.normal(size=(len(second_degree.KNOTS) + 2, 18 * 105)),
         "steady": np.array(0.25),

@@ -37,6 +37,7 @@ from .responses import measure
 from .rollout import UNTIL, missing_states, refine
 from .second_degree import KNOTS as FAST_KNOTS
 from .second_degree import Chains, fit, fit_stages
+from .short_chains import NONE, left_by_impact
 from .start_fit import fit_start
 from .stored import Stored
 from .table_writer import write_error, write_fast, write_tables
@@ -179,6 +180,8 @@ def fast_changes(
     )
     if effort.slopes[1]:
         measured |= {"last_knots": LAST_KNOTS, "last": np.zeros((len(LAST_KNOTS) + 2, LAST))}
+        measured["short"] = NONE
+        measured["short"] = stored("short chains", lambda: left_by_impact(functions(), shrink))
         ending = stored("chains with changes at the end", lambda: ending_slopes(exponent))
         measured["last"] = stored("last contacts", lambda: fit_last(functions().fast, ending))
         within = measured["second"]

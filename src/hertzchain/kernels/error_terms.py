@@ -36,8 +36,11 @@ EXACT, TRANSITION, CHANGING = 0.995, 2.0, 1.5
 FADING, OF_AHEAD, OF_NEXT, OF_SECOND = 0.75, 0.8, 0.5, 0.1
 # Error of the interpolation in tapers, relative to the error near the rate 0.
 INTERPOLATED = 0.042
-# Overlap of impact and free end in equal beads, and where the rate changes between them.
-OF_EQUAL, OF_SPREAD = 0.05, 0.3
+# Overlap of impact and free end in equal beads.
+OF_EQUAL = 0.05
+# The same for the difference between the largest and the smallest rate: its weight, that of its
+# first power, and the error of the interpolation for constant rates.
+OF_SPREAD, LEAST, INTERPOLATED_END = 9.0, 0.03, 0.002
 # Larger weight of changes in backward tapers, where products of fast changes are less well known.
 LESS_KNOWN = 1.5
 # Weights of higher orders of large changes, and of fast changes that are much larger.
@@ -152,15 +155,17 @@ def train_behind(rate, train):
 
 
 @compiled
-def overlap(contacts, contact, mean_size, mean, spread):
-    """Effect of the impact on the free end of a short chain, nearly all of it on the last bead."""
+def overlap(contacts, contact, ending, mean_size, mean, spread):
+    """Effect of the impact on the free end of a short chain."""
+    if contact >= ending:
+        # The effect is known for rates that are constant or change linearly.
+        return OF_SPREAD * np.exp(-0.4 * contacts) * (INTERPOLATED_END + spread) * (LEAST + spread)
     if contacts - contact > END:
         return 0.0
+    # Nearly all of it on the last bead.
     share = 1.0 if contact == contacts - 1 else 0.03
-    remembered = np.exp(-0.25 * contacts)
-    size = remembered * mean_size + OF_EQUAL * np.exp(-0.55 * contacts)
-    changed = OF_SPREAD * remembered * spread * spread
-    return share * np.exp(-60.0 * max(mean, 0.0)) * size + changed
+    size = np.exp(-0.25 * contacts) * mean_size + OF_EQUAL * np.exp(-0.55 * contacts)
+    return share * np.exp(-60.0 * max(mean, 0.0)) * size
 
 
 # ending: first of the contacts with functions of their own, which forget the rates after the impact
@@ -232,6 +237,6 @@ def write_parts(contacts, ending, slow, fast, doubts, regular, parts):
         if k == contacts - 1:
             parts[k, 11] += STEEP_END * abs(slope) ** 3
         parts[k, 12] = size if at_end else 0.0
-        spread = highest - lowest if k >= ending else 0.0
-        parts[k, 13] = overlap(contacts, k, mean_size / weight, mean / weight, spread)
+        spread = highest - lowest
+        parts[k, 13] = overlap(contacts, k, ending, mean_size / weight, mean / weight, spread)
         parts[k, 14], parts[k, 15] = lost_maximum(contacts, k, slow) + overtaken, jagged

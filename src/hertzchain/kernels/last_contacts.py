@@ -15,9 +15,15 @@ therefore expanded about a mean of the rates s behind them:
     \bar s = \bar s_k = \frac{\sum_o \mu^o s_{k-o}}{\sum_o \mu^o} .
 
 Z is the state on a long exponential chain, and G the simulated response to a change of one rate or,
-with the mean :math:`\bar s_{k-14}`, of all earlier ones.  In short chains, the differences of Z and
-G between one of the first twelve contacts after the impact and a contact within are added.  Further
-on, the difference of Z decays along the whole chain and depends on the mean of all rates.
+with the mean :math:`\bar s_{k-14}`, of all earlier ones.  In short chains, the impact has not been
+forgotten at the end.  There, the states on exponential chains of that length, less those above, are
+added, and their response to a linear change of the rates,
+
+.. math:: D_{n,k}(\bar r) + R_{n,k}(\bar r)\,\frac{\sum_j x_j r_j}{\sum_j x_j^2} ,
+    \qquad x_j = \frac{j}{n - 1} - \frac12 ,
+
+at the mean :math:`\bar r` of all n rates.  At the first twelve contacts, the difference between G
+and the response within the chain is added, too.
 
 The inputs :math:`\eta` are two memories :math:`\sum_o \lambda_i^o (s_{k-o} - s_{k-o-1})` and the
 changes :math:`s_{k+o} - s_{k+o-1}` near the contact, of which the last one comes first.  Beyond the
@@ -46,8 +52,8 @@ from .fast_changes import (
     polynomials,
 )
 
-# Number of these contacts.
-LAST = 4
+# Number of these contacts, and of all contacts of the shortest chain.
+LAST, SHORTEST = 4, 8
 # Factors by which memories decay per contact, and that of the mean.
 MEMORIES = (0.6, 0.85)
 MEAN = 0.75
@@ -80,12 +86,20 @@ def mean_until(contact, rates):
 
 
 @compiled
-def average(contact, rates):
-    """Mean of the rates up to a contact, in which all count the same."""
-    total = 0.0
-    for k in range(contact + 1):
+def ramp(contact, contacts):
+    """Value at a contact of a line that rises from -1/2 to 1/2, divided by the sum of squares."""
+    x = contact / (contacts - 1) - 0.5
+    return 12.0 * (contacts - 1) / (contacts * (contacts + 1)) * x
+
+
+@compiled
+def line_through(rates):
+    """Mean of the rates, and by how much a line fitted to them rises along the chain."""
+    total, rise = 0.0, 0.0
+    for k in range(len(rates)):
         total += rates[k]
-    return total / (contact + 1)
+        rise += ramp(k, len(rates)) * rates[k]
+    return total / len(rates), rise
 
 
 @compiled
@@ -144,7 +158,9 @@ def write_last(rates, tables, states):
         return
     inputs, products = np.empty(COUNT), np.empty(PRODUCTS)
     terms, values = np.empty(TERMS), np.empty(STATES * max(PRODUCTS, TERMS))
-    place, knot = 0, 0
+    place, knot, length = 0, 0, len(rates) - SHORTEST
+    overall, rise = line_through(rates)
+    short, in_short = interval_of(overall, tables.end_places, 0)
     for k in range(first, len(states)):
         mean = recall(k, rates, inputs, terms)
         place, x = interval_of(mean, tables.end_places, place)
@@ -152,12 +168,14 @@ def write_last(rates, tables, states):
         polynomials(tables.end_response[k - first, place], x, linear)
         for i in range(STATES):
             states[k, i] = dot(linear[i * TERMS : (i + 1) * TERMS], terms)
-        if k < len(tables.impact):
-            rate = mean if k < EARLY else average(k, rates)
-            early, x = interval_of(rate, tables.end_places, place)
-            polynomials(tables.impact[k, early], x, linear)
+        if k < EARLY:
+            polynomials(tables.impact[k, place], x, linear)
             for i in range(STATES):
                 states[k, i] += dot(linear[i * TERMS : (i + 1) * TERMS], terms)
+        if length < len(tables.short):
+            polynomials(tables.short[length, k - first, short], in_short, values[: 2 * STATES])
+            for i in range(STATES):
+                states[k, i] += values[2 * i] + rise * values[2 * i + 1]
         knot, x = interval_of(mean, tables.last_knots, knot)
         higher = values[: STATES * PRODUCTS]
         polynomials(tables.last[k - first, knot], x, higher)
@@ -177,16 +195,16 @@ def from_last(rates, tables, seeds, to_rates):
         return
     inputs, to_input, terms = np.empty(COUNT), np.empty(COUNT), np.empty(TERMS)
     work = np.empty((3, max(PRODUCTS, TERMS)))
+    places, length = tables.end_places, len(rates) - SHORTEST
     for k in range(first, len(seeds)):
         mean = recall(k, rates, inputs, terms)
-        places, pieces = tables.end_places, tables.end_response[k - first]
+        pieces = tables.end_response[k - first]
         slope = from_terms(k, places, pieces, mean, terms, seeds[k], work, to_rates)
         if k < EARLY:
             slope += from_terms(k, places, tables.impact[k], mean, terms, seeds[k], work, to_rates)
-        elif k < len(tables.impact):
-            rate, pieces = average(k, rates), tables.impact[k]
-            left = from_terms(k, places, pieces, rate, terms, seeds[k], work, to_rates)
-            to_rates[: k + 1] += left / (k + 1)
+        if length < len(tables.short):
+            pieces = tables.short[length, k - first]
+            from_line(rates, places, pieces, seeds[k], work, to_rates)
         spread_mean(k, slope, to_rates)
         pieces = tables.last[k - first]
         slope = from_inputs(tables.last_knots, pieces, mean, inputs, seeds[k], work, to_input)
@@ -199,6 +217,18 @@ def from_last(rates, tables, seeds, to_rates):
                 add_change(earlier, value, to_rates)
                 value *= MEMORIES[i]
         seeds[k] = 0.0
+
+
+@compiled
+def from_line(rates, places, pieces, seed, work, to_rates):
+    """Add derivatives of the rest of the impact in short chains."""
+    overall, rise = line_through(rates)
+    place, x = interval_of(overall, places, 0)
+    values, slopes = work[0, :2], work[1, :2]
+    combine(pieces[place], seed, x, places[0] <= overall <= places[-1], values, slopes)
+    to_mean, contacts = slopes[0] + rise * slopes[1], len(rates)
+    for k in range(contacts):
+        to_rates[k] += to_mean / contacts + values[1] * ramp(k, contacts)
 
 
 @compiled

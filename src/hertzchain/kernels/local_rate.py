@@ -135,7 +135,7 @@ WORK = (1 + STATES) * ROW + INPUTS + 2 * STATES
 def forward(
     rates, followed, nodes, anchors, knots, response, work, states, deviations, slopes, doubts
 ):  # fmt: skip
-    """Compute states of contacts; returns the first that diverges, or else ``followed``."""
+    """Compute states of contacts; returns the first in doubt, or else ``followed``."""
     terms, _, inputs, value, slope = parts_of(work)
     terms[TERMS] = 0.0
     start, impact, others, third = 0.0, 0.0, 0.0, 0.0
@@ -183,7 +183,8 @@ def forward(
         if away:
             for i in range(STATES):
                 states[k, i], deviations[k, i] = value[i], 0.0
-            lost = min(lost, k)
+            # The state before, from which this one followed, has begun to diverge.
+            lost = min(lost, max(k - 1, 0))
     return lost
 
 

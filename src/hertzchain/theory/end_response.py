@@ -16,27 +16,26 @@ from ..kernels.last_contacts import LAST, TERMS
 # These functions are smooth at rate 0, unlike those within the chain: between the places that are
 # nearer to it, rounded values of the tables would determine their slopes.
 NEAREST: Final = 0.006
-# Contacts that remember the impact, and largest part of it that is left at the next contact.
-REMEMBERING, LONGEST = 24, 0.85
 SlowTables = tuple[Array, Array, Array, Array]
 
 
 def end_tables(
     slow: SlowTables, places: Array, single: Array, end: Array, end_slopes: Array,
-    early: Array | None,
+    short: Array,
 ) -> dict[str, Array]:  # fmt: skip
     """Tables of the last contacts, from those of the responses to single changes.
 
-    The arguments are those of `hertzchain.theory.universal_functions.fast_tables`.  Without the
-    states of the first contacts, ``early``, tables are empty.
+    The arguments are those of `hertzchain.theory.universal_functions.fast_tables`.  Without
+    those of ``short`` chains, tables are empty.
     """
     from scipy.interpolate import Akima1DInterpolator, CubicHermiteSpline, PPoly
 
-    if early is None:
+    if not len(short):
         return {
             "end_places": np.zeros(0),
             "end_response": np.zeros((0, 0, 4, STATES * TERMS)),
             "impact": np.zeros((0, 0, 4, STATES * TERMS)),
+            "short": np.zeros((0, 0, 0, 4, 2 * STATES)),
         }
     nodes, anchors, _, _ = slow
     within = PPoly(np.moveaxis(anchors[-1].reshape(-1, 4, STATES), 1, 0), nodes)
@@ -53,26 +52,19 @@ def end_tables(
     # Near the free end of steep forward tapers, functions have kinks: interpolation is local.
     pieces = Akima1DInterpolator(at, responses).c
     pieces = np.concatenate([pieces, CubicHermiteSpline(at, states, slopes).c[..., None]], axis=-1)
-    after_impact = np.zeros((len(at), REMEMBERING, STATES, TERMS))
-    after_impact[:, :EARLY, :, :TAPS] = taps[:, :EARLY] - taps[:, WITHIN, None]
-    after_impact[..., -1] = _deviations(early[kept] - within(at)[:, None])
+    after_impact = np.zeros((len(at), EARLY, STATES, TERMS))
+    after_impact[..., :TAPS] = taps[:, :EARLY] - taps[:, WITHIN, None]
+    # From (places, lengths, contacts, states, 2).
+    of_length = short[kept].reshape(len(at), -1, LAST, 2 * STATES)
     return {
         "end_places": at,
         "end_response": _by_contact(pieces),
         "impact": _by_contact(Akima1DInterpolator(at, after_impact).c),
+        # From (powers, intervals, lengths, contacts, states).
+        "short": np.ascontiguousarray(
+            np.transpose(Akima1DInterpolator(at, of_length).c, (2, 3, 1, 0, 4))
+        ),
     }
-
-
-def _deviations(early: Array) -> Array:
-    """Deviations that the impact left at each contact, (places, contacts, 3).
-
-    Those of the first contacts are given; further on, they decay by a constant factor.
-    """
-    size = np.linalg.norm(early[:, -2:], axis=-1)
-    decay = np.minimum(size[:, 1] / size[:, 0], LONGEST)
-    later = np.arange(1, REMEMBERING - EARLY + 1)
-    left = early[:, -1:] * decay[:, None, None] ** later[:, None]
-    return np.concatenate([early, left], axis=1)
 
 
 def _by_contact(pieces: Array) -> Array:

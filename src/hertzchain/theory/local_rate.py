@@ -258,8 +258,8 @@ class Solution:
         Terms of the estimated error of the logarithm of velocity, see
         `hertzchain.kernels.error_terms.write_parts`.
     lost : int
-        First contact, from 0, whose state diverged and was reset; the number of contacts if
-        there is none.
+        First contact, from 0, whose state has begun to diverge; the number of contacts if there
+        is none.
     """
 
     rates: Array

@@ -19,8 +19,8 @@ DEGREE: Final = 2
 # Steps of all tables.  Changes of the rate are below 0.1 and mostly below 0.01: the effect
 # on the growth is below 1e-7.
 STEPS: Final = {
-    "values": 1e-9, "early": 1e-8, "single": 2e-6, "end": 2e-6, "end_slopes": 1e-5, "second": 1e-3,
-    "last": 1e-3, "linear": 1e-5, "products": 1e-3, "alternating": 1e-6,
+    "values": 1e-9, "early": 1e-8, "single": 2e-6, "end": 2e-6, "end_slopes": 1e-5, "short": 2e-6,
+    "second": 1e-3, "last": 1e-3, "linear": 1e-5, "products": 1e-3, "alternating": 1e-6,
 }  # fmt: skip
 Bytes = NDArray[np.unsignedinteger[Any]]
 

@@ -58,7 +58,9 @@ INPUTS: Final = (
 PAIRS: Final = tuple(combinations_with_replacement(range(len(INPUTS)), 2))
 TERMS: Final = INPUTS + tuple(f"({INPUTS[i]})({INPUTS[j]})" for i, j in PAIRS)
 # Tables of fast changes, as functions of the rate.
-FAST_VALUES: Final = ("single", "early", "end", "end_slopes", "second", "last", "alternating")
+FAST_VALUES: Final = (
+    "single", "early", "end", "end_slopes", "short", "second", "last", "alternating"
+)  # fmt: skip
 # Arguments of the tables of fast changes.
 FAST_ARGUMENTS: Final = ("places", "knots", "last_knots", "bases", "steady")
 NOTHING: Final = np.zeros(0)
@@ -95,8 +97,11 @@ class FastTables(NamedTuple):
     end_response : ndarray, shape (4, P, 4, 54)
         First order of the last four contacts: of each component, the responses G to sixteen rates
         and to all earlier ones, and the state on an exponential chain.
-    impact : ndarray, shape (24, P, 4, 54)
-        The same of the first contacts, less those within.
+    impact : ndarray, shape (12, P, 4, 54)
+        The same of the first contacts, less those within, without the state.
+    short : ndarray, shape (33, 4, P, 4, 6)
+        What the impact leaves at the last four contacts of chains of 8 to 40 contacts: of each
+        component, the state on exponential chains, and the response to a linear change of the rate.
     steady : float
         Constant c of the factor of the products of two fast changes.
     bases : ndarray, shape (B + 1,)
@@ -115,6 +120,7 @@ class FastTables(NamedTuple):
     end_places: Array
     end_response: Array
     impact: Array
+    short: Array
     steady: float
     bases: Array
     alternating: Array
@@ -252,14 +258,16 @@ def assemble(
 def fast_tables(
     exponent: float, slow: tuple[Array, Array, Array, Array], places: Array, single: Array,
     end: Array, end_slopes: Array, knots: Array, second: Array,
-    last_knots: Array = NOTHING, last: Array = NOTHING, early: Array | None = None,
+    last_knots: Array = NOTHING, last: Array = NOTHING, short: Array = NOTHING,
+    early: Array | None = None,
     bases: Array = NOTHING, alternating: Array = NOTHING, steady: Array | None = None,
 ) -> FastTables:  # fmt: skip
     """Build the tables of fast changes, and of the first order that the recursion misses.
 
     Values at the places are ``single`` (n + 1, 18, 48), ``early`` (n + 1, 12, 3), the states of
     the first contacts on exponential chains, ``end`` (n + 1, 5, 51), and ``end_slopes``,
-    the derivatives of those of exponential chains, (n + 1, 5, 3).  ``second`` (K + 3, 1890) and
+    the derivatives of those of exponential chains, (n + 1, 5, 3), and ``short`` (n + 1, 33, 24),
+    what the impact leaves at the last contacts of short chains.  ``second`` (K + 3, 1890) and
     ``last`` (L + 3, 792) are coefficients of B-splines, ``alternating`` (B + 1, 18, 36) values at
     the bases.  Without ``early``, the tables belong to a recursion whose first order is not
     completed.  Without ``last``, the last contacts have no functions of their own.
@@ -292,7 +300,7 @@ def fast_tables(
         second=_by_stage(cubic_pieces(knots, second)),
         last_knots=last_knots,
         last=_by_contact(last_knots, last),
-        **end_tables(slow, places, single, end, end_slopes, early if len(last) else None),
+        **end_tables(slow, places, single, end, end_slopes, short if len(last) else NOTHING),
         steady=exponents.steady_gain(exponent) if steady is None else float(steady),
         bases=bases,
         alternating=_alternating(bases, alternating),

@@ -417,3 +417,26 @@ def test_last_bead_at_a_free_end_is_apart():
     closed = hc.simulate(taper.replace(right_wall=hc.Wall()), times=0).pulse()._repr_html_()
     assert "free end" not in closed
     assert 'r="4"' not in closed
+
+
+def test_no_line_joins_free_ends_in_comparisons_and_tables():
+    chain = hc.Chain.tapered("forward-exponential", 0.03, beads=30)
+    compared = hc.bca(chain).compare(hc.propagate(chain))
+    table = hc.propagate_many([chain.with_scatter(seed, relative=0.02) for seed in range(20)])
+    for item in (compared, table):
+        root, _ = parsed(item)
+        paths = [path.get("d") for path in root.iter("path") if path.get("stroke-width") == "1.6"]
+        circles = [circle for circle in root.iter("circle") if circle.get("r") == "4"]
+        (right,) = {float(circle.get("cx")) for circle in circles}
+        height = float(circles[0].get("cy"))
+        points = [tuple(map(float, re.findall(r"[\d.]+", point)))
+                  for path in paths for point in path.split("L")]  # fmt: skip
+        assert (right, height) not in {(x, y) for x, *rest in points for y in rest}
+
+
+def test_names_of_curves_are_those_of_figures():
+    traces, chain = hc.example_experiment()
+    compared = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201).compare(traces)
+    _, text = parsed(compared)
+    assert "data simulation" in text
+    assert "model" not in text

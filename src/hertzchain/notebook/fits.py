@@ -142,7 +142,7 @@ def _figures(shot: Shot, models: Sequence[Array | None]) -> list[str]:
         curves = [Curve(factor * shot.times, unit * seen, "data", MEASURED)]
         if model is not None:
             kept = slice(None, None, max(len(model) // MODEL_POINTS, 1))
-            curves.append(Curve(factor * shot.times[kept], unit * model[kept], "model", MODEL))
+            curves.append(Curve(factor * shot.times[kept], unit * model[kept], "", MODEL))
         parts.append(chart(curves, f"time{second}", f"{signal.name}{label}", height=HEIGHT))
     if len(pairs) > MAX_SENSORS:
         parts.append(note(f"The first {MAX_SENSORS} of {len(pairs)} sensors; plot() shows all."))

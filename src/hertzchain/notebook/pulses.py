@@ -67,6 +67,7 @@ def comparison_html(comparison: Comparison) -> str:
     """Relative errors along the chain, and their largest and typical values."""
     rows: list[tuple[str, ...]] = []
     curves: list[Curve] = []
+    marks: list[Mark] = []
     for name in comparison.quantities:
         errors = np.abs(comparison.errors(name)[1:])
         if np.isnan(errors).all():
@@ -79,11 +80,19 @@ def comparison_html(comparison: Comparison) -> str:
             colour = COLOURS[len(curves)]
             places = np.arange(2.0, len(errors) + 2.0)
             seen = np.where(errors >= MIN_SHOWN * np.nanmax(errors), 100.0 * errors, np.nan)
-            curves.append(Curve(places, seen, name, colour))
+            # No line joins the last bead of a free end, which moves unlike the others.
+            pair = (comparison.pulse, comparison.reference)
+            end = len(seen) - any(ends_free(each, name) for each in pair)
+            curves.append(Curve(places[:end], seen[:end], name, colour))
+            last = zip(places[end:], seen[end:], strict=True)
+            marks += [Mark(float(k), float(error), "", colour) for k, error in last
+                      if np.isfinite(error)]  # fmt: skip
     parts = []
     if curves:
         parts.append(legend((curve.label, curve.colour) for curve in curves))
-        parts.append(chart(curves, "bead or contact k", "|error| [%]", log=True, whole=True))
+        parts.append(
+            chart(curves, "bead or contact k", "|error| [%]", marks=marks, log=True, whole=True)
+        )
     parts.append(table(("quantity", "largest error", "at k", "rms error"), rows, numeric=True))
     ours, theirs = comparison.pulse, comparison.reference
     about = f"of {ours.method} with {theirs.method}: {ours.chain.description}"

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 
 from ..collision import Array
+from ..pulse.free_end import split_free_ends
 from ..pulse.pulse_table import PulseTable
 from ..pulse.quantities import QUANTITIES
 from ..simulation.ensemble_columns import KEPT
@@ -14,6 +13,7 @@ from ..simulation.run_table import RunTable
 from .drawing import (
     COLOURS,
     Curve,
+    Mark,
     axis_unit,
     chart,
     engineering,
@@ -36,14 +36,23 @@ def pulse_table_html(pulses: PulseTable) -> str:
     shown = {"chains": f"{len(pulses)}", "failed": f"{failed}"}
     if len(pulses) == failed:
         return page("PulseTable", "", numbers(shown))
-    low, middle, high = _percentiles(pulses.velocity)
-    factor, unit = axis_unit(high, "m/s", units)
-    place = np.arange(1.0, len(middle) + 1.0)
+    velocity, ends = split_free_ends(pulses.velocity, pulses.beads, "velocity", PERCENTILES)
+    place = np.flatnonzero(np.isfinite(velocity).any(axis=0))
+    low, middle, high = np.nanpercentile(velocity[:, place], PERCENTILES, axis=0)
+    factor, unit = axis_unit(np.append(high, [end[-1] for end in ends.values()]), "m/s", units)
     curves = [
-        Curve(place, factor * high, "5% to 95%", COLOURS[5], base=factor * low),
-        Curve(place, factor * middle, "median", COLOURS[0]),
+        Curve(place + 1.0, factor * high, "5% to 95%", COLOURS[5], base=factor * low),
+        Curve(place + 1.0, factor * middle, "median", COLOURS[0]),
     ]
-    figure = chart(curves, "bead k", f"velocity{unit}", whole=True)
+    # The last beads of free ends are no part of the curve.
+    curves += [
+        Curve(np.full(2, float(k)), factor * end[[0, 2]], "", COLOURS[5]) for k, end in ends.items()
+    ]
+    marks = [Mark(float(k), factor * float(end[1]), "") for k, end in ends.items()]
+    figure = chart(curves, "bead k", f"velocity{unit}", marks=marks, whole=True)
+    entries = [("5% to 95% of the chains", COLOURS[5]), ("median", COLOURS[0])]
+    if ends:
+        figure += note("The separate points are last beads, at free ends.")
     rows = []
     for name in SHOWN:
         if name in columns:
@@ -52,9 +61,8 @@ def pulse_table_html(pulses: PulseTable) -> str:
             rows.append((f"{name}, last", *_summary(last, QUANTITIES[name].unit, units)))
     head = ("quantity", "smallest", "median", "largest")
     return page(
-        "PulseTable", f"{len(pulses)} chains of up to {len(middle)} beads",
-        legend([("5% to 95% of the chains", COLOURS[5]), ("median", COLOURS[0])]),
-        figure, numbers(shown), table(head, rows, numeric=True),
+        "PulseTable", f"{len(pulses)} chains of up to {velocity.shape[1]} beads",
+        legend(entries), figure, numbers(shown), table(head, rows, numeric=True),
     )  # fmt: skip
 
 
@@ -85,13 +93,6 @@ def run_table_html(runs: RunTable) -> str:
     if runs._range_note:
         parts.append(note(f"{runs._range_note}."))
     return page("RunTable", f"{len(runs)} chains", *parts)
-
-
-def _percentiles(values: Array) -> Array:
-    with warnings.catch_warnings():
-        # Beads that only failed chains have.
-        warnings.simplefilter("ignore", RuntimeWarning)
-        return np.nanpercentile(values, PERCENTILES, axis=0)
 
 
 def _summary(values: Array, unit: str, units: str) -> tuple[str, ...]:

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..collision import Array
 from ..errors import InputError
-from ..pulse.free_end import jumps_at_end
+from ..pulse.free_end import split_free_ends
 from ..pulse.quantities import QUANTITIES
 from ..validation.objects import check_choice
 from .colours import curve_colour
@@ -36,7 +35,7 @@ def plot_pulse_table(table: PulseTable, quantity: str, *, ax: Axes | None = None
     values, row = columns[quantity], QUANTITIES[quantity]
     if not np.isfinite(values).any():
         raise InputError(f"no chain of the table has a {quantity}; see its reasons")
-    values, ends = _without_free_ends(values, table.beads, quantity)
+    values, ends = split_free_ends(values, table.beads, quantity, (LOW, 50, HIGH))
     known = np.isfinite(values).any(axis=0)
     low, middle, high = np.nanpercentile(values[:, known], (LOW, 50, HIGH), axis=0)
     place = np.arange(1, values.shape[1] + 1)[known]
@@ -59,17 +58,3 @@ def plot_pulse_table(table: PulseTable, quantity: str, *, ax: Axes | None = None
         set_title(axes, f"{good} chains of {up_to}{table.velocity.shape[1]} beads")
         place_legend(axes, own=ax is None)
     return axes
-
-
-def _without_free_ends(
-    values: Array, beads: Array, quantity: str
-) -> tuple[Array, dict[int, tuple[float, ...]]]:
-    """Values without those of last beads above the curve, and the percentiles of the latter."""
-    values, ends = values.copy(), {}
-    for count in map(int, np.unique(beads)):
-        last = values[:, max(0, count - 3) : count]
-        rows = np.flatnonzero((beads == count) & np.isfinite(last).all(axis=1))
-        if len(rows) and jumps_at_end(np.median(last[rows], axis=0), quantity):
-            ends[count] = tuple(np.percentile(last[rows, -1], (LOW, 50, HIGH)).tolist())
-            values[rows, count - 1] = np.nan
-    return values, ends

@@ -372,7 +372,7 @@ def assert_the_best_gap_is_marked(scan):
     assert (curve.get_xdata()[0], best.get_xdata(), best.get_ydata()) == (
         0.5, [8.5], [pytest.approx(scan.result.chi2 - scan.improvements.max())]
     )  # fmt: skip
-    assert curve.get_label().startswith("gap, best: gap[8-9], 0.")
+    assert curve.get_label().startswith("gap, best: balls 8 and 9, 0.")
     assert scan.found
     assert "significant" not in curve.get_label()
     weak = dataclasses.replace(scan, improvements=1e-3 * scan.improvements)
@@ -716,7 +716,7 @@ def test_runs_are_compared_with_traces():
     run = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201)
     compared = run.compare(data)
     assert 0.005 < compared.differences["ball 6"] < 0.06
-    assert len(compared.plot().axes) == 4
+    assert len(compared.plot().axes) == 8
     with pytest.raises(hc.InputError, match="scaled variables"):
         hc.simulate(hc.Chain.uniform(9)).compare(data)
 

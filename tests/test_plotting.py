@@ -16,8 +16,14 @@ from hertzchain.plotting.animation import animate
 from hertzchain.plotting.budget import plot_budget
 from hertzchain.plotting.chains import bead_centres, plot_chain
 from hertzchain.plotting.colours import COLOURS, signed_map
-from hertzchain.plotting.fits import _draw_crest, plot_correlations
-from hertzchain.plotting.runs import plot_forces, plot_forces_of_runs, section_ends
+from hertzchain.plotting.fits import plot_correlations
+from hertzchain.plotting.runs import (
+    force_curve,
+    plot_forces,
+    plot_forces_of_runs,
+    section_ends,
+)
+from hertzchain.plotting.signals import draw_crest, draw_signal
 from hertzchain.plotting.style import figure_bytes
 from hertzchain.plotting.titles import chain_title
 from hertzchain.store.sweep_store import MISSING
@@ -231,7 +237,7 @@ def test_gaps_are_magnified_like_displacements(tmp_path, monkeypatch):
     # After 20 ms, the striker has touched bead 2 and transferred its velocity.
     assert frames[-1][0][0] - centres[0] == pytest.approx(0.006, abs=pixel)
     assert texts == [
-        "displacements and gaps times 3; velocity up to 0.1 m/s: red to the right, "
+        "displacements and gaps magnified 3 times; velocity up to 0.1 m/s: red to the right, "
         "blue to the left",
         "t = 21.00 ms", "time [ms]",
     ]  # fmt: skip
@@ -338,9 +344,9 @@ def test_a_comparison_with_traces_shows_the_peaks():
     traces, chain = hc.example_experiment()
     compared = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201).compare(traces)
     wall = compared.sensors[-1]
-    peaks = f"peak {wall.measured_peak:.4g} N, simulated {wall.simulated_peak:.4g} N"
-    for axes in (compared.plot().axes[-1], compared.plot("wall")):
-        assert axes.get_title() == f"wall\n{peaks}"
+    peaks = f"data {wall.measured_peak:.4g} N, simulation {wall.simulated_peak:.4g} N"
+    for axes in (compared.plot().axes[-2], compared.plot("wall")):
+        assert axes.get_title() == f"wall, peak: {peaks}"
     with hc.figure_style("double column"):
         assert compared.plot("wall").get_title() == "wall"
 
@@ -520,21 +526,26 @@ def test_every_sensor_of_a_fit_has_a_legible_crest_with_points_and_line():
     figure = result.plot()
     figure.canvas.draw()
     sensors = result.traces.shots[0].signals
-    assert len(figure.axes) == 3 * len(sensors)
-    # Two blocks of two sensors, each with a panel above another.
-    blocks = np.reshape(figure.axes, (2, 3, 2))
-    uppers, crests = blocks[:, 0].ravel(), blocks[:, 2].ravel()
-    for signal, upper, crest in zip(sensors, uppers, crests, strict=True):
+    # The signals are below each other, each above its residuals and beside its crest.
+    blocks = np.reshape(figure.axes, (len(sensors), 3))
+    assert len({axes.get_position().x0 for axes in blocks[:, 0]}) == 1
+    for signal, (upper, lower, crest) in zip(sensors, blocks, strict=True):
         assert upper.get_title() == signal.name
-        data, model = crest.lines
+        assert (crest.get_title(), lower.get_ylabel()) == ("crest", "residual\n/ noise")
+        assert upper.get_position().x1 < crest.get_position().x0
+        data, fit = crest.lines
         assert 5 < len(data.get_xdata()) < 0.2 * len(upper.lines[0].get_xdata())
-        assert model.get_ydata().max() == upper.lines[1].get_ydata().max()
-        assert crest.get_ylabel() == f"crest [{signal.unit}]"
-        # A thin line in front of wider points hides no deviation.
-        for axes in (upper, crest):
+        assert fit.get_ydata().max() == upper.lines[1].get_ydata().max()
+        assert (
+            upper.get_ylabel() == f"{'force' if signal.unit == 'N' else 'signal'} [{signal.unit}]"
+        )
+        # A thin line in front of wider symbols, or of a broad line, hides no deviation.
+        for axes, width in ((upper, plt.Line2D.get_linewidth), (crest, plt.Line2D.get_markersize)):
             points, line = axes.lines[:2]
             assert points.get_zorder() < line.get_zorder()
-            assert points.get_markersize() > line.get_linewidth()
+            assert width(points) > 2.0 * line.get_linewidth()
+    (words,) = ([text.get_text() for text in each.get_texts()] for each in figure.legends)
+    assert words == ["data", "fit", "±2σ of the noise"]
     assert min(text.get_fontsize() for text in figure.findobj(plt.Text)) >= 8.0
 
 
@@ -542,7 +553,22 @@ def test_maps_of_correlations_have_no_negative_zeros(monkeypatch):
     result = hc.fit(*hc.example_experiment())
     monkeypatch.setattr(type(result), "correlation", np.array([[1.0, -0.004], [-0.004, 1.0]]))
     axes = plot_correlations(result).axes[0]
-    assert [text.get_text() for text in axes.texts] == ["1.00", "0.00", "0.00", "1.00"]
+    assert [text.get_text() for text in axes.texts] == ["1", "0.00", "1"]
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [(0.997, ">0.99"), (-0.9951, "<−0.99"), (0.9949, "0.99"), (-0.42, "−0.42"), (1.0, ">0.99")],
+)
+def test_maps_of_correlations_distinguish_1_from_almost_1(value, shown, monkeypatch):
+    result = hc.fit(*hc.example_experiment())
+    monkeypatch.setattr(type(result), "correlation", np.array([[1.0, value], [value, 1.0]]))
+    figure = plot_correlations(result)
+    assert [text.get_text() for text in figure.axes[0].texts] == ["1", shown, "1"]
+    # No number is wider than its cell, and there are none in cells that are too small.
+    with hc.figure_style("single column"):
+        monkeypatch.setattr(type(result), "correlation", np.eye(len(result.names)))
+        assert not plot_correlations(result).axes[0].texts
 
 
 def test_corner_plots_have_medians_errors_and_a_legend():
@@ -580,7 +606,7 @@ def test_a_crest_with_few_samples_says_so():
     data = np.where(np.arange(20) == 7, 5.0, 0.0)
     signal = hc.Traces.from_arrays(times, {"wall [N]": data}, noise=0.1).shots[0].signals[0]
     axes = plt.figure().subplots()
-    _draw_crest(axes, times, signal, data)
+    draw_crest(axes, times, signal, data, "fit")
     assert [text.get_text() for text in axes.texts] == ["too few samples"]
 
 
@@ -902,7 +928,7 @@ def test_one_sensor_of_a_fit_is_drawn_with_its_residuals():
     signal = result.traces.shots[0].signals[3]
     np.testing.assert_array_equal(drawn["data"], signal.values)
     np.testing.assert_array_equal(drawn["fit"], result.predicted[0][3])
-    np.testing.assert_array_equal(panels[1, 1].lines[0].get_ydata(), result.residuals()[3][2])
+    np.testing.assert_array_equal(panels[1, 1].lines[1].get_ydata(), result.residuals()[3][2])
     ends = result.traces.shots[0].times[[0, -1]] * 1e6
     for axes in panels[:, 1]:
         np.testing.assert_allclose(axes.get_xlim(), ends)
@@ -1070,7 +1096,8 @@ def test_sensitivities_name_the_chain_and_mark_its_strikers():
     for name, first in (("radii", "2 strikers"), ("stiffness", None)):
         axes = hc.gradient(chain, "wall_force.peak", to=[name]).plot(name)
         title = axes.get_title().replace("\n", " ")
-        assert title == "6 steel balls and 2 strikers, 10 mm, peak force on the wall"
+        assert title == "6 steel balls and 2 strikers, 10 mm"
+        assert axes.get_ylabel().startswith("peak force on the wall:\nchange [%] per 1% of ")
         labels = axes.get_legend_handles_labels()[1]
         assert labels[:1] == ([first] if first else [])
         if first:
@@ -1170,3 +1197,85 @@ def test_sweeps_separate_free_ends():
     assert not _separate_ends(drawn(12, 15, keep="arrival")[1])
     # Beads that are not neighbours have no curve from which the last one deviates.
     assert not _separate_ends(drawn(12, 15, at=[1, 6, 12])[1])
+
+
+def test_residuals_over_the_noise_are_below_each_compared_signal():
+    traces, chain = hc.example_experiment()
+    compared = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201).compare(traces)
+    figure = compared.plot()
+    for i, (upper, lower) in enumerate(np.reshape(figure.axes, (-1, 2))):
+        signal, found = traces.shots[0].signals[i], compared.sensors[i]
+        assert lower.get_position().y1 < upper.get_position().y0
+        residual = lower.lines[1].get_ydata() * signal.sigma / found.measured_peak
+        rms = np.sqrt(np.nanmean(residual**2))
+        assert rms == pytest.approx(found.residual, rel=1e-6)
+        assert lower.get_ylim()[1] > np.nanmax(np.abs(lower.lines[1].get_ydata()))
+        (band,) = lower.patches
+        assert band.get_bbox().intervaly.tolist() == [-2.0, 2.0]
+    (words,) = ([text.get_text() for text in each.get_texts()] for each in figure.legends)
+    assert words == ["data", "simulation", "±2σ of the noise"]
+    assert len(compared.plot("wall").figure.axes) == 2
+
+
+@pytest.mark.parametrize(("samples", "crowded"), [(60, False), (700, True), (20_000, True)])
+def test_crowded_samples_are_a_line_and_few_have_symbols(samples, crowded):
+    times = np.linspace(0.0, 1e-3, samples)
+    data = np.exp(-(((times - 5e-4) / 1e-4) ** 2))
+    data[samples // 4] = data[samples // 4 + 2] = np.nan
+    signal = hc.Traces.from_arrays(times, {"wall [N]": data}, noise=0.1).shots[0].signals[0]
+    axes = plt.figure().subplots()
+    draw_signal(axes, times, signal, np.zeros(samples), "fit")
+    drawn = axes.lines[0]
+    assert (drawn.get_marker() == "None") == crowded
+    assert (drawn.get_linestyle() == "-") == crowded
+    # A sample between missing ones is not lost.
+    alone = [line for line in axes.lines if len(line.get_xdata()) == 1]
+    assert [line.get_marker() for line in alone] == ["o"] * crowded
+
+
+def test_curves_of_several_runs_are_solid_and_differ_in_width_and_opacity():
+    balls = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
+    runs = [hc.simulate(balls.replace(loss=loss), until=40.0)
+            for loss in (None, hc.Restitution(0.9), hc.Restitution(0.8))]  # fmt: skip
+    axes = runs[0].plot_forces([4, "wall"], label="0")
+    assert len({line.get_linestyle() for line in axes.lines}) == 2
+    for i, run in enumerate(runs[1:], 1):
+        run.plot_forces([4, "wall"], label=f"{i}", ax=axes)
+    looks = [(line.get_linewidth(), line.get_alpha()) for line in axes.lines]
+    assert {line.get_linestyle() for line in axes.lines} == {"-"}
+    assert looks[::2] == looks[1::2]
+    assert len(set(looks)) == 3
+    assert looks[0][0] > 2.0 * looks[2][0] > 2.0 * looks[4][0]
+    assert len({line.get_color() for line in axes.lines}) == 6
+
+
+def test_several_places_of_several_runs_have_a_panel_each():
+    balls = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
+    runs = {name: hc.simulate(balls.replace(loss=loss), until=40.0)
+            for name, loss in (("elastic", None), ("lossy", hc.Restitution(0.9)))}  # fmt: skip
+    first = plot_forces_of_runs(runs, {name: [4, 9] for name in runs})
+    panels = first.figure.axes
+    assert [axes.get_title(loc="left") for axes in panels] == ["bead 4", "right wall"]
+    assert legend(first) == [*runs]
+    for axes, bead in zip(panels, (4, 9), strict=True):
+        for line, run in zip(axes.lines, runs.values(), strict=True):
+            assert line.get_ydata().max() == force_curve(run, bead)[1].max()
+
+
+@pytest.mark.parametrize(
+    ("magnify", "words"),
+    [(0.162, "drawn at 0.16 of their size"), (1.0, "to scale"), (30.0, "magnified 30 times")],
+)
+def test_animations_say_how_large_the_motion_is_drawn(magnify, words, run, tmp_path, monkeypatch):
+    _, texts, _ = animated(run, tmp_path, monkeypatch, frames=2, magnify=magnify)
+    assert texts[0].startswith(f"displacements {words}; velocity up to ")
+
+
+@pytest.mark.parametrize("beads", [5, 20, 60])
+def test_figures_of_chains_are_filled_by_the_beads(beads):
+    for width in (None, "single column", "double column"):
+        with hc.figure_style(width):
+            axes = plot_chain(hc.Chain.uniform(beads).struck_by().replace(right_wall=hc.Wall()))
+            axes.figure.draw_without_rendering()
+        whole = axes.figure.bbox.height
+        assert whole - axes.get_tightbbox().height < 0.35 * axes.figure.dpi

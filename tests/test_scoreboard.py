@@ -242,8 +242,9 @@ def test_the_figure_has_a_symbol_for_every_number(board):
     assert len(axes.get_yticks()) == len(table)
     assert "k = 2" in axes.get_xlabel()
     # Theories without any number are not named.
-    named = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert named == ["bca", "local-rate", "pale: outside the range of the theory"]
+    (legend,) = axes.figure.legends
+    named = [text.get_text() for text in legend.get_texts()]
+    assert named == ["BCA", "local-rate law", "pale: outside the range"]
     velocity = plot_scoreboard(board)
     pale = [len(line.get_xdata()) for line in velocity.lines if line.get_alpha() == 0.35]
     table = board.table("velocity")

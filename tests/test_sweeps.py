@@ -621,7 +621,7 @@ def test_curves_and_maps():
     found = swept(FORWARD, {"rate": RATES, "beads": [20, 30]}, methods=["propagate", "bca"],
                   keep=["momentum"], at="last", errors=["velocity"])  # fmt: skip
     curves = plot_sweep(found, "momentum", beads=20)
-    assert [line.get_label() for line in curves.lines] == ["propagate", "bca"]
+    assert [line.get_label() for line in curves.lines] == ["propagation", "BCA"]
     np.testing.assert_array_equal(
         curves.lines[1].get_ydata(), found.momentum.sel(beads=20, approach="bca")
     )
@@ -629,10 +629,13 @@ def test_curves_and_maps():
     with pytest.raises(hc.InputError, match="'momentum@20' is momentum of one bead: .* at bead=20"):
         plot_sweep(found, "momentum@20")
     drawn = plot_sweep(found, "worst_error_of_velocity", approach="bca", log=True, levels=[0.4])
-    assert (drawn.get_xlabel(), drawn.get_ylabel()) == ("rate", "beads")
+    labels = drawn.get_xlabel(), drawn.get_ylabel()
+    assert labels == ("rate of the taper", "number of beads $N$")
+    bar = drawn.collections[0].colorbar.ax
+    assert bar.get_ylabel() == "largest error of velocity [%]"
     np.testing.assert_array_equal(
         drawn.collections[0].get_array().reshape(2, 3),
-        found.worst_error_of_velocity.sel(approach="bca").T,
+        100.0 * found.worst_error_of_velocity.sel(approach="bca").T,
     )
     with pytest.raises(hc.InputError, match="3 remaining dimensions.* such as rate=0.02$"):
         plot_sweep(found, "momentum")
@@ -735,7 +738,7 @@ def test_maps_mark_cells_outside_the_range_and_failed_ones():
     assert sorted(places) == sorted(expected)
     names = [each.get_text() for each in axes.get_legend().get_texts()]
     assert names == ["failed", "outside the range of the method or of Hertz's law"]
-    assert axes.get_ylabel() == "radius of the last bead / that of the first"
+    assert axes.get_ylabel() == "last radius / first radius"
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
@@ -919,7 +922,7 @@ def test_an_axis_of_percentages(entry):
     assert found.rate.units == "%"
     last = hc.propagate(hc.Chain.tapered("forward-exponential", 0.03, beads=10)).velocity[-1]
     assert found.velocity.sel(rate=3.0).item() == pytest.approx(last, rel=1e-9)
-    assert plot_sweep(found).get_xlabel() == "rate [%]"
+    assert plot_sweep(found).get_xlabel() == "rate of the taper [%]"
     found = swept(chain, {"rate": entry}, keep=["velocity"])
     assert "rate = 3%" in plot_sweep(found, rate="3%").get_title()
     plain = swept(chain, {"rate": [0.01, 0.03, 0.05]}, keep=["velocity"])

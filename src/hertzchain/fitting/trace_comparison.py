@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, overload
@@ -164,16 +165,19 @@ class TraceComparison:
     @overload
     def plot(self) -> Figure: ...
     @overload
-    def plot(self, sensor: str, *, ax: Axes | None = None) -> Axes: ...
-    def plot(self, sensor: str | None = None, *, ax: Axes | None = None) -> Axes | Figure:
-        """Plot data and simulation, one panel per sensor, or one sensor.
+    def plot(self, sensor: str, *, ax: Axes | Sequence[Axes] | None = None) -> Axes: ...
+    def plot(
+        self, sensor: str | None = None, *, ax: Axes | Sequence[Axes] | None = None
+    ) -> Axes | Figure:
+        """Plot data and simulation and, below them, their difference over the noise, by sensor.
 
         Parameters
         ----------
         sensor : str, optional
-            Name of a sensor; by default, the figure has one panel per sensor.
-        ax : matplotlib.axes.Axes, optional
-            Axes to draw one sensor into.  By default, a new figure is created.
+            Name of a sensor; by default, the figure has two panels per sensor.
+        ax : matplotlib.axes.Axes, or a pair of them, optional
+            Axes to draw one sensor into; those of its difference are the second of a pair.  By
+            default, a new figure has both.
 
         Returns
         -------
@@ -191,7 +195,7 @@ class TraceComparison:
         >>> traces, chain = hc.example_experiment()
         >>> run = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201)
         >>> len(run.compare(traces).plot().axes)
-        4
+        8
         """
         from ..plotting.fits import plot_comparison, plot_sensor
 

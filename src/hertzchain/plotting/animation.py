@@ -212,11 +212,13 @@ def _right_edge(run: Run, factor: float) -> float:
 
 
 def _scales(run: Run, factor: float) -> str:
-    """Magnification, and meaning of the colours."""
+    """Scale of the drawn motion, and meaning of the colours."""
     fastest, unit = float(np.abs(run.velocities).max()), " m/s" * (run.chain.units == "SI")
     lengths = "displacements and gaps" if _gaps(run.chain).any() else "displacements"
+    times = float(f"{factor:.2g}")
+    drawn = f"magnified {times:g} times" if times > 1.0 else f"drawn at {times:g} of their size"
     return (
-        f"{lengths} times {float(f'{factor:.3g}'):g}; velocity up to {fastest:.3g}{unit}: "
+        f"{lengths} {drawn if times != 1.0 else 'to scale'}; velocity up to {fastest:.3g}{unit}: "
         "red to the right, blue to the left"
     )
 

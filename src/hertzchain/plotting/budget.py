@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
@@ -15,14 +16,17 @@ from ..simulation.horizon import Horizon
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_type
 from .colours import grey
+from .legends import figure_of, place_legend
 from .style import (
     figure_style,
     get_axes,
     mark_horizon,
     set_title,
+    signed,
     time_axis,
 )
 from .titles import chain_title
+from .widths import NARROW
 
 # Hatching of locations, besides their colours.
 HATCHES: Final = {"scattered back": "//", "left wall": "\\\\", "lost": ".."}
@@ -49,7 +53,7 @@ def plot_budget(
     horizon : Horizon, optional
         Result of `Run.horizon`; times beyond it are shaded.
     legend : bool
-        Whether there is a legend, to the right of the axes.
+        Whether there is a legend, to the right of the axes or above narrow ones.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.  By default, a new figure is created.
 
@@ -94,20 +98,24 @@ def plot_budget(
         if np.any(below < 0.0):
             axes.axhline(0.0, color=grey(axes), linewidth=0.6)
             for height, text in ((0.98, "+ forward"), (0.02, "− backward")):
-                axes.text(0.015, height, text, transform=axes.transAxes, fontsize=8.5,
+                axes.text(0.015, height, text, transform=axes.transAxes,
+                          fontsize=rcParams["legend.fontsize"],
                           va="top" if height > 0.5 else "bottom")  # fmt: skip
         quantity, unit = TICK[of]
         axes.set_ylabel(quantity)
         if budget.chain.units == "SI":
             # The energy of an impact may be a few microjoules; a prefix avoids many zeros.
             scale, prefix = _prefix(float(np.abs([above, below]).max()))
-            axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / scale:g}"))
+            axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: signed(value / scale)))
             axes.set_ylabel(f"{quantity} [{prefix}{unit}]")
         axes.set_xlabel(label)
         set_title(axes, chain_title(budget.chain))
         axes.margins(x=0.0)
         mark_horizon(axes, horizon, factor)
-        if legend:
+        if legend and ax is None and figure_of(axes).get_figwidth() < NARROW:
+            # Beside narrow axes, it would take a third of the width.
+            place_legend(axes, own=True)
+        elif legend:
             axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return axes
 

@@ -6,6 +6,7 @@ import zlib
 from collections.abc import Sequence
 from typing import Any, Final
 
+import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
@@ -16,8 +17,10 @@ from ..chain.feature_support import require_chain
 from ..collision import Array
 from ..validation.keywords import checked_arguments
 from .colours import COLOURS, grey
+from .legends import figure_of
 from .style import figure_style, get_axes, literal, set_title
 from .titles import chain_title
+from .widths import NARROW, figure_size, journal_width
 
 # Colours of the materials of the package, and those from which other materials receive one.
 MATERIALS: Final = {
@@ -29,6 +32,9 @@ MATERIALS: Final = {
 }  # fmt: skip
 OTHERS: Final = ("#D3E8DC", "#F7C6C6", "#C9D66B", "#E0A8D0", "#8FD0B0", "#FBEFC9")
 UNKNOWN: Final = "#DDE6EE"
+# Heights [inches] of a figure of a chain: of the labels of the x axis, of a title or a legend, and
+# the largest one of the beads.
+LABELS, TITLE, MAX_HEIGHT = 0.55, 0.3, 2.5
 
 
 @checked_arguments("plot_chain")
@@ -56,10 +62,10 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     radii = factor * chain.radii
     centres = bead_centres(chain) * factor
     with figure_style():
-        axes = get_axes(ax, figsize=(7.0, 1.6))
-        draw_beads(chain, factor, axes)
         low, high = centres[0] - radii[0], centres[-1] + radii[-1]
         tall = 1.15 * radii.max()
+        axes = get_axes(ax) if ax is not None else _own_axes(chain, (high - low) / radii.max())
+        draw_beads(chain, factor, axes)
         draw_walls(chain, factor, tall, axes)
         axes.set_aspect("equal")
         axes.set_xlim(low - 0.7 * radii.max(), high + 0.7 * radii.max())
@@ -69,7 +75,20 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
         axes.set_yticks([])
         axes.spines["left"].set_visible(False)  # it would look like a wall
         set_title(axes, chain_title(chain))
-        material_legend([chain], axes, loc="center left", bbox_to_anchor=(1.0, 0.5))
+        if ax is None and figure_of(axes).get_figwidth() < NARROW:
+            material_legend([chain], axes, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+        else:
+            material_legend([chain], axes, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return axes
+
+
+def _own_axes(chain: Chain, length: float) -> Axes:
+    """Axes of a new figure for a chain whose length is in radii of its largest bead."""
+    width, _ = figure_size(7.0, 1.0)
+    beads = min(MAX_HEIGHT, 0.9 * width * (2.3 + 0.5 * bool(chain.strikers)) / (length + 1.4))
+    several = len({*material_names(chain)}) > 1
+    title = TITLE if journal_width.get() is None or (several and width < NARROW) else 0.0
+    axes: Axes = plt.subplots(figsize=(width, LABELS + beads + title))[1]
     return axes
 
 

@@ -35,7 +35,8 @@ def plot_comparison(
             # The reference of bead 1 may be 0, and its error a difference.
             axes.plot(
                 beads[1:end], shown[1:end], color=curve_colour(axes, i), marker=marker,
-                markevery=max(1, len(beads) // 10), label=name.replace("_", " "),
+                markerfacecolor="none", markevery=max(1, len(beads) // 10),
+                label=name.replace("_", " "),
             )  # fmt: skip
             if free:
                 ends.append((beads[end:], shown[end:], marker, curve_colour(axes, i)))

@@ -37,9 +37,9 @@ def plot_defect_scans(
         for i, scan in enumerate(scans, len([each for each in present if "best" in each])):
             places, chi2 = scan.places, np.maximum(result.chi2 - scan.improvements, 1.0)
             best, marker = int(np.argmax(scan.improvements)), MARKERS[i % len(MARKERS)]
-            size = scan._size_text(best).replace("um", "µm")
+            size = scan._size_text(best).replace("um", "µm").replace("-", "\N{MINUS SIGN}")
             doubt = "" if scan.found else " (not significant)"
-            name = f"{LABELS[scan.kind]}, best: {scan.best}, {size}{doubt}"
+            name = f"{LABELS[scan.kind]}, best: {_place(scan.best)}, {size}{doubt}"
             colour = curve_colour(axes, i)
             axes.plot(places, chi2, color=colour, marker=marker, label=name, linewidth=1.0)
             axes.plot(places[best], chi2[best], marker, color=colour, markersize=9.0)
@@ -55,3 +55,10 @@ def plot_defect_scans(
         if legend:
             place_legend(axes, own=ax is None)
     return axes
+
+
+def _place(name: str) -> str:
+    """The place of a defect, such as ``ball 8`` of ``radius[8]``, or ``balls 8 and 9``."""
+    _, _, numbers = name.removesuffix("]").partition("[")
+    first, _, second = numbers.partition("-")
+    return f"balls {first} and {second}" if second else f"ball {first}"

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 
 from ..fitting.goodness import autocorrelation
@@ -17,6 +19,15 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice
 from .colours import COLOURS, curve_colour, grey
 from .legends import POINTS_PER_INCH, place_legend
+from .signals import (
+    RESIDUAL,
+    draw_crest,
+    draw_residuals,
+    draw_signal,
+    residual_limit,
+    sensor_grid,
+    signal_label,
+)
 from .style import (
     TIME_LABELS,
     figure_style,
@@ -24,27 +35,31 @@ from .style import (
     get_two_axes,
     literal,
     seconds_axis,
+    signed,
     with_micro,
 )
-from .widths import figure_size, journal_width
+from .widths import NARROW, figure_size, journal_width
 
 if TYPE_CHECKING:
     from ..fitting.posterior import Posterior
     from ..fitting.result import FitResult
-    from ..fitting.signals import Signal
     from ..fitting.trace_comparison import TraceComparison
     from ..fitting.traces import Traces
 
 # Samples of a posterior that are drawn as points.
 POINTS: Final = 4000
-# Fewest samples of a crest that is shown enlarged.
-CREST: Final = 5
-# More sensors than this are in two columns, which keeps text legible on a page.
-MAX_COLUMNS: Final = 3
+# Names in legends, the same in all figures.
+DATA, SIMULATION, FIT = "data", "simulation", "fit"
+# Smallest font of numbers in a map, the most letters of one, and the width of a letter relative to
+# the size of the font; the correlation that would be rounded to 1.
+LEAST_NUMBER, MAX_LETTERS, CHARACTER = 4.5, 6, 0.6
+ALMOST_ONE: Final = 0.995
+# Width of a handle in a legend, and of the distance to the next one, in letters.
+HANDLE: Final = 6
 # Smallest font of a corner plot, and largest number of characters of a name in one line.
 SMALLEST, LONG_NAME = 6.5, 14
-# Width of panels [inches] below which points are smaller and there are fewer ticks.
-NARROW: Final = 2.0
+# Width of a panel [inches] from which its title has room.
+LEAST_PANEL: Final = 1.2
 
 
 def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) -> Axes:
@@ -69,18 +84,12 @@ def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) 
             unused = ~signal.valid & np.isfinite(values)
             axes.plot(times[unused], values[unused], "x", color=colour)
         axes.set_xlabel(label)
-        own = " or ".join(dict.fromkeys(_signal_label(signal) for _, signal in traces))
+        own = " or ".join(dict.fromkeys(signal_label(signal) for _, signal in traces))
         axes.set_ylabel("signal / largest value" if relative else own)
         axes.margins(x=0.0)
         if legend:
             place_legend(axes, own=ax is None)
     return axes
-
-
-def _signal_label(signal: Signal) -> str:
-    """Quantity and unit of a signal; only calibrated ones are forces or velocities."""
-    what = "force" if signal.place.quantity == "force" else "velocity"
-    return f"{what if signal.calibrated else 'signal'} [{signal.unit}]"
 
 
 def _time_axis(traces: Traces) -> tuple[float, str]:
@@ -90,44 +99,51 @@ def _time_axis(traces: Traces) -> tuple[float, str]:
 
 def plot_fit(result: FitResult) -> Figure:
     """Plot data, fit, residuals over noise and, enlarged, the crest of every sensor."""
-    shots, residuals = result.traces.shots, result.residuals()
-    most = max(len(shot.signals) for shot in shots)
-    columns = most if most <= MAX_COLUMNS else 2
-    blocks = -(-most // columns)  # of three rows of panels, for each shot
+    shots = result.traces.shots
+    sensors = [(index, place) for index, shot in enumerate(shots)
+               for place in range(len(shot.signals))]  # fmt: skip
+    residuals = [values for *_, values in result.residuals()]
+    limit = residual_limit(residuals)
+    columns, size = sensor_grid(len(sensors))
+    rows = -(-len(sensors) // columns)
     factor, label = _time_axis(result.traces)
     with figure_style():
-        figure, grid = plt.subplots(
-            3 * blocks * len(shots), columns, squeeze=False, layout="constrained",
-            figsize=figure_size(3.2 * columns, 4.8 * blocks * len(shots)),
-            gridspec_kw={"height_ratios": [2.0, 1.0, 1.5] * (blocks * len(shots))},
-        )  # fmt: skip
-        # In narrow panels, points of the usual size hide each other.
-        size = 0.4 if figure.get_figwidth() < NARROW * columns else 1.0
-        rest = iter(residuals)
-        limit = 1.1 * max(4.0, *(float(np.nanmax(np.abs(values))) for *_, values in residuals))
-        for index, shot in enumerate(shots):
-            for place in range(blocks * columns):
-                row, column = 3 * (index * blocks + place // columns), place % columns
-                panels = grid[row : row + 3, column]
-                if place >= len(shot.signals):
-                    for axes in panels:
-                        axes.remove()
-                    continue
-                signal, model = shot.signals[place], result.predicted[index][place]
-                times = factor * shot.times
-                _draw_signal(panels[0], times, signal, model, size)
-                _draw_residuals(panels[1], times, next(rest)[2], limit, size)
-                _draw_crest(panels[2], times, signal, model, size)
-                panels[0].tick_params(labelbottom=False)
-                panels[1].set_xlim(panels[0].get_xlim())
-                panels[2].set_xlabel(label)
-                panels[2].set_ylabel(f"crest [{signal.unit}]")
-                if column == 0:
-                    panels[1].set_ylabel("residual\n/ noise")
-                if len(shots) > 1:
-                    panels[0].set_title(f"{signal.name}, shot {index + 1}")
-        figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+        figure = plt.figure(figsize=size, layout="constrained")
+        grid = figure.add_gridspec(2 * rows, 2 * columns, height_ratios=(2.2, 1.0) * rows,
+                                   width_ratios=(2.4, 1.0) * columns)  # fmt: skip
+        for i, (index, place) in enumerate(sensors):
+            # Column by column, which shows the signals of a shot below each other.
+            row, column = 2 * (i % rows), 2 * (i // rows)
+            upper = figure.add_subplot(grid[row, column])
+            lower = figure.add_subplot(grid[row + 1, column], sharex=upper)
+            crest = figure.add_subplot(grid[row : row + 2, column + 1])
+            signal, fitted = shots[index].signals[place], result.predicted[index][place]
+            times = factor * shots[index].times
+            draw_signal(upper, times, signal, fitted, FIT)
+            draw_residuals(lower, times, residuals[i], limit)
+            draw_crest(crest, times, signal, fitted, FIT)
+            upper.tick_params(labelbottom=False)
+            lower.set_ylabel(RESIDUAL)
+            figure.align_ylabels([upper, lower])
+            if len(shots) > 1:
+                upper.set_title(f"{literal(signal.name)}, shot {index + 1}")
+            crest.set_title("crest")
+            if row == 2 * rows - 2 or i == len(sensors) - 1:
+                lower.set_xlabel(label)
+                crest.set_xlabel(label)
+        _legend_above(figure, figure.axes[0], figure.axes[1])
     return figure
+
+
+def _legend_above(figure: Figure, *panels: Axes) -> None:
+    """A legend of all panels above them, with the labels of some of them."""
+    found = [axes.get_legend_handles_labels() for axes in panels]
+    entries = {label: handle for pair in found for handle, label in zip(*pair, strict=True)}
+    letters = sum(len(label) + HANDLE for label in entries)
+    size = CHARACTER * FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points()
+    rows = int(np.ceil(letters * size / (POINTS_PER_INCH * figure.get_figwidth())))
+    figure.legend(entries.values(), entries.keys(), loc="outside upper right",
+                  ncols=-(-len(entries) // rows))  # fmt: skip
 
 
 def plot_fitted_sensor(
@@ -142,186 +158,159 @@ def plot_fitted_sensor(
     times = factor * shots[index].times
     with figure_style():
         upper, lower = (ax, ax) if isinstance(ax, Axes) else get_two_axes(ax)
-        signal, model = shots[index].signals[place], result.predicted[index][place]
-        _draw_signal(upper, times, signal, model, name="fit")
+        draw_signal(upper, times, shots[index].signals[place], result.predicted[index][place], FIT)
         if lower is not upper:
             values = next(
                 each for number, name, each in result.residuals()
                 if (number, name) == (index + 1, sensor)
             )  # fmt: skip
-            _draw_residuals(lower, times, values, 1.1 * max(4.0, float(np.nanmax(np.abs(values)))))
-            lower.set_ylabel("residual\n/ noise")
-            lower.margins(x=0.0)
+            draw_residuals(lower, times, values)
+            lower.set_ylabel(RESIDUAL)
             lower.set_xlim(upper.get_xlim())
         lower.set_xlabel(label)
         place_legend(upper, own=ax is None)
     return upper
 
 
-def _draw_residuals(
-    axes: Axes, times: Any, residuals: Any, limit: float, size: float = 1.0
-) -> None:
-    axes.plot(
-        times, residuals, ".", color=grey(axes, 0.35), markersize=2.0 * size, markeredgewidth=0.0
-    )
-    axes.axhline(0.0, color=grey(axes), linewidth=0.6)
-    axes.set_ylim(-limit, limit)
-
-
-def _draw_signal(
-    axes: Axes, times: Any, signal: Signal, model: Any, size: float = 1.0, *, name: str = "model"
-) -> None:
-    shown = np.where(signal.valid, signal.values, np.nan)
-    _draw_data_and_model(axes, times, shown, model, point=2.5 * size, line=0.6 + 0.4 * size,
-                         name=name)  # fmt: skip
-    unused = ~signal.valid & np.isfinite(signal.values)
-    axes.plot(times[unused], signal.values[unused], "x", color=grey(axes, 0.55), markersize=3.0)
-    axes.set_ylabel(_signal_label(signal))
-    axes.set_title(literal(signal.name))
-    axes.margins(x=0.0)
-
-
-def _draw_data_and_model(
-    axes: Axes, times: Any, data: Any, model: Any, *, point: float, line: float,
-    name: str = "model",
-) -> None:  # fmt: skip
-    """Draw a line in front of points that are wider, which hides neither."""
-    axes.plot(times, data, "o", color=grey(axes, 0.25), markersize=point, markeredgewidth=0.0,
-              label="data", zorder=3.0)  # fmt: skip
-    axes.plot(times, model, color=COLOURS[6], linewidth=line, label=name, zorder=4.0)
-
-
-def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any, size: float = 1.0) -> None:
-    """Draw the crest of the signal, enlarged."""
-    sign = np.sign(model[np.argmax(np.abs(model - model[0]))] - model[0])
-    values = np.where(signal.valid, sign * signal.values, -np.inf)
-    begin, end = _crest(values, sign * model)
-    if end == len(times) - 1 and begin > 1:
-        # The record ends before this wave has passed: show the one before it.
-        begin, end = _crest(values[:begin], sign * model[:begin])
-    if end - begin < CREST:
-        axes.text(0.5, 0.5, "too few samples", ha="center", va="center", transform=axes.transAxes)
-        axes.set_xticks([])
-        axes.set_yticks([])
-        return
-    shown = slice(begin, end + 1)
-    data = np.where(signal.valid, signal.values, np.nan)[shown]
-    _draw_data_and_model(axes, times[shown], data, model[shown], point=4.5 * size, line=1.5 * size)
-    axes.locator_params(axis="y", nbins=4)
-    if size == 1.0:
-        axes.locator_params(axis="x", nbins=4)
-    else:
-        axes.locator_params(axis="x", nbins=2, min_n_ticks=1)
-
-
-def _crest(values: Any, model: Any) -> tuple[int, int]:
-    """Indices of both ends of the crest around the largest value."""
-    crest = int(np.argmax(values))
-    high = np.abs(model - model[0]) > 0.7 * abs(model[crest] - model[0])
-    begin, end = crest, crest
-    while begin > 0 and high[begin - 1]:
-        begin -= 1
-    while end < len(model) - 1 and high[end + 1]:
-        end += 1
-    return begin, end
-
-
 def plot_fit_residuals(result: FitResult) -> Figure:
     """Plot the distribution and the autocorrelation of the residuals of a fit."""
+    width, height = figure_size(8.5, 3.4)
+    narrow = width < NARROW
     with figure_style():
         figure, (left, right) = plt.subplots(
-            1, 2, figsize=figure_size(8.5, 3.4), layout="constrained"
-        )
+            *((2, 1) if narrow else (1, 2)), figsize=(width, height * (1.0 + narrow)),
+            layout="constrained",
+        )  # fmt: skip
         edges = np.linspace(-5.0, 5.0, 41)
         for i, (shot, name, values) in enumerate(result.residuals()):
             seen = values[np.isfinite(values)]
             label = name + (f", shot {shot}" if len(result.traces.shots) > 1 else "")
             colour = curve_colour(left, i)
-            left.hist(np.clip(seen, -5.0, 5.0), edges, density=True, histtype="step", color=colour,
-                      label=label)  # fmt: skip
+            left.hist(np.clip(seen, -5.0, 5.0), edges, density=True, histtype="step", color=colour)
             rho = autocorrelation(seen, 40)
-            right.plot(np.arange(1, len(rho)), rho[1:], color=colour, linewidth=1.0)
+            right.plot(np.arange(1, len(rho)), rho[1:], color=colour, linewidth=1.0, label=label)
         grid = np.linspace(-5.0, 5.0, 201)
         left.plot(grid, np.exp(-0.5 * grid**2) / np.sqrt(2.0 * np.pi), "--", color=grey(left),
-                  linewidth=0.9, label="normal")  # fmt: skip
+                  linewidth=0.9, label="normal distribution")  # fmt: skip
         # The first and the last bin also count the values beyond them.
         left.set_xticks([-5.0, -2.5, 0.0, 2.5, 5.0], ["≤ −5", "−2.5", "0", "2.5", "≥ 5"])
         left.set_xlabel("residual / noise")
         left.set_ylabel("density")
-        place_legend(left)
         bound = 2.0 / np.sqrt(result.goodness.samples / max(1, len(result.residuals())))
-        right.axhspan(-bound, bound, color=grey(right, 0.85))
+        right.axhspan(-bound, bound, color=grey(right, 0.87), linewidth=0.0,
+                      label="±2σ of white noise")  # fmt: skip
         right.axhline(0.0, color=grey(right), linewidth=0.6)
         right.set_xlabel("lag [samples]")
         right.set_ylabel("autocorrelation")
+        _legend_above(figure, right, left)
     return figure
 
 
 def plot_correlations(result: FitResult) -> Figure:
-    """Plot the correlations of the parameters of a fit as a map."""
+    """Plot the correlations of the parameters of a fit as a map, without its upper half."""
     names, values = result.names, result.correlation
+    lower = np.tril(np.ones(values.shape, dtype=bool))
     with figure_style():
         side = 2.6 + 0.4 * len(names)
-        figure, axes = plt.subplots(figsize=figure_size(side + 0.8, side), layout="constrained")
-        mesh = axes.imshow(values, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
+        width, _ = figure_size(side + 0.8, side)
+        figure, axes = plt.subplots(figsize=(width, width * side / (side + 0.8)))
+        mesh = axes.imshow(np.where(lower, values, np.nan), cmap="RdBu_r", vmin=-1.0, vmax=1.0)
         places = np.arange(len(names))
         axes.set_xticks(places, names, rotation=90)
         axes.set_yticks(places, names)
-        axes.grid(visible=False)
-        if len(names) <= 12:
-            for i, j in np.ndindex(values.shape):
-                axes.text(j, i, f"{values[i, j]:z.2f}", ha="center", va="center", fontsize=6.5,
+        axes.spines[:].set_visible(False)
+        axes.tick_params(length=0.0)
+        # As high as the map, which an own colour bar would not be.
+        bar = axes.inset_axes((1.04, 0.0, 0.05, 1.0))
+        figure.colorbar(mesh, cax=bar, label="correlation", ticks=[-1.0, -0.5, 0.0, 0.5, 1.0])
+        figure.draw_without_rendering()
+        cell = POINTS_PER_INCH * axes.get_window_extent().width / figure.dpi / len(names)
+        size = min(7.5, cell / (CHARACTER * MAX_LETTERS))
+        if size >= LEAST_NUMBER:
+            for i, j in np.argwhere(lower):
+                axes.text(j, i, _correlation_in_words(values[i, j], i == j), ha="center",
+                          va="center", fontsize=size,
                           color="white" if abs(values[i, j]) > 0.6 else "black")  # fmt: skip
-        figure.colorbar(mesh, ax=axes, label="correlation", shrink=0.8)
     return figure
 
 
-def _draw_compared(
-    axes: Axes, comparison: TraceComparison, i: int, factor: float, *, own: bool = True
-) -> None:
-    """Draw data and simulation of a sensor, with the peaks in the title of a figure of its own."""
-    shot, found = comparison.traces.shots[0], comparison.sensors[i]
-    model = comparison.scaled[i]
-    _draw_signal(axes, factor * shot.times, shot.signals[i], model, name="simulation")
-    if own and journal_width.get() is None:
+def _correlation_in_words(value: float, same: bool) -> str:
+    """Two digits; of parameters that are almost, but not completely, correlated, a limit."""
+    if same:
+        return "1"
+    if abs(value) >= ALMOST_ONE:
+        return f"{'>' if value > 0.0 else '<'}{signed(np.copysign(0.99, value))}"
+    return signed(value, "z.2f")
+
+
+def _draw_compared(axes: Axes, comparison: TraceComparison, i: int, factor: float) -> None:
+    """Draw data and simulation of a sensor."""
+    shot = comparison.traces.shots[0]
+    draw_signal(axes, factor * shot.times, shot.signals[i], comparison.scaled[i], SIMULATION)
+
+
+def _draw_differences(axes: Axes, comparison: TraceComparison, i: int, factor: float) -> None:
+    """Draw data minus simulation over the noise."""
+    shot = comparison.traces.shots[0]
+    signal = shot.signals[i]
+    values = np.where(signal.valid, signal.values - comparison.scaled[i], np.nan) / signal.sigma
+    draw_residuals(axes, factor * shot.times, values)
+    axes.set_ylabel(RESIDUAL)
+
+
+def _title_with_peaks(axes: Axes, comparison: TraceComparison, i: int) -> None:
+    """Add the peaks to the title of a figure of its own, unless it is for a journal."""
+    if journal_width.get() is None:
+        found = comparison.sensors[i]
         peak, simulated = found.cells[:2]
-        axes.set_title(f"{literal(found.name)}\npeak {peak}, simulated {simulated}")
+        axes.set_title(f"{literal(found.name)}, peak: {DATA} {peak}, {SIMULATION} {simulated}")
 
 
-def plot_sensor(comparison: TraceComparison, sensor: str, *, ax: Axes | None = None) -> Axes:
-    """Plot data and simulation of one sensor."""
+def plot_sensor(
+    comparison: TraceComparison, sensor: str, *, ax: Axes | Sequence[Axes] | None = None
+) -> Axes:
+    """Plot data and simulation of a sensor and, unless one axes are given, their difference."""
     names = [each.name for each in comparison.sensors]
     i = names.index(check_choice("sensor", sensor, names))
     factor, label = _time_axis(comparison.traces)
     with figure_style():
-        axes = get_axes(ax)
-        _draw_compared(axes, comparison, i, factor, own=ax is None)
-        axes.set_xlabel(label)
-        place_legend(axes, own=ax is None)
-    return axes
+        upper, lower = (ax, ax) if isinstance(ax, Axes) else get_two_axes(ax)
+        _draw_compared(upper, comparison, i, factor)
+        if lower is not upper:
+            _draw_differences(lower, comparison, i, factor)
+            lower.set_xlim(upper.get_xlim())
+        if ax is None:
+            _title_with_peaks(upper, comparison, i)
+        lower.set_xlabel(label)
+        place_legend(upper, own=ax is None)
+    return upper
 
 
 def plot_comparison(comparison: TraceComparison) -> Figure:
-    """Plot data and simulation, one panel per sensor."""
+    """Plot data and simulation and, below them, their difference over the noise, by sensor."""
     count = len(comparison.sensors)
-    # Up to three panels are below each other, which leaves no place empty.
-    columns = 1 if count < 4 else 2
+    columns, size = sensor_grid(count)
     rows = -(-count // columns)
     factor, label = _time_axis(comparison.traces)
     with figure_style():
         figure, panels = plt.subplots(
-            rows, columns, squeeze=False, sharex=True, layout="constrained",
-            figsize=figure_size(*((6.0, 2.0 * rows) if columns == 1 else (8.4, 2.5 * rows))),
+            2 * rows, columns, squeeze=False, sharex=True, layout="constrained", figsize=size,
+            gridspec_kw={"height_ratios": (2.2, 1.0) * rows},
         )  # fmt: skip
-        for i, axes in enumerate(panels.flat):
+        for i in range(rows * columns):
+            upper, lower = panels[2 * (i % rows) : 2 * (i % rows) + 2, i // rows]
             if i >= count:
-                axes.remove()
+                upper.remove()
+                lower.remove()
                 continue
-            _draw_compared(axes, comparison, i, factor)
-            if i >= count - columns:
-                axes.set_xlabel(label)
-                axes.tick_params(labelbottom=True)
-        figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+            _draw_compared(upper, comparison, i, factor)
+            _title_with_peaks(upper, comparison, i)
+            _draw_differences(lower, comparison, i, factor)
+            if i % rows == rows - 1 or i == count - 1:
+                lower.set_xlabel(label)
+                lower.tick_params(labelbottom=True)
+        figure.align_ylabels()
+        _legend_above(figure, panels[0, 0], panels[1, 0])
     return figure
 
 
@@ -338,11 +327,15 @@ def plot_corner(posterior: Posterior) -> Figure:
     samples, estimates = factors * posterior.samples, factors * posterior.estimates
     drawn = samples[:: max(1, len(samples) // POINTS)]
     side = max(1.7 * count + 0.6, 3.4)
+    medians = [f"{_median_in_words(each)} {unit}".rstrip()
+               for each, unit in zip(samples.T, units, strict=True)]  # fmt: skip
     with figure_style():
         figure, panels = plt.subplots(
             count, count, squeeze=False, figsize=figure_size(side, side), layout="constrained"
         )  # fmt: skip
         size = _corner_font(figure.get_figwidth(), count, labels)
+        # Medians that would be wider than a panel are above all of them.
+        listed = count > 1 and figure.get_figwidth() < LEAST_PANEL * count
         for i, j in np.ndindex(count, count):
             axes: Any = panels[i, j]
             if j > i:
@@ -352,13 +345,14 @@ def plot_corner(posterior: Posterior) -> Figure:
                 axes.hist(samples[:, i], 40, histtype="step", color=COLOURS[1])
                 axes.axvline(estimates[i], color=COLOURS[2], linewidth=0.9)
                 axes.set_yticks([])
-                axes.set_title(f"{names[i]}\n{_median_in_words(samples[:, i])} {units[i]}".rstrip(),
-                               fontsize=size)  # fmt: skip
+                if not listed:
+                    axes.set_title(f"{names[i]}\n{medians[i]}", fontsize=size)
             else:
                 axes.plot(drawn[:, j], drawn[:, i], ".", color=COLOURS[1], markersize=1.0,
                           alpha=0.3, rasterized=True)  # fmt: skip
                 axes.plot(estimates[j], estimates[i], "+", color=COLOURS[2], markersize=0.7 * size)
-            axes.locator_params(nbins=3)
+            axes.ticklabel_format(useOffset=False)
+            axes.locator_params(nbins=2 if listed else 3)
             axes.tick_params(labelsize=0.8 * size, labelbottom=i == count - 1, labelleft=j == 0 < i)
             axes.tick_params(axis="x", labelrotation=45.0)
             axes.grid(visible=False)
@@ -366,7 +360,9 @@ def plot_corner(posterior: Posterior) -> Figure:
                 axes.set_xlabel(labels[j], fontsize=size)
             if j == 0 and i:
                 axes.set_ylabel(labels[i], fontsize=size)
-        _corner_legend(figure, size)
+        rows = [f"{''.join(name.split())}: {median}"
+                for name, median in zip(names, medians, strict=True)]  # fmt: skip
+        _corner_legend(figure, size, rows if listed else [])
     return figure
 
 
@@ -377,16 +373,18 @@ def _corner_font(width: float, count: int, labels: Sequence[str]) -> float:
     return max(SMALLEST, min(fitting, 9.0 * max(1.0, width / 7.4)))
 
 
-def _corner_legend(figure: Figure, size: float) -> None:
-    """Explain the colours in the empty corner, or above the only panel."""
+def _corner_legend(figure: Figure, size: float, rows: Sequence[str]) -> None:
+    """Explain the colours in the empty corner, or above the only panel or further rows."""
     samples, value = (Line2D([], [], color=COLOURS[i]) for i in (1, 2))
     samples.set(linestyle="", marker=".", label="samples of the posterior")
     value.set(linewidth=0.9, marker="+", markersize=0.7 * size, label="value of the fit")
     place: dict[str, Any] = (
-        {"loc": "outside upper center"} if len(figure.axes) == 1
+        {"loc": "outside upper left"} if rows
+        else {"loc": "outside upper center"} if len(figure.axes) == 1
         else {"loc": "upper right", "bbox_to_anchor": (0.98, 0.98)}
     )  # fmt: skip
-    figure.legend(handles=[samples, value], fontsize=size, **place)
+    further = [Line2D([], [], linestyle="", label=row) for row in rows]
+    figure.legend(handles=[samples, value, *further], fontsize=size, **place)
 
 
 def _median_in_words(values: Any) -> str:

@@ -44,7 +44,7 @@ def plot_gradient(
         strikers = 0 if found._chain is None or joints else found._chain.strikers
         if strikers:
             word = "striker" if strikers == 1 else f"{strikers} strikers"
-            axes.axvspan(0.5, strikers + 0.5, color="0.9", linewidth=0.0, label=word)
+            axes.axvspan(0.5, strikers + 0.5, color=grey(axes, 0.9), linewidth=0.0, label=word)
         if changes is None:
             axes.bar(np.arange(1, 1 + len(relative)), relative, color=COLOURS[1])
             axes.axhline(0.0, color=grey(axes), linewidth=0.8)
@@ -55,9 +55,9 @@ def plot_gradient(
             axis = f"change [%] if {noun} {'changes' if both else 'grows'} by 1%"
         axes.xaxis.set_major_locator(BeadLocator())
         axes.set_xlabel("contact $k$" if joints else "bead $k$")
-        axes.set_ylabel(axis)
-        chain = "" if found._chain is None else f"{chain_title(found._chain)}, "
-        set_title(axes, f"{chain}{_label(found)}")
+        axes.set_ylabel(f"{_label(found)}:\n{axis}")
+        if found._chain is not None:
+            set_title(axes, chain_title(found._chain))
         if strikers:
             place_legend(axes)
             legend = axes.get_legend()

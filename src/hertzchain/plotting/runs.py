@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import weakref
 from collections.abc import Mapping, Sequence
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -47,8 +47,19 @@ SECTION, MAX_SECTIONS = 2, 8
 MAP_TIMES: Final = 1000
 # A run that ends before this part of the time axis states its end in the legend.
 SHORT_RUN: Final = 0.9
-# Labels of forces in axes, without the ends of runs.
-_labels: weakref.WeakKeyDictionary[Line2D, str] = weakref.WeakKeyDictionary()
+# Widths and opacities of the curves of the first, second, ... run in the same axes: thin curves are
+# in front of broad, pale ones, so that oscillations of several runs do not hide each other.
+RUN_LINES: Final = ((2.6, 0.5), (1.1, 1.0), (0.6, 1.0))
+
+
+class _Force(NamedTuple):
+    """Number of the run of a curve in its axes, and its label without the end of the run."""
+
+    run: int
+    label: str
+
+
+_forces: weakref.WeakKeyDictionary[Line2D, _Force] = weakref.WeakKeyDictionary()
 
 
 @checked_arguments("plot_run")
@@ -209,46 +220,58 @@ def plot_forces(
     return axes
 
 
-def _draw_forces(axes: Axes, run: Run, beads: Sequence[int | str], name: str, first: int) -> None:
-    """Draw forces of a run, in the unit of time that the axes have, with colours from a first."""
+def _draw_forces(
+    axes: Axes, run: Run, beads: Sequence[int | str], name: str, first: int, *, places: bool = True
+) -> None:
+    """Draw forces of a run, in the unit of time that the axes have, with colours from a first.
+
+    The label has the name of the run and, with ``places``, that of the place.
+    """
     curves = [force_curve(run, each) for each in beads]
     factor, time_label = time_axis(run.chain, float(run.times[-1]))
     if axes.get_xlabel() in TIME_LABELS:
         factor, time_label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
+    number = 1 + max((_forces[line].run for line in axes.lines if line in _forces), default=-1)
     for i, (times, force, curve, cut_off) in enumerate(curves, first):
         (line,) = axes.plot(
             factor * times,
             force,
             color=curve_colour(axes, i),
-            # Lines differ also in print without colours.
+            # Lines of one run differ also in print without colours.
             linestyle=("-", "--", "-.", ":")[i % 4],
             marker="o" if cut_off else None,
             markevery=[-1],
             markerfacecolor="none",
             clip_on=not cut_off,
         )
-        _labels[line] = ", ".join(filter(None, (name, curve))) + CUT_OFF * cut_off
+        words = filter(None, (name, curve if places else ""))
+        _forces[line] = _Force(number, ", ".join(words) + CUT_OFF * cut_off)
     axes.set_xlabel(time_label)
     axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
     axes.margins(x=0.0)
-    _label_curves(axes)
+    _label_and_style(axes)
     mark_horizon(axes, run.known_horizon, factor)
 
 
-def _label_curves(axes: Axes) -> None:
-    """Label the forces in axes; those of shorter runs also with the time at which these end."""
-    lines = [line for line in axes.lines if line in _labels]
-    ends = [float(np.max(line.get_xdata())) for line in lines]
+def _label_and_style(axes: Axes) -> None:
+    """Label the forces in axes, those of shorter runs also with their ends; distinguish runs."""
+    forces = {line: _forces[line] for line in axes.lines if line in _forces}
+    ends = [float(np.max(line.get_xdata())) for line in forces]
     _, _, unit = axes.get_xlabel().rstrip("]").partition("[")
-    for line, end in zip(lines, ends, strict=True):
+    for (line, force), end in zip(forces.items(), ends, strict=True):
         shown = f"{end:.4g} {unit}" if unit else f"$t$ = {end:.4g}"
-        line.set_label(_labels[line] + (f", until {shown}" if end < SHORT_RUN * max(ends) else ""))
+        line.set_label(force.label + (f", until {shown}" if end < SHORT_RUN * max(ends) else ""))
+    if len({force.run for force in forces.values()}) > 1:
+        for line, force in forces.items():
+            width, opacity = RUN_LINES[min(force.run, len(RUN_LINES) - 1)]
+            line.set(linestyle="-", linewidth=width, alpha=opacity)
 
 
 def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -> Axes:
     """Plot forces of several runs in the same axes, and weak or short ones also enlarged.
 
-    Runs in different units have a panel each.
+    Each of several places has a panel, unless forces or durations of the runs differ much.  Runs in
+    different units have a panel each.
 
     Parameters
     ----------
@@ -280,7 +303,10 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
     ends = [float(run.times[-1]) for run in runs.values()]
     common = len({run.chain.units for run in runs.values()}) == 1
     everything = [*range(len(names))]
-    panels = [everything, *small_groups(tops, ends)] if common else [[i] for i in everything]
+    groups = small_groups(tops, ends) if common else []
+    if common and not groups and len({len(beads[name]) for name in names}) == 1:
+        return _draw_places(runs, beads)
+    panels = [everything, *groups] if common else [[i] for i in everything]
     label = time_axis(runs[names[0]].chain, max(ends))[1] if common and len(panels) > 1 else ""
     colours = np.cumsum([0, *(len(beads[name]) for name in names)])
     with figure_style():
@@ -298,6 +324,28 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
                 finish_enlarged(axes, first, ", ".join(literal(names[i]) for i in shown))
             else:
                 place_legend(axes)
+    return first
+
+
+def _draw_places(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -> Axes:
+    """Draw the forces at each place in a panel, with one curve per run."""
+    places = [*zip(*(beads[name] for name in runs), strict=True)]
+    with figure_style():
+        size = figure_size(6.0, 2.1 * len(places) + 0.5) if len(places) > 1 else None
+        grid = plt.subplots(len(places), 1, squeeze=False, sharex=True, figsize=size)[1]
+        for axes, numbers in zip(grid[:, 0], places, strict=True):
+            pairs = [*zip(runs.items(), numbers, strict=True)]
+            words = {force_curve(run, number)[2] for (_, run), number in pairs}
+            alone = len(words) == 1 < len(places)
+            for i, ((name, run), number) in enumerate(pairs):
+                _draw_forces(axes, run, [number], literal(name), i, places=not alone)
+            if alone:
+                axes.set_title(words.pop(), loc="left")
+            if axes is not grid[-1, 0]:
+                axes.set_xlabel("")
+            if axes is grid[0, 0] or not alone:
+                place_legend(axes, own=len(places) == 1)
+    first: Axes = grid[0, 0]
     return first
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -14,13 +14,15 @@ from ..evaluation.scoreboard import Scoreboard, Statistic
 from ..validation.keywords import checked_arguments
 from .colours import curve_colour, grey
 from .style import MARKERS, figure_style
-from .widths import figure_size
+from .sweep_labels import METHODS
+from .widths import NARROW, figure_size
 
 if TYPE_CHECKING:
     import pandas as pd
 
 # Vertical distance between the symbols of neighbouring theories, in rows.
 DODGE = 0.11
+WORDS: Final = {"worst": "largest relative", "rms": "rms relative"}
 # Relative difference up to which errors of two theories count as equal.
 EQUAL = 1e-6
 
@@ -77,15 +79,15 @@ def plot_scoreboard(
                     color=curve_colour(axes, style),
                     markerfacecolor="none",
                     markeredgewidth=1.2,
-                    markersize=6.0,
+                    markersize=4.0 if size[0] < NARROW else 6.0,
                     alpha=strength,
-                    label=None if warned else ", ".join(theories),
+                    label=None if warned else ", ".join(METHODS.get(t, t) for t in theories),
                 )
         if (outside & errors.notna()).to_numpy().any():
             axes.plot([], [], "o", color="0.7", markerfacecolor="none", markersize=6.0,
-                      label="pale: outside the range of the theory")  # fmt: skip
+                      label="pale: outside the range")  # fmt: skip
         axes.set_xscale("log")
-        axes.xaxis.set_major_locator(LogLocator(numticks=6))
+        axes.xaxis.set_major_locator(LogLocator(numticks=3 if size[0] < NARROW else 6))
         axes.xaxis.set_minor_locator(LogLocator(numticks=20))
         axes.xaxis.set_major_formatter(lambda percent, _: f"{percent:g}%")
         axes.xaxis.set_minor_formatter(NullFormatter())
@@ -97,11 +99,15 @@ def plot_scoreboard(
         for height, text in headings:
             axes.text(-0.01, height, text, transform=axes.get_yaxis_transform(), ha="right",
                       va="center", fontweight="bold", fontsize="small")  # fmt: skip
+        of = f"error of {quantity.replace('_', ' ')}"
         axes.set_xlabel(
-            f"{statistic} relative error of {quantity.replace('_', ' ')}, "
+            f"{WORDS[statistic]} {of},{chr(10) if size[0] < NARROW else ' '}"
             f"$k = {first_bead} \\dots {board.last_bead}$"
         )
-        axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=3, frameon=False)
+        if ax is None:
+            axes.figure.legend(loc="outside upper left", ncols=2 if size[0] < NARROW else 3)
+        else:
+            axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=3)
     return axes
 
 

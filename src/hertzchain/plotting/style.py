@@ -212,6 +212,11 @@ def seconds_axis(longest: float) -> tuple[float, str]:
     return (1e3, "time [ms]") if longest > LONG else (1e6, "time [µs]")
 
 
+def signed(value: float, digits: str = "g") -> str:
+    """A number as text, with a minus sign instead of a hyphen."""
+    return f"{value:{digits}}".replace("-", "\N{MINUS SIGN}")
+
+
 def with_micro(unit: str) -> str:
     """A unit with the micro sign, such as µs for us."""
     return unit.replace("u", "µ", 1) if unit in ("us", "um") else unit

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ..pulse.free_end import jumps_at_end
-from .style import literal
+from .style import label_log_axis, literal
 from .sweep_labels import axis_label
 
 if TYPE_CHECKING:
@@ -22,6 +22,8 @@ def set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) -> 
     axes.set(**{f"{which}scale": scale(values), f"{which}label": axis_label(coordinate)})
     axis = axes.xaxis if which == "x" else axes.yaxis
     # Setting a scale resets the ticks, so ticks are set afterwards.
+    if axis.get_scale() == "log":
+        label_log_axis(axis)
     if values.dtype.kind not in "if":
         axis.set_ticks(range(values.size), labels=[literal(str(value)) for value in values])
     elif values.dtype.kind == "i" and axis.get_scale() == "linear":

@@ -15,13 +15,25 @@ if TYPE_CHECKING:
 # Labels of parameters that are ratios, whose names do not state both quantities.
 LABELS: Final = MappingProxyType(
     {
-        "ratio": "radius of the last bead / that of the first",
-        "mass_ratio": "mass of light beads / that of heavy ones",
-        "decorated.ratio": "radius of small beads / mean of neighbours",
+        "ratio": "last radius / first radius",
+        "mass_ratio": "mass of light beads / heavy beads",
+        "decorated.ratio": "small radius / mean of neighbours",
         "with_scatter.relative": "scatter of the radii",
         "with_scatter.grade": "ball grade",
         "with_scatter.seed": "seed of the radii",
     }
+)
+# Labels of axes that do not introduce values, as ``beads = 20`` does.
+OF_AXES: Final = MappingProxyType({"rate": "rate of the taper", "beads": "number of beads $N$"})
+# Names of methods, as in plots of pulses.
+METHODS: Final = MappingProxyType({
+    "propagate": "propagation", "simulate": "simulation", "bca": "BCA",
+    "hard-sphere": "hard spheres", "two-thirds-bca": "2/3 BCA", "modified-bca": "modified BCA",
+    "modified-bca-printed": "modified BCA, printed", "local-rate": "local-rate law",
+})  # fmt: skip
+# Prefixes of variables that are errors, and their names.
+ERRORS: Final = MappingProxyType(
+    {"worst_error_of_": "largest error of", "relative_error_of_": "error of"}
 )
 # Names of parameters with one value for each bead or contact, in a label.
 SINGULARS: Final = MappingProxyType({
@@ -32,6 +44,14 @@ SINGULARS: Final = MappingProxyType({
 
 def axis_label(coordinate: xr.DataArray) -> str:
     """Label of an axis: ``struck_by.mass`` of a specification is the mass of the striker."""
+    words = str(coordinate.attrs.get("long_name", ""))
+    if words in OF_AXES:
+        return _with_unit(OF_AXES[words], coordinate)
+    return _parameter(coordinate)
+
+
+def _parameter(coordinate: xr.DataArray) -> str:
+    """A parameter with its unit."""
     name = str(coordinate.name)
     if name in ("bead", "contact"):
         return f"{name} $k$"
@@ -49,6 +69,10 @@ def quantity_label(drawn: xr.DataArray) -> str:
     if (sensor := sensor_of(name)) is not None:
         text = f"{sensor.quantity.label.removesuffix(' so far')} in {sensor.where}"
         return _with_unit(text, drawn)
+    error = next((words for prefix, words in ERRORS.items() if name.startswith(prefix)), None)
+    if error is not None:
+        of = name.partition("_of_")[2].replace("_", " ")
+        return _with_unit(f"{error} {of}", drawn)
     quantity = KEPT.get(name)
     text = name.replace("_", " ") if quantity is None else quantity.label
     if quantity is not None and not {"bead", "contact"} & set(drawn.coords):
@@ -64,9 +88,9 @@ def _with_unit(text: str, values: xr.DataArray) -> str:
 def coordinate_text(value: xr.DataArray, name: str) -> str:
     """A value of an axis in words."""
     if name == "approach":
-        return f"by {value.item()}"
+        return METHODS.get(value.item(), literal(str(value.item())))
     unit = value.attrs.get("units", "1")
-    label = axis_label(value).removesuffix(f" [{unit}]")
+    label = _parameter(value).removesuffix(f" [{unit}]")
     shown = "" if unit == "1" else unit if unit == PERCENT else f" {unit}"
     return f"{label} = {short_value(value.item())}{shown}"
 

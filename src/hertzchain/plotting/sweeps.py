@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final
 
@@ -17,6 +18,7 @@ from ..representation import MICROSECONDS, MILLISECONDS, counted
 from ..store.sweep_export import check_sweep
 from ..store.sweep_store import FAILED, MISSING
 from ..sweeps.kept import variable_name
+from ..units import PERCENT
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list, check_type
@@ -25,7 +27,8 @@ from .legends import place_legend
 from .pulses import label_free_end
 from .style import MARKERS, figure_style, label_log_axis, literal, set_title
 from .sweep_axes import edges_of, free_end, places_of, set_axis
-from .sweep_labels import coordinate_text, quantity_label, short_value
+from .sweep_labels import ERRORS, coordinate_text, quantity_label, short_value
+from .widths import NARROW, figure_size
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,6 +45,8 @@ SEQUENTIAL: Final = "viridis"
 MARKED_AREA: Final = 9000.0
 # Largest area of one of them, which those of the legend have, in square points.
 LEGEND_AREA: Final = 24.0
+# Longest line of the legend of a narrow figure.
+LEGEND_LINE: Final = 32
 
 
 @checked_arguments("plot_sweep")
@@ -124,7 +129,7 @@ def plot_sweep(
         raise InputError(_undrawable(drawn, at))
     _check_done(dataset, at)
     _check_values(drawn)
-    drawn, factor = _in_short_times(drawn)
+    drawn, factor = _in_shown_units(drawn)
     levels = [factor * level for level in levels]
     by = "approach" if len(along) == 1 else None if levels else _short_axis(drawn)
     with figure_style():
@@ -134,7 +139,7 @@ def plot_sweep(
             _curves(drawn, outside, axes, by=by, log=log)
         else:
             _map(drawn, axes, log=log, levels=levels)
-            _mark_cells(dataset, drawn, axes, at)
+            _mark_cells(dataset, drawn, axes, at, own=ax is None)
         caption = [literal(str(dataset.attrs.get("title", "")))]
         only = {"approach"} if dataset.sizes.get("approach") == 1 else set()
         caption += [
@@ -150,14 +155,17 @@ def plot_sweep(
     return axes
 
 
-def _in_short_times(drawn: xr.DataArray) -> tuple[xr.DataArray, float]:
-    """Times in us or ms instead of s, and the factor."""
-    if drawn.attrs.get("units") != "s":
+def _in_shown_units(drawn: xr.DataArray) -> tuple[xr.DataArray, float]:
+    """Times in us or ms instead of s, and errors in percent, and the factor."""
+    factor, unit = 1.0, drawn.attrs.get("units")
+    if str(drawn.name).startswith((*ERRORS,)):
+        factor, unit = 100.0, PERCENT
+    elif unit == "s":
+        largest = float(np.nanmax(np.abs(drawn.values), initial=0.0))
+        if 0.0 < largest < MILLISECONDS:
+            factor, unit = (1e6, "µs") if largest < MICROSECONDS else (1e3, "ms")
+    if factor == 1.0:
         return drawn, 1.0
-    largest = float(np.nanmax(np.abs(drawn.values), initial=0.0))
-    if not 0.0 < largest < MILLISECONDS:
-        return drawn, 1.0
-    factor, unit = (1e6, "µs") if largest < MICROSECONDS else (1e3, "ms")
     return (factor * drawn).assign_attrs({**drawn.attrs, "units": unit}), factor
 
 
@@ -335,7 +343,7 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, 
 def _curve_label(curve: xr.DataArray, by: str) -> str | None:
     if by not in curve.coords:
         return None
-    return str(curve.approach.item()) if by == "approach" else coordinate_text(curve[by], by)
+    return coordinate_text(curve[by], by)
 
 
 def _ordered(coordinate: xr.DataArray) -> bool:
@@ -363,7 +371,8 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
         lines = axes.contour(
             x, y, values, levels=sorted(set(levels)), colors="white", linewidths=1.2
         )
-        axes.clabel(lines, fmt="%g", fontsize=8)
+        unit = "%%" if drawn.attrs.get("units") == PERCENT else ""
+        axes.clabel(lines, fmt=f"%g{unit}", fontsize=8)
     set_axis(axes, "x", drawn[across])
     set_axis(axes, "y", drawn[down])
     for edges, limit in ((edges_of(x), axes.set_xlim), (edges_of(y), axes.set_ylim)):
@@ -379,11 +388,12 @@ def _colours(values: Array) -> tuple[str, float | None, float | None]:
 def _outside_label(dataset: xr.Dataset) -> str:
     """Scaled chains have no materials, and therefore no range of Hertz's law."""
     law = " or of Hertz's law" if dataset.attrs.get("units") == "SI" else ""
-    return f"outside the range of the method{law}"
+    text = f"outside the range of the method{law}"
+    return textwrap.fill(text, LEGEND_LINE) if figure_size(NARROW, 1.0)[0] < NARROW else text
 
 
 def _mark_cells(
-    dataset: xr.Dataset, drawn: xr.DataArray, axes: Axes, at: Mapping[str, Any]
+    dataset: xr.Dataset, drawn: xr.DataArray, axes: Axes, at: Mapping[str, Any], *, own: bool
 ) -> None:
     """Mark cells outside the range of a method, incomplete ones and those that failed."""
     status = _flags(dataset, "status", at).broadcast_like(drawn)
@@ -413,8 +423,11 @@ def _mark_cells(
         if there.any():
             axes.scatter(x[there], y[there], size, label=label, zorder=3.0, **style)
     if axes.get_legend_handles_labels()[1]:
-        legend = axes.legend(loc="upper left", bbox_to_anchor=(0.0, -0.15), fontsize=8)
+        if own:
+            place_legend(axes, own=True)
+        else:
+            axes.legend(loc="upper left", bbox_to_anchor=(0.0, -0.15), fontsize=8)
         # Markers of many cells are small; those of the legend are legible.
-        for handle in legend.legend_handles:
+        for handle in axes.get_legend().legend_handles:  # type: ignore[union-attr]
             if isinstance(handle, PathCollection):
                 handle.set_sizes([LEGEND_AREA])

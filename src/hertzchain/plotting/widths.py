@@ -16,6 +16,9 @@ COLUMNS: Final = {"single column": 0.086, "double column": 0.178}
 HEIGHT_RATIO: Final = 0.72
 MAX_HEIGHT: Final = 0.090 / METRES_PER_INCH
 
+# Width of a figure [inches] below which panels and legends are below or above each other.
+NARROW: Final = 5.0
+
 # Width in inches of the enclosing `figure_style(width)`.
 journal_width: ContextVar[float | None] = ContextVar("journal_width", default=None)
 # Whether there is an enclosing `figure_style`, whose settings a user may have changed since.

@@ -15,6 +15,7 @@ import hertzchain as hc
 from hertzchain.designs import pareto
 from hertzchain.designs.balls import Ball, load_balls
 from hertzchain.designs.bundle_descent import Model, _step
+from hertzchain.designs.comparison import shown_chains
 from hertzchain.designs.dominance import best_spread, undominated
 from hertzchain.designs.evolution import Strategy, reflected
 from hertzchain.designs.exact_gradients import covered, values_and_slopes
@@ -618,15 +619,17 @@ def test_forces_with_contacts_that_yield_are_dashed(partly_yielding):
     assert partly_yielding.verified.yielding
     axes = partly_yielding.plot("forces")
     elastic = [line for line in axes.lines if line.get_linestyle() == "-"]
-    (dashed,) = (line for line in axes.lines if line.get_linestyle() == "--")
+    dashed = {line.get_color(): line for line in axes.lines if line.get_linestyle() == "--"}
     assert len(elastic) == 2
-    assert dashed.get_color() == elastic[1].get_color()
+    dashed = dashed[elastic[1].get_color()]
     peak = partly_yielding.verified.yielding["wall_force.peak"]
     assert dashed.get_ydata().max() == pytest.approx(peak, rel=1e-3)
     texts = [text.get_text().replace("\n", " ") for text in axes.get_legend().get_texts()]
     value = partly_yielding.values["wall_force.peak"]
     assert texts[1] == f"design, peak {value:.4g} N (dashed, with yield: {peak:.4g} N)"
-    assert "yield" not in texts[0]
+    (name, other), _ = shown_chains(partly_yielding).items()
+    assert texts[0].startswith(f"{name}, peak ")
+    assert ("with yield" in texts[0]) == bool(other.yielding)
 
 
 def test_a_comparison_that_contacts_that_yield_reverse_says_so(partly_yielding):
@@ -976,7 +979,8 @@ def test_results_are_exported(softest, tmp_path):
 def test_forces_that_differ_much_share_axes_and_the_small_one_is_enlarged_below():
     chain = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
     problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(0.05, 1.0)])
-    result = hc.design(problem, budget=200)
+    # Without references, the initial chain is compared.
+    result = dataclasses.replace(hc.design(problem, budget=200), references={})
     initial = hc.simulate(chain).wall_force().peak
     assert initial > 5.0 * result.value
     for figure, first in ((result.plot(), 1), (result.plot("forces").figure, 0)):
@@ -1017,18 +1021,38 @@ def test_figures_state_that_the_initial_chain_violates_constraints():
         chain, minimise="wall_force.peak", vary=[hc.vary.radii("5 mm", "10 mm", beads="2:")],
         subject_to={"length": "<= 180 mm", "mass": "<= 1 kg"},
     )  # fmt: skip
-    result = hc.design(problem, budget=100)
+    result = dataclasses.replace(hc.design(problem, budget=100), references={})
     assert result.met
     figure = result.plot()
     texts = [text.get_text() for text in figure.axes[0].texts]
-    assert "initial \nviolates length " in texts
+    assert "initial chain \nviolates length " in texts
     assert "design " in texts
     initial, design = (text.get_text() for text in figure.axes[1].get_legend().get_texts())
-    assert re.fullmatch(r"initial, peak \S+ N,\s*violates length", initial)
+    assert re.fullmatch(r"initial chain, peak \S+ N,\s*violates length", initial)
     assert "violates" not in design
     bars = figure.axes[-1]
     assert bars.get_xlabel() == "bead $k$"
     assert bars.get_xlim()[1] < 14.0
+
+
+def test_a_design_is_compared_with_the_best_chain_that_meets_the_constraints(softest):
+    chains = shown_chains(softest)
+    name, other = next(iter(chains.items()))
+    best = min(softest.references, key=lambda each: softest.objective_of(softest.references[each]))
+    assert name == f"best {best}"
+    assert other is softest.references[best]
+    assert softest.objective_of(other) < softest.objective_of(softest.problem.chain)
+    axes = softest.plot("forces")
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert labels[0] == f"{name}, peak {softest.objective_of(other):.4g}"
+    words = " ".join(text.get_text() for text in softest.plot("beads").texts)
+    assert name in " ".join(words.split())
+    # The initial chain is shown if it is better, or if no reference meets the constraints.
+    values = {str(each): 10.0 * value for each, value in softest._initial.values.items()}
+    worse = {best: dataclasses.replace(softest._initial, values=values)}
+    for references in ({}, worse):
+        result = dataclasses.replace(softest, references=references)
+        assert [*shown_chains(result)] == ["initial chain", "design"]
 
 
 def test_figures_at_the_width_of_a_column_are_legible():

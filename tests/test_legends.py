@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.plotting import designs
+from hertzchain.plotting import design_beads
 from hertzchain.plotting.legends import covers_data, place_legend
 
 TAPERS = {"backward-linear": 0.3, "backward-exponential": 0.05,
@@ -235,8 +235,10 @@ def test_designs_of_two_materials_show_diameters_and_all_beads(beads, rows, monk
         diameters=["10 mm", "6 mm"], materials=["steel-316", "ptfe"], beads=beads,
         right_wall=hc.Wall.of("steel-316"),
     )  # fmt: skip
-    monkeypatch.setattr(designs, "_violations", lambda *_: [])
-    axes = designs.plot_beads(SimpleNamespace(problem=SimpleNamespace(chain=chain), chain=chain))
+    monkeypatch.setattr(design_beads, "violations", lambda *_: [])
+    both = {name: SimpleNamespace(chain=chain) for name in ("initial chain", "design")}
+    monkeypatch.setattr(design_beads, "shown_chains", lambda _: both)
+    axes = design_beads.plot_beads(SimpleNamespace(chain=chain))
     axes.figure.draw_without_rendering()
     # All beads are in the axes.
     assert axes.get_legend().get_window_extent().y0 >= axes.bbox.y1

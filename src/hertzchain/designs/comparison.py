@@ -68,15 +68,40 @@ def value_if_yielding(result: DesignResult, found: Verified) -> float:
 
 def best_reference(result: DesignResult) -> str | None:
     """Name of the best reference that meets the constraints, if the design is hardly better."""
-    sign = result._sign
+    best = _best_feasible(result)
+    if best is None or not result.met or result.problem.scatter is not None:
+        return None
+    other = result.objective_of(result.references[best])
+    better = result._sign * (other - result.value)
+    return best if better <= NEGLIGIBLE * abs(other) else None
+
+
+def _best_feasible(result: DesignResult) -> str | None:
+    """Name of the best reference that meets the constraints."""
     names = [name for name, found in result.references.items()
              if met(result.problem, found.values)]  # fmt: skip
-    if not names or not result.met or result.problem.scatter is not None:
-        return None
-    best = min(names, key=lambda name: sign * result.objective_of(result.references[name]))
-    other = result.objective_of(result.references[best])
-    better = sign * (other - result.value)
-    return best if better <= NEGLIGIBLE * abs(other) else None
+    scores = {name: result._sign * result.objective_of(result.references[name]) for name in names}
+    return min(scores, default=None, key=lambda name: scores[name])
+
+
+def shown_chains(result: DesignResult) -> dict[str, Verified]:
+    """The chains of a figure, by name: the best one without a search, and the design.
+
+    The first one is the best reference that meets the constraints, or the initial chain if there
+    is none or if it is better.
+    """
+    initial, name = result._initial, _best_feasible(result)
+    words, other = "initial chain", initial
+    if name is not None:
+        found = result.references[name]
+        loss = result._sign * (result.objective_of(found) - result.objective_of(initial))
+        if not loss > 0.0 or not met(result.problem, initial.values):
+            words, other = _best_in_words(result, name), found
+    return {words: other, "design": result.verified}
+
+
+def _best_in_words(result: DesignResult, name: str) -> str:
+    return f"best {name}" if result.compared[name] > 1 else name
 
 
 def references_in_words(result: DesignResult) -> dict[str, Verified]:

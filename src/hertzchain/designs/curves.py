@@ -1,4 +1,4 @@
-"""Motion of the initial chain and of the design, as curves to compare."""
+"""Motion of a design and of the best chain without a search, as curves to compare."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from ..errors import IncompleteWarning, InputWarning, ModelRangeWarning
 from ..pulse.quantities import QUANTITIES
 from ..simulation.simulate import simulate
 from ..simulation.yielding import dented_chain, yields
+from .comparison import shown_chains
 
 if TYPE_CHECKING:
     from .result import DesignResult
@@ -28,7 +29,7 @@ QUIET: Final = 0.01
 class Curve(NamedTuple):
     """Force on the wall over time, or without a wall a quantity of the leading pulse by bead.
 
-    ``name`` is ``"initial"`` or ``"design"``; ``yields`` states whether the contacts yield.
+    ``name`` is that of `shown_chains`; ``yields`` states whether the contacts yield.
     """
 
     name: str
@@ -46,8 +47,8 @@ class _Motion(NamedTuple):
     chain: Chain
 
 
-def initial_and_final(result: DesignResult, most: float) -> list[Curve]:
-    """Simulate the initial chain and the design, for the same time.
+def compared_curves(result: DesignResult, most: float) -> list[Curve]:
+    """Simulate the design and the chain to compare it with, for the same time.
 
     Each chain has its own time if these differ by more than the factor ``most``.  If contacts
     exceed the pressure at first yield, a second curve of this chain is that of contacts that yield.
@@ -57,7 +58,7 @@ def initial_and_final(result: DesignResult, most: float) -> list[Curve]:
         # The result has the limits of the models among its notes.
         for each in (InputWarning, ModelRangeWarning, IncompleteWarning):
             warnings.simplefilter("ignore", each)
-        for name, found in (("initial", result._initial), ("design", result.verified)):
+        for name, found in shown_chains(result).items():
             motions.append(_Motion(name, False, found.chain))
             dented = dented_chain(found.chain) if yields(found.hertz_range) else None
             if dented is not None:

@@ -297,10 +297,11 @@ class DesignResult:
         Parameters
         ----------
         kind : str, optional
-            ``"beads"`` or ``"forces"``, before and after; ``"history"``, the best objective over
-            the number of simulations; ``"sensitivity"``, the changes of the objective if the radius
-            of a bead changes by 1%; or ``"front"``, of two objectives.  By default the first three
-            and one of the others.
+            ``"beads"`` or ``"forces"`` of the design and of the best reference that meets the
+            constraints, or of the initial chain if there is none or if it is better;
+            ``"history"``, the best objective over the number of simulations; ``"sensitivity"``,
+            the changes of the objective if the radius of a bead changes by 1%; or ``"front"``, of
+            two objectives.  By default the first three and one of the others.
         ax : matplotlib.axes.Axes, optional
             Axes to draw one kind into.  By default, a new figure is created.
 

@@ -14,23 +14,21 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.gridspec import GridSpecBase
 
-from ..chain.chain import Chain
-from ..chain.description import sizes_in_words
 from ..collision import Array
-from ..designs.curves import Curve, initial_and_final, plotted_quantity
+from ..designs.comparison import shown_chains
+from ..designs.curves import Curve, compared_curves, plotted_quantity
 from ..designs.exact_gradients import PEAK
 from ..designs.measures import USUAL
 from ..designs.objective import Objective
 from ..designs.pareto import beaten_if_yielding
 from ..designs.sensitivity import changes
-from ..designs.verified import violated
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
-from .chains import bead_centres, draw_beads, material_legend
-from .colours import COLOURS, curve_colour, grey
+from .colours import COLOURS, grey
+from .design_beads import CHARACTER, height_of_beads, plot_beads, violations
 from .enlarged import finish_enlarged, small_groups
 from .gradients import bars_of_changes
-from .legends import POINTS_PER_INCH, figure_of, place_legend
+from .legends import POINTS_PER_INCH, place_legend
 from .style import (
     MUCH,
     BeadLocator,
@@ -39,103 +37,26 @@ from .style import (
     label_log_axis,
     time_axis,
 )
-from .widths import figure_size
+from .widths import NARROW, figure_size
 
 if TYPE_CHECKING:
     from ..designs.problem import Design
     from ..designs.result import DesignResult
 
-# Numbers of the colours of both chains.
-CURVE_COLOURS: Final = {"initial": 0, "design": 2}
-# Width of a figure [inch] below which its panels are below each other, the height of a panel
-# [inch], and the longest line of the label of its y axis.
-NARROW, NARROW_HEIGHT, MAX_CHARACTERS = 5.0, 1.7, 18
-# Largest number of rows of diameters below beads, and the distance of upright ones in several rows,
-# relative to the size of the font.
-MOST_ROWS, ROOM = 3, 1.3
+# Longest lines of the labels of y axes in narrow and in wide figures; height [inch] of a panel, that
+# of forces in two panels in panels, and that of the labels of beads [inch].
+NARROW_LABEL, LABEL = 18, 24
+PANEL, TWO_PANELS, LABELS_OF_BEADS = 1.7, 1.7, 0.9
+# Largest height of both rows of beads [inch], and their part of the width of a figure.
+MAX_BEADS, PART = 1.6, 0.8
+# Name of the design among the compared chains.
+DESIGN: Final = "design"
 PLUS_MINUS: Final = "\N{PLUS-MINUS SIGN}"
 GROWS: Final = "if diameter grows by 1%"
-# Width of a character, relative to the size of the font, and width of the handle of a legend in
-# characters.
-CHARACTER, HANDLE = 0.6, 6
-
-
-def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
-    """Plot the beads of the chain that was found, above those of the chain it began with."""
-    with figure_style():
-        axes = get_axes(ax, figsize=(7.0, 2.2))
-        chains = {"initial": result.problem.chain, "design": result.chain}
-        factor, unit = (1e3, " [mm]") if result.chain.units == "SI" else (1.0, "")
-        height = -2.4 * factor * max(chain.radii.max() for chain in chains.values())
-        for row, (name, chain) in enumerate(chains.items()):
-            draw_beads(chain, factor, axes, height=row * height)
-            if chain.right_wall is not None:
-                end = factor * (bead_centres(chain)[-1] + chain.radii[-1])
-                largest = factor * chain.radii.max()
-                axes.plot([end] * 2, [row * height - largest, row * height + largest],
-                          color=grey(axes), linewidth=3.0)  # fmt: skip
-            lines = [name, *_violations(result, name)]
-            axes.text(-0.01, row * height, " \n".join(lines) + " ", ha="right", va="center",
-                      fontsize=rcParams["font.size"] * (1.0 if len(lines) == 1 else 0.8),
-                      transform=axes.get_yaxis_transform())  # fmt: skip
-        axes.set_aspect("equal")
-        axes.autoscale_view()
-        if result.chain.units == "SI":
-            _write_diameters(result.chain, axes, height - result.chain.radii.max() * factor)
-        axes.set_yticks([])
-        axes.set_xlabel(f"position{unit}")
-        # Above the axes, which are low if the chain is long.
-        material_legend([*chains.values()], axes, fontsize=8, loc="lower center",
-                        bbox_to_anchor=(0.5, 1.0), borderaxespad=0.2, ncols=3)  # fmt: skip
-    return axes
-
-
-def _violations(result: DesignResult, name: str) -> list[str]:
-    """Statement that the initial chain or the design violates constraints; empty if not."""
-    found = result._initial if name == "initial" else result.verified
-    names = violated(result.problem, found.values)
-    if not names:
-        return []
-    return [f"violates {names[0] if len(names) == 1 else f'{len(names)} constraints'}"]
-
-
-def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
-    """Write the diameters [mm] below the beads, or their range if there is no room.
-
-    They are upright if the beads are narrow, and in several rows if one has no room.
-    """
-    figure = figure_of(axes)
-    size = 0.8 * float(FontProperties(size=rcParams["font.size"]).get_size_in_points())
-    low, high = axes.get_xlim()
-    # The layout of the figure may change, but hardly its width.
-    point = (high - low) / (POINTS_PER_INCH * figure.get_figwidth() * axes.get_position().width)
-    texts = [f"{2e3 * radius:.4g}" for radius in chain.radii]
-    centres = 1e3 * bead_centres(chain)
-    rows = _rows(centres / (point * size))
-    label = "diameter [mm]"
-    if rows == 0:
-        texts, centres, rows = [sizes_in_words(chain.radii)], np.array([0.5 * (low + high)]), 1
-        label = "diameters"
-    lengths = CHARACTER * np.array([len(text) for text in texts])
-    apart = np.diff(centres) / (point * size)
-    crowded = (apart < 0.5 * (lengths[1:] + lengths[:-1]) + 0.5 * CHARACTER).any()
-    upright = rows > 1 or bool(crowded)
-    tall = lengths.max() + CHARACTER if upright else 1.0
-    for i, (text, centre) in enumerate(zip(texts, centres, strict=True)):
-        below = height - (0.3 + i % rows * tall) * size * point
-        axes.text(centre, below, text, fontsize=size, ha="center", va="top",
-                  rotation=90.0 * upright)  # fmt: skip
-    axes.text(-0.01, height - 0.3 * size * point, f"{label} ", fontsize=size, ha="right",
-              va="top", transform=axes.get_yaxis_transform())  # fmt: skip
-    axes.set_ylim(bottom=height - size * point * (0.6 + rows * tall))
-
-
-def _rows(centres: Array) -> int:
-    """Number of rows of upright texts at places in units of their size; 0 if there are too many."""
-    for rows in range(1, MOST_ROWS + 1):
-        if (centres[rows:] - centres[:-rows]).min(initial=np.inf) >= (ROOM if rows > 1 else 1.0):
-            return rows
-    return 0
+# Largest limit of a force that is drawn, relative to the largest force of the axes.
+NEAR: Final = 1.5
+# Width of the handle of a legend in characters.
+HANDLE: Final = 6
 
 
 def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
@@ -146,7 +67,7 @@ def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     unless axes are given.
     """
     with figure_style():
-        curves = initial_and_final(result, MUCH)
+        curves = compared_curves(result, MUCH)
         if ax is not None or not _differ(result, curves):
             return _draw_curves(result, curves, get_axes(ax))
         figure = plt.figure()
@@ -196,8 +117,10 @@ def _draw_curves(
         factor, label = time_axis(result.chain, max(longest, *(each.x[-1] for each in curves)))
     for each in curves:
         words = None if each.yields else _label(result, each.name, curves, axes)
+        own = each.name == DESIGN
         axes.plot(factor * each.x, each.y, "--" if each.yields else "-", label=words,
-                  color=curve_colour(axes, CURVE_COLOURS[each.name]))  # fmt: skip
+                  color=COLOURS[2] if own else grey(axes, 0.55),
+                  linewidth=1.0 if own else 2.0)  # fmt: skip
     if walled:
         _draw_limits(result, axes)
     axes.set_xlabel(label)
@@ -219,18 +142,18 @@ def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes)
     parts = [f"{name}, peak {peaks[False]}" if walled else name]
     if True in peaks:
         parts.append(f"(dashed, with yield: {peaks[True]})" if walled else "(dashed: with yield)")
-    violations = _violations(result, name)
-    parts[-1] += "," * len(violations)
+    violated = violations(result, shown_chains(result)[name])
+    parts[-1] += "," * len(violated)
     letter = CHARACTER * FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points()
     inches = axes.get_window_extent().width / axes.figure.dpi
     letters = int(POINTS_PER_INCH * inches / letter) - HANDLE
-    text = " ".join(part.replace(" ", "\u00a0") for part in parts + violations)
+    text = " ".join(part.replace(" ", "\u00a0") for part in parts + violated)
     return textwrap.fill(text, max(letters, 1), break_long_words=False).replace("\u00a0", " ")
 
 
 def _draw_limits(result: DesignResult, axes: Axes) -> None:
-    """Draw limits of the peak force on the wall that the axes include."""
-    top = axes.get_ylim()[1]
+    """Draw limits of the peak force on the wall that are not far above the curves."""
+    top = NEAR * axes.get_ylim()[1]
     for each in result.problem.requirements:
         if each.measure == PEAK and each.limit < top:
             axes.axhline(each.limit, color=grey(axes, 0.4), linestyle="--", linewidth=1.0,
@@ -290,9 +213,10 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 def _shade_arriving(result: DesignResult, axes: Axes) -> None:
     """Shade the strikers, whose sizes are given, as in the plot of a gradient."""
     if count := result.chain.strikers:
-        axes.axvspan(0.5, count + 0.5, color="0.9", linewidth=0.0)
-        axes.text(0.5 * (1 + count), 0.98, f"striker{'s' if count > 1 else ''}", ha="center",
-                  va="top", rotation=90.0, fontsize=rcParams["legend.fontsize"],
+        axes.axvspan(0.5, count + 0.5, color=grey(axes, 0.9), linewidth=0.0)
+        # Above the axes, where no bar is.
+        axes.text(0.5, 1.0, f"striker{'s' if count > 1 else ''}", va="bottom",
+                  fontsize=rcParams["legend.fontsize"],
                   transform=axes.get_xaxis_transform())  # fmt: skip
 
 
@@ -379,45 +303,48 @@ def _join_points(result: DesignResult, x: Array, y: Array, axes: Axes) -> None:
 def plot_design(result: DesignResult) -> Figure:
     """Plot beads, forces, history, and the sensitivity or the Pareto front.
 
-    The panels are in two columns or, at the width of a column of a journal, below each other.
+    Beads and forces have the whole width; the others are side by side or, at the width of a column
+    of a journal, below each other.
     """
     with figure_style():
-        curves = initial_and_final(result, MUCH)
+        curves = compared_curves(result, MUCH)
         apart = _differ(result, curves)
-        # Two panels of forces need more height, also for a legend above them.
-        size = figure_size(10.0, 8.0 if apart else 6.4)
-        figure = plt.figure(figsize=size, layout="constrained")
-        narrow = figure.get_figwidth() < NARROW
-        if narrow:
-            # Long legends are above the forces.
-            single = 1.8 if any(each.yields for each in curves) else 1.0
-            heights = [0.8, 2.5 if apart else single, 1.0, 1.0]
-            figure.set_figheight(NARROW_HEIGHT * sum(heights))
-            grid = figure.add_gridspec(4, 1, height_ratios=heights)
-        else:
-            grid = figure.add_gridspec(2, 2, height_ratios=[1.6 if apart else 1.0, 1.0])
-        panels = [grid[i] for i in range(4)]
-        plot_beads(result, ax=figure.add_subplot(panels[0]))
+        width, _ = figure_size(8.0, 1.0)
+        narrow = width < NARROW
+        beads = LABELS_OF_BEADS + min(MAX_BEADS, height_of_beads(result, PART * width))
+        # Long legends are above the forces of a narrow figure.
+        room = 0.5 if narrow and any(each.yields for each in curves) else 0.0
+        panel = PANEL if narrow else 1.5 * PANEL
+        heights = [beads, panel * (TWO_PANELS if apart else 1.0) + room, panel, panel]
+        heights = heights if narrow else heights[:3]
+        figure = plt.figure(figsize=(width, sum(heights)), layout="constrained")
+        grid = figure.add_gridspec(len(heights), 1 if narrow else 2, height_ratios=heights)
+        plot_beads(result, ax=figure.add_subplot(grid[0, :]))
         if apart:
-            _draw_panels(result, curves, panels[1].subgridspec(2, 1))
+            _draw_panels(result, curves, grid[1, :].subgridspec(2, 1))
         else:
-            _draw_curves(result, curves, figure.add_subplot(panels[1]))
-        plot_history(result, ax=figure.add_subplot(panels[2]))
-        last = figure.add_subplot(panels[3])
-        if result.front:
-            plot_front(result, ax=last)
-        elif "masses" in result.chain.given:
-            last.bar(np.arange(1, result.chain.beads + 1), result.chain.masses, color=COLOURS[3])
-            last.set_xlim(0.3, result.chain.beads + 0.7)
-            last.set_xlabel("bead $k$")
-            last.xaxis.set_major_locator(BeadLocator())
-            last.set_ylabel("mass $m_k$")
-        else:
-            plot_sensitivity(result, ax=last)
-        if narrow:
-            for axes in figure.axes:
-                axes.set_ylabel(textwrap.fill(axes.get_ylabel(), MAX_CHARACTERS))
+            _draw_curves(result, curves, figure.add_subplot(grid[1, :]))
+        plot_history(result, ax=figure.add_subplot(grid[2, 0]))
+        _draw_last(result, figure.add_subplot(grid[-1, -1]))
+        for axes in figure.axes:
+            # No line begins with a unit.
+            label = axes.get_ylabel().replace(" [", "\u00a0[")
+            axes.set_ylabel(textwrap.fill(label, NARROW_LABEL if narrow else LABEL))
     return figure
+
+
+def _draw_last(result: DesignResult, axes: Axes) -> None:
+    """Draw the Pareto front or the sensitivity or, if masses were given, the masses."""
+    if result.front:
+        plot_front(result, ax=axes)
+    elif "masses" in result.chain.given:
+        axes.bar(np.arange(1, result.chain.beads + 1), result.chain.masses, color=COLOURS[3])
+        axes.set_xlim(0.3, result.chain.beads + 0.7)
+        axes.set_xlabel("bead $k$")
+        axes.xaxis.set_major_locator(BeadLocator())
+        axes.set_ylabel("mass $m_k$")
+    else:
+        plot_sensitivity(result, ax=axes)
 
 
 def _usual_unit(result: DesignResult, unit: str) -> tuple[float, str]:

@@ -1,0 +1,121 @@
+"""Plot the beads of a design, to scale and with their diameters."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from matplotlib import rcParams
+from matplotlib.axes import Axes
+from matplotlib.font_manager import FontProperties
+
+from ..chain.chain import Chain
+from ..chain.description import sizes_in_words
+from ..collision import Array
+from ..designs.comparison import shown_chains
+from ..designs.verified import Verified, violated
+from .chains import bead_centres, draw_beads, material_legend
+from .colours import grey
+from .legends import POINTS_PER_INCH, figure_of
+from .style import figure_style, get_axes
+
+if TYPE_CHECKING:
+    from ..designs.result import DesignResult
+
+# Largest number of rows of diameters below beads, and the distance of upright ones in several rows,
+# relative to the size of the font.
+MOST_ROWS, ROOM = 3, 1.3
+# Width of a character, relative to the size of the font, and the longest line of a name.
+CHARACTER, MAX_NAME = 0.6, 14
+# Distance of both rows of beads, in radii of the largest one.
+DISTANCE: Final = 2.4
+
+
+def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
+    """Plot the beads of the design, below those of the best chain without a search."""
+    with figure_style():
+        axes = get_axes(ax, figsize=(7.0, 2.2))
+        found = shown_chains(result)
+        factor, unit = (1e3, " [mm]") if result.chain.units == "SI" else (1.0, "")
+        height = -DISTANCE * factor * max(each.chain.radii.max() for each in found.values())
+        for row, (name, each) in enumerate(found.items()):
+            chain = each.chain
+            draw_beads(chain, factor, axes, height=row * height)
+            if chain.right_wall is not None:
+                end = factor * (bead_centres(chain)[-1] + chain.radii[-1])
+                largest = factor * chain.radii.max()
+                axes.plot([end] * 2, [row * height - largest, row * height + largest],
+                          color=grey(axes), linewidth=3.0)  # fmt: skip
+            lines = [*textwrap.wrap(name, MAX_NAME), *violations(result, each)]
+            axes.text(-0.01, row * height, " \n".join(lines) + " ", ha="right", va="center",
+                      fontsize=rcParams["font.size"] * (1.0 if len(lines) == 1 else 0.8),
+                      transform=axes.get_yaxis_transform())  # fmt: skip
+        axes.set_aspect("equal")
+        axes.autoscale_view()
+        axes.margins(x=0.01)
+        if result.chain.units == "SI":
+            _write_diameters(result.chain, axes, height - result.chain.radii.max() * factor)
+        axes.set_yticks([])
+        axes.spines["left"].set_visible(False)  # it would look like a wall
+        axes.set_xlabel(f"position{unit}")
+        # Above the axes, which are low if the chain is long.
+        material_legend([each.chain for each in found.values()], axes, fontsize=8,
+                        loc="lower center", bbox_to_anchor=(0.5, 1.0), borderaxespad=0.2,
+                        ncols=3)  # fmt: skip
+    return axes
+
+
+def height_of_beads(result: DesignResult, width: float) -> float:
+    """Height [inch] of both rows of beads in axes of a width [inch]."""
+    chains = [each.chain for each in shown_chains(result).values()]
+    largest = max(float(chain.radii.max()) for chain in chains)
+    length = max(float(bead_centres(chain)[-1] + chain.radii[-1]) for chain in chains)
+    return width * (DISTANCE + 2.0) * largest / length
+
+
+def violations(result: DesignResult, found: Verified) -> list[str]:
+    """Statement that a chain violates constraints; empty if it does not."""
+    names = violated(result.problem, found.values)
+    if not names:
+        return []
+    return [f"violates {names[0] if len(names) == 1 else f'{len(names)} constraints'}"]
+
+
+def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
+    """Write the diameters [mm] below the beads, or their range if there is no room.
+
+    They are upright if the beads are narrow, and in several rows if one has no room.
+    """
+    figure = figure_of(axes)
+    size = 0.8 * float(FontProperties(size=rcParams["font.size"]).get_size_in_points())
+    low, high = axes.get_xlim()
+    # The layout of the figure may change, but hardly its width.
+    point = (high - low) / (POINTS_PER_INCH * figure.get_figwidth() * axes.get_position().width)
+    texts = [f"{2e3 * radius:.4g}" for radius in chain.radii]
+    centres = 1e3 * bead_centres(chain)
+    rows = _rows(centres / (point * size))
+    label = "diameter [mm]"
+    if rows == 0:
+        texts, centres, rows = [sizes_in_words(chain.radii)], np.array([0.5 * (low + high)]), 1
+        label = "diameters"
+    lengths = CHARACTER * np.array([len(text) for text in texts])
+    apart = np.diff(centres) / (point * size)
+    crowded = (apart < 0.5 * (lengths[1:] + lengths[:-1]) + 0.5 * CHARACTER).any()
+    upright = rows > 1 or bool(crowded)
+    tall = lengths.max() + CHARACTER if upright else 1.0
+    for i, (text, centre) in enumerate(zip(texts, centres, strict=True)):
+        below = height - (0.3 + i % rows * tall) * size * point
+        axes.text(centre, below, text, fontsize=size, ha="center", va="top",
+                  rotation=90.0 * upright)  # fmt: skip
+    axes.text(-0.01, height - 0.3 * size * point, f"{label} ", fontsize=size, ha="right",
+              va="top", transform=axes.get_yaxis_transform())  # fmt: skip
+    axes.set_ylim(bottom=height - size * point * (0.6 + rows * tall))
+
+
+def _rows(centres: Array) -> int:
+    """Number of rows of upright texts at places in units of their size; 0 if there are too many."""
+    for rows in range(1, MOST_ROWS + 1):
+        if (centres[rows:] - centres[:-rows]).min(initial=np.inf) >= (ROOM if rows > 1 else 1.0):
+            return rows
+    return 0

@@ -20,12 +20,6 @@ from hertzchain.paper.listed_errata import errata_chains
 from hertzchain.paper.reproduction import integrate_chains
 from hertzchain.paper.velocity_formulas import draw_formula_errors
 from hertzchain.plotting.colours import COLOURS
-from hertzchain.plotting.designs import (
-    plot_beads,
-    plot_forces,
-    plot_history,
-    plot_sensitivity,
-)
 from hertzchain.plotting.pulses import plot_pulses
 from hertzchain.plotting.scoreboard import plot_scoreboard
 from hertzchain.plotting.style import figure_style, mark_horizon
@@ -327,7 +321,7 @@ def _three_sensors(chain: hc.Chain, offset: float, gain: float) -> hc.Traces:
 
 
 def design_shock_absorber() -> Figure:
-    """The shock absorber of the how-to guide: before and after."""
+    """The shock absorber of the how-to guide."""
     chain = hc.Chain.from_materials(
         3.175e-3, "steel-52100", beads=9, velocity=0.3, right_wall=hc.Wall.of("steel-52100")
     )
@@ -339,16 +333,7 @@ def design_shock_absorber() -> Figure:
         chain, minimise="wall_force.peak", vary=[balls],
         subject_to={"length": "<= 60 mm", "yield_ratio": "<= 1"},
     )  # fmt: skip
-    found = hc.design(problem, budget=4000, seed=1)
-    # The panels of `plot_all` one above the other, which are legible on a narrow page.
-    plots = (plot_beads, plot_forces, plot_history, plot_sensitivity)
-    with figure_style():
-        canvas, panels = plt.subplots(
-            4, 1, figsize=(6.4, 10.0), layout="constrained", height_ratios=[0.9, 1.2, 1.0, 1.0]
-        )
-        for plot, axes in zip(plots, panels, strict=True):
-            plot(found, ax=axes)
-    return canvas
+    return hc.design(problem, budget=4000, seed=1).plot()
 
 
 def _growth(rate: float) -> float:

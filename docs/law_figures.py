@@ -247,8 +247,9 @@ def extend() -> Figure:
         panels["a"].set_title("")
         panels["a"].set_title("a taper: a power law of 30 beads", loc="left")
         panels["a"].set_axis_off()
-        panels["b"].plot(exact.bead, exact.velocity, color=COLOURS[0], label="simulation")
-        panels["b"].plot(exact.bead, chain.masses**-0.5, "--", color=COLOURS[1],
+        # The last bead leaves the free end, and is no part of the curve.
+        panels["b"].plot(exact.bead[:-1], exact.velocity[:-1], color=COLOURS[0], label="simulation")
+        panels["b"].plot(exact.bead[:-1], chain.masses[:-1] ** -0.5, "--", color=COLOURS[1],
                          label="energy kept")  # fmt: skip
         panels["b"].set(title="a theory", xlabel="bead $k$", ylabel="velocity $v_k$")
         for i, gamma in enumerate((0.0, 0.2, 1.0)):

@@ -282,7 +282,7 @@ def transfer_function() -> Figure:
     shown = (frequency > 0.0) & (frequency < 12.0) & (np.arange(len(frequency)) % 20 == 0)
     with figure_style():
         axes = hc.spectrum(lossy).plot_transfer(16)
-        axes.lines[0].set_label("damped.plot_transfer(16)")
+        axes.lines[0].set_label("theory")
         axes.semilogy(frequency[shown], measured[shown], "o", color=COLOURS[0], markersize=3.0,
                       markerfacecolor="none", label="simulation")  # fmt: skip
         axes.legend()
@@ -355,7 +355,8 @@ def designs() -> Figure:
         axes.set_xlabel("mass of the light beads / mass of the heavy beads")
         axes.set_ylabel("lost velocity $1 - v_{91}/v_{31}$")
         axes.set_ylim(1e-6, 1.0)
-        axes.legend(loc="upper left", bbox_to_anchor=(0.0, 1.0))
+        # Above the axes, where no curve is.
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0))
     return canvas
 
 

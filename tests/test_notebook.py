@@ -437,6 +437,11 @@ def test_no_line_joins_free_ends_in_comparisons_and_tables():
 def test_names_of_curves_are_those_of_figures():
     traces, chain = hc.example_experiment()
     compared = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201).compare(traces)
-    _, text = parsed(compared)
+    root, text = parsed(compared)
     assert "data simulation" in text
     assert "model" not in text
+    # The data are a broad, pale line behind the simulation.
+    drawn = [path for path in root.iter("path") if path.get("stroke-linejoin") == "round"]
+    widths = [float(path.get("stroke-width")) for path in drawn]
+    assert widths == [4.0, 1.6] * (len(drawn) // 2)
+    assert all(path.get("stroke-opacity") == "0.5" for path in drawn[::2])

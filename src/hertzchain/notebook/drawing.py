@@ -35,13 +35,17 @@ FAINT = "font-weight:normal;opacity:0.65;font-size:11px"
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A curve of a chart; a filled area if it has a lower edge."""
+    """A curve of a chart; a filled area if it has a lower edge.
+
+    A broad curve is pale, and remains visible behind a thin one that agrees with it.
+    """
 
     x: Array
     y: Array
     label: str = ""
     colour: str = COLOURS[0]
     base: Array | None = None
+    broad: bool = False
 
 
 @dataclass(frozen=True)
@@ -273,8 +277,9 @@ def _curve(curve: Curve, frame: _Frame) -> str:
     path = "".join(
         f"M{_points(x[run], y[run])}" + "h0" * (len(run) == 1) for run in runs if len(run)
     )
+    width = 'stroke-width="4" stroke-opacity="0.5"' if curve.broad else 'stroke-width="1.6"'
     return (
-        f'<path d="{path}" fill="none" stroke="{curve.colour}" stroke-width="1.6" '
+        f'<path d="{path}" fill="none" stroke="{curve.colour}" {width} '
         f'stroke-linejoin="round" stroke-linecap="round"/>{dots}'
     )
 

@@ -139,7 +139,8 @@ def _figures(shot: Shot, models: Sequence[Array | None]) -> list[str]:
     for signal, model in pairs[:MAX_SENSORS]:
         unit, label = axis_unit(signal.values, signal.unit, "SI")
         seen = np.where(signal.valid, signal.values, np.nan)
-        curves = [Curve(factor * shot.times, unit * seen, "data", MEASURED)]
+        broad = model is not None
+        curves = [Curve(factor * shot.times, unit * seen, "data", MEASURED, broad=broad)]
         if model is not None:
             kept = slice(None, None, max(len(model) // MODEL_POINTS, 1))
             curves.append(Curve(factor * shot.times[kept], unit * model[kept], "", MODEL))

@@ -89,7 +89,7 @@ def comparison_html(comparison: Comparison) -> str:
                       if np.isfinite(error)]  # fmt: skip
     parts = []
     if curves:
-        parts.append(legend((curve.label, curve.colour) for curve in curves))
+        parts.append(legend((curve.label.replace("_", " "), curve.colour) for curve in curves))
         parts.append(
             chart(curves, "bead or contact k", "|error| [%]", marks=marks, log=True, whole=True)
         )

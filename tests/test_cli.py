@@ -810,8 +810,9 @@ def test_simulate_compares_several_chain_files(run, tmp_path):
     )
     drawn = picture.read_text()
     # The run of the equal balls ends earlier.
-    assert re.search("<!-- equal, right wall, until [0-9.]+ µs -->", drawn)
-    assert "<!-- tapered, right wall -->" in drawn
+    assert re.search("<!-- equal, until [0-9.]+ µs -->", drawn)
+    for text in ("tapered", "bead 2", "right wall"):
+        assert f"<!-- {text} -->" in drawn
     found = json.loads(run("simulate", *files, "--json")[1])["runs"]
     peaks = [hertzchain.simulate(hertzchain.load_chain(file)).wall_force().peak for file in files]
     assert [each["name"] for each in found] == ["equal", "tapered"]

@@ -116,6 +116,15 @@ def test_drawings_show_the_data(reproduction, name):
     assert len(rows) == 1 + 90 * len(figure.curves)
 
 
+@pytest.mark.parametrize("name", ["figure4", "figure8"])
+def test_ticks_of_few_decades_are_plain_numbers(reproduction, name):
+    axes = draw_figure(next(f for f in reproduction.figures if f.published.name == name)).axes[0]
+    axes.figure.draw_without_rendering()
+    shown = {text.get_text() for text in axes.yaxis.get_ticklabels(which="both")}
+    assert {"0.1", "0.2", "0.5"} <= shown
+    assert not any("10^" in text for text in shown)
+
+
 def test_errors_of_the_formulas_as_printed_and_corrected():
     pulses = integrate_chains(errata_chains())
 

@@ -1262,6 +1262,18 @@ def test_several_places_of_several_runs_have_a_panel_each():
             assert line.get_ydata().max() == force_curve(run, bead)[1].max()
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
+def test_a_panel_of_several_runs_states_that_a_peak_is_not_complete():
+    balls = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
+    runs = {name: hc.simulate(balls.replace(loss=loss), until=9.0)
+            for name, loss in (("elastic", None), ("lossy", hc.Restitution(0.9)))}  # fmt: skip
+    assert not any(run.wall_force().complete for run in runs.values())
+    first = plot_forces_of_runs(runs, {name: [4, 9] for name in runs})
+    assert legend(first) == [*runs]
+    wall = first.figure.axes[1]
+    assert legend(wall) == [f"{name} (peak not complete)" for name in runs]
+
+
 @pytest.mark.parametrize(
     ("magnify", "words"),
     [(0.162, "drawn at 0.16 of their size"), (1.0, "to scale"), (30.0, "magnified 30 times")],
@@ -1279,3 +1291,40 @@ def test_figures_of_chains_are_filled_by_the_beads(beads):
             axes.figure.draw_without_rendering()
         whole = axes.figure.bbox.height
         assert whole - axes.get_tightbbox().height < 0.35 * axes.figure.dpi
+
+
+def test_medians_of_a_narrow_corner_plot_are_listed_above_it():
+    rng = np.random.default_rng(0)
+    samples = 50.0 + rng.normal(size=(500, 4))
+    names = ("stiffness", "loss.time", "struck_by.velocity", "time_offset")
+    posterior = hc.Posterior(names, samples, 0.5, 1.0, 100, np.full(4, 50.0), ("",) * 4)
+    with hc.figure_style("single column"):
+        figure = posterior.plot()
+        figure.draw_without_rendering()
+    assert not any(axes.get_title() for axes in figure.axes)
+    (legend,) = figure.legends
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert [text.partition(":")[0] for text in texts[2:]] == [*names]
+    top = max(axes.bbox.y1 for axes in figure.axes)
+    assert legend.get_window_extent().y0 > top
+    # All labels are inside the figure.
+    boxes = [axes.get_tightbbox() for axes in figure.axes]
+    assert all(figure.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1 for box in boxes)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_the_legend_of_a_map_in_a_column_leaves_it_its_size():
+    found = hc.sweep({
+        "chain": {"first_diameter": "10 mm", "materials": "steel-52100", "beads": 6},
+        "axes": {"velocity": {"linspace": [0.1, 1.3, 9], "unit": "m/s"},
+                 "ratio": {"linspace": [0.4, 1.0, 9]}},
+        "sweep": {"methods": ["simulate"], "keep": ["velocity"], "at": "last"},
+    })  # fmt: skip
+    with hc.figure_style("single column"):
+        axes = hc.plot_sweep(found)
+        axes.figure.draw_without_rendering()
+    whole = axes.figure.bbox
+    assert axes.bbox.width > 0.55 * whole.width
+    box = axes.get_legend().get_window_extent()
+    assert whole.x0 <= box.x0 < box.x1 <= whole.x1
+    assert axes.bbox.y1 <= box.y0 < box.y1 <= whole.y1

@@ -148,7 +148,7 @@ class Gradient(Frozen):
         --------
         >>> import hertzchain as hc
         >>> hc.gradient(hc.Chain.uniform(5), "pulse.velocity@5", to="radii").plot().get_ylabel()
-        'change [%] per 1% of the radius'
+        'velocity of bead 5:\\nchange [%] per 1% of the radius'
         """
         from ..plotting.gradients import plot_gradient
 

@@ -389,13 +389,14 @@ class FitResult:
         return plot_fit_residuals(self)
 
     def plot_correlations(self) -> Figure:
-        """Plot the correlations of the parameters as a map.
+        """Plot the correlations of the parameters as a map, without its upper half.
 
         Examples
         --------
         >>> import hertzchain as hc
-        >>> len(hc.fit(*hc.example_experiment()).plot_correlations().axes)
-        2
+        >>> figure = hc.fit(*hc.example_experiment()).plot_correlations()
+        >>> figure.axes[0].images[0].get_array().shape
+        (11, 11)
         """
         from ..plotting.fits import plot_correlations
 

@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from ..calibration import fit_line
 from ..chain.tapers import rate_symbol
 from ..collision import Array
-from ..plotting.style import figure_style, label_right_ends
+from ..plotting.style import figure_style, label_log_axis, label_right_ends
 from ..pulse.pulse import Pulse
 from ..representation import short
 from ..theory.bca import bca, forward_linear_momentum_slope
@@ -235,6 +235,8 @@ def draw_figure(figure: Figure) -> MatplotlibFigure:
         axes.set_xlabel("bead $k$")
         axes.set_ylabel(LABELS[published.quantity])
         axes.set_xlim(right=LAST_BEAD * (1.06 if layout.xscale == "log" else 1.01))
+        if layout.yscale == "log":
+            label_log_axis(axes.yaxis)
         _legend(axes, layout, narrow=canvas.get_figwidth() < WIDTH)
         label_right_ends(
             axes,

@@ -43,8 +43,8 @@ if TYPE_CHECKING:
     from ..designs.problem import Design
     from ..designs.result import DesignResult
 
-# Longest lines of the labels of y axes in narrow and in wide figures; height [inch] of a panel, that
-# of forces in two panels in panels, and that of the labels of beads [inch].
+# Longest lines of the labels of y axes in narrow and in wide figures; height [inch] of a panel,
+# that of two panels of forces, in panels, and that of the labels of beads [inch].
 NARROW_LABEL, LABEL = 18, 24
 PANEL, TWO_PANELS, LABELS_OF_BEADS = 1.7, 1.7, 0.9
 # Largest height of both rows of beads [inch], and their part of the width of a figure.

@@ -321,12 +321,15 @@ def plot_corner(posterior: Posterior) -> Figure:
     """
     count = len(posterior.names)
     factors, names, units = _in_shown_units(posterior)
+    side = max(1.7 * count + 0.6, 3.4)
+    # Medians that would be wider than a panel are above all of them.
+    listed = count > 1 and figure_size(side, side)[0] < LEAST_PANEL * count
     # Long names and their units do not fit one line of a panel.
+    lines = [name.replace("_", "_\n") if listed else name for name in names]
     labels = [f"{name}\n[{unit}]" if unit else name
-              for name, unit in zip(names, units, strict=True)]  # fmt: skip
+              for name, unit in zip(lines, units, strict=True)]  # fmt: skip
     samples, estimates = factors * posterior.samples, factors * posterior.estimates
     drawn = samples[:: max(1, len(samples) // POINTS)]
-    side = max(1.7 * count + 0.6, 3.4)
     medians = [f"{_median_in_words(each)} {unit}".rstrip()
                for each, unit in zip(samples.T, units, strict=True)]  # fmt: skip
     with figure_style():
@@ -334,8 +337,6 @@ def plot_corner(posterior: Posterior) -> Figure:
             count, count, squeeze=False, figsize=figure_size(side, side), layout="constrained"
         )  # fmt: skip
         size = _corner_font(figure.get_figwidth(), count, labels)
-        # Medians that would be wider than a panel are above all of them.
-        listed = count > 1 and figure.get_figwidth() < LEAST_PANEL * count
         for i, j in np.ndindex(count, count):
             axes: Any = panels[i, j]
             if j > i:

@@ -329,7 +329,7 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
 
 def _draw_places(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -> Axes:
     """Draw the forces at each place in a panel, with one curve per run."""
-    places = [*zip(*(beads[name] for name in runs), strict=True)]
+    places, labels = [*zip(*(beads[name] for name in runs), strict=True)], list[list[str]]()
     with figure_style():
         size = figure_size(6.0, 2.1 * len(places) + 0.5) if len(places) > 1 else None
         grid = plt.subplots(len(places), 1, squeeze=False, sharex=True, figsize=size)[1]
@@ -343,7 +343,9 @@ def _draw_places(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) ->
                 axes.set_title(words.pop(), loc="left")
             if axes is not grid[-1, 0]:
                 axes.set_xlabel("")
-            if axes is grid[0, 0] or not alone:
+            labels.append(axes.get_legend_handles_labels()[1])
+            # Such as that of a wall whose peak is not complete.
+            if labels[-1] != labels[0] or len(labels) == 1:
                 place_legend(axes, own=len(places) == 1)
     first: Axes = grid[0, 0]
     return first

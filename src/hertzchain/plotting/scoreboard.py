@@ -99,9 +99,9 @@ def plot_scoreboard(
         for height, text in headings:
             axes.text(-0.01, height, text, transform=axes.get_yaxis_transform(), ha="right",
                       va="center", fontweight="bold", fontsize="small")  # fmt: skip
-        of = f"error of {quantity.replace('_', ' ')}"
+        line = "\n" if size[0] < NARROW else " "
         axes.set_xlabel(
-            f"{WORDS[statistic]} {of},{chr(10) if size[0] < NARROW else ' '}"
+            f"{WORDS[statistic]} error{line}of {quantity.replace('_', ' ')}, "
             f"$k = {first_bead} \\dots {board.last_bead}$"
         )
         if ax is None:

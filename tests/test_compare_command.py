@@ -39,7 +39,7 @@ def test_compare_prints_the_comparison_of_the_library(run, files):
     code, out, err = run("compare", files / "one.csv", files / "row.toml", *PLACES)
     assert code == 0, err
     first, *rest = out.splitlines()
-    assert first.endswith("diameter 10 mm, 1 striker, right wall, loss")
+    assert first.endswith("diameter 10 mm, and 1 striker, right wall, loss")
     assert rest == expected.summary().splitlines()
     code, out, _ = run("compare", files / "one.csv", files / "row.toml", *PLACES, "--json",
                        "--plot", files / "compared.svg")  # fmt: skip

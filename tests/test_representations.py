@@ -204,7 +204,7 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
          "Chain(dimer, mass ratio 2, 4 beads)"),
         (hc.Chain.dimer(radii=[1.0, 0.5], beads=8), "Chain(dimer, radius ratio 0.5, 8 beads)"),
         (hc.Chain.dimer(radii=[1.0, 0.5], beads=8).struck_by(velocity=2.0),
-         "Chain(dimer, radius ratio 0.5, 9 beads, 1 striker, impact at 2)"),
+         "Chain(dimer, radius ratio 0.5, 8 beads, and 1 striker, impact at 2)"),
         (hc.Chain.from_radii([1.0, 0.5, 0.3] * 2), "Chain(cells of 3 beads, 6 beads)"),
         (hc.Chain.from_radii([1.0, 0.5, 1.0, 0.5, 0.3]), "Chain(given radii, 5 beads)"),
         (hc.Wall.of("ptfe", gap=1e-5), "Wall(ptfe, gap = 10 um)"),

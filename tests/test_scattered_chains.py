@@ -45,17 +45,17 @@ CASES = {
     ),
     "struck": (
         BALLS.struck_by(velocity=2.0),
-        "21 steel-316 beads, diameter 10 mm, 1% scatter, 1 striker",
+        "20 steel-316 beads, diameter 10 mm, 1% scatter, and 1 striker",
         "20 steel balls, 10 mm, 1% scatter, and a striker, 10 mm",
     ),
     "two strikers": (
         BALLS.struck_by(radius="3 mm").struck_by(),
-        "22 steel-316 beads, diameter 10 mm, 1% scatter, 2 strikers (10 mm to 6 mm)",
+        "20 steel-316 beads, diameter 10 mm, 1% scatter, and 2 strikers (10 mm to 6 mm)",
         "20 steel balls, 10 mm, 1% scatter, and 2 strikers, 10 mm to 6 mm",
     ),
     "another striker": (
         BALLS.struck_by(radius="3 mm"),
-        "21 steel-316 beads, diameter 10 mm, 1% scatter, 1 striker (6 mm)",
+        "20 steel-316 beads, diameter 10 mm, 1% scatter, and 1 striker (6 mm)",
         "20 steel balls, 10 mm, 1% scatter, and a striker, 6 mm",
     ),
 }  # fmt: skip

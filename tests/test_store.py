@@ -49,7 +49,7 @@ def test_chain_files(tmp_path):
         ("[chain]\nradii = [1, 2]\nbeads = 2", "has radii and also beads"),
         ("[chain]\nradii = [1, -2]", "bead 2 is -2"),
         ('[chain]\nradii = [1, "two"]', "value 2 of radii of .chain. must be a number.* got 'two'"),
-        ("[chain]\nradii = 5", "at least two numbers, got 5"),
+        ("[chain]\nradii = 5", "list of numbers, one for each bead, got 5"),
         ("[chain]\nradii = [true, true]", "value 1 of radii .* must be a number.* got True"),
         ('[chain]\ntaper = "unifrm"\nbeads = 2', "did you mean 'uniform'"),
         ('[chain]\ntaper = "forward-linear"\nbeads = 3\nrate = true', "must be a number"),

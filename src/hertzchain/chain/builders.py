@@ -100,7 +100,7 @@ class ChainBuilders(ChainFields):
         >>> hc.Chain.tapered(first="10 mm", last="2.5 mm", beads=40, material="steel-52100")
         Chain(40 steel-52100 beads, diameters 20 mm to 5 mm, impact at 1 m/s)
         """
-        count = checked_beads(beads)
+        count = checked_beads(beads, least=2)
         fields = {name: others.pop(name) for name in builder.TAPER_FIELDS if name in others}
         sizes = Sizes(first, last, first_diameter, last_diameter, ratio, length)
         kind, values, radii, unit = taper_of_sizes(
@@ -123,14 +123,14 @@ class ChainBuilders(ChainFields):
         Parameters
         ----------
         beads : int
-            Number of beads N, at least 2.
+            Number of beads N; a single bead can be struck by a striker.
         **fields
             Fields of `Chain`, such as ``exponent`` and ``right_wall``.
 
         Raises
         ------
         InputError
-            If there are fewer than two beads or more than fit in memory, or a field is wrong.
+            If there is no bead or more than fit in memory, or a field is wrong.
 
         Examples
         --------
@@ -156,7 +156,7 @@ class ChainBuilders(ChainFields):
         Raises
         ------
         InputError
-            If a radius is not positive and finite, fewer than two are given, or a field is wrong.
+            If a radius is not positive and finite, none is given, or a field is wrong.
 
         Examples
         --------
@@ -317,7 +317,7 @@ class ChainBuilders(ChainFields):
         >>> hc.Chain.dimer(diameters=["10 mm", "6 mm"], materials=["steel-316", "ptfe"], beads=21)
         Chain(21 beads of steel-316 and ptfe, diameters 10 mm and 6 mm in turn, impact at 1 m/s)
         """
-        count = checked_beads(beads)
+        count = checked_beads(beads, least=2)
         if mass_ratio is None or radii is not None or diameters is not None:
             sizes = np.resize(builder.two_sizes(mass_ratio, radii, diameters), count)
             if materials is None:

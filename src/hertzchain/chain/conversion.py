@@ -35,7 +35,7 @@ T = TypeVar("T")
 
 def scales_of(chain: Chain, velocity: float | None = None) -> Scales:
     """The scales of a chain in SI units, as `Scales.of`."""
-    require_chain("Scales.of", chain)
+    require_chain("Scales.of", chain, beads=1)
     if chain.units != "SI":
         raise InputError(
             "scales belong to a chain in SI units; for a scaled one give radius, mass, "

@@ -15,7 +15,6 @@ from .tapers import taper_named
 
 
 def beads_description(
-    count: int,
     radii: Array,
     materials: Sequence[Material] | None,
     taper: str | None,
@@ -27,10 +26,11 @@ def beads_description(
 ) -> str:
     """Such as ``uniform, 20 beads``, or ``20 steel-52100 beads, diameter 10 mm``.
 
-    Strikers are counted, but the radii are those of the other beads.  With a scatter, radii and
-    taper are those without it.
+    Strikers are neither counted nor described.  With a scatter, radii and taper are those without
+    it.
     """
-    beads = ", ".join(filter(None, (scatter, f"{count} beads")))
+    count = len(radii)
+    beads = ", ".join(filter(None, (scatter, beads_of(count, "beads"))))
     if taper is not None:
         symbols = taper_named(taper).symbols
         values = ", ".join(f"{symbols[name]} = {value:g}" for name, value in parameters)
@@ -65,10 +65,11 @@ def law_in_words(exponents: Array | float) -> str:
     return "" if hertz else f", p = {exponents:g}"
 
 
-def beads_of(count: int, noun: str, materials: Sequence[str]) -> str:
+def beads_of(count: int, noun: str, materials: Sequence[str] = ()) -> str:
     """Such as ``20 brass balls``, ``20 balls of brass and glass``, ``20 balls of 3 materials``."""
-    if len(materials) == 1:
-        return f"{count} {materials[0]} {noun}"
+    noun = noun.removesuffix("s") if count == 1 else noun
+    if len(materials) <= 1:
+        return " ".join((str(count), *materials, noun))
     few = " and ".join(materials) if len(materials) == 2 else f"{len(materials)} materials"
     return f"{count} {noun} of {few}"
 
@@ -94,25 +95,26 @@ def _distinguishable(one: float, other: float) -> tuple[str, str]:
 
 
 def features_in_words(
-    names: Sequence[str], left_out: Sequence[str], strikers: str, velocities: Array, moving: int
+    names: Sequence[str], left_out: Sequence[str], velocities: Array, moving: int
 ) -> str:
-    """Such as ``, 2 strikers, right wall``; equal velocities of all strikers are not named."""
+    """Such as ``, gaps, right wall``; equal velocities of all strikers are not named."""
     first = velocities[:moving]
     usual = moving > 0 and np.ptp(first) == 0.0 and not velocities[moving:].any()
-    hidden = {*left_out, *["velocities"] * usual}
-    shown = (strikers if name == "strikers" else name for name in names if name not in hidden)
-    return "".join(f", {name}" for name in shown)
+    hidden = {"strikers", *left_out, *["velocities"] * usual}
+    return "".join(f", {name}" for name in names if name not in hidden)
 
 
 def strikers_in_words(count: int, radii: Array, masses: Array | None, units: str) -> str:
     """Such as ``1 striker`` or ``2 strikers (19 mm)``, if their size is not that of the next bead.
 
-    Masses are `None` if they follow from the radii.  Otherwise they are shown, because the radius
-    of a striker of a given mass need not be its size.
+    Empty without strikers.  Masses are `None` if they follow from the radii.  Otherwise they are
+    shown, because the radius of a striker of a given mass need not be its size.
     """
     number = f"{count} striker{'s' * (count > 1)}"
     sizes = radii if masses is None else masses
-    if count == 0 or np.ptp(sizes[: count + 1]) == 0.0:
+    if count == 0:
+        return ""
+    if np.ptp(sizes[: count + 1]) == 0.0:
         return number
     if masses is None and units == "SI":
         return f"{number} ({sizes_in_words(radii[:count])})"

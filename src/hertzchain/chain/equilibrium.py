@@ -38,6 +38,6 @@ def equilibrium(chain: Chain) -> StaticState:
     >>> hc.equilibrium(chain).positions.round(9)
     array([12.,  8.,  4.,  0.])
     """
-    require_chain("equilibrium", chain)
+    require_chain("equilibrium", chain, beads=1)
     warn_outside_static(chain)
     return chain.static_state

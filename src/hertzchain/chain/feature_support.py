@@ -16,9 +16,14 @@ Alternative: TypeAlias = str | Callable[[Sequence[str]], str]
 COUNTABLE = ("left wall", "right wall", "drive", "loss")
 
 
-def require_chain(method: str, chain: object) -> None:
-    """Raise an error for anything but a chain."""
+def require_chain(method: str, chain: object, *, beads: int = 2) -> None:
+    """Raise an error for anything but a chain, or for one of fewer beads."""
     if isinstance(chain, Chain):
+        if chain.beads < beads:
+            raise InputError(
+                f"{method} requires at least {beads} beads, got {chain.description}; "
+                f"{_more_beads(chain)}"
+            )
         return
     if isinstance(chain, str | os.PathLike):
         raise InputError(
@@ -36,6 +41,16 @@ def require_chain(method: str, chain: object) -> None:
     raise InputError(
         f"{method} requires a Chain, got {short_repr(chain)}; "
         "Chain.from_radii builds one from radii"
+    )
+
+
+def _more_beads(chain: Chain) -> str:
+    """Advice for a single bead, which has no contact with another one."""
+    if chain.left_wall is None and chain.right_wall is None:
+        return "add a striker, such as chain.struck_by(), or more beads"
+    return (
+        "for one ball that hits a wall, add another one at rest behind it, separated by a gap, "
+        "give a velocity only to the second, and give until"
     )
 
 

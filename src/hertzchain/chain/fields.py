@@ -287,7 +287,7 @@ class ChainFields(Frozen):
         """Exponents p of the contacts of two beads: one number if all are equal, else (N - 1,)."""
         if isinstance(self.exponent, float):
             return self.exponent
-        inner = self.contact_exponents[1:-1]
+        inner = self.contact_exponents[1 : max(self.beads, 2)]
         return float(inner[0]) if np.all(inner == inner[0]) else inner
 
     @cached_property
@@ -425,9 +425,10 @@ class ChainFields(Frozen):
         implied = cells.startswith("dimer, mass") and self.scaled and (self.stiffness == 1.0).all()
         left_out = ["SI units", "masses", "stiffness"] if implied else ["SI units"]
         first = strikers_in_words(self.strikers, shape.radii, masses, self.units)
-        rest = features_in_words(self.features, left_out, first, self.velocities, self.strikers)
-        kind = self.beads, shape.radii[own], self.materials, shape.taper, shape.taper_parameters
+        rest = features_in_words(self.features, left_out, self.velocities, self.strikers)
+        kind = shape.radii[own], self.materials, shape.taper, shape.taper_parameters
         beads = beads_description(*kind, cells, scatter, scaled=self.scaled)
+        beads += f", and {first}" if first else ""
         still = self._at_rest_by_default and self.drive is None and not self.velocities.any()
         return f"{beads}{law}{rest}{', at rest' * still}"
 

@@ -274,7 +274,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     >>> float(hc.hertz_range(held).yield_ratio.max().round(1))
     4.2
     """
-    require_chain("hertz_range", chain)
+    require_chain("hertz_range", chain, beads=1)
     if chain.units != "SI" or chain.materials is None:
         raise InputError(
             "the limits of Hertz's law require materials; build the chain with "
@@ -289,7 +289,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     return HertzRange(
         overlap_ratio=overlap_ratio,
         yield_ratio=yield_ratio,
-        speed_ratio=float(np.max(closing / np.minimum(sound[:-1], sound[1:]))),
+        speed_ratio=float(np.max(closing / np.minimum(sound[:-1], sound[1:]), initial=0.0)),
         static_overlap_ratio=at_rest,
         static_yield_ratio=static_yield,
         causes=_causes(chain),

@@ -25,20 +25,9 @@ LARGE_RATIO: Final = 100.0
 FIRST_RADIUS: Final = (0.02, 50.0)
 
 
-def _require_two_beads(count: object) -> None:
-    """State how to compute the collision of one bead with a wall, which is not a chain."""
-    if type(count) is int and count == 1:
-        raise InputError(
-            "a chain has at least 2 beads, got 1; for one ball that hits a wall, place another one "
-            "at rest behind it: 2 beads, of which only the second has a velocity, with a gap "
-            "between them, and give until"
-        )
-
-
-def checked_beads(beads: int) -> int:
-    """Check a number of beads: whole, at least two, and not more than fit in memory."""
-    _require_two_beads(beads)
-    count = whole_number("beads", beads, least=2)
+def checked_beads(beads: int, least: int = 1) -> int:
+    """Check a number of beads: whole, not too small, and not more than fit in memory."""
+    count = whole_number("beads", beads, least=least)
     check_memory(f"{count} beads", count * BYTES_PER_BEAD, "use fewer beads")
     return count
 
@@ -60,11 +49,12 @@ def checked_wall_exponent(exponent: float) -> float:
 
 
 def checked_radii(radii: ArrayLike) -> Array:
-    """Check at least two radii, positive and finite, and return a copy."""
+    """Check a list of radii, positive and finite, and return a copy."""
     values = real_numbers("radius", radii, "bead")
-    _require_two_beads(values.size if values.ndim == 1 else 0)
-    if values.ndim != 1 or len(values) < 2:
-        raise InputError(f"radii must be a list of at least two numbers, got {short_repr(radii)}")
+    if values.ndim != 1 or len(values) == 0:
+        raise InputError(
+            f"radii must be a list of numbers, one for each bead, got {short_repr(radii)}"
+        )
     checked_beads(len(values))
     good = (values > 0.0) & (values < math.inf)
     if not good.all():
@@ -89,7 +79,7 @@ def scaled_radii(radii: ArrayLike) -> Array:
     """Check radii of a scaled chain, whose cubes must be representable; return a copy."""
     values = real_numbers("radius", radii, "bead")
     # Most chains are far from the limits; the rest is for the messages.
-    if values.ndim == 1 and values.size > 1 and values.min() > 1e-100 and values.max() < 1e100:
+    if values.ndim == 1 and values.size and values.min() > 1e-100 and values.max() < 1e100:
         checked_beads(len(values))
         return values
     with np.errstate(over="ignore", under="ignore"):
@@ -139,7 +129,7 @@ def warn_large_radius(radii: Array) -> None:
 
 def warn_large_gap(gaps: Array, radii: Array) -> None:
     """Warn about gaps in metres that are probably in another unit."""
-    if gaps.max() > (length := 2.0 * float(radii.sum())):
+    if len(gaps) and gaps.max() > (length := 2.0 * float(radii.sum())):
         warn_user(
             f"gap {int(np.argmax(gaps)) + 1} is {gaps.max():g} m, but the beads are only "
             f"{length:.3g} m long in total; gaps are in metres, so check their unit",

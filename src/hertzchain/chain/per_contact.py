@@ -115,6 +115,8 @@ def _checked_loss(given: Any) -> Loss | None:
 
 
 def _check_count(what: str, shape: tuple[int, ...], contacts: int) -> None:
+    if contacts == 0:
+        raise InputError(f"a single bead has no contact and no list of {what}: give one value")
     if shape != (contacts,):
         got = shape[0] if len(shape) == 1 else f"shape {shape}"
         raise InputError(
@@ -151,7 +153,7 @@ def spread(given: Any, own: tuple[Any, Any], materials: Materials, walls: Walls,
     else:
         listed = isinstance(given, tuple | np.ndarray)
         inner = list(given) if listed else [given] * (beads - 1)
-    ends = [inner[0], inner[-1]]
+    ends = [inner[0], inner[-1]] if inner else [_any_value(given)] * 2
     for end, (wall, bead) in enumerate(zip(walls, (0, beads - 1), strict=True)):
         if own[end] is not None:
             ends[end] = own[end]
@@ -161,6 +163,11 @@ def spread(given: Any, own: tuple[Any, Any], materials: Materials, walls: Walls,
             other = material_of_wall(wall, own_material)
             ends[end] = given.between(own_material, other, place)
     return [ends[0], *inner, ends[1]]
+
+
+def _any_value(given: Any) -> Any:
+    """Value at a free end of a single bead, which has no contact next to it."""
+    return next(iter(given.values.values())) if isinstance(given, MaterialPairs) else given
 
 
 def contact_exponents(exponent: Exponent, materials: Materials, walls: Walls, beads: int) -> Array:

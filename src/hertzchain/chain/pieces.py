@@ -29,12 +29,12 @@ def part(self: C, beads: slice) -> C:
     Parameters
     ----------
     beads : slice
-        Neighbouring beads, at least two; ``chain[::-1]`` is `Chain.reversed`.
+        Neighbouring beads; ``chain[::-1]`` is `Chain.reversed`.
 
     Raises
     ------
     InputError
-        If the slice has fewer than two beads or a step, or a scaled chain has features whose units
+        If the slice has no bead or a step, or a scaled chain has features whose units
         would change, because its first bead is not of radius 1.
 
     Examples
@@ -53,9 +53,9 @@ def part(self: C, beads: slice) -> C:
             f"a piece of a chain has whole numbers, such as chain[10:20], got [{_shown(beads)}]: "
             f"{error}"
         ) from None
-    if step != 1 or stop - start < 2:
+    if step != 1 or stop <= start:
         raise InputError(
-            "a piece of a chain has at least two neighbouring beads, such as chain[10:] or "
+            "a piece of a chain has at least one bead, without a step, such as chain[10:] or "
             f"chain[:20]; [{_shown(beads)}] has {len(range(start, stop, step))} of "
             f"{self.beads} beads" + ("" if step == 1 else f", and a step of {step}")
         )
@@ -267,7 +267,7 @@ def _joint_stiffness(one: ChainFields, other: ChainFields) -> float:
 
 
 def _joined_values(what: str, one: ChainFields, other: ChainFields, first: Any, then: Any) -> Any:
-    """One value if both chains have it, else a list; the contact between is like the first's."""
+    """One value if both chains have it, else a list; the joint is like the last contact of one."""
     if isinstance(first, MaterialPairs) or isinstance(then, MaterialPairs):
         if repr(first) == repr(then):
             return first
@@ -277,5 +277,7 @@ def _joined_values(what: str, one: ChainFields, other: ChainFields, first: Any, 
         list(each) if isinstance(each, tuple | np.ndarray) else [each] * (chain.beads - 1)
         for each, chain in ((first, one), (then, other))
     ]
-    values = [*listed[0], listed[0][-1], *listed[1]]
+    # A single bead has no contact, and the one between is like the first of the other chain.
+    between = (listed[0][-1:] or listed[1][:1] or [first])[0]
+    values = [*listed[0], between, *listed[1]]
     return values[0] if all(each == values[0] for each in values) else values

@@ -147,7 +147,7 @@ def _require_no_units(sizes: Sizes) -> None:
 
 def si_radii(taper: str | None, beads: int, sizes: Sizes) -> Array:
     """Radii [m] of a taper of given sizes."""
-    _, _, radii, first = taper_of_sizes(taper, None, {}, checked_beads(beads), sizes, si=True)
+    _, _, radii, first = taper_of_sizes(taper, None, {}, checked_beads(beads, 2), sizes, si=True)
     return first * radii
 
 

@@ -205,7 +205,8 @@ def _described(options: ChainOptions) -> Chain:
             _refuse_rate(options)
         if not sizes:
             return Chain.uniform(beads)
-        return Chain.tapered(beads=beads, ratio=1.0, **sizes, **kind)
+        name = "radii" if options.diameter is None else "diameters"
+        return Chain.from_materials(**{name: next(iter(sizes.values()))}, beads=beads, **kind)
     return _tapered(options.taper, options.rate, beads, sizes | kind)
 
 

@@ -17,10 +17,12 @@ WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "use loss = {law = 'elastic-plastic', yield_overlap = ...} in the chain file"),
     (r"\bloss=None\b", "no loss"),
+    (r"\bchain\.struck_by\(\)", "struck_by = {velocity = '1 m/s'} in the chain file"),
     (r"\buse largest_so_far\b", "use the largest force so far"),
     (r"\bsimulate with until='([^']*)'", r"add --until '\1'"),
     (r"\buntil='([^']*)'", r"--until '\1'"),
     (r"; give (.*), or until$", r"; give \1, or --until"),
+    (r"\band give until$", "and give --until"),
     # In a specification of a sweep, it is the key method.max_steps.
     (r"(?<![-.'])\bmax_steps\b", "--max-steps"),
     (r"\bgive load_traces sensors=\{'([^']*)': '([^']*)'\}", r"add --sensor '\1=\2'"),
@@ -36,6 +38,7 @@ WORDINGS: Final = (
 
 # ... and with commands that have an option for it.
 OPTIONS: Final = {
+    "striker": ((r"such as chain\.struck_by\(\)", "such as --striker 1"),),
     "methods": (
         (r"\buse simulate\b", "use --method simulate"),
         (r"\buse propagate_many( with Chain\.with_scatter)?", "use hertzchain scatter"),

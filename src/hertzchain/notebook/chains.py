@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.description import strikers_in_words
 from ..chain.hertz_range import MAX_OVERLAP_RATIO, MAX_SPEED_RATIO, HertzRange
 from ..chain.materials import RIGID, Material
 from ..chain.scales import Scales
@@ -44,7 +45,7 @@ def _numbers(chain: Chain) -> dict[str, str]:
             ends.append(engineering(high, unit, units))
         return " .. ".join(ends)
 
-    found = {"beads": f"{chain.beads}", "radii": range_of(chain.radii, "m"),
+    found = {"beads": _count(chain), "radii": range_of(chain.radii, "m"),
              "total mass": engineering(1e3 * chain.masses.sum(), "g") if units == "SI"
              else f"{chain.masses.sum():.4g}"}  # fmt: skip
     if chain.taper is not None:
@@ -65,6 +66,13 @@ def _numbers(chain: Chain) -> dict[str, str]:
     if chain.precompression > 0.0:
         found["precompression"] = engineering(chain.precompression, "N", units)
     return found
+
+
+def _count(chain: Chain) -> str:
+    """Number of beads, of which strikers are stated separately."""
+    words = strikers_in_words(chain.strikers, chain.radii, None, chain.units)
+    balls = f"{chain.beads - chain.strikers}"
+    return f"{balls}, and {words}" if words else balls
 
 
 def _drawing(chain: Chain) -> str:

@@ -57,7 +57,7 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     >>> len(axes.collections)
     1
     """
-    require_chain("plot_chain", chain)
+    require_chain("plot_chain", chain, beads=1)
     factor, unit = _unit_of_length(chain)
     radii = factor * chain.radii
     centres = bead_centres(chain) * factor

@@ -38,11 +38,12 @@ def chain_title(chain: Chain) -> str:
 def _scaled_beads(chain: Chain) -> str:
     """Such as ``20 equal beads``, or ``given masses, 20 beads and 1 striker (mass 5)``."""
     first, number = chain.strikers, chain.beads - chain.strikers
-    kind, *_ = chain.description.partition(f"{chain.beads} beads")
-    beads = f"{kind}{number} beads"
-    if kind == "uniform, ":
+    count = beads_of(number, "beads")
+    kind, *_ = chain.description.partition(count)
+    beads = f"{kind}{count}"
+    if kind == "uniform, " and number > 1:
         equal = np.ptp(chain.masses[first:]) == 0.0
-        beads = f"{number} equal beads" if equal else f"given masses, {number} beads"
+        beads = f"{number} equal beads" if equal else f"given masses, {count}"
     if not first:
         return beads
     masses = chain.masses if "masses" in chain.given else None

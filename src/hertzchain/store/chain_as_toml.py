@@ -54,7 +54,7 @@ def chain_as_toml(chain: Chain) -> str:
     beads = 2
     right_wall = {rigid = true, gap = 0.0}
     """
-    require_chain("chain_as_toml", chain)
+    require_chain("chain_as_toml", chain, beads=1)
     for compact in (True, False):
         with contextlib.suppress(InputError):
             return _checked_text(chain, compact=compact)

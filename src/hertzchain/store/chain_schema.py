@@ -73,7 +73,7 @@ _CHAIN: Final = (
     Key("taper", "choice", "name of a taper, or uniform; exponential or linear with sizes",
         choices=(*TAPERS, "uniform", *SHAPES)),
     *(_number(name, parameter_description(name), fraction=True) for name in PARAMETERS),
-    Key("beads", "integer", "number of beads", least=2),
+    Key("beads", "integer", "number of beads", least=1),
     _number("radius", "radius of the first bead of a taper", "length", above=0.0),
     _number("first", "radius of the first bead of a taper of given sizes", "length", above=0.0),
     _number("last", "radius of its last bead", "length", above=0.0),

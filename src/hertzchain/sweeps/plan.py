@@ -180,7 +180,7 @@ class Plan:
         taper, rate, count = (values[places[place]] for place, values in self._taper)
         if taper == "uniform":
             return None
-        beads = checked_beads(count)
+        beads = checked_beads(count, least=2)
         return tapered_radii(taper, check_taper(taper, rate, beads), beads)
 
     @cached_property

@@ -73,11 +73,16 @@ def struck_pulse(chain: Chain, method: str, theory: Callable[[Chain], Pulse]) ->
 def striker_of(chain: Chain, method: str) -> Striker:
     """The striker of a scaled chain; `InputError` if the other beads are not like spheres."""
     require_supported(chain, method, supported=FEATURES, alternative="use simulate")
+    if chain.beads < 3:
+        raise InputError(
+            f"{method} requires at least 3 beads, strikers included, got {chain.description}; use "
+            "propagate"
+        )
     m, k, radii = chain.masses, chain.stiffness, chain.radii
     alike = np.allclose(m[1:], radii[1:] ** 3, rtol=ROUNDING, atol=0.0) and np.allclose(
         k[1:], hertz_stiffness(radii[1:-1], radii[2:]), rtol=ROUNDING, atol=0.0
     )
-    if chain.beads < 3 or not alike or chain.strikers > 1 or chain.velocities[1:].any():
+    if not alike or chain.strikers > 1 or chain.velocities[1:].any():
         # Name the features as for a theory without strikers.
         require_supported(chain, method, alternative="use simulate")
     if not chain.velocities[0] > 0.0:

@@ -327,3 +327,17 @@ def test_small_errors_have_digits():
 def test_one_theory_is_in_the_singular():
     assert repr(hc.scoreboard(theories=["bca"])) == "Scoreboard(1 theory on 52 chains)"
     assert "2 theories on" in repr(hc.scoreboard(theories=["bca", "hard-sphere"]))
+
+
+def test_budgets_show_rounding_errors_as_zero():
+    """After this collision, bead 1 moves back with a velocity of -2e-14."""
+    budget = hc.simulate(hc.Chain.uniform(2)).budget()
+    assert 0.0 < abs(budget.momentum["scattered back"][-1]) < 1e-12
+    for text in (str(budget), repr(budget), budget._repr_html_()):
+        assert "-0.0" not in text
+        assert "e-1" not in text.partition(" up within")[0]
+    assert "scattered back" not in repr(budget)
+    assert "    leading pulse              1    100.00%" in str(budget)
+    # Amounts above the rounding errors remain.
+    walls = hc.simulate(hc.Chain.uniform(20, right_wall=hc.Wall()), until=40.0).budget()
+    assert "e-0" in str(walls).partition("adds up")[0]

@@ -102,7 +102,7 @@ def counted(count: int, noun: str) -> str:
 def percent(fraction: float) -> str:
     """``48.07%``, ``0.0022%``: two decimals, or two digits if these would be zeros."""
     value = 100.0 * fraction
-    return f"{value:.2g}%" if abs(value) < 0.1 else f"{value:.2f}%"
+    return f"{value:z.2g}%" if abs(value) < 0.1 else f"{value:.2f}%"
 
 
 def duration_in_words(seconds: float) -> str:

@@ -98,16 +98,13 @@ def budget_html(budget: Budget) -> str:
 
 def _balances(budget: Budget, factor: float) -> Iterator[list[str]]:
     """Rows of amounts of energy and momentum, also as parts of the total input."""
+    sides = [(budget._shown(of), unit) for of, unit in (("energy", factor), ("momentum", 1.0))]
     for name in dict.fromkeys((*budget.energy, *budget.momentum)):
         cells = [name]
-        for there, given, unit in (
-            (budget.energy, budget.energy_given, factor),
-            (budget.momentum, budget.momentum_given, 1.0),
-        ):
-            total = float(np.sum([values[-1] for values in given.values()]))
-            value = float(there[name][-1]) if name in there else 0.0
+        for (there, _, total), unit in sides:
+            value = there.get(name, 0.0)
             cells.append(f"{unit * value:.4g}" if value else "")
-            cells.append(f"{value / total:.1%}" if value and total else "")
+            cells.append(f"{value / total:z.1%}" if value and total else "")
         if any(cells[1:]):
             yield cells
 

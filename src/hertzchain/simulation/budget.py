@@ -49,6 +49,8 @@ COLOURS: Final = {
     "lost": "#d55e00",
 }  # fmt: skip
 MOVING: Final = ("leading pulse", "lagging", "scattered back")
+# Parts of the largest amount in motion below which an amount is a rounding error, shown as 0.
+ROUNDING: Final = 1e-12
 
 
 @checked_methods
@@ -113,15 +115,35 @@ class Budget:
         True
         """
         there, given = self._sides(of)
-        moving = np.sum([np.abs(there[name]) for name in MOVING], axis=0)
         difference: Array = np.sum([*there.values()], axis=0) - np.sum([*given.values()], axis=0)
-        return difference / max(float(moving.max()), np.finfo(float).tiny)
+        return difference / self._largest_in_motion(of)
+
+    def _largest_in_motion(self, of: str) -> float:
+        there, _ = self._sides(of)
+        moving = np.sum([np.abs(there[name]) for name in MOVING], axis=0)
+        return max(float(moving.max()), np.finfo(float).tiny)
 
     def _sides(self, of: str) -> tuple[dict[str, Array], dict[str, Array]]:
         check_choice("balance", of, BALANCED)
         if of == "energy":
             return self.energy, self.energy_given
         return self.momentum, self.momentum_given
+
+    def _shown(self, of: str) -> tuple[dict[str, float], dict[str, float], float]:
+        """Last amounts by location and by origin, and their sum; 0 for rounding errors.
+
+        Amounts that are 0 at all times are omitted.
+        """
+        least = ROUNDING * self._largest_in_motion(of)
+        there, given = (
+            {
+                name: float(values[-1]) if abs(values[-1]) > least else 0.0
+                for name, values in side.items()
+                if np.any(np.abs(values) > least)
+            }
+            for side in self._sides(of)
+        )
+        return there, given, sum(given.values())
 
     def to_dataframe(self, of: Balanced = "energy") -> pd.DataFrame:
         """Convert to a table with one row per saved time and one column per part.
@@ -195,12 +217,11 @@ class Budget:
     def __repr__(self) -> str:
         units, facts = self.chain.units, []
         for of in BALANCED:
-            there, given = self._sides(of)
-            total = float(np.sum([values[-1] for values in given.values()]))
-            amounts = {name: values[-1] for name, values in there.items() if values[-1] != 0.0}
+            there, _, total = self._shown(of)
             parts = [
-                f"{name} {amount / total:.1%}" if total else f"{name} {amount:.4g}"
-                for name, amount in amounts.items()
+                f"{name} {amount / total:z.1%}" if total else f"{name} {amount:.4g}"
+                for name, amount in there.items()
+                if amount != 0.0
             ]
             facts.append(
                 f"{of} {measure(total, QUANTITIES[of].unit, units)}, of which {', '.join(parts)}"
@@ -214,14 +235,12 @@ class Budget:
         at = measure(self.times[-1], "s", self.chain.units, digits=6)
         lines = [f"{self.chain.description}, at the last saved time {at}"]
         for of in BALANCED:
-            there, given = self._sides(of)
-            total = float(np.sum([values[-1] for values in given.values()]))
+            there, given, total = self._shown(of)
             heading = f"{of} [{QUANTITIES[of].unit}]" if real else of
             lines.append(f"  {heading:<32}{'part':>9}")
-            for name, values in {**there, **{f"from {k}": v for k, v in given.items()}}.items():
-                if np.any(values != 0.0):
-                    part = f"  {values[-1] / total:>9.2%}" if total != 0.0 else ""
-                    lines.append(f"    {name:<14}{values[-1]:>14.6g}{part}")
+            for name, amount in {**there, **{f"from {k}": v for k, v in given.items()}}.items():
+                part = f"  {amount / total:>z9.2%}" if total != 0.0 else ""
+                lines.append(f"    {name:<14}{amount:>14.6g}{part}")
             worst = float(np.abs(self.residual(of)).max())
             lines.append(f"    adds up within {worst:.1e}")
         return "\n".join(lines)

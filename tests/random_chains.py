@@ -177,7 +177,12 @@ def _struck(draw, chain, units):
         return chain
     if chain.precompression > 0.0 and chain.left_wall is not None:
         chain = chain.replace(left_wall=None, held_by="force")
-    return chain.struck_by(**given)
+    return at_rest(chain).struck_by(**given)
+
+
+def at_rest(chain):
+    """The chain without an impact on bead 1; other beads that move keep their velocities."""
+    return chain if "velocities" in chain.features else chain.replace(velocities=None)
 
 
 def mixed_case(seed, **options):

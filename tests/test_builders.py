@@ -241,3 +241,15 @@ def test_builders_accept_the_fields_of_a_chain():
         np.testing.assert_array_equal(built.contact_stiffness, plain.contact_stiffness)
         assert (built.exponent, built.gravity) == (plain.exponent, plain.gravity)
         assert repr(built) == repr(plain)
+
+
+def test_strikers_warn_of_a_velocity_that_they_replace():
+    balls = Chain.from_materials("5 mm", "brass", beads=5, velocity="0.3 m/s")
+    with pytest.warns(hc.InputWarning, match="omits the velocity of bead 1, 0.3 m/s, because"):
+        struck = balls.struck_by(velocity=0.1)
+    assert struck.velocities.tolist() == [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]
+    # Not of the default, of other moving beads and of further strikers, which are kept.
+    struck.struck_by()
+    Chain.from_materials("5 mm", "brass", beads=5).struck_by()
+    moving = Chain.from_materials("5 mm", "brass", beads=3, velocities=[0.0, 0.2, 0.0])
+    assert moving.struck_by(velocity=0.1).velocities.tolist() == [0.1, 0.0, 0.2, 0.0]

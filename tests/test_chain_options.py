@@ -21,6 +21,7 @@ rigid = true
 
 
 def row(speed=0.1):
+    """Eight balls; at rest without a speed."""
     return hc.Chain.from_materials(5e-3, "steel-52100", beads=8, velocity=speed)
 
 
@@ -62,7 +63,7 @@ def test_wall_and_loss_change_described_chains_and_files(run, file, options, cha
 
 
 def test_strikers_are_beads_like_the_first_one_at_the_speed_of_the_impact(run, file):
-    struck = row().struck_by(velocity=0.1, count=2).replace(right_wall=hc.Wall.rigid())
+    struck = row(None).struck_by(velocity=0.1, count=2).replace(right_wall=hc.Wall.rigid())
     expected = hc.simulate(struck).wall_force().peak
     options = ("--speed", "0.1 m/s", "--striker", 2, "--wall", "rigid")
     assert wall_peak(run, *BALLS, *options) == pytest.approx(expected)
@@ -110,7 +111,8 @@ def test_bad_changes_are_rejected(run, file, options, words):
 
 
 def test_strikers_of_files_are_not_doubled(run, file):
-    file.write_text(FILE + "[[chain.struck_by]]\nvelocity = 0.2\n")
+    at_rest = FILE.replace('velocity = "0.1 m/s"\n', "")
+    file.write_text(at_rest + "[[chain.struck_by]]\nvelocity = 0.2\n")
     code, _, err = run("simulate", file, "--striker", 2)
     assert code == 2
     assert "but the file has some" in err

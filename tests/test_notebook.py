@@ -17,9 +17,9 @@ MAX_BYTES = 40_000
 UNITS = ("scaled", "SI")
 
 
-def balls(beads, units):
+def balls(beads, units, velocity=0.1):
     if units == "SI":
-        return hc.Chain.from_materials(5e-3, "steel-52100", beads=beads, velocity=0.1)
+        return hc.Chain.from_materials(5e-3, "steel-52100", beads=beads, velocity=velocity)
     return hc.Chain.uniform(beads)
 
 
@@ -101,7 +101,7 @@ def test_what_a_spectrum_or_sensor_does_not_have_is_left_out():
 
 @pytest.mark.parametrize("units", UNITS)
 def test_waves_fronts_and_states_have_their_numbers(units):
-    chain = balls(40, units).struck_by(count=2, velocity=0.2).replace(right_wall=hc.Wall())
+    chain = balls(40, units, None).struck_by(count=2, velocity=0.2).replace(right_wall=hc.Wall())
     unit = hc.Scales.of(chain).time if units == "SI" else 1 / 0.2**0.2
     run = hc.simulate(chain, until=80.0 * unit, times=2000)
     waves, flux, leading = run.waves(), run.energy_flux(), run.leading_pulse()
@@ -253,7 +253,7 @@ def test_a_chain_has_a_circle_for_each_bead_to_scale():
 
 
 def test_strikers_and_materials_are_distinguished():
-    chain = hc.Chain.periodic([9e-3, 4e-3], cells=5, materials=["brass", "ptfe"], velocity=0.1)
+    chain = hc.Chain.periodic([9e-3, 4e-3], cells=5, materials=["brass", "ptfe"])
     root, text = parsed(chain.struck_by(velocity=0.3, count=2))
     assert [each.get("fill") for each in root.findall(".//circle")][:2] == ["none", "none"]
     assert "brass" in text

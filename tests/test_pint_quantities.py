@@ -92,8 +92,9 @@ def test_a_chain_described_by_text():
     )  # fmt: skip
     assert fingerprint(chain) == fingerprint(plain)
     assert chain.right_wall == plain.right_wall
-    struck = BALLS.struck_by(velocity="1 m/s", mass="4 g", gap="1 um", stiffness="7 N/um^1.5")
-    same = BALLS.struck_by(velocity=1.0, mass=4e-3, gap=1e-6, stiffness=7e9)
+    at_rest = BALLS.replace(velocities=None)
+    struck = at_rest.struck_by(velocity="1 m/s", mass="4 g", gap="1 um", stiffness="7 N/um^1.5")
+    same = at_rest.struck_by(velocity=1.0, mass=4e-3, gap=1e-6, stiffness=7e9)
     assert fingerprint(struck) == fingerprint(same)
     assert hc.Chain.from_radii(["5 mm", "0.25 cm"]).radii[1] == 0.5
     assert hc.Scales("5 mm", "4 g", "1 m/s", "12 um") == hc.Scales(5e-3, 4e-3, 1.0, 12e-6)

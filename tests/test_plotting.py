@@ -493,7 +493,7 @@ def test_maps_of_short_runs_are_smooth():
 
 
 def test_titles_name_strikers_walls_and_losses():
-    balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=40, velocity=0.1)
+    balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=40)
     struck = balls.struck_by(radius="10 mm", velocity=0.3)
     wall = hc.Wall.of("ptfe", gap="10 um")
     for chain, title in (

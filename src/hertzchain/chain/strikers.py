@@ -12,6 +12,7 @@ import numpy as np
 
 from ..collision import HERTZ_EXPONENT, hertz_stiffness
 from ..errors import InputError, InputWarning, warn_user
+from ..representation import measure
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from .fields import ChainFields
@@ -39,7 +40,8 @@ def struck_by(
 ) -> C:
     """Return the chain at rest, to be hit by strikers from the left.
 
-    The impact on the first bead, such as ``velocity`` of `Chain.from_materials`, is then omitted.
+    The impact on the first bead is then omitted, with a warning if its velocity was given, such as
+    ``velocity`` of `Chain.from_materials`.
     The method can be called repeatedly; later strikers are placed to the left of earlier
     ones.  Properties that are not given are those of the chain's first bead.
 
@@ -74,6 +76,12 @@ def struck_by(
     InputError
         If a value is out of range, or the stiffness cannot be computed from the other
         arguments.
+
+    Warns
+    -----
+    InputWarning
+        If the chain has a given velocity of its first bead, which is omitted, or if a striker is
+        so heavy that the unit of its mass or radius is probably wrong.
 
     Examples
     --------
@@ -113,6 +121,13 @@ def struck_by(
             InputWarning,
         )
     moving = self.strikers > 0 or "velocities" in self.features
+    if not moving and "velocities" in self.given and self.velocities[0] != 0.0:
+        warn_user(
+            "struck_by omits the velocity of bead 1, "
+            f"{measure(float(self.velocities[0]), 'm/s', self.units)}, because strikers hit a "
+            "chain at rest; give the velocity of the impact only to struck_by",
+            InputWarning,
+        )
     behind = self.velocities if moving else np.zeros(self.beads)
     new: dict[str, Any] = {
         "radii": np.concatenate((np.full(count, drawn), self.radii)),

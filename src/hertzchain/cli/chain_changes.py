@@ -59,7 +59,8 @@ def struck(chain: Chain, count: int) -> Chain:
             "--striker replaces the impact of bead 1, but in the file other beads move, or no bead "
             "moves: add strikers to the file"
         )
-    return chain.struck_by(velocity=float(chain.velocities[0]), count=count)
+    velocity = float(chain.velocities[0])
+    return chain.replace(velocities=None).struck_by(velocity=velocity, count=count)
 
 
 def wall_named(name: str, chain: Chain) -> Wall:

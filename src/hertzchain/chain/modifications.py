@@ -137,7 +137,7 @@ def with_scatter(
     beads: Any = None,
     radii: ArrayLike | None = None,
 ) -> C:
-    r"""Return the chain with random deviations of the radii, like those of real balls.
+    r"""Return the chain with random deviations of its diameters and radii, like real balls.
 
     The radius of bead k is :math:`R_k e^{\sigma z_k}` with a standard normal :math:`z_k`, or, for
     a grade, uniformly distributed within its tolerance.  A scaled chain stays in the units of the
@@ -155,11 +155,14 @@ def with_scatter(
     seed : int or numpy.random.Generator
         Seed of the random numbers, or their generator; ``rng`` is accepted, too.
     relative : float, optional
-        Standard deviation of the logarithm of the radius, up to 0.3, such as 0.01 or ``"1%"``.
+        Standard deviation of the logarithm of the radius, and hence of the diameter, up to 0.3,
+        such as 0.01 or ``"1%"``; if it is small, that of the diameter relative to its nominal
+        value.
     grade : int, optional
         Grade of ISO 3290-1 (3 to 200), instead of a relative deviation, for chains in SI
-        units.  Diameters are distributed uniformly over the variation that the grade allows
-        within a lot, 5 um for grade 100.
+        units.  Diameters are distributed uniformly over the variation of ball lot diameter of
+        the grade, centred at the nominal diameter: 0.5 um for grade 10, 5 um for grade 100.
+        The deviation that all balls of a lot have in common is not included.
     beads : str or list of int, optional
         Beads that deviate, such as ``"2:"`` or ``[3, 4]``; by default all but the strikers.  The
         deviation of a bead does not depend on this choice.

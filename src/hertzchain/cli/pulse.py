@@ -76,7 +76,7 @@ def _method_help() -> str:
     "--scatter",
     type=Fraction(),
     help="Scatter of the radii for --method disorder, the theory of the mean and spread of random "
-    "chains: standard deviation of ln R, such as 1%, at most 3%.",
+    "chains: relative standard deviation of the diameters (of ln R), such as 1%, at most 3%.",
 )
 @click.option(
     "--modulus-scatter",

@@ -31,10 +31,17 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @click.command(cls=StrictCommand)
 @chain_options
 @click.option(
-    "--relative", metavar="SCATTER", help="Standard deviation of ln R, such as 0.01 or 1%."
+    "--relative",
+    metavar="SCATTER",
+    help="Standard deviation of each diameter, and hence radius, relative to its nominal value, "
+    "such as 0.01 or 1% (of its logarithm, which is normally distributed).",
 )
 @click.option(
-    "--grade", type=int, help="Grade of the balls by ISO 3290-1, 3 to 200, instead of --relative."
+    "--grade",
+    type=int,
+    help="Grade of the balls by ISO 3290-1, 3 to 200, instead of --relative: diameters are "
+    "uniformly distributed over the variation within a lot, 0.5 um (nominal +-0.25 um) for grade "
+    "10 and 5 um for grade 100.",
 )
 @click.option(
     "--only",
@@ -45,7 +52,7 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @click.option(
     "--chains", "count", type=int, default=300, show_default=True, help="Number of chains."
 )
-@click.option("--seed", type=int, default=1, show_default=True, help="Seed of the random radii.")
+@click.option("--seed", type=int, default=1, show_default=True, help="Seed of the random diameters.")
 @quantity_option
 @json_option()
 @click.option("--csv", "as_csv", is_flag=True, help="Print the values of all chains as CSV.")
@@ -54,9 +61,9 @@ def scatter(
     options: ChainOptions, relative: str | None, grade: int | None, some: str | None, count: int,
     seed: int, quantity: str | None, as_json: bool, as_csv: bool, plot: Path | None,
 ) -> int:  # fmt: skip
-    """Show how a quantity varies if radii scatter.
+    """Show how a quantity varies if the sizes of the balls scatter.
 
-    Many chains with random radii are simulated, and the distribution of the quantity is printed.
+    Many chains with random diameters are simulated, and the distribution of the quantity is printed.
     All chains have the materials, walls and impact of the given one.  If there is no striker, bead
     1 is the projectile; exclude it with --only "2:" to keep the momentum of the impact.
     Without simulations, `hertzchain pulse --method disorder` predicts mean and spread of the

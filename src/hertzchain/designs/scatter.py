@@ -38,7 +38,8 @@ class Scatter:
     Attributes
     ----------
     radius : float, optional
-        Standard deviation of the logarithm of each radius, such as 0.01 or ``"1%"``.
+        Standard deviation of the logarithm of each radius, and hence diameter, such as 0.01 or
+        ``"1%"``.
     grade : int, optional
         Grade of ISO 3290-1 instead, for chains in SI units; see `Chain.with_scatter`.
     measure : str

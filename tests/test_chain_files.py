@@ -9,6 +9,7 @@ import pytest
 import hertzchain as hc
 from hertzchain import Chain, InputError, Wall
 from hertzchain.store.chain_files import chain_from
+from hertzchain.store.results import document_of
 
 FIELDS = (
     "radii", "exponent", "taper", "rate", "masses", "stiffness", "units", "velocities", "gaps",
@@ -497,11 +498,11 @@ STEEL = "steel-52100"
 COMPACT = {
     "equal": (
         lambda: Chain.from_materials("10 mm", STEEL, beads=20, velocity="0.1 m/s"),
-        {"radii": 0.01, "beads": 20, "materials": STEEL, "velocity": 0.1},
+        {"diameters": "20 mm", "beads": 20, "materials": STEEL, "velocity": "0.1 m/s"},
     ),
     "struck": (
         lambda: Chain.from_materials("10 mm", STEEL, beads=20).struck_by(velocity=0.2),
-        {"radii": 0.01, "beads": 21, "materials": STEEL, "strikers": 1, "velocity": 0.2},
+        {"diameters": "20 mm", "beads": 21, "strikers": 1, "velocity": "0.2 m/s"},
     ),
     "uniform": (
         lambda: Chain.uniform(7, exponent=2.5),
@@ -509,26 +510,26 @@ COMPACT = {
     ),
     "sizes": (
         lambda: Chain.tapered(first="10 mm", last="2.5 mm", beads=40, materials=STEEL),
-        {"first": 0.01, "last": 0.0025, "taper": "exponential", "beads": 40, "materials": STEEL},
+        {"first_diameter": "20 mm", "last_diameter": "5 mm", "taper": "exponential", "beads": 40},
     ),
     "linear sizes": (
         lambda: Chain.tapered("linear", first="3 mm", last="8 mm", beads=11, materials="ptfe"),
-        {"first": 0.003, "last": 0.008, "taper": "linear", "beads": 11, "materials": "ptfe"},
+        {"first_diameter": "6 mm", "last_diameter": "16 mm", "taper": "linear", "beads": 11},
     ),
     "rate": (
         lambda: chain_from({"chain": {
             "taper": "forward-exponential", "rate": 0.0625, "radius": "7 mm", "beads": 31,
             "materials": "brass"}}),
-        {"taper": "forward-exponential", "rate": 0.0625, "radius": 0.007, "beads": 31,
+        {"taper": "forward-exponential", "rate": 0.0625, "radius": "7 mm", "beads": 31,
          "materials": "brass"},
     ),
     "dimer": (
         lambda: Chain.dimer(diameters=["10 mm", "6 mm"], materials=STEEL, beads=20),
-        {"cell": [0.005, 0.003], "cells": 10, "materials": STEEL},
+        {"cell": ["5 mm", "3 mm"], "cells": 10, "materials": STEEL},
     ),
     "two materials": (
         lambda: Chain.periodic([9.5e-3, 9.5e-3], cells=5, materials=["steel-316", "ptfe"]),
-        {"cell": [0.0095, 0.0095], "cells": 5, "materials": ["steel-316", "ptfe"]},
+        {"cell": ["9.5 mm", "9.5 mm"], "cells": 5, "materials": ["steel-316", "ptfe"]},
     ),
     "trimer": (
         lambda: Chain.periodic([2.0, 1.0, 0.3], cells=4),
@@ -557,12 +558,25 @@ def test_irregular_chains_are_written_bead_by_bead():
     radii = np.array([5e-3, 5e-3, 5e-3, 5e-3, np.nextafter(5e-3, 1.0)])
     chain = Chain.from_materials(radii, STEEL)
     document = tomllib.loads(hc.chain_as_toml(chain))
-    assert document["chain"]["radii"] == radii.tolist()
+    assert document["chain"]["diameters"] == ["10 mm"] * 4 + ["10.000000000000002 mm"]
+    assert chain_from(document).radii.tolist() == radii.tolist()
     taper = Chain.tapered(first="10 mm", last="2.5 mm", beads=9, materials=STEEL)
     bent = taper.radii.copy()
     bent[4] = np.nextafter(bent[4], 0.0)
     document = tomllib.loads(hc.chain_as_toml(Chain.from_materials(bent, STEEL)))
-    assert document["chain"]["radii"] == bent.tolist()
+    assert chain_from(document).radii.tolist() == bent.tolist()
+
+
+def test_sizes_are_written_in_millimetres_to_the_last_bit():
+    rng = np.random.default_rng(1)
+    radii = np.exp(rng.uniform(np.log(5e-6), np.log(0.5), 200))
+    text = hc.chain_as_toml(Chain.from_materials(radii, STEEL))
+    assert text.count(" mm") == 200
+    assert hc.chain_from_toml(text).radii.tolist() == radii.tolist()
+    # Powders are written in m, and documents of results in plain numbers.
+    assert "radii = 1e-06\n" in hc.chain_as_toml(Chain.from_materials(1e-6, "glass", beads=3))
+    plain = document_of(Chain.from_materials("4.7 mm", STEEL, beads=3))["chain_file"]["chain"]
+    assert plain["radii"] == 4.7e-3
 
 
 def test_only_own_materials_are_written_with_their_properties():

@@ -113,7 +113,7 @@ def test_files_keep_the_scatter(chain, tmp_path):
 
 def test_files_state_the_beads_without_scatter():
     lines = hc.chain_as_toml(BALLS).splitlines()
-    assert lines[:4] == ["[chain]", "radii = 0.005", "beads = 20", 'materials = "steel-316"']
+    assert lines[:4] == ["[chain]", 'diameters = "10 mm"', "beads = 20", 'materials = "steel-316"']
     assert lines[4].startswith("with_scatter = {relative = 0.01, radii = [0.0050")
 
 

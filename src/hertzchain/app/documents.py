@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from ..chain.chain import Chain
 from ..errors import InputError
-from ..store.chain_as_toml import chain_as_toml
+from ..store.chain_as_toml import chain_document
 from ..store.chain_files import chain_from, load_chain
 from ..store.chain_schema import SECTIONS, with_usual_names
 from ..store.toml_files import toml_key, toml_text
@@ -97,7 +97,7 @@ def document_of_file(path: str | os.PathLike[str]) -> dict[str, Any]:
 def document_of_chain(chain: Chain) -> dict[str, Any]:
     """The chain as a document; raises `InputError` if the page cannot show it."""
     _check_beads(chain.beads)
-    document = as_json(tomllib.loads(chain_as_toml(chain)))
+    document = as_json(chain_document(chain))
     chain_of(document)
     return document
 

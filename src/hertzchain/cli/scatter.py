@@ -52,7 +52,9 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @click.option(
     "--chains", "count", type=int, default=300, show_default=True, help="Number of chains."
 )
-@click.option("--seed", type=int, default=1, show_default=True, help="Seed of the random diameters.")
+@click.option(
+    "--seed", type=int, default=1, show_default=True, help="Seed of the random diameters."
+)
 @quantity_option
 @json_option()
 @click.option("--csv", "as_csv", is_flag=True, help="Print the values of all chains as CSV.")
@@ -63,11 +65,11 @@ def scatter(
 ) -> int:  # fmt: skip
     """Show how a quantity varies if the sizes of the balls scatter.
 
-    Many chains with random diameters are simulated, and the distribution of the quantity is printed.
-    All chains have the materials, walls and impact of the given one.  If there is no striker, bead
-    1 is the projectile; exclude it with --only "2:" to keep the momentum of the impact.
-    Without simulations, `hertzchain pulse --method disorder` predicts mean and spread of the
-    leading pulse.
+    Many chains with random diameters are simulated, and the distribution of the quantity is
+    printed.  All chains have the materials, walls and impact of the given one.  If there is no
+    striker, bead 1 is the projectile; exclude it with --only "2:" to keep the momentum of the
+    impact.  Without simulations, `hertzchain pulse --method disorder` predicts mean and spread of
+    the leading pulse.
 
     \b
     Examples:

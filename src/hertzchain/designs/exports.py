@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..chain.chain import Chain
-from ..simulation.state import fingerprint
-from ..store.chain_as_toml import chain_as_toml
-from ..store.chain_files import chain_from
-from ..store.toml_files import toml_text
+from ..store.chain_as_toml import chain_as_toml, chain_document
 from ..validation.json_types import finite
 from .comparison import compared, equal_balls, references_in_words
 from .measures import Measure
@@ -24,21 +19,8 @@ if TYPE_CHECKING:
 
 
 def chain_text(result: DesignResult) -> str:
-    """Chain file; balls of a catalogue have diameters, by which they are sold."""
-    text = chain_as_toml(result.chain) + "\n"
-    if result.chain.units != "SI":
-        return text
-    shown = re.sub(r"^velocity = (.*)$", r'velocity = "\1 m/s"', text, flags=re.MULTILINE)
-    if result.discrete:
-        shown = re.sub(r"^radii = .*$", _diameters, shown, count=1, flags=re.MULTILINE)
-    same = fingerprint(chain_from(tomllib.loads(shown))) == fingerprint(result.chain)
-    return shown if same else text
-
-
-def _diameters(line: re.Match[str]) -> str:
-    radii = tomllib.loads(line[0])["radii"]
-    found = [f"{2e3 * each:.10g} mm" for each in np.atleast_1d(radii)]
-    return f"diameters = {toml_text(found if isinstance(radii, list) else found[0])}"
+    """Chain file of the result."""
+    return chain_as_toml(result.chain) + "\n"
 
 
 def bead_table(chain: Chain) -> str:
@@ -64,7 +46,7 @@ def _balls(result: DesignResult) -> dict[str, Any]:
         "masses": chain.masses.tolist(),
         "materials": None if chain.materials is None else [each.name for each in chain.materials],
         "parts": [{"count": count, "ball": name} for count, name in result.parts],
-        "chain_file": tomllib.loads(chain_as_toml(chain)),
+        "chain_file": chain_document(chain),
     }
 
 
@@ -78,7 +60,7 @@ def _reference(result: DesignResult, name: str) -> dict[str, Any]:
         "yielding_reverses_comparison": both.reversed,
         "constraints_met": both.met,
         "balls": equal_balls(result, name) or None,
-        "chain_file": tomllib.loads(chain_as_toml(found.chain)),
+        "chain_file": chain_document(found.chain),
     }
 
 

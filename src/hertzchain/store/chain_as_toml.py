@@ -21,7 +21,7 @@ from ..errors import InputError
 from ..simulation.state import fingerprint
 from ..validation.keywords import checked_arguments
 from .chain_files import ARRAYS, DRIVES, LATER, chain_from
-from .compact_beads import compact_beads, listed_beads, one_for_all
+from .compact_beads import compact_beads, in_usual_units, listed_beads, one_for_all
 from .toml_files import toml_key, toml_text
 
 
@@ -32,8 +32,9 @@ def chain_as_toml(chain: Chain) -> str:
     `chain_from_toml` reads the text, and `load_chain` a file that contains it.
 
     Equal beads, repeated cells and tapers are written as such if their radii are the same, bit for
-    bit.  Materials of the catalogue are written by name, others with their properties; different
-    materials of one name are given different names.
+    bit.  In SI units, sizes from 0.01 mm to 1 m are written in mm, so that the numbers read are
+    those of the chain to the last bit.  Materials of the catalogue are written by name, others
+    with their properties; different materials of one name are given different names.
 
     Parameters
     ----------
@@ -53,25 +54,42 @@ def chain_as_toml(chain: Chain) -> str:
     taper = "uniform"
     beads = 2
     right_wall = {rigid = true, gap = 0.0}
+    >>> print(hc.chain_as_toml(hc.Chain.from_materials("4.7 mm", "brass", beads=9, velocity=0.1)))
+    [chain]
+    diameters = "9.4 mm"
+    beads = 9
+    materials = "brass"
+    velocity = "0.1 m/s"
     """
     require_chain("chain_as_toml", chain, beads=1)
+    return _shortest_text(chain, with_units=True)
+
+
+def chain_document(chain: Chain) -> dict[str, Any]:
+    """Tables of a chain file that describes a chain, as `chain_as_toml`, in plain numbers."""
+    return tomllib.loads(_shortest_text(chain, with_units=False))
+
+
+def listed_chain_document(chain: Chain) -> dict[str, Any]:
+    """Tables of a chain file, as those of `chain_document`, with one radius per bead."""
+    return tomllib.loads(_checked_text(chain, compact=False))
+
+
+def _shortest_text(chain: Chain, *, with_units: bool) -> str:
     for compact in (True, False):
         with contextlib.suppress(InputError):
-            return _checked_text(chain, compact=compact)
-    return _checked_text(chain.replace(scatter=None), compact=False)
+            return _checked_text(chain, compact=compact, with_units=with_units)
+    return _checked_text(chain.replace(scatter=None), compact=False, with_units=with_units)
 
 
-def listed_chain_as_toml(chain: Chain) -> str:
-    """Write a chain as `chain_as_toml` does, with one radius per bead."""
-    return _checked_text(chain, compact=False)
-
-
-def _checked_text(chain: Chain, *, compact: bool) -> str:
+def _checked_text(chain: Chain, *, compact: bool, with_units: bool = False) -> str:
     """Text of the chain, which describes the same chain if it is read."""
     # The materials of a scaled chain have no effect, but in a file they would select SI units.
     materials = chain.materials or () if chain.units == "SI" else ()
     names = _names_of_materials(chain, materials)
     entries = _beads_entries(chain, names, [names[each] for each in materials], compact=compact)
+    if with_units and chain.units == "SI":
+        entries = in_usual_units(entries)
     for name in ("left_wall", "right_wall"):
         wall = getattr(chain, name)
         if wall is not None:

@@ -1,9 +1,10 @@
-"""Shorter descriptions of beads in chain files: equal beads, repeated cells and tapers."""
+"""Descriptions of beads in chain files: equal beads, repeated cells, tapers; sizes in mm."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
+from decimal import Decimal
 from typing import Any, Final
 
 import numpy as np
@@ -15,6 +16,13 @@ from ..chain.tapers import TAPERS, tapered_radii
 from ..collision import Array
 from ..errors import InputError
 
+# Keys that are sizes in m, the name of the key in mm, and its multiple of the radius.
+SIZES: Final = {
+    "radii": ("diameters", 2.0), "first": ("first_diameter", 2.0), "last": ("last_diameter", 2.0),
+    "radius": ("radius", 1.0), "cell": ("cell", 1.0),
+}  # fmt: skip
+# Sizes [m] that are written in mm.
+MILLIMETRES: Final = (1e-5, 1.0)
 # Significant digits of rates and radii that are tried, from few to all.
 DIGITS: Final = (2, 4, 6, 9, 12, 15, 17)
 
@@ -38,6 +46,27 @@ def one_for_all(values: Array) -> Any:
     """A list, or one value if all are equal."""
     listed = values.tolist()
     return listed[0] if len(listed) > 1 and len(set(listed)) == 1 else listed
+
+
+def in_usual_units(entries: Mapping[str, Any]) -> dict[str, Any]:
+    """Keys of [chain] in SI units with sizes in mm, and the velocity with its unit."""
+    found: dict[str, Any] = {}
+    for key, value in entries.items():
+        name, multiple = SIZES.get(key, (key, 1.0))
+        sizes = multiple * np.atleast_1d(value) if key in SIZES else np.empty(0)
+        if key == "velocity":
+            found[key] = f"{value!r} m/s"
+        elif sizes.size and MILLIMETRES[0] <= sizes.min() and sizes.max() <= MILLIMETRES[1]:
+            texts = [_in_millimetres(each) for each in sizes.tolist()]
+            found[name] = texts if isinstance(value, list) else texts[0]
+        else:
+            found[key] = value
+    return found
+
+
+def _in_millimetres(length: float) -> str:
+    """Text with the same decimal digits, whose value is rounded once and hence the same."""
+    return f"{Decimal(repr(length)).scaleb(3).normalize():f} mm"
 
 
 def _materials(names: Sequence[str]) -> dict[str, Any]:

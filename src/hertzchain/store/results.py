@@ -7,7 +7,6 @@ import io
 import json
 import math
 import os
-import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
@@ -26,7 +25,7 @@ from ..simulation.state import State, fingerprint
 from ..validation.json_types import finite
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_type, file_path
-from .chain_as_toml import chain_as_toml
+from .chain_as_toml import chain_document
 from .digests import array_digest
 from .run_files import chain_file_of, run_as_netcdf
 from .writing import write_bytes
@@ -102,7 +101,7 @@ def document_of(chain: Chain) -> dict[str, Any]:
         "schema_version": SCHEMA_VERSION,
         "hertzchain_version": __version__,
         "chain": chain_as_dict(chain),
-        "chain_file": tomllib.loads(chain_as_toml(chain)),
+        "chain_file": chain_document(chain),
     }
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from ..chain.chain import Chain
-from ..store.chain_as_toml import chain_as_toml, listed_chain_as_toml
+from ..store.chain_as_toml import chain_document, listed_chain_document
 from ..store.chain_files import ARRAYS
 from ..validation.json_types import to_json_types
 from .axes import Axis
@@ -22,8 +21,8 @@ def chain_as_document(chain: Chain, axes: Sequence[Axis] = ()) -> Any:
     # Axes change radii, which then do not have the scatter of the chain.
     chain, keys = chain.replace(scatter=None), _keys(axes)
     if not keys:
-        return to_json_types(tomllib.loads(chain_as_toml(chain)), "chain")
-    document = to_json_types(tomllib.loads(listed_chain_as_toml(chain)), "chain")
+        return to_json_types(chain_document(chain), "chain")
+    document = to_json_types(listed_chain_document(chain), "chain")
     table = document["chain"]
     if "radii" in keys and "taper" in table and chain.radii[0] == 1.0:
         for name in ("taper", "beads", *dict(chain.taper_parameters)):

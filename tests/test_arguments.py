@@ -264,6 +264,31 @@ def test_completion_sees_the_fields_of_replace():
     assert "right_wall=" in matches
 
 
+def test_completion_shows_public_names_only():
+    modules = {"collision", "evaluation", "paper", "plotting", "theory", "vary"}
+    assert {name for name in dir(hc) if inspect.ismodule(getattr(hc, name))} == modules
+    for module in (hc, *(getattr(hc, name) for name in modules), hc.chain.materials):
+        assert sorted(dir(module)) == sorted(module.__all__)
+        for name in set(dir(module)) - modules:
+            assert not inspect.ismodule(getattr(module, name)), name
+    assert dir(hc.chain) == ["laws", "materials"]
+    assert {"LAWS", "Loss", "restitution"} < {*dir(hc.chain.laws)}
+    assert not {"annotations", "import_module", "_module"} & {*dir(hc.chain.laws)}
+    completer = pytest.importorskip("IPython.core.completer").IPCompleter(
+        namespace={"hc": hc}, use_jedi=False
+    )
+    found = completer.attr_matches("hc.chain.")
+    assert {each for each in found if "._" not in each} == {"hc.chain.laws", "hc.chain.materials"}
+
+
+def test_quantities_of_sensors_have_the_names_of_attributes_too():
+    chain = hc.Chain.uniform(6, right_wall=hc.Wall())
+    scatter = hc.Scatter(radius="1%", samples=2)
+    for name in ("sensor.largest@4", "sensor.largest_so_far@4", "sensor_largest_so_far@4"):
+        assert hc.distribution(chain, name, scatter).quantity == "sensor.largest@4"
+        assert hc.gradient(chain, name, until=9.0).quantity == "sensor.largest@4"
+
+
 def test_the_last_bead_of_a_gradient():
     chain = hc.Chain.uniform(6)
     for name, usual in (("pulse.velocity@last", "pulse.velocity@6"),

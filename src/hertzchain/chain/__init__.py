@@ -13,3 +13,9 @@
 - input: `input_checks`, `feature_support`, `bead_names`, `places`;
 - numerical method: `bisection`.
 """
+
+__all__ = ("laws", "materials")
+
+
+def __dir__() -> tuple[str, ...]:
+    return __all__  # for completion; the other modules are internal

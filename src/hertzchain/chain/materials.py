@@ -25,6 +25,8 @@ from ..validation.keywords import checked_arguments, checked_fields
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_list, check_type, text
 
+__all__ = ("Material", "catalogue", "contact_modulus", "material", "sphere_stiffness")
+
 # Densities that a bead can have [kg/m^3]: an aerogel has 1, osmium 22,600.
 MIN_DENSITY, MAX_DENSITY = 1e-3, 1e6
 # Density [kg/m^3] and modulus [Pa] below which the unit is probably wrong.
@@ -42,6 +44,10 @@ OTHER_NAMES: Final = {
     "52100": "'steel-52100'",
     "plexiglass": "'acrylic'", "pmma": "'acrylic'", "wc": "'tungsten-carbide'",
 }  # fmt: skip
+
+
+def __dir__() -> tuple[str, ...]:
+    return __all__  # for completion
 
 
 @checked_fields

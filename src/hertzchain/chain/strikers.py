@@ -10,7 +10,7 @@ from typing import Any, Final, TypeVar
 
 import numpy as np
 
-from ..collision import HERTZ_EXPONENT, hertz_stiffness
+from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
 from ..errors import InputError, InputWarning, warn_user
 from ..representation import measure
 from ..validation.keywords import checked_arguments
@@ -120,15 +120,7 @@ def struck_by(
             "and radii in m, so check the unit",
             InputWarning,
         )
-    moving = self.strikers > 0 or "velocities" in self.features
-    if not moving and "velocities" in self.given and self.velocities[0] != 0.0:
-        warn_user(
-            "struck_by omits the velocity of bead 1, "
-            f"{measure(float(self.velocities[0]), 'm/s', self.units)}, because strikers hit a "
-            "chain at rest; give the velocity of the impact only to struck_by",
-            InputWarning,
-        )
-    behind = self.velocities if moving else np.zeros(self.beads)
+    behind = _velocities_without_impact(self)
     new: dict[str, Any] = {
         "radii": np.concatenate((np.full(count, drawn), self.radii)),
         "velocities": np.concatenate((np.full(count, speed), behind)),
@@ -153,6 +145,20 @@ def struck_by(
     if isinstance(self.loss, tuple):
         new["loss"] = (self.loss[0],) * count + self.loss
     return self.replace(**new)
+
+
+def _velocities_without_impact(chain: ChainFields) -> Array:
+    """Velocities of the beads; those of a chain of which only bead 1 moves are omitted."""
+    if chain.strikers > 0 or "velocities" in chain.features:
+        return chain.velocities
+    if "velocities" in chain.given and chain.velocities[0] != 0.0:
+        warn_user(
+            "struck_by omits the velocity of bead 1, "
+            f"{measure(float(chain.velocities[0]), 'm/s', chain.units)}, because strikers hit a "
+            "chain at rest; give the velocity of the impact only to struck_by",
+            InputWarning,
+        )
+    return np.zeros(chain.beads)
 
 
 def _striker(

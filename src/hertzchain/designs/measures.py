@@ -61,10 +61,12 @@ OF_CHAIN: Final = {
 }  # fmt: skip
 CURVES: Final = (*PULSE, *SHARES, *LARGEST)
 AT_BEAD: Final = (*CURVES, *SENSORS)
-# Names of columns, which are accepted, too.
-BY_COLUMN: Final = {column: name for name, column in WALL.items()} | {
-    COLUMNS[name]: name for name in SENSORS
-}
+# Names of columns, and of an attribute of `SensorForce`, which are accepted, too.
+BY_COLUMN: Final = (
+    {column: name for name, column in WALL.items()}
+    | {COLUMNS[name]: name for name in SENSORS}
+    | {"sensor.largest_so_far": LARGEST_IN_SENSOR}
+)
 WORDS: Final = {
     "wall_force.peak": "peak force on the wall",
     "wall_force.impulse": "impulse on the wall", IMPULSE: "impulse on the wall",

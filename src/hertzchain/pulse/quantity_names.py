@@ -17,10 +17,17 @@ _OF_RUNS: Final = {
     },
     **{name.replace("final_", "final."): name for name in FINAL_QUANTITIES if "final_" in name},
 }
+# The attributes of a `SensorForce` are accepted, too.
+_ATTRIBUTES: Final = {
+    f"sensor.{each.attribute}": name
+    for name, each in SENSOR_QUANTITIES.items()
+    if f"sensor.{each.attribute}" not in _OF_RUNS
+}
 COLUMNS: Final[Mapping[str, str]] = MappingProxyType(
-    {**_OF_RUNS, **{f"pulse.{name}": name for name in QUANTITIES}}
+    {**_OF_RUNS, **_ATTRIBUTES, **{f"pulse.{name}": name for name in QUANTITIES}}
 )
 _FULL_NAMES: Final = {column: name for name, column in _OF_RUNS.items()}
+_FULL_NAMES.update({name: _FULL_NAMES[column] for name, column in _ATTRIBUTES.items()})
 
 
 def column_name(name: Any) -> Any:
@@ -29,5 +36,5 @@ def column_name(name: Any) -> Any:
 
 
 def full_name(name: str) -> str:
-    """Name of a quantity of a wall, a sensor or the last state, from that of its column."""
+    """Name of a quantity of a wall, a sensor or the last state, from another name of it."""
     return _FULL_NAMES.get(name, name)

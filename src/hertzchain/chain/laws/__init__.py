@@ -27,8 +27,14 @@ from __future__ import annotations
 from importlib import import_module
 from pkgutil import iter_modules
 
-from .base import LAWS as LAWS
-from .base import Loss as Loss
+from .base import LAWS, Loss
 
-for _module in iter_modules(__path__):
-    import_module(f"{__name__}.{_module.name}")
+_MODULES = [each.name for each in iter_modules(__path__)]
+__all__ = ("LAWS", "Loss")
+
+for _name in _MODULES:
+    import_module(f"{__name__}.{_name}")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, *_MODULES]  # for completion

@@ -274,7 +274,11 @@ def test_cite(run):
         (["simulate", "--sensor", "101"], "--sensor must be a whole number from 1 to 100, got 101"),
         (["simulate", "--sensor", "3", "--times", "0"], "--times 0 is too few"),
         (["simulate", "--stream", "/dev/null", "--until", "9"], "'/dev/null' is a file"),
-        (["recite"], "No such command"),
+        (["recite"], "unknown command 'recite': choose from app, simulate, pulse"),
+        (["simulat"], "did you mean 'simulate'"),
+        (["scatter", "--beads", "9", "--grade", "10"], "give a material and sizes, or --relative"),
+        (["simulate", "--material", "brass", "--diameter", "9 mm", "--speed", "fast"],
+         "text with a unit such as '5 m/s', got 'fast'"),
     ],
 )  # fmt: skip
 def test_bad_input_gets_one_sentence_and_code_2(run, tmp_path, monkeypatch, arguments, said):

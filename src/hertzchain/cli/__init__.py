@@ -52,6 +52,16 @@ GROUPS: Final = {
 class Overview(click.Group):
     """A group whose help lists its commands by what they are for."""
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find a command; the message about an unknown one lists those that exist."""
+        from ..errors import unknown_name_error
+
+        if args and args[0] not in self.commands and not args[0].startswith("-"):
+            raise unknown_name_error("command", args[0], list(self.commands))
+        return super().resolve_command(ctx, args)
+
     def format_commands(self, _: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the commands under the headings of `GROUPS`."""
         width = max(len(name) for name in self.commands)

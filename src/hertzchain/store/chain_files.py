@@ -236,7 +236,9 @@ class _ChainFile:
     def _scaled_beads(self, form: str, law: dict[str, Any], own: dict[str, Any]) -> Chain:
         table = self.table
         if form in ("radii", "diameters"):
-            self._require_without(form, ["beads"])
+            self._require_without(
+                form, ["beads"], f"omit beads if {form} is a list, or give materials"
+            )
             if form == "radii" and table.get("strikers"):
                 return Chain(table["radii"], strikers=table["strikers"], **law, **own)
             sizes = table[form]

@@ -29,7 +29,8 @@ def parse_toml(what: str, text: str, hint: str = "") -> dict[str, Any]:
     try:
         return tomllib.loads(text.removeprefix("\ufeff"))
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{what} is not valid TOML: {error}{hint}") from None
+        reason = str(error).replace("Cannot overwrite a value", "the same key is given twice")
+        raise InputError(f"{what} is not valid TOML: {reason}{hint}") from None
     except RecursionError:
         raise InputError(f"{what} is nested too deeply") from None
     except ValueError:

@@ -110,12 +110,15 @@ def _reject_bare_number(what: str, text: str, unit: str | None) -> None:
         return
     if unit in (None, "", SCALED):
         raise InputError(f"{what} {text!r} is text; give the number {text.strip()} without quotes")
-    # Sizes of beads are usually given in millimetres.
-    shown = "mm" if unit == "m" else str(unit).replace("**", "^")
     raise InputError(
-        f"{what} {text!r} has no unit; write '{text.strip()} {shown}' or another unit, or a number "
-        "without quotes in SI units"
+        f"{what} {text!r} has no unit; write '{text.strip()} {_usual(unit)}' or another unit, or a "
+        "number without quotes in SI units"
     )
+
+
+def _usual(unit: str | None) -> str:
+    """Unit of an example; sizes of beads are usually given in millimetres."""
+    return "mm" if unit == "m" else str(unit).replace("**", "^")
 
 
 def _is_quantity(value: Any) -> bool:
@@ -158,6 +161,11 @@ def number(
 ) -> float:
     """Check that a value is a finite number within its bounds."""
     plain = plain_magnitude(what, value, unit)
+    if isinstance(plain, str) and unit not in (None, "", SCALED):
+        raise InputError(
+            f"{what} must be a number, or text with a unit such as '5 {_usual(unit)}', got "
+            f"{short_repr(value)}"
+        )
     given = plain if type(plain) is float else real_number(what, plain)
     if above < given < below and least <= given <= most and math.isfinite(given):
         return given

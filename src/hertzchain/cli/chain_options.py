@@ -37,7 +37,7 @@ IMPACT: Final = (
         "[default: bead 1 moves]",
     ),
 )
-OPTIONS: Final = (
+CHAIN_OPTIONS: Final = (
     click.argument("files", nargs=-1, metavar="[FILE]...", type=click.Path(path_type=Path)),
     click.option(
         "--chain",
@@ -110,12 +110,12 @@ class ChainOptions:
 
 def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options that describe a chain; the command gets them as its first argument."""
-    return _with_options(command, OPTIONS)
+    return _with_options(command, CHAIN_OPTIONS)
 
 
 def chain_at_rest_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The same without the options of an impact."""
-    return _with_options(command, tuple(each for each in OPTIONS if each not in IMPACT))
+    return _with_options(command, tuple(each for each in CHAIN_OPTIONS if each not in IMPACT))
 
 
 def _with_options(command: Callable[..., Any], options: tuple[Any, ...]) -> Callable[..., Any]:

@@ -38,7 +38,7 @@ WORDINGS: Final = (
 )  # fmt: skip
 
 # ... and with commands that have an option for it.
-OPTIONS: Final = {
+BY_OPTION: Final = {
     "striker": ((r"such as chain\.struck_by\(\)", "such as --striker 1"),),
     "methods": (
         (r"\buse simulate\b", "use --method simulate"),
@@ -70,7 +70,7 @@ def on_command_line(message: str) -> str:
     """The message without Python expressions for which the command line has other words."""
     context = click.get_current_context(silent=True)
     own = () if context is None else context.params
-    chosen = [pair for option, pairs in OPTIONS.items() if option in own for pair in pairs]
+    chosen = [pair for option, pairs in BY_OPTION.items() if option in own for pair in pairs]
     for expression, words in (*chosen, *WORDINGS):
         message = re.sub(expression, words, message)
     return message

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from ..sweeps.kept import KEPT, sensor_of
+from ..sweeps.kept import SWEEP_QUANTITIES, sensor_of
 from ..units import PERCENT
 from .style import literal
 
@@ -73,7 +73,7 @@ def quantity_label(drawn: xr.DataArray) -> str:
     if error is not None:
         of = name.partition("_of_")[2].replace("_", " ")
         return _with_unit(f"{error} {of}", drawn)
-    quantity = KEPT.get(name)
+    quantity = SWEEP_QUANTITIES.get(name)
     text = name.replace("_", " ") if quantity is None else quantity.label
     if quantity is not None and not {"bead", "contact"} & set(drawn.coords):
         text = text.replace("_k$", "_{N-1}$" if quantity.per == "contact" else "_{N}$")

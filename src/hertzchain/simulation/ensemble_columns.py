@@ -41,7 +41,7 @@ from .simulate import MAX_RTOL, MIN_RTOL, default_step_limit, simulate, simulate
 PULSE_QUANTITIES: Final = {
     name: each for name, each in QUANTITIES.items() if not each.estimate
 }  # fmt: skip
-KEPT: Final[dict[str, Quantity]] = {
+RUN_QUANTITIES: Final[dict[str, Quantity]] = {
     **PULSE_QUANTITIES, **WALL_QUANTITIES, **SENSOR_QUANTITIES, **FINAL_QUANTITIES,
     **LARGEST_QUANTITIES,
 }  # fmt: skip
@@ -397,7 +397,7 @@ def empty_columns(keep: Sequence[str], count: int, beads: int, sensors: int) -> 
 
 def shape_of(name: str, count: int, beads: int, sensors: int) -> tuple[int, ...]:
     """Shape of a column for ``count`` chains."""
-    per = KEPT[name].per
+    per = RUN_QUANTITIES[name].per
     if per == "sensor":
         return count, sensors
     if per in ("wall", "run"):

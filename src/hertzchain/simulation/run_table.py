@@ -20,7 +20,7 @@ from ..representation import short
 from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
-from .ensemble_columns import KEPT
+from .ensemble_columns import RUN_QUANTITIES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -184,7 +184,7 @@ class RunTable(Frozen):
         variables: dict[str, tuple[Any, ...]] = {}
         coordinates: dict[str, Any] = {"chain": np.arange(len(self))}
         for name, values in self.columns.items():
-            quantity, dimensions = KEPT[name], ["chain"]
+            quantity, dimensions = RUN_QUANTITIES[name], ["chain"]
             if values.ndim == 2:
                 labels = np.arange(1, values.shape[1] + 1)
                 place = str(quantity.per) if quantity.per != "run" else "bead"
@@ -225,7 +225,11 @@ class RunTable(Frozen):
             if values.ndim == 1:
                 found[name] = values
                 continue
-            numbers = self.sensors if KEPT[name].per == "sensor" else range(1, values.shape[1] + 1)
+            numbers = (
+                self.sensors
+                if RUN_QUANTITIES[name].per == "sensor"
+                else range(1, values.shape[1] + 1)
+            )
             found |= {f"{name}_{k}": values[:, i] for i, k in enumerate(numbers)}
         found |= {"beads": self.beads, "status": self.status, "complete": self.complete}
         found["outside_range"] = self.outside_range

@@ -21,7 +21,7 @@ from ..validation.memory import check_memory
 from ..validation.numbers import number, whole_number, worker_count
 from ..validation.objects import Progress, callback, check_bool, check_choice, check_list
 from .ensemble_columns import (
-    KEPT,
+    RUN_QUANTITIES,
     Outcome,
     Request,
     by_kernel,
@@ -161,7 +161,7 @@ def _checked_names(keep: str | Iterable[str]) -> tuple[str, ...]:
     if not names:
         raise InputError("keep must have at least one quantity, such as 'velocity', got none")
     columns = map(column_name, names)
-    return tuple(dict.fromkeys(check_choice("quantity", name, KEPT) for name in columns))
+    return tuple(dict.fromkeys(check_choice("quantity", name, RUN_QUANTITIES) for name in columns))
 
 
 def _checked_sensors(sensors: Iterable[int | str], given: Sequence[object]) -> tuple[int, ...]:

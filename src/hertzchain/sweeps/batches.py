@@ -24,7 +24,7 @@ from ..simulation.simulate import DEFAULT_RTOL, simulate
 from ..simulation.simulate_many import simulate_many
 from ..store.sweep_store import DONE, FAILED
 from .kept import PER_PLACE, PER_RUN, sensor_of
-from .methods import OPTIONS, pulse_by, record_warnings
+from .methods import OPTIONS_OF, pulse_by, record_warnings
 from .plan import Index, Plan, plan_of
 
 # Quantities of walls that do not depend on the lengths of the steps in which a run ends.
@@ -373,7 +373,7 @@ class _Batch:
 
     def _options(self, method: str, index: Index) -> dict[str, Any]:
         given = self.plan.document(index)["method"]
-        return {name: given[name] for name in OPTIONS.get(method, ()) if name in given}
+        return {name: given[name] for name in OPTIONS_OF.get(method, ()) if name in given}
 
     def _fail(self, row: int, place: int, error: Exception | str) -> None:
         self.status[row, place] = FAILED

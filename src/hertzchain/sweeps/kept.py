@@ -27,7 +27,7 @@ PER_RUN: Final[dict[str, Quantity]] = {
     **WALL_QUANTITIES,
     **{name: each for name, each in LARGEST_QUANTITIES.items() if each.per == "run"},
 }
-KEPT: Final[dict[str, Quantity]] = PER_PLACE | PER_RUN
+SWEEP_QUANTITIES: Final[dict[str, Quantity]] = PER_PLACE | PER_RUN
 # Quantities that only the method `simulate` gives.
 OF_RUNS: Final = (*WALL_QUANTITIES, *LARGEST_QUANTITIES, *SENSOR_QUANTITIES)
 _SENSORS: Final = "|".join(sorted(SENSOR_QUANTITIES, key=len, reverse=True))

@@ -21,7 +21,7 @@ from ..validation.objects import Progress
 SIMULATIONS: Final = ("propagate", "simulate")
 METHODS: Final[tuple[str, ...]] = (*SIMULATIONS, *THEORIES)
 # Options that each simulation accepts.
-OPTIONS: Final[Mapping[str, tuple[str, ...]]] = {
+OPTIONS_OF: Final[Mapping[str, tuple[str, ...]]] = {
     "propagate": ("rtol",),
     "simulate": ("rtol", "until", "max_steps"),
 }
@@ -52,7 +52,7 @@ def pulse_by(method: str, chain: Chain, progress: Progress | None = None, **opti
     progress : callable, optional
         Called as ``progress(beads_passed, beads)`` by a simulation.
     **options
-        Options of the simulation, as in `OPTIONS`.
+        Options of the simulation, as in `OPTIONS_OF`.
 
     Returns
     -------

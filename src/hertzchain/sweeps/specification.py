@@ -53,10 +53,9 @@ from .axes import (
     too_many_points,
     unequal_lengths,
 )
-from .kept import KEPT, OF_RUNS, sensor_of, unknown_quantity, variable_name
+from .kept import OF_RUNS, SWEEP_QUANTITIES, sensor_of, unknown_quantity, variable_name
 from .listed_values import chain_as_document, missing_lists, with_lists
-from .methods import METHODS, check_option
-from .methods import OPTIONS as OPTIONS_OF
+from .methods import METHODS, OPTIONS_OF, check_option
 
 # Names that the dataset uses itself; an axis of such a name gets its full path as name.
 TAKEN: Final = (
@@ -177,7 +176,7 @@ _SWEEP: Final = (
         per="item", one_for_all=True),
     Key("keep", "choice", "quantities of the pulse, the right wall or the whole run, or of "
         "sensors, such as 'sensor.largest@ball 4'",
-        default="velocity", choices=(*KEPT,), per="item", one_for_all=True),
+        default="velocity", choices=(*SWEEP_QUANTITIES,), per="item", one_for_all=True),
     Key("at", "choice", "beads to keep: every, the last, or a list of their numbers",
         default="every", choices=("every", "last")),
     Key("errors", "choice", "quantities whose relative errors are kept", choices=(*QUANTITIES,),
@@ -198,7 +197,7 @@ SECTIONS: Final[Mapping[str, Section]] = MappingProxyType(
     }
 )
 SETTINGS: Final[Mapping[str, Key]] = MappingProxyType({key.name: key for key in _SWEEP})
-OPTIONS: Final = tuple(key.name for key in _METHOD)
+METHOD_KEYS: Final = tuple(key.name for key in _METHOD)
 
 
 def specification_schema() -> dict[str, Any]:
@@ -355,10 +354,10 @@ class _Reader:
     def _axis(self, place: str, path: tuple[str, ...], entry: Any) -> Axis | None:
         where = f"{place}.{'.'.join(path)}"
         if path[0] == "method" and len(path) == 2:
-            if path[1] not in OPTIONS:
-                self._add(where, unknown_name_error("option", path[1], OPTIONS))
+            if path[1] not in METHOD_KEYS:
+                self._add(where, unknown_name_error("option", path[1], METHOD_KEYS))
         elif path[0] not in KEYS:
-            known = (*KEYS, *(f"method.{name}" for name in OPTIONS))
+            known = (*KEYS, *(f"method.{name}" for name in METHOD_KEYS))
             self._add(where, unknown_name_error("parameter", ".".join(path), known))
             return None
         elif path[0] == "with_scatter" and path[-1] != "radii" and self._has_scattered_radii():
@@ -414,8 +413,8 @@ class _Reader:
         used = {axis.path[1] for axis in axes if axis.path[0] == "method"} | given.keys()
         accepted = {name for method in methods for name in OPTIONS_OF.get(method, ())}
         for name in sorted(used):
-            if name not in OPTIONS:
-                self._add(f"method.{name}", unknown_name_error("option", name, OPTIONS))
+            if name not in METHOD_KEYS:
+                self._add(f"method.{name}", unknown_name_error("option", name, METHOD_KEYS))
             elif name not in accepted:
                 fit = [method for method, names in OPTIONS_OF.items() if name in names]
                 self._add(f"method.{name}", f"no method accepts it: add {' or '.join(fit)}")

@@ -65,7 +65,9 @@ def test_a_struck_ball_at_a_wall_and_by_materials():
 @pytest.mark.parametrize(
     "call",
     [hc.simulate, hc.propagate, hc.bca, hc.local_rate, hc.hard_sphere, hc.spectrum,
-     lambda chain: hc.gradient(chain, "velocity@1", to=["radii"])],
+     lambda chain: hc.gradient(chain, "velocity@1", to=["radii"]),
+     lambda chain: hc.distribution(chain, "velocity@1", hc.Scatter(radius=0.01, samples=2)),
+     lambda chain: hc.Design(chain, minimise="velocity@1", vary=[hc.vary.radii(1e-3, 9e-3)])],
 )  # fmt: skip
 def test_a_single_ball_alone_has_no_pulse(call):
     with pytest.raises(hc.InputError, match="at least .* beads, got .*1 steel-52100 bead.*struck"):
@@ -120,3 +122,26 @@ def test_a_single_ball_at_rest_and_its_representations():
     assert repr(ball().struck_by(velocity=0.1)) == (
         "Chain(1 steel-52100 bead, diameter 12 mm, and 1 striker, impact at 0.1 m/s)"
     )
+
+
+@pytest.mark.parametrize(
+    "chains",
+    [np.ones((2, 1)), [[1.0], [1.0]], [hc.Chain.uniform(1)], [ball()], [[1.0], [1.0, 1.0]]],
+    ids=["array", "lists", "scaled", "of a material", "different lengths"],
+)
+def test_single_balls_among_many_chains_have_a_reason(chains):
+    found = hc.propagate_many(chains)
+    assert "propagate_many requires at least 2 beads, got " in found.reasons[0]
+    assert np.isnan(found.velocity[0]).all()
+    assert (1 in found.reasons) == (len(chains) > 1 and len(chains[1]) == 1)
+
+
+def test_a_sweep_over_the_number_of_beads_begins_with_a_struck_ball():
+    axes, method = {"beads": [1, 4]}, {"methods": ["propagate"]}
+    with pytest.warns(hc.IncompleteWarning, match="at beads = 1, .* requires at least 2 beads"):
+        found = hc.sweep({"chain": {"taper": "uniform"}, "axes": axes, "sweep": method})
+    assert found.status.values.ravel().tolist() == [2, 1]
+    struck = {"taper": "uniform", "struck_by": {"mass": 2.0, "radius": 1.0}}
+    found = hc.sweep({"chain": struck, "axes": axes, "sweep": method})
+    assert found.status.values.ravel().tolist() == [1, 1]
+    assert found.velocity.sel(beads=1)[0, 1] == pytest.approx(4.0 / 3.0, rel=1e-9)

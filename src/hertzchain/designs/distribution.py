@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.feature_support import require_chain
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, SimulationError, warn_user
@@ -20,7 +21,7 @@ from ..representation import measure as with_unit
 from ..simulation.run_table import RunTable
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
-from ..validation.objects import Progress, callback, check_type
+from ..validation.objects import Progress, callback
 from .measured import measured
 from .measures import Measure, measure_of
 from .scatter import Scatter, scatter_from
@@ -255,7 +256,7 @@ def distribution(
     >>> f"{found.nominal:.3f}, {found.mean:.3f} +- {found.standard_deviation:.3f}"
     '1.244, 1.241 +- 0.028'
     """
-    check_type("chain", chain, Chain)
+    require_chain("distribution", chain)
     callback("progress", progress)
     deviations = scatter_from(scatter)
     if deviations is None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.feature_support import require_chain
 from ..errors import InputError, short_repr
 from ..representation import counted, short
 from ..simulation.state import fingerprint
@@ -92,7 +93,7 @@ class Design:
     reported: tuple[Measure, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        check_type("chain", self.chain, Chain)
+        require_chain("Design", self.chain)
         chain = self.chain
         objectives = objectives_from(chain, self.minimise, self.maximise, self.match)
         object.__setattr__(self, "objectives", objectives)

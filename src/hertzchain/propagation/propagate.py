@@ -271,7 +271,7 @@ class _Ensemble:
             sound = (given > 0.0) & (masses >= np.finfo(float).tiny) & (masses < np.inf)
         for row in np.flatnonzero(~(sound | ~inside).all(axis=1) | (beads < 2)):
             try:
-                Chain.from_radii(given[row, : beads[row]])
+                _require_supported("propagate_many", Chain.from_radii(given[row, : beads[row]]))
             except InputError as error:
                 reasons[int(row)] = str(error)
         return cls(radii, beads, np.full(len(given), HERTZ_EXPONENT), reasons)

@@ -7,7 +7,7 @@ import pytest
 
 import hertzchain as hc
 from hertzchain.designs import stock
-from hertzchain.designs.ball_choice import BallSpace
+from hertzchain.designs.ball_space import BallSpace
 
 STEEL = hc.Chain.from_materials(
     "2 mm", "steel-304", beads=6, velocity=0.1, right_wall=hc.Wall.of("steel-304")

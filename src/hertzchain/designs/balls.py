@@ -21,6 +21,8 @@ SHIPPED: Final = "bearing-balls"
 INCH, FINEST, ROUNDED = 25.4e-3, 64, 0.6e-7
 # Diameter [m] below which one of these units of a column is probably wrong.
 SMALLEST, LARGE_UNITS = 50e-6, ("m", "cm", "mm", "in")
+# Relative difference of two diameters that are regarded as the same.
+SAME: Final = 1e-3
 COLUMNS: Final = ("diameter", "material", "grade", "price", "name", "count")
 
 
@@ -59,6 +61,11 @@ def inch_fraction(diameter: float) -> str:
         return ""
     whole, rest = divmod(Fraction(parts, FINEST), 1)
     return " ".join(str(each) for each in (whole, rest) if each)
+
+
+def among(diameter: float, wanted: tuple[float, ...]) -> bool:
+    """Whether a diameter is one of these, apart from rounding in catalogues."""
+    return any(abs(diameter - each) <= SAME * each for each in wanted)
 
 
 def load_balls(catalogue: str | os.PathLike[str]) -> tuple[Ball, ...]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..chain.chain import Chain
-from .ball_choice import BallSpace
+from .ball_space import BallSpace
 from .measures import IMPULSE, Measure, in_words
 from .problem import Design
 

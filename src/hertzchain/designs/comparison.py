@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from ..representation import counted
-from .ball_choice import BallSpace
+from .ball_space import BallSpace
 from .reference_chains import EQUAL_BALLS
 from .verified import Verified, met
 

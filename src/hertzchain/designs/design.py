@@ -20,7 +20,7 @@ from ..store.journal import Journal
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number, worker_count
 from ..validation.objects import Progress, callback, check_type, file_path
-from .ball_choice import BallSpace
+from .ball_space import BallSpace
 from .bounds import bounds_of, impossible, note_on_impact
 from .dry_run import Estimate, estimate
 from .measures import in_words
@@ -214,7 +214,7 @@ def _given(trials: Trials) -> Outcome:
     """The chain of the problem itself, where nothing can be searched."""
     space = trials.problem.space
     if isinstance(space, BallSpace):
-        point: Any = next(space.rows()) if space.start is None else space.start
+        point: Any = space.first
     else:
         point = space.point(space.chain)
     return trials.evaluate([point])[0]

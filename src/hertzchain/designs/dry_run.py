@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..representation import counted, duration_in_words
-from .ball_choice import BallSpace
+from .ball_space import BallSpace
 from .bounds import note_on_impact
 from .genetic import BATCH, Population, search
 from .measures import in_words

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from .ball_choice import Choice
+from .ball_space import Choice
 from .dominance import best_spread, undominated
 from .genetic import CHILDREN, Population, search
 from .trials import Outcome, Trials

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from .ball_choice import BallSpace, Choice
+from .ball_space import BallSpace, Choice
 from .reference_chains import reference_points
 from .trials import Outcome, Trials
 
@@ -41,8 +41,8 @@ def enumerate_all(trials: Trials, end: float) -> None:
 
 
 def _all_choices(space: BallSpace) -> Iterator[Choice]:
-    if space.start is not None:
-        yield from _orders(sorted(space.start.tolist()))
+    if space.given is not None:
+        yield from _orders(sorted(space.given.tolist()))
         return
     yield from space.rows()
 
@@ -90,8 +90,8 @@ class Population:
 
     def random(self) -> Choice:
         """A random choice."""
-        if self.space.start is not None:
-            return self.rng.permutation(self.space.start)
+        if self.space.given is not None:
+            return self.rng.permutation(self.space.given)
         found = self.rng.integers(0, self.space.kinds, self.space.size)
         return self.space.from_stock(found, self.rng)
 
@@ -159,7 +159,9 @@ def search(
         population = Population(trials, rng)
         population.known, tried = known, len(known)
         begin = list(start) if start and not ends else []
-        population.try_all(begin or [population.random() for _ in range(POPULATION)])
+        first = begin or [population.random() for _ in range(POPULATION)]
+        given = population.space.start
+        population.try_all(first if given is None or ends else [given, *first])
         waited = 0
         while trials.used < end and waited < PATIENCE and population.members:
             better = population.try_all([population.child() for _ in range(CHILDREN)])

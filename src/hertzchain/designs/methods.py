@@ -27,7 +27,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..validation.objects import check_choice
 from . import smooth_tapers
-from .ball_choice import BallSpace
+from .ball_space import BallSpace
 from .bundle_descent import descend
 from .evolution import evolve
 from .exact_gradients import covered

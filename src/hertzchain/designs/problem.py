@@ -19,7 +19,8 @@ from ..simulation.state import fingerprint
 from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_choice, check_type
-from .ball_choice import BallChoice, BallSpace, OrderChoice
+from .ball_choice import BallChoice, OrderChoice
+from .ball_space import BallSpace
 from .measures import PULSE, SHARES, Measure
 from .models import MODELS
 from .objective import Objective, objectives_from

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from .ball_choice import BallSpace
+from .ball_space import BallSpace
 from .problem import Design
 from .size_space import SizeSpace
 from .trials import Reference, Trials
@@ -14,6 +14,7 @@ from .trials import Reference, Trials
 # Values of each end of the tapers.
 ENDS: Final = 9
 EQUAL_BALLS: Final = "row of equal balls"
+GIVEN_ROW: Final = "given row"
 # Number of rows of equal balls, of all lengths and balls.
 MAX_EQUAL: Final = 200
 
@@ -23,8 +24,9 @@ def reference_points(problem: Design) -> dict[str, list[Any]]:
     space = problem.space
     if isinstance(space, BallSpace):
         if space.order:
-            return {"given order": [space.start]}
-        return {EQUAL_BALLS: _equal_balls(space)}
+            return {"given order": [space.given]}
+        start = {} if space.start is None else {GIVEN_ROW: [space.start]}
+        return {**start, EQUAL_BALLS: _equal_balls(space)}
     levels = np.linspace(0.0, 1.0, ENDS)
     equal = [space.taper(level, level) for level in levels]
     tapers = [space.taper(one, other) for one in levels for other in levels if one != other]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..representation import counted, usual_unit, with_decimals
-from .ball_choice import BallSpace
+from .ball_space import BallSpace
 from .comparison import (
     NEGLIGIBLE,
     best_reference,

@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..representation import short
 from ..validation.keywords import checked_methods
 from ..validation.objects import check_choice, check_type
-from .ball_choice import BallSpace
+from .ball_space import BallSpace
 from .bounds import Bound
 from .measures import in_words
 from .problem import Design
@@ -46,7 +46,7 @@ class DesignResult:
         Value and estimated relative error that the local-rate law promised, if it was used.
     references : mapping of str to Verified
         Chains to compare with, by name: the best ``"chain of equal sizes"`` and ``"taper"``, or
-        the best ``"row of equal balls"``, or the ``"given order"``.
+        the best ``"row of equal balls"`` and the ``"given row"``, or the ``"given order"``.
     compared : mapping of str to int
         Number of chains of which each reference is the best.
     bounds : tuple of Bound

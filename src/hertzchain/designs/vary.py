@@ -152,7 +152,7 @@ def gaps(
 def balls(
     catalogue: str | os.PathLike[str] = "bearing-balls", *,
     materials: Iterable[MaterialLike] | None = None, diameters: Iterable[Any] | None = None,
-    beads: Beads = "2:", optional: bool = False,
+    beads: Beads = "2:", optional: bool = False, start: Iterable[Any] | None = None,
 ) -> BallChoice:  # fmt: skip
     """Balls of a catalogue, one for each place.
 
@@ -168,12 +168,16 @@ def balls(
         Places that vary, as in `radii`.
     optional : bool
         Whether places may be empty; the number of beads then varies.
+    start : iterable, optional
+        A row with which the search begins and with which the design is compared: the balls from
+        the first place on, such as ``["8 mm", "2 x 5 mm"]``.  If there are several materials, each
+        ball has one: ``"5 mm ptfe"``.  Fewer balls than places are a row with empty places.
 
     Raises
     ------
     InputError
-        If the catalogue is missing or has unknown materials, no ball is left, or too few balls
-        are in stock.
+        If the catalogue is missing or has unknown materials, no ball is left, too few balls
+        are in stock, or a ball of ``start`` cannot be chosen.
 
     Examples
     --------
@@ -181,7 +185,7 @@ def balls(
     >>> hc.vary.balls(materials=["steel-304", "ptfe"], diameters=["4.762 mm"])
     BallChoice(2 kinds of balls for '2:')
     """
-    return BallChoice(catalogue, materials, diameters, beads, optional)
+    return BallChoice(catalogue, materials, diameters, beads, optional, start)
 
 
 @checked_arguments("vary.order")

@@ -18,11 +18,13 @@ from scipy_chain import wall_peak
 
 import hertzchain as hc
 from hertzchain.designs import dry_run as timing
-from hertzchain.designs import trials
+from hertzchain.designs import pareto, trials
+from hertzchain.designs.bounds import impossible
 from hertzchain.designs.design import dry_run
 from hertzchain.designs.dry_run import in_lines
 from hertzchain.designs.exports import chain_text
 from hertzchain.designs.genetic import search
+from hertzchain.designs.measures import parse_measure
 from hertzchain.designs.methods import method_for
 from hertzchain.designs.problem_files import load_design
 from hertzchain.designs.search_budget import budget_from, simulations_within
@@ -201,6 +203,17 @@ def test_all_points_of_a_front_are_written(file, tmp_path, run):
         table = hc.load_chain(tmp_path / f"{name}.csv")
         np.testing.assert_array_equal(table.masses, chain.masses)
     assert '["6.35 mm", ' in (tmp_path / "row-1.toml").read_text()
+
+
+def test_the_verification_of_a_front_is_reported_in_a_pipe(file, monkeypatch, run):
+    """As the search, which the budget ends before: a command in a log must not seem to hang."""
+    monkeypatch.setattr(pareto, "INTERVAL", 0.0)
+    file.write_text(BALLS)
+    done = run(file, "--json")
+    count = len(json.loads(done.stdout)["front"])
+    lines = [f"hertzchain: verified {i} of {count} points of the Pareto front"
+             for i in range(1, count + 1)]  # fmt: skip
+    assert [line for line in done.stderr.splitlines() if "verified" in line] == lines
 
 
 def test_a_dry_run_states_the_search_and_the_given_chain(file, tmp_path, run):
@@ -631,6 +644,41 @@ def test_balls_that_are_longer_than_a_limit_need_no_search(limit, optional, said
     assert (found.runs == 1) == bool(said)
     assert said in "".join(found.notes)
     assert ("not searched" in found.summary()) == bool(said)
+
+
+@pytest.mark.parametrize("beads", ["2:", "2:3", "1:"])
+@pytest.mark.parametrize("optional", [True, False])
+@pytest.mark.parametrize("key", ["length", "mass", "beads", "price"])
+def test_the_range_of_all_rows_is_that_of_the_balls_in_stock(key, optional, beads, tmp_path):
+    """Limits within the range are searched; those outside are not, to within rounding."""
+    drawer = tmp_path / "drawer.csv"
+    drawer.write_text(
+        "diameter [mm],material,count,price\n3,ptfe,1,2\n4,steel-304,2,0.5\n5,ptfe,,3\n"
+    )
+    chain = hc.Chain.from_materials("2.5 mm", "steel-304", beads=4, velocity=0.01)
+    kinds = hc.vary.balls(drawer, beads=beads, optional=optional)
+    space = kinds.space(chain)
+    measure = parse_measure(key)
+    values = [measure.from_chain(space.chain_of(row), space.price(row)) for row in space.rows()]
+    for sign, nearest in ((1, min(values)), (-1, max(values))):
+        relation = "<=" if sign > 0 else ">="
+        unit = "" if measure.unit == "1" else measure.unit
+        for factor, met in ((1.0, True), (1.0 - 1e-3 * sign, nearest == 0.0)):
+            given = hc.Design(
+                chain, maximise="velocity@last", vary=[kinds],
+                subject_to={key: f"{relation} {nearest * factor!r} {unit}"},
+            )  # fmt: skip
+            assert (impossible(given) is None) == met
+
+
+def test_an_order_has_the_length_and_mass_of_its_balls():
+    chain = hc.Chain.from_materials(["3 mm", "2 mm", "4 mm"], "steel-304", velocity=0.01)
+    for limit, reason in (("<= 18 mm", None), ("<= 17 mm", "has at least 18 mm"),
+                          (">= 19 mm", "has at most 18 mm")):  # fmt: skip
+        given = hc.Design(chain, maximise="velocity@last", vary=[hc.vary.order()],
+                          subject_to={"length": limit})  # fmt: skip
+        told = impossible(given)
+        assert told is None if reason is None else told.endswith(reason)
 
 
 def test_diameters_vary_and_impossible_constraints_are_stated_before_the_search(tmp_path, run):

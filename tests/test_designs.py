@@ -582,7 +582,7 @@ def test_points_of_a_front_that_yield_beats_are_marked_and_the_verification_is_r
     """A struck row of steel and PTFE; lengths are those of the row, without the striker."""
     lines = []
     monkeypatch.setattr(pareto, "INTERVAL", 0.0)
-    monkeypatch.setattr(pareto, "write_line", lines.append)
+    monkeypatch.setattr(pareto, "write_current", lines.append)
     chain = hc.Chain.from_materials("5 mm", "steel-52100", beads=4, velocity=0.0)
     chain = chain.struck_by(diameter="20 mm", velocity="1 m/s")
     kinds = hc.vary.balls(
@@ -596,7 +596,8 @@ def test_points_of_a_front_that_yield_beats_are_marked_and_the_verification_is_r
     )  # fmt: skip
     count = len(found.front)
     assert lines == [
-        f"hertzchain: verified {i} of {count} points of the front" for i in range(1, count + 1)
+        f"hertzchain: verified {i} of {count} points of the Pareto front"
+        for i in range(1, count + 1)
     ]
     forces = [(point.values | point.verified.yielding)["wall_force.peak"] for point in found.front]
     lengths = [point.values["length"] for point in found.front]

@@ -9,8 +9,10 @@ import numpy as np
 
 from ..chain.chain import Chain
 from .ball_space import BallSpace
-from .measures import IMPULSE, Measure, in_words
+from .balls import Ball
+from .measures import IMPULSE, Measure
 from .problem import Design
+from .requirements import TOLERANCE
 
 
 @dataclass(frozen=True)
@@ -107,24 +109,47 @@ def impossible(problem: Design) -> str | None:
         for each in problem.requirements:
             if each.measure == bound.measure and not bound.allows(each.limit, each.sign):
                 return f"{each} cannot be met: {bound}"
-    return _too_small(problem)
+    return _outside_rows(problem)
 
 
-def _too_small(problem: Design) -> str | None:
-    """Whether the balls that every row has are longer or heavier than a limit."""
-    space, chain = problem.space, problem.chain
-    if not isinstance(space, BallSpace) or space.order or _driven(chain):
+def _outside_rows(problem: Design) -> str | None:
+    """A limit that no row meets, because of the balls to choose from and their number."""
+    space = problem.space
+    if not isinstance(space, BallSpace):
         return None
-    fixed = np.setdiff1d(np.arange(chain.strikers, chain.beads), space.places)
-    smallest = min(2.0 * ball.radius for ball in space.balls)
-    size = {"length": 2.0 * float(chain.radii[fixed].sum()),
-            "mass": float(chain.masses[fixed].sum())}  # fmt: skip
-    striking = int((space.places < chain.strikers).sum())
-    size["length"] += smallest * max(0, space.least - striking)
     for each in problem.requirements:
-        least = size.get(each.measure.key)
-        if least is not None and each.sign > 0 and least > each.limit * (1.0 + 1e-9):
-            shown = in_words(least, each.measure.unit, chain.units)
-            which = "every row has at least" if space.least else "the balls that do not vary have"
-            return f"{each} cannot be met: {which} {shown}"
+        least, most = _range_of_rows(space, each.measure.key)
+        side, nearest = ("least", least) if each.sign > 0 else ("most", most)
+        if each.excess(nearest) > TOLERANCE:
+            return f"{each} cannot be met: every row has at {side} {each.shown(nearest)}"
     return None
+
+
+def _range_of_rows(space: BallSpace, key: str) -> tuple[float, float]:
+    """Least and largest sum over the balls of a row; infinite for other measures."""
+    chain = space.chain
+    given = {"length": 2.0 * chain.radii, "mass": chain.masses, "beads": np.ones(chain.beads),
+             "price": np.zeros(chain.beads)}  # fmt: skip
+    striking = int((space.places < chain.strikers).sum())
+    # Without a striker, the ball behind it would be one.
+    if key not in given or (striking and space.optional):
+        return -math.inf, math.inf
+    if space.order:
+        balls = given[key][space.places]
+    else:
+        counts = space.limits or [space.size] * len(space.balls)
+        balls = np.repeat([_share(ball, key) for ball in space.balls], counts)
+    fixed = np.setdiff1d(np.arange(chain.strikers, chain.beads), space.places)
+    others, ordered = float(given[key][fixed].sum()), np.sort(balls)
+    # The price is that of all balls that vary.
+    left_out = 0 if key == "price" else striking
+    least = ordered[: max(0, space.least - left_out)]
+    most = ordered[::-1][: space.size - left_out]
+    return others + float(least.sum()), others + float(most.sum())
+
+
+def _share(ball: Ball, key: str) -> float:
+    """Part of a ball in the length, mass, number of beads or price of a row."""
+    if key == "mass":
+        return ball.material.density * 4.0 / 3.0 * math.pi * ball.radius**3
+    return {"length": ball.diameter, "beads": 1.0, "price": ball.price}[key]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ..kernels.compile_notice import write_line
+from ..kernels.compile_notice import write_current
 from ..simulation.slow_run import INTERVAL
 from .dominance import undominated
 from .front_search import search_front
@@ -136,7 +136,9 @@ def _verified_points(
         found.append(finish(part, Found(method, [outcome]), ()))
         if trials.progress is not None and time.monotonic() - written >= INTERVAL:
             written = time.monotonic()
-            write_line(f"hertzchain: verified {len(found)} of {len(outcomes)} points of the front")
+            write_current(
+                f"hertzchain: verified {len(found)} of {len(outcomes)} points of the Pareto front"
+            )
     return found
 
 

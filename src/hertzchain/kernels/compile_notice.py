@@ -38,7 +38,7 @@ class CompileNotice(event.Listener):
         delay: float = DELAY,
         pause: float = PAUSE,
     ) -> None:
-        self._write, self._delay, self._pause = write or _write_current, delay, pause
+        self._write, self._delay, self._pause = write or write_current, delay, pause
         self._lock = threading.Lock()
         self._depth = 0
         self._written = False
@@ -106,7 +106,8 @@ def send_to(write: Callable[[str], None] | None) -> None:
     _writers[:] = [] if write is None else [write]
 
 
-def _write_current(line: str) -> None:
+def write_current(line: str) -> None:
+    """Write a line with the function of the command line, if there is one, or `write_line`."""
     (_writers or [write_line])[-1](line)
 
 

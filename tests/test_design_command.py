@@ -343,6 +343,15 @@ STEEL = hc.Chain.from_materials(5e-3, "steel-304", beads=6, velocity=1.0)
     ("options", "told"),
     [
         ({"vary": []}, "vary has no variables"),
+        (
+            {
+                "chain": STEEL.replace(loss=hc.ElasticPlastic()),
+                "minimise": ["velocity@last", "mass"],
+                "vary": [hc.vary.radii("4 mm", "6 mm")],
+                "subject_to": {"yield_ratio": "<= 1"},
+            },
+            "all contacts of this chain have a law with yield (ElasticPlastic): omit yield_ratio",
+        ),
         ({"vary": [hc.vary.radii(1.0, 0.5)]}, "leaves nothing to vary"),
         ({"vary": [hc.vary.radii(-1.0, 0.5)]}, "smallest radius must be above 0"),
         ({"vary": [hc.vary.radii(0.5, 1.0), hc.vary.radii(0.6, 1.0)]}, "place 2 varies twice"),

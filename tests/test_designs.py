@@ -557,7 +557,9 @@ def test_points_of_a_front_whose_contacts_yield_are_marked(partly_yielding):
     assert f"contacts of {sum(yields)} of the {len(front)} points" in partly_yielding.summary()
     document = partly_yielding.as_dict()["front"]
     assert [not point["hertz_range_kept"] for point in document] == yields
-    assert any("the front is that of elastic contacts" in note for note in partly_yielding.notes)
+    assert any(
+        "the Pareto front is that of elastic contacts" in note for note in partly_yielding.notes
+    )
 
 
 def test_the_plot_of_a_front_has_hollow_points_where_contacts_yield(partly_yielding):
@@ -676,9 +678,9 @@ def test_a_front_may_be_limited_to_some_points():
     whole = hc.design(balls_and_masses(), budget=400)
     found = hc.design(balls_and_masses(), budget=400, points=3)
     front, few = whole.front, found.front
-    note = f"3 of the {len(front)} points of the front are shown"
+    note = f"3 of the {len(front)} points of the Pareto front are shown"
     assert any(each.startswith(note) for each in found.notes)
-    assert not any("points of the front are shown" in each for each in whole.notes)
+    assert not any("points of the Pareto front are shown" in each for each in whole.notes)
     assert found.runs == whole.runs
     assert [few[0].value, few[-1].value] == [front[0].value, front[-1].value]
     assert len(few) == 3

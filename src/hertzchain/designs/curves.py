@@ -103,7 +103,7 @@ def _forces(motions: Sequence[_Motion], until: float | None, most: float) -> lis
 
 
 def _until_quiet(curves: Sequence[Curve]) -> list[Curve]:
-    """Cut curves with the same times where all forces are small, before a further impact begins."""
+    """Cut curves with the same times where all forces are small, before a further pulse arrives."""
     quiet = np.all([each.y < QUIET * each.y.max() for each in curves], axis=0)
     quiet[: max(int(each.y.argmax()) for each in curves)] = False
     end = int(np.flatnonzero(quiet)[-1]) + 1 if quiet.any() else None

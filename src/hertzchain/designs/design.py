@@ -72,9 +72,8 @@ def design(
     points : int, optional
         Largest number of points of a Pareto front of two objectives.  For sizes, and for balls with
         a scatter, it is the number of searches among which the budget is divided, 9 by default.
-        The search for a front of balls or orders does not depend on it: at most 100 points are
-        reported by default, and of more points those closest to equal steps of the second
-        objective.
+        The search among balls or orders does not depend on it: at most 100 points are reported by
+        default, and of more points those closest to equal steps of the second objective.
     store : path-like, optional
         Folder of journals of all trials, one for each method, budget and seed.  A search that was
         interrupted resumes from its journal and gives the result that it would have given.
@@ -161,7 +160,7 @@ def _chosen_method(problem: Design, method: str, limit: Budget) -> str:
 
 
 def _check_budget(problem: Design, limit: Budget, points: int) -> None:
-    """Whether a budget permits the chains to compare with and a trial of each point of a front."""
+    """Whether a budget permits the chains to compare with and a trial of each point."""
     compared = trials = 0
     if points:
         compared, trials = reference_count(problem), 1

@@ -3,8 +3,9 @@
 ======================================================  ===========================================
 name                                                    meaning
 ======================================================  ===========================================
-``wall_force.peak``, ``.impulse``, ``.duration``        force on the right wall; the impulse is also
-                                                        called ``wall_force.impulse_of_impact``
+``wall_force.peak``, ``.impulse``, ``.duration``        force on the right wall; the impulse is that
+                                                        of the impact on the wall, also called
+                                                        ``wall_force.impulse_of_impact``
 ``sensor.largest@k``                                    largest force in a sensor in bead k in the
                                                         run
 ``sensor.first_maximum@k``                              its first maximum
@@ -191,6 +192,12 @@ class Measure:
             )
         if self.key in RANGE and (chain.units != "SI" or chain.materials is None):
             raise InputError(f"{self} needs a chain with materials; use Chain.from_materials")
+        if self.key == "yield_ratio" and _all_yield(chain):
+            raise InputError(
+                "yield_ratio is the pressure of elastic contacts over that at first yield, and all "
+                "contacts of this chain have a law with yield (ElasticPlastic): omit yield_ratio, "
+                "or the loss"
+            )
 
     def from_table(self, table: RunTable) -> Array:
         """Values of simulated chains, shape (C,); NaN if a run failed."""
@@ -264,6 +271,12 @@ class Measure:
             radii = chain.radii[first:]
             own[radii.argmin() if self.key == "smallest_radius" else radii.argmax()] = 1.0
         return found
+
+
+def _all_yield(chain: Chain) -> bool:
+    """Whether the law of every contact describes its yield."""
+    contacts = zip(chain.contact_losses, chain.contact_stiffness, strict=True)
+    return all(law.yields for law, stiffness in contacts if stiffness > 0.0)
 
 
 def sensors_of(measures: Iterable[Measure], chains: Iterable[Chain]) -> tuple[int, ...]:

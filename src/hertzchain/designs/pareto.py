@@ -35,7 +35,7 @@ MOST_POINTS: Final = 200
 def design_front(
     trials: Trials, method: str, points: int | None, finish: Finish
 ) -> DesignResult:  # fmt: skip
-    """The front of two objectives, from the best of the first one to that of the second.
+    """The Pareto front of two objectives, from the best of the first one to that of the second.
 
     The result is the first point.  Sizes, and balls with scatter, are searched at several levels
     of the second objective.  Choices of balls are those of all trials that no other trial beats.
@@ -55,8 +55,8 @@ def design_front(
         shown = _spread(front, points or MOST_CHOICES)
         if len(shown) < len(front):
             more = min(len(front), MOST_POINTS)
-            notes = [f"{len(shown)} of the {len(front)} points of the front are shown, in about "
-                     f"equal steps of {second}; points = {more} shows more"]  # fmt: skip
+            notes = [f"{len(shown)} of the {len(front)} points of the Pareto front are shown, in "
+                     f"about equal steps of {second}; points = {more} shows more"]  # fmt: skip
         found = _verified_points(trials, best.method, [each for each, _ in shown], finish)
     kept = _front(found, problem)
     return dataclasses.replace(
@@ -143,14 +143,15 @@ def _verified_points(
 
 
 def _notes_on_yield(front: list[DesignResult], problem: Design) -> list[str]:
-    """Which points are not on the front of contacts that yield."""
+    """Which points are not on the Pareto front of contacts that yield."""
     if not any(point.verified.yielding for point in front):
         return []
     beaten = len(beaten_if_yielding(front, problem))
-    changed = (f"; with contacts that yield, {beaten} of the {len(front)} points are beaten by "
+    verb = "is" if beaten == 1 else "are"
+    changed = (f"; with contacts that yield, {beaten} of the {len(front)} points {verb} beaten by "
                "others" if beaten else "")  # fmt: skip
-    return [f"the front is that of elastic contacts{changed}; the constraint yield_ratio = '<= 1' "
-            "keeps it within the range of Hertz's law"]  # fmt: skip
+    return [f"the Pareto front is that of elastic contacts{changed}; the constraint yield_ratio = "
+            "'<= 1' keeps it within the range of Hertz's law"]  # fmt: skip
 
 
 def beaten_if_yielding(front: Sequence[DesignResult], problem: Design) -> list[int]:

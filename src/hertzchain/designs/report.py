@@ -69,7 +69,7 @@ def summary(result: DesignResult) -> str:
 
 
 def front_in_words(result: DesignResult) -> str:
-    """The front, and the part of the choices among which it was found."""
+    """The Pareto front, and the part of the choices among which it was found."""
     space = result.problem.space
     if not isinstance(space, BallSpace) or result.front_is_complete:
         return "Pareto front"
@@ -97,7 +97,7 @@ def _scattered(result: DesignResult, each: Measure) -> str:
 
 
 def point_in_words(point: DesignResult) -> str:
-    """Values of both objectives of a point of a front, also those with contacts that yield."""
+    """Values of both objectives of a point, also those with contacts that yield."""
     yielding, units, parts = point.verified.yielding, point.chain.units, []
     for each in point.problem.reported:
         name = str(each)
@@ -168,17 +168,18 @@ def _better_if_yielding(result: DesignResult, found: Verified) -> list[str]:
 
 
 def _range_in_words(result: DesignResult) -> str:
-    """Whether the contacts of the design, or of all points of a front, kept to Hertz's law."""
+    """Whether the contacts of the design, or of a Pareto front, kept to Hertz's law."""
     if result.verified.hertz_range is None:
         return ""
     outside, count = sum(each.verified.outside_range for each in result.front), len(result.front)
     if outside:
         points = f"{outside} of the {count}" if outside < count else f"all {count}"
-        return (f"; contacts of {points} points of the front left the range of Hertz's law "
+        points = "the only point" if count == 1 else f"{points} points"
+        return (f"; contacts of {points} of the Pareto front left the range of Hertz's law "
                 "(see the list)")  # fmt: skip
     if result.verified.outside_range:
         return "; contacts left the range of Hertz's law (see the notes)"
-    every = " of all points of the front" if result.front else ""
+    every = " of all points of the Pareto front" if result.front else ""
     return f"; all contacts{every} stayed within the range of Hertz's law"
 
 

@@ -233,7 +233,9 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     """Plot the Pareto front of two objectives."""
     with figure_style():
         if not result.front:
-            raise InputError("this design has one objective and no front; give two objectives")
+            raise InputError(
+                "this design has one objective and no Pareto front; give two objectives"
+            )
         axes = get_axes(ax)
         first, second = (str(each.single) for each in result.problem.objectives)
         words = {str(each): each.label for each in result.problem.measures}

@@ -683,6 +683,22 @@ def test_negative_residence_times_are_explained_below_the_table(page):
     tab.wait_for_selector("#table:has-text('residence: negative where')")
 
 
+def test_the_table_has_the_pressure_of_each_contact(page):
+    row = ('["6+mm","4+mm","5+mm"]&materials=steel-52100&velocity=0.2+m/s'
+           '&right_wall={"material":"steel-52100"}')  # fmt: skip
+    tab = page.new_tab(f"{page.origin}#diameters={row}")
+    tab.click("#table-details summary")
+    tab.wait_for_selector("#table th:has-text('pressure / yield')")
+    head, *rows = [each.split("\t") for each in tab.locator("#table tr").all_inner_texts()]
+    shown = [float(each[head.index("pressure / yield")]) for each in rows]
+    chain = hc.Chain.from_materials(
+        diameters=["6 mm", "4 mm", "5 mm"], materials="steel-52100", velocity="0.2 m/s",
+        right_wall=hc.Wall.of("steel-52100"),
+    )  # fmt: skip
+    overlaps = hc.simulate(chain, times=0, check=False).largest_overlaps
+    assert shown == pytest.approx(hc.hertz_range(chain, overlaps).yield_ratio[1:], rel=1e-3)
+
+
 def test_invalid_input_is_explained_next_to_its_control(page):
     before = page.array("run", "times")
     page.tab.fill("[id='c-chain.rate']", "2")

@@ -157,6 +157,19 @@ def test_the_peak_with_contacts_that_yield_is_stated():
     assert computed(lossy)["run"][0]["peaks"]["right"]["yielding"] is None
 
 
+def test_the_pressure_of_each_contact_is_compared_with_yield():
+    chain = {"diameters": ["6 mm", "4 mm", "5 mm"], "materials": "steel-52100",
+             "velocity": "0.2 m/s", "right_wall": {"material": "steel-52100"}}  # fmt: skip
+    run = hc.simulate(chain_of({"chain": chain}), times=0, rtol=1e-9, check=False)
+    ratios = hc.hertz_range(run.chain, run.largest_overlaps).yield_ratio
+    assert len(ratios) == 4
+    _, arrays = computed({"chain": chain})["run"]
+    assert arrays["yield_ratio"] == pytest.approx(ratios[1:], rel=1e-5)
+    # Scaled chains have no materials, and the law describes the yield of these contacts.
+    for other in (WALL, {"chain": chain | {"loss": {"law": "elastic-plastic"}}}):
+        assert "yield_ratio" not in computed(other)["run"][1]
+
+
 def test_beads_of_several_materials_are_described():
     diameters = ["6 mm", "12 mm", "6 mm", "10 mm"]
     materials = ["ptfe", "steel-316", "ptfe", "steel-316"]

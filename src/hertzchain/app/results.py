@@ -11,6 +11,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.description import sizes_in_words
+from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..notebook.drawing import engineering
@@ -295,6 +296,7 @@ def _run_part(
         peaks[name] = {"name": f"sensor{number}", **found}
     if not request.draft or chain.beads <= MAX_BEADS_OF_DRAFT_BUDGET:
         arrays |= _budget_arrays(run)
+    arrays |= _pressures(whole)
     modes = "" if request.draft else _add_spectrum(chain, arrays)
     header = {
         "part": "run", **request.identity, "status": run.status, "message": _end(run),
@@ -343,6 +345,17 @@ def _budget_arrays(run: Run) -> dict[str, Any]:
         for name, values in items.items()
         if values.any()
     }
+
+
+def _pressures(run: Run) -> dict[str, Any]:
+    """Largest pressure over that at first yield of contacts 1 to N, if a yield strength is known.
+
+    Contact N is the one with the right wall.
+    """
+    if run.chain.units != "SI" or run.chain.materials is None:
+        return {}
+    ratios = hertz_range(run.chain, run.largest_overlaps).yield_ratio[1:]
+    return {"yield_ratio": ratios.astype(np.float32)} if ratios.any() else {}
 
 
 def _add_spectrum(chain: Chain, arrays: dict[str, Any]) -> str:

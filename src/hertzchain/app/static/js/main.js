@@ -235,9 +235,10 @@ function take(slot, part, sent) {
     if (found.beads.header) stages[slot].chain(found.beads, gapOf(state[slot]));
     stages[slot].motion = found.motion;
   }
-  if (kind === "beads" || kind === "pulse") dirty.pulse = dirty.table = true;
-  if (kind === "run") dirty.times = dirty.map = true;
-  if (kind === "run" || kind === "status" || kind === "beads") dirty.times = true;
+  if (kind === "beads" || kind === "pulse") dirty.pulse = true;
+  if (kind === "run") dirty.map = true;
+  if (kind !== "pulse") dirty.times = true;
+  dirty.table = true;
   const record = { slot, part: kind, number: sent.number, draft: sent.draft, input: sent.input, sent: sent.sent, received, shown: 0 };
   answers.push(record);
   if (answers.length > 2000) answers.splice(0, 1000);

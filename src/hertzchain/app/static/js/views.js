@@ -250,7 +250,7 @@ export class Views {
     const of = (/** @type {string} */ name, /** @type {string} */ unit) => inUnit(name.replace("_", " "), own.si && unit !== "1" ? unit : "");
     const columns = /** @type {[string, any][]} */ ([[of("radius", "m"), own.beads.arrays.get("radii")], [of("mass", "kg"), own.beads.arrays.get("masses")],
       ...["velocity", "arrival", "residence", "peak_force"].map((name) => [of(name, this.about.quantities[name].unit), own.exact(name)]),
-      ...own.theories.map(([name]) => [of(`${quantity}, ${title(name)}`, info.unit), own.theory(name, quantity)])]).filter(([, values]) => values);
+      ["pressure / yield", own.run.arrays.get("yield_ratio")], ...own.theories.map(([name]) => [of(`${quantity}, ${title(name)}`, info.unit), own.theory(name, quantity)])]).filter(([, values]) => values);
     const rows = Array.from({ length: own.beads.header.beads }, (_, k) => [String(k + 1),
       ...columns.map(([, values]) => (k < values.length && Number.isFinite(values[k]) ? String(+values[k].toPrecision(7)) : ""))]);
     $("table").replaceChildren(table(["bead", ...columns.map(([name]) => name)], rows, state.view.bead - 1), own.pulse.header?.table_note ?? "");

@@ -14,6 +14,7 @@ import sys
 import threading
 import time
 import tomllib
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,7 @@ from app_client import STEEL, TAPER, WALL, Client, computed, serving, unpacked
 
 import hertzchain as hc
 from hertzchain.app import background_import
+from hertzchain.app import results as app_results
 from hertzchain.app.about import about, gallery
 from hertzchain.app.documents import chain_of, document_as_toml, document_of_file
 from hertzchain.app.force_curves import contact_durations
@@ -419,6 +421,39 @@ def test_invalid_chains_are_answered_with_a_sentence(client, table, sentence):
     assert header["part"] == "error"
     assert sentence in header["message"]
     assert "\n" not in header["message"]
+
+
+STRUCK = {"diameters": "10 mm", "materials": "steel-52100", "beads": 10}
+
+
+@pytest.mark.parametrize("wall", [{}, {"right_wall": {"material": "steel-52100"}}], ids=str)
+@pytest.mark.parametrize("velocity", ["-1 m/s", "0 m/s", "1e-300 m/s", "1e300 m/s"])
+def test_impacts_that_cannot_be_simulated_have_the_sentence_of_the_library(velocity, wall):
+    document = {"chain": {**STRUCK, "velocity": velocity, **wall}}
+    chain = chain_of(document)
+    with (
+        warnings.catch_warnings(action="ignore"),
+        pytest.raises((hc.InputError, hc.SimulationError)) as error,
+    ):
+        hc.simulate(chain, times=0)
+    header, _ = computed(document)["error"]
+    assert header["message"] == re.sub(",? or until$", "", str(error.value))
+
+
+def test_overflows_on_the_way_to_a_result_are_not_shown():
+    wall = {"material": "steel-52100", "gap": "1e300 mm"}
+    answer = computed({"chain": {**STRUCK, "velocity": "0.1 m/s", "right_wall": wall}})
+    assert answer["run"][0]["success"]
+    texts = [text for header, _ in answer.values() for text in header.get("warnings", [])]
+    assert not any("overflow" in text for text in texts)
+
+
+def test_a_force_that_is_too_large_ends_with_a_sentence(monkeypatch):
+    monkeypatch.setattr(app_results, "MAX_SECONDS", 0.5)
+    drive = {"kind": "step", "of": "force", "amplitude": "1e300 N"}
+    wall = {"material": "steel-52100"}
+    answer = computed({"chain": {**STRUCK, "right_wall": wall, "drive": drive}})
+    assert "takes longer" in answer["error"][0]["message"]
 
 
 def test_infinite_radii_can_be_sent():

@@ -29,7 +29,7 @@ from .force_curves import force_at, peaks_at, places_of, run_for_forces
 from .messages import Part, columns_as_int16
 from .requests import Request
 from .shown_times import pulse_of, saved_times
-from .wording import chain_in_words, on_the_page, sentences
+from .wording import chain_in_words, on_the_page, sentences, warnings_on_the_page
 
 MAX_SECONDS: Final = 20.0
 # Theories with compiled functions, which are evaluated after the others.
@@ -68,7 +68,7 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
         chain = chain_of(request.document)
         table = _Theories(chain)
         table.add([name for name in THEORIES if name not in COMPILED])
-    before = [on_the_page(each) for each in warned]
+    before = warnings_on_the_page(warned)
     yield Part(
         {"part": "beads", **identity, **_description(chain), "theories": table.header,
          "warnings": before, "seconds": time.perf_counter() - began},
@@ -94,7 +94,7 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
             note = refusal if pulse is None else ""
             yield _pulse_part(request, pulse, compiled, [], began, note)
         if request.run:
-            found = _not_repeated(before, [on_the_page(each) for each in warned])
+            found = _not_repeated(before, warnings_on_the_page(warned))
             found += [] if request.draft else _unfinished_impact(run, whole)
             forces = run
             if not request.draft:
@@ -159,7 +159,7 @@ class _Theories:
                 except InputError as error:
                     self.header[name] = {"refusal": on_the_page(error)}
                     continue
-            self.header[name] = {"note": sentences(warned)}
+            self.header[name] = {"note": sentences(warnings_on_the_page(warned))}
             self.arrays |= pulse_arrays(name, pulse)
         if COMPILED[0] not in names:
             self._add_effective_chain()
@@ -171,7 +171,7 @@ class _Theories:
                 effective = effective_chain(self.chain).bca()
             except InputError:
                 return
-        self.header["effective-chain"] = {"note": sentences(warned)}
+        self.header["effective-chain"] = {"note": sentences(warnings_on_the_page(warned))}
         for name in ("velocity", "arrival"):
             values = np.full(self.chain.beads, np.nan)
             values[effective.bead - 1] = getattr(effective, name)
@@ -204,7 +204,7 @@ def _pulse_part(
         "part": "pulse", **request.identity, "theories": compiled.header,
         "method": exact.method if exact is not None else None, "note": note,
         "table_note": unordered,
-        "warnings": [on_the_page(each) for each in warned], "seconds": time.perf_counter() - began,
+        "warnings": warnings_on_the_page(warned), "seconds": time.perf_counter() - began,
     }  # fmt: skip
     return Part(header, arrays)
 

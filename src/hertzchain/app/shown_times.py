@@ -12,7 +12,7 @@ from ..errors import InputError, SimulationError
 from ..pulse.pulse import Pulse
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
-from ..simulation.time_scales import transit_times
+from ..simulation.time_scales import closing_speed, transit_times
 
 # Extra time after the pulse has left, in units of its transit: with a wall, and without.
 ECHO: Final = {True: 1.0, False: 0.12}
@@ -102,10 +102,20 @@ def _rough_pulse(chain: Chain, progress: Any) -> tuple[Pulse | None, float]:
     try:
         rough = simulate(chain, times=0, rtol=ROUGH, check=False, progress=progress)
     except InputError:
-        # Nothing ends this run, for example because its drive does not end.
+        if not _endless(chain):
+            raise
         end = 1.5 * float(transit_times(chain).sum())
         rough = simulate(chain, until=end, times=0, rtol=ROUGH, check=False, progress=progress)
+    if not rough.success and rough.beads_passed <= 1:
+        raise SimulationError(rough.message)
     return pulse_of(rough), rough.end_time
+
+
+def _endless(chain: Chain) -> bool:
+    """Whether beads move, and nothing ends a run without stop time, such as an endless drive."""
+    if chain.drive is not None or chain.gravity != 0.0 or chain.precompression > 0.0:
+        return True
+    return not chain.velocities[0] > 0.0 and closing_speed(chain) > 0.0
 
 
 def pulse_of(run: Run) -> Pulse | None:

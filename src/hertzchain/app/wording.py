@@ -15,6 +15,7 @@ WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(\)", "choose the loss elastic-plastic"),
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "choose the loss elastic-plastic with a yield overlap"),
+    (r",? or until\b", ""),
 )  # fmt: skip
 
 
@@ -24,6 +25,11 @@ def on_the_page(message: object) -> str:
     for expression, words in WORDINGS:
         text = re.sub(expression, words, text)
     return text
+
+
+def warnings_on_the_page(warned: Iterable[Warning]) -> list[str]:
+    """Warnings of this package; those of NumPy about overflows do not help on the page."""
+    return [on_the_page(each) for each in warned if not isinstance(each, RuntimeWarning)]
 
 
 def sentences(notes: Iterable[object]) -> str:

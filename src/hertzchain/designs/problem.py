@@ -16,6 +16,7 @@ from ..chain.feature_support import require_chain
 from ..errors import InputError, short_repr
 from ..representation import counted, short
 from ..simulation.state import fingerprint
+from ..simulation.time_scales import closing_speed
 from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_choice, check_type
@@ -121,9 +122,7 @@ class Design:
         loaded = chain.drive is not None or chain.gravity or chain.precompression
         if varied or loaded or all(each.of_chain for each in self.measures):
             return
-        ends = (-velocities[0] if chain.left_wall else 0.0,
-                velocities[-1] if chain.right_wall else 0.0)  # fmt: skip
-        if max(*ends, *-np.diff(velocities)) > 0.0:
+        if closing_speed(chain) > 0.0:
             return
         k = int(np.argmin(velocities))
         if velocities[k] < 0.0:

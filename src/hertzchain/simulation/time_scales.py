@@ -31,6 +31,17 @@ def check_clock(chain: Chain) -> None:
         )
 
 
+def closing_speed(chain: Chain) -> float:
+    """Largest speed at which two neighbours, or a bead and a wall, approach each other at time 0.
+
+    It is negative or 0 if nothing approaches.
+    """
+    velocities = chain.velocities
+    at_walls = (-velocities[0] if chain.left_wall else 0.0,
+                velocities[-1] if chain.right_wall else 0.0)  # fmt: skip
+    return float(max(*at_walls, *-np.diff(velocities)))
+
+
 def impact_momentum(chain: Chain) -> float:
     """Momentum of the beads that move towards the right end at time 0."""
     return float(chain.masses @ np.maximum(chain.velocities, 0.0))

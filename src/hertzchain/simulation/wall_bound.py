@@ -106,7 +106,11 @@ def locked_energy(masses: Array, momenta: Array) -> float:
                 break
             hull.pop()
         hull.append((mass, momentum))
-    return sum(0.5 * (p1 - p0) ** 2 / (m1 - m0) for (m0, p0), (m1, p1) in pairwise(hull) if p1 < p0)
+    # A product that is too large is infinite; a power would raise an error.
+    return sum(
+        0.5 * (p1 - p0) * (p1 - p0) / (m1 - m0)
+        for (m0, p0), (m1, p1) in pairwise(hull) if p1 < p0
+    )  # fmt: skip
 
 
 class Target:

@@ -309,3 +309,50 @@ def test_printed_digits_are_part_of_the_noise(digits, simulated, tmp_path):
     result = hc.fit(printed, nominal)
     assert result.describes
     assert result.goodness.noiseless == (digits > 4)
+
+
+@pytest.fixture(scope="module")
+def true_forces():
+    """Forces of a chain; the pulse arrives at ball 6 after 75 samples, at the wall after 364."""
+    return signals(bench(hc.Viscoelastic(0.6e-6)), 560e-6, 0.0)
+
+
+def noisy_traces(forces, part, rho, seed, crosstalk=0.0):
+    """Traces with noise that is a part of each peak, and the noise."""
+    times, seen = forces
+    seen = (1.0 - crosstalk) * seen + crosstalk * seen.sum(axis=1, keepdims=True)
+    sigma = part * forces[1].max(axis=0)
+    noise = first_order(np.random.default_rng(seed), rho, seen.T.shape).T
+    names = [f"{name} [N]" for name in ("ball 6", "ball 11", "ball 16", "wall")]
+    columns = dict(zip(names, (seen + sigma * noise).T, strict=True))
+    return hc.Traces.from_arrays(times, columns), sigma
+
+
+def test_each_sensor_is_quiet_until_its_own_pulse(true_forces):
+    traces, _ = noisy_traces(true_forces, 5e-3, 0.0, 1)
+    seen = true_forces[1]
+    begins = [int(np.argmax(each > 1e-3 * each.max())) for each in seen.T]
+    counts = [signal.before for _, signal in traces]
+    assert all(count <= begin for count, begin in zip(counts, begins, strict=True))
+    # The foot that is omitted is shorter than two rises from 2% to half of the peak.
+    assert all(count > begin - 40 for count, begin in zip(counts[1:], begins[1:], strict=True))
+
+
+@pytest.mark.parametrize(("part", "rho"), [(2e-3, 0.0), (2e-2, 0.0), (1e-2, 0.6)])
+def test_the_foot_of_a_pulse_is_not_noise(part, rho, true_forces):
+    found = []
+    for seed in range(60):
+        traces, sigma = noisy_traces(true_forces, part, rho, seed)
+        found.append([signal.sigma for _, signal in traces] / sigma)
+    found = np.array(found)
+    # The mean of 60 estimates has an error below 2%.
+    np.testing.assert_allclose(np.mean(found**2, axis=0)[1:], 1.0, atol=0.06)
+    # The wall has five times as many quiet samples as the first sensor.
+    assert rho or found[:, -1].std() < 0.75 * found[:, 0].std()
+
+
+def test_sensors_that_pick_up_other_pulses_are_quiet_before_the_first(true_forces):
+    traces, _ = noisy_traces(true_forces, 5e-3, 0.0, 1, crosstalk=0.02)
+    counts = [signal.before for _, signal in traces]
+    assert len(set(counts)) == 1
+    assert counts[0] < np.argmax(true_forces[1][:, 0] > 1e-3 * true_forces[1][:, 0].max())

@@ -333,7 +333,8 @@ def test_an_arrival_among_missing_samples_is_not_known():
         gap = arrival - 0.5 * length, arrival + 0.5 * length
         compared = run.compare(with_gap(np.nan, *gap)[0], time_offset=END)
         wall = compared.sensors[1]
-        assert wall.measured_peak == pytest.approx(complete.measured_peak)
+        # The level before the pulse is the mean of another number of samples.
+        assert wall.measured_peak == pytest.approx(complete.measured_peak, rel=1e-4)
         assert np.isfinite(wall.measured_arrival) == known
         assert ("its arrival is not known" in compared.summary()) != known
         if known:

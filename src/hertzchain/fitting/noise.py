@@ -23,9 +23,6 @@ IN_A_ROW: Final = 3
 # Least difference: this fraction of the range and this multiple of the noise, or the last fraction
 # of the range.
 ONSET, ONSET_IN_NOISE, CERTAIN = 0.02, 5.0, 0.3
-# Fraction of the time before the onset that is regarded as quiet, because lags and crosstalk begin
-# earlier.
-QUIET_PART: Final = 0.8
 # Least number of samples with the same extreme value that may be saturated, and the relative
 # difference of samples that are regarded as equal.
 MIN_FLAT, EQUAL = 3, 1e-7

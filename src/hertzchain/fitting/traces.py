@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,6 @@ from ..validation.objects import check_choice, check_list, check_type
 from .noise import (
     ACCURACY,
     MIN_QUIET,
-    QUIET_PART,
     at_limits,
     check_names_of_noise,
     clipped_part,
@@ -26,11 +25,11 @@ from .noise import (
     is_still,
     noise_before_rounding,
     noise_of,
-    onset,
     printed_step,
     saturated,
 )
 from .places import Place
+from .quiet_parts import quiet_counts
 from .signals import Shot, Signal, merged_shots
 from .trace_headers import header_of, positive_noise
 from .trace_notes import trace_notes
@@ -96,7 +95,8 @@ class Traces:
             infinite where the signal is beyond the range of the digitiser.
         noise : float or mapping, optional
             Standard deviation of the noise of all sensors, or by name, in N, m/s or V, or with
-            a unit.  By default it is estimated from the samples before the pulse arrives.
+            a unit.  By default it is estimated for each sensor from the samples before its own
+            pulse arrives.
         coupling : {"AC", "DC"} or mapping, optional
             Whether the signals of all sensors, or by name, contain the static force of a
             precompressed chain (``"DC"``) or not (``"AC"``, also for piezoelectric sensors).  By
@@ -279,10 +279,9 @@ def make_shot(
         raise InputError("there is no signal; add a column such as 'ball 6 [N]'")
     for (place, _), values in columns.items():
         _check_values(place, values, len(times))
-    quiet = _quiet_samples(columns.values())
-    return Shot(
-        times, tuple(_signal(*key, values, quiet, noise) for key, values in columns.items())
-    )
+    quiet = quiet_counts([*columns.values()])
+    pairs = zip(columns.items(), quiet, strict=True)
+    return Shot(times, tuple(_signal(*key, values, count, noise) for (key, values), count in pairs))
 
 
 def check_times(times: Array, unit: str = "s", lines: Array | None = None) -> None:
@@ -319,15 +318,6 @@ def _check_values(place: Place, values: Array, count: int) -> None:
         raise InputError(
             f"{place.name} has no signal: all {len(seen)} samples are equal; remove the column"
         )
-
-
-def _quiet_samples(columns: Sequence[Array] | Any) -> int:
-    """Number of samples at the beginning in which no sensor has a signal."""
-    first = [
-        onset(np.where(np.isnan(values), np.nanmedian(values), values))
-        for values in map(at_limits, columns)
-    ]
-    return int(QUIET_PART * min(first))
 
 
 def _signal(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import TYPE_CHECKING, Any
 
 from ..validation.json_types import finite
@@ -27,6 +28,9 @@ def result_document(result: FitResult) -> dict[str, Any]:
         "chi2_per_sample": result.chi2_per_sample,
         "describes": result.describes, "prior_deviations": result.prior_deviations,
         "prior_conflict": result.prior_conflict, "warnings": list(result.warnings),
+        "effects": [
+            dataclasses.asdict(each) | {"present": each.present} for each in result.effects
+        ],
         "simulations": result.simulations,
     })  # fmt: skip
     return found

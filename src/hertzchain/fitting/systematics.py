@@ -21,9 +21,10 @@ from .sensors import SENSOR_KINDS
 EFFECTS: Final = ("lag", "highpass", "crosstalk")
 # An effect is reported as present if it would reduce chi-squared by more than this.
 PRESENT: Final = 16.0
-# It is reported as possible if two standard deviations of the effect would shift a parameter by
-# more than this number of standard deviations of the parameter.
-MOVES: Final = 1.0
+# It is reported as possible if two standard deviations of the effect beyond its value would shift a
+# parameter by more than this number of standard deviations of the parameter.  Without a sign of the
+# effect, the error of the parameter would be twice as large if the effect were free.
+MOVES: Final = 2.0 * 3.0**0.5
 FACTORS: Final = {"lag": (1e6, "us"), "highpass": (1.0, "/s"), "crosstalk": (100.0, "%")}
 
 
@@ -60,7 +61,7 @@ class Effect:
 
     @property
     def note(self) -> str:
-        """A sentence; empty if the effect is excluded or negligible."""
+        """A sentence; empty if the effect is excluded or hardly matters to the parameters."""
         factor, unit = FACTORS[self.name]
         value, error = factor * self.value, factor * self.error
         if self.present:

@@ -33,6 +33,7 @@ from .symmetry import units_of
 from .systematics import effects_of
 from .trace_files import load_traces
 from .traces import Traces
+from .unused_parameters import check_used
 from .weak_directions import WeakDirection, weak_directions
 from .weights import correlations, goodness_of_problem, remaining_weights
 
@@ -107,8 +108,8 @@ def fit(
     Raises
     ------
     InputError
-        For an unknown parameter or sensor, priors that exclude each other, fewer samples than
-        parameters, or a chain in scaled variables.
+        For an unknown parameter or sensor, a parameter without any effect, priors that exclude each
+        other, fewer samples than parameters, or a chain in scaled variables.
     SimulationError
         If the chain cannot be simulated with the values from which the fit starts.
 
@@ -144,6 +145,7 @@ def fit_with(
         raise InputError(
             f"{len(parameters)} parameters cannot be fitted to {data.samples} samples; free fewer"
         )
+    check_used(parameters, data, chains)
     places = list({signal.name: signal.place for _, signal in data}.values())
     simulator = Simulator(places, None if progress is None else lambda done: progress(done, 0))
     problem = Problem(make_model(data, chains, parameters, simulator))

@@ -1,0 +1,71 @@
+"""Free parameters on which no signal depends, because the chain states what they would change."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from ..chain.chain import Chain
+from ..errors import InputError
+from .chain_parameters import is_motion, loss_parameters, with_motion, with_sizes
+from .names import Name
+from .parameters import Parameter
+from .symmetry import similarity_key, units_of
+from .traces import Traces
+
+# Relative change by which a parameter is moved, or this part of its typical size from zero.
+MOVED: Final = 1e-3
+# Reason why a parameter has no effect, and parameters that can be free instead.
+REASONS: Final = {
+    "materials.young": ("the stiffness of all its contacts is given", "'stiffness'"),
+    "materials.poisson": ("the stiffness of all its contacts is given", "'stiffness'"),
+    "materials.density": ("the masses are given", "'mass[8]' of single balls"),
+    "radius": ("its mass and the stiffness of its contacts are given", "{masses} or 'stiffness'"),
+    "crosstalk": ("no neighbouring column has the same unit", "'gain[*]' or 'offset[*]'"),
+}
+
+
+def check_used(parameters: Sequence[Parameter], traces: Traces, chains: Sequence[Chain]) -> None:
+    """Raise `InputError` if a parameter changes neither the motion of a chain nor a sensor."""
+    for each in parameters:
+        if each.of_chain:
+            shots = range(len(chains)) if each.shot is None else (each.shot,)
+            used = any(_changes(each, chains[shot]) for shot in shots)
+        else:
+            used = each.name.key != "crosstalk" or _has_neighbours(traces)
+        if not used:
+            raise InputError(_sentence(each, chains[each.shot or 0]))
+
+
+def _changes(parameter: Parameter, chain: Chain) -> bool:
+    """Whether the motion depends on a parameter; true if a changed value is not allowed."""
+    units, name, value = units_of(chain), parameter.name, parameter.start
+    moved = value * (1.0 - MOVED) if value else MOVED * parameter.kind.typical
+    change = with_motion if is_motion(name) else _resized
+    try:
+        keys = [similarity_key(change(chain, {name: each}), units) for each in (value, moved)]
+    except InputError:
+        return True
+    return keys[0] != keys[1]
+
+
+def _resized(chain: Chain, values: dict[Name, float]) -> Chain:
+    return with_sizes(chain, values, units_of(chain).scales.length)
+
+
+def _has_neighbours(traces: Traces) -> bool:
+    """Whether two neighbouring columns have the same unit."""
+    return any(
+        one.unit == two.unit
+        for shot in traces.shots
+        for one, two in zip(shot.signals, shot.signals[1:], strict=False)
+    )
+
+
+def _sentence(parameter: Parameter, chain: Chain) -> str:
+    name = parameter.name
+    reason, others = REASONS.get(name.key, ("no contact depends on it", ""))
+    if not others:
+        others = ", ".join(f"'loss.{each}'" for each in loss_parameters(chain)) or "'stiffness'"
+    others = others.format(masses=f"'mass[{name.item}]'")
+    return f"{str(name)!r} has no effect, because {reason}; free {others} instead"

@@ -529,3 +529,28 @@ def test_a_run_agrees_with_its_forces_also_at_the_foot_of_the_pulse(tmp_path):
     text = found.summary()
     assert "+0.00 us" in text
     assert "-0.0" not in text.replace("time offset -0", "")
+
+
+def test_a_time_offset_that_is_zero_within_its_error_is_shown_so():
+    run = simulated(7e-4)
+    own = {"ball 5 [N]": run.sensor("ball 5"), "wall [N]": run.force(run.chain.beads)}
+    same = run.compare(hc.Traces.from_arrays(run.times, own))
+    step = run.times[1]
+    assert same.time_offset_error == pytest.approx(1e-3 * step)
+    assert "time offset 0.00000 +- 0.000" in same.summary()
+    assert "time offset 0.00000 +- 0.000" in repr(same)
+    given = run.compare(hc.Traces.from_arrays(run.times, own), time_offset=0.0)
+    assert np.isnan(given.time_offset_error)
+    assert "time offset 0 s, given" in given.summary()
+
+
+def test_the_error_of_the_time_offset_is_its_scatter():
+    run, rng, found = simulated(7e-4), np.random.default_rng(3), []
+    own = {"ball 5 [N]": run.sensor("ball 5"), "wall [N]": run.force(run.chain.beads)}
+    for _ in range(40):
+        noisy = {name: each + rng.normal(0.0, 0.3, len(each)) for name, each in own.items()}
+        compared = run.compare(hc.Traces.from_arrays(run.times, noisy))
+        found.append((compared.time_offset, compared.time_offset_error))
+    offsets, errors = np.transpose(found)
+    # The standard deviation of 40 values has an error of 11%; free amplitudes increase it.
+    assert offsets.std() == pytest.approx(errors.mean(), rel=0.4)

@@ -144,6 +144,8 @@ def _as_dict(found: TraceComparison) -> dict[str, Any]:
 
     sensors = [finite(dataclasses.asdict(each)) for each in found.sensors]
     return {
-        "time_offset": found.time_offset, "interval": list(found.interval),
+        "time_offset": found.time_offset,
+        "time_offset_error": None if found.time_offset_given else found.time_offset_error,
+        "interval": list(found.interval),
         "covered": found.covered, "sensors": sensors, "notes": list(found.notes),
     }  # fmt: skip

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..collision import Array
+from .goodness import correlation_length
 from .misread_columns import PREFIXES, TOLERANCE, extreme, level_of, polarity_of
-from .sensor_comparison import ABOVE_NOISE
+from .sensor_comparison import ABOVE_NOISE, scaled
 from .signals import Shot, Signal
 
 if TYPE_CHECKING:
@@ -33,6 +34,8 @@ MAX_ROUNDS: Final = 8
 # Offsets compare different pulses if they are further apart than this multiple of the width, and
 # agree almost as well as the best one if the rms differences are larger by less than this factor.
 APART, SIMILAR = 2.0, 1.15
+# Least error of an offset, as a part of the step between samples.
+LEAST_ERROR: Final = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +90,24 @@ def best_offset(
     found, other = _coarse(pairs, shot.times, spacing)
     reach = max(RANGE * min(_width(pair.own) for pair in pairs) * spacing, 2.0 * spacing)
     return _refined(pairs, found, reach, spacing), other
+
+
+def offset_error(shot: Shot, signals: Sequence[Array]) -> float:
+    """Standard error of the best offset, if the differences from the model were noise [s].
+
+    Correlated differences count less.  No offset is accurate to much less than a sample.
+    """
+    information = 0.0
+    for signal, model in zip(shot.signals, signals, strict=True):
+        ok = signal.valid & np.isfinite(model)
+        own = scaled(signal, model)
+        rest = (signal.values - level_of(signal) - own + own[ok][0])[ok]
+        slope = np.gradient(own, shot.times)[ok]
+        slope = slope[np.isfinite(slope)]
+        noise = max(float(np.mean(rest**2)) * correlation_length(rest), np.finfo(float).tiny)
+        information += float(slope @ slope) / noise
+    least = LEAST_ERROR * float(np.median(np.diff(shot.times)))
+    return max(information**-0.5, least) if information > 0.0 else least
 
 
 def _pair(shot: Shot, signal: Signal, column: Array) -> Pair:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..collision import Array
 from ..errors import InputError, InputWarning, warn_user
-from ..representation import measure, short
+from ..representation import measure, short, usual_unit, with_error
 from ..simulation.run import Run
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number
@@ -45,7 +45,7 @@ from .sensor_comparison import (
 )
 from .sensors import sampled
 from .signals import Shot, Signal
-from .time_offsets import best_offset
+from .time_offsets import best_offset, offset_error
 from .traces import Traces
 
 if TYPE_CHECKING:
@@ -70,6 +70,9 @@ class TraceComparison:
     time_offset_given : bool
         Whether the time offset was given; otherwise, it is that of the least squares of the
         differences, with a free amplitude of each signal.
+    time_offset_error : float
+        Standard error of this time offset [s], from the differences as if they were noise; at least
+        a thousandth of the step between samples.  NaN if the time offset was given.
     notes : tuple of str
         Remarks, one sentence each: samples that the run does not cover, missing rows, incomplete
         peaks, peaks that suggest another unit, arrivals in another order or outside the record,
@@ -90,6 +93,7 @@ class TraceComparison:
     signals: tuple[Array, ...] = field(repr=False)
     time_offset: float
     time_offset_given: bool = False
+    time_offset_error: float = np.nan
     notes: tuple[str, ...] = ()
 
     @cached_property
@@ -132,6 +136,15 @@ class TraceComparison:
         """Simulated signals, for uncalibrated sensors scaled and at the level of the data."""
         return tuple(map(scaled, self.traces.shots[0].signals, self.signals))
 
+    @property
+    def time_offset_text(self) -> str:
+        """Time offset with its error and unit."""
+        error = self.time_offset_error
+        if not np.isfinite(error):
+            return measure(self.time_offset, "s")
+        factor, unit = usual_unit(max(abs(self.time_offset), error), "s")
+        return f"{with_error(factor * self.time_offset, factor * error)} {unit}"
+
     def summary(self) -> str:
         """Table of peaks, arrivals and residuals, the compared interval, and notes.
 
@@ -145,13 +158,13 @@ class TraceComparison:
         >>> traces, chain = hc.example_experiment()
         >>> run = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201)
         >>> print(run.compare(traces).summary().splitlines()[0])
-        data from 0 s to 639 us, 100% of the record; time offset 78.81 us, by least squares
+        data from 0 s to 639 us, 100% of the record; time offset 78.81 +- 0.30 us, by least squares
         """
         begin, end = self.interval
         how = "given" if self.time_offset_given else "by least squares"
         lines = [
             f"data from {measure(begin, 's')} to {measure(end, 's')}, {self.covered:.0%} of the "
-            f"record; time offset {measure(self.time_offset, 's')}, {how}",
+            f"record; time offset {self.time_offset_text}, {how}",
             HEADING,
             *(each.row for each in self.sensors),
             "peak: from the level before the pulse; arrival: at half of the peak;",
@@ -216,7 +229,7 @@ class TraceComparison:
 
     def __repr__(self) -> str:
         rows = ", ".join(f"{name} {value:.2%}" for name, value in self.differences.items())
-        offset = f"time offset {measure(self.time_offset, 's')}"
+        offset = f"time offset {self.time_offset_text}"
         covered = f"{self.covered:.0%} of the record"
         about = "rms difference over measured peak"
         return short("TraceComparison", about, rows, covered, offset, *self.notes)
@@ -244,7 +257,8 @@ def compare_traces(
     inside = _inside(moments, float(grid[-1] - grid[0]), time_offset)
     check_contained(shot, inside)
     signals = tuple(_at(moments, inside, column, spacing, time_offset) for column in columns)
-    found = TraceComparison(traces, signals, float(time_offset), given)
+    error = np.nan if given else offset_error(shot, signals)
+    found = TraceComparison(traces, signals, float(time_offset), given, error)
     outside = sensors_outside(shot, columns, signals)
     grid = grid - run.times[0]
     # Columns that are exchanged cause most of the other differences.

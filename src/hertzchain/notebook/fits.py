@@ -67,7 +67,7 @@ def trace_comparison_html(found: TraceComparison) -> str:
         scale * model for scale, model in zip(found.scales, found.signals, strict=True)
     ]  # fmt: skip
     shown = {
-        "time offset": engineering(found.time_offset, "s"),
+        "time offset": found.time_offset_text,
         "found by": "given" if found.time_offset_given else "least squares",
         "compared": f"{found.covered:.0%} of the record",
     }

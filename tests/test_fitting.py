@@ -17,6 +17,7 @@ from synthetic_traces import bench, measured
 import hertzchain as hc
 from hertzchain.fitting import least_squares
 from hertzchain.fitting.chain_parameters import with_motion, with_sizes
+from hertzchain.fitting.defect_scan import fit_of_defect
 from hertzchain.fitting.goodness import Goodness, correlation_length, goodness_of
 from hertzchain.fitting.jumps import next_to_jumps
 from hertzchain.fitting.loss_comparison import LossComparison, LossFit
@@ -452,6 +453,23 @@ def test_hidden_gap_is_found_and_measured():
     found = scan.fit(candidates=1)
     assert found.describes
     assert abs(found.values["gap[8-9]"] - 0.3e-6) < 3.0 * found.errors["gap[8-9]"] < 0.05e-6
+
+
+def test_a_search_for_a_gap_needs_few_simulations():
+    chain, nominal = (bench(LAW, beads=14, gap=gap, behind=9) for gap in (3e-7, 0.0))
+    data = measured(chain, np.random.default_rng(2), balls=(5, 10), duration=300e-6)
+    ignored = hc.fit(data, nominal, free=["stiffness", "loss.time", "time_offset"])
+    simulator = ignored.model.simulator
+    before = simulator.count
+    scan = hc.scan_defects(ignored)
+    scanned = simulator.count
+    # There are 14 contacts; seven sizes are tried only if larger ones do not agree worse.
+    assert scanned - before < 0.8 * 7 * 14
+    found = fit_of_defect(scan)
+    # Six contacts after the best one are tried, and only the best fit is completed.
+    assert simulator.count - scanned < 10 * 14
+    assert found.describes
+    assert abs(found.values["gap[9-10]"] - 3e-7) < 3.0 * found.errors["gap[9-10]"] < 2e-8
 
 
 def test_gap_as_large_as_the_overlaps_is_found_among_all_contacts():

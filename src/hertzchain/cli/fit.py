@@ -201,7 +201,9 @@ def _defects(
     """Scan for a gap or odd ball and fit it; return the last fit, the scans and lines."""
     import hertzchain
 
-    from ..fitting.diagnosis import without_tested
+    from ..fitting.defect_scan import fit_of_defect
+    from ..fitting.diagnosis import diagnosed, without_tested
+    from ..fitting.fit import fitted
     from ..fitting.goodness import NO_ERRORS
 
     scans = []
@@ -217,11 +219,11 @@ def _defects(
     for scan in scans:
         if scan.found:
             with progress_bar("defects fitted") as progress:
-                found[scan.kind] = scan.fit(progress=progress)
+                found[scan.kind] = fit_of_defect(scan, progress=progress)
     if not found:
         return result, scans, [scan.summary() for scan in scans]
     kind = min(found, key=lambda each: found[each].chi2 + found[each].penalty)
-    best = without_tested(found[kind], *tested)
+    best = without_tested(diagnosed(found[kind], {}, fitted), *tested)
     document["fit_with_defect"] = best.as_dict()
     # The errors above are those of the fit with the defect.
     verdict = result.verdict.removesuffix(NO_ERRORS)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
@@ -15,6 +17,7 @@ from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback, check_choice, check_type
 from .diagnosis import diagnosed
 from .fit import fitted
+from .least_squares import roughly_solved
 from .model import Model
 from .names import Name
 from .parameters import Parameter, kind_and_value
@@ -41,6 +44,15 @@ WORDS: Final = {
 }
 # Least reduction of chi-squared by a defect that is reported.
 FOUND: Final = 20.0
+# Defects are fitted to full accuracy if the sum of squares of a rough fit is below this multiple of
+# the least one.
+CLOSE: Final = 1.01
+# Number of successive defects, in the order of the parts that they explain, after which no further
+# one is fitted if none of them is better than one before.
+PATIENCE: Final = 6
+# Sizes agree worse if the sum of squares is larger than at the size before, and than this multiple
+# of that without a defect; no larger size is tried after this number in succession.
+WORSE, MAX_WORSE = 1.1, 2
 # Number of defects in a summary.
 SHOWN: Final = 5
 
@@ -178,9 +190,10 @@ class DefectScan:
         Parameters
         ----------
         candidates : int, optional
-            Number of defects to try, in the order of the parts that they explain; by default, all
-            of them.  The first is often, but not always, the right one: a defect also changes the
-            other parameters, which the scan takes into account only to first order.
+            Number of defects to try, in the order of the parts that they explain; by default, until
+            six in succession are no better than one before.  The first is often, but not always,
+            the right one: a defect also changes the other parameters, which the scan takes into
+            account only to first order.
         progress : callable, optional
             Called as ``progress(done, total)`` after each fit.
 
@@ -200,33 +213,7 @@ class DefectScan:
         >>> scan = hc.scan_defects(hc.fit(*hc.example_experiment()))
         >>> fitted = scan.fit(candidates=1)  # doctest: +SKIP
         """
-        callback("progress", progress)
-        total = len(self.names)
-        count = total if candidates is None else whole_number(
-            "candidates", candidates, least=1, most=total
-        )  # fmt: skip
-        tried = []
-        model = self.result.model
-        for done, i in enumerate(np.argsort(-self.improvements, kind="stable")[:count]):
-            if progress is not None and done:
-                progress(done, count)
-            name = _name(self.kind, self.result, int(i))
-            more = _with_parameter(model, name, float(self.sizes[i]))
-            start = {**self.result.values, str(name): float(self.sizes[i])}
-            more = replace(
-                more,
-                parameters=tuple(replace(each, start=start[str(each)]) for each in more.parameters),
-            )
-            try:
-                tried.append(fitted(Problem(more), start, 1))
-            except SimulationError:
-                continue
-        if progress is not None:
-            progress(count, count)
-        if not tried:
-            raise SimulationError("no chain with one of the defects can be simulated")
-        best = min(tried, key=lambda each: each.chi2 + each.penalty)
-        return diagnosed(best, {}, fitted)
+        return diagnosed(fit_of_defect(self, candidates, progress=progress), {}, fitted)
 
     def _repr_html_(self) -> str:
         from ..notebook.fits import defect_scan_html
@@ -247,6 +234,52 @@ class DefectScan:
         return short("DefectScan", self.kind, text, other)
 
 
+def fit_of_defect(
+    scan: DefectScan, candidates: int | None = None, *, progress: Progress | None = None
+) -> FitResult:
+    """The best fit with one defect; `DefectScan.fit` also searches for further causes."""
+    callback("progress", progress)
+    total = len(scan.names)
+    count = total if candidates is None else whole_number(
+        "candidates", candidates, least=1, most=total
+    )  # fmt: skip
+    order = np.argsort(-scan.improvements, kind="stable")[:count].tolist()
+    costs: list[float] = []
+    found: list[Problem] = []
+    for done, i in enumerate(order):
+        if progress is not None and done:
+            progress(done, count)
+        problem = _problem_with(scan, i)
+        with contextlib.suppress(SimulationError):
+            solution = roughly_solved(problem)
+            costs.append(solution.cost)
+            found.append(_from(problem.model, problem.model.values(solution.variables)))
+        if candidates is None and costs and len(costs) - int(np.argmin(costs)) > PATIENCE:
+            break
+    if progress is not None:
+        progress(count, count)
+    if not found:
+        raise SimulationError("no chain with one of the defects can be simulated")
+    limit = CLOSE * min(costs) + FOUND
+    near = [problem for cost, problem in zip(costs, found, strict=True) if cost <= limit]
+    tried = [fitted(each, {str(p): p.start for p in each.model.parameters}, 1) for each in near]
+    return min(tried, key=lambda each: each.chi2 + each.penalty)
+
+
+def _problem_with(scan: DefectScan, i: int) -> Problem:
+    """The problem with a defect as a further parameter, whose start is that of the scan."""
+    name, size = _name(scan.kind, scan.result, i), float(scan.sizes[i])
+    model = _with_parameter(scan.result.model, name, size)
+    starts = dict(zip(scan.result.model.names, scan.result.estimates.tolist(), strict=True))
+    return _from(model, {**starts, name: size})
+
+
+def _from(model: Model, starts: Mapping[Name, float]) -> Problem:
+    """The problem of a model whose parameters start from these values."""
+    parameters = tuple(replace(each, start=starts[each.name]) for each in model.parameters)
+    return Problem(replace(model, parameters=parameters))
+
+
 def _rounded(chi2: float) -> str:
     return f"{chi2:.0f}" if abs(chi2) >= 100.0 else f"{chi2:.3g}"
 
@@ -257,9 +290,10 @@ def scan_defects(
 ) -> DefectScan:
     """Find the contact or bead where one defect explains most of the residuals of a fit.
 
-    Each defect is added to the fit, with seven sizes of a gap, twelve radii of a bead from 6.4%
-    smaller to 6.4% larger, or ten stiffnesses of a contact from 32% smaller to 32% larger.  All
-    other parameters adjust linearly.
+    Each defect is added to the fit, with up to seven sizes of a gap, twelve radii of a bead from
+    6.4% smaller to 6.4% larger, or ten stiffnesses of a contact from 32% smaller to 32% larger; no
+    larger change is tried after two that agree worse and worse.  All other parameters adjust
+    linearly.
 
     Parameters
     ----------
@@ -341,8 +375,10 @@ def _explained(result: FitResult, name: Name, inverse: Array) -> tuple[float, fl
     without = unexplained(result.residual_vector)
     best = (0.0, nominal)
     for direction in (1.0,) if name.key == "gap" else (1.0, -1.0):
-        last, rest = nominal, without
+        last, rest, worse = nominal, without, 0
         for trial in sizes:
+            if worse == MAX_WORSE:
+                break
             size = nominal + direction * trial * unit
             try:
                 rest_there = unexplained(residuals_at(size))
@@ -355,5 +391,7 @@ def _explained(result: FitResult, name: Name, inverse: Array) -> tuple[float, fl
             there = rest + part * step
             gained = float(without @ without) - float(there @ there)
             best = max(best, (gained, last + part * (size - last)))
+            before, after = (float(each @ each) for each in (rest, rest_there))
+            worse = worse + 1 if after > max(before, WORSE * float(without @ without)) else 0
             last, rest = size, rest_there
     return best

@@ -150,7 +150,7 @@ def fit(
         lines += found
     # Sampling takes long and may be stopped: everything else is printed and written before.
     if not as_json:
-        lines.insert(0, "\n".join((result.summary(), *_pressures(result))))
+        lines.insert(0, "\n".join((*_summary(result, laws), *_pressures(result))))
         click.echo(on_command_line("\n\n".join(lines)))
     if out is not None:
         from ..store.writing import write_bytes
@@ -170,6 +170,12 @@ def fit(
         return FAILED
     good = result.describes and not result.prior_conflict
     return DONE if good else OUTSIDE_TOLERANCE
+
+
+def _summary(result: FitResult, laws: str | None) -> list[str]:
+    """Lines of the summary, without the advice to compare loss laws if they are compared."""
+    lines = result.summary().splitlines()
+    return lines if laws is None else [line for line in lines if line != result.loss_note]
 
 
 def _free(

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from ..chain.chain import Chain
 from ..chain.laws import LAWS, Loss
 from ..errors import InputError, short_repr, unknown_name_error
 from .chain_parameters import TYPICAL
 from .symmetry import units_of
+
+ONE_LAW: Final = (
+    "only one loss law was fitted, and others may describe the data equally well: compare_losses "
+    "compares them"
+)
 
 
 def typical_law(given: str | Loss, chain: Chain) -> Loss:

@@ -18,6 +18,7 @@ from ..validation.numbers import number
 from ..validation.objects import Progress
 from .fitted_file import fitted_toml
 from .goodness import NO_ERRORS, Goodness
+from .loss_laws import ONE_LAW
 from .model import Model
 from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
@@ -213,10 +214,6 @@ class FitResult:
     def chain_toml(self) -> str:
         """The fitted chain, of the first shot, as a chain file with seven digits and ``[fit]``.
 
-        Returns
-        -------
-        str
-
         Examples
         --------
         >>> import hertzchain as hc
@@ -251,14 +248,16 @@ class FitResult:
         if len(self.traces.names) > 1:
             parts = ", ".join(f"{k} {v:.3g}" for k, v in self.chi2_per_sample.items())
             lines.append(f"chi2 per sample: {parts}")
-        return "\n".join([*lines, *self.warnings])
+        return "\n".join([*lines, *self.warnings, *([self.loss_note] if self.loss_note else [])])
+
+    @property
+    def loss_note(self) -> str:
+        """A sentence if only one loss law was fitted, and the data do not exclude it."""
+        possible = self.describes or self.goodness.undecided
+        return ONE_LAW if possible and any("loss." in name for name in self.names) else ""
 
     def rows(self) -> list[tuple[str, str]]:
         """Name, and value with error and unit, of each parameter.
-
-        Returns
-        -------
-        list of tuple of str
 
         Examples
         --------

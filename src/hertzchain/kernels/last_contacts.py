@@ -22,8 +22,8 @@ added, and their response to a linear change of the rates,
 .. math:: D_{n,k}(\bar r) + R_{n,k}(\bar r)\,\frac{\sum_j x_j r_j}{\sum_j x_j^2} ,
     \qquad x_j = \frac{j}{n - 1} - \frac12 ,
 
-at the mean :math:`\bar r` of all n rates.  At the first twelve contacts, the difference between G
-and the response within the chain is added, too.
+at the mean :math:`\bar r` of all n rates.  At one of the first twelve contacts, the differences of
+Z and G between this contact and one within the chain are part of the states above.
 
 The inputs :math:`\eta` are two memories :math:`\sum_o \lambda_i^o (s_{k-o} - s_{k-o-1})` and the
 changes :math:`s_{k+o} - s_{k+o-1}` near the contact, of which the last one comes first.  Beyond the

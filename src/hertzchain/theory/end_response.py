@@ -21,7 +21,7 @@ SlowTables = tuple[Array, Array, Array, Array]
 
 def end_tables(
     slow: SlowTables, places: Array, single: Array, end: Array, end_slopes: Array,
-    short: Array,
+    early: Array | None, short: Array,
 ) -> dict[str, Array]:  # fmt: skip
     """Tables of the last contacts, from those of the responses to single changes.
 
@@ -30,7 +30,7 @@ def end_tables(
     """
     from scipy.interpolate import Akima1DInterpolator, CubicHermiteSpline, PPoly
 
-    if not len(short):
+    if early is None or not len(short):
         return {
             "end_places": np.zeros(0),
             "end_response": np.zeros((0, 0, 4, STATES * TERMS)),
@@ -54,6 +54,7 @@ def end_tables(
     pieces = np.concatenate([pieces, CubicHermiteSpline(at, states, slopes).c[..., None]], axis=-1)
     after_impact = np.zeros((len(at), EARLY, STATES, TERMS))
     after_impact[..., :TAPS] = taps[:, :EARLY] - taps[:, WITHIN, None]
+    after_impact[..., -1] = early[kept] - within(at)[:, None]
     # From (places, lengths, contacts, states, 2).
     of_length = short[kept].reshape(len(at), -1, LAST, 2 * STATES)
     return {

@@ -98,7 +98,7 @@ class FastTables(NamedTuple):
         First order of the last four contacts: of each component, the responses G to sixteen rates
         and to all earlier ones, and the state on an exponential chain.
     impact : ndarray, shape (12, P, 4, 54)
-        The same of the first contacts, less those within, without the state.
+        The same of the first contacts, less those within.
     short : ndarray, shape (33, 4, P, 4, 6)
         What the impact leaves at the last four contacts of chains of 8 to 40 contacts: of each
         component, the state on exponential chains, and the response to a linear change of the rate.
@@ -300,7 +300,7 @@ def fast_tables(
         second=_by_stage(cubic_pieces(knots, second)),
         last_knots=last_knots,
         last=_by_contact(last_knots, last),
-        **end_tables(slow, places, single, end, end_slopes, short if len(last) else NOTHING),
+        **end_tables(slow, places, single, end, end_slopes, early, short if len(last) else NOTHING),
         steady=exponents.steady_gain(exponent) if steady is None else float(steady),
         bases=bases,
         alternating=_alternating(bases, alternating),

@@ -345,6 +345,21 @@ def test_the_free_end_of_short_ramps(contacts, rise, mean):
     assert error_at_the_end(mean + rise * np.linspace(-0.5, 0.5, contacts)) < 4e-4
 
 
+# With the functions of the free end at the fifth last contact, errors are up to 15%.
+@pytest.mark.parametrize("beads", [9, 10, 12])
+@pytest.mark.parametrize("rate", [-0.08, 0.0, 0.05])
+def test_derivatives_in_short_chains(beads, rate):
+    radii, step = np.exp(rate * np.arange(beads)), 3e-4
+    moved = [radii * np.exp(sign * step * row) for row in np.eye(beads) for sign in (1, -1)]
+    found = hc.propagate_many([hc.Chain.from_radii(each) for each in moved], rtol=1e-10)
+    logs = np.log(found.velocity[:, 1:]).reshape(beads, 2, -1)
+    true = (logs[:, 0] - logs[:, 1]) / (2.0 * step)
+    for bead in range(2, beads + 1):
+        of_law = hc.local_rate_gradient(hc.Chain.from_radii(radii), "velocity", bead=bead)[1]
+        of_bead = true[:, bead - 2]
+        assert np.abs(of_law - of_bead).max() < 0.008 * np.abs(of_bead).max()
+
+
 def test_the_range_of_rates_is_narrower_for_small_exponents():
     low = [universal_functions(p).range[0] for p in (1.25, 1.4, 1.6, 3.0)]
     np.testing.assert_allclose(low, [-0.0499, -0.1078, -0.1463, -0.165], atol=1e-4)

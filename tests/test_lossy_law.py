@@ -196,6 +196,19 @@ def test_scatter_hardly_changes_the_effect_of_a_loss():
         assert np.mean(error <= pulse.velocity_error) > 0.9
 
 
+# Without the term of short chains, errors are up to eight times the estimate.
+@pytest.mark.parametrize("beads", [9, 12, 18])
+@pytest.mark.parametrize("rate", [-0.06, 0.0, 0.03])
+@pytest.mark.parametrize("loss", [hc.Restitution(0.95), hc.Restitution(0.91)])
+def test_the_estimate_includes_the_overlap_of_impact_and_free_end(beads, rate, loss):
+    chain = hc.Chain.from_radii(np.exp(rate * np.arange(beads))).replace(loss=loss)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hc.ModelRangeWarning)
+        law = hc.local_rate(chain)
+    error = np.abs(law.compare(simulated(chain)).errors("velocity"))[-1]
+    assert error < law.velocity_error[-1] < 0.03
+
+
 def test_messages_do_not_state_a_time_in_other_units():
     chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=500, velocity=0.1)
     with pytest.raises(hc.InputError, match="with Viscoelastic, the tail behind the pulse"):

@@ -1,5 +1,7 @@
 """Strikers of other masses, contacts and velocities in the local-rate law, and their trains."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -129,3 +131,22 @@ def test_a_striker_can_be_given_by_its_diameter():
         balls.struck_by(diameter="6 mm", radius="3 mm")
     with pytest.raises(hc.InputError, match="diameter of a striker"):
         balls.struck_by(diameter=-1.0)
+
+
+# Without the term of short chains, errors are up to 60 times the estimate.
+@pytest.mark.parametrize("beads", [9, 11, 14, 19])
+@pytest.mark.parametrize("rate", [-0.06, 0.0, 0.03])
+@pytest.mark.parametrize("mass", [0.4, 2.5, 8.0])
+def test_the_estimate_includes_the_overlap_of_striker_and_free_end(beads, rate, mass):
+    chain = hc.Chain.from_radii(np.exp(rate * np.arange(beads))).struck_by(mass=mass, radius=1.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hc.ModelRangeWarning)
+        law = hc.local_rate(chain)
+    error = np.abs(law.compare(hc.propagate(chain)).errors("velocity"))[-1]
+    assert error < law.velocity_error[-1] < 0.025
+
+
+def test_a_heavy_striker_on_a_short_chain_is_announced():
+    chain = hc.Chain.uniform(9).struck_by(mass=8.0, radius=1.0)
+    with pytest.warns(hc.ModelRangeWarning, match=r"so short that .* last bead .* 1\.\d%"):
+        hc.local_rate(chain)

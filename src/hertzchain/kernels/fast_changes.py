@@ -174,7 +174,10 @@ def from_smooth(rates, to_slow, to_fast, fitted, to_rates):
 def stage_of(contact, contacts):
     """Stage of a contact, from 0: those before the free end come last."""
     left = contacts - contact
-    return STAGES - left if left <= END else min(contact, EARLY)
+    # The impact affects the fifth last contact of a short chain more than the free end does.
+    if left > END or (left == END and contact < EARLY):
+        return min(contact, EARLY)
+    return STAGES - left
 
 
 @compiled

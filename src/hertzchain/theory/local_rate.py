@@ -213,7 +213,7 @@ def local_rate_gradient(
     from ..kernels import local_rate_pulse as kernel
 
     check_choice("quantity", quantity, DIFFERENTIABLE)
-    scaled = scaled_chain(chain, METHOD, alternative=ALTERNATIVE)
+    scaled = scaled_chain(chain, "local_rate_gradient", alternative="use gradient")
     functions = _checked_functions(scaled)
     first = 2 if quantity == "arrival" else 1
     last = QUANTITIES[quantity].count(chain.beads)

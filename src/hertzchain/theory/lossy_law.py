@@ -26,13 +26,17 @@ from ..chain.laws.base import Loss
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.pulse import Pulse
+from .end_response import left_by_impact
 from .loss_table import RATES, LossTable, inputs, loss_tables
 from .tabulated_losses import LAWS, TabulatedLoss, tabulated_loss
+from .universal_functions import universal_functions
 
 # Momentum of the wave of equal beads in units of m v, first contact at which a tail can form,
 # power of the radius with which a long wave decays, and relative velocity of a tail that overtakes.
 MOMENTUM, TAIL_START, TAIL_POWER, OVERTAKEN = 1.67, 6, 0.91, 0.3
 DOUBTFUL: Final = 0.01
+# Error of what the impact leaves at the free end of a short chain, per attenuation of ln v.
+OF_SHORT: Final = 120.0
 # Memories of the changes of the rate in the estimated error.
 SHORT_MEMORY, LONG_MEMORY = 2, 3
 # Contacts on each side that determine a slow rate.
@@ -68,6 +72,9 @@ def lossy_pulse(
     parts, relative = error_parts(rates, x, table.largest, log_velocity + decay)
     _check_tail(chain, tabulated.label(law), relative, method)
     error = np.concatenate(([0.0], table.error @ parts))
+    of = universal_functions(HERTZ_EXPONENT).fast
+    left = np.abs(left_by_impact(np.diff(np.log(chain.radii)), of.end_places, of.short))
+    error += OF_SHORT * left * abs(effect[0].mean())
     total = pulse.velocity_error + error
     if pulse.velocity_error.max() <= warns_above and total.max() > DOUBTFUL:
         _warn_doubtful(chain, tabulated.label(law), method, total)

@@ -21,8 +21,10 @@ from ..chain.feature_support import require_supported
 from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.pulse import Pulse
+from .end_response import left_by_impact
 from .striker_table import striker_table
 from .table_weights import spline_weights
+from .universal_functions import universal_functions
 
 # Features of chains with another striker.
 FEATURES: Final = ("masses", "stiffness", "velocities", "strikers")
@@ -35,6 +37,9 @@ CONTACTS: Final = 40
 # Weights of the rates after the impact, per bead, for heavy and light strikers.
 MEMORY: Final = {True: 0.72, False: 0.5}
 REMEMBERED: Final = 12
+# Error of the last bead's velocity behind a heavy striker: at most this factor times the square of
+# the logarithm of its mass, which decays with the number of beads.
+HEAVY, FORGETTING = 0.035, 0.25
 # Error of the table between its nodes, and estimated error from which a warning is issued.
 TABLE_ERROR, DOUBTFUL = 2e-4, 0.01
 # Relative difference of masses that agree, from conversion of units.
@@ -126,12 +131,27 @@ def _struck(chain: Chain, striker: Striker, pulse: Pulse) -> Pulse:
     )
     errors = pulse.velocity_error
     if errors is not None:
-        errors = np.hypot(errors, error)
+        errors = np.hypot(errors, error) + _errors_at_the_end(striker)
         errors[0] = 0.0
     return dataclasses.replace(
         pulse, chain=chain, velocity=velocity, peak_overlap=overlap, residence=residence,
         arrival=np.concatenate(([0.0], np.cumsum(residence))), velocity_error=errors,
     )  # fmt: skip
+
+
+def _errors_at_the_end(striker: Striker) -> Array:
+    """Errors of the velocities, as the effects of striker and free end of a short chain overlap."""
+    of = universal_functions(HERTZ_EXPONENT).fast
+    rates, heavy = np.diff(np.log(striker.chain.radii)), max(math.log(striker.mass), 0.0)
+    errors = np.abs(left_by_impact(rates, of.end_places, of.short)) * (striker.mass != 1.0)
+    errors[-1] += HEAVY * heavy**2 * math.exp(-FORGETTING * len(errors))
+    if errors[-1] > DOUBTFUL:
+        warn_user(
+            f"the chain is so short that, with this striker, the velocity of the last bead has an "
+            f"estimated error of {errors[-1]:.1%}; use propagate",
+            ModelRangeWarning,
+        )
+    return errors
 
 
 def striker_effect(striker: Striker) -> tuple[Array, float]:

@@ -40,7 +40,7 @@ INTERPOLATED = 0.042
 OF_EQUAL = 0.05
 # The same for the difference between the largest and the smallest rate: its weight, that of its
 # first power, and the error of the interpolation for constant rates.
-OF_SPREAD, LEAST, INTERPOLATED_END = 7.0, 0.03, 0.002
+OF_SPREAD, LEAST, INTERPOLATED_END = 1.8, 0.03, 0.006
 # Larger weight of changes in backward tapers, where products of fast changes are less well known.
 LESS_KNOWN = 1.5
 # Weights of higher orders of large changes, and of fast changes that are much larger.

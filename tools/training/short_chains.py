@@ -1,4 +1,4 @@
-"""What the impact leaves at the last contacts of short chains, from simulations.
+"""Effect of the impact at the last contacts of short chains, from simulations.
 
 Simulated are exponential chains of each length, and chains whose rates change linearly along the
 whole chain.  The states that the law already has are subtracted.

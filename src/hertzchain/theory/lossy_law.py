@@ -35,7 +35,7 @@ from .universal_functions import universal_functions
 # power of the radius with which a long wave decays, and relative velocity of a tail that overtakes.
 MOMENTUM, TAIL_START, TAIL_POWER, OVERTAKEN = 1.67, 6, 0.91, 0.3
 DOUBTFUL: Final = 0.01
-# Error of what the impact leaves at the free end of a short chain, per attenuation of ln v.
+# Error of the effect of the impact at the free end of a short chain, per attenuation of ln v.
 OF_SHORT: Final = 120.0
 # Memories of the changes of the rate in the estimated error.
 SHORT_MEMORY, LONG_MEMORY = 2, 3

@@ -704,6 +704,25 @@ def test_command_line_tells_how_far_a_run_can_be_predicted(run, tmp_path):
     assert "--horizon require saved times" in err
 
 
+def test_simulate_says_that_small_differences_may_change_a_late_peak(run):
+    taper = ("simulate", "--taper", "forward-exponential", "--wall", "same", "--rate")
+    code, out, _ = run(*taper, 0.1, "--beads", 40)
+    assert code == 0
+    line = next(line for line in out.splitlines() if line.startswith("right wall: "))
+    assert ", no later force in this computed motion can exceed it; " in line
+    assert line.endswith("and small differences may change it: check with --horizon")
+    assert "the run lasts 10 transits of the pulse: --horizon shows" in out
+    code, out, _ = run(*taper, 0.1, "--beads", 40, "--horizon")
+    assert code == 0
+    assert " (after the horizon), no later force in this computed motion can exceed it\n" in out
+    assert "horizon: velocities predictable within 1% until t = " in out
+    assert json.loads(run(*taper, 0.1, "--beads", 40, "--json")[1])["walls"][0]["sensitive"] is True
+    code, out, _ = run(*taper, 0.05, "--beads", 30, "--until", 150)
+    assert code == 0
+    assert ", no later force can exceed it\n" in out
+    assert "transits of the pulse: --horizon shows" in out
+
+
 STEEL_TOML = '[chain]\nradii = "5 mm"\nbeads = 4\nmaterials = "brass"\nvelocity = "2 cm/s"\n'
 
 

@@ -91,9 +91,64 @@ def test_it_is_kept_and_said():
     assert pickle.loads(pickle.dumps(run)).known_horizon.time == first.time
 
 
+def tapered(rate, beads, **changes):
+    chain = hc.Chain.tapered("forward-exponential", rate, beads=beads)
+    return chain.replace(right_wall=hc.Wall(), **changes)
+
+
+def words(found):
+    return " ".join(repr(found).split())
+
+
+def test_a_taper_at_one_wall_traps_waves_as_well():
+    run = hc.simulate(tapered(0.05, 30), until=150.0)
+    assert not run.wall_force().sensitive
+    assert "; 9 transits long: run.horizon() shows how long it is predictable" in words(run)
+    assert run.horizon().time < 150.0
+
+
+def test_a_largest_force_after_the_first_contact_is_called_sensitive():
+    """With a tenth of the tolerance, another impact is the strongest."""
+    run = hc.simulate(tapered(0.1, 40))
+    wall, other = run.wall_force(), hc.simulate(tapered(0.1, 40), rtol=1e-12).wall_force()
+    assert abs(wall.peak / other.peak - 1.0) > 1e-3
+    assert wall.peak_time > wall.first_contact_end
+    assert wall.proven
+    assert wall.sensitive
+    assert other.sensitive
+    assert "no later force in this computed motion can exceed it; the largest " in words(wall)
+    assert "small differences may change it: check with run.horizon()" in words(wall)
+    assert "no later force in this computed motion exceeds its peak" in run.message
+    assert "10 transits long, wall peak not in the first contact: run.horizon()" in words(run)
+    assert "small differences" in wall._repr_html_()
+
+
 @pytest.mark.parametrize(
     ("chain", "until"),
-    [(hc.Chain.uniform(20), 300.0), (box(), 50.0), (box(loss=hc.Restitution(0.9)), 300.0)],
+    [
+        (tapered(0.05, 20), None),
+        (tapered(0.1, 40, loss=hc.Restitution(0.8)), None),
+        (hc.Chain.uniform(20).replace(right_wall=hc.Wall(stiffness=1e6)), None),
+        (box(), None),
+    ],
+)
+def test_forces_in_the_first_contact_or_with_losses_are_not_called_sensitive(chain, until):
+    wall = hc.simulate(chain, until=until).wall_force()
+    assert wall.complete
+    assert not wall.sensitive
+    assert "computed motion" not in words(wall)
+    assert "small differences" not in words(wall)
+
+
+@pytest.mark.parametrize(
+    ("chain", "until"),
+    [
+        (hc.Chain.uniform(20), 300.0),
+        (box(), 50.0),
+        (box(loss=hc.Restitution(0.9)), 300.0),
+        (hc.Chain.uniform(20).replace(right_wall=hc.Wall()), 300.0),
+        (tapered(0.05, 20), 20.0),
+    ],
 )
 def test_short_and_harmless_runs_say_nothing_of_it(chain, until):
     assert "horizon" not in repr(hc.simulate(chain, until=until))

@@ -51,8 +51,8 @@ def run_as_dict(run: Run, beads: Sequence[int], *, waves: bool) -> dict[str, obj
     return document | described
 
 
-def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None:
-    """Print the summary of a run, with a hint at --horizon if it is long and ``hint`` is true."""
+def show_run(run: Run, beads: Sequence[int], *, waves: bool) -> None:
+    """Print the summary of a run, with a hint at --horizon if it is long."""
     from ..representation import measure
     from ..simulation.run_message import LONG_RUN, transits_between_walls
     from .wave_tables import wave_table
@@ -76,12 +76,12 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None
         click.echo(f"  peak with contacts that yield: {shown} (--loss elastic-plastic)")
     for bead in beads:
         click.echo(_sensor_line(run, bead))
-    transits = transits_between_walls(run.chain, run.end_time)
+    transits = transits_between_walls(run.chain, run._walls, run.end_time)
     if run.known_horizon is not None:
         later = "; later values are one of many possible outcomes"
         ends = math.isfinite(run.known_horizon.time)
         click.echo(f"horizon: {run.known_horizon.message}{later if ends else ''}")
-    elif hint and transits > LONG_RUN:
+    elif transits > LONG_RUN:
         click.echo(
             f"the run lasts {transits:.3g} transits of the pulse: --horizon shows how long it is "
             "predictable"
@@ -157,13 +157,17 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
     largest = _at(run, wall.largest_so_far, wall.largest_so_far_time)
     impulse = _impulse(wall.impulse, wall.units)
     whole = f"{impulse} in the whole run"
+    # If the horizon is known, the time of the force is marked if it is later.
+    caution = "" if run.known_horizon or not wall._caution else f"; {wall._caution}"
+    caution = on_command_line(caution)
     if not wall.complete:
         return (
-            f"{wall.side} wall: peak not complete, largest so far {largest}; {wall.reason}\n"
+            f"{wall.side} wall: peak not complete, largest so far {largest}; {wall.reason}"
+            f"{caution}\n"
             f"  impulse {whole}"
         )
     so_far = "" if wall.proven else " so far"
-    peak = f"{wall.side} wall: peak{so_far} {largest}, {wall._later}"
+    peak = f"{wall.side} wall: peak{so_far} {largest}, {wall._later}{caution}"
     if wall.complete_since is None:
         return f"{peak}; {wall.reason}\n  impulse {whole}"
     of_impact = _impulse(wall.impulse_of_impact, wall.units)

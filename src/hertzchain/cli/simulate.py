@@ -195,7 +195,7 @@ def simulate(
         for i, (name, run) in enumerate(runs.items()):
             heading = f"{name}: " if len(runs) > 1 else ""
             click.echo("\n" * (i > 0) + heading, nl=False)
-            show_run(run, beads[name], waves=waves, hint=until is not None)
+            show_run(run, beads[name], waves=waves)
             if budget:
                 click.echo(run.budget())
 

@@ -53,7 +53,7 @@ def stream_into(
         return
     last = measure(end, "s", chain.units, 6)
     click.echo(f"{chain.description}\n{times} times up to t = {last} in {counted(files, 'file')}")
-    transits = transits_between_walls(chain, end)
+    transits = transits_between_walls(chain, None, end)
     if transits > LONG_RUN:
         click.echo(
             f"the run lasts {transits:.3g} transits of the pulse: --horizon, without --stream, "

@@ -141,6 +141,8 @@ def wall_force_html(wall: WallForce) -> str:
     else:
         sentences = [wall._later] if ended else [wall._later, wall.reason]
         parts.extend(note(f"{each[:1].upper()}{each[1:]}.") for each in sentences)
+    if wall._caution:
+        parts.append(note(f"{wall._caution[:1].upper()}{wall._caution[1:]}."))
     return page("WallForce", f"{wall.side} wall", *parts)
 
 

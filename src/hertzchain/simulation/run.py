@@ -21,7 +21,7 @@ from .fronts import fronts_of
 from .leading_pulse import LeadingPulse, leading_pulse_of
 from .pulse_width import pulse_width_of
 from .reflection import reflection_of
-from .run_message import LONG_RUN, transits_between_walls
+from .run_message import recommended_horizon
 from .run_pulse import pulse_of
 from .sensor_force import sensor_force_of
 from .trajectory import Trajectory
@@ -278,15 +278,14 @@ class Run(Trajectory):
     def prediction(self) -> str:
         """Short description of how long the run is predictable; empty for short runs.
 
-        It recommends `horizon` if the run is longer than three transits of a pulse and the chain,
-        without losses, traps waves: between two walls or, with precompression or gravity, at one.
+        It recommends `horizon` for a chain without losses if the largest force on a wall does not
+        occur in the first contact with it, or if the run is longer than three transits of a pulse
+        and the chain traps waves: between two walls or, with precompression or gravity or if
+        unequal beads have returned to the wall, at one.
         """
         if self.known_horizon is not None:
             return self.known_horizon.message
-        transits = transits_between_walls(self.chain, self.end_time)
-        if transits <= LONG_RUN:
-            return ""
-        return f"{transits:.0f} transits long: run.horizon() shows how long it is predictable"
+        return recommended_horizon(self.chain, self._walls, self.end_time)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Save the trajectories: ``.nc`` (netCDF) or ``.csv``, by the file's extension.

@@ -7,10 +7,12 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..collision import Array
+from ..kernels import state_layout
 from ..representation import measure
 from .run_end import Status
 from .time_scales import transit_times
-from .wall_bound import RIGHT, motion_can_escape
+from .wall_bound import LEFT, RIGHT, motion_can_escape
 
 FAILURES: Final = ("step limit", "step too small", "underflow")
 
@@ -35,16 +37,24 @@ STIFF_WALL: Final = 3.0
 
 # Transits of a pulse after which a run between walls may have become unpredictable.
 LONG_RUN: Final = 3.0
+# Second arrival of the pulse at the right wall, over the first; it is at the left wall before.
+SECOND_ARRIVAL: Final = 3.0
 
 
-def end_message(chain: Chain, status: Status, time: float, steps: int, passed: int) -> str:
-    """Describe the status of a run in a sentence, with advice if it failed."""
+def end_message(
+    chain: Chain, status: Status, time: float, steps: int, passed: int, *,
+    sensitive: bool = False,
+) -> str:  # fmt: skip
+    """Describe the status of a run in a sentence, with advice if it failed.
+
+    The argument ``sensitive`` is that of `hertzchain.WallForce` of the right wall.
+    """
     at = f"at t = {measure(time, 's', chain.units, digits=6)}, after {steps} steps"
     milder = _milder(chain)
     so_far = f"the pulse had passed {passed} of {chain.beads} beads"
     return {
         "pulse left": f"the pulse left the chain {at}",
-        "wall force complete": _complete(chain, at),
+        "wall force complete": _complete(chain, at, sensitive=sensitive),
         "transit limit": (
             f"stopped {at}, the longest run without until; the force on the right wall is not "
             "complete"
@@ -59,10 +69,13 @@ def end_message(chain: Chain, status: Status, time: float, steps: int, passed: i
     }[status]
 
 
-def _complete(chain: Chain, at: str) -> str:
+def _complete(chain: Chain, at: str, *, sensitive: bool) -> str:
     """Message of a run that ended with a complete peak on the right wall."""
     if motion_can_escape(chain, RIGHT):
-        return f"the force on the right wall is complete {at}; no later force exceeds its peak"
+        motion = " in this computed motion" if sensitive else ""
+        return (
+            f"the force on the right wall is complete {at}; no later force{motion} exceeds its peak"
+        )
     return (
         f"the impact on the right wall has ended {at}; the beads can return to the wall, and a "
         "later impact may be stronger"
@@ -107,8 +120,43 @@ def _stiff_wall(chain: Chain, name: str) -> bool:
     return bool(chain.wall_stiffness[end] > STIFF_WALL * chain.stiffness[end])
 
 
-def transits_between_walls(chain: Chain, time: float) -> float:
-    """Number of transits of a pulse in a chain that traps it without losses, as two walls do."""
-    held = chain.gravity != 0.0 or chain.precompression > 0.0
+def is_sensitive(chain: Chain, walls: Array, side: int) -> bool:
+    """Whether the largest force on a wall follows its first impact in a chain without losses.
+
+    ``walls`` are the records of a run.  In runs of tapers with two tolerances, 1e-13 and 1e-12,
+    such forces on the right wall differed by 3e-11 to 7%, and those in the first contact by less
+    than 1e-9.
+    """
+    if not chain.lossless or ("left wall", "right wall")[side] not in chain.features:
+        return False
+    first = float(walls[state_layout.FIRST_END, side])
+    # Bead 1 may touch the left wall before the pulse returns from the right one.
+    returns = SECOND_ARRIVAL * float(walls[state_layout.TURNED_BACK, RIGHT]) * (side == LEFT)
+    return first > 0.0 and max(first, returns) < float(walls[state_layout.WALL_PEAK_TIME, side])
+
+
+def recommended_horizon(chain: Chain, walls: Array, time: float) -> str:
+    """Recommend `hertzchain.Run.horizon` for a run that may be unpredictable; empty otherwise.
+
+    ``walls`` are the records of the run, which ended at ``time``.
+    """
+    transits = transits_between_walls(chain, walls, time)
+    found = [f"{transits:.0f} transits long"] if transits > LONG_RUN else []
+    if any(is_sensitive(chain, walls, side) for side in (LEFT, RIGHT)):
+        found.append("wall peak not in the first contact")
+    advice = "run.horizon() shows how long it is predictable"
+    return f"{', '.join(found)}: {advice}" if found else ""
+
+
+def transits_between_walls(chain: Chain, walls: Array | None, time: float) -> float:
+    """Number of transits of a pulse in a chain that traps it without losses, as two walls do.
+
+    One wall traps waves if there is gravity or precompression, or if beads have returned to it in
+    a chain of unequal beads: those of a taper, for example, turn back the beads that rebound.
+    Without records of the ``walls``, beads of such a chain are assumed to have returned.
+    """
+    returned = walls is None or bool((walls[state_layout.TOUCHES] > 1.0).any())
+    turned_back = returned and np.ptp(chain.masses) > 0.0
+    held = turned_back or chain.gravity != 0.0 or chain.precompression > 0.0
     trapped = chain.lossless and sum(np.array(chain.wall_stiffness) > 0.0) > (0 if held else 1)
     return time / float(transit_times(chain).sum()) if trapped else 0.0

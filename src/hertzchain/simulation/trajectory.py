@@ -27,8 +27,9 @@ from ..validation.numbers import whole_number
 from .budget import overlaps_of
 from .largest_overlaps import largest_between
 from .run_end import Status
-from .run_message import FAILURES, end_message
+from .run_message import FAILURES, end_message, is_sensitive
 from .state import ACCUMULATOR_SCALES, ROW_SCALES, State
+from .wall_bound import RIGHT
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -174,7 +175,10 @@ class Trajectory(ShortDir):
     @property
     def message(self) -> str:
         """The status in a sentence."""
-        return end_message(self.chain, self.status, self.end_time, self.steps, self.beads_passed)
+        return end_message(
+            self.chain, self.status, self.end_time, self.steps, self.beads_passed,
+            sensitive=is_sensitive(self.chain, self._walls, RIGHT),
+        )  # fmt: skip
 
     @property
     def beads_passed(self) -> int:

@@ -12,6 +12,7 @@ from ..kernels.wall_rule import HELD
 from ..representation import counted, measure, short
 from ..validation.keywords import checked_methods
 from .force_table import force_dataframe
+from .run_message import is_sensitive
 from .wall_bound import motion_can_escape
 
 if TYPE_CHECKING:
@@ -21,6 +22,10 @@ Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = ("left", "right")
 # Relative excess of a sufficient time, which messages round.
 MARGIN: Final = 0.02
+SENSITIVE: Final = (
+    "the largest force is not in the first contact, and small differences may change it: check "
+    "with run.horizon()"
+)
 
 
 @checked_methods
@@ -53,6 +58,11 @@ class WallForce:
     proven : bool
         Whether `bound` holds at all later times.  If so, no later force exceeds a complete peak;
         otherwise a later impact may be stronger.
+    sensitive : bool
+        Whether small differences, such as another tolerance, may change the largest force: nothing
+        is lost in the chain, and the largest force does not occur in the first contact with the
+        wall (the left wall: nor before the pulse reaches the right wall for the second time).
+        `hertzchain.Run.horizon` estimates how long the run is predictable.
     reason : str
         Why the peak is not complete, or why the impact has not ended; empty otherwise.
     complete_since : float or None
@@ -89,6 +99,7 @@ class WallForce:
     peak_time: float
     complete: bool
     proven: bool
+    sensitive: bool
     reason: str
     complete_since: float | None
     largest_so_far: float
@@ -115,7 +126,14 @@ class WallForce:
     @property
     def _later(self) -> str:
         """Statement about forces after a complete peak."""
-        return "no later force can exceed it" if self.proven else "a later impact may be stronger"
+        motion = " in this computed motion" if self.sensitive else ""
+        proven = f"no later force{motion} can exceed it"
+        return proven if self.proven else "a later impact may be stronger"
+
+    @property
+    def _caution(self) -> str:
+        """Statement about the predictability of the largest force; empty if there is none."""
+        return SENSITIVE if self.sensitive else ""
 
     def __repr__(self) -> str:
         def at(force: float, time: float) -> str:
@@ -129,11 +147,14 @@ class WallForce:
             impact = self.reason
             if not impact:
                 impact = f"{measure(self.impulse_of_impact, 'N s', self.units)} of the impact"
-            return short("WallForce", f"{self.side} wall", peak, f"{impulse}, {impact}", touches)
+            return short(
+                "WallForce", f"{self.side} wall", peak, self._caution, f"{impulse}, {impact}",
+                touches,
+            )  # fmt: skip
         largest = f"largest so far {at(self.largest_so_far, self.largest_so_far_time)}"
         return short(
-            "WallForce", f"{self.side} wall", "peak not complete", largest, self.reason, impulse,
-            touches,
+            "WallForce", f"{self.side} wall", "peak not complete", largest, self.reason,
+            self._caution, impulse, touches,
         )  # fmt: skip
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -199,6 +220,7 @@ def wall_force_of(
         peak_time=time if done else math.nan,
         complete=done,
         proven=proven,
+        sensitive=is_sensitive(chain, walls, i),
         reason=reason,
         complete_since=since if ended else None,
         largest_so_far=peak,

@@ -319,6 +319,11 @@ class _ChainFile:
                 arguments["material"] = self._material(arguments["material"])
             if name == "with_defects":
                 arguments["radii"] = {arguments.pop("bead"): arguments.pop("radius")}
+            if name == "with_scatter" and not {"relative", "grade"} & arguments.keys():
+                raise InputError(
+                    "[chain.with_scatter] has neither relative, such as 0.01, nor grade, such as "
+                    "100: give one of them"
+                )
             yield arguments
 
     def _part(self, name: str) -> Any:

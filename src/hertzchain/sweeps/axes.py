@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import prod
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from ..errors import InputError, errors_at, short_repr, unknown_name_error
+from ..errors import InputError, short_repr, unknown_name_error
 from ..representation import counted, short
 from ..store.chain_schema import dimensions_of, is_count, is_fraction
-from ..store.csv_tables import csv_rows
 from ..units import PERCENT, UNITS, converted, quantity
 from ..validation.json_types import to_json_types
 from ..validation.keywords import FIELD_ALIASES
 from ..validation.numbers import FRACTION, has_unit, number, whole_hint, whole_number
-from ..validation.objects import file_path
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -313,61 +309,6 @@ def duplicates(axes: Sequence[Axis]) -> list[str]:
             if value is not None]  # fmt: skip
 
 
-def columns_of_points(points: Any, folder: Path) -> dict[tuple[str, ...], list[Any]]:
-    """Values of each parameter from explicit points: a list of tables or the name of a CSV file."""
-    if isinstance(points, str):
-        return _columns_of_csv(file_path("points", folder / points))
-    if not isinstance(points, list | tuple) or not points:
-        raise InputError(
-            f"points: must be tables [[points]] or the name of a CSV file, got {short_repr(points)}"
-        )
-    for place, row in enumerate(points, start=1):
-        if not isinstance(row, Mapping) or not row:
-            raise InputError(
-                f"points[{place}]: must be a table of parameters, got {short_repr(row)}"
-            )
-    listed = [[*flattened(row)] for row in points]
-    rows = [dict(each) for each in listed]
-    for place, row in enumerate(rows, start=1):
-        if len(row) < len(listed[place - 1]):
-            raise InputError(f"points[{place}]: gives the same parameter twice, by two names")
-        if row.keys() != rows[0].keys():
-            names = ", ".join(".".join(path) for path in rows[0])
-            raise InputError(
-                f"points[{place}]: must have the same parameters as points[1]: {names}"
-            )
-    return {path: [row[path] for row in rows] for path in rows[0]}
-
-
-def _columns_of_csv(file: Path) -> dict[tuple[str, ...], list[Any]]:
-    """Columns of a CSV file: numbers if all cells of a column are numbers, otherwise text."""
-    with errors_at(f"points: {os.fspath(file)!r}"):
-        rows = csv_rows(file)
-        if len(rows) < 2:
-            raise InputError("must have a header with parameters and one row per point")
-        header, *body = rows
-        paths = [path_of(column) for column in header]
-        for path in paths:
-            if paths.count(path) > 1:
-                raise InputError(f"has two columns {'.'.join(path)!r}: remove one")
-        for place, row in enumerate(body, start=1):
-            if len(row) != len(header):
-                raise InputError(f"row {place} has {len(row)} cells, the header has {len(header)}")
-            if "" in row:
-                raise InputError(f"row {place} has no {header[row.index('')]}")
-    columns = zip(*body, strict=True)
-    return {path: _cells(cells) for path, cells in zip(paths, columns, strict=True)}
-
-
-def _cells(cells: Sequence[str]) -> list[Any]:
-    for kind in (int, float):
-        try:
-            return [kind(cell) for cell in cells]
-        except ValueError:
-            continue
-    return list(cells)
-
-
 def _all_quantities(values: Any) -> bool:
     texts = isinstance(values, list) and all(isinstance(each, str) for each in values)
     return texts and bool(values) and all(has_unit(each) for each in values)
@@ -409,8 +350,18 @@ def _checked_list(values: Any) -> list[Any]:
     kinds = {float if type(each) is int else type(each) for each in values}
     if len(kinds) > 1:
         names = sorted(kind.__name__ for kind in kinds)
-        raise InputError(f"has values of different types: {', '.join(names)}")
+        raise InputError(
+            f"has values of different types: {', '.join(names)}{_linspace_hint(values)}"
+        )
     return values
+
+
+def _linspace_hint(values: list[Any]) -> str:
+    """Advice for a list that is probably the first value, the last value and their number."""
+    match values:
+        case [str(first), str(last), int(_)] if has_unit(first) and has_unit(last):
+            return f"; for evenly spaced values, give {{linspace = {json.dumps(values)}}}"
+    return ""
 
 
 def _spaced(kind: str, given: Any) -> list[float]:

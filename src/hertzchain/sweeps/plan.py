@@ -367,6 +367,7 @@ def _bad_values(plan: Plan) -> list[str]:
     if plan.zipped:
         reasons = [plan.trial(index).reason for index in plan.tried()]
         return [f"axes: {reasons[0]}"] if all(reasons) else []
+    always = []
     for place, axis in enumerate(axes):
         bad = {}
         for i in spread(len(axis)):
@@ -375,10 +376,13 @@ def _bad_values(plan: Plan) -> list[str]:
             if all(reasons):
                 bad[i] = reasons[0]
         if len(bad) == len(spread(len(axis))) > 1:
-            problems.append(f"axes.{axis.long_name}: with every value, {next(iter(bad.values()))}")
+            always.append(f"axes.{axis.long_name}: with every value, {next(iter(bad.values()))}")
         else:
             problems += [f"axes.{axis.long_name}[{i + 1}]: {why}" for i, why in bad.items()]
-    return list(dict.fromkeys(problems))
+    # If no value of several axes works, the cause may be one of them, or [chain].
+    if len(always) > 1:
+        always = [f"axes: with every combination of values, {always[0].split(', ', 1)[1]}"]
+    return list(dict.fromkeys(problems + always))
 
 
 def _bad_units(plan: Plan) -> list[str]:

@@ -45,7 +45,6 @@ from ..validation.numbers import whole_number
 from ..validation.objects import shown_path
 from .axes import (
     Axis,
-    columns_of_points,
     conflicts,
     duplicates,
     flattened,
@@ -54,6 +53,7 @@ from .axes import (
     unequal_lengths,
 )
 from .kept import OF_RUNS, SWEEP_QUANTITIES, sensor_of, unknown_quantity, variable_name
+from .listed_points import columns_of_points
 from .listed_values import chain_as_document, missing_lists, with_lists
 from .methods import METHODS, OPTIONS_OF, check_option
 

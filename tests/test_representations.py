@@ -205,6 +205,13 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
         (hc.Chain.dimer(radii=[1.0, 0.5], beads=8), "Chain(dimer, radius ratio 0.5, 8 beads)"),
         (hc.Chain.dimer(radii=[1.0, 0.5], beads=8).struck_by(velocity=2.0),
          "Chain(dimer, radius ratio 0.5, 8 beads, and 1 striker, impact at 2)"),
+        (hc.Chain.tapered("forward-linear", 0.01, beads=9).struck_by(radius=2.0, count=2),
+         "Chain(forward-linear, S = 0.01, 9 beads, and 2 strikers (radius 2))"),
+        (hc.Chain.tapered("backward-exponential", 0.3, beads=9).struck_by().struck_by(
+            velocity=0.5),
+         "Chain(backward-exponential, q = 0.3, 9 beads, and 2 strikers, velocities)"),
+        (hc.Chain.uniform(2).replace(radii=[1.0, 2.0]).struck_by(),
+         "Chain(given radii, 2 beads, and 1 striker)"),
         (hc.Chain.from_radii([1.0, 0.5, 0.3] * 2), "Chain(cells of 3 beads, 6 beads)"),
         (hc.Chain.from_radii([1.0, 0.5, 1.0, 0.5, 0.3]), "Chain(given radii, 5 beads)"),
         (hc.Wall.of("ptfe", gap=1e-5), "Wall(ptfe, gap = 10 um)"),

@@ -75,7 +75,7 @@ def test_a_single_ball_alone_has_no_pulse(call):
 
 
 def test_one_ball_and_a_wall_need_another_ball():
-    with pytest.raises(hc.InputError, match="one ball that hits a wall, add another one at rest"):
+    with pytest.raises(hc.InputError, match="only to bead 2, which hits the wall"):
         hc.simulate(ball(right_wall=hc.Wall()))
 
 

@@ -69,7 +69,7 @@ def test_velocity_and_units():
 @pytest.mark.parametrize(("chain", "message"), [
     (hc.Chain.uniform(30).struck_by(mass=20.0, radius=1.0), "mass of the striker must be 0.1"),
     (hc.Chain.uniform(30).struck_by(mass=2.0, stiffness=4.0), "stiffness of its contact"),
-    (hc.Chain.uniform(30).struck_by(count=2), "strikers"),
+    (hc.Chain.uniform(30).struck_by(count=2), "supports one striker, but the chain has 2; use sim"),
     (hc.Chain.uniform(30).struck_by(gap=0.1), "gaps"),
     (hc.Chain.uniform(30).struck_by().replace(velocities=[-1.0] + 30 * [0.0]), "moves forwards"),
     (hc.Chain.dimer(0.5, beads=30), "does not support masses"),
@@ -78,6 +78,16 @@ def test_velocity_and_units():
 def test_other_strikers_are_rejected(chain, message):
     with pytest.raises(hc.InputError, match=message):
         hc.local_rate(chain)
+
+
+def test_velocities_of_strikers_are_no_further_feature():
+    chain = hc.Chain.tapered("forward-exponential", 0.03, beads=20).struck_by(velocity=0.5)
+    with pytest.raises(hc.InputError) as raised:
+        hc.bca(chain.struck_by(velocity=1.0))
+    assert str(raised.value) == (
+        "the BCA does not support strikers; use simulate (chain: forward-exponential, q = 0.03, "
+        "20 beads, and 2 strikers, velocities)"
+    )
 
 
 def test_rates_beyond_the_table_are_announced():

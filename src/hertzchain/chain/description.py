@@ -11,7 +11,8 @@ from ..collision import HERTZ_EXPONENT, Array
 from ..representation import MAX_DIGITS, measure
 from .materials import Material
 from .repeated_cells import cell_repeats, smallest_cell
-from .tapers import taper_named
+from .taper_sizes import SHAPES, taper_between
+from .tapers import ROUNDING, taper_named
 
 
 def beads_description(
@@ -42,6 +43,18 @@ def beads_description(
     counted = beads_of(count, "beads", names or ["SI"])
     sizes = f"{diameters} {sizes_in_words(radii)}"
     return ", ".join(filter(None, (counted, sizes, scatter)))
+
+
+def taper_behind(radii: Array) -> tuple[str | None, tuple[tuple[str, float], ...]]:
+    """Name and parameters of the taper of the beads behind strikers, whose chain names none."""
+    ends = float(radii[0]), float(radii[-1])
+    # Any two radii are a taper, and the last radius of a steeper one is not a size.
+    if len(radii) > 2 and ends[0] != ends[1] and ends[1] / ends[0] > 2.0 ** -(len(radii) - 1):
+        for shape in SHAPES:
+            name, rate, found = taper_between(shape, len(radii), *ends)
+            if np.allclose(radii, ends[0] * found, rtol=ROUNDING, atol=0.0):
+                return name, (("rate", float(f"{rate:.12g}")),)
+    return None, ()
 
 
 def cells_in_words(radii: Array, masses: Array | None) -> str:
@@ -100,7 +113,7 @@ def features_in_words(
     """Such as ``, gaps, right wall``; equal velocities of all strikers are not named."""
     first = velocities[:moving]
     usual = moving > 0 and np.ptp(first) == 0.0 and not velocities[moving:].any()
-    hidden = {"strikers", *left_out, *["velocities"] * usual}
+    hidden = {"strikers", *left_out, *(["velocities"] if usual else [])}
     return "".join(f", {name}" for name in names if name not in hidden)
 
 

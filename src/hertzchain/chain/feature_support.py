@@ -49,8 +49,8 @@ def _more_beads(chain: Chain) -> str:
     if chain.left_wall is None and chain.right_wall is None:
         return "add a striker, such as chain.struck_by(), or more beads"
     return (
-        "for one ball that hits a wall, add another one at rest behind it, separated by a gap, "
-        "give a velocity only to the second, and give until"
+        "for one ball that hits the right wall, add a ball at rest as bead 1, separated by a gap; "
+        "give a velocity only to bead 2, which hits the wall, and give until"
     )
 
 
@@ -63,16 +63,19 @@ def require_supported(
 ) -> None:
     """Raise an error for a chain with a feature that a method does not support."""
     require_chain(method, chain)
-    others = [name for name in chain.features if name not in supported]
+    # Strikers imply their velocities.
+    moving = chain.velocities[chain.strikers :].any()
+    implied = ["velocities"] if "strikers" in chain.features and not moving else []
+    others = [name for name in chain.features if name not in (*supported, *implied)]
     if others:
         advice = alternative if isinstance(alternative, str) else alternative(others)
         advice = advice or "remove them from the chain"
         if others == ["SI units"]:
             advice = "use Scales.of(chain).to_scaled(chain)"
         # Chains of materials are converted into scaled ones with masses and stiffness.
-        implied = {"masses", "stiffness"} & set(others)
-        if implied and len({material.name for material in chain.materials or ()}) > 1:
-            others = ["several materials", *(name for name in others if name not in implied)]
+        derived = {"masses", "stiffness"} & set(others)
+        if derived and len({material.name for material in chain.materials or ()}) > 1:
+            others = ["several materials", *(name for name in others if name not in derived)]
         names = [f"a {name}" if name in COUNTABLE else name for name in others]
         raise InputError(
             f"{method} does not support {listed(names, 'or')}; {advice} "

@@ -42,6 +42,7 @@ from .description import (
     impact_in_words,
     law_in_words,
     strikers_in_words,
+    taper_behind,
 )
 from .drives import Drive
 from .laws import Loss
@@ -426,7 +427,10 @@ class ChainFields(Frozen):
         left_out = ["SI units", "masses", "stiffness"] if implied else ["SI units"]
         first = strikers_in_words(self.strikers, shape.radii, masses, self.units)
         rest = features_in_words(self.features, left_out, self.velocities, self.strikers)
-        kind = shape.radii[own], self.materials, shape.taper, shape.taper_parameters
+        taper = shape.taper, shape.taper_parameters
+        if self.strikers and self.scaled:
+            taper = taper_behind(shape.radii[own])
+        kind = shape.radii[own], self.materials, *taper
         beads = beads_description(*kind, cells, scatter, scaled=self.scaled)
         beads += f", and {first}" if first else ""
         still = self._at_rest_by_default and self.drive is None and not self.velocities.any()

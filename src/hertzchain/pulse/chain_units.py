@@ -61,6 +61,12 @@ def scaled_chain(
 ) -> Chain:
     """The chain in scaled variables, after checking that a method supports it."""
     require_chain(method, chain)
+    # Theories of a struck chain have one body that moves at time 0.
+    if "strikers" in supported and chain.strikers > 1:
+        raise InputError(
+            f"{method} supports one striker, but the chain has {chain.strikers}; use simulate "
+            f"(chain: {chain.description})"
+        )
     if chain.units == "scaled":
         require_supported(chain, method, supported=supported, alternative=alternative)
         return chain

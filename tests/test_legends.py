@@ -251,3 +251,37 @@ def test_designs_of_two_materials_show_diameters_and_all_beads(beads, rows, monk
         assert not any(one.overlaps(other) for i, one in enumerate(boxes) for other in boxes[:i])
     else:
         assert "10 mm and 6 mm in turn" in [text.get_text() for text in axes.texts]
+
+
+def two_chains_by_three_methods():
+    chains = (hc.Chain.tapered("backward-exponential", 0.05, beads=20),
+              hc.Chain.tapered("forward-exponential", 0.03, beads=30))  # fmt: skip
+    return [by(chain) for chain in chains for by in (hc.propagate, hc.bca, hc.local_rate)]
+
+
+def test_long_labels_have_two_columns_in_a_column():
+    with hc.figure_style("single column"):
+        axes = hc.plot_pulses(two_chains_by_three_methods(), residuals=True)
+    assert_nothing_is_covered(axes)
+    legend = axes.get_legend()
+    assert len({round(text.get_window_extent().x0) for text in legend.get_texts()}) == 2
+    assert all(text.get_fontsize() >= 6.0 for text in legend.get_texts())
+
+
+@pytest.mark.parametrize("width", [None, "single column"])
+def test_methods_with_a_common_colour_have_symbols_at_different_beads(width):
+    with hc.figure_style(width):
+        axes = hc.plot_pulses(two_chains_by_three_methods(), residuals=True)
+    beads = {}
+    for line in axes.lines:
+        if line.get_linestyle() != "None" and len(line.get_xdata()):
+            start, step = line.get_markevery()
+            marked = {*line.get_xdata()[start::step].tolist()}
+            assert marked
+            assert not marked & beads.setdefault(line.get_color(), set())
+            beads[line.get_color()] |= marked
+    assert len(beads) == 2
+    lower = axes.figure.axes[1]
+    axes.figure.draw_without_rendering()
+    low, high = lower.get_ylim()
+    assert sum(low <= tick <= high for tick in lower.get_yticks()) in (3, 4)

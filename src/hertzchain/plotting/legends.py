@@ -31,6 +31,9 @@ COMPACT: Final[dict[str, Any]] = {
 # Width [inches] of panels below which letters are smaller, and their least size [points].
 FULL_WIDTH: Final = 2.6
 MIN_SIZE: Final = 5.5
+# Number of labels whose letters are smaller if this makes room for two columns, and by how much.
+MANY: Final = 4
+SMALLER: Final = 6.0 / 7.0
 # Part of the width of a panel that is certain to remain when a layout has made room for others.
 ROOM: Final = 0.75
 # Largest height of a legend above axes in a figure of somebody else, relative to the axes.
@@ -140,11 +143,16 @@ def _place_above(axes: Axes, compact: dict[str, Any], *, own: bool) -> bool:
     figure = figure_of(axes)
     # In a figure of its own, a legend may also be above the labels of the y axis.
     left = figure.bbox.x0 if own else axes.bbox.x0
-    for columns in range(len(axes.get_legend_handles_labels()[1]), 0, -1):
-        legend = _above(axes, columns, compact)
-        width, height = legend.get_window_extent().size
-        if width <= axes.bbox.x1 - left:
-            break
+    columns, legend = _in_columns(axes, compact, axes.bbox.x1 - left)
+    if own and columns == 1 and len(legend.get_texts()) >= MANY:
+        size = legend.get_texts()[0].get_fontsize()
+        smaller = {**compact, "fontsize": SMALLER * float(size)}
+        columns, legend = _in_columns(axes, smaller, axes.bbox.x1 - left)
+        if columns > 1:
+            compact = smaller
+        else:
+            legend = _above(axes, 1, compact)
+    width, height = legend.get_window_extent().size
     if not own and (width > axes.bbox.width or height > MAX_SHARE * axes.bbox.height):
         return False
     if width > axes.bbox.width:
@@ -157,6 +165,15 @@ def _place_above(axes: Axes, compact: dict[str, Any], *, own: bool) -> bool:
         _lift_titles(axes, rcParams["axes.titlepad"])
         return False
     return True
+
+
+def _in_columns(axes: Axes, compact: dict[str, Any], room: float) -> tuple[int, Legend]:
+    """A legend above axes in as many columns as have room."""
+    for columns in range(len(axes.get_legend_handles_labels()[1]), 0, -1):
+        legend = _above(axes, columns, compact)
+        if legend.get_window_extent().width <= room:
+            break
+    return columns, legend
 
 
 def _lift_titles(axes: Axes, pad: float) -> None:

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator
 
 from ..collision import Array
 from ..errors import InputError, short_repr
@@ -33,6 +34,8 @@ from .titles import chain_words
 
 # Differences below this fraction of the largest ones are not visible on a linear axis.
 HIDDEN: Final = 0.02
+# Largest number of ticks of a logarithmic axis of differences.
+RESIDUAL_TICKS: Final = 4
 # Opacity of the band of a spread.
 BAND: Final = 0.25
 # Lines of different methods, if curves of a chain share a colour.
@@ -188,11 +191,12 @@ def _words(pulses: Sequence[Pulse]) -> list[list[str]]:
 
 @dataclass(frozen=True)
 class _Look:
-    """Numbers of the colour, of the symbol and of the line of a curve."""
+    """Numbers of the colour, of the symbol and of the line of a curve, and of beads per symbol."""
 
     colour: int
     symbol: int
     line: int = 0
+    spacing: int = 1
 
     @property
     def marker(self) -> str:
@@ -208,7 +212,8 @@ def _looks(words: Sequence[Sequence[str]], begin: int) -> list[_Look]:
     if not different or min(len(chains), len(methods)) < 2:
         return [_Look(i, i) for i in range(begin, begin + len(words))]
     return [
-        _Look(begin + chains.index((*chain,)), i := methods.index(method), i)
+        # At a common bead, symbols of one colour would look like a filled one.
+        _Look(begin + chains.index((*chain,)), i := methods.index(method), i, len(methods))
         for method, *chain in words
     ]
 
@@ -292,7 +297,7 @@ def _draw(axes: Axes, pulse: Pulse, values: Array, look: _Look, label: str | Non
         values,
         color=curve_colour(axes, look.colour),
         # Markers of different pulses at different beads do not hide each other.
-        markevery=(look.symbol * max(1, beads // 60), max(1, beads // 20)),
+        markevery=(look.symbol * max(1, beads // 60), max(look.spacing, beads // 20)),
         label=label,
         **_line(look),
     )
@@ -330,6 +335,8 @@ def _draw_residuals(
             _draw_free_end(axes, len(shown), shown[-1], look)
     if least:
         axes.set_yscale("log")
+        # By default, a low panel has two ticks.
+        axes.yaxis.set_major_locator(LogLocator(numticks=RESIDUAL_TICKS))
         axes.set_ylim(bottom=0.03 * least)
         axes.set_ylabel("|difference|\n[%]")
         return

@@ -116,10 +116,10 @@ class WallForce:
 
     @property
     def duration(self) -> float:
-        """Impulse of the impact over its largest force [scaled, or s]; NaN if it has not ended.
+        """Impulse / peak of the impact [scaled, or s]; NaN if it has not ended.
 
-        This is an effective duration.  A single contact lasts longer, by a factor of about 1.6 if
-        its force is a half sine; an impact of several contacts may have a much shorter peak.
+        This is not the time in contact.  A single contact lasts longer, by a factor of about 1.6
+        if its force is a half sine; an impact of several contacts may have a much shorter peak.
         """
         return self.impulse_of_impact / self.peak if self.peak else math.nan
 

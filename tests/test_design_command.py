@@ -521,6 +521,7 @@ def test_too_many_variables_are_explained():
         ("diameter [mm],material\n-4,ptfe\n", "must be above 0"),
         ("diameter [mm],material\n.005,ptfe\n", "write diameter [m] if the column is in metres"),
         ("diameter [mm],material,colour\n4,ptfe,red\n", "unknown or repeated"),
+        ("diameter [mm],material,price\n4,ptfe,-1\n", "price in row 1 must be at least 0"),
     ],
 )
 def test_invalid_catalogues_are_explained(tmp_path, content, told):

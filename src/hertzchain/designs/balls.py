@@ -123,6 +123,11 @@ def _ball(row: int, cells: dict[str, str], unit: str, width: int, given: list[st
     with errors_at(f"row {row}"):
         kind = material(cells["material"])
     price = read("price") if cells.get("price") else float("nan")
+    if price < 0.0:
+        raise InputError(
+            f"price in row {row} must be at least 0, or empty if it is unknown, "
+            f"got {cells['price']}"
+        )
     return Ball(
         diameter, kind, cells.get("grade", ""), price, cells.get("name", ""),
         _in_stock(row, cells.get("count", "")),

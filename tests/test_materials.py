@@ -177,7 +177,10 @@ def test_leaving_hertz_is_complained_of_once_each():
     violations = hc.hertz_range(fast).violations
     assert len(violations) == 3
     # The ratios have the names that `print(hertz_range)` shows.
-    overlap, pressure, speed = str(hc.hertz_range(fast)).splitlines()
+    overlap, pressure, speed, *estimated = str(hc.hertz_range(fast)).splitlines()
+    assert "estimated before a run" in estimated[0]
+    assert "estimated" in repr(hc.hertz_range(fast))
+    assert "estimated" not in str(hc.hertz_range(fast, np.zeros(6)))
     # Yield comes first.
     for line, violation in zip((pressure, overlap, speed), violations, strict=True):
         assert violation.startswith(f"{line.split('  ')[0]} is ")

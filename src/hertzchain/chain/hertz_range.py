@@ -61,6 +61,11 @@ OTHER_STIFFNESS: Final = 2.0
 SMALL_EXCESS: Final = 1.1
 # Young's modulus [Pa] below which a material is a polymer; glass and metals are stiffer.
 POLYMER: Final = 1e10
+# Shown with ratios of collisions that were not simulated.
+ESTIMATED: Final = (
+    "estimated before a run (to about 10% in smooth chains only);\n"
+    "of a run: hertz_range(run.chain, run.largest_overlaps)"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +100,10 @@ class HertzRange:
     speed : float
         Velocity of the impact [m/s], if all overlaps are about proportional to its power 4/5, as in
         rows of balls without gaps, drives and static forces; otherwise 0.
+    estimated : bool
+        Whether the ratios follow from separate collisions before a run.  In smooth chains,
+        pressures of a simulation differ by up to about 10%; in others, such as rows of steel and
+        PTFE, they can be much larger or smaller.
 
     Examples
     --------
@@ -103,6 +112,8 @@ class HertzRange:
     overlap / radius  0.0041 at contact 1 (limit 0.01)
     pressure / yield  1.4 at contact 1 (limit 1)
     speed / sound  0.0002 (limit 0.01)
+    estimated before a run (to about 10% in smooth chains only);
+    of a run: hertz_range(run.chain, run.largest_overlaps)
     """
 
     overlap_ratio: Array
@@ -116,6 +127,7 @@ class HertzRange:
     soft: NDArray[np.bool_]
     losses: tuple[str, ...]
     speed: float = 0.0
+    estimated: bool = False
 
     @property
     def violations(self) -> tuple[str, ...]:
@@ -215,7 +227,7 @@ class HertzRange:
             f"{len(self.overlap_ratio)} contacts",
             f"overlap / radius {self.overlap_ratio[overlap]:.2g} at contact {overlap}, pressure / "
             f"yield {self.yield_ratio[pressure]:.3g} at contact {pressure}, speed / sound "
-            f"{self.speed_ratio:.2g}{exceeded}",
+            f"{self.speed_ratio:.2g}{exceeded}{', estimated before a run' * self.estimated}",
         )
 
     def _repr_html_(self) -> str:
@@ -232,6 +244,7 @@ class HertzRange:
                 f"pressure / yield  {self.yield_ratio[pressure]:.3g} at contact {pressure} "
                 "(limit 1)",
                 f"speed / sound  {self.speed_ratio:.2g} (limit {MAX_SPEED_RATIO:g})",
+                *([ESTIMATED] if self.estimated else []),
             )
         )
 
@@ -248,8 +261,9 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         Largest overlap of each contact in a simulation [m], of length N - 1, or N + 1 with the
         walls, such as ``run.largest_overlaps``.  By default, the motion towards the right end is
         treated as a sequence of isolated lossless collisions of two beads, and of the last bead
-        with a wall, under the static force of their contact.  Overlaps of a simulation differ by
-        up to about 20% in smooth chains.
+        with a wall, under the static force of their contact.  This is an estimate: overlaps of a
+        simulation differ by up to about 20% in smooth chains, and by much more in others, where
+        several beads collide at once or waves return.
 
     Raises
     ------
@@ -301,6 +315,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
             )
         ),
         speed=_speed(chain),
+        estimated=overlaps is None,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.description import strikers_in_words
-from ..chain.hertz_range import MAX_OVERLAP_RATIO, MAX_SPEED_RATIO, HertzRange
+from ..chain.hertz_range import ESTIMATED, MAX_OVERLAP_RATIO, MAX_SPEED_RATIO, HertzRange
 from ..chain.materials import RIGID, Material
 from ..chain.scales import Scales
 from ..chain.walls import Wall
@@ -185,7 +185,8 @@ def hertz_range_html(found: HertzRange) -> str:
         [name, f"{value:.3g}", place, f"{limit:g}", "exceeded" if value > limit else "within"]
         for name, value, place, limit in rows
     ]
-    notes = [note(f"{text[0].upper()}{text[1:]}.") for text in found.violations]
+    sentences = [*found.violations, *([ESTIMATED] if found.estimated else [])]
+    notes = [note(f"{text[0].upper()}{text[1:]}.") for text in sentences]
     return page(
         "HertzRange", f"{len(found.overlap_ratio)} contacts, numbered from the left wall (0)",
         table(("ratio", "largest", "at", "limit", ""), cells), *notes,

@@ -842,6 +842,18 @@ def test_simulate_compares_several_chain_files(run, tmp_path):
     assert [each["walls"][0]["peak"] for each in found] == peaks
     assert run("simulate", *files, "--animate", tmp_path / "a.gif")[0] == 2
     assert run("pulse", *files, "--csv")[0] == 2
+
+
+@pytest.mark.parametrize("wall", ["[chain.right_wall]\n", ""])
+def test_a_plot_of_chains_with_different_losses_names_them(run, tmp_path, wall):
+    text = EXPERIMENT.replace("[chain.right_wall]\n", wall)
+    files, picture = [tmp_path / "elastic.toml", tmp_path / "lossy.toml"], tmp_path / "both.svg"
+    files[0].write_text(text)
+    files[1].write_text(f'{text}[chain.loss]\nlaw = "restitution"\ncoefficient = 0.9\n')
+    assert run("simulate", *files, "--plot", picture)[0] == 0
+    drawn = picture.read_text()
+    assert "<!-- elastic (no loss)" in drawn
+    assert "<!-- lossy (restitution, coefficient = 0.9)" in drawn
     assert "may be given once" in run("simulate", files[0], files[0])[2]
 
 

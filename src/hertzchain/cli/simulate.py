@@ -271,11 +271,15 @@ def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str,
 
 def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], *, forces: bool) -> Axes:
     """Plot forces in sensors and on walls; or else velocities, of one run as a map."""
+    from ..plotting.labels import with_losses
     from ..plotting.pulses import plot_pulses
     from ..plotting.runs import plot_forces_of_runs
     from ..plotting.style import literal
     from ..simulation.wall_force import walls_of
 
+    labels = with_losses({name: run.chain for name, run in runs.items()})
+    runs = {labels[name]: run for name, run in runs.items()}
+    beads = {labels[name]: places for name, places in beads.items()}
     first, *others = runs.values()
     shown = {name: [*beads[name], *walls_of(run.chain).values()] for name, run in runs.items()}
     if not others and not forces:

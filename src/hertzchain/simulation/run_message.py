@@ -56,8 +56,8 @@ def end_message(
         "pulse left": f"the pulse left the chain {at}",
         "wall force complete": _complete(chain, at, sensitive=sensitive),
         "transit limit": (
-            f"stopped {at}, the longest run without until; the force on the right wall is not "
-            "complete"
+            f"stopped {at}, because a run without until lasts no longer; the force on the right "
+            "wall is not complete"
         ),
         "nothing more happens": f"all beads are in free flight and separating {at}; {so_far}",
         "time reached": f"stopped as requested {at}; {so_far}",
@@ -67,6 +67,20 @@ def end_message(
             f"the step size fell below the resolution of t {at}; {so_far}; use {milder}"
         ),
     }[status]
+
+
+def not_struck(chain: Chain) -> str:
+    """Error for a run without a given end, of a chain of which bead 1 does not move at time 0."""
+    gap = float(chain.gaps[chain.strikers - 1]) if chain.strikers else 0.0
+    falls = gap > 0.0 and chain.gravity > 0.0 and bool(chain.static_state.forces.any())
+    if not falls or chain.velocities.any():
+        return "bead 1 is not struck; give it a velocity, a striker or a drive, or until"
+    speed = measure(np.sqrt(2.0 * chain.gravity * gap), "m/s", chain.units)
+    time = measure(np.sqrt(2.0 * gap / chain.gravity), "s", chain.units)
+    return (
+        f"a run that begins with a fall from rest has no default end (the striker hits the chain "
+        f"at {speed} after {time}); give the striker this velocity without the gap, or until"
+    )
 
 
 def _complete(chain: Chain, at: str, *, sensitive: bool) -> str:

@@ -134,8 +134,8 @@ def _lines(
         )
     if changes and derivatives_mislead(found, by, changes):
         lines.append(
-            "Other maxima of the force can become the largest. The changes by 1% of several\n"
-            "beads do not add up: use hertzchain scatter."
+            "A small change of a bead can make another maximum of the force the largest one. The\n"
+            "changes by 1% of several beads therefore do not add up: use hertzchain scatter."
         )
     return lines
 

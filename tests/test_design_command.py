@@ -153,7 +153,9 @@ def test_searches_with_other_options_have_their_own_journals(file, tmp_path, run
     assert changed.returncode == 2
     assert "belongs to another problem" in changed.stderr
     assert "with another vary;" in changed.stderr
-    assert "--store" in changed.stderr
+    assert "to begin a new search, delete this file or name another folder (--store FOLDER" in (
+        changed.stderr
+    )
     assert run(file, "--store", "other").returncode == 0
 
 
@@ -522,6 +524,7 @@ def test_too_many_variables_are_explained():
         ("diameter [mm],material\n.005,ptfe\n", "write diameter [m] if the column is in metres"),
         ("diameter [mm],material,colour\n4,ptfe,red\n", "unknown or repeated"),
         ("diameter [mm],material,price\n4,ptfe,-1\n", "price in row 1 must be at least 0"),
+        ("diameter [mm],material\n4,\n", "row 1 has no material"),
     ],
 )
 def test_invalid_catalogues_are_explained(tmp_path, content, told):
@@ -529,6 +532,25 @@ def test_invalid_catalogues_are_explained(tmp_path, content, told):
     file.write_text(content)
     with pytest.raises(hc.InputError) as error:
         problem(chain=STEEL, minimise="velocity@last", vary=[hc.vary.balls(file)])
+    assert told in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("optional = 1", "optional must be true or false, got 1"),
+        ('balls = "bearing-ball"', "did you mean 'bearing-balls'?"),
+    ],
+)
+def test_mistakes_in_tables_of_balls_are_explained_in_the_words_of_the_file(tmp_path, line, told):
+    file = tmp_path / "problem.toml"
+    balls = "" if line.startswith("balls") else 'balls = "bearing-balls"\n'
+    file.write_text(
+        '[chain]\ndiameters = "5 mm"\nmaterials = "steel-304"\nbeads = 4\n'
+        f'[design]\nminimise = "velocity@last"\n[[design.vary]]\n{balls}{line}\n'
+    )
+    with pytest.raises(hc.InputError) as error:
+        load_design(file)
     assert told in str(error.value)
 
 
@@ -710,7 +732,7 @@ diameters = ["5 mm", "10 mm"]
     file.write_text(text)
     shown = run(file, "--dry-run").stdout
     assert "cannot be met" in shown
-    assert "there is nothing to search" in shown
+    assert "so no search is made" in shown
     assert "for the whole budget" not in shown
     file.write_text(text.partition("[design.subject_to]")[0])
     shown = run(file, "--dry-run", "--budget", "400").stdout

@@ -212,6 +212,26 @@ def test_places_may_be_empty_and_the_length_is_limited():
     assert sum(counts) == found.chain.beads
 
 
+def test_the_order_of_a_summary_may_be_the_start():
+    """The ball that arrives has its mark in the summary, and does not vary."""
+
+    def row(*start, beads="2:"):
+        given = hc.vary.balls(
+            materials="steel-304",
+            diameters=["4 mm", "5 mm"],
+            beads=beads,
+            optional=True,
+            start=start,
+        )
+        space = hc.Design(STEEL, minimise="velocity@last", vary=[given]).space
+        return [space.balls[i].diameter for i in space.start if i < len(space.balls)]
+
+    listed = "4 mm steel-304", "2 x 5 mm steel-304"
+    assert row("23.0673 mm steel-304 (arrives)", *listed) == row(*listed) == [4e-3, 5e-3, 5e-3]
+    # A ball that arrives and varies remains in the row.
+    assert row("4 mm steel-304 (arrives)", "5 mm steel-304", beads="1:") == [4e-3, 5e-3]
+
+
 def test_constraints_hold_and_are_active():
     limit = 0.95 * 2 * (1 + 9 * 0.75)
     problem = hc.Design(
@@ -669,7 +689,7 @@ def test_the_row_of_equal_balls_is_named_and_a_search_that_does_not_beat_it_says
     few = hc.design(found.problem, method="genetic", budget=12)
     advice = "nothing better than the best row of equal balls; give a larger budget or another seed"
     assert advice in few.summary()
-    assert "one start only by method 'genetic'" in few.summary()
+    assert "a single start by method 'genetic'" in few.summary()
     problem = hc.Design(chain, minimise="wall_force.peak", vary=[balls])
     assert "nothing better" not in hc.design(problem, budget=100).summary()
 
@@ -1377,11 +1397,16 @@ def test_a_runner_up_that_is_better_with_yield_is_named():
     )  # fmt: skip
     line = f"runner-up 1, which is worse with elastic contacts, has {by_yield[order[0]]:.4g} N"
     assert line in swapped.summary()
+    entry = swapped.as_dict()["better_if_yielding"]
+    assert entry["runner_up"] == 1
+    assert entry["value_with_yielding_contacts"] == by_yield[order[0]]
+    assert entry["radii"] == swapped.runners_up[0].chain.radii.tolist()
     best = dataclasses.replace(
         found, verified=[found.verified, *found.runners_up][order[0]],
         runners_up=tuple([found.verified, *found.runners_up][i] for i in order[1:]),
     )  # fmt: skip
     assert "runner-up" not in best.summary()
+    assert best.as_dict()["better_if_yielding"] is None
 
 
 def test_diameters_are_twice_the_radii():

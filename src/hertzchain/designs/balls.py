@@ -120,6 +120,8 @@ def _ball(row: int, cells: dict[str, str], unit: str, width: int, given: list[st
             f"got {cells['diameter']} {unit}; write diameter [m] if the column is in metres, or "
             "diameter [um] if the balls are this small"
         )
+    if not cells["material"]:
+        raise InputError(f"row {row} has no material")
     with errors_at(f"row {row}"):
         kind = material(cells["material"])
     price = read("price") if cells.get("price") else float("nan")

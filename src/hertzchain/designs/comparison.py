@@ -66,6 +66,20 @@ def value_if_yielding(result: DesignResult, found: Verified) -> float:
     return result._objective(found.yielding if known else found.values)
 
 
+def better_if_yielding(result: DesignResult) -> int | None:
+    """Index of the best runner-up with contacts that yield, if it is better than the design."""
+    values = {
+        i: result._sign * value_if_yielding(result, each)
+        for i, each in enumerate(result.runners_up)
+        if met(result.problem, each.values)
+    }
+    finite = {i: value for i, value in values.items() if math.isfinite(value)}
+    best = min(finite, default=None, key=lambda i: finite[i])
+    own = result._sign * value_if_yielding(result, result.verified)
+    better = best is not None and finite[best] < own - NEGLIGIBLE * abs(own)
+    return best if better else None
+
+
 def best_reference(result: DesignResult) -> str | None:
     """Name of the best reference that meets the constraints, if the design is hardly better."""
     best = _best_feasible(result)

@@ -152,7 +152,7 @@ def in_lines(problem: Design, found: Estimate) -> str:
         lines.append(f"each trial takes {found.samples} simulations, because of the scatter")
     units = {str(each): each.unit for each in problem.measures}
     if found.impossible is not None:
-        lines.append(f"{found.impossible}; there is nothing to search")
+        lines.append(f"{found.impossible}, so no search is made")
     shown = (f"{name} {in_words(value, units[name], problem.chain.units)}"
              for name, value in found.given.items() if value == value)  # fmt: skip
     lines.append(f"the given chain: {', '.join(shown)}")

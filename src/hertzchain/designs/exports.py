@@ -9,7 +9,13 @@ import numpy as np
 from ..chain.chain import Chain
 from ..store.chain_as_toml import chain_as_toml, chain_document
 from ..validation.json_types import finite
-from .comparison import compared, equal_balls, references_in_words
+from .comparison import (
+    better_if_yielding,
+    compared,
+    equal_balls,
+    references_in_words,
+    value_if_yielding,
+)
 from .measures import Measure
 
 if TYPE_CHECKING:
@@ -40,12 +46,16 @@ def bead_table(chain: Chain) -> str:
 
 def _balls(result: DesignResult) -> dict[str, Any]:
     """Beads in their order, parts, and the chain as the tables of a chain file."""
-    chain = result.chain
+    parts = [{"count": count, "ball": name} for count, name in result.parts]
+    return _beads(result.chain) | {"parts": parts}
+
+
+def _beads(chain: Chain) -> dict[str, Any]:
+    """Beads in their order, and the chain as the tables of a chain file."""
     return {
         "radii": chain.radii.tolist(),
         "masses": chain.masses.tolist(),
         "materials": None if chain.materials is None else [each.name for each in chain.materials],
-        "parts": [{"count": count, "ball": name} for count, name in result.parts],
         "chain_file": chain_document(chain),
     }
 
@@ -64,6 +74,19 @@ def _reference(result: DesignResult, name: str) -> dict[str, Any]:
     }
 
 
+def _better_if_yielding(result: DesignResult) -> dict[str, Any] | None:
+    """The runner-up that is better than the design with contacts that yield."""
+    place = better_if_yielding(result)
+    if place is None:
+        return None
+    found = result.runners_up[place]
+    return {
+        "runner_up": place + 1,
+        "value": result.objective_of(found),
+        "value_with_yielding_contacts": value_if_yielding(result, found),
+    } | _beads(found.chain)
+
+
 def as_dict(result: DesignResult) -> dict[str, Any]:
     """Plain types; numbers that are not finite are None."""
     problem = result.problem
@@ -76,6 +99,7 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "rtol": result.verified.rtol,
         "hertz_range_kept": not result.verified.outside_range,
         "with_yielding_contacts": dict(result.verified.yielding),
+        "better_if_yielding": _better_if_yielding(result),
         "constraints_met": result.met,
         "constraints": [str(each) for each in problem.requirements],
         "references": {

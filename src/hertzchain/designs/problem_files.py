@@ -31,7 +31,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from ..errors import InputError, errors_at, short_repr, unknown_name_error
+from ..errors import InputError, errors_at, short_repr, similar_names, unknown_name_error
 from ..store.chain_files import chain_from
 from ..store.toml_files import read_toml
 from ..validation.objects import file_path, shown_path
@@ -113,11 +113,23 @@ def _variable(entry: Any, folder: Path) -> Variable:
                 'change places in the same table, such as beads = "2:"'
             )
         return variables.order(**rest)
-    catalogue = entry[kind]
-    if not isinstance(catalogue, str):
-        raise InputError(f"balls must be {SHIPPED!r} or a file, got {short_repr(catalogue)}")
-    place = catalogue if catalogue == SHIPPED else folder / catalogue
-    return variables.balls(place, **rest)
+    if not isinstance(optional := rest.get("optional", False), bool):
+        raise InputError(f"optional must be true or false, got {short_repr(optional)}")
+    return variables.balls(_catalogue(entry[kind], folder), **rest)
+
+
+def _catalogue(name: Any, folder: Path) -> str | Path:
+    """The catalogue of hertzchain, or the path of a file."""
+    if not isinstance(name, str):
+        raise InputError(f"balls must be {SHIPPED!r} or a file, got {short_repr(name)}")
+    if name == SHIPPED:
+        return SHIPPED
+    file = folder / name
+    if not file.exists() and similar_names(name, [SHIPPED]):
+        raise InputError(
+            f"there is no catalogue of balls {shown_path(file)!r}; did you mean {SHIPPED!r}?"
+        )
+    return file
 
 
 def variables_of(kind: str) -> tuple[str, ...]:

@@ -10,8 +10,8 @@ import numpy as np
 from ..representation import counted, usual_unit, with_decimals
 from .ball_space import BallSpace
 from .comparison import (
-    NEGLIGIBLE,
     best_reference,
+    better_if_yielding,
     compared,
     has_yielding_value,
     references_in_words,
@@ -19,7 +19,8 @@ from .comparison import (
 )
 from .measures import Measure, in_words
 from .size_space import SizeSpace
-from .verified import Verified, met
+from .start_rows import ARRIVES
+from .verified import Verified
 
 if TYPE_CHECKING:
     from .result import DesignResult
@@ -148,23 +149,18 @@ def _heading(result: DesignResult) -> list[str]:
     if has_yielding_value(result, found):
         lines.append(f"  the same chain with contacts that yield, loss=ElasticPlastic(): "
                      f"{_shown_if_yielding(result, found)}")  # fmt: skip
-        lines += _better_if_yielding(result, found)
+        lines += _better_if_yielding(result)
     return lines
 
 
-def _better_if_yielding(result: DesignResult, found: Verified) -> list[str]:
+def _better_if_yielding(result: DesignResult) -> list[str]:
     """The runner-up that is better than the design with contacts that yield, if there is one."""
-    places = [i for i, each in enumerate(result.runners_up) if met(result.problem, each.values)]
-    if not places:
+    place = better_if_yielding(result)
+    if place is None:
         return []
-    values = [result._sign * value_if_yielding(result, result.runners_up[i]) for i in places]
-    least = int(np.nanargmin(values)) if np.isfinite(values).any() else 0
-    own = result._sign * value_if_yielding(result, found)
-    if not values[least] < own - NEGLIGIBLE * abs(own):
-        return []
-    shown = _shown_if_yielding(result, result.runners_up[places[least]])
-    return [f"  runner-up {places[least] + 1}, which is worse with elastic contacts, has {shown} "
-            "with contacts that yield"]  # fmt: skip
+    shown = _shown_if_yielding(result, result.runners_up[place])
+    return [f"  runner-up {place + 1}, which is worse with elastic contacts, has {shown} with "
+            "contacts that yield (runners_up in Python, better_if_yielding in --json)"]  # fmt: skip
 
 
 def _range_in_words(result: DesignResult) -> str:
@@ -271,7 +267,7 @@ def _starts(result: DesignResult) -> list[str]:
 
 def _of_starts(result: DesignResult) -> str:
     count = len(result.finals)
-    return "one start only" if count == 1 else f"best of {counted(count, 'start')}"
+    return "a single start" if count == 1 else f"best of {counted(count, 'start')}"
 
 
 def _requirement(result: DesignResult, index: int) -> str:
@@ -312,7 +308,7 @@ def _order(result: DesignResult) -> str:
     runs = []
     for (arrives, ball), members in groups:
         count = len(list(members))
-        runs.append((f"{count} x " if count > 1 else "") + ball + " (arrives)" * arrives)
+        runs.append((f"{count} x " if count > 1 else "") + ball + ARRIVES * arrives)
     return ", ".join(runs)
 
 

@@ -17,13 +17,18 @@ from . import stock
 from .ball_space import BallSpace
 from .balls import Ball, among
 
+# Ends a ball that moves at time 0 in the line `order` of a summary.
+ARRIVES: Final = " (arrives)"
 # An optional number of equal balls, a diameter with its unit, and an optional material.
 _FORM: Final = re.compile(r"(?:(\d+) ?x )?(\d[\d./ ]*(?:e-?\d+ ?)?)(\w+)(?: (.+))?")
 
 
 def start_row(space: BallSpace, given: Sequence[Any]) -> NDArray[np.int64]:
-    """The choice with these balls from the first place on; further places are empty."""
-    groups = [_ball_and_count(entry, space.balls) for entry in given]
+    """The choice with these balls from the first place on; further places are empty.
+
+    Balls of the line ``order`` of a summary that arrive are left out, unless they vary.
+    """
+    groups = [_ball_and_count(entry, space.balls) for entry in _varying(space, given)]
     total = sum(count for _, count in groups)
     if total > space.size or (total < space.size and not space.optional):
         most = "at most " if space.optional else ""
@@ -43,6 +48,17 @@ def start_row(space: BallSpace, given: Sequence[Any]) -> NDArray[np.int64]:
             f"start has {row.count(missing)} balls of {space.balls[missing]}, of which "
             f"{space.limits[missing]} are in stock"
         )
+    return found
+
+
+def _varying(space: BallSpace, given: Sequence[Any]) -> list[Any]:
+    """Balls without those that arrive; without only the mark of arrival if they vary."""
+    vary = bool(np.isin(np.flatnonzero(space.chain.velocities), space.places).all())
+    found = []
+    for entry in given:
+        arrives = isinstance(entry, str) and entry.endswith(ARRIVES)
+        if not arrives or vary:
+            found.append(entry.removesuffix(ARRIVES) if arrives else entry)
     return found
 
 

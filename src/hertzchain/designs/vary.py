@@ -172,6 +172,8 @@ def balls(
         A row with which the search begins and with which the design is compared: the balls from
         the first place on, such as ``["8 mm", "2 x 5 mm"]``.  If there are several materials, each
         ball has one: ``"5 mm ptfe"``.  Fewer balls than places are a row with empty places.
+        Balls from the line ``order`` of a summary that end in ``(arrives)`` do not vary and are
+        left out.
 
     Raises
     ------

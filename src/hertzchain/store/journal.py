@@ -73,8 +73,8 @@ class Journal:
         if found != key:
             raise InputError(
                 f"{os.fspath(self.path or '')!r} does not repeat the same search, perhaps because "
-                "a library or the computer has changed; remove it, or choose another folder with "
-                "store (on the command line: --store)"
+                "a library or the computer has changed; delete it, or name another folder "
+                "(--store FOLDER on the command line, store in Python)"
             )
         self.seconds = seconds
         return values
@@ -117,15 +117,16 @@ def _other_search(path: Path, found: str, needed: str) -> InputError:
         for header in (found, needed)
     )
     differing = [name for name, value in new.items() if old.get(name) != value]
-    elsewhere = "choose another folder with store (on the command line: --store)"
+    elsewhere = "name another folder (--store FOLDER on the command line, store in Python)"
     if "version" in differing:
         return InputError(
             f"{os.fspath(path)!r} belongs to another version of hertzchain; remove it, or "
             f"{elsewhere}"
         )
     return InputError(
-        f"{os.fspath(path)!r} belongs to another problem, with another {listed(differing)}; for a "
-        f"new search, {elsewhere}; to resume the old one, restore its {listed(differing)}"
+        f"{os.fspath(path)!r} belongs to another problem, with another {listed(differing)}; to "
+        f"begin a new search, delete this file or {elsewhere}; to resume the old one, "
+        f"restore its {listed(differing)}"
     )
 
 

@@ -685,6 +685,8 @@ def test_chains_in_words_name_strikers():
     assert chain_in_words(plain) == "uniform, 10 beads"
     two = plain.struck_by(count=2, radius=1.5, gap=0.5)
     assert chain_in_words(two) == "uniform, 10 beads, 2 strikers (radius 1.5, gap 0.5)"
+    heavy = hc.Chain.uniform(10).struck_by(radius=1.0, mass=3.0)
+    assert chain_in_words(heavy).endswith("striker (radius 1, mass 3)")
     flat = hc.Chain.from_materials("5 mm", "brass", beads=9).struck_by(
         radius=np.inf, mass="10 g", velocity="0.2 m/s"
     )

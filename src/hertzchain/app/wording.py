@@ -8,6 +8,7 @@ from typing import Final
 
 from ..chain.chain import Chain
 from ..chain.description import impact_in_words, length_in_words, sizes_in_words
+from ..collision import Array
 from ..notebook.drawing import engineering
 
 # Python expressions in messages, and the choice on the page instead.
@@ -53,9 +54,9 @@ def chain_in_words(chain: Chain) -> str:
         # Such as a flat striker, which is represented by a sphere of its mass.
         size = engineering(1e3 * float(chain.masses[:count].sum()), "g")
     elif chain.scaled:
-        size = (
-            f"radius {' to '.join(dict.fromkeys(f'{each:.4g}' for each in (radii[0], radii[-1])))}"
-        )
+        size = f"radius {_ends(radii)}"
+        if "masses" in chain.features:
+            size += f", mass {_ends(chain.masses[:count])}"
     else:
         size = sizes_in_words(radii)
     apart = float(chain.gaps[:count].max())
@@ -64,3 +65,8 @@ def chain_in_words(chain: Chain) -> str:
     name = "striker" if count == 1 else f"{count} strikers"
     speed = impact_in_words(chain.velocities, chain.units)
     return f"{chain[count:].description}, {name} ({size}){speed}"
+
+
+def _ends(values: Array) -> str:
+    """The first and the last value, or one if they are equal."""
+    return " to ".join(dict.fromkeys(f"{each:.4g}" for each in (values[0], values[-1])))

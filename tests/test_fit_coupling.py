@@ -91,6 +91,41 @@ def test_voltages_are_recognised_by_a_level_of_zero():
     assert other.values["gain[wall]"] == pytest.approx(0.05, rel=0.01)
 
 
+def small_static(level, noise=0.01):
+    """Traces in V of a row whose static force, 0.2 N, is less than 2% of the peaks."""
+    rng, found = np.random.default_rng(3), {}
+    for name, force in forces(static=0.2, velocity=0.25).items():
+        seen = np.concatenate((np.full(120, 0.2), force)) - 0.2 + level
+        noisy = seen + noise * rng.standard_normal(len(seen))
+        found[f"{NAMES[name]} [V]"] = 0.05 * noisy
+    return hc.Traces.from_arrays(SPACING * np.arange(len(seen)), found)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+@pytest.mark.parametrize("priors", [{}, {"gain[wall]": (0.05, 0.001)}])
+def test_gains_decide_whether_a_small_level_is_the_static_force(priors):
+    chain = held(precompression=0.2, velocities=[0.25] + [0.0] * BALLS)
+    free = ["stiffness", "loss.time", "time_offset", "gain[*]"]
+    for level, coupling in ((0.2, "DC"), (0.0, "AC")):
+        result = hc.fit(small_static(level), chain, free=free, priors=priors)
+        assert [signal.coupling for _, signal in result.traces] == [coupling] * 3
+        assert result.describes
+        assert "too uncertain" not in result.summary()
+    run = hc.simulate(chain, times=np.arange(0.0, 7e-4, 0.1e-6))
+    # The level is that of the static force, so that nothing is shifted.
+    notes = " ".join(run.compare(small_static(0.2)).notes)
+    assert "AC coupling" not in notes
+    assert "before the pulse" not in notes
+
+
+def test_a_level_that_shows_no_coupling_is_named():
+    chain = held(precompression=0.2, velocities=[0.25] + [0.0] * BALLS)
+    free = ["stiffness", "loss.time", "time_offset", "gain[*]"]
+    result = hc.fit(small_static(0.2, noise=3.0), chain, free=free)
+    assert "the level of bead 6, bead 11 and wall is too uncertain to show it" in result.summary()
+    assert 'if it does, set coupling = "DC"' in result.summary()
+
+
 def test_static_forces_of_sensors():
     # A force holds the free end, so that each contact has the same static force.
     for name in ("bead 6", "wall"):

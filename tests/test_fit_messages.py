@@ -98,6 +98,19 @@ def test_traces_are_rejected_if_most_of_a_pulse_is_clipped():
     assert above > 0.5 * duration
 
 
+def test_a_record_that_ends_before_the_pulse_is_not_regarded_as_clipped():
+    rng, step = np.random.default_rng(2), 0.5
+    times, columns = recorded()
+    # The noise of the wall reaches one step of the digitiser in some samples.
+    columns = {name: values[:330] for name, values in columns.items()}
+    size = len(columns["wall [N]"])
+    columns["wall [N]"] = step * rng.choice([-1.0, 0.0, 1.0], size, p=[0.05, 0.9, 0.05])
+    data = hc.Traces.from_arrays(times[:330], columns)
+    assert not any("saturated" in note for note in data.notes())
+    result = hc.fit(data, chain(), free=["time_offset"])
+    assert "the data of wall have no pulse above their noise" in result.summary()
+
+
 @pytest.mark.parametrize("limit", [30.0, 45.0])
 def test_a_fit_without_clipped_samples_recovers_the_truth(limit):
     result = hc.fit(traces(change=lambda columns: clipped(columns, limit)), chain(), free=FREE)

@@ -44,8 +44,8 @@ def order_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
     return []
 
 
-def silent_notes(shot: Shot, inside: Array) -> list[str]:
-    """Notes on compared data without a pulse."""
+def silent_notes(shot: Shot, inside: Array | None = None) -> list[str]:
+    """Notes on data, or on the part of them that is compared, without a pulse."""
     return [
         f"the data of {signal.name} have no pulse above their noise"
         for signal in shot.signals if not _has_pulse(signal, inside)

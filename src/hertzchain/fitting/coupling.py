@@ -6,7 +6,7 @@ precompressed chain.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
@@ -14,36 +14,54 @@ import numpy as np
 from ..chain.chain import Chain
 from ..errors import InputError
 from ..representation import listed
+from .noise import independent_samples
 from .places import Place
 from .signals import Signal
 from .traces import Traces, with_couplings
 
-# A static force matters if it exceeds this multiple of the noise.
+# A static force matters if it exceeds this multiple of the noise, and can be seen in a level if it
+# exceeds this multiple of the error of the level.
 NOTICED: Final = 5.0
-# A voltage before the pulse below this fraction of the range of the signal shows no static force.
-NO_LEVEL: Final = 0.02
+
+# Ratio of the signal of a sensor in a shot to the force.
+Gain = Callable[[int, Signal], float]
 
 
-def resolved_coupling(traces: Traces, chains: Sequence[Chain]) -> Traces:
+def resolved_coupling(traces: Traces, chains: Sequence[Chain], gain: Gain) -> Traces:
     """Traces in which all sensors have a coupling: by default, that which their level shows."""
 
     def choose(shot: int, signal: Signal) -> str:
-        if signal.coupling:
-            return signal.coupling
-        return "AC" if _shows_no_static_force(signal, chains[shot]) else "DC"
+        static = static_force(signal.place, chains[shot])
+        if signal.coupling or not static:
+            return signal.coupling or "DC"
+        return "AC" if _shows_no_static_force(signal, gain(shot, signal) * static) else "DC"
 
     return with_couplings(traces, choose)
 
 
-def _shows_no_static_force(signal: Signal, chain: Chain) -> bool:
-    """Whether the level before the pulse is nearer to zero than to the static force."""
-    static = static_force(signal.place, chain)
-    if static == 0.0 or not np.isfinite(signal.level):
+def _shows_no_static_force(signal: Signal, expected: float) -> bool:
+    """Whether the level before the pulse is nearer to zero than to that of the static force."""
+    if not np.isfinite(signal.level):
         return False
-    if not signal.calibrated:
-        seen = signal.values[np.isfinite(signal.values)]
-        return abs(signal.level) < max(NO_LEVEL * float(np.ptp(seen)), signal.sigma)
-    return abs(static) > NOTICED * signal.sigma and abs(signal.level) < 0.5 * abs(static)
+    if signal.calibrated:
+        noticed = abs(expected) > NOTICED * signal.sigma
+        return noticed and abs(signal.level) < 0.5 * abs(expected)
+    return not _can_be_seen(signal, expected) or abs(signal.level) < 0.5 * abs(expected)
+
+
+def _can_be_seen(signal: Signal, expected: float) -> bool:
+    """Whether a level before the pulse exceeds its error; false for one that is not known.
+
+    The mean of rounded samples has an additional error of up to the first term of the Fourier
+    series in B. Widrow and I. Kollar, Quantization Noise, Cambridge, 2008.
+    """
+    if not len(signal.quiet_values):
+        return False
+    error = signal.sigma / independent_samples(signal.quiet_values) ** 0.5
+    if signal.step > 0.0:
+        smoothing = float(np.exp(-2.0 * (np.pi * signal.noise / signal.step) ** 2))
+        error = float(np.hypot(error, signal.step / np.pi * smoothing))
+    return abs(expected) > NOTICED * error
 
 
 def static_force(place: Place, chain: Chain) -> float:
@@ -60,17 +78,21 @@ def static_force(place: Place, chain: Chain) -> float:
     return float(0.5 * (forces[bead - 1] + forces[bead]))
 
 
-def coupling_notes(traces: Traces, chains: Sequence[Chain]) -> tuple[str, ...]:
+def coupling_notes(traces: Traces, chains: Sequence[Chain], gain: Gain) -> tuple[str, ...]:
     """Notes on sensors whose signal does not contain the static force."""
     found: dict[str, float] = {}
+    hidden: dict[str, None] = {}
     for index, signal in traces:
         static = static_force(signal.place, chains[index])
         if signal.coupling == "AC" and abs(static) > 0.0:
             found.setdefault(signal.name, static)
+            if not _can_be_seen(signal, gain(index, signal) * static):
+                hidden.setdefault(signal.name)
     if not found:
         return ()
     forces = dict.fromkeys(f"{each:.3g}" for each in found.values())
+    unclear = f"; the level of {listed([*hidden])} is too uncertain to show it" if hidden else ""
     return (
-        f"AC coupling of {', '.join(found)}: the signal is 0 before the pulse and does not contain "
-        f'the static force of {listed([*forces])} N; if it does, set coupling = "DC"',
+        f"AC coupling of {', '.join(found)}: the signal does not contain the static force of "
+        f'{listed([*forces])} N{unclear}; if it does, set coupling = "DC"',
     )

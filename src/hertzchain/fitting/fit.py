@@ -16,7 +16,8 @@ from ..representation import counted
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
-from .coupling import coupling_notes
+from .arrival_notes import silent_notes
+from .coupling import coupling_notes, resolved_coupling
 from .diagnosis import diagnosed
 from .least_squares import Solution, solve, solve_again
 from .misread_columns import inversion_notes
@@ -148,7 +149,7 @@ def fit_with(
     check_used(parameters, data, chains)
     places = list({signal.name: signal.place for _, signal in data}.values())
     simulator = Simulator(places, None if progress is None else lambda done: progress(done, 0))
-    problem = Problem(make_model(data, chains, parameters, simulator))
+    problem = Problem(_coupled(make_model(data, chains, parameters, simulator), settings.start))
     return fitted(problem, settings.start, starts)
 
 
@@ -166,6 +167,17 @@ def fitted(problem: Problem, start: Mapping[str, float], starts: int) -> FitResu
         problem.set_correlated(correlated)
         solution = solve_again(problem, solution)
     return result_of(problem, solution)
+
+
+def _coupled(model: Model, start: Mapping[str, float]) -> Model:
+    """The model with the coupling that the levels of its signals show, at the first gains."""
+    values = with_gains(
+        model, {each.name: _nonzero_loss(model, each) for each in model.parameters}, start
+    )
+    traces = resolved_coupling(
+        model.traces, model.chains, lambda shot, signal: model.gain(shot, signal, values)
+    )
+    return replace(model, traces=traces)
 
 
 def _nonzero_loss(model: Model, parameter: Parameter) -> float:
@@ -238,8 +250,10 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     simulations = model.simulator.count
     duration = float(model.traces.shots[0].times[-1] - model.traces.shots[0].times[0])
     notes += (
+        *dict.fromkeys(note for shot in model.traces.shots for note in silent_notes(shot)),
         *inversion_notes(_gains(model, values)),
-        *coupling_notes(model.traces, chains), *range_notes(chains[0], duration),
+        *coupling_notes(model.traces, chains, lambda k, each: model.gain(k, each, values)),
+        *range_notes(chains[0], duration),
     )  # fmt: skip
     penalty = float(solution.residuals[count:] @ solution.residuals[count:])
     return FitResult(

@@ -215,6 +215,10 @@ class Model:
             self._sampled[key] = sampled(column, run.spacing, times - sensor.delay)
         return self._sampled[key]
 
+    def gain(self, shot: int, signal: Signal, values: Values) -> float:
+        """Gain of a sensor in a shot."""
+        return self._sensor(signal.name, self._of_shot(shot, values)).gain
+
     @staticmethod
     def _sensor(name: str, given: Values) -> Sensor:
         constants = {}

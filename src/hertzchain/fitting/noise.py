@@ -293,6 +293,8 @@ def _flat_top(height: Array) -> Array:
     mask = np.zeros(len(height), bool)
     below = np.unique(height[(height > CERTAIN * top) & ~flat])
     step = float(np.diff(np.append(below, top)).min()) if len(below) else 0.0
+    if not step and flat.sum() < MIN_FLAT * len(runs(flat)):
+        return mask  # single samples one step above the level are noise
     depth = max(CREST * top, STEPS_OF_CREST * step)
     crests = [part for part in runs(height > top - depth) if flat[part].any()]
     if not _is_clipped(np.concatenate([height[part] for part in crests]), top, step, depth):
@@ -326,4 +328,5 @@ def clipped_part(values: Array, mask: Array) -> tuple[int, int]:
     """Number of saturated samples, and of all samples of the pulses that they belong to."""
     height = np.abs(values - base_level(values))
     pulses = [part for part in runs(height > PULSE * height.max()) if mask[part].any()]
-    return int(mask.sum()), sum(part.stop - part.start for part in pulses)
+    clipped = sum(int(mask[part].sum()) for part in pulses)
+    return clipped, sum(part.stop - part.start for part in pulses)

@@ -12,7 +12,6 @@ from ..errors import InputError, errors_at, short_repr, unknown_name_error
 from ..store.chain_files import chain_from, load_chain
 from ..store.toml_files import read_toml
 from ..validation.objects import file_path, shown_path
-from .coupling import resolved_coupling
 from .traces import Traces, with_coupling
 
 # Keys of the table [fit] of a chain file: values and meanings.
@@ -101,8 +100,7 @@ def load_experiment(
                 "traces are in SI units, but the chain is in scaled variables; build it with "
                 "Chain.from_materials"
             )
-    traces = resolved_coupling(with_coupling(traces, settings.coupling), chains)
-    return traces, tuple(chains), settings
+    return with_coupling(traces, settings.coupling), tuple(chains), settings
 
 
 def load_chain_and_settings(path: str | os.PathLike[str]) -> tuple[Chain, Settings]:

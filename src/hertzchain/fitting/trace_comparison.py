@@ -24,8 +24,8 @@ from .arrival_notes import (
     sensors_outside,
     silent_notes,
 )
-from .coupling import coupling_notes, resolved_coupling, static_force
-from .misread_columns import inversion_notes
+from .coupling import Gain, coupling_notes, resolved_coupling, static_force
+from .misread_columns import inversion_notes, level_of
 from .missing_rows import gap_notes, gaps_between, with_missing_samples
 from .places import check_places
 from .sensor_comparison import (
@@ -242,7 +242,8 @@ def compare_traces(
     _require_comparable(run, traces)
     check_places((signal.place for signal in traces.shots[0].signals), run.chain)
     gaps = gaps_between(traces.shots[0].times)
-    traces = resolved_coupling(_complete(traces), [run.chain])
+    gain = _gain(run)
+    traces = resolved_coupling(_complete(traces), [run.chain], gain)
     shot = traces.shots[0]
     grid, columns = _columns(run, shot)
     check_arrivals(run, shot, columns, grid)
@@ -277,9 +278,22 @@ def compare_traces(
         *level_notes(shot, signals),
         *missing_notes(found.sensors),
         *pulse_notes(run, shot, columns, inside, float(shot.times[-1]) - time_offset),
-        *coupling_notes(traces, [run.chain]),
+        *coupling_notes(traces, [run.chain], gain),
     )
     return replace(found, notes=notes)
+
+
+def _gain(run: Run) -> Gain:
+    """Gains of sensors without calibration: ratios of measured to simulated changes."""
+
+    def gain(_: int, signal: Signal) -> float:
+        if signal.calibrated:
+            return 1.0
+        seen, simulated = signal.values[signal.valid], signal.place.signal(run)
+        size = float(np.abs(simulated - simulated[0]).max())
+        return float(np.abs(seen - level_of(signal)).max()) / size if size > 0.0 else 0.0
+
+    return gain
 
 
 def _complete(traces: Traces) -> Traces:
@@ -290,7 +304,7 @@ def _complete(traces: Traces) -> Traces:
 def check_unit_of_times(run: Run, traces: Traces) -> None:
     """Raise `InputError` if measured pulses last much longer or shorter than those of a run."""
     _require_comparable(run, traces)
-    shot = resolved_coupling(traces, [run.chain]).shots[0]
+    shot = resolved_coupling(traces, [run.chain], _gain(run)).shots[0]
     grid, columns = _columns(run, shot)
     check_durations(shot, columns, grid)
 

@@ -126,6 +126,36 @@ def test_priors_of_arguments_must_be_free():
                priors={"struck_by.velocity": ("25 cm/s", "5 mm/s")})  # fmt: skip
 
 
+def test_misspelled_names_of_priors_are_recognised():
+    with pytest.raises(hc.InputError, match=r"did you mean 'struck_by.velocity'\?"):
+        hc.fit(traces(), chain(), free=["stiffness"], priors={"struck_by.velocty": (0.25, 0.005)})
+
+
+def test_a_modulus_and_the_exponent_cannot_both_be_free():
+    free = ["materials[steel-52100].young", "exponent", "time_offset"]
+    with pytest.raises(hc.InputError, match="free 'stiffness' instead"):
+        hc.fit(traces(), chain(), free=free)
+
+
+def test_priors_of_a_file_for_sensors_without_a_signal_are_not_used(tmp_path):
+    file = tmp_path / "row.toml"
+    prior = '[fit]\nfree = ["time_offset"]\n[fit.prior]\n"gain[{}]" = [0.02, 0.001]\n'
+    file.write_text(f"{hc.chain_as_toml(chain())}\n{prior.format('ball 12')}")
+    with pytest.warns(hc.InputWarning, match=r"'gain\[ball 12\]' of the chain file is not used"):
+        assert hc.fit(traces(), file).names == ("time_offset",)
+    # Other names may be misspelled.
+    file.write_text(f"{hc.chain_as_toml(chain())}\n{prior.format('bal 12')}")
+    with pytest.raises(hc.InputError, match="unknown parameter"):
+        hc.fit(traces(), file)
+
+
+def test_posteriors_name_the_steps_that_they_need_and_show_moduli_in_gpa():
+    samples = np.array([[195e9], [197e9]])
+    posterior = hc.Posterior(("young",), samples, 0.5, 9.25, 100, np.zeros(1), ("Pa",))
+    assert "young  196.0 +- 1.0 GPa" in posterior.summary()
+    assert posterior.summary().endswith("an autocorrelation of 9 steps: take at least 463")
+
+
 def test_print_shows_the_whole_summary():
     result = fitted(VELOCITY, 2e-3)
     assert str(result) == result.summary()

@@ -32,7 +32,7 @@ WORDINGS: Final = (
     (r"\(scan_defects\)", "(--defects)"),
     (r"\(compare_losses\)", "(--laws all)"),
     (r"\bcompare_losses compares", "--laws all compares"),
-    (r"\badd '([^']*)' to the free parameters(, which are)?", r"add --also-free '\1'\2"),
+    (r"\badd '([^']*)' to the free parameters", r"add --also-free '\1'"),
     (r"\bcheck with run\.horizon\(\)", "check with --horizon"),
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),
     (r"(choose a value of the others, such as) (?!--at)", r"\1 --at "),

@@ -18,13 +18,14 @@ from ..chain.chain import Chain
 from ..chain.modifications import with_one_loss
 from ..collision import Array
 from ..errors import InputError, SimulationError
+from ..representation import listed
 from .chain_parameters import known_names, loss_parameters
 from .goodness import correlation_length
 from .loss_laws import typical_law
 from .misread_columns import misread_columns
 from .model import Model, make_model
 from .names import Name
-from .parameters import Parameter, kind_and_value
+from .parameters import ELASTIC, Parameter, kind_and_value
 from .problem import Problem
 from .result import FitResult
 from .systematics import EFFECTS, derivative
@@ -246,7 +247,11 @@ def _exponent(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterat
     name = Name("exponent")
     if name not in result.model.names and str(name) in known_names(result.chain):
         cause = _tried(result, (name,), refit)
-        if cause is not None:
+        moduli = [f"'{each}'" for each in result.model.names if each.key in ELASTIC]
+        if cause is not None and moduli:
+            advice = f"free 'stiffness' and 'exponent' instead of {listed(moduli)}"
+            yield replace(cause, advice=advice)
+        elif cause is not None:
             yield cause
 
 

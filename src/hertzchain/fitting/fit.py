@@ -27,7 +27,7 @@ from .parameters import Parameter, Priors, free_parameters
 from .prior_conflicts import conflict_notes
 from .problem import Problem, differences
 from .result import FitResult
-from .settings import Settings, load_experiment
+from .settings import Settings, for_sensors, load_experiment
 from .simulations import Simulator, range_notes
 from .starts import with_gains
 from .symmetry import units_of
@@ -126,7 +126,7 @@ def fit(
     """
     data, chains, settings = load_experiment(traces, chain, load_traces)
     callback("progress", progress)
-    settings = settings.updated(free, priors, start)
+    settings = for_sensors(settings, data).updated(free, priors, start)
     count = whole_number("starts", starts, least=1, most=6)
     result = diagnosed(fit_with(data, chains, settings, count, progress), settings.start, fitted)
     # Later simulations, such as those of scans and posteriors, report their own progress.

@@ -20,7 +20,7 @@ from .loss_laws import typical_law
 from .names import Name, parse_name
 from .parameters import Priors, default_names
 from .result import FitResult
-from .settings import Settings, load_experiment
+from .settings import Settings, for_sensors, load_experiment
 from .symmetry import units_of
 from .trace_files import load_traces
 
@@ -240,7 +240,7 @@ def compare_losses(
     ['viscoelastic', 'elastic']
     """
     data, chains, settings = load_experiment(traces, chain, load_traces)
-    settings = settings.updated(free, priors, start)
+    settings = for_sensors(settings, data).updated(free, priors, start)
     callback("progress", progress)
     wanted = DEFAULT_LAWS if laws is None else check_list("laws", laws, "names of laws")
     if not wanted:

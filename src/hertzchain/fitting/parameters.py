@@ -25,6 +25,8 @@ from .sensors import COMMON_ONLY, SENSOR_KINDS
 from .traces import Traces
 
 TIME: Final = Kind("s", typical=1e-6, step=1e-2)
+# Constants that determine the stiffness of Hertz contacts.
+ELASTIC: Final = ("materials.young", "materials.poisson")
 # Symbols of textbooks, and how the names that they stand for begin.
 SYMBOLS: Final = {
     "E": "materials[", "young": "materials[", "modulus": "materials[", "k": "stiffness",
@@ -109,6 +111,7 @@ def free_parameters(
         kind_and_value(name, traces, chains)  # unknown names are reported before others
     known_priors = _checked_priors(priors, traces, chains, names, optional)
     _check_gains(names, traces)
+    _check_moduli(names)
     starts = {}
     for text, value in start.items():
         for name in expanded(parse_name(text), traces):
@@ -131,6 +134,17 @@ def _check_gains(names: Collection[Name], traces: Traces) -> None:
         raise InputError(
             f"{listed([*fixed])} {these} in V without calibration, so {gains} must be free: add "
             "'gain[*]' to the free parameters"
+        )
+
+
+def _check_moduli(names: Collection[Name]) -> None:
+    """Raise `InputError` if constants of Hertz's law are free together with the exponent."""
+    elastic = [f"'{name}'" for name in names if name.key in ELASTIC]
+    if elastic and any(name.key == "exponent" for name in names):
+        raise InputError(
+            f"{listed(elastic)} cannot be free together with 'exponent', because materials "
+            "determine the stiffness of Hertz contacts (exponent 1.5) only; free 'stiffness' "
+            "instead"
         )
 
 
@@ -190,9 +204,10 @@ def _checked_priors(
         ]  # fmt: skip
         for name in asked:
             if name not in names:
+                kind_and_value(name, traces, chains)  # unknown names are reported as such
                 raise InputError(
                     f"{str(name)!r} has a prior but is not free: add {str(name)!r} to the free "
-                    f"parameters, which are {', '.join(map(str, names))}, or remove the prior"
+                    f"parameters, or remove the prior; free are {', '.join(map(str, names))}"
                 )
         if not asked:
             continue

@@ -165,9 +165,10 @@ class Posterior:
             return ""
         if np.isnan(self.autocorrelation):
             return f"{self.steps} steps are too few to estimate their autocorrelation; take more"
+        least = int(LONG_ENOUGH * self.autocorrelation) + 1
         return (
             f"only {self.steps} steps, too few for an autocorrelation of "
-            f"{self.autocorrelation:.0f} steps: take {LONG_ENOUGH} times that"
+            f"{self.autocorrelation:.0f} steps: take at least {least}"
         )
 
 

@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from ..chain.chain import Chain
-from ..errors import InputError, errors_at, short_repr, unknown_name_error
+from ..errors import (
+    InputError,
+    InputWarning,
+    errors_at,
+    short_repr,
+    unknown_name_error,
+    warn_user,
+)
 from ..store.chain_files import chain_from, load_chain
 from ..store.toml_files import read_toml
 from ..validation.objects import file_path, shown_path
+from .names import parse_name
+from .places import place_named
+from .sensors import SENSOR_KINDS
 from .traces import Traces, with_coupling
 
 # Keys of the table [fit] of a chain file: values and meanings.
@@ -68,6 +78,35 @@ class Settings:
             else frozenset({*self.priors, *self.start} - {*(priors or {}), *(start or {})}),
             self.coupling,
         )  # fmt: skip
+
+
+def for_sensors(settings: Settings, traces: Traces) -> Settings:
+    """Settings of a chain file without priors and starts of sensors that the traces do not have.
+
+    A file may describe all sensors of an experiment of which only some are fitted.
+    """
+    unused = [
+        name for name in {**settings.priors, **settings.start} if _is_of_other_sensor(name, traces)
+    ]
+    for name in unused:
+        warn_user(
+            f"{name!r} of the chain file is not used: the traces have no such sensor", InputWarning
+        )
+    priors, start = (
+        {name: value for name, value in given.items() if name not in unused}
+        for given in (settings.priors, settings.start)
+    )
+    return replace(settings, priors=priors, start=start)
+
+
+def _is_of_other_sensor(text: str, traces: Traces) -> bool:
+    """Whether a parameter belongs to a sensor at a place without a signal."""
+    try:
+        name = parse_name(text)
+        of_sensor = name.key in SENSOR_KINDS and name.item not in ("", "*", *traces.names)
+        return of_sensor and place_named(name.item).name == name.item
+    except InputError:
+        return False  # Names of another form are reported with the free parameters.
 
 
 def load_experiment(

@@ -12,8 +12,12 @@ from ..representation import with_error
 from .parameters import Parameter, kind_and_value
 from .traces import Traces
 
-# Values and errors of times and lengths are shown in these units.
-SHOWN: Final[Mapping[str, tuple[float, str]]] = {"s": (1e6, "us"), "m": (1e6, "um")}
+# Values and errors of times, lengths and moduli are shown in these units.
+SHOWN: Final[Mapping[str, tuple[float, str]]] = {
+    "s": (1e6, "us"),
+    "m": (1e6, "um"),
+    "Pa": (1e-9, "GPa"),
+}
 
 
 def shown_value(
@@ -29,7 +33,7 @@ def shown_value(
 
 
 def shown_with_error(value: float, sigma: float, unit: str) -> str:
-    """Value and error with their unit; times and lengths in us and um."""
+    """Value and error with their unit; times in us, lengths in um and moduli in GPa."""
     factor, unit = SHOWN.get(unit, (1.0, unit))
     return f"{with_error(factor * value, factor * sigma)} {unit}".rstrip()
 

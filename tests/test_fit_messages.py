@@ -12,6 +12,7 @@ import hertzchain as hc
 from hertzchain.cli import cli
 from hertzchain.fitting.noise import saturated
 from hertzchain.fitting.weak_directions import WeakDirection
+from hertzchain.plotting.fits import residual_bins
 from hertzchain.representation import with_error
 
 
@@ -334,3 +335,13 @@ def test_other_loss_laws_are_mentioned_only_if_a_loss_is_fitted(good, run):
     compared = run(*options, "--laws", "viscoelastic,elastic").stdout
     assert "delta BIC" in compared
     assert "only one loss law" not in compared
+
+
+@pytest.mark.parametrize("step", [0.04, 0.3, 0.4, 2.0])
+def test_bins_of_residuals_contain_equally_many_steps_of_the_digitiser(step):
+    edges = residual_bins(step)
+    assert edges[0] <= -5.0
+    assert edges[-1] >= 5.0
+    levels = step * np.arange(-400, 401)
+    counts, _ = np.histogram(levels, edges)
+    assert counts.min() == counts.max() >= 1

@@ -181,12 +181,13 @@ def plot_fit_residuals(result: FitResult) -> Figure:
             *((2, 1) if narrow else (1, 2)), figsize=(width, height * (1.0 + narrow)),
             layout="constrained",
         )  # fmt: skip
-        edges = np.linspace(-5.0, 5.0, 41)
+        steps = [signal.step / signal.sigma for _, signal in result.traces]
         for i, (shot, name, values) in enumerate(result.residuals()):
             seen = values[np.isfinite(values)]
             label = name + (f", shot {shot}" if len(result.traces.shots) > 1 else "")
             colour = curve_colour(left, i)
-            left.hist(np.clip(seen, -5.0, 5.0), edges, density=True, histtype="step", color=colour)
+            left.hist(np.clip(seen, -5.0, 5.0), residual_bins(steps[i]), density=True,
+                      histtype="step", color=colour)  # fmt: skip
             rho = autocorrelation(seen, 40)
             right.plot(np.arange(1, len(rho)), rho[1:], color=colour, linewidth=1.0, label=label)
         grid = np.linspace(-5.0, 5.0, 201)
@@ -194,6 +195,7 @@ def plot_fit_residuals(result: FitResult) -> Figure:
                   linewidth=0.9, label="normal distribution")  # fmt: skip
         # The first and the last bin also count the values beyond them.
         left.set_xticks([-5.0, -2.5, 0.0, 2.5, 5.0], ["≤ −5", "−2.5", "0", "2.5", "≥ 5"])
+        left.set_xlim(-5.5, 5.5)
         left.set_xlabel("residual / noise")
         left.set_ylabel("density")
         bound = 2.0 / np.sqrt(result.goodness.samples / max(1, len(result.residuals())))
@@ -204,6 +206,16 @@ def plot_fit_residuals(result: FitResult) -> Figure:
         right.set_ylabel("autocorrelation")
         _legend_above(figure, right, left)
     return figure
+
+
+def residual_bins(step: float) -> np.ndarray[Any, Any]:
+    """Edges of bins from -5 to 5 that contain equally many steps of a digitiser, all in noises."""
+    if not step:
+        return np.linspace(-5.0, 5.0, 41)
+    width = step * np.ceil(0.25 / step)
+    count = int(np.ceil(5.0 / width))
+    # Rounded samples without a signal are between the edges.
+    return np.asarray(width * np.arange(-count, count + 2) - 0.5 * step)
 
 
 def plot_correlations(result: FitResult) -> Figure:

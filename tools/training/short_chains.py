@@ -16,6 +16,7 @@ from hertzchain.kernels.fast_changes import STATES
 from hertzchain.theory.exponents import scaled
 from hertzchain.theory.universal_functions import UniversalFunctions
 
+from .last_fit import last_states
 from .responses import PLACES, STRONG
 from .training_chains import FINE_RTOLS, states_of
 
@@ -29,19 +30,12 @@ RISE: Final = 1e-3
 LOWEST_SLOPE: Final = -0.1275
 
 
-def last_states(functions: UniversalFunctions, rates: Array) -> Array:
-    """States of the last contacts by the law, (4, 3)."""
-    states = np.zeros((len(rates), STATES))
-    kernel.write_last(rates, functions.fast, states)
-    return states[-kernel.LAST :]
-
-
 def missing(functions: UniversalFunctions, s: float, contacts: int, rtol: float) -> Array | None:
     """Missing states of an exponential chain, and their response to a ramp, (4, 3, 2)."""
     ramp = np.linspace(-0.5, 0.5, contacts)
     rows = [s + rise * RISE * ramp for rise in (0.0, 1.0, -1.0, 2.0, -2.0)]
     found = [
-        None if states is None else states[-kernel.LAST :] - last_states(functions, row)
+        None if states is None else states[-kernel.LAST :] - last_states(functions.fast, row)
         for states, row in zip(states_of(rows, functions.exponent, (rtol,)), rows, strict=True)
     ]
     if any(each is None for each in found):

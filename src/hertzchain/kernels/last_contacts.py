@@ -19,7 +19,7 @@ with the mean :math:`\bar s_{k-14}`, of all earlier ones.  In short chains, the 
 forgotten at the end.  There, the states on exponential chains of that length, less those above, are
 added, and their response to a linear change of the rates,
 
-.. math:: D_{n,k}(\bar r) + R_{n,k}(\bar r)\,\frac{\sum_j x_j r_j}{\sum_j x_j^2} ,
+.. math:: D_{n,k}(\bar r) + R_{n,k}(\bar r)\,\frac{\sum_j x_j s_j}{\sum_j x_j^2} ,
     \qquad x_j = \frac{j}{n - 1} - \frac12 ,
 
 at the mean :math:`\bar r` of all n rates.  At one of the first twelve contacts, the differences of

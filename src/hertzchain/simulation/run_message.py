@@ -137,9 +137,7 @@ def _stiff_wall(chain: Chain, name: str) -> bool:
 def is_sensitive(chain: Chain, walls: Array, side: int) -> bool:
     """Whether the largest force on a wall follows its first impact in a chain without losses.
 
-    ``walls`` are the records of a run.  In runs of tapers with two tolerances, 1e-13 and 1e-12,
-    such forces on the right wall differed by 3e-11 to 7%, and those in the first contact by less
-    than 1e-9.
+    ``walls`` are the records of a run.
     """
     if not chain.lossless or ("left wall", "right wall")[side] not in chain.features:
         return False

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..collision import Array
 from ..kernels.fast_changes import EARLY, STATES, TAPS, WITHIN
-from ..kernels.last_contacts import LAST, SHORTEST, TERMS
+from ..kernels.last_contacts import LAST, TERMS
 
 # These functions are smooth at rate 0, unlike those within the chain: between the places that are
 # nearer to it, rounded values of the tables would determine their slopes.
@@ -66,18 +66,6 @@ def end_tables(
             np.transpose(Akima1DInterpolator(at, of_length).c, (2, 3, 1, 0, 4))
         ),
     }
-
-
-def left_by_impact(rates: Array, places: Array, short: Array) -> Array:
-    """Change of ln v at each bead, (N,), that the table of short chains makes."""
-    found, length = np.zeros(len(rates) + 1), len(rates) - SHORTEST
-    if 0 <= length < len(short):
-        line = np.linspace(-0.5, 0.5, len(rates))
-        mean = np.clip(rates.mean(), places[0], places[-1])
-        place = min(int(np.searchsorted(places, mean, "right")) - 1, len(places) - 2)
-        state = np.polyval(short[length, :, place].swapaxes(0, 1), mean - places[place])
-        found[-LAST:] = np.cumsum(state[:, 0] + line @ rates / (line @ line) * state[:, 1])
-    return found
 
 
 def _by_contact(pieces: Array) -> Array:

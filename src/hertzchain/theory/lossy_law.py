@@ -26,10 +26,9 @@ from ..chain.laws.base import Loss
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.pulse import Pulse
-from .end_response import left_by_impact
 from .loss_table import RATES, LossTable, inputs, loss_tables
+from .short_chains import left_by_impact
 from .tabulated_losses import LAWS, TabulatedLoss, tabulated_loss
-from .universal_functions import universal_functions
 
 # Momentum of the wave of equal beads in units of m v, first contact at which a tail can form,
 # power of the radius with which a long wave decays, and relative velocity of a tail that overtakes.
@@ -72,8 +71,7 @@ def lossy_pulse(
     parts, relative = error_parts(rates, x, table.largest, log_velocity + decay)
     _check_tail(chain, tabulated.label(law), relative, method)
     error = np.concatenate(([0.0], table.error @ parts))
-    of = universal_functions(HERTZ_EXPONENT).fast
-    left = np.abs(left_by_impact(np.diff(np.log(chain.radii)), of.end_places, of.short))
+    left = np.abs(left_by_impact(np.diff(np.log(chain.radii))))
     error += OF_SHORT * left * abs(effect[0].mean())
     total = pulse.velocity_error + error
     if pulse.velocity_error.max() <= warns_above and total.max() > DOUBTFUL:

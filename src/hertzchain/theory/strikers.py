@@ -21,10 +21,9 @@ from ..chain.feature_support import require_supported
 from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.pulse import Pulse
-from .end_response import left_by_impact
+from .short_chains import left_by_impact
 from .striker_table import striker_table
 from .table_weights import spline_weights
-from .universal_functions import universal_functions
 
 # Features of chains with another striker.
 FEATURES: Final = ("masses", "stiffness", "velocities", "strikers")
@@ -141,9 +140,8 @@ def _struck(chain: Chain, striker: Striker, pulse: Pulse) -> Pulse:
 
 def _errors_at_the_end(striker: Striker) -> Array:
     """Errors of the velocities, as the effects of striker and free end of a short chain overlap."""
-    of = universal_functions(HERTZ_EXPONENT).fast
     rates, heavy = np.diff(np.log(striker.chain.radii)), max(math.log(striker.mass), 0.0)
-    errors = np.abs(left_by_impact(rates, of.end_places, of.short)) * (striker.mass != 1.0)
+    errors = np.abs(left_by_impact(rates)) * (striker.mass != 1.0)
     errors[-1] += HEAVY * heavy**2 * math.exp(-FORGETTING * len(errors))
     if errors[-1] > DOUBTFUL:
         warn_user(

@@ -83,6 +83,14 @@ def test_the_law_estimates_its_error(board):
     assert ratio <= 7.0
 
 
+# Measured: 99.7% and 5.5 times the error, 100% and 6 times.
+@pytest.mark.parametrize("group", ["paper", "beyond"])
+def test_estimates_of_the_papers_tapers(board, group):
+    covered, ratio = board.coverage("local-rate", group)
+    assert covered >= 0.95
+    assert ratio <= 10.0
+
+
 def test_it_warns_where_it_is_off(board):
     worst = board.worst("velocity", first_bead=2)[0]
     assert np.all(board.warned[0][worst > 0.03])
@@ -574,14 +582,14 @@ def test_an_argument_that_is_not_a_chain_is_named(evaluated):
         evaluated([1.0, 1.0])
 
 
-@pytest.mark.parametrize(("rate", "outside"), [(0.2, 0), (0.25, 1), (0.3, 0)])
-def test_errors_in_a_taper_of_constant_rate(rate, outside):
-    """The numbers of the documentation: the law is exact after the impact, too."""
+@pytest.mark.parametrize("rate", [0.165, 0.2, 0.25, 0.3])
+def test_errors_in_a_taper_of_constant_rate(rate):
+    """Errors of the interpolation add up along the chain, and so does the estimate."""
     chain = hc.Chain.tapered("backward-exponential", rate, beads=60)
     law, exact = hc.local_rate(chain), hc.propagate(chain)
     run = hc.simulate(chain, times=0).pulse()
     # The error is not that of the reference: two integrations agree.
     np.testing.assert_allclose(exact.velocity, run.velocity, rtol=1e-9)
     errors = np.abs(law.velocity / exact.velocity - 1.0)
-    assert np.count_nonzero(errors > law.velocity_error) == outside
-    assert errors.max() < 2.0 * law.velocity_error.max()
+    assert np.all(errors <= law.velocity_error)
+    assert errors.max() < 2e-6

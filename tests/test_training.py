@@ -25,7 +25,7 @@ from training.training_chains import wavy_rates
 
 import hertzchain as hc
 from hertzchain.evaluation.unseen_tapers import unseen_radii
-from hertzchain.kernels.fast_changes import AHEAD, BEHIND, EARLY, PAIRS, PRODUCTS
+from hertzchain.kernels.fast_changes import AHEAD, BEHIND, COLUMNS, EARLY, PAIRS
 from hertzchain.theory import exponents
 from hertzchain.theory import universal_functions as tables
 from hertzchain.theory.local_rate import solve
@@ -316,7 +316,7 @@ def products_put_in(random, same):
     if same:
         # Those of two fast changes, the same for all stages.
         second = np.repeat(second[EARLY : EARLY + 1], len(second), axis=0)
-        by_state = second.reshape(*second.shape[:3], 3, PRODUCTS)
+        by_state = second.reshape(*second.shape[:3], 3, COLUMNS)
         by_state[..., PAIRS:] = 0.0
     put_in = dataclasses.replace(put_in, fast=put_in.fast._replace(second=second))
     nothing = put_in.fast._replace(second=np.zeros_like(second))

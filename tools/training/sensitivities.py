@@ -80,9 +80,7 @@ def law_states(functions: UniversalFunctions, rates: Array) -> Array:
     slow, fast = kernel.divide(rates, contacts)
     states, parts = np.empty((contacts, STATES)), np.empty((contacts, PARTS))
     deviations, slopes = np.empty((contacts, STATES)), np.empty((contacts, STATES, 2))
-    kernel.evaluate(
-        rates, slow, fast, functions.tables, functions.fast, states, deviations, slopes, parts
-    )
+    kernel.evaluate(rates, slow, fast, functions.arrays, states, deviations, slopes, parts)
     return states
 
 

@@ -205,7 +205,7 @@ def train(
     write_tables(folder, slow.anchors, found)
     write_fast(folder, measured)
     report("error estimate")
-    fast = fast_tables(exponent, functions.tables, **measured)
+    fast = fast_tables(exponent, functions.slow, **measured)
     functions = dataclasses.replace(functions, fast=fast)
     write_error(folder, estimate_constants(functions, stored))
 

@@ -63,6 +63,8 @@ def require_supported(
 ) -> None:
     """Raise an error for a chain with a feature that a method does not support."""
     require_chain(method, chain)
+    if not chain.features:
+        return
     # Strikers imply their velocities.
     moving = chain.velocities[chain.strikers :].any()
     implied = ["velocities"] if "strikers" in chain.features and not moving else []

@@ -140,7 +140,7 @@ def known_part(contact, rates, base, mean):
 
 # Arguments:
 # rates: of the chain
-# tables: `hertzchain.theory.universal_functions.FastTables`
+# tables: `hertzchain.kernels.law_tables.FastTables`
 # differences: (contacts,), is overwritten
 # work: (4 COUNT,), is overwritten
 # Results:

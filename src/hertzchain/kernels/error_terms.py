@@ -16,10 +16,12 @@ SLOW_PARTS, PARTS = 4, 16
 # Contacts from which on the state of the recursion counts, and from which on the pulse has
 # forgotten the impact.  The first contacts have functions of their own, which are more accurate.
 RECURSIVE, SETTLED = 12, 24
-# Large changes there have errors of higher order.
-FIRST, MORE_ACCURATE, LARGE_START = 3, 0.15, 600.0
+# Large changes there have errors of higher order, and steep forward tapers larger ones.
+FIRST, MORE_ACCURATE, LARGE_START, LONGER = 2, 0.15, 600.0, 0.09
+# Growth per contact of errors at the first contacts, beyond one of them.
+ADDED, SUMMED = 0.14, 6
 # Part of the square of an early error that strong backward tapers keep, up to a rate.
-PERSISTENT, PERSISTENT_UP_TO = 0.06, 0.25
+PERSISTENT, PERSISTENT_UP_TO = 0.1, 0.25
 # First contacts, whose slow rates follow the rates closely, and whose products of fast changes are
 # those within the chain, but should not be: there, squares of the curvature of the rates count.
 EARLY, UNKNOWN = 6, 0.45
@@ -30,17 +32,21 @@ TABULATED, LARGE_KNOWN = 2.5e-4, 1e-3
 REGULAR_SLOW = 0.955
 # Part of alternating fast changes that is not in doubt, and weights of changes of this part, as the
 # effect is known where the rates have alternated for some contacts, and of those of the slow rate.
-EXACT, TRANSITION, CHANGING = 0.995, 2.0, 1.5
+EXACT, TRANSITION, CHANGING = 0.995, 4.0, 3.6
 # Decay per contact of errors that do not accumulate, and weights of changes out of sight, and of
 # changes of the slow rate one and two contacts ahead.
 FADING, OF_AHEAD, OF_NEXT, OF_SECOND = 0.75, 0.8, 0.5, 0.1
-# Error of the interpolation in tapers, relative to the error near the rate 0.
-INTERPOLATED = 0.042
+# Error of the interpolation in tapers, relative to the error near the rate 0, and number of
+# contacts along which it doubles.
+INTERPOLATED, DOUBLING = 0.042, 60.0
+# Part of the error near the rate 0 that is left if the rate is constant, and changes of the rate
+# beyond which it grows no more.
+OF_CONSTANT, OF_CHANGES, SATURATED = 0.4, 1.1, 0.007
 # Overlap of impact and free end in equal beads.
 OF_EQUAL = 0.05
 # The same for the difference between the largest and the smallest rate: its weight, that of its
 # first power, and the error of the interpolation for constant rates.
-OF_SPREAD, LEAST, INTERPOLATED_END = 1.8, 0.03, 0.006
+OF_SPREAD, LEAST, INTERPOLATED_END, STEEPER = 1.8, 0.015, 0.003, 1.5
 # Larger weight of changes in backward tapers, where products of fast changes are less well known.
 LESS_KNOWN = 1.5
 # Weights of higher orders of large changes, and of fast changes that are much larger.
@@ -95,11 +101,27 @@ def change_of_base(contact, slow, fast):
 
 
 @compiled
-def start_size(rate, square):
+def change_of_regular(contact, slow, fast, regular, known):
+    """Square of changes of an alternation whose effect is tabulated, and of its mean rate."""
+    if contact < 1:
+        return 0.0
+    transition = TRANSITION * (regular[contact, 1] - regular[contact - 1, 1])
+    changing = CHANGING * change_of_base(contact, slow, fast)
+    return transition * transition + known * changing * changing
+
+
+@compiled
+def kinks(rate):
+    """Weight of changes near the free end, where the state of steep forward tapers has kinks."""
+    return 1.0 + 100.0 * (max(-0.1 - rate, 0.0) / 0.03) ** 2
+
+
+@compiled
+def start_size(contact, rate, square):
     """Size of slow changes at the first contacts, from their square."""
     # Forward tapers remember them longer.
     steep = (max(-rate, 0.0) / 0.04) ** 2
-    forward = 1.0 + steep + 0.6 * steep * steep
+    forward = 1.0 + steep + LONGER * (4 + contact) * steep * steep
     remembered = PERSISTENT * memory(rate, PERSISTENT_UP_TO)
     remembered += (1.0 - PERSISTENT) * memory(rate, 0.07)
     # Near the rate 0, the first order is smoothed, and its slope is not that of the simulation.
@@ -108,14 +130,28 @@ def start_size(rate, square):
 
 
 @compiled
-def of_exponential(contact, rate):
-    """Error on exponential chains, besides that of the very first contacts."""
+def start_weight(contact):
+    """Weight of changes at the first contacts: their errors add up along the chain."""
+    if contact < FIRST:
+        return MORE_ACCURATE
+    return 1.0 + ADDED * max(contact - SUMMED, 0) if contact < RECURSIVE else 1.0
+
+
+@compiled
+def of_exponential(contact, rate, spread):
+    """Error where the rate changes slowly by ``spread``, besides that of the first contacts."""
     excess = steepness(rate)
     value = 0.15 * excess**2 * (1.0 + (excess / 2.4) ** 5)
     beyond = (max(rate, 0.0) / 0.32) ** 4
-    value += INTERPOLATED * (1.0 - memory(rate, 0.24)) / (1.0 + beyond * beyond)
+    accumulated = 1.0 + contact / DOUBLING
+    value += INTERPOLATED * accumulated * (1.0 - memory(rate, 0.24)) / (1.0 + beyond * beyond)
     value += 0.5 * INTERPOLATED * min(1.0, (max(-0.05 - rate, 0.0) / 0.02) ** 2)
-    return value + (memory(rate, 0.02) if contact >= RECURSIVE else 0.0)
+    if contact < RECURSIVE:
+        return value
+    # Near the rate 0, the law's first order is smoothed.
+    constant = OF_CONSTANT * memory(rate, 0.015)
+    constant += (1.0 - OF_CONSTANT) * min(1.0, (max(-rate, 0.0) / 0.04) ** 2)
+    return value + constant + OF_CHANGES * spread / (spread + SATURATED) * memory(rate, 0.04)
 
 
 @compiled
@@ -155,15 +191,17 @@ def train_behind(rate, train):
 
 
 @compiled
-def overlap(contacts, contact, ending, mean_size, mean, spread):
+def overlap(contacts, contact, ending, mean_size, mean, lowest, spread):
     """Effect of the impact on the free end of a short chain."""
     if contact >= ending:
         # The effect is known for rates that are constant or change linearly.
-        return OF_SPREAD * np.exp(-0.4 * contacts) * (INTERPOLATED_END + spread) * (LEAST + spread)
+        forward = 1.0 + STEEPER * min(1.0, max(-0.015 - lowest, 0.0) / 0.03)
+        size = (INTERPOLATED_END + spread) * (LEAST + spread)
+        return OF_SPREAD * forward * np.exp(-0.4 * contacts) * size
     if contacts - contact > END:
         return 0.0
     # Nearly all of it on the last bead.
-    share = 1.0 if contact == contacts - 1 else 0.03
+    share = 1.0 if contact == contacts - 1 else 0.015
     size = np.exp(-0.25 * contacts) * mean_size + OF_EQUAL * np.exp(-0.55 * contacts)
     return share * np.exp(-60.0 * max(mean, 0.0)) * size
 
@@ -192,7 +230,8 @@ def write_parts(contacts, ending, slow, fast, doubts, regular, parts):
         step = slow[k] - slow[k - 1] if k > 0 else 0.0
         forgotten = memory(q, 0.2)
         lowest, highest = min(lowest, q), max(highest, q)
-        exponential = max(exponential, of_exponential(k, q))
+        spread = highest - lowest
+        exponential = max(exponential, of_exponential(k, q, spread))
         third += size * (np.sqrt(size) / (1.0 + size / LARGE) + BEYOND * size)
         known = all_of_it - size
         third += TABULATED * known / (1.0 + known / LARGE_KNOWN)
@@ -201,9 +240,7 @@ def write_parts(contacts, ending, slow, fast, doubts, regular, parts):
         tapered += size * abs(q) * memory(q, 0.11)
         jagged += (1.0 - remembered) * max(-step * before, 0.0)
         before = step
-        transition = TRANSITION * (regular[k, 1] - regular[k - 1, 1]) if k > 0 else 0.0
-        changing = CHANGING * change_of_base(k, slow, fast)
-        of_regular = transition * transition + (all_of_it - size) * changing * changing
+        of_regular = change_of_regular(k, slow, fast, regular, all_of_it - size)
         mixed += (size * step * step * doubted + of_regular) * forgotten
         steps = step * step + OF_NEXT * step_square(k + 1, slow)
         both = size + doubted * steps * (MORE_ACCURATE if k < FIRST else 1.0)
@@ -226,17 +263,15 @@ def write_parts(contacts, ending, slow, fast, doubts, regular, parts):
         at_end = contacts - k <= END
         regular_slow = EXACT if at_end else REGULAR_SLOW
         alternating = regular_slow * regular[k, 0] / (1.0 + (q / 0.02) ** 4)
-        # Near the free end of steep forward tapers, the state has kinks.
-        kinks = 1.0 + 100.0 * (max(-0.1 - q, 0.0) / 0.03) ** 2
         parts[k, 0], parts[k, 1] = 1.0, exponential
         for i in range(SLOW_PARTS):
             parts[k, 2 + i] = doubts[k, i] * (1.0 - alternating)
         parts[k, 6], parts[k, 7], parts[k, 8] = third, tapered, np.sqrt(mixed)
         parts[k, 9], parts[k, 10] = faded + ahead * recent, steep + ahead * doubtful
-        parts[k, 11] = doubted * step * step * kinks if at_end else 0.0
+        parts[k, 11] = doubted * step * step * kinks(q) if at_end else 0.0
         if k == contacts - 1:
             parts[k, 11] += STEEP_END * abs(slope) ** 3
         parts[k, 12] = size if at_end else 0.0
-        spread = highest - lowest
-        parts[k, 13] = overlap(contacts, k, ending, mean_size / weight, mean / weight, spread)
+        average, size_of_it = mean / weight, mean_size / weight
+        parts[k, 13] = overlap(contacts, k, ending, size_of_it, average, lowest, spread)
         parts[k, 14], parts[k, 15] = lost_maximum(contacts, k, slow) + overtaken, jagged

@@ -32,7 +32,8 @@ from numba import njit
 from .compilation import OPTIONS, internal
 
 STATES = 3
-# Numbers of each component in a table of a response, also in that of the recursion.
+# Numbers of each component in a table of a response, also in that of the recursion; the last ones
+# are zero.
 COLUMNS = 36
 # Contacts with separate responses after the impact and before the free end.
 EARLY, END = 12, 5
@@ -282,16 +283,8 @@ def dot(values, factors):
     return total
 
 
-@compiled
-def parts_of(work):
-    """Arrays for products and their coefficients, and for factors of the first order."""
-    first = PRODUCTS
-    second = first + STATES * PRODUCTS
-    return work[:first], work[first:second], work[second : second + STATES * COLUMNS]
-
-
 # Numbers that `add_response` and `from_response` need for a contact.
-WORK = (1 + STATES) * PRODUCTS + STATES * COLUMNS
+WORK = 2 * STATES * COLUMNS
 
 
 @compiled
@@ -308,7 +301,7 @@ def write_factors(contact, fast, steps, factors):
 # contacts: number of contacts of the chain
 # slow, fast: results of `smooth`, up to two contacts ahead of the last one followed
 # steps: result of `write_steps`
-# tables: `hertzchain.theory.universal_functions.FastTables`
+# tables: `hertzchain.kernels.law_tables.FastTables`
 # work: (WORK,), is overwritten
 # states: (followed, 3), to which the response is added
 @entry_point
@@ -318,7 +311,8 @@ def add_response(contacts, slow, fast, steps, tables, work, states):
     Returns the first contact at which products are meaningless, or else ``followed``: from there
     on, they are omitted.
     """
-    products, bends, factors = parts_of(work)
+    products, factors = work[:COLUMNS], work[COLUMNS : 2 * COLUMNS]
+    products[PRODUCTS:] = 0.0
     place, knot, sound = 0, 0, len(states)
     for k in range(len(states)):
         q, stage = slow[k], stage_of(k, contacts)
@@ -331,13 +325,10 @@ def add_response(contacts, slow, fast, steps, tables, work, states):
         states[k, 2] += third
         if k < sound and not negligible(around):
             knot, distance = interval_of(q, tables.knots, knot)
-            polynomials(tables.second[stage, knot], distance, bends)
             g, _, _ = gain(q, size_of(around), tables.steady)
             begin, end = rise_between(k, slow)
             multiply(around, g, (slow[end] - slow[begin]) / (end - begin), products)
-            first = dot(bends[:PRODUCTS], products)
-            second = dot(bends[PRODUCTS : 2 * PRODUCTS], products)
-            third = dot(bends[2 * PRODUCTS :], products)
+            first, second, third = three_sums(tables.second[stage, knot], distance, products)
             if max(abs(first), abs(second), abs(third)) < MEANINGLESS:
                 states[k, 0] += first
                 states[k, 1] += second
@@ -357,10 +348,10 @@ def from_response(
     contacts, slow, fast, steps, tables, seeds, work, sound, to_slow, to_fast, to_steps
 ):  # fmt: skip
     """Add derivatives with respect to both parts of the rates."""
-    products, of_products, of_first = parts_of(work)
-    bends, bend_slopes = of_products[:PRODUCTS], of_products[PRODUCTS : 2 * PRODUCTS]
-    factors, values = of_first[:COLUMNS], of_first[COLUMNS : 2 * COLUMNS]
-    slopes = of_first[2 * COLUMNS :]
+    n = COLUMNS
+    products, bends, bend_slopes = work[:n], work[n : 2 * n], work[2 * n : 3 * n]
+    factors, values, slopes = work[3 * n : 4 * n], work[4 * n : 5 * n], work[5 * n : 6 * n]
+    products[PRODUCTS:] = 0.0
     to_steps[:] = 0.0
     place, knot = 0, 0
     for k in range(len(seeds)):
@@ -403,7 +394,7 @@ def add_rise(pieces, weights, x, rise, to_around):
     for i in range(FACTORS):
         total = 0.0
         for state in range(STATES):
-            n = state * PRODUCTS + PAIRS + i
+            n = state * COLUMNS + PAIRS + i
             value = ((pieces[0, n] * x + pieces[1, n]) * x + pieces[2, n]) * x + pieces[3, n]
             total += weights[state] * value
         to_around[NEAR + i] += rise * total

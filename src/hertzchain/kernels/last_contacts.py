@@ -148,7 +148,7 @@ def multiply_inputs(inputs, products):
 
 
 # rates: of all contacts of the chain
-# tables: `hertzchain.theory.universal_functions.FastTables`
+# tables: `hertzchain.kernels.law_tables.FastTables`
 # states: (followed, 3), whose last rows are written
 @allocating
 def write_last(rates, tables, states):

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .error_terms import FIRST, MORE_ACCURATE, RECURSIVE, SETTLED, slow_weight, start_size
+from .error_terms import RECURSIVE, SETTLED, slow_weight, start_size, start_weight
 from .fast_changes import (
     STATES,
     combine,
@@ -167,7 +167,7 @@ def forward(
             of_rates += inputs[i] * inputs[i]
         if k < RECURSIVE:
             # The state after the impact is known, and only changes of the rate are in doubt.
-            start += start_size(rates[k], of_rates)
+            start += start_size(k, rates[k], of_rates)
         else:
             weight = slow_weight(rates[k]) ** 2
             large = (of_state / LARGE_STATE) ** 2
@@ -178,7 +178,7 @@ def forward(
                 impact += of_state * weight
             else:
                 others += of_state * weight
-        doubts[k, 0] = np.sqrt(start) * (MORE_ACCURATE if k < FIRST else 1.0)
+        doubts[k, 0] = np.sqrt(start) * start_weight(k)
         doubts[k, 1], doubts[k, 2], doubts[k, 3] = np.sqrt(impact), np.sqrt(others), np.sqrt(third)
         if away:
             for i in range(STATES):

@@ -22,6 +22,7 @@ from .fast_changes import (
     write_steps,
 )
 from .last_contacts import first_of, from_last, write_last
+from .law_tables import FastTables, SlowTables
 from .local_rate import WORK as SLOW_WORK
 from .local_rate import backward, forward
 
@@ -88,20 +89,25 @@ def divide(rates, followed):
     return slow, fast
 
 
+# With reference counting, as its results are those of functions that count references.
+@allocating
+def tables_of(arrays):
+    """Tables from a plain tuple: to read named ones from Python takes three times as long."""
+    return SlowTables(*arrays[:4]), FastTables(*arrays[4:])
+
+
 # rates, slow, fast: of the chain, and results of `divide`
-# slow_tables: nodes, anchors, knots and response, for `forward`; fast_tables: for `add_response`
+# arrays: of all tables, `hertzchain.theory.universal_functions.UniversalFunctions.arrays`
 # states: (followed, 3), result; deviations, slopes: see `forward`
 # parts: (followed, 16), result, see `write_parts`
 @allocating
-def evaluate(
-    rates, slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
-):  # fmt: skip
+def evaluate(rates, slow, fast, arrays, states, deviations, slopes, parts):
     """Compute states of contacts.
 
     Returns the first that diverges and the first at which products of fast changes are
     meaningless, or else their number, and whether rates alternate.
     """
-    nodes, anchors, knots, response = slow_tables
+    (nodes, anchors, knots, response), fast_tables = tables_of(arrays)
     doubts, work = np.empty((len(states), SLOW_PARTS)), np.empty(LONGEST_WORK)
     contacts, regular = len(rates), np.empty((len(states), 2))
     lost = forward(
@@ -135,12 +141,10 @@ def all_sound(by_bead, by_contact):
 
 
 @allocating
-def pulse(
-    radii, slow_tables, fast_tables, constants, of_time, of_overlap, by_bead, by_contact
-):  # fmt: skip
+def pulse(radii, arrays, constants, of_time, of_overlap, by_bead, by_contact):
     """Evaluate the law; returns the largest estimated error, and whether all values are sound."""
     # The error is infinite if a rate is outside the tables.
-    # slow_tables, fast_tables: as for `evaluate`; constants: (16,), of the estimated error
+    # arrays: as for `evaluate`; constants: (16,), of the estimated error
     # of_time, of_overlap: powers (a, b, c, d, e) of residence times and overlaps
     # by_bead (3, N): result: velocities, their estimated errors, arrivals
     # by_contact (2, N - 1): result: residence times, overlaps
@@ -149,9 +153,7 @@ def pulse(
     slow, fast = divide(rates, contacts)
     states, parts = np.empty((contacts, STATES)), np.empty((contacts, PARTS))
     deviations, slopes = np.empty((contacts, STATES)), np.empty((contacts, STATES, 2))
-    lost, _, _ = evaluate(
-        rates, slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
-    )
+    lost, _, _ = evaluate(rates, slow, fast, arrays, states, deviations, slopes, parts)
     velocity, error, arrival = by_bead[0], by_bead[1], by_bead[2]
     residence, overlap = by_contact[0], by_contact[1]
     velocity[0], error[0], arrival[0] = 1.0, 0.0, 0.0
@@ -166,24 +168,23 @@ def pulse(
         velocity[k + 1] = np.exp(log_velocity)
         error[k + 1] = estimated_error(k, parts, constants, lost)
         arrival[k + 1] = arrival[k] + residence[k]
-    largest = np.inf if any_outside(rates, slow_tables[0]) else np.max(error)
+    largest = np.inf if any_outside(rates, arrays[0]) else np.max(error)
     return largest, all_sound(by_bead, by_contact)
 
 
 @allocating
-def gradient(
-    radii, slow_tables, fast_tables, constants, powers, begin, end, followed, found
-):  # fmt: skip
+def gradient(radii, arrays, constants, powers, begin, end, followed, found):
     """Sum of a quantity over beads, and its error; writes derivatives of ln(sum) to ``found``."""
     # powers: (a, b, c, d, e) of the quantity; begin, end: the beads, from 0, the last excluded
     # followed: number of contacts on which the quantity depends
     # found: (N,), derivatives with respect to the logarithms of the radii
+    slow_tables, fast_tables = tables_of(arrays)
     logs, rates = logarithms(radii)
     slow, fast = divide(rates, followed)
     states, parts = np.empty((followed, STATES)), np.empty((followed, PARTS))
     deviations, slopes = np.empty((followed, STATES)), np.empty((followed, STATES, 2))
     lost, sound, alternating = evaluate(
-        rates, slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
+        rates, slow, fast, arrays, states, deviations, slopes, parts
     )
     weights = np.empty(end - begin)
     log_velocity = states[:begin, 0].sum()
@@ -215,7 +216,7 @@ def gradient(
     error = 0.0
     for k in range(followed):
         error = max(error, estimated_error(k, parts, constants, lost))
-    return total, np.inf if any_outside(rates[:followed], slow_tables[0]) else error
+    return total, np.inf if any_outside(rates[:followed], arrays[0]) else error
 
 
 @compiled

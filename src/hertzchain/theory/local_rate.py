@@ -122,7 +122,7 @@ def local_rate(chain: Chain) -> Pulse:
     by_bead, by_contact = np.empty((3, chain.beads)), np.empty((2, chain.beads - 1))
     wanted = of["residence"], of["peak_overlap"]
     error, sound = kernel.pulse(
-        chain.radii, functions.tables, functions.fast, functions.error, *wanted, by_bead, by_contact
+        chain.radii, functions.arrays, functions.error, *wanted, by_bead, by_contact
     )
     if not error <= DOUBTFUL:
         _warn_outside(chain, functions, chain.beads)
@@ -152,7 +152,7 @@ def velocity_errors(radii: Array, exponent: float) -> Array | None:
     by_bead, by_contact = np.empty((3, beads)), np.empty((2, beads - 1))
     wanted = of["residence"], of["peak_overlap"]
     largest, _ = kernel.pulse(
-        radii, functions.tables, functions.fast, functions.error, *wanted, by_bead, by_contact
+        radii, functions.arrays, functions.error, *wanted, by_bead, by_contact
     )
     return by_bead[1] if np.isfinite(largest) else None
 
@@ -225,8 +225,7 @@ def local_rate_gradient(
     followed = end if QUANTITIES[of].per == "contact" else bead - 1
     value, error = kernel.gradient(
         scaled.radii,
-        functions.tables,
-        functions.fast,
+        functions.arrays,
         functions.error,
         powers(chain.exponents)[of],
         begin,
@@ -294,7 +293,7 @@ def solve(chain: Chain, functions: UniversalFunctions) -> Solution:
     # These are needed only for the gradient.
     deviations, slopes = np.empty((contacts, 3)), np.empty((contacts, 3, 2))
     lost, _, _ = kernel.evaluate(
-        rates, slow, fast, functions.tables, functions.fast, states, deviations, slopes, parts
+        rates, slow, fast, functions.arrays, states, deviations, slopes, parts
     )
     return Solution(rates, slow, states, parts, lost)
 

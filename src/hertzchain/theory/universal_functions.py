@@ -27,13 +27,14 @@ from dataclasses import dataclass
 from importlib import resources
 from itertools import combinations_with_replacement
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array, velocity_transfer
 from ..errors import InputError
+from ..kernels.law_tables import FastTables, SlowTables
 from ..pulse.pulse import Pulse
 from . import exponents
 from .packed_tables import STEPS, unpack
@@ -67,63 +68,6 @@ NOTHING: Final = np.zeros(0)
 # Number of coefficients of higher orders of the last four contacts.
 LAST: Final = 552
 MIN_BEADS: Final = 9
-
-
-class FastTables(NamedTuple):
-    """Responses to fast changes and to the free end, as piecewise cubic polynomials.
-
-    See `hertzchain.kernels.fast_changes`.
-
-    Attributes
-    ----------
-    places : ndarray, shape (n + 1,)
-        Ends of the intervals of ``first``.
-    first : ndarray, shape (18, n, 4, 108)
-        First order of each stage (twelve after the impact, within, five before the free end):
-        coefficients of the powers 3 to 0, each for the three components.  Of each component, these
-        are the responses G to fast changes and H to steps of the slow rates, at sixteen offsets,
-        the state on an exponential chain, less that of the recursion, as is H, and three zeros.
-    knots : ndarray, shape (K + 1,)
-        Ends of the intervals of ``second``.
-    second : ndarray, shape (18, K, 4, 105)
-        Coefficients A of the products of two fast changes, and K of those of a fast change and the
-        change of the slow rate, for each stage and component.
-    last_knots : ndarray, shape (L + 1,)
-        Ends of the intervals of ``last``.
-    last : ndarray, shape (4, L, 4, 138)
-        Coefficients B and C of the last four contacts, see `hertzchain.kernels.last_contacts`.
-    end_places : ndarray, shape (P + 1,)
-        Ends of the intervals of the following tables; empty if there are none.
-    end_response : ndarray, shape (4, P, 4, 54)
-        First order of the last four contacts: of each component, the responses G to sixteen rates
-        and to all earlier ones, and the state on an exponential chain.
-    impact : ndarray, shape (12, P, 4, 54)
-        The same of the first contacts, less those within.
-    short : ndarray, shape (33, 4, P, 4, 6)
-        What the impact leaves at the last four contacts of chains of 8 to 40 contacts: of each
-        component, the state on exponential chains, and the response to a linear change of the rate.
-    steady : float
-        Constant c of the factor of the products of two fast changes.
-    bases : ndarray, shape (B + 1,)
-        Ends of the intervals of ``alternating``; empty if there is no such table.
-    alternating : ndarray, shape (18, B, 4, 36)
-        Coefficients of powers of the amplitude of alternating rates, for each stage and component,
-        see `hertzchain.kernels.alternation`.
-    """
-
-    places: Array
-    first: Array
-    knots: Array
-    second: Array
-    last_knots: Array
-    last: Array
-    end_places: Array
-    end_response: Array
-    impact: Array
-    short: Array
-    steady: float
-    bases: Array
-    alternating: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,9 +104,14 @@ class UniversalFunctions:
     error: Array
 
     @property
-    def tables(self) -> tuple[Array, Array, Array, Array]:
-        """Nodes, anchors, knots and response, the arguments of the kernel."""
-        return self.nodes, self.anchors, self.knots, self.response
+    def slow(self) -> SlowTables:
+        """Tables of the recursion along the slow rates."""
+        return SlowTables(self.nodes, self.anchors, self.knots, self.response)
+
+    @functools.cached_property
+    def arrays(self) -> tuple[Array | float, ...]:
+        """All tables, as an argument of kernels."""
+        return *self.slow, *self.fast
 
     @property
     def range(self) -> tuple[float, float]:
@@ -320,17 +269,18 @@ def _first_order(single: Array, rest: Array) -> Array:
 
 
 def _by_stage(pieces: Array) -> Array:
-    """Products of fast changes of each stage, (stages, intervals, 4, 105).
+    """Products of fast changes of each stage, (stages, intervals, 4, 108).
 
     A table of the products of two fast changes only is that of all stages.
     """
-    from ..kernels.fast_changes import PAIRS, PRODUCTS, STAGES
+    from ..kernels.fast_changes import COLUMNS, PAIRS, STAGES
 
-    if pieces.shape[-1] == len(STATE) * PAIRS:
-        one = pieces.reshape(*pieces.shape[:2], 1, len(STATE), PAIRS)
-        padded = np.pad(one, [(0, 0)] * 4 + [(0, PRODUCTS - PAIRS)])
-        pieces = np.repeat(padded, STAGES, axis=2)
-    by_stage = pieces.reshape(*pieces.shape[:2], STAGES, -1)
+    intervals, powers = pieces.shape[:2]
+    stages = 1 if pieces.shape[-1] == len(STATE) * PAIRS else STAGES
+    by_state = pieces.reshape(intervals, powers, stages, len(STATE), -1)
+    padded = np.zeros((intervals, powers, STAGES, len(STATE), COLUMNS))
+    padded[..., : by_state.shape[-1]] = by_state
+    by_stage = padded.reshape(intervals, powers, STAGES, -1)
     return np.ascontiguousarray(np.moveaxis(by_stage, 2, 0))
 
 

@@ -468,7 +468,7 @@ def test_sweeps_simulate_batches_together(monkeypatch):
     alone = hc.sweep(specification)
     for name in ("velocity", "arrival", "wall_peak_force"):
         np.testing.assert_allclose(together[name], alone[name], rtol=1e-10)
-    for name in ("status", "reason", "outside_range", "incomplete"):
+    for name in ("status", "reason", "outside_range", "incomplete", "sensitive"):
         if name in alone:
             assert together[name].values.tolist() == alone[name].values.tolist()
 

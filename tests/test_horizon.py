@@ -5,8 +5,10 @@ import warnings
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import hertzchain as hc
+from hertzchain.cli import cli
 
 WALLS = {"left_wall": hc.Wall(), "right_wall": hc.Wall()}
 
@@ -121,6 +123,33 @@ def test_a_largest_force_after_the_first_contact_is_called_sensitive():
     assert "no later force in this computed motion exceeds its peak" in run.message
     assert "10 transits long, wall peak not in the first contact: run.horizon()" in words(run)
     assert "small differences" in wall._repr_html_()
+
+
+@pytest.mark.parametrize("keep", [["wall_peak_force"], ["wall_duration", "end_time"]])
+def test_tables_flag_sensitive_forces_as_simulate_does(keep):
+    chains = [tapered(0.05, 20), tapered(0.1, 40), tapered(0.1, 40, loss=hc.Restitution(0.8))]
+    table = hc.simulate_many([*chains, None], keep=keep)
+    flags = [hc.simulate(chain).wall_force().sensitive for chain in chains]
+    assert table.sensitive.tolist() == [*flags, False] == [False, True, False, False]
+    assert "; 1 largest force on the wall is not in the first contact, and small" in words(table)
+    assert table.to_dataframe()["sensitive"].tolist() == table.sensitive.tolist()
+    assert table.to_dataset()["sensitive"].values.tolist() == table.sensitive.tolist()
+    assert "small differences" in table._repr_html_()
+    assert "small differences" not in words(hc.simulate_many(chains, keep="velocity"))
+
+
+# The duration is not computed by the kernel for many chains.
+@pytest.mark.parametrize("keep", ["wall_peak_force", "wall_duration"])
+def test_sweeps_flag_sensitive_forces(keep, tmp_path):
+    found = hc.sweep({
+        "chain": {"taper": "forward-exponential", "beads": 40, "right_wall": {}},
+        "axes": {"rate": [0.05, 0.1]},
+        "sweep": {"methods": ["simulate"], "keep": [keep]},
+    }, tmp_path / "sweep")  # fmt: skip
+    assert found.sensitive.values[:, 0].tolist() == [0, 1]
+    assert "1 point sensitive to small differences" in hc.plot_sweep(found).get_title()
+    told = CliRunner().invoke(cli, ["sweep", "status", str(tmp_path / "sweep")]).output
+    assert "points whose largest force on the wall small differences may change: 1 (see" in told
 
 
 @pytest.mark.parametrize(

@@ -51,6 +51,12 @@ class _Sweep(click.Group):
 
 # Number of failed points that are grouped by their reasons, and of reasons that are shown.
 MAX_GROUPED, MAX_REASONS = 1000, 5
+# Variables that flag points, and what is wrong with these.
+FLAGGED: Final = {
+    "outside_range": "outside the validity range of a method",
+    "incomplete": "with an incomplete largest force on the wall",
+    "sensitive": "whose largest force on the wall small differences may change",
+}
 # Not contained in an estimate.
 START: Final = "starting and compiling (seconds to minutes)"
 
@@ -296,11 +302,11 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
 def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: bool) -> int:
     store = opened.folder
     counts = opened.counts()
-    outside, incomplete = opened.flagged("outside_range"), opened.flagged("incomplete")
+    flags = {name: opened.flagged(name) for name in FLAGGED}
     failures = opened.failures(5) if counts["failed"] else []
     if as_json:
         show_json({
-            "store": str(store), **counts, "outside_range": outside, "incomplete": incomplete,
+            "store": str(store), **counts, **flags,
             "failures": [{"point": place, "reason": reason} for place, reason in failures],
         })  # fmt: skip
     else:
@@ -308,12 +314,9 @@ def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: boo
         click.echo(f"{store}: {counts['done']} of {total} points done, {counts['failed']} failed, "
                    f"{counts['missing']} missing")  # fmt: skip
         _show_failures(opened, counts["failed"])
-        if outside:
-            click.echo(f"  points outside the validity range of a method: {outside} (see "
-                       "variable `outside_range`)")  # fmt: skip
-        if incomplete:
-            click.echo(f"  points with an incomplete largest force on the wall: {incomplete} (see "
-                       "variable `incomplete`)")  # fmt: skip
+        for name, number in flags.items():
+            if number:
+                click.echo(f"  points {FLAGGED[name]}: {number} (see variable `{name}`)")
     unfinished = counts["missing"] and part is None
     return FAILED if counts["failed"] or unfinished else DONE
 

@@ -90,8 +90,7 @@ def run_table_html(runs: RunTable) -> str:
         label = f"{first}{unit}"
         parts.insert(0, chart([Curve(part, factor * values)], "share of chains below [%]", label))
     parts.append(table(("quantity", "smallest", "median", "largest"), rows, numeric=True))
-    if runs._range_note:
-        parts.append(note(f"{runs._range_note}."))
+    parts += [note(f"{each}.") for each in (runs._peak_note, runs._range_note) if each]
     return page("RunTable", f"{len(runs)} chains", *parts)
 
 

@@ -34,7 +34,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
 # Variables that flag points.
-FLAGS = ("outside_range", "incomplete")
+FLAGS = ("outside_range", "incomplete", "sensitive")
+# Those of the largest force on a wall, in words.
+FLAGGED_PEAKS: Final = {
+    "incomplete": "not complete", "sensitive": "sensitive to small differences",
+}  # fmt: skip
 # Dimensions without nearest values; relative difference of numbers that are regarded as the same.
 PLACES, SAME = ("bead", "contact", "point"), 1e-9
 # Largest number of values of an axis for one curve per value.
@@ -146,8 +150,9 @@ def plot_sweep(
             coordinate_text(value, str(name)) for name, value in drawn.coords.items()
             if value.ndim == 0 and name not in only
         ]  # fmt: skip
-        unknown = int(dataset["incomplete"].any("approach").sum()) if "incomplete" in dataset else 0
-        caption += [f"{unknown} points not complete"] * bool(unknown)
+        for flag, words in FLAGGED_PEAKS.items():
+            flagged = int(dataset[flag].any("approach").sum()) if flag in dataset else 0
+            caption += [f"{counted(flagged, 'point')} {words}"] * bool(flagged)
         set_title(axes, "; ".join(part for part in caption if part))
         several = by in drawn.dims or len(axes.get_legend_handles_labels()[1]) > 1
         if by is not None and legend and several:

@@ -32,10 +32,11 @@ from .budget import budget_of
 from .ensemble_input import kernel_input
 from .run import Run
 from .run_end import Status
-from .run_message import FAILURES, end_message
+from .run_message import FAILURES, end_message, follows_first_contact, is_sensitive
 from .run_pulse import pulse_of, times_between
 from .sensor_force import MANY_TIMES, MIN_HEIGHT, sensor_maxima
 from .simulate import MAX_RTOL, MIN_RTOL, default_step_limit, simulate, simulate_to_peak
+from .wall_bound import RIGHT
 
 # Quantities of the leading pulse that a simulation determines.
 PULSE_QUANTITIES: Final = {
@@ -94,6 +95,7 @@ class Outcome:
     columns: dict[str, Array]
     status: Sequence[str]
     complete: NDArray[np.bool_]
+    sensitive: NDArray[np.bool_]
     overlaps: Array
     reasons: dict[int, str]
 
@@ -186,8 +188,12 @@ class _KernelResults:
         status = [STATUS[int(code)] for code in self.summary[:, layout.STATUS]]
         reasons = {i: self._failure(i, each) for i, each in enumerate(status) if each in FAILURES}
         complete = self.summary[:, layout.WALL_COMPLETE] > 0.0
+        # The kernel integrates only chains without losses.
+        sensitive = follows_first_contact(
+            self.readings[:, 0, layout.PEAK_TIME], self.summary[:, layout.WALL_FIRST_END]
+        )
         columns = {name: found[name] for name in keep}
-        return Outcome(columns, status, complete, overlaps, reasons)
+        return Outcome(columns, status, complete, sensitive, overlaps, reasons)
 
     def _failure(self, index: int, status: Any) -> str:
         layout, chain = self.layout, self.chains[index]
@@ -358,7 +364,9 @@ def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:
         found["yield_ratio"] = largest_yield_ratio(chain, run.largest_overlaps)
     columns = {name: np.asarray(found[name], float)[np.newaxis] for name in keep}
     complete = np.array([bool(run._complete[1])])
-    return Outcome(columns, [run.status], complete, run.largest_overlaps[np.newaxis], {})
+    sensitive = np.array([is_sensitive(chain, run._walls, RIGHT)])
+    overlaps = run.largest_overlaps[np.newaxis]
+    return Outcome(columns, [run.status], complete, sensitive, overlaps, {})
 
 
 def sensors_of_run(run: Run, beads: Sequence[int]) -> dict[str, Array]:

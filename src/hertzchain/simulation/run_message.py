@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -141,10 +141,16 @@ def is_sensitive(chain: Chain, walls: Array, side: int) -> bool:
     """
     if not chain.lossless or ("left wall", "right wall")[side] not in chain.features:
         return False
-    first = float(walls[state_layout.FIRST_END, side])
+    peak_time = float(walls[state_layout.WALL_PEAK_TIME, side])
     # Bead 1 may touch the left wall before the pulse returns from the right one.
     returns = SECOND_ARRIVAL * float(walls[state_layout.TURNED_BACK, RIGHT]) * (side == LEFT)
-    return first > 0.0 and max(first, returns) < float(walls[state_layout.WALL_PEAK_TIME, side])
+    first_end = float(walls[state_layout.FIRST_END, side])
+    return bool(follows_first_contact(peak_time, first_end)) and peak_time > returns
+
+
+def follows_first_contact(peak_time: Array | float, first_end: Array | float) -> Any:
+    """Whether largest forces are later than the end of the first contact, 0 before that end."""
+    return np.less(0.0, first_end) & np.less(first_end, peak_time)
 
 
 def recommended_horizon(chain: Chain, walls: Array, time: float) -> str:

@@ -15,6 +15,7 @@ from ..chain.chain import Chain
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..frozen import Frozen
+from ..pulse.quantities import WALL_QUANTITIES
 from ..pulse.quantity_names import column_name
 from ..representation import short
 from ..validation.keywords import checked_methods
@@ -55,6 +56,10 @@ class RunTable(Frozen):
         Whether the largest force on the right wall is complete, as `WallForce.complete`; if not,
         ``wall_peak_force`` is NaN.  Impulse of the impact and duration are NaN as long as the
         impact has not ended.
+    sensitive : ndarray of bool, shape (C,)
+        Whether small differences, such as another tolerance, may change the largest force on the
+        right wall, as `WallForce.sensitive`; `hertzchain.Run.horizon` of the chain estimates how
+        long it is predictable.
     outside_range : ndarray of bool, shape (C,)
         Whether a chain of materials has left the range of Hertz's law in the whole run.
 
@@ -75,13 +80,15 @@ class RunTable(Frozen):
     status: NDArray[np.str_]
     reasons: Mapping[int, str]
     complete: NDArray[np.bool_]
+    sensitive: NDArray[np.bool_]
     _overlaps: Array = field(repr=False)
     _of_whole_runs: bool = field(default=True, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("columns", "reasons"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
-        for values in (*self.columns.values(), self.status, self.complete, self._overlaps):
+        flags = (self.status, self.complete, self.sensitive)
+        for values in (*self.columns.values(), *flags, self._overlaps):
             values.setflags(write=False)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -149,6 +156,15 @@ class RunTable(Frozen):
         return hertz_range(chain, self._overlaps[index, : chain.beads + 1]).violations
 
     @property
+    def _peak_note(self) -> str:
+        """Number of chains whose largest force on the wall small differences may change."""
+        found = int(self.sensitive.sum())
+        if not found or not WALL_QUANTITIES.keys() & self.columns.keys():
+            return ""
+        largest = "largest force on the wall is" if found == 1 else "largest forces on the wall are"
+        return f"{found} {largest} not in the first contact, and small differences may change it"
+
+    @property
     def _range_note(self) -> str:
         """Number of chains that have left the range of Hertz's law."""
         checked = sum(
@@ -170,7 +186,7 @@ class RunTable(Frozen):
         -------
         xarray.Dataset
             One variable per kept quantity, with unit ("1": scaled) and description; ``status``,
-            ``complete``, ``outside_range`` and ``beads`` by chain.
+            ``complete``, ``sensitive``, ``outside_range`` and ``beads`` by chain.
 
         Examples
         --------
@@ -195,6 +211,10 @@ class RunTable(Frozen):
         variables["complete"] = (
             "chain", self.complete, {"long_name": "largest force on the right wall is complete"}
         )  # fmt: skip
+        variables["sensitive"] = (
+            "chain", self.sensitive,
+            {"long_name": "small differences may change the largest force on the right wall"},
+        )  # fmt: skip
         variables["outside_range"] = (
             "chain", self.outside_range, {"long_name": "outside the range of Hertz's law"}
         )  # fmt: skip
@@ -209,7 +229,7 @@ class RunTable(Frozen):
         pandas.DataFrame
             A column per quantity, such as ``"end_time"``, or one per bead, contact or sensor, such
             as ``"velocity_1"``; also ``"beads"``, ``"status"``, ``"complete"``,
-            ``"outside_range"`` and ``"reason"``.
+            ``"sensitive"``, ``"outside_range"`` and ``"reason"``.
 
         Examples
         --------
@@ -232,7 +252,7 @@ class RunTable(Frozen):
             )
             found |= {f"{name}_{k}": values[:, i] for i, k in enumerate(numbers)}
         found |= {"beads": self.beads, "status": self.status, "complete": self.complete}
-        found["outside_range"] = self.outside_range
+        found |= {"sensitive": self.sensitive, "outside_range": self.outside_range}
         found["reason"] = [self.reasons.get(i, "") for i in range(len(self))]
         return pd.DataFrame(found, index=pd.RangeIndex(len(self), name="chain"))
 
@@ -247,4 +267,5 @@ class RunTable(Frozen):
         units = ", SI" if self.units == "SI" else ""
         names = ", ".join(self.columns)
         about = f"{len(self)} chains of up to {longest} beads{units}{failed}"
-        return short("RunTable", "; ".join(filter(None, (about, self._range_note, names))))
+        parts = (about, self._peak_note, self._range_note, names)
+        return short("RunTable", "; ".join(filter(None, parts)))

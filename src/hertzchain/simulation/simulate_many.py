@@ -215,7 +215,7 @@ class _Ensemble:
         self.columns = empty_columns(request.keep, self.count, longest, len(request.sensors))
         self.overlaps = np.zeros((self.count, longest + 1))
         self.status = np.full(self.count, "failed", dtype="<U24")
-        self.complete = np.zeros(self.count, bool)
+        self.complete, self.sensitive = np.zeros((2, self.count), bool)
 
     def _check_memory(self, longest: int) -> None:
         """Raise `InputError` if the table does not fit in memory."""
@@ -263,7 +263,8 @@ class _Ensemble:
             return by_simulate(chain, self.request, check_stop)
         except (InputError, SimulationError) as error:
             nothing: Array = np.zeros((1, chain.beads + 1))
-            return Outcome({}, ["failed"], np.zeros(1, bool), nothing, {0: str(error)})
+            no = np.zeros(1, bool)
+            return Outcome({}, ["failed"], no, no, nothing, {0: str(error)})
 
     def _store(self, rows: list[int], found: Outcome) -> None:
         for name, values in found.columns.items():
@@ -272,10 +273,12 @@ class _Ensemble:
             else:
                 self.columns[name][rows, : values.shape[1]] = values
         self.overlaps[rows, : found.overlaps.shape[1]] = found.overlaps
-        self.status[rows], self.complete[rows] = found.status, found.complete
+        self.status[rows] = found.status
+        self.complete[rows], self.sensitive[rows] = found.complete, found.sensitive
         for index, reason in found.reasons.items():
             row = rows[index]
-            self.reasons[row], self.status[row], self.complete[row] = reason, "failed", False
+            self.reasons[row], self.status[row] = reason, "failed"
+            self.complete[row] = self.sensitive[row] = False
             for values in self.columns.values():
                 values[row] = np.nan
 
@@ -283,6 +286,6 @@ class _Ensemble:
         """The results as a table."""
         return RunTable(
             tuple(self.chains), self.request.sensors, self.columns, self.status,
-            dict(sorted(self.reasons.items())), self.complete, self.overlaps,
+            dict(sorted(self.reasons.items())), self.complete, self.sensitive, self.overlaps,
             self.request.check_range or self.request.keeps_largest,
         )  # fmt: skip

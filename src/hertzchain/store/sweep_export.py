@@ -158,8 +158,7 @@ def _by_bead(dataset: xr.Dataset) -> xr.Dataset:
 def _in_reading_order(dataset: xr.Dataset, dimensions: list[str], names: list[str]) -> list[str]:
     """Order columns: coordinates, quantities, status."""
     parameters = [name for name in names if dataset[name].dims == ("point",)]
-    outcome = [
-        name for name in ("outside_range", "incomplete", "reason", "status") if name in names
-    ]
+    known = ("outside_range", "incomplete", "sensitive", "reason", "status")
+    outcome = [name for name in known if name in names]
     first = list(dict.fromkeys([*dimensions[:1], *parameters, *dimensions]))
     return [*first, *(name for name in names if name not in (*first, *outcome)), *outcome]

@@ -62,6 +62,8 @@ class Result:
     incomplete : ndarray of int, shape (points, methods)
         1 where the largest force on the wall is incomplete, or where its impulse is kept and the
         impact has not ended.
+    sensitive : ndarray of int, shape (points, methods)
+        1 where small differences may change the largest force on the wall.
     beads : ndarray of int, shape (points,)
         Number of beads; 0 if the chain cannot be made.
     """
@@ -73,6 +75,7 @@ class Result:
     reason: list[list[str]]
     outside_range: np.ndarray[Any, np.dtype[np.int8]]
     incomplete: np.ndarray[Any, np.dtype[np.int8]]
+    sensitive: np.ndarray[Any, np.dtype[np.int8]]
     beads: np.ndarray[Any, np.dtype[np.int64]]
 
 
@@ -105,7 +108,7 @@ class _Batch:
         self.chains: dict[int, Chain] = {}
         shape = (len(self.indices), len(spec.methods))
         self.status = np.full(shape, DONE, np.int8)
-        self.outside_range, self.incomplete = np.zeros((2, *shape), np.int8)
+        self.outside_range, self.incomplete, self.sensitive = np.zeros((3, *shape), np.int8)
         self.reason = [[""] * shape[1] for _ in self.indices]
         self.beads = np.zeros(shape[0], np.int64)
         self.varied_options = any(axis.path[0] == "method" for axis in spec.axes)
@@ -217,6 +220,7 @@ class _Batch:
             self.reason[row][place] = "; ".join(self._missing_sensors(chains[i]))
             self.outside_range[row, place] = table.outside_range[i]
             self.incomplete[row, place] = bool(walls) and not table.complete[i]
+            self.sensitive[row, place] = table.sensitive[i]
 
     def _subject(self, row: int) -> Chain | Array | None:
         """Radii or chain of a point for `propagate_many`; `None` if the chain has features."""
@@ -279,6 +283,7 @@ class _Batch:
             wall = run.wall_force("right")
             if wall.complete and wall.complete_since is None and IMPULSES.intersection(wanted):
                 warn_user(wall.reason, IncompleteWarning)
+            self.sensitive[row, place] = wall.sensitive
             for name in wanted:
                 value = getattr(wall, WALL_QUANTITIES[name].attribute)
                 self.single[name][row, place] = np.nan if value is None else value
@@ -342,7 +347,7 @@ class _Batch:
             columns[name] = self._at(whole, name.removeprefix("relative_error_of_"))
         return Result(
             batch, __version__, columns, self.status, self.reason, self.outside_range,
-            self.incomplete, self.beads,
+            self.incomplete, self.sensitive, self.beads,
         )  # fmt: skip
 
     def _at(self, whole: Array, quantity: str) -> Array:

@@ -77,6 +77,8 @@ def _by_batch(plan: Plan) -> dict[str, Variable]:
     if plan.keeps_wall:
         label = {"long_name": "1 where the largest force on the wall is incomplete"}
         found["incomplete"] = _by_method(plan, "i1", label)
+        label = {"long_name": "1 where small differences may change the largest force on the wall"}
+        found["sensitive"] = _by_method(plan, "i1", label)
     label = {"long_name": "why the method failed, or why values are missing; otherwise empty"}
     found["reason"] = _by_method(plan, "str", label)
     if plan.ragged:
@@ -122,7 +124,7 @@ def columns_of(plan: Plan, result: Result) -> Mapping[str, Any]:
     if plan.may_be_outside_range:
         columns["outside_range"] = result.outside_range
     if plan.keeps_wall:
-        columns["incomplete"] = result.incomplete
+        columns |= {"incomplete": result.incomplete, "sensitive": result.sensitive}
     if plan.ragged:
         columns["beads"] = result.beads
     return columns

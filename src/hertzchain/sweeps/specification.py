@@ -60,6 +60,7 @@ from .methods import METHODS, OPTIONS_OF, check_option
 # Names that the dataset uses itself; an axis of such a name gets its full path as name.
 TAKEN: Final = (
     "approach", "bead", "contact", "point", "status", "reason", "outside_range", "incomplete",
+    "sensitive",
 )  # fmt: skip
 
 

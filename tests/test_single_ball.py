@@ -79,6 +79,47 @@ def test_one_ball_and_a_wall_need_another_ball():
         hc.simulate(ball(right_wall=hc.Wall()))
 
 
+def hertz_wall(chain, energy):
+    """Overlap and force of ball 2 on a flat wall of the same material that stops this energy.
+
+    From L. D. Landau, E. M. Lifshitz, Theory of Elasticity, section 9.
+    """
+    modulus = STEEL.young / (1.0 - STEEL.poisson**2) / 2.0
+    k = 4.0 / 3.0 * modulus * math.sqrt(chain.radii[1])
+    overlap = (2.5 * energy / k) ** 0.4
+    return overlap, k * overlap**1.5
+
+
+def test_a_ball_on_a_wall_is_a_collision_of_hertz():
+    """Peak force and time in contact, 2.943 overlap / v."""
+    chain = hc.Chain.from_materials(
+        6e-3, "steel-52100", beads=2, velocities=[0.0, 0.1], gaps="1 mm", right_wall=hc.Wall()
+    )
+    run = hc.simulate(chain, until="300 us", times=2)
+    overlap, force = hertz_wall(chain, 0.5 * chain.masses[1] * 0.1**2)
+    assert run.wall_force().peak == pytest.approx(force, rel=1e-12)
+    duration = 2.943275 * overlap / 0.1
+    # The first contact ends with the step in which it opens.
+    assert run.wall_force().first_contact_end == pytest.approx(duration, rel=1e-4)
+    np.testing.assert_allclose(run.velocities[-1], [0.0, -0.1], atol=1e-14)
+
+
+def test_a_ball_that_falls_on_a_wall():
+    """The energy of the fall and the work of the weight during the contact, to first order."""
+    height, g = 2e-3, 9.81
+    chain = hc.Chain.from_materials(
+        6e-3, "steel-52100", beads=2, velocities=0.0, gaps="20 mm", gravity=g,
+        right_wall=hc.Wall(gap=height),
+    )  # fmt: skip
+    run = hc.simulate(chain, until="30 ms", times=2)
+    overlap, _ = hertz_wall(chain, chain.masses[1] * g * height)
+    _, force = hertz_wall(chain, chain.masses[1] * g * (height + overlap))
+    wall = run._wall_force("right")
+    assert wall.largest_so_far == pytest.approx(force, rel=1e-6)
+    fall, speed = math.sqrt(2.0 * height / g), math.sqrt(2.0 * g * height)
+    assert wall.first_contact_end == pytest.approx(fall + 2.943 * overlap / speed, rel=1e-5)
+
+
 def test_a_struck_ball_has_no_bca():
     with pytest.raises(hc.InputError, match="the BCA does not support strikers"):
         hc.bca(ball().struck_by())

@@ -1,5 +1,6 @@
 """Whether the largest force on a wall is complete, and how runs therefore end."""
 
+import math
 import re
 import warnings
 
@@ -724,3 +725,46 @@ def test_walls_under_long_impacts_are_checked_less_often():
     assert spacing == [0.125, 0.125, 0.25, 0.5, 0.5]
     # Half a transit has two checks at least, or those that it has at first.
     assert wall_rule.time_between_checks(4000.0, 2.0, 2) == 1.0
+
+
+def falling(beads, height, **changes):
+    """A row of balls above a wall, at rest."""
+    return hc.Chain.from_materials(
+        0.01, "steel-52100", beads=beads, velocities=0.0, gravity=9.81,
+        right_wall=hc.Wall(gap=height), **changes,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("beads", "height"), [(2, 1e-4), (5, 1e-4), (10, 1e-3)])
+def test_a_row_that_falls_on_a_wall_ends_after_its_impact(beads, height):
+    """The same row, which arrives at the wall with the velocity of the fall."""
+    chain = falling(beads, height)
+    speed = math.sqrt(2.0 * 9.81 * height)
+    arriving = chain.replace(velocities=[speed] * beads, right_wall=hc.Wall(), gravity=0.0)
+    run, other = hc.simulate(chain), hc.simulate(arriving, until=5e-3)
+    assert run.message.startswith("the impact on the right wall has ended at t = ")
+    wall = run.wall_force()
+    assert wall.complete
+    # The weight adds to the force.
+    impact = other.wall_force()
+    assert 0.0 < wall.peak - impact.peak < 9.81 * chain.masses.sum()
+    assert 1.0 < (run.end_time - speed / 9.81) / impact.first_contact_end < 2.0
+    assert len(run.times) >= 200
+
+
+def test_a_row_with_gaps_is_followed_until_all_its_balls_have_fallen():
+    run = hc.simulate(falling(6, 0.0, gaps=5e-4, loss=hc.Restitution(0.5)))
+    assert run.end_time > math.sqrt(2.0 * 5 * 5e-4 / 9.81)
+    assert run.wall_force().touches > 1
+    table = hc.simulate_many([run.chain], keep="wall_peak_force")
+    assert table["wall_peak_force"] == pytest.approx(run.wall_force().peak, rel=1e-4)
+
+
+def test_times_and_transits_are_counted_from_the_end_of_the_fall():
+    chain = falling(3, 1.3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", hc.InputWarning)
+        warnings.simplefilter("ignore", hc.ModelRangeWarning)
+        run = hc.simulate(chain, until=0.516)
+    # The fall takes 515 ms, as long as 12,000 transits.
+    assert int(re.search(r"([0-9]+) transits long", " ".join(repr(run).split()))[1]) < 40

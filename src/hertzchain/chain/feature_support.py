@@ -49,8 +49,8 @@ def _more_beads(chain: Chain) -> str:
     if chain.left_wall is None and chain.right_wall is None:
         return "add a striker, such as chain.struck_by(), or more beads"
     return (
-        "for one ball that hits the right wall, add a ball at rest as bead 1, separated by a gap; "
-        "give a velocity only to bead 2, which hits the wall, and give until"
+        "for one ball that hits the right wall, simulate two beads with a gap between them, give a "
+        "velocity only to bead 2, which hits the wall, and give until"
     )
 
 

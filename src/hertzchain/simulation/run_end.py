@@ -16,6 +16,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels import state_layout
 from ..kernels.wall_rule import CHECKS
+from .time_scales import fall_time
 from .wall_bound import RIGHT, motion_can_escape
 from .wall_watch import FEW_CHECKS, WallWatch
 
@@ -24,8 +25,8 @@ Status = Literal[
     "step limit", "step too small", "underflow",
 ]  # fmt: skip
 
-# Steps between two checks whether a wall was hit, if neither an impact nor a drive determines when
-# to begin watching.
+# Steps between two checks whether a wall was hit, if neither an impact, a drive nor a fall
+# determines when to begin watching.
 STEPS_PER_LOOK = 64
 
 
@@ -44,6 +45,8 @@ class RunEnd:
         self.chain, self.counts, self.default = chain, arrays["counts"], until is None
         self.until = math.inf if until is None else until
         self.struck = bool(chain.velocities[0] > 0.0) and chain.drive is None
+        # Duration of a fall from rest, after which walls are watched; 0 without one.
+        self.fall = fall_time(chain)
         # Whether the run ends at once if no larger force on the right wall can follow.
         self.at_peak = at_peak
         self.watch: WallWatch | None = None
@@ -62,13 +65,13 @@ class RunEnd:
             return (min(self.until, watch.due), False) if to_the_wall else (self.until, True)
         if self.chain.drive is not None:
             return min(self.until, self.chain.drive.end), False
-        return self.until, self.struck
+        return (min(self.until, self.fall), False) if self.fall else (self.until, self.struck)
 
     @property
     def steps(self) -> int:
         """Steps until the next check whether a wall was hit; very many if none is needed."""
         looking = self.watch is not None and not self.watch.started
-        if not looking or self.struck or self.chain.drive is not None:
+        if not looking or self.struck or self.fall or self.chain.drive is not None:
             return int(np.iinfo(np.int64).max)
         return STEPS_PER_LOOK - int(self.counts[state_layout.STEPS]) % STEPS_PER_LOOK
 
@@ -96,10 +99,12 @@ class RunEnd:
         return None
 
     def _after_check(self, watch: WallWatch, forces: Array) -> Status | None:
-        """Start to watch walls after a drive has ended, or check whether the peak is complete."""
+        """Start to watch walls after a drive or a fall, or check whether the peak is complete."""
         if not watch.started:
             if self.chain.drive is not None and self.chain.drive.end <= self.until:
                 watch.start_at(self.chain.drive.end)
+            elif 0.0 < self.fall <= self.until:
+                watch.start_after_fall(self.fall)
             return None
         if watch.closed or watch.due > self.until:
             return None

@@ -11,7 +11,7 @@ from ..collision import Array
 from ..kernels import state_layout
 from ..representation import measure
 from .run_end import Status
-from .time_scales import transit_times
+from .time_scales import fall_time, transit_times
 from .wall_bound import LEFT, RIGHT, motion_can_escape
 
 FAILURES: Final = ("step limit", "step too small", "underflow")
@@ -67,20 +67,6 @@ def end_message(
             f"the step size fell below the resolution of t {at}; {so_far}; use {milder}"
         ),
     }[status]
-
-
-def not_struck(chain: Chain) -> str:
-    """Error for a run without a given end, of a chain of which bead 1 does not move at time 0."""
-    gap = float(chain.gaps[chain.strikers - 1]) if chain.strikers else 0.0
-    falls = gap > 0.0 and chain.gravity > 0.0 and bool(chain.static_state.forces.any())
-    if not falls or chain.velocities.any():
-        return "bead 1 is not struck; give it a velocity, a striker or a drive, or until"
-    speed = measure(np.sqrt(2.0 * chain.gravity * gap), "m/s", chain.units)
-    time = measure(np.sqrt(2.0 * gap / chain.gravity), "s", chain.units)
-    return (
-        f"a run that begins with a fall from rest has no default end (the striker hits the chain "
-        f"at {speed} after {time}); give the striker this velocity without the gap, or until"
-    )
 
 
 def _complete(chain: Chain, at: str, *, sensitive: bool) -> str:
@@ -176,5 +162,6 @@ def transits_between_walls(chain: Chain, walls: Array | None, time: float) -> fl
     returned = walls is None or bool((walls[state_layout.TOUCHES] > 1.0).any())
     turned_back = returned and np.ptp(chain.masses) > 0.0
     held = turned_back or chain.gravity != 0.0 or chain.precompression > 0.0
-    trapped = chain.lossless and sum(np.array(chain.wall_stiffness) > 0.0) > (0 if held else 1)
-    return time / float(transit_times(chain).sum()) if trapped else 0.0
+    if not chain.lossless or sum(np.array(chain.wall_stiffness) > 0.0) <= (0 if held else 1):
+        return 0.0
+    return max(0.0, time - fall_time(chain)) / float(transit_times(chain).sum())

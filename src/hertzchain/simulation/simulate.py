@@ -27,11 +27,10 @@ from .fixed_steps import FixedLoop, FixedSteps, fixed_steps
 from .kernel_input import kernel_chain
 from .run import Run
 from .run_end import RunEnd, Status
-from .run_message import not_struck
 from .saved_times import check_memory_for, checked_times
 from .slow_run import slow_run_notice
 from .state import State, contacts_of, first_state
-from .time_scales import check_clock, check_length, transit_times
+from .time_scales import check_clock, check_length, fall_height, transit_times
 
 DEFAULT_RTOL: Final = 1e-13
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-6
@@ -84,6 +83,7 @@ def simulate(
         transits of the pulse, 20 if the left end is free, or, on a soft wall, for the first transit
         and twice the time in which all beads, moving as one, would rebound.  Any other chain runs
         until the pulse has left, that is, until every bead has passed its first velocity maximum.
+        If the chain falls from rest, transits are counted from the end of the fall.
         Required for a drive without an end.
     times : int or array_like
         Times at which to save the state: increasing numbers >= 0, or the number of evenly spaced
@@ -428,8 +428,8 @@ def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin:
             f"bead 1 moves away from the chain (velocity {speed}), so there is no impact; give a "
             "positive velocity, or until"
         )
-    if chain.drive is None and not chain.velocities[0] > 0.0:
-        raise InputError(not_struck(chain))
+    if chain.drive is None and not (chain.velocities[0] > 0.0 or fall_height(chain) > 0.0):
+        raise InputError("bead 1 is not struck; give it a velocity, a striker or a drive, or until")
     if chain.drive is not None and chain.right_wall is None:
         raise InputError(
             "this chain is driven and its right end is free, so nothing ends the run; give "

@@ -47,6 +47,23 @@ def impact_momentum(chain: Chain) -> float:
     return float(chain.masses @ np.maximum(chain.velocities, 0.0))
 
 
+def fall_height(chain: Chain) -> float:
+    """Distance of bead 1 from its position above the right wall without gaps, if it falls there.
+
+    It is 0 if the chain is struck or driven, rests, or does not fall towards a right wall.
+    """
+    at_rest = chain.drive is None and not chain.velocities.any()
+    if not at_rest or chain.right_wall is None or not chain.gravity > 0.0:
+        return 0.0
+    return float(chain.gaps.sum()) + chain.right_wall.gap
+
+
+def fall_time(chain: Chain) -> float:
+    """Time of free fall through `fall_height`, after which every bead may have hit the next one."""
+    height = fall_height(chain)
+    return math.sqrt(2.0 * height / chain.gravity) if height > 0.0 else 0.0
+
+
 def rebound_time(chain: Chain, momentum: float) -> float:
     """Time in which all beads, moving as one with a momentum, rebound from the right wall.
 
@@ -59,8 +76,8 @@ def rebound_time(chain: Chain, momentum: float) -> float:
 
 
 def typical_speed(chain: Chain) -> float:
-    """Estimate the largest speed from initial velocities and drive, or else from static forces."""
-    fastest = float(np.abs(chain.velocities).max())
+    """Estimate the largest speed from initial velocities, fall and drive, or from static forces."""
+    fastest = float(np.abs(chain.velocities).max()) or chain.gravity * fall_time(chain)
     if chain.drive is None and fastest > 0.0:
         return fastest
     if chain.drive is None:
@@ -110,6 +127,8 @@ def _times(chain: Chain, energy: float | None) -> Array:
     times = np.full(chain.beads - 1, np.inf)
     fastest = int(np.argmax(np.abs(chain.velocities)))
     speed = abs(chain.velocities[fastest]) * np.sqrt(masses[fastest] / masses[:-1])
+    if (time := fall_time(chain)) > 0.0:
+        speed = np.full(chain.beads - 1, chain.gravity * time)
     if energy is not None:
         speed = np.sqrt(2.0 * energy / masses[:-1])
     if speed.any():
@@ -123,7 +142,7 @@ def _times(chain: Chain, energy: float | None) -> Array:
         kinks = np.unique(np.append(0.0, chain.drive.kinks))
         lengths = np.diff(kinks[np.isfinite(kinks) & (kinks >= 0.0)])
         times = np.minimum(times, np.min(lengths, initial=np.inf))
-    # There is no time scale: beads are at rest, in free fall or pushed by a constant force.
+    # There is no time scale: beads are at rest, or pushed by a constant force.
     return np.where(np.isfinite(times), times, 1.0)
 
 
@@ -131,7 +150,7 @@ def check_length(chain: Chain, until: float) -> None:
     """Warn about a run of many transits, whose time was probably meant in us or ms."""
     if chain.units != "SI" or until < LONG_TIME:
         return
-    transits = until / float(transit_times(chain).sum())
+    transits = (until - fall_time(chain)) / float(transit_times(chain).sum())
     if transits > MANY_TRANSITS:
         warn_user(
             f"until = {until:g} s is {transits:.4g} transits of a pulse; times are in s, so check "

@@ -15,9 +15,9 @@ the end of the impact, or until `WallWatch.last`: ten transits, or 20 if motion 
 soft wall, the first transit and twice the time in which all beads, moving as one with the momentum
 of the impact, would rebound from the wall.
 
-Walls are watched from the end of the first transit on, or from the end of the drive, at fixed times
-between the calls of the compiled loop.  The array ``completion`` of the state stores the result; a
-resumed run therefore gives the same result.
+Walls are watched from the end of the first transit on, or from the end of the drive or of a fall
+from rest, at fixed times between the calls of the compiled loop.  The array ``completion`` of the
+state stores the result; a resumed run therefore gives the same result.
 """
 
 from __future__ import annotations
@@ -105,15 +105,19 @@ class WallWatch:
         transit = max(
             peaks[state_layout.PEAK_TIME].max(), crossings[state_layout.CROSSING_TIME].max()
         )
-        self._start(float(transit), float(transit))
+        self._start(float(transit) + self._flight(), float(transit))
 
     def start_at(self, time: float) -> None:
         """Watch from a time on, with a transit estimated from the largest energy in motion."""
         energy = float(self.clock[state_layout.ENERGY_UNIT])
-        self._start(time, float(transit_times(self.chain, energy).sum()))
+        self._start(time + self._flight(), float(transit_times(self.chain, energy).sum()))
+
+    def start_after_fall(self, time: float) -> None:
+        """Watch from the end of a fall on, perhaps before the step that contains it."""
+        self._start(time, float(transit_times(self.chain).sum()))
 
     def _start(self, time: float, transit: float) -> None:
-        self.completion[state_layout.WATCH_START] = time + self._flight()
+        self.completion[state_layout.WATCH_START] = time
         self.completion[state_layout.TRANSIT] = transit
         self._set_due()
 
@@ -155,15 +159,15 @@ class WallWatch:
         """Time of the rebound from the right wall with the momentum towards it at time 0."""
         return rebound_time(self.chain, impact_momentum(self.chain))
 
-    def _rebound_after_drive(self) -> float:
-        """The same with the momentum that a drive has given."""
+    def _rebound_by_force(self) -> float:
+        """The same with the momentum that a drive or gravity has given."""
         momentum = float(self.chain.masses @ self._velocities + self._impulse(RIGHT))
         return rebound_time(self.chain, momentum)
 
     @property
     def last(self) -> float:
         """Time at which a run without a given end stops at the latest."""
-        rebounds = MAX_REBOUNDS * (self._rebound if self._struck else self._rebound_after_drive())
+        rebounds = MAX_REBOUNDS * (self._rebound if self._struck else self._rebound_by_force())
         can_escape = motion_can_escape(self.chain, RIGHT)
         return self.start + longest_watch(self.transit, rebounds, can_escape)
 

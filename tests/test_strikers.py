@@ -176,3 +176,30 @@ def test_a_heavy_striker_on_a_short_chain_is_announced():
     chain = hc.Chain.uniform(9).struck_by(mass=8.0, radius=1.0)
     with pytest.warns(hc.ModelRangeWarning, match=r"so short that.* last bead .* 1\.\d%"):
         hc.local_rate(chain)
+
+
+def test_counts_of_beads_do_not_include_strikers():
+    chain = hc.Chain.uniform(20).struck_by()
+    counts = []
+    run = hc.simulate(chain, until=40.0, progress=lambda *found: counts.append(found))
+    assert counts[-1] == (20, 20)
+    assert run.beads_passed == 20
+    assert "the pulse had passed 20 of 20 beads" in run.message
+    assert "20 of 20" in run._repr_html_()
+    hc.propagate(chain, progress=lambda *found: counts.append(found))
+    assert counts[-1] == (20, 20)
+    early = hc.simulate(chain, until=0.1)
+    assert early.message.endswith("the pulse had passed 0 of 20 beads")
+    for table in (hc.propagate_many([chain, hc.Chain.uniform(9)]), hc.simulate_many([chain])):
+        assert " chains of up to 20 beads and 1 striker" in repr(table)
+    assert "up to 20 beads and 1 striker" in hc.propagate_many([chain])._repr_html_()
+
+
+@pytest.mark.parametrize("keep", ["velocity", "wall_peak_force"])
+def test_sweeps_of_struck_chains_are_complete(keep):
+    found = hc.sweep({
+        "chain": {"taper": "uniform", "right_wall": {}, "struck_by": {"mass": 2.0, "radius": 1.0}},
+        "axes": {"beads": [4, 6]},
+        "sweep": {"methods": ["simulate"], "keep": [keep, "wall_impulse"]},
+    })  # fmt: skip
+    assert (found.status == 1).all()

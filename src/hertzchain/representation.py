@@ -99,6 +99,12 @@ def counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
+def length_in_words(beads: int, strikers: int) -> str:
+    """``20 beads``, or ``20 beads and 1 striker`` for 21 beads with the striker."""
+    words = counted(beads - strikers, "bead")
+    return f"{words} and {counted(strikers, 'striker')}" if strikers else words
+
+
 def percent(fraction: float) -> str:
     """``48.07%``, ``0.0022%``: two decimals, or two digits if these would be zeros."""
     value = 100.0 * fraction

@@ -38,7 +38,7 @@ def run_html(run: Run) -> str:
     found = {
         "status": run.status,
         "end time": engineering(run.end_time, "s", units),
-        "beads passed": f"{run.beads_passed} of {run.chain.beads}",
+        "beads passed": f"{run.beads_passed} of {run.chain.beads - run.chain.strikers}",
         "saved times": f"{len(run.times)}",
         "steps": f"{run.steps}",
         "energy drift": f"{run.energy_drift:.1e}",

@@ -61,7 +61,7 @@ def pulse_table_html(pulses: PulseTable) -> str:
             rows.append((f"{name}, last", *_summary(last, QUANTITIES[name].unit, units)))
     head = ("quantity", "smallest", "median", "largest")
     return page(
-        "PulseTable", f"{len(pulses)} chains of up to {velocity.shape[1]} beads",
+        "PulseTable", f"{len(pulses)} chains of up to {pulses._longest}",
         legend(entries), figure, numbers(shown), table(head, rows, numeric=True),
     )  # fmt: skip
 

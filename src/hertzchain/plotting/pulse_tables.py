@@ -55,6 +55,6 @@ def plot_pulse_table(table: PulseTable, quantity: str, *, ax: Axes | None = None
         axes.xaxis.set_major_locator(BeadLocator())
         good = len(table) - len(table.reasons)
         up_to = "" if len(set(table.beads.tolist())) == 1 else "up to "
-        set_title(axes, f"{good} chains of {up_to}{table.velocity.shape[1]} beads")
+        set_title(axes, f"{good} chains of {up_to}{table._longest}")
         place_legend(axes, own=ax is None)
     return axes

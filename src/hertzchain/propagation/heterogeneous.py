@@ -172,12 +172,13 @@ def _simulate(chain: Chain, tolerance: float, signal: Indices) -> Array:
     from ..simulation.simulate import simulate
 
     def watch(passed: int, _: int) -> None:
-        signal[COUNT] = passed
+        signal[COUNT] = passed + chain.strikers
         if signal[STOP]:
             raise SimulationError("stopped")
 
     steps = min(WHOLE_BEAD_STEPS // chain.beads, WHOLE_STEPS)
     steps = max(steps, WHOLE_STEPS_PER_BEAD * chain.beads)
+    balls = chain.beads - chain.strikers
     run = simulate(chain, times=0, rtol=tolerance, max_steps=steps, progress=watch, check=False)
     if run.status == "step limit":
         cause = wide_range(chain) or (
@@ -185,10 +186,10 @@ def _simulate(chain: Chain, tolerance: float, signal: Indices) -> Array:
             "hertzchain.simulate, which allows more steps"
         )
         raise SimulationError(
-            f"step limit reached: the pulse had passed {run.beads_passed} of {chain.beads} beads "
-            f"after {steps} steps; {cause}"
+            f"step limit reached: the pulse had passed {run.beads_passed} of {balls} beads after "
+            f"{steps} steps; {cause}"
         )
-    if not run.success or run.beads_passed < chain.beads:
+    if not run.success or run.beads_passed < balls:
         raise SimulationError(run.message)
     pulse = run.pulse()
     found = pulse.columns()

@@ -67,7 +67,8 @@ def propagate(
         velocities and times are at most ten times as large.  For smaller errors, see
         `hertzchain.simulate`.
     progress : callable, optional
-        Called as ``progress(beads_passed, beads)`` a few times per second.
+        Called as ``progress(beads_passed, beads)`` a few times per second; strikers are not
+        counted.
 
     Returns
     -------
@@ -99,7 +100,7 @@ def propagate(
     if short and progress is None:
         data = follow(batch, rtol, np.zeros(2, np.int64))
     else:
-        data = _follow_with_progress(batch, rtol, progress)
+        data = _follow_with_progress(batch, rtol, progress, chain.strikers)
     if data.reasons:
         raise SimulationError(data.reasons[0])
     columns = data.columns
@@ -330,13 +331,20 @@ def _pad(rows: Sequence[NDArray[np.float64]]) -> tuple[Array, NDArray[np.int64]]
     return padded, lengths
 
 
-def _follow_with_progress(batch: Batch, rtol: float, progress: Progress | None) -> PulseData:
+def _follow_with_progress(
+    batch: Batch, rtol: float, progress: Progress | None, strikers: int
+) -> PulseData:
     """Integrate in another thread, to handle interrupts and report progress."""
     beads = range(len(batch.masses))
     found: list[PulseData] = []
+
+    def report(passed: int, all_beads: int) -> None:
+        if progress is not None:
+            progress(max(0, passed - strikers), all_beads - strikers)
+
     run_in_threads(
         [beads], lambda _, signal: follow(batch, rtol, signal), lambda _, data: found.append(data),
-        threads=1, of="beads", total=len(beads), progress=progress,
+        threads=1, of="beads", total=len(beads), progress=report,
     )  # fmt: skip
     return found[0]
 

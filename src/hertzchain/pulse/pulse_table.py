@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..chain.chain import Chain
 from ..collision import Array, hertz_stiffness
 from ..errors import InputError, SimulationError, short_repr
+from ..representation import length_in_words
 from ..validation.keywords import checked_methods
 from .columns import Columns, with_columns
 from .pulse import Pulse
@@ -281,6 +282,13 @@ class PulseTable(Columns):
 
         return plot_pulse_table(self, quantity, ax=ax)
 
+    @property
+    def _longest(self) -> str:
+        """Number of beads and strikers of the longest chain in words."""
+        row = int(np.argmax(self.beads))
+        chain = self.chains[row] if self.chains else None
+        return length_in_words(int(self.beads[row]), 0 if chain is None else chain.strikers)
+
     def _repr_html_(self) -> str:
         from ..notebook.tables import pulse_table_html
 
@@ -289,5 +297,4 @@ class PulseTable(Columns):
     def __repr__(self) -> str:
         failed = f", {len(self.reasons)} failed" if self.reasons else ""
         units = ", SI" if self.units == "SI" else ""
-        beads = self.velocity.shape[1]
-        return f"PulseTable({len(self)} chains of up to {beads} beads{units}{failed})"
+        return f"PulseTable({len(self)} chains of up to {self._longest}{units}{failed})"

@@ -9,7 +9,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels import state_layout
-from ..representation import measure
+from ..representation import counted, measure
 from .run_end import Status
 from .time_scales import fall_time, transit_times
 from .wall_bound import LEFT, RIGHT, motion_can_escape
@@ -51,7 +51,7 @@ def end_message(
     """
     at = f"at t = {measure(time, 's', chain.units, digits=6)}, after {steps} steps"
     milder = _milder(chain)
-    so_far = f"the pulse had passed {passed} of {chain.beads} beads"
+    so_far = f"the pulse had passed {passed} of {counted(chain.beads - chain.strikers, 'bead')}"
     return {
         "pulse left": f"the pulse left the chain {at}",
         "wall force complete": _complete(chain, at, sensitive=sensitive),

@@ -17,7 +17,7 @@ from ..collision import Array
 from ..frozen import Frozen
 from ..pulse.quantities import WALL_QUANTITIES
 from ..pulse.quantity_names import column_name
-from ..representation import short
+from ..representation import length_in_words, short
 from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
@@ -112,6 +112,12 @@ class RunTable(Frozen):
     def beads(self) -> NDArray[np.int64]:
         """Number of beads of each chain, shape (C,)."""
         return np.array([0 if each is None else each.beads for each in self.chains], np.int64)
+
+    @property
+    def _longest(self) -> str:
+        """Number of beads and strikers of the longest chain in words."""
+        lengths = [(each.beads, each.strikers) for each in self.chains if each is not None]
+        return length_in_words(*max(lengths, default=(0, 0)))
 
     @property
     def units(self) -> str:
@@ -262,10 +268,9 @@ class RunTable(Frozen):
         return run_table_html(self)
 
     def __repr__(self) -> str:
-        longest = int(self.beads.max(initial=0))
         failed = f", {len(self.reasons)} failed" if self.reasons else ""
         units = ", SI" if self.units == "SI" else ""
         names = ", ".join(self.columns)
-        about = f"{len(self)} chains of up to {longest} beads{units}{failed}"
+        about = f"{len(self)} chains of up to {self._longest}{units}{failed}"
         parts = (about, self._peak_note, self._range_note, names)
         return short("RunTable", "; ".join(filter(None, parts)))

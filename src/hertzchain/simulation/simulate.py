@@ -110,9 +110,9 @@ def simulate(
     check : bool
         Whether to raise an error if the run fails; otherwise check ``run.status``.
     progress : callable, optional
-        Called as ``progress(beads_passed, beads)`` a few times per second.  By default, a run
-        that takes longer than five seconds writes a line to standard error every five seconds, if
-        that is a terminal or a notebook.
+        Called as ``progress(beads_passed, beads)`` a few times per second; strikers are not
+        counted.  By default, a run that takes longer than five seconds writes a line to standard
+        error every five seconds, if that is a terminal or a notebook.
 
     Raises
     ------
@@ -359,7 +359,7 @@ def _integrate(
         steps = min(end.steps, max_steps - int(counts[state_layout.STEPS]) + first)
         code = going.advance(goal, steps, before_end is None)
         passed = 1 + int(min(counts[state_layout.PEAKS], counts[state_layout.CROSSINGS]))
-        progress(passed, chain.beads)
+        progress(max(0, passed - chain.strikers), chain.beads - chain.strikers)
         status = end.after(code, kernel, going.forces)
         if code == kernel.FRAMES_FULL:
             counts[state_layout.FRAMES] = frames.thin_out(int(counts[state_layout.FRAMES]))

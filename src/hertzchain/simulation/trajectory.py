@@ -182,9 +182,11 @@ class Trajectory(ShortDir):
 
     @property
     def beads_passed(self) -> int:
-        """Number of beads that the pulse has passed, the struck bead included."""
-        # A bead is passed if its velocity peak and both of its contacts are recorded.
-        return 1 + int(np.count_nonzero((self._peaks[0, 1:] != 0) & (self._crossings[0] > 0)))
+        """Number of beads that the pulse has passed, without strikers."""
+        # A bead is passed if its velocity peak and both of its contacts are recorded; a struck bead
+        # is passed from the start.
+        found = 1 + int(np.count_nonzero((self._peaks[0, 1:] != 0) & (self._crossings[0] > 0)))
+        return max(0, found - self.chain.strikers)
 
     @property
     def _reached(self) -> bool:

@@ -264,7 +264,7 @@ class _Batch:
             self._keep_largest(row, place, run)
             if self._of_pulse:
                 self._keep_pulse(row, place, run.pulse())
-                if run.beads_passed < chain.beads:
+                if run.beads_passed < chain.beads - chain.strikers:
                     self.status[row, place] = FAILED
             self._keep_sensors(row, place, run)
         else:

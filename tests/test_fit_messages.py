@@ -167,6 +167,15 @@ def test_the_overlap_at_which_a_stiffness_is_defined_is_stated():
     assert abs(result.values["stiffness"] - expected) < 4.0 * result.errors["stiffness"] < 0.01
 
 
+def test_a_wall_that_does_not_follow_the_exponent_is_stated(good):
+    own = chain(right_wall=hc.Wall(2e10, exponent=1.5))
+    free = ["exponent", "time_offset"]
+    result = hc.fit(traces(), own, free=free, starts=1)
+    note = "right wall has its own exponent, which does not follow that of the beads"
+    assert note in result.notes
+    assert note not in good.notes
+
+
 def test_offsets_have_the_unit_of_their_sensor():
     result = hc.fit(traces(), chain(), free=[*FREE, "offset[wall]"])
     assert dict(result.rows())["offset[wall]"].endswith(" N")

@@ -183,3 +183,26 @@ def test_a_given_stiffness_changes_with_the_radius_of_a_ball(ball):
     # Contacts that are not those of spheres keep it.
     conical = given.replace(exponent=2.0)
     assert with_sizes(conical, sizes, 1e-6).stiffness == pytest.approx(conical.stiffness, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("wall", "changes", "expected"),
+    [
+        (hc.Wall(), {"exponent": 1.6}, 1.6),
+        (hc.Wall(1e10), {"exponent": 1.6}, 1.6),
+        (hc.Wall(1e10, exponent=1.5), {"exponent": 1.6}, 1.5),
+        (hc.Wall("2 kN/mm", exponent=1), {"exponent": 1.6}, 1.0),
+        (hc.Wall(), {"exponent": 1.6, "right_wall.exponent": 1.7}, 1.7),
+    ],
+)
+def test_a_wall_follows_the_exponent_unless_it_has_its_own(wall, changes, expected):
+    """No exponent changes the forces at the reference overlap."""
+    reference, before = 2e-6, row(right_wall=wall)
+    values = {parse_name(name): value for name, value in changes.items()}
+    after = with_sizes(before, values, reference)
+    forces = [
+        each.contact_stiffness * reference**each.contact_exponents for each in (before, after)
+    ]
+    np.testing.assert_allclose(forces[1], forces[0], rtol=1e-12)
+    assert after.contact_exponents[-1] == expected
+    assert after.contact_exponents[-2] == 1.6

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -331,7 +331,8 @@ def _forces_and_speeds(
             stiffness, walls = stiffness * value, walls * value
         elif name.key == "exponent":
             factor = reference ** (float(chain.exponents) - value)
-            stiffness, walls = stiffness * factor, walls * factor
+            stiffness = stiffness * factor
+            walls = np.where(following(chain, values), walls * factor, walls)
             changes["exponent"] = value
         elif name.key == "struck_by.velocity":
             fastest = float(np.abs(chain.velocities).max())
@@ -357,6 +358,13 @@ def _forces_and_speeds(
                     exponent=wall.exponent if exponents[side] is None else exponents[side],
                 )  # fmt: skip
     return changes
+
+
+def following(chain: Chain, names: Collection[Name]) -> list[bool]:
+    """Whether each wall has the exponent of the chain, not its own, given or free."""
+    given = [getattr(getattr(chain, end), "exponent", None) is not None for end in ENDS]
+    free = {name.key for name in names}
+    return [not (own or f"{end}.exponent" in free) for own, end in zip(given, ENDS, strict=True)]
 
 
 def with_motion(chain: Chain, values: Mapping[Name, float]) -> Chain:

@@ -17,6 +17,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
 from .arrival_notes import silent_notes
+from .chain_parameters import ENDS, following
 from .coupling import coupling_notes, resolved_coupling
 from .diagnosis import diagnosed
 from .least_squares import Solution, solve, solve_again
@@ -317,6 +318,12 @@ def _notes(
             f"stiffness is the factor of the forces at an overlap of {1e6 * model.reference:.3g} "
             "um, at which the exponent does not change them"
         )
+    if any(name.key == "exponent" for name in model.names):
+        follow = following(model.chains[0], model.names)
+        notes += [
+            f"{end.replace('_', ' ')} has its own exponent, which does not follow that of the beads"
+            for end, same in zip(ENDS, follow, strict=True) if not same
+        ]  # fmt: skip
     if model.simulator.failed:
         notes.append(f"{model.simulator.failed} trial runs failed and were rejected")
     return tuple(notes)

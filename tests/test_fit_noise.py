@@ -112,6 +112,49 @@ def test_slow_residuals_of_a_wrong_model_do_not_excuse_themselves(rho):
     assert found == pytest.approx(known, rel=0.15)
 
 
+@pytest.mark.parametrize(
+    ("rho", "samples", "before"), [(0.0, 60, 30), (0.8, 60, 30), (0.5, 200, 30), (0.5, 1000, 60)]
+)
+def test_few_samples_before_the_pulse_do_not_exclude_correlated_noise(rho, samples, before):
+    """Residuals are the noise itself; 30 samples of correlated noise often look random."""
+    rng, times = np.random.default_rng(12), 1e-6 * np.arange(samples)
+    pulse = 1000.0 * (times >= 1e-6 * before)
+    rejected = 0
+    for noise in first_order(rng, rho, (300, samples)):
+        traces = hc.Traces.from_arrays(times, {"wall [N]": pulse + noise})
+        ((_, signal),) = traces
+        good = goodness_of(traces, noise / signal.noise, np.ones(samples, bool), 0)
+        rejected += not good.describes and not good.undecided
+    assert rejected <= 0.05 * 300
+
+
+@pytest.mark.parametrize(("samples", "before"), [(60, 26), (200, 40), (1000, 100)])
+def test_a_wrong_stiffness_is_found_in_short_records(samples, before):
+    true = bench(beads=5, behind=3)
+    # Forces of the first passage: the first sensor begins after 32 us.
+    spacing = 158e-6 / (samples - before)
+    times, seen = signals(
+        true, samples * spacing, before * spacing - 32e-6, balls=(3,), spacing=spacing
+    )
+    free, found = ["struck_by.velocity", "time_offset"], []
+    for seed in range(20):
+        noise = 0.01 * seen.max(axis=0) * np.random.default_rng(seed).standard_normal(seen.shape)
+        columns = dict(zip(["ball 3 [N]", "wall [N]"], (seen + noise).T, strict=True))
+        traces = hc.Traces.from_arrays(times, columns)
+        found += [fit_with(traces, [bench(beads=5, behind=3, factor=1.05)], Settings(free), 1)]
+    assert np.mean([not each.describes for each in found]) >= 0.9
+    assert samples == 60 or not any(each.goodness.undecided for each in found)
+
+
+def test_a_verdict_on_known_noise_does_not_ask_for_it():
+    rng, times = np.random.default_rng(13), 1e-6 * np.arange(60)
+    traces = hc.Traces.from_arrays(times, {"wall [N]": 100.0 * np.sin(1e5 * times)}, noise=1.0)
+    residuals = 1.3 * rng.standard_normal(60)
+    verdict = goodness_of(traces, residuals, np.ones(60, bool), 0).verdict
+    assert "cannot be decided" in verdict
+    assert "record more samples; if you take" in verdict
+
+
 @pytest.mark.parametrize("time", [2.0, 5.0])
 def test_slow_noise_does_not_end_the_samples_before_the_pulse(time):
     """The pulse begins at a known sample; correlation times are in samples."""

@@ -20,11 +20,11 @@ from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import listed
 from .chain_parameters import known_names, loss_parameters
-from .goodness import correlation_length
 from .loss_laws import typical_law
 from .misread_columns import misread_columns
 from .model import Model, make_model
 from .names import Name
+from .noise import independent_samples
 from .parameters import ELASTIC, Parameter, kind_and_value
 from .problem import Problem
 from .result import FitResult
@@ -321,9 +321,7 @@ def _levels(result: FitResult) -> tuple[str, ...]:
     for (_, signal), model in zip(result.traces, flat, strict=True):
         if not signal.before or f"offset[{signal.name}]" in result.names:
             continue
-        quiet = signal.values[: signal.before]
-        independent = signal.before / correlation_length(quiet[np.isfinite(quiet)])
-        error = signal.sigma / max(independent, 1.0) ** 0.5
+        error = signal.sigma / independent_samples(signal.quiet_values) ** 0.5
         if abs(signal.level - model[0]) > CERTAIN * error:
             found.setdefault(signal.name, (
                 f"before the pulse, {signal.name} is at {signal.level:.3g} {signal.unit}, the "

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from .noise import SIGNIFICANT, independent_samples, level_runs
+from .noise import MIN_INDEPENDENT, SIGNIFICANT, independent_samples, level_runs
 from .signals import Signal
 from .traces import Traces
 
@@ -19,6 +19,10 @@ MAX_LAG: Final = 200
 # The model describes the data if chi-squared exceeds its expectation by fewer standard deviations,
 # and if the correlation of successive residuals is smaller, in standard deviations.
 MAX_EXCESS, MAX_CORRELATION = 3.0, 4.0
+# Least number of residuals whose correlation is examined, and the largest one.
+MIN_CORRELATED, MAX_FIRST_LAG = 8, 0.999
+# Standard deviations by which the noise may be more correlated than before the pulse.
+ALLOWED: Final = 1.0
 # A chi-squared that is larger than its expectation by this factor does not support the model,
 # even if the noise is so uncertain that it does not exclude it either.
 FAR: Final = 1.5
@@ -52,9 +56,9 @@ class Goodness:
         Standard deviation of `ratio`: chi-squared scatters, and the noise may have been estimated
         from a few samples.
     correlation : float
-        Correlation of successive residuals, in standard deviations, of the signals whose noise is
-        not correlated before the pulse begins.  A model that misses something leaves residuals that
-        change slowly, even where the noise is hardly known.
+        Correlation of successive residuals beyond that of the noise before the pulse, in standard
+        deviations, of the signals whose noise shows none there.  A model that misses something
+        leaves residuals that change slowly, even where the size of the noise is hardly known.
     noise_error : float
         Relative standard deviation of chi-squared because the noise of signals was estimated from
         the samples before the pulse; 0 if it was given.
@@ -145,8 +149,7 @@ class Goodness:
         if self.undecided:
             return (
                 ": whether the model describes the data cannot be decided, because chi2 is known "
-                f"only to +-{self.uncertainty:.0%}; give the noise, or record more samples before "
-                f"the pulse; {self.if_measured}"
+                f"only to +-{self.uncertainty:.0%}; {self._more}; {self.if_measured}"
             )
         if self.excess < self.correlation:
             size = f" ({self.correlation:.0f} standard deviations)"
@@ -159,6 +162,12 @@ class Goodness:
         else:
             reason = ", far more than expected"
         return f"{reason}: the model does not describe the data{NO_ERRORS}"
+
+    @property
+    def _more(self) -> str:
+        if self.noise_error == 0.0:
+            return "record more samples"
+        return "give the noise, or record more samples before the pulse"
 
     def __str__(self) -> str:
         digits = max(1 - math.floor(math.log10(self.uncertainty)), 0)
@@ -190,11 +199,17 @@ class _Part:
     residuals: Array
     counts: Array
     values: Array
+    before: int
 
     @property
     def counted(self) -> float:
         """Number of samples if equal ones count once."""
         return float(np.sum(1.0 / self.counts))
+
+    @property
+    def later(self) -> Array:
+        """Residuals after the samples before the pulse."""
+        return self.residuals[self.before :]
 
     @property
     def independent(self) -> float:
@@ -218,7 +233,8 @@ def _parts(traces: Traces, residuals: Array, used: Array) -> list[_Part]:
         own = slice(begin, begin + len(counts))
         mask = used[own]
         values = signal.values[signal.valid][mask]
-        parts.append(_Part(signal, residuals[own][mask], counts[mask], values))
+        before = int(mask[: len(signal.quiet_values)].sum())
+        parts.append(_Part(signal, residuals[own][mask], counts[mask], values, before))
         begin += len(counts)
     return parts
 
@@ -238,7 +254,7 @@ def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) 
     chi2, counted = float(residuals @ residuals), sum(part.counted for part in parts)
     freedom = round(counted) - parameters
     # The noise of each signal has a separate error.
-    noise = sum((part.counted / counted * _noise_error(part.signal)) ** 2 for part in parts)
+    noise = sum((part.counted / counted * _noise_error(part)) ** 2 for part in parts)
     independent = sum(map(_independent_noise, parts))
     variance = 2.0 / max(independent - parameters, 1.0) + noise
     return Goodness(
@@ -248,12 +264,29 @@ def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) 
     )  # fmt: skip
 
 
-def _noise_error(signal: Signal) -> float:
+def _noise_error(part: _Part) -> float:
     """Relative standard deviation of the variance of a sample, if its noise was estimated."""
-    if not signal.quiet or not signal.noise:
+    if not part.signal.quiet or not part.signal.noise:
         return 0.0
     # Errors of rounding are known, but they make the noise less certain.
-    return float((2.0 / independent_samples(signal.quiet_values)) ** 0.5)
+    return float((2.0 / _independent_before(part)) ** 0.5)
+
+
+def _independent_before(part: _Part) -> float:
+    """Number of independent samples before the pulse.
+
+    A few samples may show no correlation although the noise is correlated.  Later residuals then
+    show more, but not more than these samples allow: those of an incomplete model are slow.
+    """
+    quiet, later = part.signal.quiet_values, part.later
+    found, count = independent_samples(quiet), len(quiet)
+    if found < count or not _has_white_noise(part.signal) or len(later) < MIN_CORRELATED:
+        return found
+    rho = first_lag(later)
+    if rho < SIGNIFICANT / len(later) ** 0.5:
+        return found
+    rho = min(rho, float(np.tanh(np.arctanh(first_lag(quiet)) + ALLOWED / count**0.5)))
+    return max(min(found, count * (1.0 - rho) / (1.0 + rho)), MIN_INDEPENDENT)
 
 
 def _independent_noise(part: _Part) -> float:
@@ -265,22 +298,34 @@ def _independent_noise(part: _Part) -> float:
     found = part.independent
     if part.signal.coarse or not part.signal.quiet:
         return found
-    quiet = part.signal.quiet_values
-    return max(found, len(part.residuals) * independent_samples(quiet) / len(quiet))
+    count = len(part.signal.quiet_values)
+    return max(found, len(part.residuals) * _independent_before(part) / count)
 
 
 def _correlation(parts: Sequence[_Part]) -> float:
-    """Correlation of successive residuals in standard deviations, where the noise has none."""
-    total, count = 0.0, 0
+    """Correlation of successive residuals beyond that of the noise, in standard deviations.
+
+    A few samples before the pulse do not exclude that the noise is correlated.  The inverse
+    hyperbolic tangent of a correlation of n samples has the variance 1/(n - 3) (Fisher's z).
+    """
+    total, weight = 0.0, 0.0
     for part in parts:
-        if _has_white_noise(part.signal) and len(part.residuals) > part.signal.quiet:
-            total += len(part.residuals) * float(autocorrelation(part.residuals, 1)[-1])
-            count += len(part.residuals)
-    return float(total / count**0.5) if count else 0.0
+        later, noise = part.later, part.signal.quiet_values
+        if _has_white_noise(part.signal) and len(later) >= MIN_CORRELATED:
+            own = 1.0 / (1.0 / (len(later) - 3) + 1.0 / (len(noise) - 3))
+            total += own * float(np.arctanh(first_lag(later)) - np.arctanh(first_lag(noise)))
+            weight += own
+    return float(total / weight**0.5) if weight else 0.0
+
+
+def first_lag(values: Array) -> float:
+    """Correlation of successive samples, corrected for their mean (Kendall 1954)."""
+    rho = float(autocorrelation(values, 1)[-1])
+    return min(rho + (1.0 + 4.0 * rho) / len(values), MAX_FIRST_LAG)
 
 
 def _has_white_noise(signal: Signal) -> bool:
-    """Whether the samples before the pulse are known not to be correlated."""
+    """Whether the samples before the pulse do not show a correlation of the noise."""
     quiet = signal.quiet_values if signal.quiet else np.zeros(0)
     if not len(quiet) or np.ptp(quiet) == 0.0 or signal.coarse:
         return False

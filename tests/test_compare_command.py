@@ -169,6 +169,20 @@ def test_mistakes_of_compare_are_explained(run, files):
     assert run("compare", files / "row.toml", files / "one.csv")[0] == 2
 
 
+def test_a_record_of_the_pulse_alone_is_compared(run, tmp_path, files):
+    """The oscilloscope was triggered when the pulse arrived; by default, the run lasts longer."""
+    times, columns = recorded()
+    wall = columns["wall [N]"]
+    begin = int(np.argmax(wall > 1.0)) - 30
+    part = np.column_stack((1e6 * times[: len(times) // 8], wall[begin:][: len(times) // 8]))
+    np.savetxt(tmp_path / "part.csv", part, "%.8g", ",", header="time [us],wall [N]", comments="")
+    code, out, err = run("compare", tmp_path / "part.csv", files / "row.toml", "--json")
+    assert code == 0, err
+    # The impact was before the record began.
+    assert json.loads(out)["time_offset"] < -1e-4
+    assert abs(json.loads(out)["sensors"][0]["residual"]) < 0.2
+
+
 # Bead 6 is ball 5 behind one striker.
 @pytest.mark.parametrize("names", [("ball 5", "bead 6"), ("wall", "right wall")])
 @pytest.mark.parametrize("function", [hc.fit, lambda traces, chain, free: hc.simulate(  # noqa: ARG005

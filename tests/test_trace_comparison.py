@@ -554,3 +554,25 @@ def test_the_error_of_the_time_offset_is_its_scatter():
     offsets, errors = np.transpose(found)
     # The standard deviation of 40 values has an error of 11%; free amplitudes increase it.
     assert offsets.std() == pytest.approx(errors.mean(), rel=0.4)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.InputWarning")
+@pytest.mark.parametrize("unit", ["N", "V"])
+@pytest.mark.parametrize("begin", [-16, -4, 4])
+def test_records_shorter_than_the_pulse_do_not_determine_the_time_offset(begin, unit):
+    """The force in ball 5 exceeds half of its peak for 40 us."""
+    run, force = simulated(7e-4), forces()["ball 5"]
+    spacing = float(np.diff(run.times).mean())
+    exact = np.interp(run.times, SPACING * np.arange(len(force)), force)
+    first = int(np.argmax(exact)) + round(begin * 1e-6 / spacing)
+    times = spacing * np.arange(round(12e-6 / spacing))
+    part = exact[first : first + len(times)]
+    data = hc.Traces.from_arrays(times, {f"ball 5 [{unit}]": part}, noise=f"0.05 {unit}")
+    message = (
+        "the record lasts .* us, less than the pulse at ball 5, which exceeds half of its peak for "
+        "4[0-2][.].* us: the time offset and gains cannot be determined"
+    )
+    with pytest.raises(hc.InputError, match=message):
+        run.compare(data)
+    offset = -run.times[first]
+    assert run.compare(data, time_offset=offset).time_offset == pytest.approx(offset)

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 # Least number of saved times; signals are interpolated between them.
 MIN_TIMES: Final = 4000
+# The pulse leaves the last contact within this number of further transits of one contact.
+LAST_TRANSITS: Final = 3.0
 # A record of more than the first number of transits is first compared with a run of the second,
 # which has at least this number of saved times per bead.
 MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
@@ -43,7 +45,10 @@ MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 @noise_option
 @click.option("--shot", type=int, metavar="NUMBER", help="Shot of the traces, from 1.")
 @click.option(
-    "--until", metavar="TIME", help="Stop time, such as 700us.  [default: duration of the record]"
+    "--until",
+    metavar="TIME",
+    help="Stop time, such as 700us.  [default: duration of the record, or the time in which the "
+    "pulse passes the chain if this is longer]",
 )
 @click.option(
     "--time-offset",
@@ -82,7 +87,7 @@ def compare(
     data = _one_shot(seen, shot)
     data, (described,), _ = load_experiment(data, chain, hertzchain.load_traces)
     times = data.shots[0].times
-    end = float(times[-1] - times[0])
+    end = _duration(described, float(times[-1] - times[0]))
     if until is not None:
         end = number("--until", seconds_from("--until", until), above=0.0)
     _check_unit_of_times(described, data, end)
@@ -103,6 +108,15 @@ def compare(
     else:
         shown = on_command_line(found.summary())
         click.echo("\n".join((described.description, *pressures_below_yield(run), shown)))
+
+
+def _duration(chain: Chain, record: float) -> float:
+    """Duration of a record, or the time in which the pulse passes the chain if it is longer."""
+    from ..simulation.time_scales import transit_times
+
+    times = transit_times(chain)
+    passed = float(times.sum() + LAST_TRANSITS * times.max(initial=0.0))
+    return max(record, passed) if passed < float("inf") else record
 
 
 def _check_unit_of_times(chain: Chain, data: Traces, end: float) -> None:

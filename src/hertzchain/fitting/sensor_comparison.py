@@ -271,6 +271,23 @@ def check_resolved(shot: Shot, columns: Sequence[Array]) -> None:
         )
 
 
+def check_contains_a_pulse(shot: Shot, columns: Sequence[Array], spacing: float) -> None:
+    """Raise `InputError` if the record is too short to determine the time offset and gains."""
+    record = float(shot.times[-1] - shot.times[0])
+    widths = {
+        signal.name: spacing * _width(np.arange(float(len(column))), column - column[0])
+        for signal, column in zip(shot.signals, columns, strict=True)
+        if 0 < np.argmax(np.abs(column - column[0])) < len(column) - 2
+    }
+    name = min(widths, key=lambda each: widths[each], default="")
+    if name and record < widths[name]:
+        raise InputError(
+            f"the record lasts {measure(record, 's')}, less than the pulse at {name}, which "
+            f"exceeds half of its peak for {measure(widths[name], 's')}: the time offset and gains "
+            "cannot be determined from it; record the whole pulse, or give time_offset"
+        )
+
+
 def check_durations(shot: Shot, columns: Sequence[Array], grid: Array) -> None:
     """Raise `InputError` if a measured pulse has another duration than the simulated one."""
     spacing = float(grid[1] - grid[0])

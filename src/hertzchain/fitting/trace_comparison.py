@@ -33,6 +33,7 @@ from .sensor_comparison import (
     SensorComparison,
     check_arrivals,
     check_contained,
+    check_contains_a_pulse,
     check_durations,
     check_resolved,
     compared_sensor,
@@ -253,6 +254,7 @@ def compare_traces(
     if time_offset is not None:
         time_offset = number("time_offset", time_offset, unit="s")
     else:
+        check_contains_a_pulse(shot, columns, spacing)
         time_offset, other = best_offset(shot, columns, spacing)
     moments = shot.times - time_offset - run.times[0]
     inside = _inside(moments, float(grid[-1] - grid[0]), time_offset)

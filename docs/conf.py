@@ -116,7 +116,14 @@ def draw_figures(_: Any) -> None:
 
     folder = HERE / "_generated"
     sources = [
-        HERE / f"{name}.py" for name in ("figures", "page_figures", "paper_figures", "law_figures")
+        HERE / f"{name}.py"
+        for name in (
+            "figures",
+            "page_figures",
+            "paper_figures",
+            "law_figures",
+            "local_rate_figures",
+        )
     ]
     digest = package_digest(*sources, HERE / "explanation" / "against_others.md")
     names = [folder / f"{name}.svg" for name in figures.FIGURES]

@@ -1,12 +1,12 @@
 """Draw the figures of the documentation during its build, which keeps them current."""
 
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 from law_figures import LAW_FIGURES
+from local_rate_figures import LOCAL_RATE_FIGURES
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
@@ -24,7 +24,6 @@ from hertzchain.plotting.pulses import plot_pulses
 from hertzchain.plotting.scoreboard import plot_scoreboard
 from hertzchain.plotting.style import figure_style, mark_horizon
 from hertzchain.plotting.sweeps import plot_sweep
-from hertzchain.theory.universal_functions import bca_growth
 
 
 def first_pulse() -> Figure:
@@ -173,38 +172,6 @@ def scores() -> Figure:
     return canvas
 
 
-def growth_and_memory() -> Figure:
-    """Growth on exponential chains in the local-rate law, and memory of a change of the rate."""
-    with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(10.0, 3.8))
-        rates = np.linspace(-0.14, 0.3, 89)
-        growth = [_growth(rate) for rate in rates]
-        left.plot(rates, growth, color=COLOURS[0])
-        left.plot(rates, bca_growth(rates), "--", color=COLOURS[1])
-        inset = left.inset_axes((0.13, 0.14, 0.42, 0.34))
-        inset.plot(rates, bca_growth(rates) - growth, color=COLOURS[1])
-        inset.set_title("BCA - exact", fontsize=8, pad=2.0)
-        inset.set_ylim(0.0, 0.06)
-        inset.tick_params(labelsize=8)
-        left.annotate("exact", (-0.13, 0.13), xytext=(0, -18), textcoords="offset points",
-                      color=COLOURS[0])  # fmt: skip
-        left.annotate("BCA", (-0.11, 0.165), color=COLOURS[1])
-        left.set_xlabel("rate $s$")
-        left.set_ylabel(r"growth per bead $\sigma = \ln(v_{k+1}/v_k)$")
-        changed, beads = 60, np.arange(-3, 15)
-        for i, rate in enumerate((-0.1, 0.0, 0.1)):
-            chain = hc.Chain.from_radii(np.exp(rate * np.arange(100)))
-            response = [
-                hc.local_rate_gradient(chain, bead=changed + k)[1][changed:].sum() for k in beads
-            ]
-            right.plot(beads, response, "o-", color=COLOURS[i], label=f"$s = {rate:g}$")
-        right.set_xticks(beads[::3])
-        right.set_xlabel("bead $k - j$")
-        right.set_ylabel(r"$\partial\ln v_k/\partial s_j$")
-        right.legend()
-    return canvas
-
-
 def sweep() -> Figure:
     """Momentum as a function of taper and length, and range of validity of the local-rate law."""
     families = {
@@ -336,14 +303,6 @@ def design_shock_absorber() -> Figure:
     return hc.design(problem, budget=4000, seed=1).plot()
 
 
-def _growth(rate: float) -> float:
-    # The last bead but one of steep chains is outside the law.
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", hc.ModelRangeWarning)
-        velocity = hc.local_rate(hc.Chain.from_radii(np.exp(rate * np.arange(90)))).velocity
-    return float(np.log(velocity[80] / velocity[79]))
-
-
 FIGURES: dict[str, Callable[[], Figure]] = {
     "first-force": first_force,
     "force-trace": force_trace,
@@ -355,7 +314,6 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "figure12": figure12,
     "formula-errors": formula_errors,
     "scoreboard": scores,
-    "growth-and-memory": growth_and_memory,
     "sweep": sweep,
     "fit-before": fit_before,
     "fit-result": fit_result,
@@ -365,7 +323,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "design-shock-absorber": design_shock_absorber,
     **{
         draw.__name__.replace("_", "-"): draw
-        for draw in (*PAGE_FIGURES, *PAPER_FIGURES, *LAW_FIGURES)
+        for draw in (*PAGE_FIGURES, *PAPER_FIGURES, *LAW_FIGURES, *LOCAL_RATE_FIGURES)
     },
 }
 

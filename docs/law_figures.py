@@ -7,7 +7,7 @@ from typing import Final
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
+from local_rate_figures import law_and_simulation
 from matplotlib.figure import Figure
 from scipy.integrate import solve_ivp
 
@@ -18,14 +18,6 @@ from hertzchain.plotting.style import MARKERS, figure_style, label_log_axis
 PAGES: Final = Path(__file__).parent
 
 
-def _law_and_simulation(axes: Axes, law: hc.Pulse, exact: hc.Pulse, i: int, label: str) -> None:
-    """Velocities by a law as a line, and by simulation as symbols."""
-    shown = slice(None, len(exact.bead) - 3)
-    axes.plot(law.bead[shown], law.velocity[shown], color=COLOURS[i], label=label)
-    axes.plot(exact.bead[shown], exact.velocity[shown], MARKERS[i], color=COLOURS[i],
-              markerfacecolor="none", markevery=(3 * i, 12))  # fmt: skip
-
-
 def steps() -> Figure:
     """Velocities in chains with one step in the radius."""
     with figure_style():
@@ -33,45 +25,12 @@ def steps() -> Figure:
         for i, factor in enumerate((0.5, 0.8, 1.25, 2.0)):
             chain = hc.Chain.from_radii(np.where(np.arange(100) >= 40, factor, 1.0))
             law, exact = hc.piecewise_local_rate(chain), hc.propagate(chain)
-            _law_and_simulation(axes, law, exact, i, f"$f = {factor:g}$")
+            law_and_simulation(axes, law, exact, i, f"$f = {factor:g}$")
         axes.set_yscale("log")
         label_log_axis(axes.yaxis)
         axes.set_xlabel("bead $k$")
         axes.set_ylabel("velocity $v_k$")
         axes.legend(loc="lower left", ncols=2)
-    return canvas
-
-
-def local_rate() -> Figure:
-    """Velocities in four tapers by the law and the BCA; error of the law and its estimate."""
-    tapers = {
-        "backward-linear": hc.Chain.tapered("backward-linear", 0.5, beads=100),
-        "backward-exponential": hc.Chain.tapered("backward-exponential", 0.02, beads=100),
-        "wavy": hc.Chain.from_radii(np.exp(0.5 * np.sin(2.0 * np.pi * np.arange(100) / 60.0))),
-        "forward-exponential": hc.Chain.tapered("forward-exponential", 0.01, beads=100),
-    }
-    with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
-        for i, (name, chain) in enumerate(tapers.items()):
-            law, exact, bca = hc.local_rate(chain), hc.propagate(chain), hc.bca(chain)
-            assert law.velocity_error is not None
-            _law_and_simulation(left, law, exact, i, name)
-            left.plot(bca.bead, bca.velocity, ":", color=COLOURS[i], linewidth=1.0)
-            error = np.abs(law.compare(exact).errors("velocity"))
-            shown = slice(1, 97)
-            right.plot(law.bead[shown], 100.0 * error[shown], color=COLOURS[i])
-            right.plot(law.bead[shown], 100.0 * law.velocity_error[shown], "--", color=COLOURS[i])
-        left.plot([], [], ":", color="0.4", label="BCA")
-        right.plot([], [], color="0.4", label="error")
-        right.plot([], [], "--", color="0.4", label="estimate")
-        for axes, what in ((left, "velocity $v_k$"), (right, "error of the velocity [%]")):
-            axes.set_yscale("log")
-            label_log_axis(axes.yaxis)
-            axes.set_xlabel("bead $k$")
-            axes.set_ylabel(what)
-        left.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, fontsize=8)
-        right.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=8)
-        right.set_ylim(bottom=3e-4)
     return canvas
 
 
@@ -82,7 +41,7 @@ def strikers() -> Figure:
         for i, mass in enumerate((0.25, 1.0, 4.0)):
             chain = hc.Chain.uniform(80).struck_by(mass=mass, radius=1.0)
             law, exact = hc.local_rate(chain), hc.propagate(chain)
-            _law_and_simulation(left, law, exact, i, rf"$\mu = {mass:g}$")
+            law_and_simulation(left, law, exact, i, rf"$\mu = {mass:g}$")
         left.set_xlabel("bead $k$")
         left.set_ylabel("velocity $v_k$")
         left.set_xlim(0.0, 45.0)
@@ -165,7 +124,7 @@ def lossy_law() -> Figure:
         for i, (name, (radii, loss)) in enumerate(tapers.items()):
             chain = hc.Chain.from_radii(radii).replace(loss=loss)
             exact = hc.simulate(chain, times=0).pulse()
-            _law_and_simulation(left, hc.local_rate(chain), exact, i, name)
+            law_and_simulation(left, hc.local_rate(chain), exact, i, name)
         rates = 0.045 * np.tanh((np.arange(110) - 55) / 12)
         turning = np.exp(np.concatenate(([0.0], np.cumsum(rates))))
         for i, loss in enumerate((hc.UnloadingRatio(0.05), hc.UnloadingRatio(0.1)), start=3):
@@ -328,6 +287,6 @@ def against_others() -> Figure:
 
 
 LAW_FIGURES: Final = (
-    local_rate, steps, strikers, disorder, attenuation, lossy_law, gradients, extend, how_fast,
+    steps, strikers, disorder, attenuation, lossy_law, gradients, extend, how_fast,
     against_others,
 )  # fmt: skip

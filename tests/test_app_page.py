@@ -165,6 +165,17 @@ def test_errors_are_those_of_the_library(page):
             )
 
 
+def test_the_last_bead_at_a_free_end_is_apart(page):
+    def shown(tab):
+        marks = [tab.locator(f"#chart-{panel} .points").count() for panel in ("pulse", "error")]
+        return "bead k (dot: free end)" in tab.text_content("#chart-pulse svg"), *marks
+
+    # The simulation and the local-rate law; the errors end before this bead.
+    assert shown(page.tab) == (True, 2, 0)
+    walled = page.new_tab(f"{page.origin}#taper=uniform&beads=20&right_wall.rigid=true")
+    assert shown(walled) == (False, 0, 0)
+
+
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_the_rim_of_a_bead_can_be_dragged_and_undone(page):
     x, y, r = page.tab.evaluate("hertzchain.placeOf('A', 35)")
@@ -854,8 +865,9 @@ def test_nothing_overflows(browser, running, width):
         page.tab.evaluate(action)
         page.settle()
         assert page.tab.evaluate("document.documentElement.scrollWidth") <= width
-    # On a phone, the controls are next to the chain that they change.
-    tops = [page.tab.locator(each).bounding_box()["y"] for each in ("#lane-A", "#controls", "#map")]
+    # On a phone, the forces and the controls are next to the chain.
+    parts = ("#lane-A", "#chart-force", "#controls", "#map", "#chart-pulse")
+    tops = [page.tab.locator(each).bounding_box()["y"] for each in parts]
     if width == 400:
         assert tops == sorted(tops)
     page.context.close()

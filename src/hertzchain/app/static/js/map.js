@@ -38,7 +38,7 @@ export class SpaceTime {
     this.motion = motion;
     const T = motion.count, columns = motion.beads + (what === "forces" ? 1 : 0);
     const values = motion[what], largest = what === "forces" ? motion.strengths : motion.speeds;
-    const most = largest.reduce((a, b) => Math.max(a, b), 1e-300);
+    const most = Math.max(...largest, 1e-300);
     const factor = new Float32Array(columns);
     for (let k = 0; k < columns; k++) factor[k] = (255 / 32767) * (scale === "bead" ? 1 : largest[k] / most);
     this.image.width = columns;

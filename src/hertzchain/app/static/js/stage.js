@@ -64,7 +64,7 @@ export class Stage {
     this.wallGap = header.units === "SI" ? wallGap : 0;
     const last = this.radii.length - 1;
     this.long = this.centres[last] + this.radii[last] + this.wallGap;
-    this.largest = this.radii.reduce((a, b) => Math.max(a, b), 0);
+    this.largest = Math.max(...this.radii);
   }
 
   get middle() {

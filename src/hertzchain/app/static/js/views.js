@@ -60,7 +60,7 @@ export class Views {
     for (const each of series) each.apart = jumps(each.name === "other" ? other : own, each.y);
     const label = inUnit(info.description, unit);
     const message = series.length ? "" : this.reason(own);
-    this.pulse.draw(series, { xLabel: info.per === "contact" ? "contact k" : "bead k", counted: true, yLabel: label, log: state.view.log, message },
+    this.pulse.draw(series, { xLabel: info.per === "contact" ? "contact k" : series.some((each) => each.apart) ? "bead k (dot: free end)" : "bead k", counted: true, yLabel: label, log: state.view.log, message },
       `${label} along the chain: ${summary(series)}`);
     this.legend(own, other, quantity, hidden);
     this.drawErrors(state, own, other, shown);
@@ -89,10 +89,10 @@ export class Views {
       this.error.draw(series, { ...BEADS, yLabel: "other chain relative to this one", percent: true, message }, `Difference of the chains: ${summary(series)}`);
       return;
     }
-    const series = exact ? shown.map((name) => difference(name, title(name), own.theory(name, quantity), exact, true)) : [];
+    const known = jumps(own, exact) ? exact.slice(0, -1) : exact;
+    const series = exact ? shown.map((name) => difference(name, title(name), own.theory(name, quantity), known, true)) : [];
     const estimate = quantity === "velocity" ? own.theory("local-rate", "velocity_error") : undefined;
-    if (exact && estimate && !hidden.includes("local-rate")) series.push(line("estimate", "estimate of the local-rate law", estimate, 100));
-    for (const each of series) each.apart = jumps(own, exact);
+    if (exact && estimate && !hidden.includes("local-rate")) series.push(line("estimate", "estimate of the local-rate law", estimate.slice(0, known.length), 100));
     replace($("legend-error"), series.at(-1)?.name === "estimate" ? [key("estimate", "error estimated by the law")] : []);
     card.hidden = !series.length && !other && !!own.pulse.header;
     const message = series.length ? "" : !own.pulse.header ? this.reason(own) : shown.length ? "No values to compare with." : "None of the theories shown supports this chain.";

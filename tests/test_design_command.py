@@ -75,12 +75,13 @@ def test_a_design_file_describes_the_problem(file):
 
 def test_a_search_that_is_cut_off_ten_times_gives_the_same_result(tmp_path):
     whole = hc.design(problem(), budget=200, store=tmp_path / "whole")
-    content = (tmp_path / "whole" / "gradient-200-simulations-seed-0.journal").read_bytes()
+    (journal,) = (tmp_path / "whole").rglob("gradient-200-simulations-seed-0.journal")
+    content, place = journal.read_bytes(), journal.relative_to(tmp_path / "whole")
     lengths = np.random.default_rng(1).integers(1, len(content), 10)
     for i, length in enumerate(sorted(lengths)):
         folder = tmp_path / f"cut-{i}"
-        folder.mkdir()
-        (folder / "gradient-200-simulations-seed-0.journal").write_bytes(content[:length])
+        (folder / place).parent.mkdir(parents=True)
+        (folder / place).write_bytes(content[:length])
         again = hc.design(problem(), budget=200, store=folder)
         assert again.chain.radii.tolist() == whole.chain.radii.tolist()
         assert (again.value, again.runs, again.history.tolist()) == (
@@ -129,11 +130,9 @@ def test_a_compilation_is_announced_and_can_be_interrupted(file, tmp_path):
     assert rest.count("run the same command again to resume") == 1
 
 
-def test_another_problem_does_not_use_the_same_store(tmp_path):
+def test_another_version_does_not_use_the_same_store(tmp_path):
     hc.design(problem(), budget=90, store=tmp_path / "store")
-    with pytest.raises(hc.InputError, match="with another minimise; .* restore its minimise$"):
-        hc.design(problem(minimise="wall_force.impulse"), budget=90, store=tmp_path / "store")
-    (journal,) = (tmp_path / "store").glob("*.journal")
+    (journal,) = (tmp_path / "store").rglob("*.journal")
     journal.write_bytes(journal.read_bytes().replace(b"version=", b"version=0.0."))
     with pytest.raises(hc.InputError, match="another version of hertzchain; remove it"):
         hc.design(problem(), budget=90, store=tmp_path / "store")
@@ -143,20 +142,26 @@ def test_searches_with_other_options_have_their_own_journals(file, tmp_path, run
     options = ([], ["--seed", "3"], ["--budget", "150"], ["--method", "evolution"], ["--seed", "3"])
     found = [json.loads(run(file, "--json", *each).stdout) for each in options]
     assert found[1]["radii"] == found[4]["radii"]
-    names = sorted(each.name for each in (tmp_path / "problem.design").glob("*.journal"))
+    names = sorted(each.name for each in (tmp_path / "problem.design").rglob("*.journal"))
     assert len(names) == 4
     assert [name.partition("-")[2] for name in names if name.startswith("evolution")] == [
         "400-simulations-seed-2.journal"
     ]
+
+
+def test_an_edited_problem_has_a_folder_of_its_own(file, tmp_path, run):
+    first = json.loads(run(file, "--json").stdout)
+    (journal,) = (tmp_path / "problem.design").rglob("*.journal")
+    content = journal.read_bytes()
     file.write_text(PROBLEM.replace("[0.5, 1.0]", "[0.6, 1.0]"))
-    changed = run(file)
-    assert changed.returncode == 2
-    assert "belongs to another problem" in changed.stderr
-    assert "with another vary;" in changed.stderr
-    assert "to begin a new search, delete this file or name another folder (--store FOLDER" in (
-        changed.stderr
-    )
-    assert run(file, "--store", "other").returncode == 0
+    edited = json.loads(run(file, "--json").stdout)
+    fresh = json.loads(run(file, "--json", "--store", "other").stdout)
+    assert edited["radii"] == fresh["radii"] != first["radii"]
+    file.write_text(PROBLEM)
+    assert json.loads(run(file, "--json").stdout)["radii"] == first["radii"]
+    journals = list((tmp_path / "problem.design").rglob("*.journal"))
+    assert len({each.parent for each in journals}) == len(journals) == 2
+    assert journal.read_bytes() == content
 
 
 def test_the_command_writes_chain_figure_and_json(file, tmp_path, run):
@@ -167,7 +172,7 @@ def test_the_command_writes_chain_figure_and_json(file, tmp_path, run):
     assert chain.radii.tolist() == document["radii"]
     assert document["value"] == pytest.approx(wall_peak(chain, 30.0), rel=1e-7)
     assert (tmp_path / "design.png").stat().st_size > 20_000
-    assert list((tmp_path / "problem.design").glob("*-400-simulations-seed-2.journal"))
+    assert list((tmp_path / "problem.design").rglob("*-400-simulations-seed-2.journal"))
 
 
 BALLS = """
@@ -618,7 +623,7 @@ def test_a_search_without_any_result_does_not_block_a_corrected_file(file, tmp_p
     failed = run(file)
     assert failed.returncode == 2
     assert "could be simulated with the required quantities" in failed.stderr
-    assert not list((tmp_path / "problem.design").glob("*.journal"))
+    assert not list((tmp_path / "problem.design").rglob("*.journal"))
     file.write_text(PROBLEM)
     corrected = run(file, "--json")
     assert corrected.returncode == 0, corrected.stderr

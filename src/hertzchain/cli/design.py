@@ -33,8 +33,8 @@ from .wording import on_command_line
     "--store",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Folder of the journals of trials, one for each method, budget and seed.  [default: the "
-    "name of FILE with .design]",
+    help="Folder of the journals of trials, one for each problem, method, budget and seed.  "
+    "[default: the name of FILE with .design]",
 )
 @click.option("--threads", type=int, help="Number of threads.  [default: one per processor]")
 @click.option(

@@ -15,6 +15,7 @@ import numpy as np
 from ..errors import IncompleteWarning, InputError, InputWarning, ModelRangeWarning
 from ..representation import counted
 from ..simulation.ensemble_input import is_covered
+from ..store.digests import document_digest
 from ..store.file_lock import lock
 from ..store.journal import Journal
 from ..validation.keywords import checked_arguments
@@ -75,8 +76,9 @@ def design(
         The search among balls or orders does not depend on it: at most 100 points are reported by
         default, and of more points those closest to equal steps of the second objective.
     store : path-like, optional
-        Folder of journals of all trials, one for each method, budget and seed.  A search that was
-        interrupted resumes from its journal and gives the result that it would have given.
+        Folder of journals of all trials: a folder for each problem, with a journal for each method,
+        budget and seed.  A search that was interrupted resumes from its journal and gives the
+        result that it would have given.
     threads : int, optional
         Number of threads.  The default is one per processor.
     progress : callable, optional
@@ -91,7 +93,7 @@ def design(
     ------
     InputError
         If the method cannot solve the problem, the budget is too small for the chains to compare
-        with and one trial, or the store belongs to another problem.
+        with and one trial, or the store belongs to another version of hertzchain.
 
     Notes
     -----
@@ -120,10 +122,8 @@ def design(
     chosen = _chosen_method(problem, method, limit)
     reason = impossible(problem)
     _check_budget(problem, limit, 0 if reason is not None else count)
-    options = (f"{problem.identity} method={chosen} budget={limit.runs},{limit.seconds} "
-               f"seed={seed} points={points}")  # fmt: skip
     name = _journal_name(chosen, limit, seed, count if len(problem.objectives) == 2 else 0)
-    with _journal(store, name, options) as journal, warnings.catch_warnings():
+    with _journal(store, problem.identity, name) as journal, warnings.catch_warnings():
         # Trial chains are made in several threads, which share the filters of warnings.  The
         # limits of the models are notes of the chains that are reported.
         for each in (InputWarning, ModelRangeWarning, IncompleteWarning):
@@ -186,7 +186,8 @@ def _journal_name(method: str, limit: Budget, seed: int, points: int) -> str:
 
 
 @contextmanager
-def _journal(store: Any, name: str, options: str) -> Iterator[Journal]:
+def _journal(store: Any, identity: str, name: str) -> Iterator[Journal]:
+    """The journal of a search, in the folder of its problem."""
     from .. import __version__
 
     if store is None:
@@ -195,8 +196,9 @@ def _journal(store: Any, name: str, options: str) -> Iterator[Journal]:
     folder = file_path("store", store)
     if folder.exists() and not folder.is_dir():
         raise InputError(f"the store {os.fspath(store)!r} is a file; give the name of a folder")
-    with lock(Path(folder) / "lock", store):
-        journal = Journal(Path(folder) / name, f"version={__version__} {options}")
+    folder = Path(folder) / document_digest({"problem": identity})[:12]
+    with lock(folder / "lock", store):
+        journal = Journal(folder / name, f"version={__version__} {identity}")
         try:
             yield journal
         finally:
@@ -224,7 +226,7 @@ def finish(trials: Trials, found: Found, notes: tuple[str, ...]) -> DesignResult
     # The search has ended, possibly before its budget.
     trials.report_progress()
     if not trials.best or not np.isfinite(trials.best[0].values).all():
-        # A corrected problem may use the same store.
+        # There is nothing to resume.
         trials.journal.remove()
         reasons = "; ".join(sorted(trials.reasons)[:2])
         raise InputError(

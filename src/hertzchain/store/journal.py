@@ -17,7 +17,6 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError
-from ..representation import listed
 from .writing import cannot_write
 
 FORMAT: Final = "hertzchain journal 1"
@@ -53,7 +52,10 @@ class Journal:
             raise InputError(f"cannot read {os.fspath(path)!r} ({error.strerror})") from None
         lines = content.split(b"\n")
         if len(lines) > 1 and lines[0] + b"\n" != first.encode():
-            raise _other_search(path, lines[0].decode(errors="replace"), first)
+            raise InputError(
+                f"{os.fspath(path)!r} belongs to another version of hertzchain; remove it, or name "
+                "another folder (--store FOLDER on the command line, store in Python)"
+            )
         if len(lines) < 2:
             return 0
         length = len(first)
@@ -108,26 +110,6 @@ class Journal:
         """Close the file."""
         if self._stream is not None:
             self._stream.close()
-
-
-def _other_search(path: Path, found: str, needed: str) -> InputError:
-    """Error that states in which settings, words such as ``seed=1``, two headers differ."""
-    old, new = (
-        dict(word.split("=", 1) for word in header.split() if "=" in word)
-        for header in (found, needed)
-    )
-    differing = [name for name, value in new.items() if old.get(name) != value]
-    elsewhere = "name another folder (--store FOLDER on the command line, store in Python)"
-    if "version" in differing:
-        return InputError(
-            f"{os.fspath(path)!r} belongs to another version of hertzchain; remove it, or "
-            f"{elsewhere}"
-        )
-    return InputError(
-        f"{os.fspath(path)!r} belongs to another problem, with another {listed(differing)}; to "
-        f"begin a new search, delete this file or {elsewhere}; to resume the old one, "
-        f"restore its {listed(differing)}"
-    )
 
 
 def _record(line: bytes) -> tuple[str, float, Array] | None:

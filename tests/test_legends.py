@@ -285,3 +285,13 @@ def test_methods_with_a_common_colour_have_symbols_at_different_beads(width):
     axes.figure.draw_without_rendering()
     low, high = lower.get_ylim()
     assert sum(low <= tick <= high for tick in lower.get_yticks()) in (3, 4)
+
+
+def test_the_legend_of_two_parameters_does_not_cover_their_medians():
+    values = np.array([1.2003e9, 3.97e-6])
+    samples = values * (1.0 + 1e-3 * np.random.default_rng(1).standard_normal((500, 2)))
+    names = ("materials[my ptfe].young", "loss.time")
+    figure = hc.Posterior(names, samples, 0.5, 30.0, 500, values, ("Pa", "s")).plot()
+    figure.draw_without_rendering()
+    legend = figure.legends[0].get_window_extent()
+    assert not any(legend.overlaps(axes.title.get_window_extent()) for axes in figure.axes)

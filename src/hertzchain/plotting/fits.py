@@ -387,13 +387,13 @@ def _corner_font(width: float, count: int, labels: Sequence[str]) -> float:
 
 
 def _corner_legend(figure: Figure, size: float, rows: Sequence[str]) -> None:
-    """Explain the colours in the empty corner, or above the only panel or further rows."""
+    """Explain the colours in the empty corner or, of few panels or with further rows, above."""
     samples, value = (Line2D([], [], color=COLOURS[i]) for i in (1, 2))
     samples.set(linestyle="", marker=".", label="samples of the posterior")
     value.set(linewidth=0.9, marker="+", markersize=0.7 * size, label="value of the fit")
     place: dict[str, Any] = (
         {"loc": "outside upper left"} if rows
-        else {"loc": "outside upper center"} if len(figure.axes) == 1
+        else {"loc": "outside upper center"} if len(figure.axes) <= 3
         else {"loc": "upper right", "bbox_to_anchor": (0.98, 0.98)}
     )  # fmt: skip
     further = [Line2D([], [], linestyle="", label=row) for row in rows]

@@ -582,7 +582,7 @@ def test_an_argument_that_is_not_a_chain_is_named(evaluated):
         evaluated([1.0, 1.0])
 
 
-@pytest.mark.parametrize("rate", [0.165, 0.2, 0.25, 0.3])
+@pytest.mark.parametrize("rate", [0.2, 0.25, 0.3])
 def test_errors_in_a_taper_of_constant_rate(rate):
     """Errors of the interpolation add up along the chain, and so does the estimate."""
     chain = hc.Chain.tapered("backward-exponential", rate, beads=60)

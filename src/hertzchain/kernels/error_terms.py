@@ -51,8 +51,9 @@ OF_SPREAD, LEAST, INTERPOLATED_END, STEEPER = 1.8, 0.015, 0.003, 1.5
 LESS_KNOWN = 1.5
 # Weights of higher orders of large changes, and of fast changes that are much larger.
 LARGE_CHANGE, BEYOND = 40.0, 2.5
-# Weight of the third power of a change of the rate at the last contact.
-STEEP_END = 1200.0
+# Error of the interpolation at the last contacts, and weight of the third power of a change of the
+# rate at the last one.
+ENDING, STEEP_END = 2e-7, 1200.0
 # Rates below which a pulse leaves a train of waves behind, and above which these overtake it.
 TRAIN, CATCHING = -0.13, -0.05
 
@@ -268,7 +269,7 @@ def write_parts(contacts, ending, slow, fast, doubts, regular, parts):
             parts[k, 2 + i] = doubts[k, i] * (1.0 - alternating)
         parts[k, 6], parts[k, 7], parts[k, 8] = third, tapered, np.sqrt(mixed)
         parts[k, 9], parts[k, 10] = faded + ahead * recent, steep + ahead * doubtful
-        parts[k, 11] = doubted * step * step * kinks(q) if at_end else 0.0
+        parts[k, 11] = ENDING + doubted * step * step * kinks(q) if at_end else 0.0
         if k == contacts - 1:
             parts[k, 11] += STEEP_END * abs(slope) ** 3
         parts[k, 12] = size if at_end else 0.0

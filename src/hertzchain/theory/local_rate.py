@@ -101,8 +101,8 @@ def local_rate(chain: Chain) -> Pulse:
     All columns include the effect of a loss, which is derived in "Losses in the local-rate law".
     The estimated error was calibrated to exceed 95% or more of the errors in each class of random
     chains; it is not an upper bound.  Errors within one chain are correlated: in a taper
-    of constant rate, most beads may exceed the estimate, by up to twice.  Where it exceeds 0.5%,
-    use `propagate`.
+    of constant rate, most beads may exceed the estimate, by up to four times.  Where it exceeds
+    0.5%, use `propagate`.
 
     Examples
     --------

@@ -78,8 +78,9 @@ constraints:
 clean:
 	rm -rf .venv docs/_build docs/_generated docs/gallery docs/reference/api reproduction
 
+# Python compiles what it imports; compiling everything would take half of the installation.
 .venv/installed: .venv/python constraints.txt
-	$(BIN)/pip install --constraint constraints.txt --editable .
+	$(BIN)/pip install --no-compile --constraint constraints.txt --editable .
 	touch $@
 
 .venv/compiled: .venv/installed $(wildcard src/hertzchain/kernels/*.py)
@@ -87,7 +88,7 @@ clean:
 	touch $@
 
 .venv/installed-test: .venv/python constraints.txt
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,docs]'
+	$(BIN)/pip install --quiet --no-compile --constraint constraints.txt --editable '.[test,docs]'
 	touch $@ .venv/installed
 
 .venv/python: pyproject.toml

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from scipy.signal import lsim
-from scipy_row import BALLS, FREE, RADIUS, SPACING, TRUTH, chain, forces, traces
+from scipy_row import BALLS, BEFORE, FREE, RADIUS, SPACING, TRUTH, chain, forces, traces
 
 import hertzchain as hc
 from hertzchain.fitting.diagnosis import (
@@ -13,6 +13,7 @@ from hertzchain.fitting.diagnosis import (
     LAWS,
     NOTHING_EXPLAINS,
     _exponent,
+    _losses,
     without_tested,
 )
 from hertzchain.fitting.fit import fitted as solved
@@ -53,6 +54,91 @@ def test_offsets_are_named():
 def test_one_offset_is_named_alone():
     (advice,) = fitted(lambda columns: columns | {B: columns[B] + 0.3}).advice
     assert "add 'offset[ball 10]' to" in advice
+
+
+def two_shots(change, free, first=None):
+    """A fit to two shots, whose columns may differ from those of SciPy."""
+    shots = [traces(seed, change=each).shots[0] for seed, each in enumerate((first, change))]
+    return hc.fit(hc.Traces(tuple(shots)), chain(), free=free)
+
+
+EACH = [f"{name}@*" if name in ("struck_by.velocity", "time_offset") else name for name in FREE]
+
+
+@pytest.mark.parametrize(
+    ("change", "free", "name", "true"),
+    [
+        (lambda c: c | {B: c[B] + 0.3}, [], "offset[ball 10]@2", 0.3),
+        # The common offset is that of the first shot.
+        (lambda c: c | {B: c[B] + 0.3}, ["offset[ball 10]"], "offset[ball 10]@2", 0.3),
+        # Those of the first shot are free alone.
+        (lambda c: c | {B: c[B] + 0.3}, ["offset[*]@1"], "offset[ball 10]@2", 0.3),
+        (lambda c: c | {B: 1.1 * c[B]}, [], "gain[ball 10]@2", 1.1),
+        (lambda c: c | {B: np.roll(c[B], 5)}, [], "delay[ball 10]@2", 5e6 * SPACING),
+    ],
+    ids=["offset", "common offset", "offsets of the first shot", "gain", "delay"],
+)
+def test_an_effect_of_one_shot_is_named(change, free, name, true):
+    result = two_shots(change, [*EACH, *free])
+    assert not result.describes
+    (advice,) = result.advice
+    assert f"add '{name}' to the free parameters" in advice
+    assert DESCRIBES in advice
+    value, error = map(float, re.findall(r"\]@2 = (\S+) \+- (\S+) ", advice.replace(",", " "))[0])
+    assert abs(value - true) < 3.5 * error < 0.1 * true
+    found = two_shots(change, [*EACH, *free, name])
+    assert found.describes
+    for key in ("stiffness", "loss.time"):
+        assert abs(found.values[key] - TRUTH[key]) < 3.5 * found.errors[key]
+
+
+def test_offsets_of_all_sensors_in_one_shot_are_named():
+    def change(columns):
+        return columns | {A: columns[A] + 0.6, WALL: columns[WALL] - 0.4}
+
+    (advice,) = two_shots(change, EACH).advice
+    assert "add 'offset[*]@2' to the free parameters" in advice
+    assert DESCRIBES in advice
+    (advice,) = two_shots(change, [*EACH, "offset[ball 10]@2"]).advice
+    assert "add 'offset[ball 5]@2' and 'offset[wall]@2' to the free parameters" in advice
+
+
+def test_different_offsets_of_one_sensor_in_each_shot_are_named():
+    result = two_shots(
+        lambda c: c | {B: c[B] + 0.3}, EACH, lambda c: c | {B: c[B] - 0.3}
+    )  # fmt: skip
+    (advice,) = result.advice
+    assert "add 'offset[ball 10]@*' to the free parameters" in advice
+    assert DESCRIBES in advice
+
+
+def test_levels_of_single_shots_are_named():
+    shots = [
+        traces(seed, gap=0.5e-6, change=change).shots[0]
+        for seed, change in enumerate((None, lambda c: c | {A: c[A] + 0.2}))
+    ]
+    level, other = hc.fit(hc.Traces(tuple(shots)), chain(), free=EACH).advice
+    assert level.startswith("before the pulse of shot 2, ball 5 is at ")
+    assert "add 'offset[ball 5]@2' to the free parameters" in level
+    assert other == NOTHING_EXPLAINS
+
+
+@pytest.mark.parametrize(
+    ("options", "name"), [({"before": BEFORE + 5}, "time_offset"), ({"velocity": 0.26}, "struck")]
+)
+def test_common_parameters_that_differ_between_shots_are_named(options, name):
+    name = next(each for each in FREE if each.startswith(name))
+    shots = [traces(seed, **each).shots[0] for seed, each in enumerate(({}, options))]
+    free = [each for each in EACH if not each.startswith(name)]
+    (advice,) = hc.fit(hc.Traces(tuple(shots)), chain(), free=[*free, name]).advice
+    assert f"free '{name}@*' instead of '{name}'" in advice
+    assert DESCRIBES in advice
+
+
+def test_parameters_of_each_shot_are_not_tried_in_common():
+    free = [each for each in EACH if each != "loss.time"]
+    result = two_shots(None, [*free, "loss.time@*", "exponent@*"])
+    assert list(_losses(result, {}, solved)) == list(_exponent(result, {}, solved)) == []
 
 
 def test_chi2_is_stated_for_each_sensor():

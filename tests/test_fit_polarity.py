@@ -145,3 +145,15 @@ def test_comparisons_of_three_sensors_have_no_empty_place_and_a_legend_above():
     boxes = [axes.title.get_window_extent() for axes in figure.axes if axes.get_title()]
     assert not any(legend.get_window_extent().overlaps(box) for box in boxes)
     assert figure.axes[-1].get_xlabel() == "time [µs]"
+
+
+def test_gains_of_single_shots_start_from_their_own_signals():
+    plain = {name: abs(gain) for name, gain in GAINS.items()}
+    shots = hc.Traces((traces(plain).shots[0], traces().shots[0]))
+    free = [*FREE, "gain[ball 5]@*", "gain[ball 10]"]
+    found = hc.fit(shots, chain(), free=free)
+    assert found.describes
+    for shot, gain in (("1", 0.0213), ("2", -0.0213)):
+        name = f"gain[ball 5]@{shot}"
+        assert abs(found.values[name] - gain) < 3.5 * found.errors[name]
+    assert INVERTED in found.notes

@@ -25,10 +25,11 @@ from .misread_columns import misread_columns
 from .model import Model, make_model
 from .names import Name
 from .noise import independent_samples
-from .parameters import ELASTIC, Parameter, kind_and_value
+from .parameters import ELASTIC, Parameter, expanded, kind_and_value
 from .problem import Problem
 from .result import FitResult
 from .systematics import EFFECTS, derivative
+from .traces import Traces
 
 Refit = Callable[[Problem, Mapping[str, float], int], FitResult]
 # Part of the excess of chi-squared that a cause must remove, and the part that it must remove in
@@ -38,6 +39,8 @@ MOST, PROMISING = 0.75, 0.4
 CLEAR: Final = 2.0
 # Largest number of effects that are tried.
 MAX_TRIED: Final = 4
+# Common parameters that may differ between shots.
+OF_SHOTS: Final = ("struck_by.velocity", "time_offset")
 # Starts of a mass: a fit from the mass of the other balls can end there, because a heavier ball
 # reflects the pulse and a lighter one leaves its neighbour.
 MASSES: Final = (1.05, 0.95)
@@ -74,7 +77,7 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if result.describes or result.goodness.undecided:
         return _with_effect(result, refit)
     causes = [*_columns(result, start, refit), *_effects(result, refit)]
-    for further in (_losses, _exponent, _masses, _beads):
+    for further in (_shots, _losses, _exponent, _masses, _beads):
         if not any(cause.result.describes for cause in causes):
             causes += further(result, start, refit)
     good = [cause for cause in causes if _removed(result, cause.result) > MOST]
@@ -165,21 +168,50 @@ def _effects(result: FitResult, refit: Refit) -> Iterator[Cause]:
 
 
 def _groups(result: FitResult) -> Iterator[tuple[Name, ...]]:
-    """Effects of sensors that are not free: of one sensor, and offsets or gains of all."""
+    """Effects of sensors that are not free: of one sensor, of all, and of single shots."""
     model = result.model
-    free = set(model.names)
-    keys = {name.key for name in free}
-    several = any(len(shot.signals) > 1 for shot in model.traces.shots)
+    keys = {name.key for name in model.names}
+    shots = model.traces.shots
+    several = any(len(shot.signals) > 1 for shot in shots)
     for key in EFFECTS:
         if key not in keys and (several or key != "crosstalk"):
             yield (Name(key),)
     # One sensor has no delay apart from the time offset, and all sensors have none in common.
     for key in ("offset", "gain", "delay") if several else ("offset", "gain"):
-        names = [Name(key, item) for item in model.traces.names]
-        names = [each for each in names if each not in free and Name(key) not in free]
+        if any(name.key == key and not name.item for name in model.names):
+            continue
+        names = [each for item in model.traces.names for each in _not_free(key, item, model)]
         yield from ((name,) for name in names)
-        if len(names) > 1 and key != "delay":
-            yield tuple(names)
+        of_shots = {
+            part: [each for each in names if each.shot == part]
+            for part in dict.fromkeys(each.shot for each in names)
+        }
+        of_sensors = {
+            part: [each for each in names if each.shot and each.item == part]
+            for part in model.traces.names
+        }
+        groups = [*(of_shots.values() if key != "delay" else ()), *of_sensors.values()]
+        yield from (tuple(group) for group in groups if len(group) > 1)
+
+
+def _not_free(key: str, item: str, model: Model) -> Iterator[Name]:
+    """A parameter of one sensor in all shots and in each shot, unless it is free there."""
+    shots = model.traces.shots
+    free = {each.shot for each in model.names if (each.key, each.item) == (key, item)}
+    if not free:
+        yield Name(key, item)
+    # The common parameter needs a shot without its own.
+    if len(shots) == 1 or ("" in free and len(free) == len(shots)):
+        return
+    for k, shot in enumerate(shots, 1):
+        seen = any(signal.name == item for signal in shot.signals)
+        if seen and str(k) not in free and (key != "delay" or len(shot.signals) > 1):
+            yield Name(key, item, str(k))
+
+
+def _is_free(key: str, model: Model) -> bool:
+    """Whether a parameter of all contacts is free, in all shots or in some."""
+    return any(each.key == key and not each.item for each in model.names)
 
 
 def _explained(result: FitResult, block: Array, inverse: Array) -> float:
@@ -192,13 +224,26 @@ def _explained(result: FitResult, block: Array, inverse: Array) -> float:
     return float(np.sum((left.T @ result.residual_vector) ** 2))
 
 
+def _shots(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """Fits in which a common velocity or time offset has another value in each shot."""
+    model = result.model
+    for key in OF_SHOTS:
+        own = [Name(key, shot=str(k)) for k in range(2, len(model.chains) + 1)]
+        if not own or {each for each in model.names if each.key == key} != {Name(key)}:
+            continue
+        # The common parameter becomes that of the first shot.
+        cause = _tried(result, own, refit)
+        if cause is not None:
+            yield replace(cause, advice=f"free '{key}@*' instead of '{key}'")
+
+
 def _losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """Fits with a loss, if the chains have none, or with the parameters of their losses."""
     model = result.model
     if not all(chain.lossless for chain in model.chains):
         for key in loss_parameters(result.chain):
             name = Name(f"loss.{key}")
-            cause = _tried(result, (name,), refit) if name not in model.names else None
+            cause = None if _is_free(name.key, model) else _tried(result, (name,), refit)
             if cause is not None:
                 yield cause
         return
@@ -245,7 +290,7 @@ def _with_length(chain: Chain, change: int) -> Chain:
 def _exponent(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """The fit with the exponent of all contacts, if they have one that is not free."""
     name = Name("exponent")
-    if name not in result.model.names and str(name) in known_names(result.chain):
+    if not _is_free(name.key, result.model) and str(name) in known_names(result.chain):
         cause = _tried(result, (name,), refit)
         moduli = [f"'{each}'" for each in result.model.names if each.key in ELASTIC]
         if cause is not None and moduli:
@@ -290,6 +335,7 @@ def _tried(
     fixed = {}
     for name in names:
         kind, value = kind_and_value(name, model.traces, model.chains)
+        value = values.get(str(replace(name, shot="")), value)
         parameters.append(Parameter(name, kind, factor * value))
         fixed[str(name)] = value if neutral is None else neutral
     try:
@@ -303,8 +349,19 @@ def _tried(
     if len(names) > 1:
         clear = _beyond(CERTAIN, fixed, found) or clear
     shown = ", ".join(f"{name} = {rows[name]}" for name in clear)
-    add = f"{names[0].key}[*]" if len(names) > 1 else str(names[0])
-    return Cause(shown, f"add {add!r} to the free parameters", found, len(names))
+    return Cause(shown, _added(names, model.traces), found, len(names))
+
+
+def _added(names: Sequence[Name], traces: Traces) -> str:
+    """The advice to add parameters, with a wildcard if it denotes exactly these."""
+    items, shots = {each.item for each in names}, {each.shot for each in names}
+    short = Name(
+        names[0].key,
+        items.pop() if len(items) == 1 else "*",
+        shots.pop() if len(shots) == 1 else "*",
+    )
+    shown = [short] if set(expanded(short, traces)) == set(names) else names
+    return f"add {listed([repr(str(each)) for each in shown])} to the free parameters"
 
 
 def _beyond(times: float, fixed: Mapping[str, float], found: FitResult) -> list[str]:
@@ -316,16 +373,20 @@ def _beyond(times: float, fixed: Mapping[str, float], found: FitResult) -> list[
 
 def _levels(result: FitResult) -> tuple[str, ...]:
     """Notes on sensors whose mean before the pulse is not that of the model."""
-    found: dict[str, str] = {}
+    found: dict[str, list[tuple[Name, str]]] = {}
     flat = itertools.chain.from_iterable(result.predicted)
-    for (_, signal), model in zip(result.traces, flat, strict=True):
-        if not signal.before or f"offset[{signal.name}]" in result.names:
+    several = len(result.traces.shots) > 1
+    for (shot, signal), model in zip(result.traces, flat, strict=True):
+        name = Name("offset", signal.name, str(shot + 1) if several else "")
+        if not signal.before or {name, replace(name, shot="")} & {*result.model.names}:
             continue
         error = signal.sigma / independent_samples(signal.quiet_values) ** 0.5
         if abs(signal.level - model[0]) > CERTAIN * error:
-            found.setdefault(signal.name, (
-                f"before the pulse, {signal.name} is at {signal.level:.3g} {signal.unit}, the "
-                f"model at {model[0]:.3g} {signal.unit}: check its zero, or add "
-                f"'offset[{signal.name}]' to the free parameters"
-            ))  # fmt: skip
-    return tuple(found.values())
+            found.setdefault(signal.name, []).append((name, (
+                f"before the pulse{f' of shot {name.shot}' if several else ''}, {signal.name} is "
+                f"at {signal.level:.3g} {signal.unit}, the model at {model[0]:.3g} {signal.unit}"
+            )))  # fmt: skip
+    return tuple(
+        f"{noted[0][1]}: check its zero, or {_added([name for name, _ in noted], result.traces)}"
+        for noted in found.values()
+    )

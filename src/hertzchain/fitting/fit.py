@@ -265,10 +265,13 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
 
 
 def _gains(model: Model, values: Mapping[Name, float]) -> dict[str, float]:
-    """Free gains of sensors without calibration, by sensor."""
-    found = {signal.name: Name("gain", signal.name)
-             for _, signal in model.traces if not signal.calibrated}  # fmt: skip
-    return {sensor: values[name] for sensor, name in found.items() if name in values}
+    """Gains of sensors without calibration, by sensor; the smallest of all shots."""
+    found: dict[str, float] = {}
+    for shot, signal in model.traces:
+        if not signal.calibrated:
+            gain = model.gain(shot, signal, values)
+            found[signal.name] = min(gain, found.get(signal.name, gain))
+    return found
 
 
 def _covariance(jacobian: Array, change: Array, free: Array) -> Array:

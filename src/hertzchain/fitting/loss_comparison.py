@@ -316,7 +316,7 @@ def _signals(result: FitResult, factor: float) -> tuple[Array, Array, Array]:
     names = [place.name for place in model.simulator.places]
     columns = []
     for signal in shot.signals:
-        gain = values.get(Name("gain", signal.name), 1.0)
+        gain = model.gain(0, signal, values)
         column = gain * run.columns[:, names.index(signal.name)] / signal.sigma
         columns.append(np.interp(times, run.spacing * np.arange(len(column)), column))
     whole = np.concatenate(columns)

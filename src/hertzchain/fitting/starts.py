@@ -70,7 +70,7 @@ def _correlations(
         for signal, column in zip(data.signals, columns, strict=True):
             ok = signal.valid
             seen = np.interp(data.times[0] + grid, data.times[ok], signal.values[ok])
-            sign = math.copysign(1.0, values.get(Name("gain", signal.name), 1.0))
+            sign = math.copysign(1.0, model.gain(shot, signal, values))
             shape = sign * sampled(column, factor * spacing, grid)
             size = float(shape @ shape)
             if size > 0.0:
@@ -109,7 +109,8 @@ def with_gains(
         if each.name.key != "gain" or each.prior is not None or str(each.name) in start:
             continue
         for index, signal in model.traces:
-            if signal.name == each.name.item and not signal.calibrated:
+            of_shot = each.name.shot in ("", str(index + 1))
+            if of_shot and signal.name == each.name.item and not signal.calibrated:
                 found[each.name] = _ratio(model, values, index, signal)
                 break
     return found

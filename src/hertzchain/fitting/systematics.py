@@ -6,7 +6,7 @@ Each effect is added to the linearised fit as one more parameter, without a simu
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -102,7 +102,9 @@ def derivative(
 ) -> Array:
     """Derivative of all residuals with respect to an effect that the fit does not include."""
     kind = SENSOR_KINDS[name.key]
-    step, neutral = kind.step * kind.typical, 1.0 if name.key == "gain" else 0.0
+    step, ideal = kind.step * kind.typical, 1.0 if name.key == "gain" else 0.0
+    # The value of one shot differs from the common one, if that is free.
+    neutral = values.get(replace(name, shot=""), ideal)
     model = problem.model
     more = Model(
         model.traces, model.chains, (*model.parameters, Parameter(name, kind, neutral)),

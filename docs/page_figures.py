@@ -52,8 +52,8 @@ def chain_files() -> Figure:
     """Chains of the first examples of chain files."""
     return _rows(
         {
-            "taper = \"forward-linear\", rate = 0.006, the first 30 of 60 beads":
-                hc.Chain.tapered("forward-linear", 0.006, beads=30),
+            "taper = \"forward-linear\", rate = 0.006, the first 20 of 60 beads":
+                hc.Chain.tapered("forward-linear", 0.006, beads=20),
             "radii = [5.0, 1.5, 5.0, 1.5, 5.0, 1.5, 5.0]":
                 hc.Chain.from_radii([5.0, 1.5, 5.0, 1.5, 5.0, 1.5, 5.0]),
             "taper = \"uniform\", the first 12 of 100 beads": hc.Chain.uniform(12),

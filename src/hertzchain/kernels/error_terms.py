@@ -16,9 +16,9 @@ SLOW_PARTS, PARTS = 4, 16
 # Contacts from which on the state of the recursion counts, and from which on the pulse has
 # forgotten the impact.  The first contacts have functions of their own, which are more accurate.
 RECURSIVE, SETTLED = 12, 24
-# Large changes there have errors of higher order, and steep forward tapers larger ones.
+# Weight of the higher orders of large changes there, and of steep forward tapers.
 FIRST, MORE_ACCURATE, LARGE_START, LONGER = 2, 0.15, 600.0, 0.09
-# Growth per contact of errors at the first contacts, beyond one of them.
+# Relative growth of these errors per contact, and the contact from which on they grow.
 ADDED, SUMMED = 0.14, 6
 # Part of the square of an early error that strong backward tapers keep, up to a rate.
 PERSISTENT, PERSISTENT_UP_TO = 0.1, 0.25
@@ -37,15 +37,16 @@ EXACT, TRANSITION, CHANGING = 0.995, 4.0, 3.6
 # changes of the slow rate one and two contacts ahead.
 FADING, OF_AHEAD, OF_NEXT, OF_SECOND = 0.75, 0.8, 0.5, 0.1
 # Error of the interpolation in tapers, relative to the error near the rate 0, and number of
-# contacts along which it doubles.
+# contacts after which it has doubled.
 INTERPOLATED, DOUBLING = 0.042, 60.0
-# Part of the error near the rate 0 that is left if the rate is constant, and changes of the rate
-# beyond which it grows no more.
+# Error near the rate 0 if the rate is constant, what large changes of the rate add to it, and the
+# change that adds half of this.
 OF_CONSTANT, OF_CHANGES, SATURATED = 0.4, 1.1, 0.007
 # Overlap of impact and free end in equal beads.
 OF_EQUAL = 0.05
 # The same for the difference between the largest and the smallest rate: its weight, that of its
-# first power, and the error of the interpolation for constant rates.
+# first power, the error of the interpolation for constant rates, and the larger weight in forward
+# tapers.
 OF_SPREAD, LEAST, INTERPOLATED_END, STEEPER = 1.8, 0.015, 0.003, 1.5
 # Larger weight of changes in backward tapers, where products of fast changes are less well known.
 LESS_KNOWN = 1.5
@@ -214,9 +215,9 @@ def overlap(contacts, contact, ending, mean_size, mean, lowest, spread):
 #   and weights that decrease in strong backward tapers: one; the largest error of an exponential
 #   chain; the doubts; sums of bounded a^3 and of a^2 |q|, root of the sum of a^2 b^2; the sum of
 #   a^2 + b^2 fading along the chain, with `size_ahead` and `curvatures`, and the same in steep
-#   forward tapers; b^2, a^2 and `overlap` near the free end; `lost_maximum` and waves that overtake
-#   the pulse; the sum of squares of alternating b that strong backward tapers leave to the slow
-#   rates.  Nearly all of a^2 is omitted where rates alternate
+#   forward tapers; a constant with b^2, a^2 and `overlap` near the free end; `lost_maximum` and
+#   waves that overtake the pulse; the sum of squares of alternating b that strong backward tapers
+#   leave to the slow rates.  Nearly all of a^2 is omitted where rates alternate
 @compiled
 def write_parts(contacts, ending, slow, fast, doubts, regular, parts):
     """Write the terms of the estimated error of the velocity behind each contact."""

@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 import hertzchain as hc
 from hertzchain.cli import cli
+from hertzchain.store.sweep_layout import SCHEMA
 
 WALLS = {"left_wall": hc.Wall(), "right_wall": hc.Wall()}
 
@@ -148,6 +149,10 @@ def test_sweeps_flag_sensitive_forces(keep, tmp_path):
     }, tmp_path / "sweep")  # fmt: skip
     assert found.sensitive.values[:, 0].tolist() == [0, 1]
     assert "1 point sensitive to small differences" in hc.plot_sweep(found).get_title()
+    # Stores with other arrays cannot be resumed: their layout must have another name.
+    arrays = {each.name for each in (tmp_path / "sweep").iterdir() if each.is_dir()}
+    found = {"approach", "rate", "status", "reason", "incomplete", "sensitive", keep, "digest"}
+    assert (arrays, SCHEMA) == (found, "hertzchain sweep 3")
     told = CliRunner().invoke(cli, ["sweep", "status", str(tmp_path / "sweep")]).output
     assert "points whose largest force on the wall small differences may change: 1 (see" in told
 

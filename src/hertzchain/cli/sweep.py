@@ -51,7 +51,7 @@ class _Sweep(click.Group):
 
 # Number of failed points that are grouped by their reasons, and of reasons that are shown.
 MAX_GROUPED, MAX_REASONS = 1000, 5
-# Variables that flag points, and what is wrong with these.
+# Variables that flag points (`hertzchain.store.sweep_export.FLAGS`), and what they say of these.
 FLAGGED: Final = {
     "outside_range": "outside the validity range of a method",
     "incomplete": "with an incomplete largest force on the wall",

@@ -15,7 +15,7 @@ from matplotlib.colors import LogNorm
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, InputWarning, unknown_name_error, warn_user
 from ..representation import MICROSECONDS, MILLISECONDS, counted
-from ..store.sweep_export import check_sweep
+from ..store.sweep_export import FLAGS, check_sweep
 from ..store.sweep_store import FAILED, MISSING
 from ..sweeps.kept import variable_name
 from ..units import PERCENT
@@ -33,9 +33,7 @@ from .widths import NARROW, figure_size
 if TYPE_CHECKING:
     import xarray as xr
 
-# Variables that flag points.
-FLAGS = ("outside_range", "incomplete", "sensitive")
-# Those of the largest force on a wall, in words.
+# Flags of the largest force on a wall, in words.
 FLAGGED_PEAKS: Final = {
     "incomplete": "not complete", "sensitive": "sensitive to small differences",
 }  # fmt: skip

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+# Variables that are 1 at points whose values are subject to a reservation.
+FLAGS: Final = ("outside_range", "incomplete", "sensitive")
 ENDINGS: Final = (".csv", ".parquet", ".nc")
 # Approximate number of rows that are in memory at a time.
 ROWS: Final = 500_000
@@ -158,7 +160,7 @@ def _by_bead(dataset: xr.Dataset) -> xr.Dataset:
 def _in_reading_order(dataset: xr.Dataset, dimensions: list[str], names: list[str]) -> list[str]:
     """Order columns: coordinates, quantities, status."""
     parameters = [name for name in names if dataset[name].dims == ("point",)]
-    known = ("outside_range", "incomplete", "sensitive", "reason", "status")
+    known = (*FLAGS, "reason", "status")
     outcome = [name for name in known if name in names]
     first = list(dict.fromkeys([*dimensions[:1], *parameters, *dimensions]))
     return [*first, *(name for name in names if name not in (*first, *outcome)), *outcome]

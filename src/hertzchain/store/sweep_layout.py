@@ -26,7 +26,7 @@ from .digests import document_digest, file_digest
 from .writing import cannot_write
 
 # Version of the layout, stored in the attribute `MARKER` of the group.
-SCHEMA: Final = "hertzchain sweep 2"
+SCHEMA: Final = "hertzchain sweep 3"
 FAMILY: Final = "hertzchain sweep "
 MARKER: Final = "schema"
 STATUS: Final = "status"

@@ -39,6 +39,7 @@ from ..store.chain_files import chain_from
 from ..store.chain_schema import KEYS, chain_schema, with_usual_names, without_units
 from ..store.schema_checks import check_document
 from ..store.schema_keys import Key, Section, section_as_dict
+from ..store.sweep_export import FLAGS
 from ..store.toml_files import read_toml
 from ..validation.json_types import to_json_types
 from ..validation.numbers import whole_number
@@ -58,10 +59,7 @@ from .listed_values import chain_as_document, missing_lists, with_lists
 from .methods import METHODS, OPTIONS_OF, check_option
 
 # Names that the dataset uses itself; an axis of such a name gets its full path as name.
-TAKEN: Final = (
-    "approach", "bead", "contact", "point", "status", "reason", "outside_range", "incomplete",
-    "sensitive",
-)  # fmt: skip
+TAKEN: Final = ("approach", "bead", "contact", "point", "status", "reason", *FLAGS)
 
 
 @dataclass(frozen=True, eq=False)

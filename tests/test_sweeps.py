@@ -4,8 +4,6 @@ import subprocess
 import sys
 import time
 import tracemalloc
-import warnings
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -20,7 +18,6 @@ from hertzchain.sweeps import axes as axes_module
 from hertzchain.sweeps import timing
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.batches import Stopped, _Batch, run_batch
-from hertzchain.sweeps.methods import record_warnings
 from hertzchain.sweeps.plan import Plan, check_plan
 from hertzchain.sweeps.specification import read_specification, specification_from_json
 from hertzchain.sweeps.sweep import differences, estimate
@@ -256,19 +253,6 @@ def test_warnings_of_theories_are_kept_and_not_shown(recwarn):
     found = swept(chain, {"rate": [0.05, 0.8]}, methods=["local-rate"])
     assert found.outside_range.values.tolist() == [[0], [1]]
     assert not recwarn.list
-
-
-def test_warnings_are_kept_from_the_threads_that_compute_alone():
-    shown = []
-    with warnings.catch_warnings(), ThreadPoolExecutor(1) as pool:
-        warnings.showwarning = lambda message, *_, **__: shown.append(str(message))
-        with record_warnings() as outer:
-            with record_warnings() as inner:
-                warnings.warn("inside", hc.ModelRangeWarning, stacklevel=1)
-            warnings.warn("around", UserWarning, stacklevel=1)
-            pool.submit(warnings.warn, "elsewhere", UserWarning).result()
-    assert [type(each) for each in (*inner, *outer)] == [hc.ModelRangeWarning, UserWarning]
-    assert shown == ["elsewhere"]
 
 
 def test_options_can_vary():

@@ -25,6 +25,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Final
 
+from .recorded_warnings import is_taken
+
 # Least similarity of two names, as measured by difflib, for one to be suggested instead of the
 # other: "mas" and "masses" are similar enough, "iron" and "bronze" are not.
 NEAR: Final = 0.65
@@ -67,7 +69,8 @@ def warn_user(message: str, category: type[Warning]) -> None:
     level, frame = 1, sys._getframe()
     while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == "hertzchain":
         level, frame = level + 1, frame.f_back
-    warnings.warn(message, category, stacklevel=level)
+    if not is_taken(category(message)):
+        warnings.warn(message, category, stacklevel=level)
 
 
 @contextmanager

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence, Sized
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from typing import Final, TypeAlias, TypeVar
+from contextvars import copy_context
+from typing import Any, Final, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,14 @@ POLL: Final = 0.1
 
 P = TypeVar("P", bound=Sized)
 R = TypeVar("R")
+
+
+class Threads(ThreadPoolExecutor):
+    """Threads in which warnings are recorded or ignored as where the work was submitted."""
+
+    def submit(self, work: Callable[..., Any], /, *args: Any, **options: Any) -> Future[Any]:
+        """Call ``work`` with a copy of the context of the caller."""
+        return super().submit(copy_context().run, work, *args, **options)
 
 
 def run_in_threads(
@@ -41,7 +50,7 @@ def run_in_threads(
     """
     signals = [np.zeros(2, np.int64) for _ in parts]
     running: dict[Future[R], tuple[P, Signal]] = {}
-    executor = ThreadPoolExecutor(max_workers=threads)
+    executor = Threads(threads)
 
     def so_far() -> int:
         ahead = sum(min(int(signal[COUNT]), len(part)) for part, signal in running.values())

@@ -15,9 +15,9 @@ from ..errors import InputError, SimulationError
 from ..propagation.propagate import propagate
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
+from ..recorded_warnings import record_warnings
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
-from ..sweeps.methods import record_warnings
 from ..theory.catalogue import THEORIES
 from ..theory.effective_chain import effective_chain
 from ..validation.numbers import number

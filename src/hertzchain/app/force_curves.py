@@ -13,12 +13,12 @@ from ..chain.chain import Chain
 from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..collision import Array, compression_time
 from ..errors import SimulationError
+from ..recorded_warnings import record_warnings
 from ..simulation.run import Run
 from ..simulation.sensor_force import SHOWN
 from ..simulation.simulate import simulate
 from ..simulation.wall_force import Side
 from ..simulation.yielding import peak_with_yielding_contacts, pressures_below_yield
-from ..sweeps.methods import record_warnings
 
 # Intervals in the shortest contact, and the smallest number that needs no warning.  A light bead
 # between two others oscillates faster than a collision of two beads suggests.

@@ -10,8 +10,8 @@ from ..chain.bead_names import bead_number
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..errors import InputError
+from ..recorded_warnings import record_warnings
 from ..store.writing import write_bytes
-from ..sweeps.methods import record_warnings
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_list, file_path
 from .documents import chain_of, document_of_chain

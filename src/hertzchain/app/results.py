@@ -18,9 +18,9 @@ from ..notebook.drawing import engineering
 from ..propagation.propagate import propagate
 from ..pulse.notes import OUT_OF_ORDER, out_of_order
 from ..pulse.pulse import Pulse
+from ..recorded_warnings import record_warnings
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
-from ..sweeps.methods import record_warnings
 from ..theory.catalogue import THEORIES
 from ..theory.effective_chain import effective_chain
 from ..theory.spectrum import spectrum

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from ..recorded_warnings import ignore_warnings
 from ..simulation.yielding import pressures_below_yield
 from .options import (
     StrictCommand,
@@ -98,8 +98,7 @@ def compare(
     offset = None
     if time_offset is not None:
         offset = seconds_from("--time-offset", time_offset)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", InputWarning)  # the summary lists them as notes
+    with ignore_warnings(InputWarning):  # the summary lists them as notes
         found = run.compare(data, time_offset=offset)
     if plot is not None:
         save_figure(found.plot().axes[0], plot)
@@ -133,8 +132,7 @@ def _check_unit_of_times(chain: Chain, data: Traces, end: float) -> None:
     if end < MANY_TRANSITS * transit:
         return
     times = max(MIN_TIMES, TIMES_PER_BEAD * chain.beads)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the whole run issues the same warnings
+    with ignore_warnings():  # the whole run issues the same warnings
         run = hertzchain.simulate(chain, until=FEW_TRANSITS * transit, times=times)
     check_unit_of_times(run, data)
 

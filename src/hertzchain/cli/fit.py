@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..recorded_warnings import ignore_warnings
 from ..simulation.yielding import pressures_below_yield
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
 from .options import (
@@ -264,8 +264,7 @@ def _pressures(result: FitResult) -> list[str]:
     import hertzchain
 
     shots = zip(result.chains, result.traces.shots, strict=True)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the notes of the fit have the violations
+    with ignore_warnings():  # the notes of the fit have the violations
         runs = [
             hertzchain.simulate(
                 chain, until=float(shot.times[-1] - shot.times[0]), times=2, check=False

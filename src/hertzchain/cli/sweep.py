@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import sys
-import warnings
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from ..recorded_warnings import ignore_warnings
 from .exit_codes import DONE, FAILED
 from .options import (
     PICTURES,
@@ -124,9 +124,8 @@ def run(
         pool = stack.enter_context(_pool(scheduler, processes, workers))
         progress = stack.enter_context(progress_bar("points done", rate=True))
         # The outcome states the numbers of points that failed or are outside the range.
-        stack.enter_context(warnings.catch_warnings())
-        for category in (hertzchain.ModelRangeWarning, hertzchain.IncompleteWarning):
-            warnings.simplefilter("ignore", category)
+        unshown = hertzchain.ModelRangeWarning, hertzchain.IncompleteWarning
+        stack.enter_context(ignore_warnings(*unshown))
         try:
             hertzchain.sweep(
                 specification, target, executor=pool, shard=part, skip_damaged=skip_damaged,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
@@ -16,6 +15,7 @@ from ..chain.walls import Wall
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, SimulationError
 from ..pulse.quantity_names import COLUMNS
+from ..recorded_warnings import ignore_warnings
 from ..simulation.run_table import RunTable
 from ..simulation.simulate_many import simulate_many
 from ..validation.objects import Progress
@@ -74,9 +74,8 @@ def differences(
     sensors = sorted({name.bead for name in names if name.group == "sensor" and name.bead})
     options: dict[str, Any] = {"keep": columns, "sensors": sensors, "until": until,
                                "rtol": rtol or RTOL, "max_steps": max_steps}  # fmt: skip
-    with warnings.catch_warnings():
-        # Each chain would warn, in several threads that share the filters.
-        warnings.simplefilter("ignore", ModelRangeWarning)
+    with ignore_warnings(ModelRangeWarning):
+        # Each chain would warn.
         own = simulate_many([chain], **options)
         if own.reasons:
             raise SimulationError(own.reasons[0])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -12,6 +11,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import IncompleteWarning, InputWarning, ModelRangeWarning
 from ..pulse.quantities import QUANTITIES
+from ..recorded_warnings import ignore_warnings
 from ..simulation.simulate import simulate
 from ..simulation.yielding import dented_chain, yields
 from .comparison import shown_chains
@@ -54,10 +54,8 @@ def compared_curves(result: DesignResult, most: float) -> list[Curve]:
     exceed the pressure at first yield, a second curve of this chain is that of contacts that yield.
     """
     motions = []
-    with warnings.catch_warnings():
+    with ignore_warnings(InputWarning, ModelRangeWarning, IncompleteWarning):
         # The result has the limits of the models among its notes.
-        for each in (InputWarning, ModelRangeWarning, IncompleteWarning):
-            warnings.simplefilter("ignore", each)
         for name, found in shown_chains(result).items():
             motions.append(_Motion(name, False, found.chain))
             dented = dented_chain(found.chain) if yields(found.hertz_range) else None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..errors import IncompleteWarning, InputError, InputWarning, ModelRangeWarning
+from ..recorded_warnings import ignore_warnings
 from ..representation import counted
 from ..simulation.ensemble_input import is_covered
 from ..store.digests import document_digest
@@ -123,11 +123,11 @@ def design(
     reason = impossible(problem)
     _check_budget(problem, limit, 0 if reason is not None else count)
     name = _journal_name(chosen, limit, seed, count if len(problem.objectives) == 2 else 0)
-    with _journal(store, problem.identity, name) as journal, warnings.catch_warnings():
-        # Trial chains are made in several threads, which share the filters of warnings.  The
-        # limits of the models are notes of the chains that are reported.
-        for each in (InputWarning, ModelRangeWarning, IncompleteWarning):
-            warnings.simplefilter("ignore", each)
+    with (
+        _journal(store, problem.identity, name) as journal,
+        ignore_warnings(InputWarning, ModelRangeWarning, IncompleteWarning),
+    ):
+        # The limits of the models are notes of the chains that are reported.
         trials = Trials(problem, limit, journal, seed, worker_count("threads", threads), progress)
         if reason is not None:
             return _result(trials, Found("none"), _given(trials), {}, (reason,))
@@ -144,8 +144,7 @@ def dry_run(
     limit = budget_from(budget)
     chosen = _chosen_method(problem, method, limit)
     _check_budget(problem, limit, points or SEARCHES)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with ignore_warnings():
         count = worker_count("threads", threads)
         trials = Trials(
             problem, limit, Journal(None, ""), whole_number("seed", seed, least=0), count

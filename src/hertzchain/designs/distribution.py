@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -16,6 +15,7 @@ from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, SimulationError, warn_user
 from ..frozen import Frozen
+from ..recorded_warnings import ignore_warnings
 from ..representation import listed, short
 from ..representation import measure as with_unit
 from ..simulation.run_table import RunTable
@@ -270,9 +270,8 @@ def distribution(
         )
     whole_number("seed", seed, least=0)
     chains = [chain, *deviations.sample(chain, seed)]
-    with warnings.catch_warnings():
-        # Chains with losses would warn one by one, in several threads that share the filters.
-        warnings.simplefilter("ignore", ModelRangeWarning)
+    with ignore_warnings(ModelRangeWarning):
+        # Chains with losses would warn one by one.
         simulated = measured(
             chains, [measure], threads=threads, progress=progress, check_range=True
         )

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from typing import Final
 
 import numpy as np
@@ -17,7 +15,9 @@ from ..derivatives.equation import has_gradient
 from ..derivatives.gradient import gradients, quantity_values
 from ..derivatives.result import Gradient
 from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError
+from ..recorded_warnings import ignore_warnings
 from ..simulation.simulate import simulate
+from ..threads import Threads
 from .bounds import impact_varies
 from .measures import IMPULSE, LARGEST, LARGEST_IN_SENSOR, PULSE, SENSORS, SHARES, Measure
 from .problem import Design
@@ -87,9 +87,7 @@ def value_in_whole_run(measure: Measure, chain: Chain, until: float | None, rtol
 
 def slopes_by_field(problem: Design, chain: Chain) -> tuple[Array, dict[str, Array], int]:
     """`_slopes_by_field` at the usual tolerance, without warnings."""
-    with warnings.catch_warnings():
-        for each in (IncompleteWarning, ModelRangeWarning):
-            warnings.simplefilter("ignore", each)
+    with ignore_warnings(IncompleteWarning, ModelRangeWarning):
         return _slopes_by_field(problem, chain, RTOL)
 
 
@@ -192,9 +190,7 @@ def scattered_slopes(
             slopes["radii"] = slopes["radii"] * factor
         return values, space.pull(point, slopes)
 
-    with warnings.catch_warnings(), ThreadPoolExecutor(threads) as executor:
-        for each in (IncompleteWarning, ModelRangeWarning):
-            warnings.simplefilter("ignore", each)
+    with ignore_warnings(IncompleteWarning, ModelRangeWarning), Threads(threads) as executor:
         by_sample = dict(zip(wanted, executor.map(slopes_of, wanted), strict=True))
     rows = [
         np.mean([by_sample[int(i)][1][row] for i in group], axis=0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +12,7 @@ from ..collision import Array
 from ..simulation.ensemble_columns import Request
 from ..simulation.run_table import RunTable
 from ..simulation.simulate_many import DEFAULT_RTOL, simulate_ensemble
+from ..threads import Threads
 from ..validation.numbers import worker_count
 from ..validation.objects import Progress
 from .exact_gradients import value_in_whole_run
@@ -82,5 +82,5 @@ def _in_whole_runs(
     def value(chain: Chain) -> float:
         return value_in_whole_run(measure, chain, until, rtol)
 
-    with ThreadPoolExecutor(worker_count("threads", threads)) as executor:
+    with Threads(worker_count("threads", threads)) as executor:
         return list(executor.map(value, chains))

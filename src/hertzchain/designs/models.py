@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from typing import Final
 
@@ -12,6 +11,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.pulse import Pulse
+from ..recorded_warnings import ignore_warnings
 from ..theory.bca import bca
 from ..theory.hard_sphere import hard_sphere
 from ..theory.local_rate import local_rate
@@ -32,8 +32,7 @@ def by_model(
         if chain is None:
             continue
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
+            with ignore_warnings():
                 pulse = MODELS[name](chain)
             for j, each in enumerate(measures):
                 if not each.of_chain:

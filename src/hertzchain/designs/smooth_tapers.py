@@ -5,7 +5,6 @@ The optimiser would otherwise find the errors of the law instead of good chains.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
@@ -15,6 +14,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning
+from ..recorded_warnings import ignore_warnings
 from ..theory.local_rate import (
     DIFFERENTIABLE,
     local_rate,
@@ -59,8 +59,7 @@ def covers(problem: Design) -> bool:
     if not all(each.measure.of_chain for each in problem.requirements):
         return False
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ModelRangeWarning)
+        with ignore_warnings(ModelRangeWarning):
             local_rate(problem.chain)
     except InputError:
         return False
@@ -159,8 +158,7 @@ def promise(problem: Design) -> Promise:
     chains: list[Chain] = []
     best: Promise | None = None
     evaluations = 0
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ModelRangeWarning)
+    with ignore_warnings(ModelRangeWarning):
         for level in levels:
             space = problem.space if level is None else (
                 size_space(problem.chain, [vary.with_knots(level)])

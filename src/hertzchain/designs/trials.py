@@ -6,7 +6,7 @@ import hashlib
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -17,6 +17,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..store.journal import Journal
+from ..threads import Threads
 from ..validation.numbers import worker_count
 from ..validation.objects import Progress
 from . import exact_gradients
@@ -192,7 +193,7 @@ class Trials:
         workers = 2 if worker_count("threads", self.threads) > 1 else 1
         timed = np.isfinite(self.budget.seconds)
         waiting: deque[tuple[list[Any], Future[Array]]] = deque()
-        with ThreadPoolExecutor(workers) as executor:
+        with Threads(workers) as executor:
             try:
                 for batch in batches:
                     if self.journal.known or workers == 1 or self.memory is not None or timed:

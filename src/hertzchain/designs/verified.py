@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -13,6 +12,7 @@ from ..chain.hertz_range import HertzRange, hertz_range
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantity_names import COLUMNS
+from ..recorded_warnings import ignore_warnings
 from ..representation import measure as shown
 from ..simulation.run_table import RunTable
 from ..simulation.simulate import simulate
@@ -265,6 +265,5 @@ def violated(problem: Design, values: dict[str, float]) -> list[str]:
 
 def quietly(problem: Design, chain: Chain, price: float, seed: int) -> Verified:
     """Verification without warnings, which are notes of the result."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with ignore_warnings():
         return verify_chain(problem, chain, price, seed)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-import warnings
 from typing import Final
 
 from ..chain.chain import Chain
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
+from ..recorded_warnings import ignore_warnings
 from ..simulation.simulate_many import simulate_many
 from ..simulation.yielding import MAX_BEADS, dented_chain, yields
 from .measured import measured
@@ -29,9 +29,8 @@ def value_if_yielding(chain: Chain, measure: Measure, overlaps: Array | None = N
     dented = dented_chain(chain)
     if dented is None or not measure.columns or measure.key in NOT_YIELDING:
         return math.nan
-    with warnings.catch_warnings():
+    with ignore_warnings():
         # Those of the elastic chain are shown.
-        warnings.simplefilter("ignore")
         if overlaps is None:
             overlaps = simulate_many([chain])._overlaps[0, : chain.beads + 1]
         if not yields(hertz_range(chain, overlaps)):

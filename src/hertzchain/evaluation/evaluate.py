@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from ..chain.chain import Chain
-from ..errors import InputError, ModelRangeWarning
+from ..errors import InputError, ModelRangeWarning, warn_user
 from ..propagation.propagate import propagate_many
 from ..pulse.pulse import Pulse
+from ..recorded_warnings import record_warnings
 from ..theory.catalogue import THEORIES, Theory
 from ..validation.keywords import checked_arguments
 from ..validation.objects import Progress, callback, check_choice, check_list
@@ -108,11 +108,10 @@ def evaluate(
 
 def _predicted(theory: Theory, chain: Chain) -> tuple[Pulse, bool]:
     """Pulse of a theory, and whether the theory warned that the chain is outside its range."""
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
+    with record_warnings() as caught:
         pulse = theory(chain)
-    outside = [issubclass(item.category, ModelRangeWarning) for item in caught]
-    for item, expected in zip(caught, outside, strict=True):
+    outside = [isinstance(each, ModelRangeWarning) for each in caught]
+    for each, expected in zip(caught, outside, strict=True):
         if not expected:
-            warnings.warn_explicit(item.message, item.category, item.filename, item.lineno)
+            warn_user(str(each), type(each))
     return pulse, any(outside)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -14,6 +13,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, SimulationError
+from ..recorded_warnings import ignore_warnings, record_warnings
 from ..simulation.simulate import simulate
 from ..simulation.time_scales import transit_times
 from .chain_parameters import JUMPING
@@ -118,8 +118,7 @@ class Simulator:
                 "after the pulse and its first echoes"
             )
         limit = None if not self._steps else max(MIN_STEPS, STEP_FACTOR * self._steps)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ModelRangeWarning)
+        with ignore_warnings(ModelRangeWarning):
             run = simulate(
                 chain, times=spacing * np.arange(count), rtol=RTOL, max_steps=limit, check=False
             )
@@ -144,10 +143,9 @@ def _shortening(chain: Chain) -> float:
 
 def range_notes(chain: Chain, duration: float) -> tuple[str, ...]:
     """Warnings of Hertz's range for one chain, as sentences."""
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", ModelRangeWarning)
+    with record_warnings() as caught:
         simulate(chain, until=duration, times=2, rtol=RTOL, check=False)
-    found: list[Any] = [each.message for each in caught if each.category is ModelRangeWarning]
+    found: list[Any] = [each for each in caught if type(each) is ModelRangeWarning]
     # The velocity of measured data cannot be reduced any more.
     lower = re.compile(r"reduce the velocity(?: to about (\S+ m/s))?")
     return tuple(

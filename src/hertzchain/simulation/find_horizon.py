@@ -14,13 +14,13 @@ which it exceeds a bound.  The factor 10 is empirical.
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
 from ..errors import InputError, ModelRangeWarning, SimulationError
+from ..recorded_warnings import ignore_warnings
 from ..validation.numbers import FRACTION, number
 from ..validation.objects import Progress, callback
 from .horizon import Horizon
@@ -51,8 +51,7 @@ def horizon_of(run: Run, within: float = 0.01, progress: Progress | None = None)
             "from the beginning, or resumed ones, have a horizon"
         )
     options, setting = _shadow_options(run)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ModelRangeWarning)  # The run has already issued it.
+    with ignore_warnings(ModelRangeWarning):  # The run has already issued it.
         shadow = simulate(
             run.chain, times=run.times, check=False, progress=progress,
             max_steps=max(STEPS * run.steps, MIN_STEP_LIMIT), **options,

@@ -10,7 +10,6 @@ is more than twice that of the same chain without losses.
 
 from __future__ import annotations
 
-import warnings
 from typing import Final
 
 import numpy as np
@@ -19,6 +18,7 @@ from ..chain.chain import Chain
 from ..chain.modifications import with_one_loss
 from ..collision import Array
 from ..errors import InputError, SimulationError
+from ..recorded_warnings import ignore_warnings
 from .simulate import simulate
 
 # Ratio, relative to that without losses, above which a pulse is the front of a tail.
@@ -62,8 +62,7 @@ def _without_losses(chain: Chain, crossings: Array) -> Array:
     from ..kernels import state_layout
 
     last = float(crossings[state_layout.CROSSING_TIME].max())
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with ignore_warnings():
         try:
             run = simulate(with_one_loss(chain, None), until=last, times=0, rtol=RTOL, check=False)
         except (InputError, SimulationError):

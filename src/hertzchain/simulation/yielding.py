@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Final
 
 from ..errors import InputError, SimulationError
+from ..recorded_warnings import ignore_warnings
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -58,8 +58,7 @@ def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> f
     dented = dented_chain(chain)
     if dented is None or not yields(hertz_range(chain, run.largest_overlaps)):
         return None
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # those of the elastic run are shown
+    with ignore_warnings():  # those of the elastic run are shown
         try:
             return (
                 simulate(dented, times=0, check=False, progress=progress).wall_force("right").peak

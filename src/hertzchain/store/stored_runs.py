@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import os
 import sys
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning
+from ..recorded_warnings import ignore_warnings
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
 from ..validation.keywords import checked_arguments
@@ -81,8 +81,7 @@ def _streamed_run(folder: Path) -> Run:
         state = load_state(folder / STATE_FILE, chain)
     # The state is that of the last whole step; the rest of the run is simulated again.
     end = last if state is None else max(last, state.time)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ModelRangeWarning)  # `stream` has issued it
+    with ignore_warnings(ModelRangeWarning):  # `stream` has issued it
         run = simulate(chain, start=state, times=[end], max_steps=sys.maxsize, **manifest.options)
     names = {**SAVED, "force": "_forces", ACCUMULATORS: "_accumulators"}
     columns: dict[str, list[Array]] = {name: [] for name in names}

@@ -15,7 +15,6 @@ import numbers
 import os
 import sys
 import time
-import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -36,6 +35,7 @@ from ..errors import (
     real_number,
     warn_user,
 )
+from ..recorded_warnings import ignore_warnings
 from ..representation import short
 from ..simulation.fixed_steps import FixedSteps, fixed_steps
 from ..simulation.run import Run
@@ -316,8 +316,7 @@ def _resume(
     overlaps = np.zeros(chain.beads + 1)
     while done < len(wanted):
         started, chunk = time.monotonic(), wanted[done : done + count]
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ModelRangeWarning)  # once, at the end
+        with ignore_warnings(ModelRangeWarning):  # once, at the end
             run = simulate(
                 chain, start=state, times=chunk, max_steps=sys.maxsize, **manifest.options
             )

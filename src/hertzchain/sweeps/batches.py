@@ -16,6 +16,7 @@ from ..propagation.propagate import propagate_many
 from ..pulse.notes import notes_in_words
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..recorded_warnings import record_warnings
 from ..simulation.ensemble_columns import largest_yield_ratio, sensors_of_run
 from ..simulation.ensemble_input import is_covered
 from ..simulation.run import Run
@@ -24,7 +25,7 @@ from ..simulation.simulate import DEFAULT_RTOL, simulate
 from ..simulation.simulate_many import simulate_many
 from ..store.sweep_store import DONE, FAILED
 from .kept import PER_PLACE, PER_RUN, sensor_of
-from .methods import OPTIONS_OF, pulse_by, record_warnings
+from .methods import OPTIONS_OF, pulse_by
 from .plan import Index, Plan, plan_of
 
 # Quantities of walls that do not depend on the lengths of the steps in which a run ends.

@@ -9,7 +9,7 @@ import re
 import signal
 import threading
 from collections.abc import Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from typing import Any, Final
@@ -17,6 +17,7 @@ from weakref import WeakKeyDictionary
 
 from .. import __version__
 from ..errors import InputError, short_repr, unknown_name_error
+from ..threads import Threads
 from ..validation.numbers import worker_count
 
 POOLS: Final = ("threads", "processes")
@@ -76,7 +77,7 @@ def local_pool(kind: str = "threads", workers: int | None = None) -> Iterator[Ex
 
 @contextmanager
 def _threads(count: int) -> Iterator[Executor]:
-    pool = ThreadPoolExecutor(count)
+    pool = Threads(count)
     try:
         yield pool
     finally:

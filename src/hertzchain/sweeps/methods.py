@@ -1,11 +1,8 @@
-"""Simulations and theories by name, and a recorder for their warnings."""
+"""Simulations and theories by name."""
 
 from __future__ import annotations
 
-import threading
-import warnings
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from ..chain.chain import Chain
@@ -79,45 +76,3 @@ def pulse_by(method: str, chain: Chain, progress: Progress | None = None, **opti
     if method == "propagate":
         return propagate(chain, progress=progress, **options)
     return THEORIES[method](chain)
-
-
-# Python's warning filters belong to the whole process, so batches in threads share one recorder.
-_lock = threading.Lock()
-_users = 0
-_filters = warnings.catch_warnings()
-_show = warnings.showwarning
-_recorded = threading.local()
-
-
-@contextmanager
-def record_warnings() -> Iterator[list[Warning]]:
-    """Record the warnings in a ``with`` block of this thread, showing none."""
-    global _filters, _show, _users
-    mine: list[Warning] = []
-    with _lock:
-        if not _users:
-            _filters = warnings.catch_warnings()
-            _filters.__enter__()
-            _show = warnings.showwarning
-            warnings.simplefilter("always")
-            warnings.showwarning = _record
-        _users += 1
-    outer = getattr(_recorded, "warnings", None)
-    _recorded.warnings = mine
-    try:
-        yield mine
-    finally:
-        _recorded.warnings = outer
-        with _lock:
-            _users -= 1
-            if not _users:
-                _filters.__exit__(None, None, None)
-
-
-def _record(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
-    recorded = getattr(_recorded, "warnings", None)
-    if recorded is None:
-        # The thread computes no batch; it may show the progress, for example.
-        _show(message, category, *where, **more)
-    else:
-        recorded.append(message)

@@ -18,12 +18,13 @@ from ..chain.tapers import check_taper, tapered_radii
 from ..collision import Array
 from ..errors import InputError, SimulationError, raise_all
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..recorded_warnings import record_warnings
 from ..store.chain_files import BEAD_METHODS, chain_from
 from ..validation.numbers import has_unit
 from .axes import Axis
 from .change_value import path_in_document, with_value
 from .kept import absent_sensors
-from .methods import SIMULATIONS, pulse_by, record_warnings
+from .methods import SIMULATIONS, pulse_by
 from .specification import (
     TAKEN,
     Specification,

@@ -203,9 +203,14 @@ def _not_free(key: str, item: str, model: Model) -> Iterator[Name]:
     # The common parameter needs a shot without its own.
     if len(shots) == 1 or ("" in free and len(free) == len(shots)):
         return
-    for k, shot in enumerate(shots, 1):
-        seen = any(signal.name == item for signal in shot.signals)
-        if seen and str(k) not in free and (key != "delay" or len(shot.signals) > 1):
+    common = [k for k in range(1, len(shots) + 1) if str(k) not in free]
+    if "" in free and len(common) == 2:
+        # One of them keeps the common parameter; that of the other gives the same fit either way.
+        del common[0]
+    for k in common:
+        signals = shots[k - 1].signals
+        seen = any(signal.name == item for signal in signals)
+        if seen and (key != "delay" or len(signals) > 1):
             yield Name(key, item, str(k))
 
 

@@ -64,7 +64,6 @@ def test_tables_of_pulses_have_units():
     [
         ("right_wall", r"did you mean \[chain.right_wall\]\?"),
         ("loss", r"did you mean \[chain.loss\]\?"),
-        ("design", r"\[design\] is run by 'hertzchain design FILE'"),
     ],
 )
 def test_tables_at_the_top_of_a_chain_file(tmp_path, table, message):

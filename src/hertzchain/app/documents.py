@@ -31,7 +31,7 @@ def chain_of(document: object) -> Chain:
     """Build the chain that a document of the page describes."""
     if not isinstance(document, Mapping):
         raise InputError("the request has no chain file; reload the page")
-    if any(_files(document)):
+    if any(_files([document.get("chain")])):
         raise InputError("a chain in the app cannot refer to files; open the chain file instead")
     _check_size(document.get("chain"))
     chain = chain_from(with_infinity(document))
@@ -78,9 +78,8 @@ def document_of_toml(text: str) -> dict[str, Any]:
         document = tomllib.loads(text.removeprefix("\ufeff"))
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
         raise InputError(f"this file is not valid TOML: {error}") from None
-    document = as_json(with_usual_names(document))
     chain_of(document)
-    return document
+    return _of_chain(document)
 
 
 def document_of_file(path: str | os.PathLike[str]) -> dict[str, Any]:
@@ -88,10 +87,16 @@ def document_of_file(path: str | os.PathLike[str]) -> dict[str, Any]:
     chain = load_chain(path)
     _check_beads(chain.beads)
     if Path(path).suffix.lower() != ".csv":
-        document = with_usual_names(tomllib.loads(Path(path).read_text("utf-8-sig")))
+        document = _of_chain(tomllib.loads(Path(path).read_text("utf-8-sig")))
         if not any(_files(document)):
-            return as_json(document)
+            return document
     return document_of_chain(chain)
+
+
+def _of_chain(document: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables that describe the chain, not those of a fit or a design."""
+    document = with_usual_names(document)
+    return as_json({name: document[name] for name in ("chain", "materials") if name in document})
 
 
 def document_of_chain(chain: Chain) -> dict[str, Any]:

@@ -15,6 +15,9 @@ from ..validation.numbers import whole_hint
 from .chain_schema import KEYS, SECTIONS, TABLES
 from .schema_keys import Key, Section
 
+# Tables of a chain file; the last two are read only by `hertzchain.fit` and `hertzchain.design`.
+TOP: Final = ("chain", "materials", "fit", "design")
+
 
 def check_document(document: Mapping[str, Any], *, complete: bool = True) -> Iterator[str]:
     """Compare a parsed chain file with the schema.
@@ -40,13 +43,10 @@ def check_document(document: Mapping[str, Any], *, complete: bool = True) -> Ite
     "rigid of [chain.right_wall] must be true or false, got 'false'"
     """
     for name in document:
-        # `hertzchain.fit` reads [fit].
-        if name == "design":
-            yield "a file with a table [design] is run by 'hertzchain design FILE'"
-        elif name in TABLES:
+        if name in TABLES:
             yield f"unknown table or key {name!r}; did you mean [chain.{name}]?"
-        elif name not in ("chain", "materials", "fit"):
-            yield str(unknown_name_error("table or key", name, ("chain", "materials", "fit")))
+        elif name not in TOP:
+            yield str(unknown_name_error("table or key", name, TOP))
     table = document.get("chain")
     if not isinstance(table, Mapping):
         yield "a chain file needs a table [chain]"

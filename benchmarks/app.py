@@ -47,14 +47,18 @@ DRAG = """seconds => new Promise(done => {
   step();
 })"""  # noqa: E501
 FRAMES = """seconds => new Promise(done => {
-  const began = performance.now(); let count = 0;
-  hertzchain.frames.length = 0;
+  const began = performance.now(), own = requestAnimationFrame, drawn = []; let count = 0;
+  window.requestAnimationFrame = draw => own(now => {
+    const start = performance.now();
+    draw(now);
+    drawn.push(performance.now() - start);
+  });
   const step = now => {
     count += 1;
-    if (now - began < 1000 * seconds) requestAnimationFrame(step);
-    else done([count / seconds, [...hertzchain.frames]]);
+    if (now - began < 1000 * seconds) own(step);
+    else done([count / seconds, drawn]);
   };
-  requestAnimationFrame(step);
+  own(step);
 })"""
 
 

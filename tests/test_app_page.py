@@ -573,8 +573,80 @@ def test_a_bad_link_is_explained_above_the_views(page):
 
 
 def test_sensors_have_the_names_of_balls(page):
-    tab = page.new_tab(page.origin + "#taper=uniform&beads=12&struck_by.count=1&~sensors=[8]")
+    tab = page.new_tab(page.origin + "#taper=uniform&beads=12&struck_by.count=1&~sensors=[7]")
     assert "sensor in bead 8 (ball 7): first maximum" in tab.text_content("#legend-force")
+
+
+def test_both_chains_have_sensors_and_values_at_the_same_balls(page):
+    second = "b.taper=uniform&b.beads=12&b.struck_by.radius=1.5"
+    view = "~sensors=[3]&~bead=3&~errors=difference"
+    tab = page.tab = page.new_tab(f"{page.origin}#taper=uniform&beads=12&{second}&{view}")
+    chains = [chain_of(page.document(slot)) for slot in "AB"]
+    forces = [
+        hc.simulate(chain, rtol=1e-9, check=False).sensor_force(bead).first_maximum
+        for chain, bead in zip(chains, (3, 4), strict=True)
+    ]
+    rows = [each.split("\t") for each in tab.locator("#legend-error tr").all_inner_texts()]
+    assert [each[1:3] for each in rows if each[0] == "sensor in ball 3, first maximum"] == [
+        [f"{force:.4g}" for force in forces]
+    ]
+    a, b = (hc.propagate(chain).velocity for chain in chains)
+    changes = 100 * (b[1:] / a - 1)
+    words = tab.get_attribute("#chart-error svg", "aria-label").replace("\N{MINUS SIGN}", "-")
+    end, largest = re.findall(r"(?:end|largest) ([-.\d]+)", words)
+    assert [float(end), float(largest)] == pytest.approx(
+        [changes[-1], np.abs(changes).max()], rel=1e-3
+    )
+    assert tab.get_attribute("#sensor", "aria-pressed") == "true"
+    tab.click("#tab-B")
+    tab.wait_for_selector("#sensor[aria-pressed=true]")
+    assert tab.input_value("#bead") == "4"
+    # A sensor stays in its ball if strikers are added.
+    tab.evaluate("hertzchain.state.B.chain.struck_by = {count: 2}")
+    tab.select_option("#clock", "time")
+    page.settle()
+    assert "sensor in bead 5 (ball 3)" in tab.text_content("#legend-force")
+
+
+def test_a_saved_page_has_no_empty_panel_and_no_hint_about_changes(page, tmp_path):
+    chain = hc.Chain.uniform(12)
+    hc.save_page(chain, tmp_path / "free.html")
+    hc.save_page(chain, tmp_path / "sensor.html", sensors=[4], other=chain.struck_by())
+    tab = page.new_tab(f"file://{tmp_path}/free.html")
+    assert not tab.locator("#h-force").is_visible()
+    assert not tab.locator("#errors").is_visible()
+    tab = page.tab = page.new_tab(f"file://{tmp_path}/sensor.html")
+    assert tab.locator("#h-force").is_visible()
+    assert tab.locator("#errors").is_visible()
+    x, y, r = tab.evaluate("hertzchain.placeOf('A', 6)")
+    tab.mouse.move(x, y - r)
+    assert "resize" not in tab.evaluate("document.getElementById('stage-A').style.cursor")
+    tab.mouse.down()
+    tab.mouse.move(x, y - 2 * r)
+    tab.mouse.up()
+    tab.focus("#lane-A")
+    for key in ("s", "ArrowUp", "ArrowDown", "Control+z"):
+        tab.keyboard.press(key)
+    assert tab.evaluate("hertzchain.state.view.sensors") == [4]
+    assert "with_defects" not in page.document()["chain"]
+    tab.keyboard.press("?")
+    shown = tab.inner_text("body")
+    assert "play or pause" in shown
+    assert not re.search("sensor in the chosen|its radius|undo|Click a bead|Compare ", shown)
+
+
+def test_no_empty_panel_of_forces_on_a_phone(browser, running):
+    page = Page(browser, running, viewport={"width": 400, "height": 800})
+    tab = page.tab
+    assert tab.locator("#h-force").is_visible()
+    page.tab = page.new_tab(f"{page.origin}#taper=uniform&beads=9")
+    assert not page.tab.locator("#h-force").is_visible()
+    page.tab.click("#sensor")
+    page.settle()
+    assert page.tab.locator("#chart-force path").count() == 1
+    assert page.tab.locator("#h-force").is_visible()
+    page.context.close()
+    assert page.problems == []
 
 
 def test_beads_of_several_materials_have_rings_and_a_legend(page):

@@ -25,7 +25,7 @@ import hertzchain as hc
 from hertzchain.app import background_import
 from hertzchain.app import results as app_results
 from hertzchain.app.about import about, gallery
-from hertzchain.app.documents import chain_of, document_as_toml, document_of_file
+from hertzchain.app.documents import chain_of, document_as_toml, document_of_file, document_of_toml
 from hertzchain.app.force_curves import contact_durations
 from hertzchain.app.messages import Part
 from hertzchain.app.results import Cancelled, limited
@@ -675,6 +675,41 @@ def test_a_page_names_its_files_strikers_and_impact(tmp_path):
         f"a<b>.toml: 2 steel-52100 beads, diameters 20 mm to 10 mm, {striker}",
         f"equal.toml: 2 steel-52100 beads, diameter 20 mm, {striker}",
     ]
+
+
+def test_a_saved_comparison_has_sensors_in_the_same_balls(tmp_path):
+    row = hc.Chain.uniform(8)
+    struck = row.struck_by(radius=1.4)
+    for first, other, sensor in ((row, struck, 3), (struck, row, "ball 3"), (struck, row, 4)):
+        hc.save_page(first, tmp_path / "page.html", other=other, sensors=[sensor])
+        _, found = stored_in(tmp_path / "page.html")
+        runs = {header["slot"]: header for header, _ in found if header["part"] == "run"}
+        for slot, chain in (("A", first), ("B", other)):
+            bead = 3 + chain.strikers
+            peaks = runs[slot]["peaks"][str(bead)]
+            assert peaks["label"].removesuffix(" (ball 3)") == f"sensor in bead {bead}"
+            assert (peaks["ball"], peaks["name"]) == ("sensor in ball 3", "sensor0")
+            force = hc.simulate(chain, rtol=1e-9).sensor_force(bead)
+            assert peaks["first"] == pytest.approx(force.first_maximum, rel=1e-4)
+
+
+def test_sensors_outside_one_chain_keep_their_colours():
+    found = computed(WALL, sensors=[30, 5])["run"][0]["peaks"]
+    assert {place: each["name"] for place, each in found.items()} == {
+        "5": "sensor1", "right": "wall-right"
+    }  # fmt: skip
+
+
+def test_files_of_designs_and_fits_show_their_chain(tmp_path):
+    text = '[chain]\ntaper = "uniform"\nbeads = 9\n'
+    more = '[fit]\nfree = ["velocity"]\n[design]\nminimise = "wall_force.peak"\nfile = "a.csv"\n'
+    path = tmp_path / "design.toml"
+    path.write_text(text + more)
+    expected = {"chain": {"taper": "uniform", "beads": 9}}
+    assert document_of_file(path) == document_of_toml(text + more) == expected
+    assert hc.load_chain(path).radii.tolist() == hc.Chain.uniform(9).radii.tolist()
+    with pytest.raises(hc.InputError, match="unknown table or key 'desing'"):
+        document_of_toml(text + "[desing]\n")
 
 
 def test_chains_in_words_name_strikers():

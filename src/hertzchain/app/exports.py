@@ -23,7 +23,7 @@ from ..theory.effective_chain import effective_chain
 from ..validation.numbers import number
 from ..validation.objects import check_choice
 from .documents import chain_of, document_as_toml
-from .force_curves import run_for_forces
+from .force_curves import beads_of, run_for_forces
 from .messages import Part
 from .requests import Request
 from .results import Stop, limited, motion, results
@@ -271,8 +271,8 @@ def _places(chain: Chain, sensors: Any) -> list[int]:
 
 def _sensors(chain: Chain, sensors: Any) -> list[int]:
     """Beads of the chain with a sensor."""
-    beads = sensors if isinstance(sensors, list) else []
-    return [k for k in beads if type(k) is int and 1 <= k <= chain.beads]
+    balls = sensors if isinstance(sensors, list) else []
+    return beads_of(chain, [k for k in balls if type(k) is int])
 
 
 def _page(given: Mapping[str, Any], stop: Stop) -> Export:

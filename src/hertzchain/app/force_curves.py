@@ -127,9 +127,14 @@ def _coarse(run: Run, resolution: float) -> str:
     )
 
 
-def places_of(chain: Chain, sensors: Places) -> dict[str, int]:
+def beads_of(chain: Chain, balls: Places) -> list[int]:
+    """Beads with a sensor, from numbers that do not count the strikers; others are left out."""
+    return [k for k in (ball + chain.strikers for ball in balls) if 1 <= k <= chain.beads]
+
+
+def places_of(chain: Chain, balls: Places) -> dict[str, int]:
     """Beads with a sensor and walls by the names of their curves."""
-    found = {str(bead): bead for bead in sensors}
+    found = {str(bead): bead for bead in beads_of(chain, balls)}
     sides = (("left", 0), ("right", chain.beads + 1))
     return found | {side: k for side, k in sides if f"{side} wall" in chain.features}
 
@@ -146,8 +151,13 @@ def peaks_at(
 ) -> dict[str, Any]:
     """Peaks of a curve; ``whole`` is a run that is long enough for the peak on the wall."""
     if 1 <= place <= forces.chain.beads:
-        label = f"sensor in {bead_label(forces.chain, place)}"
-        return {"label": label, **_sensor_peaks(forces, place)}
+        label, ball = bead_label(forces.chain, place), place - forces.chain.strikers
+        # In a comparison with a chain that has other strikers, the ball has one name.
+        names = {
+            "label": f"sensor in {label}",
+            "ball": f"sensor in {f'ball {ball}' if ball > 0 else label}",
+        }
+        return {**names, **_sensor_peaks(forces, place)}
     side: Side = "left" if place == 0 else "right"
     found = _wall_peaks(whole, side, progress)
     return {"name": f"wall-{side}", "label": f"{side} wall", **found}

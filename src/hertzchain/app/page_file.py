@@ -43,7 +43,8 @@ def save_page(
     other : Chain, optional
         A second chain in the same units, with which the first one is compared.
     sensors : iterable of int or str
-        Up to four beads with sensors, as numbers or names such as ``"ball 4"``.
+        Up to four beads of ``chain`` with sensors, as numbers or names such as ``"ball 4"``; in
+        ``other``, the same balls, counted without the strikers.
 
     Raises
     ------
@@ -88,11 +89,11 @@ def write_page(
     beads = check_list("sensors", sensors, "numbers or names of beads, such as 5 or 'ball 4'")
     if len(beads) > MAX_SENSORS:
         raise InputError(f"a page shows up to {MAX_SENSORS} sensors, got {len(beads)}")
-    numbers = [bead_number(chain, each, "bead with a sensor") for each in beads]
+    balls = [bead_number(chain, each, "bead with a sensor") - chain.strikers for each in beads]
     errors = "theories" if other is None else "difference"
     given = {
-        "document": document, "other": other, "sensors": numbers,
-        "view": {"B": other, "view": {"sensors": numbers, "errors": errors}},
+        "document": document, "other": other, "sensors": balls,
+        "view": {"B": other, "view": {"sensors": balls, "errors": errors}},
     }  # fmt: skip
     with record_warnings():
         content = page_with_results(given, lambda: False, names)

@@ -9,6 +9,7 @@ from typing import Any, Final
 from ..errors import InputError
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_bool, check_choice
+from .documents import MAX_BEADS
 
 MAX_FRAMES: Final = 600
 MAX_SENSORS: Final = 4
@@ -18,7 +19,11 @@ CLOCKS: Final = ("beads", "time")
 
 @dataclass(frozen=True)
 class Request:
-    """A request for the results of one chain; its document is checked when it is read."""
+    """A request for the results of one chain; its document is checked when it is read.
+
+    ``sensors`` are numbers of balls, without the strikers: the same for both chains of a
+    comparison.  The last striker is 0.
+    """
 
     session: str
     slot: str
@@ -38,7 +43,7 @@ class Request:
             raise InputError("the request must be a JSON object")
         sensors = given.get("sensors", [])
         if not isinstance(sensors, list):
-            raise InputError("sensors must be a list of bead numbers")
+            raise InputError("sensors must be a list of numbers of balls")
         session = given.get("session")
         if not isinstance(session, str) or not 1 <= len(session) <= 64:
             raise InputError("the request has no session")
@@ -50,7 +55,9 @@ class Request:
             frames=whole_number("frames", given.get("frames", 240), least=2, most=MAX_FRAMES),
             rtol=number("rtol", given.get("rtol", 1e-9), least=1e-13, most=1e-6),
             clock=check_choice("clock", given.get("clock", "beads"), CLOCKS),
-            sensors=tuple(whole_number("sensor", each, least=1) for each in sensors[:MAX_SENSORS]),
+            sensors=tuple(
+                whole_number("sensor", each, least=-MAX_BEADS) for each in sensors[:MAX_SENSORS]
+            ),
             draft=check_bool("draft", given.get("draft", False)),
             run=check_bool("run", given.get("run", True)),
         )

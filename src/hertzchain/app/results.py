@@ -98,7 +98,7 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
             found += [] if request.draft else _unfinished_impact(run, whole)
             forces = run
             if not request.draft:
-                places = [*places_of(chain, _sensors(chain, request)).values()]
+                places = [*places_of(chain, request.sensors).values()]
                 forces, note = run_for_forces(run, places, request.rtol, progress)
                 found += [note] if note else []
             took = time.perf_counter() - began
@@ -277,30 +277,27 @@ def _to_the_wall(run: Run, options: Mapping[str, Any]) -> Run:
     return run
 
 
-def _sensors(chain: Chain, request: Request) -> list[int]:
-    return [bead for bead in request.sensors if bead <= chain.beads]
-
-
 def _run_part(
     run: Run, whole: Run, forces: Run, request: Request, warnings: list[str], took: float,
     progress: Callable[..., None],
 ) -> Part:  # fmt: skip
-    began, chain, sensors = time.perf_counter(), run.chain, _sensors(run.chain, request)
+    began, chain = time.perf_counter(), run.chain
     arrays: dict[str, Any] = {"times": run.times, "forces.times": forces.times}
     arrays |= columns_as_int16("velocities", run.velocities)
     arrays |= columns_as_int16("forces", run.forces)
     peaks = {}
-    for number, (name, place) in enumerate(places_of(chain, sensors).items()):
+    colours = {ball + chain.strikers: f"sensor{i}" for i, ball in enumerate(request.sensors)}
+    for name, place in places_of(chain, request.sensors).items():
         arrays[f"force.{name}"] = force_at(forces, place)
         found = peaks_at(forces, whole, place, None if request.draft else progress)
-        peaks[name] = {"name": f"sensor{number}", **found}
+        peaks[name] = {"name": colours.get(place), **found}
     if not request.draft or chain.beads <= MAX_BEADS_OF_DRAFT_BUDGET:
         arrays |= _budget_arrays(run)
     arrays |= _pressures(whole)
     modes = "" if request.draft else _add_spectrum(chain, arrays)
     header = {
         "part": "run", **request.identity, "status": run.status, "message": _end(run),
-        "success": run.success, "rtol": run.rtol, "steps": run.steps, "sensors": sensors,
+        "success": run.success, "rtol": run.rtol, "steps": run.steps,
         "peaks": peaks, "energy_drift": run.energy_drift, "momentum_drift": run.momentum_drift,
         "beads_passed": run.beads_passed, "spectrum": modes,
         "warnings": warnings,

@@ -55,7 +55,7 @@ def embedded_page(stored: Mapping[str, Any]) -> bytes:
         f'<script type="application/json" id="embedded">{_json(stored)}</script>'
         f'<script type="module">import "{PREFIX}main.js";</script>'
     )
-    loaded = r"<(link|script)\b[^>]*(stylesheet|modulepreload|main\.js)[^>]*>(</script>)?"
+    loaded = r"<(link|script)\b[^>]*(stylesheet|main\.js)[^>]*>(</script>)?"
     text = re.sub(loaded, "", text)
     text = text.replace("/icon.svg", f"data:image/svg+xml;base64,{icon}")
     return text.replace("</head>", f"{head}</head>", 1).encode()

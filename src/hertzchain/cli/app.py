@@ -27,7 +27,8 @@ from .options import StrictCommand, check_writable
 )  # fmt: skip
 @click.option(
     "--sensor", "sensors", multiple=True, metavar="BEAD",
-    help="With --save, a bead with a sensor, such as 12 or 'ball 11'; up to four times.",
+    help="With --save, a bead of FILE with a sensor, such as 12 or 'ball 11'; up to four times. "
+    "The chain of --compare has sensors in the same balls, counted without the strikers.",
 )  # fmt: skip
 def app(
     file: Path | None, port: int, no_open: bool, save: Path | None, other: Path | None,

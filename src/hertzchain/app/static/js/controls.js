@@ -92,7 +92,7 @@ export class Controls {
   /** @param {string} shape */
   build(shape) {
     this.shape = shape;
-    const focused = /** @type {HTMLElement | null} */ (document.activeElement)?.id;
+    const focused = document.activeElement?.id;
     const top = this.host.scrollTop;
     this.updates = [];
     const chain = this.chain, inForms = this.keysOfForms, keys = this.schema.chain.keys;
@@ -111,7 +111,7 @@ export class Controls {
       make("p", { className: "bad", id: "problem", hidden: true, role: "alert" }),
     );
     this.host.scrollTop = top;
-    if (focused && this.host.ownerDocument.activeElement === document.body) document.getElementById(focused)?.focus();
+    if (focused && document.activeElement === document.body) $(focused)?.focus();
   }
 
   /** @param {any[]} keys */
@@ -399,12 +399,11 @@ export class Controls {
 
   /** Show a message next to the control that was changed last. @param {string} message */
   problem(message) {
-    const text = this.host.querySelector("#problem");
-    if (!(text instanceof HTMLElement)) return;
+    const text = $("problem");
     text.textContent = message;
     text.hidden = !message;
     for (const each of this.host.querySelectorAll("[aria-invalid]")) each.removeAttribute("aria-invalid");
-    const control = message ? document.getElementById(`c-${this.last}`) : null;
+    const control = message ? $(`c-${this.last}`) : null;
     const row = control?.closest(".row");
     if (control && row) {
       control.setAttribute("aria-invalid", "true");

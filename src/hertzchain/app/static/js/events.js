@@ -6,7 +6,7 @@ import { fromLink } from "./state.js";
 /** @typedef {import("./state.js").State} State */
 /** @typedef {"pulse" | "times" | "map" | "table"} Part */
 /** @typedef {{about: any, state: State, view: (some: any) => void, request: () => void, select: (bead: number) => void,
- *   toggleSensor: (bead: number) => void, play: () => void, goTo: (u: number) => void, step: (by: number) => void,
+ *   toggleSensor: () => void, play: () => void, goTo: (u: number) => void, step: (by: number) => void,
  *   undo: () => void, redo: () => void, compare: () => void, activate: (slot: "A" | "B") => void, repaint: () => void,
  *   radiusOf: (bead: number) => number, resize: (bead: number, radius: number, moving: boolean) => void,
  *   beads: () => number, redraw: (...what: Part[]) => void, open: (next: State) => void}} App */
@@ -17,7 +17,7 @@ export const SELECTS = [["quantity", "quantity"], ["camera", "camera"], ["map-of
 
 /** @param {App} app */
 export function listen(app) {
-  const { about, state, view } = app;
+  const { about, view } = app;
   for (const name of Object.keys(about.quantities)) {
     if (!about.quantities[name].estimate) $("quantity").append(make("option", { value: name }, name.replaceAll("_", " ")));
   }
@@ -30,7 +30,7 @@ export function listen(app) {
   $("speed").onchange = () => view({ speed: Number($("speed").value) });
   $("log").onchange = () => view({ log: $("log").checked });
   $("bead").onchange = () => app.select(Math.max(1, Math.min(app.beads(), Math.round(Number($("bead").value)) || 1)));
-  $("sensor").onclick = () => app.toggleSensor(state.view.bead);
+  $("sensor").onclick = app.toggleSensor;
   $("play").onclick = () => app.play();
   $("time").oninput = () => app.goTo(Number($("time").value) / 1000);
   $("undo").onclick = app.undo;
@@ -68,7 +68,7 @@ function keys(event, app) {
   const { bead, camera } = app.state.view, beads = app.beads();
   /** @type {Record<string, () => void>} */
   const actions = {
-    " ": () => app.play(), ",": () => app.step(-1 / 320), ".": () => app.step(1 / 320), s: () => app.toggleSensor(bead),
+    " ": () => app.play(), ",": () => app.step(-1 / 320), ".": () => app.step(1 / 320), s: app.toggleSensor,
     f: () => app.view({ camera: camera === "follow" ? "whole" : "follow" }), "?": () => $("help").showModal(),
     ...(onStage ? {
       ArrowLeft: () => app.select(Math.max(1, bead - 1)), ArrowRight: () => app.select(Math.min(beads, bead + 1)),

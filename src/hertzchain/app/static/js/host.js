@@ -14,6 +14,8 @@ const embedded = document.getElementById("embedded");
 /** What is stored in the page: nothing, if a server has sent it.
  * @type {{kind: "saved" | "notebook", about: any, view?: any, parts?: string} | null} */
 export const stored = embedded ? JSON.parse(embedded.textContent ?? "null") : null;
+/** Whether the chain cannot be changed. */
+export const fixed = stored?.kind === "saved";
 
 /** @param {string} path @param {string} type @param {string} body */
 async function post(path, type, body) {
@@ -52,17 +54,15 @@ const server = {
   state() {},
 };
 
-/** Results that are stored in the page.
+/** Results that are stored in the page, which has no buttons to open or save files.
  * @type {Host} */
 const saved = {
+  ...server,
   about: async () => stored?.about,
   async results(body, received) {
     const bytes = Uint8Array.from(atob(stored?.parts ?? ""), (each) => each.charCodeAt(0));
     for (const part of new Splitter().add(bytes)) if (part.header.slot === body.slot) received(part);
   },
-  read: () => Promise.reject(new Error("A saved page cannot open files.")),
-  save: () => Promise.reject(new Error("A saved page cannot save files.")),
-  state() {},
 };
 
 /** A notebook, whose cell relays messages between this frame and Python.
@@ -99,4 +99,4 @@ function notebook() {
   };
 }
 
-export const host = stored?.kind === "saved" ? saved : stored?.kind === "notebook" ? notebook() : server;
+export const host = fixed ? saved : stored ? notebook() : server;

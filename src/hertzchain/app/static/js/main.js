@@ -1,15 +1,14 @@
-
 import { KINDS, readColours } from "./colour.js";
 import { $, Controls, make } from "./controls.js";
 import { SELECTS, listen } from "./events.js";
-import { host, stored } from "./host.js";
+import { fixed, host, stored } from "./host.js";
 import { Link } from "./link.js";
 import { SpaceTime } from "./map.js";
 import { FACTORS, USUAL, gapOf, inMillimetres, placeAt, timeAt } from "./numbers.js";
 import { Results } from "./results.js";
 import { fillDialogs } from "./share.js";
 import { Stage } from "./stage.js";
-import { History, VIEW, changed, copy, fromLink, toLink, withRadius } from "./state.js";
+import { History, VIEW, changed, copy, fromLink, strikersBefore, toLink, withRadius } from "./state.js";
 import { Views, showClock, whyBlank } from "./views.js";
 
 /** @typedef {import("./state.js").Slot} Slot */
@@ -23,17 +22,17 @@ const MAX_SENSORS = 4;
 const about = await host.about();
 Object.assign(FACTORS, about.factors);
 Object.assign(USUAL, about.ranges);
+const linked = !stored && fromLink(location.hash);
 /** @type {import("./state.js").State} */
-const state = (!stored && fromLink(location.hash)) || { A: about.document, B: stored?.view?.B ?? null, active: "A", view: { ...copy(VIEW), ...stored?.view?.view } };
-if (stored?.kind !== "saved" && !(!stored && fromLink(location.hash))) {
+const state = linked || { A: about.document, B: stored?.view?.B ?? null, active: "A", view: { ...copy(VIEW), ...stored?.view?.view } };
+if (!fixed && !linked) {
   const middle = Math.round((about.document.chain.beads ?? 2) / 2);
-  Object.assign(state.view, { bead: middle, sensors: [middle] });
+  Object.assign(state.view, { bead: middle + strikersBefore(about.document), sensors: [middle] });
 }
 const history = new History();
 const results = { A: new Results(), B: new Results() };
 /** Measured times of answers, for the tests and `benchmarks/app.py`. */
 const answers = /** @type {any[]} */ ([]);
-const frames = /** @type {number[]} */ ([]);
 let u = 0, playing = !matchMedia("(prefers-reduced-motion: reduce)").matches, last = 0, awake = false;
 let settle = 0, asked = 0, draft = false, written = location.hash;
 const dirty = { pulse: true, times: true, map: true, table: true };
@@ -50,7 +49,7 @@ const map = new SpaceTime($("map"), (bead, time) => { select(bead); goToTime(tim
 /** @param {Slot} slot */
 const stageOf = (slot) => new Stage($(`stage-${slot}`), {
   select: (bead) => { activate(slot); select(bead); },
-  sensor: (bead) => toggleSensor(bead),
+  sensor: toggleSensor,
   resize: (bead, radius, moving) => resize(bead, radius, moving),
   wall: (gap, moving) => moveWall(gap, moving),
 });
@@ -116,7 +115,6 @@ function showHistory() {
 }
 
 function showAll() {
-  if (state.B && !["A", "B"].includes(state.active)) state.active = "A";
   document.body.classList.toggle("comparing", state.B !== null);
   $("compare").setAttribute("aria-pressed", String(state.B !== null));
   $("lane-B").hidden = state.B === null;
@@ -141,15 +139,20 @@ function showView() {
   for (const [id, name] of SELECTS) $(id).value = v[name];
   $("speed").value = String(v.speed);
   $("log").checked = v.log;
-  for (const slot of SLOTS) Object.assign(stages[slot], { camera: v.camera, scale: v.scale, sensors: v.sensors, bead: v.bead });
+  for (const slot of SLOTS) Object.assign(stages[slot], { camera: v.camera, scale: v.scale, sensors: v.sensors });
   $("bead").value = String(v.bead);
-  $("sensor").setAttribute("aria-pressed", String(v.sensors.includes(v.bead)));
 }
+
+/** Ball at the cursor: its number without the strikers. */
+const ball = () => state.view.bead - stages[state.active].strikers;
+/** Bead of a chain at the cursor: the same ball in both. @param {Slot} slot */
+const beadIn = (slot) => Math.max(1, ball() + stages[slot].strikers);
 
 /** @param {Slot} slot */
 function activate(slot) {
   if (slot === state.active || !state[slot]) return;
   u = placeOf(slot);
+  state.view.bead = beadIn(slot);
   state.active = slot;
   showAll();
 }
@@ -164,11 +167,11 @@ function select(bead) {
   wake();
 }
 
-/** @param {number} bead */
-function toggleSensor(bead) {
+function toggleSensor() {
+  if (fixed) return;
   const { sensors } = state.view;
   history.note(snapshot(), false);
-  state.view.sensors = sensors.includes(bead) ? sensors.filter((each) => each !== bead) : [...sensors, bead].slice(-MAX_SENSORS);
+  state.view.sensors = sensors.includes(ball()) ? sensors.filter((each) => each !== ball()) : [...sensors, ball()].slice(-MAX_SENSORS);
   showView();
   showHistory();
   request(SLOTS, false);
@@ -176,6 +179,7 @@ function toggleSensor(bead) {
 
 /** @param {number} bead @param {number} radius NaN at the end of a drag @param {boolean} moving */
 function resize(bead, radius, moving) {
+  if (fixed) return;
   const document = /** @type {any} */ (state[state.active]), si = own().si;
   if (!Number.isFinite(radius)) {
     history.open = false;
@@ -230,16 +234,14 @@ function requestOf(slot, rough, input) {
 
 /** @param {Slot} slot @param {any} part @param {any} sent */
 function take(slot, part, sent) {
-  const found = results[slot], kind = found.take(part), received = performance.now();
+  const found = results[slot], kind = found.take(part);
   if (kind === "beads" || kind === "run") {
     if (found.beads.header) stages[slot].chain(found.beads, gapOf(state[slot]));
     stages[slot].motion = found.motion;
   }
-  if (kind === "beads" || kind === "pulse") dirty.pulse = true;
   if (kind === "run") dirty.map = true;
-  if (kind !== "pulse") dirty.times = true;
-  dirty.table = true;
-  const record = { slot, part: kind, number: sent.number, draft: sent.draft, input: sent.input, sent: sent.sent, received, shown: 0 };
+  dirty.pulse = dirty.times = dirty.table = true;
+  const record = { part: kind, draft: sent.draft, input: sent.input, shown: 0 };
   answers.push(record);
   if (answers.length > 2000) answers.splice(0, 1000);
   waiting.push(record);
@@ -279,13 +281,10 @@ function placeOf(slot) {
 /** @param {number} now */
 function tick(now) {
   awake = false;
-  const began = performance.now();
   if (playing && last) u += (Math.min(100, now - last) / 1000 / DURATION) * state.view.speed;
   if (u >= 1) u = u >= 1.06 ? 0 : u;
   last = playing ? now : 0;
   draw();
-  frames.push(performance.now() - began);
-  if (frames.length > 1000) frames.splice(0, 500);
   if (waiting.length) {
     const shown = waiting.splice(0);
     setTimeout(() => {
@@ -315,8 +314,10 @@ function draw() {
   for (const slot of SLOTS) {
     if (!state[slot] || !results[slot].ready) continue;
     const { motion } = results[slot], place = placeOf(slot);
+    stages[slot].bead = beadIn(slot);
     stages[slot].draw(place * ((motion?.count ?? 1) - 1), results[slot].front(motion ? timeAt(motion.times, place) : 0));
   }
+  $("sensor").setAttribute("aria-pressed", String(state.view.sensors.includes(ball())));
   map.motion = found.motion;
   $("map-note").textContent = found.motion ? "" : whyBlank(found);
   if (dirty.map && found.motion) {
@@ -391,7 +392,7 @@ function keepAddress() {
 
 function compare() {
   history.note(snapshot(), false);
-  if (state.B) Object.assign(state, { A: state.active === "B" ? state.B : state.A, B: null, active: "A" });
+  if (state.B) Object.assign(state, { A: state[state.active], B: null, active: "A" });
   else Object.assign(state, { B: copy(state.A), active: "B" });
   view({ errors: state.B ? "difference" : "theories" });
   showAll();
@@ -427,7 +428,7 @@ function openAs(slot, document, other, sensors) {
 }
 
 function start() {
-  document.body.classList.toggle("saved", stored?.kind === "saved");
+  document.body.classList.toggle("saved", fixed);
   readColours();
   listen({
     about, state, view, request: () => request(SLOTS, false), select, toggleSensor, play: () => play(!playing), goTo, step: (by) => goTo(u + by),
@@ -446,11 +447,13 @@ function start() {
       say(example.look_for);
     },
     document: () => state[state.active],
-    request: () => ({
-      sensors: state.view.sensors, quantity: state.view.quantity, clock: state.view.clock, frames: 320,
-      until: own().run.header?.peaks.right?.first ? undefined : own().motion?.times.at(-1), other: state.B ? state[state.active === "A" ? "B" : "A"] : undefined,
-      view: { view: state.view, B: state.B && state[state.active === "A" ? "B" : "A"] },
-    }),
+    request: () => {
+      const other = state.B && state[state.active === "A" ? "B" : "A"];
+      return {
+        sensors: state.view.sensors, quantity: state.view.quantity, clock: state.view.clock, frames: 320,
+        until: own().run.header?.peaks.right?.first ? undefined : own().motion?.times.at(-1), other, view: { view: state.view, B: other },
+      };
+    },
     opened: (document) => openAs(state.active, document, null, state.view.sensors),
     say,
     link: () => (stored ? "http://127.0.0.1:8765/" : location.origin + location.pathname) + toLink(state),
@@ -461,5 +464,5 @@ function start() {
 }
 
 start();
-Object.assign(window, { hertzchain: { about, schema: Object.keys(about.schema.sections), state, results, answers, frames, get u() { return u; }, get playing() { return playing; },
+Object.assign(window, { hertzchain: { about, state, results, answers, get u() { return u; }, get playing() { return playing; },
   placeOf: (/** @type {Slot} */ slot, /** @type {number} */ bead) => stages[slot].placeOf(bead) } });

@@ -1,11 +1,12 @@
 /** The beads, to scale, with the pulse in them. */
 
 import { COLOURS, KINDS, STEPS, penOf, stepOf } from "./colour.js";
+import { fixed } from "./host.js";
 
 /** @typedef {{count: number, beads: number, times: Float64Array, velocities: Int16Array, speeds: Float64Array,
  *   forces: Int16Array, strengths: Float64Array}} Motion */
 /** @typedef {CanvasRenderingContext2D} Pen */
-/** @typedef {{select: (bead: number) => void, sensor: (bead: number) => void,
+/** @typedef {{select: (bead: number) => void, sensor: () => void,
  *   resize: (bead: number, radius: number, moving: boolean) => void,
  *   wall: (gap: number, moving: boolean) => void}} Handlers */
 
@@ -94,12 +95,12 @@ export class Stage {
     const distance = Math.hypot(x - this.px(this.centres[low]), y - this.middle);
     const r = this.radii[low] * this.look.scale;
     if (distance > Math.max(r, 8) + RIM) return { bead: -1, rim: false };
-    return { bead: low, rim: distance > r - Math.min(RIM, 0.35 * r) };
+    return { bead: low, rim: !fixed && distance > r - Math.min(RIM, 0.35 * r) };
   }
 
   /** @param {number} x */
   atWall(x) {
-    return this.walls.includes("right") && Math.abs(x - this.px(this.long) - 5) < 9;
+    return !fixed && this.walls.includes("right") && Math.abs(x - this.px(this.long) - 5) < 9;
   }
 
   /** @param {PointerEvent} event */
@@ -144,7 +145,7 @@ export class Stage {
     if (!drag) return;
     if (drag.wall) { if (drag.moved) this.on.wall(this.wallGap, false); }
     else if (drag.moved) this.on.resize(drag.bead + 1, NaN, false);
-    else this.on.sensor(drag.bead + 1);
+    else this.on.sensor();
   }
 
   /** Where the camera looks. @param {number} front bead, counted from 0, with a fraction */
@@ -168,19 +169,14 @@ export class Stage {
     this.look = { scale, x: x - W / 2 / scale };
   }
 
-  get fastest() {
-    return this.motion ? this.motion.speeds.reduce((a, b) => Math.max(a, b), 1e-300) : 1;
-  }
-
   /** Draw everything at a frame, which may have a fraction. @param {number} frame @param {number} front */
   draw(frame, front) {
     const { pen, W, H } = penOf(this.canvas);
     if (!this.radii.length) return;
     this.aim(front);
-    const i = this.motion ? Math.min(this.motion.count - 1, Math.max(0, Math.floor(frame))) : 0, u = frame - i;
-    const count = this.radii.length, fastest = this.scale === "bead" ? 0 : this.fastest;
+    const m = this.motion, i = m ? Math.min(m.count - 1, Math.max(0, Math.floor(frame))) : 0, u = frame - i;
+    const count = this.radii.length, fastest = m && this.scale !== "bead" ? Math.max(...m.speeds, 1e-300) : 0;
     const speeds = new Float64Array(count);
-    const m = this.motion;
     if (m && m.beads === count) {
       const here = i * count, there = Math.min(m.count - 1, i + 1) * count;
       for (let k = 0; k < count; k++) {
@@ -312,8 +308,9 @@ export class Stage {
   drawLabels(pen, W, H) {
     const y = this.middle;
     pen.textAlign = "center";
-    this.sensors.forEach((bead, n) => {
-      if (bead > this.radii.length) return;
+    this.sensors.forEach((ball, n) => {
+      const bead = ball + this.strikers;
+      if (bead < 1 || bead > this.radii.length) return;
       const x = this.px(this.centres[bead - 1]), r = Math.max(3, this.radii[bead - 1] * this.look.scale);
       pen.fillStyle = COLOURS[`s${n}`];
       pen.beginPath();
@@ -330,7 +327,7 @@ export class Stage {
     pen.stroke();
     pen.fillStyle = COLOURS.accent;
     pen.font = "600 12px system-ui, sans-serif";
-    const below = this.sensors.includes(this.bead) ? 24 : 15, at = Math.max(28, Math.min(W - 28, x));
+    const below = this.sensors.includes(this.bead - this.strikers) ? 24 : 15, at = Math.max(28, Math.min(W - 28, x));
     const text = `bead ${this.bead}`, base = Math.min(H - 3, y + Math.max(r, 4) + below);
     // A wall may be behind the text.
     pen.strokeStyle = COLOURS.card;

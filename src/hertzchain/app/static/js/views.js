@@ -9,8 +9,8 @@ import { title } from "./results.js";
 /** @typedef {import("./chart.js").Series} Series */
 /** @typedef {import("./state.js").State} State */
 
-/** @param {number} count @param {number} [first] */
-const range = (count, first = 1) => Float64Array.from({ length: count }, (_, i) => i + first);
+/** @param {number} count */
+const range = (count) => Float64Array.from({ length: count }, (_, i) => i + 1);
 
 /** @param {ArrayLike<number>} values @param {number} factor */
 const times = (values, factor) => factor === 1 ? values : Float64Array.from(values, (each) => each * factor);
@@ -50,14 +50,14 @@ export class Views {
     const { quantity, hidden } = state.view, info = this.about.quantities[quantity];
     const exact = own.exact(quantity), names = own.theories.map(([name]) => name);
     const shown = names.filter((name) => own.theory(name, quantity) && !hidden.includes(name));
-    const compared = other?.exact(quantity);
+    const compared = theirs(own, other, quantity);
     const all = [exact, compared, ...shown.map((name) => own.theory(name, quantity))].filter(Boolean);
     const [factor, unit] = this.unit(quantity, own, Math.max(...all.map(largest), 0));
     /** @type {Series[]} */
     const series = shown.map((name) => line(name, title(name), own.theory(name, quantity), factor));
-    if (compared && other?.si === own.si && !hidden.includes("other")) series.unshift(line("other", "other chain", compared, factor));
+    if (compared && !hidden.includes("other")) series.unshift(line("other", "other chain", compared, factor));
     if (exact && !hidden.includes("exact")) series.unshift(line("exact", "simulation", exact, factor));
-    for (const each of series) each.apart = jumps(each.name === "other" ? other : own, each.y);
+    for (const each of series) each.apart = each.name === "other" ? jumps(other, other?.exact(quantity)) : jumps(own, each.y);
     const label = inUnit(info.description, unit);
     const message = series.length ? "" : this.reason(own);
     this.pulse.draw(series, { xLabel: info.per === "contact" ? "contact k" : series.some((each) => each.apart) ? "bead k (dot: free end)" : "bead k", counted: true, yLabel: label, log: state.view.log, message },
@@ -82,10 +82,9 @@ export class Views {
     if (state.view.errors === "difference") {
       const late = [own, other].find((each) => each && !each.pulse.header);
       if (!other || late) replace($("legend-error"), []);
-      const theirs = other?.exact(quantity);
-      const common = other && other.si === own.si && exact && theirs;
-      const series = common ? [difference("other", "other chain", theirs, exact)] : [];
-      const message = common ? "" : !other ? "Choose Compare to add a second chain." : late ? whyBlank(late) : other.si === own.si ? "No value" : "Chains in SI units and in scaled variables cannot be compared.";
+      const compared = exact && theirs(own, other, quantity);
+      const series = compared ? [difference("other", "other chain", compared, exact)] : [];
+      const message = compared ? "" : !other ? "Choose Compare to add a second chain." : late ? whyBlank(late) : other.si === own.si ? "No value" : "Chains in SI units and in scaled variables cannot be compared.";
       this.error.draw(series, { ...BEADS, yLabel: "other chain relative to this one", percent: true, message }, `Difference of the chains: ${summary(series)}`);
       return;
     }
@@ -110,7 +109,7 @@ export class Views {
       return button;
     };
     const entries = own.pulse.header && own.exact(quantity) ? [entry("exact", "simulation", own.pulse.header.method ?? "")] : [];
-    if (other?.si === own.si && other?.exact(quantity)) entries.push(entry("other", "other chain", other.beads.header.description));
+    if (theirs(own, other, quantity)) entries.push(entry("other", "other chain", other?.beads.header.description));
     /** @type {Map<string, string[]>} */
     const reasons = new Map();
     for (const [name, each] of own.theories) {
@@ -124,8 +123,8 @@ export class Views {
         reasons.set(brief, [...(reasons.get(brief) ?? []), title(name)]);
       }
     }
-    const pressed = (/** @type {HTMLElement} */ each) => each.getAttribute("aria-pressed") === "true";
-    replace($("legend-pulse"), [...entries.filter(pressed), ...entries.filter((each) => !pressed(each))]);
+    const off = (/** @type {HTMLElement} */ each) => Number(each.getAttribute("aria-pressed") === "false");
+    replace($("legend-pulse"), entries.sort((a, b) => off(a) - off(b)));
     const notes = [...reasons].map(([reason, names]) => make("li", {}, make("b", {}, names.join(", ")), `: ${reason}`));
     $("notes-count").textContent = notes.length ? `${notes.length} note${notes.length > 1 ? "s" : ""} on theories` : "";
     $("notes").hidden = !notes.length;
@@ -179,8 +178,7 @@ export class Views {
 
   /** Forces of both chains at their times. @param {string} scale @param {Results} own @param {Results | null} other @param {any} axis */
   drawForces(scale, own, other, axis) {
-    const traces = forcesOf(own), theirs = other?.motion && other.si === own.si ? forcesOf(other) : [];
-    const all = [...traces, ...theirs], most = Math.max(...all.flatMap(({ shown }) => shown.map(([, force]) => force)), 0), [factor, unit] = own.si ? prefixed(most, "N") : [1, ""];
+    const traces = forcesOf(own), all = [...traces, ...(other?.motion && other.si === own.si ? forcesOf(other) : [])], most = Math.max(...all.flatMap(({ shown }) => shown.map(([, force]) => force)), 0), [factor, unit] = own.si ? prefixed(most, "N") : [1, ""];
     // Curves on a logarithmic axis end at a part of the largest force.
     const scaled = (/** @type {number[]} */ y) => scale === "log" ? y.map((each) => Math.max(each, 1e-4 * most) * factor) : times(y, scale === "each" ? 1 / (largest(y) || 1) : factor);
     const series = all.map((each, i) => {
@@ -211,9 +209,9 @@ export class Views {
     if (state.view.errors !== "difference" || !own.run.header || !other?.run.header || own.si !== other.si) return;
     /** @type {Map<string, any[]>} */
     const found = new Map();
-    const chains = state.active === "A" ? [own, other] : [other, own];
+    const chains = state.active === "A" ? [own, other] : [other, own], alike = own.beads.header.strikers === other.beads.header.strikers;
     chains.forEach((chain, i) => {
-      const numbers = forcesOf(chain).flatMap(({ label, shown }) => shown.flatMap(([what, force, time]) => [[`${label}, ${what}`, "N", force], ...(time === null ? [] : [[`${label}, time of ${what}`, "s", time]])]));
+      const numbers = forcesOf(chain).flatMap(({ label, ball = label, shown }) => shown.flatMap(([what, force, time]) => [["", force, "N"], ["time of ", time, "s"]].filter(([, value]) => value !== null).map(([of, value, unit]) => [`${alike ? label : ball}, ${of}${what}`, unit, value])));
       numbers.push(["velocity of the last bead", "m/s", chain.exact("velocity")?.at(-1)], ["arrival there", "s", chain.exact("arrival")?.at(-1)]);
       // The peak of a chain whose contacts do not yield is compared with that of one whose contacts do.
       for (const [label, unit, value] of numbers) found.set(label, Object.assign(found.get(label) ?? [unit, ...chains.map(({ run }) => (/yield/.test(label) && run.header.peaks.right?.yielding) || NaN)], { [i + 1]: value ?? NaN }));
@@ -286,7 +284,7 @@ function replace(host, children) {
   if (fresh.innerHTML !== host.innerHTML) {
     const focused = /** @type {HTMLElement | null} */ (document.activeElement)?.dataset.curve;
     host.replaceChildren(...children);
-    if (focused) /** @type {HTMLElement | null} */ (host.querySelector(`[data-curve="${focused}"]`))?.focus();
+    if (focused) /** @type {any} */ (host.querySelector(`[data-curve="${focused}"]`))?.focus();
   }
 }
 
@@ -307,13 +305,20 @@ function difference(name, label, values, reference, absolute = false) {
   return { name, label, x: range(count), y };
 }
 
+/** Values of the other chain at the balls of this one, if it has the same units.
+ * @param {Results} own @param {Results | null} other @param {string} quantity */
+function theirs(own, other, quantity) {
+  const values = other?.si === own.si && other.exact(quantity), shift = own.beads.header?.strikers - other?.beads.header?.strikers;
+  return values && [...Array(Math.max(0, shift)).fill(NaN), ...values.slice(Math.max(0, -shift))];
+}
+
 /** Whether the last value is that of a bead at a free end. @param {any} of @param {any} y */
 const ends = (of, y) => y?.length === of?.beads.header?.beads && !of.beads.header.walls?.includes("right");
 /** Whether it is much larger than the others, too. @param {any} of @param {any} y */
 const jumps = (of, y) => ends(of, y) && y.at(-1) * y.at(-3) > 1.2 * y.at(-2) ** 2;
 
 /** Forces on sensors and walls with their peaks. @param {Results} results
- * @returns {{shown: [string, number, any][], times: any, values: any, name: string, label: string}[]} */
+ * @returns {{shown: [string, number, any][], times: any, values: any, name: string, label: string, ball?: string}[]} */
 function forcesOf({ run: { header, arrays } }) {
   return Object.entries(header.peaks).map(([name, each]) => ({ ...each, times: arrays.get("forces.times"), values: arrays.get(`force.${name}`) }));
 }

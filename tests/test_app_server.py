@@ -210,7 +210,7 @@ HARD_AND_SOFT = {
 @pytest.mark.parametrize("clock", ["beads", "time"])
 def test_forces_after_the_first_transit_are_resolved(clock):
     """The largest force is that of a short oscillation between two frames of the animation."""
-    header, arrays = computed(HARD_AND_SOFT, frames=320, clock=clock, sensors=[5])["run"]
+    header, arrays = computed(HARD_AND_SOFT, frames=320, clock=clock, sensors=[4])["run"]
     times, force = arrays["forces.times"], arrays["force.5"]
     chain = chain_of(HARD_AND_SOFT)
     run = hc.simulate(chain, times=np.linspace(0.0, times[-1], 100_001), rtol=1e-9)

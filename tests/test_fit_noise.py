@@ -11,6 +11,7 @@ from synthetic_traces import bench, signals
 from synthetic_traces import recorded as synthetic
 
 import hertzchain as hc
+from hertzchain.fitting.autocorrelation import correlation_length
 from hertzchain.fitting.fit import fit_with
 from hertzchain.fitting.goodness import goodness_of
 from hertzchain.fitting.noise import (
@@ -36,6 +37,45 @@ def test_independent_samples_of_first_order_noise_are_counted(rho):
     counts = [independent_samples(each) for each in noise]
     # The variance of a mean of first-order noise is (1 + rho)/(1 - rho) times that of white noise.
     assert np.median(counts) == pytest.approx(400.0 * (1.0 - rho) / (1.0 + rho), rel=0.1)
+
+
+def ratio_of_errors(noise, samples_per_independent):
+    """True error of a mean over the estimated one: the standard deviation of pulls."""
+    lengths = np.array([correlation_length(each) for each in noise])
+    return np.mean(samples_per_independent / lengths) ** 0.5
+
+
+@pytest.mark.parametrize("rho", [0.5, 0.8])
+@pytest.mark.parametrize("samples", [60, 150, 1000])
+def test_correlations_of_short_records_are_not_too_small(samples, rho):
+    noise = first_order(np.random.default_rng(5), rho, (400, samples))
+    assert 0.9 < ratio_of_errors(noise, (1.0 + rho) / (1.0 - rho)) < 1.15
+
+
+@pytest.mark.parametrize("cutoff", [0.2, 0.5])
+def test_correlations_of_smooth_noise_are_found(cutoff):
+    filtered = butter(2, cutoff)
+    response = lfilter(*filtered, [1.0, *np.zeros(1000)])
+    white = np.random.default_rng(6).standard_normal((200, 1000))
+    noise = lfilter(*filtered, white)[:, 500:]
+    length = response.sum() ** 2 / (response @ response)
+    assert 0.9 < ratio_of_errors(noise, length) < 1.15
+
+
+def test_errors_of_fits_include_the_correlation_of_the_noise():
+    """Pulls of the true values in 20 records of 100 samples have unit variance."""
+    rng, spacing = np.random.default_rng(7), 4e-6
+    truth = {"stiffness": 1.0, "struck_by.velocity": 0.3, "time_offset": 100e-6}
+    times, seen = signals(bench(beads=10), 400e-6, 100e-6, balls=(3, 6), spacing=spacing)
+    pulls = []
+    for _ in range(20):
+        noise = 0.1 * first_order(rng, 0.8, seen.T.shape).T
+        names = ("ball 3 [N]", "ball 6 [N]", "wall [N]")
+        traces = hc.Traces.from_arrays(times, dict(zip(names, (seen + noise).T, strict=True)))
+        result = hc.fit(traces, bench(beads=10), free=list(truth), starts=1)
+        pulls.append([(result.values[k] - truth[k]) / result.errors[k] for k in truth])
+    # The standard deviation of 60 numbers, of which some are correlated.
+    assert 0.7 < np.std(pulls) < 1.3
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.7, 0.85])

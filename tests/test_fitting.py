@@ -16,9 +16,10 @@ from synthetic_traces import bench, measured
 
 import hertzchain as hc
 from hertzchain.fitting import least_squares
+from hertzchain.fitting.autocorrelation import correlation_length
 from hertzchain.fitting.chain_parameters import with_motion, with_sizes
 from hertzchain.fitting.defect_scan import fit_of_defect
-from hertzchain.fitting.goodness import Goodness, correlation_length, goodness_of
+from hertzchain.fitting.goodness import Goodness, goodness_of
 from hertzchain.fitting.jumps import next_to_jumps
 from hertzchain.fitting.loss_comparison import LossComparison, LossFit
 from hertzchain.fitting.model import make_model

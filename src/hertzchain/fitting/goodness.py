@@ -10,17 +10,14 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from .autocorrelation import MIN_CORRELATED, autocorrelation, correlation_length, first_lag
 from .noise import MIN_INDEPENDENT, SIGNIFICANT, independent_samples, level_runs
 from .signals import Signal
 from .traces import Traces
 
-# Correlations are summed up to this lag, and while they are significant.
-MAX_LAG: Final = 200
 # The model describes the data if chi-squared exceeds its expectation by fewer standard deviations,
 # and if the correlation of successive residuals is smaller, in standard deviations.
 MAX_EXCESS, MAX_CORRELATION = 3.0, 4.0
-# Least number of residuals whose correlation is examined, and the largest one.
-MIN_CORRELATED, MAX_FIRST_LAG = 8, 0.999
 # Standard deviations by which the noise may be more correlated than before the pulse.
 ALLOWED: Final = 1.0
 # A chi-squared that is larger than its expectation by this factor does not support the model,
@@ -318,36 +315,9 @@ def _correlation(parts: Sequence[_Part]) -> float:
     return float(total / weight**0.5) if weight else 0.0
 
 
-def first_lag(values: Array) -> float:
-    """Correlation of successive samples, corrected for their mean (Kendall 1954)."""
-    rho = float(autocorrelation(values, 1)[-1])
-    return min(rho + (1.0 + 4.0 * rho) / len(values), MAX_FIRST_LAG)
-
-
 def _has_white_noise(signal: Signal) -> bool:
     """Whether the samples before the pulse do not show a correlation of the noise."""
     quiet = signal.quiet_values if signal.quiet else np.zeros(0)
     if not len(quiet) or np.ptp(quiet) == 0.0 or signal.coarse:
         return False
     return float(autocorrelation(quiet, 1)[-1]) < SIGNIFICANT / len(quiet) ** 0.5
-
-
-def autocorrelation(residuals: Array, lags: int = MAX_LAG) -> Array:
-    """Autocorrelation of residuals from lag 0."""
-    centred = residuals - residuals.mean()
-    size = float(centred @ centred)
-    count = min(lags, len(residuals) - 1)
-    if size == 0.0:
-        return np.ones(1)
-    full = np.correlate(centred, centred, "full")[len(centred) - 1 :]
-    return np.asarray(full[: count + 1] / size)
-
-
-def correlation_length(residuals: Array) -> float:
-    """Samples per independent sample, :math:`1 + 2\\sum\\rho`, at least 1."""
-    if len(residuals) < 8:
-        return 1.0
-    rho = autocorrelation(residuals)[1:]
-    significant = rho > SIGNIFICANT / len(residuals) ** 0.5
-    end = len(rho) if significant.all() else int(np.argmin(significant))
-    return float(1.0 + 2.0 * rho[:end].sum())

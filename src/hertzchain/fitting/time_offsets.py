@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..collision import Array
-from .goodness import correlation_length
+from .autocorrelation import correlation_length
 from .misread_columns import PREFIXES, TOLERANCE, extreme, level_of, polarity_of
 from .sensor_comparison import ABOVE_NOISE, scaled
 from .signals import Shot, Signal

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 
-from ..fitting.goodness import autocorrelation
+from ..fitting.autocorrelation import autocorrelation
 from ..fitting.shown_values import SHOWN
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice

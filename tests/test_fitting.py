@@ -29,6 +29,7 @@ from hertzchain.fitting.problem import Problem
 from hertzchain.fitting.sensors import Sensor, filtered
 from hertzchain.fitting.simulations import Simulator
 from hertzchain.fitting.symmetry import similarity_key, units_of
+from hertzchain.recorded_warnings import ignore_warnings
 
 # The truth of tools/example_traces.py.
 TRUTH = {
@@ -564,6 +565,25 @@ def test_precompression_and_velocity_signals_are_fitted():
         assert abs(result.values[name] - true) < 3.0 * result.errors[name], name
         assert result.errors[name] < 0.01 * true
     assert "nan" not in result.summary()
+
+
+def test_trial_values_issue_no_warnings():
+    """A material below the limits of usual ones warns once, when it is made."""
+
+    def row(young):
+        balls = hc.Chain.from_materials(5e-3, hc.Material("gel", 1000.0, young, 0.48), beads=5)
+        return balls.struck_by(velocity=0.01)
+
+    with ignore_warnings():
+        nominal = row(6e3)
+        run = hc.simulate(row(5e3), times=np.linspace(0.0, 0.6, 400))
+    values = run.sensor("ball 3")
+    noise = 0.01 * float(np.ptp(values))
+    traces = hc.Traces.from_arrays(run.times, {"ball 3 [N]": values}, noise=noise)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        result = hc.fit(traces, nominal, free=["materials[gel].young", "time_offset"])
+    assert result.values["materials[gel].young"] == pytest.approx(5e3, rel=0.02)
 
 
 def test_correlated_residuals_count_less():

@@ -1,4 +1,8 @@
-"""Parameters of a chain by name: their values in a chain, and chains with other values."""
+"""Parameters of a chain by name: their values in a chain, and chains with other values.
+
+Chains with other values issue no warnings: the nominal chain has issued its own, and a fit tries
+many values.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +21,7 @@ from ..chain.per_contact import MaterialPairs
 from ..chain.walls import Wall
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, unknown_name_error
+from ..recorded_warnings import ignore_warnings
 from ..units import is_unit
 from ..validation.numbers import FRACTION
 from .names import Name
@@ -265,6 +270,7 @@ def _material(chain: Chain, name: Name) -> Any:
     raise unknown_name_error("material of this chain", name.item, names)
 
 
+@ignore_warnings()
 def with_sizes(chain: Chain, values: Mapping[Name, float], reference: float) -> Chain:
     """The chain with other materials, sizes, stiffness, exponents and velocities.
 
@@ -367,6 +373,7 @@ def following(chain: Chain, names: Collection[Name]) -> list[bool]:
     return [not (own or f"{end}.exponent" in free) for own, end in zip(given, ENDS, strict=True)]
 
 
+@ignore_warnings()
 def with_motion(chain: Chain, values: Mapping[Name, float]) -> Chain:
     """The chain with other losses, gaps, precompression and gravity."""
     changes: dict[str, Any] = {}

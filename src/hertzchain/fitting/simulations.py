@@ -118,7 +118,7 @@ class Simulator:
                 "after the pulse and its first echoes"
             )
         limit = None if not self._steps else max(MIN_STEPS, STEP_FACTOR * self._steps)
-        with ignore_warnings(ModelRangeWarning):
+        with ignore_warnings():
             run = simulate(
                 chain, times=spacing * np.arange(count), rtol=RTOL, max_steps=limit, check=False
             )

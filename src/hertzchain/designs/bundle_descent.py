@@ -66,9 +66,12 @@ def model_at(trials: Trials, point: Array) -> Model:
 
 
 def descend(trials: Trials, start: Array, end: float, *, box: float = FIRST_BOX) -> Outcome:
-    """Descend from a point until the box is very small or a part of the budget is used."""
+    """Descend from a point until the box is very small or a part of the budget is used.
+
+    The result is the best trial; the last one may slightly violate the constraints.
+    """
     current = model_at(trials, np.clip(start, 0.0, 1.0))
-    bundle, scores = [current], [current.outcome.rank]
+    bundle, scores, best = [current], [current.outcome.rank], current.outcome
     while trials.used < end and box > MIN_BOX and np.isfinite(current.outcome.score):
         if _stalled(scores):
             break
@@ -85,13 +88,14 @@ def descend(trials: Trials, start: Array, end: float, *, box: float = FIRST_BOX)
             continue
         gain = _merit(current, current) - _merit(trial, current)
         bundle = [*bundle[-KEPT + 1 :], trial]
-        scores.append(min(scores[-1], trial.outcome.rank))
+        best = min(best, trial.outcome, key=lambda each: each.rank)
+        scores.append(best.rank)
         if gain >= MIN_SHARE * expected:
             current = trial
             box = min(MAX_BOX, box * (2.0 if gain > 0.5 * expected else 1.0))
         else:
             box *= 0.5
-    return current.outcome
+    return best
 
 
 def _stalled(scores: list[tuple[float, float]]) -> bool:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from ..representation import counted
 from .ball_space import BallSpace
-from .reference_chains import EQUAL_BALLS
+from .reference_chains import EQUAL_BALLS, EQUAL_PLACES
 from .verified import Verified, met
 
 if TYPE_CHECKING:
@@ -133,7 +133,11 @@ def references_in_words(result: DesignResult) -> dict[str, Verified]:
 def equal_balls(result: DesignResult, name: str) -> str:
     """The balls of the row of equal ones, such as ``24 balls of 5 mm ptfe``; else empty."""
     space, chain = result.problem.space, result.references[name].chain
-    if name != EQUAL_BALLS or not isinstance(space, BallSpace) or chain.materials is None:
+    if (
+        name not in (EQUAL_BALLS, EQUAL_PLACES)
+        or not isinstance(space, BallSpace)
+        or chain.materials is None
+    ):
         return ""
     first = int(space.places[0])
     count = chain.beads - (result.problem.chain.beads - space.size)

@@ -259,6 +259,7 @@ def _result(
          if np.isfinite(each.outcome.score)},
         {name: each.tried for name, each in references.items()},
         bounds_of(problem), found.method, np.array(found.finals),
+        np.array(found.finals_met, bool),
         tuple(_verified(trials, each) for each in found.optima), others,
         np.array(trials.history, float).reshape(-1, 2), (), trials.runs, trials.gradients,
         trials.rejected, trials.journal.seconds, notes, parts,

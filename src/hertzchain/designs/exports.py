@@ -115,6 +115,7 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "starts": len(result.finals),
         "best_start": best,
         "median_start": median,
+        "starts_outside_constraints": int((~result.finals_met).sum()),
         "simulations": result.runs,
         "gradients": result.gradients,
         "rejected": result.rejected,

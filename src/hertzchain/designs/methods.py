@@ -74,6 +74,11 @@ class Found:
         """Scores at the ends."""
         return [each.score for each in self.ends]
 
+    @property
+    def finals_met(self) -> list[bool]:
+        """Whether the ends meet all constraints."""
+        return [each.met for each in self.ends]
+
 
 def method_for(problem: Design, given: str, budget_runs: float) -> str:
     """Check the method of a problem, or choose it."""

@@ -62,7 +62,7 @@ def design_front(
     return dataclasses.replace(
         kept[0] if kept else best, problem=problem, front=tuple(kept), runs=trials.runs,
         gradients=trials.gradients, rejected=trials.rejected, seconds=trials.journal.seconds,
-        method=best.method, finals=best.finals, history=best.history,
+        method=best.method, finals=best.finals, finals_met=best.finals_met, history=best.history,
         notes=(*best.notes, *notes, *_notes_on_yield(kept, problem)),
         references=best.references, compared=best.compared,
     )  # fmt: skip

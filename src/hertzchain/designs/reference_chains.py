@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from ..collision import Array
 from .ball_space import BallSpace
 from .problem import Design
 from .size_space import SizeSpace
@@ -14,6 +15,13 @@ from .trials import Reference, Trials
 # Values of each end of the tapers.
 ENDS: Final = 9
 EQUAL_BALLS: Final = "row of equal balls"
+# Of the balls that vary, where others than the arriving one are given.
+EQUAL_PLACES: Final = "equal balls in the places that vary"
+EQUAL: Final = "chain of equal sizes"
+EQUAL_VARYING: Final = "chain with equal varying sizes"
+TAPER: Final = "taper"
+# Relative difference of equal sizes.
+SAME: Final = 1e-9
 GIVEN_ROW: Final = "given row"
 # Number of rows of equal balls, of all lengths and balls.
 MAX_EQUAL: Final = 200
@@ -26,14 +34,59 @@ def reference_points(problem: Design) -> dict[str, list[Any]]:
         if space.order:
             return {"given order": [space.given]}
         start = {} if space.start is None else {GIVEN_ROW: [space.start]}
-        return {**start, EQUAL_BALLS: _equal_balls(space)}
+        return {**start, _equal_name(space): _equal_balls(space)}
     levels = np.linspace(0.0, 1.0, ENDS)
-    equal = [space.taper(level, level) for level in levels]
+    alike = [space.taper(level, level) for level in levels]
+    if (given := _given_size(space)) is not None and not np.isclose(levels, given).any():
+        alike.append(space.taper(given, given))
+    found: dict[str, list[Any]] = {}
+    for point in alike:
+        found.setdefault(_kind(space, point), []).append(point)
+    if sum(len(block.places) for block in space.blocks) == 1:
+        found.pop(EQUAL_VARYING, None)
     tapers = [space.taper(one, other) for one in levels for other in levels if one != other]
-    found = {"chain of equal sizes": equal}
     if not _single(space):
-        found["taper"] = tapers
+        found[TAPER] = found.pop(TAPER, []) + tapers
     return found
+
+
+def _kind(space: SizeSpace, point: Any) -> str:
+    """Whether all sizes are equal at a point, or only those that vary; strikers do not count.
+
+    A spline that begins at a given bead of another size is a taper.
+    """
+    values = space._changes(point)
+    if all(_all_equal(each[space.chain.strikers :]) for each in values.values()):
+        return EQUAL
+    varying = [
+        values[field][np.concatenate([b.places for b in space.blocks if b.field == field])]
+        for field in values
+    ]
+    return EQUAL_VARYING if all(map(_all_equal, varying)) else TAPER
+
+
+def _all_equal(sizes: Array) -> bool:
+    return bool(np.ptp(sizes) <= SAME * np.abs(sizes).max())
+
+
+def _given_size(space: SizeSpace) -> float | None:
+    """Size of all given beads, as a place between the limits that is common to all blocks."""
+    found = []
+    for block in space.blocks:
+        own = {*block.places.tolist(), *range(space.chain.strikers)}
+        given = np.delete(getattr(space.chain, block.field), [*own])
+        if not len(given) or not _all_equal(given) or not block.low <= given[0] <= block.high:
+            return None
+        low, high = block.ends
+        found.append((float(np.log(given[0]) if block.log else given[0]) - low) / (high - low))
+    return found[0] if np.ptp(found) <= SAME else None
+
+
+def _equal_name(space: BallSpace) -> str:
+    """Name of rows of equal balls, after none or only arriving balls."""
+    given = np.delete(np.arange(space.chain.beads), space.places)
+    arrives = space.chain.velocities[given] != 0.0
+    return EQUAL_BALLS if arrives.all() else EQUAL_PLACES
 
 
 def _equal_balls(space: BallSpace) -> list[Any]:

@@ -20,7 +20,7 @@ from .comparison import (
 from .measures import Measure, in_words
 from .size_space import SizeSpace
 from .start_rows import ARRIVES
-from .verified import Verified
+from .verified import Verified, met
 
 if TYPE_CHECKING:
     from .result import DesignResult
@@ -252,17 +252,25 @@ def _starts(result: DesignResult) -> list[str]:
     if len(result.finals) == 0:
         return [f"no search was completed: the budget was used up in {work}, which began with the "
                 "chains to compare with; give a larger budget"]  # fmt: skip
-    best, median = result.spread
-    ends = f" (best {result._shown(best)}, median {result._shown(median)})"
-    improved = result._sign * (result.value - best) < 0.0
-    if improved and result._shown(best) != result._shown(result.value):
-        ends = (f" (the best one ended at {result._shown(best)}, the median at "
-                f"{result._shown(median)}; the search from there improved it)")  # fmt: skip
-    # Scores of trials that violate constraints are not compared.
-    spread = ends if len(result.finals) > 1 and result.met else ""
     advice = "; try other seeds" if len(result.finals) == 1 and result.method in SEEDED else ""
-    return [f"{_of_starts(result)}{spread} by method {result.method!r}, in {work} and "
+    return [f"{_of_starts(result)}{_ends(result)} by method {result.method!r}, in {work} and "
             f"{result.seconds:.0f} s{advice}"]  # fmt: skip
+
+
+def _ends(result: DesignResult) -> str:
+    """Best and median of the starts that meet the constraints, and the number of the others."""
+    if len(result.finals) < 2 or not result.met:
+        return ""
+    outside = int((~result.finals_met).sum())
+    if outside == len(result.finals):
+        return " (none of them ended within the constraints; other trials did)"
+    best, median = map(result._shown, result.spread)
+    others = f"; not counting {outside} outside the constraints" if outside else ""
+    improved = result._sign * (result.value - result.spread[0]) < 0.0
+    if improved and best != result._shown(result.value):
+        return (f" (the best one ended at {best}, the median at {median}{others}; further trials "
+                "improved it)")  # fmt: skip
+    return f" (best {best}, median {median}{others})"
 
 
 def _of_starts(result: DesignResult) -> str:
@@ -316,4 +324,5 @@ def _point(result: DesignResult, index: int) -> str:
     found = result.optima[index]
     (block,) = result.problem.space.blocks  # type: ignore[union-attr]
     size = getattr(found.chain, block.field)[block.places[0]]
-    return f"{block.field} {size:.6g}: {result._shown(result.objective_of(found))}"
+    outside = "" if met(result.problem, found.values) else ", which violates the constraints"
+    return f"{block.field} {size:.6g}: {result._shown(result.objective_of(found))}{outside}"

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..chain.chain import Chain
 from ..collision import Array
@@ -45,8 +46,10 @@ class DesignResult:
     promise : tuple of float or None
         Value and estimated relative error that the local-rate law promised, if it was used.
     references : mapping of str to Verified
-        Chains to compare with, by name: the best ``"chain of equal sizes"`` and ``"taper"``, or
-        the best ``"row of equal balls"`` and the ``"given row"``, or the ``"given order"``.
+        Chains to compare with, by name: the best ``"chain of equal sizes"``, ``"chain with equal
+        varying sizes"`` (if other sizes are given) and ``"taper"``; the best ``"row of equal
+        balls"``, or ``"equal balls in the places that vary"``, and the ``"given row"``; or the
+        ``"given order"``.
     compared : mapping of str to int
         Number of chains of which each reference is the best.
     bounds : tuple of Bound
@@ -55,6 +58,8 @@ class DesignResult:
         The method.
     finals : ndarray
         Objectives at the ends of all starts.
+    finals_met : ndarray of bool
+        Whether these ends meet all constraints.
     optima : tuple of Verified
         All local optima, best first, if one variable was scanned.
     runners_up : tuple of Verified
@@ -81,6 +86,7 @@ class DesignResult:
     bounds: tuple[Bound, ...]
     method: str
     finals: Array
+    finals_met: NDArray[np.bool_]
     optima: tuple[Verified, ...]
     runners_up: tuple[Verified, ...]
     history: Array
@@ -165,8 +171,8 @@ class DesignResult:
 
     @property
     def spread(self) -> tuple[float, float]:
-        """Best and median objective of all starts."""
-        finite = self.finals[np.isfinite(self.finals)]
+        """Best and median objective of all starts that end within the constraints, or NaN."""
+        finite = self.finals[np.isfinite(self.finals) & self.finals_met]
         sign = self._sign
         if not len(finite):
             return np.nan, np.nan

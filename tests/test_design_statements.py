@@ -1,0 +1,101 @@
+"""Statements of summaries of designs: starts, chains to compare with, notes."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.designs.reference_chains import reference_points
+
+WALLED = hc.Chain.uniform(6).replace(right_wall=hc.Wall())
+
+
+@pytest.fixture(scope="module")
+def limited():
+    """A search of two starts, of which the second ends at a chain that violates a constraint."""
+    limits = {"peak_force@4": "<= 0.25", "mass": ">= 3"}
+    problem = hc.Design(
+        WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)], subject_to=limits
+    )
+    return hc.design(problem, budget=150, method="gradient", seed=2)
+
+
+def test_starts_outside_the_constraints_are_not_counted(limited):
+    assert limited.met
+    assert limited.finals_met.tolist() == [True, False]
+    assert limited.spread == pytest.approx((limited.value, limited.value), rel=1e-6)
+    assert "; not counting 1 outside the constraints" in limited.summary()
+    document = limited.as_dict()
+    assert document["starts"] == 2
+    assert document["starts_outside_constraints"] == 1
+    assert document["median_start"] == document["best_start"]
+
+
+def test_a_start_that_violates_the_constraints_is_not_the_best_one(limited):
+    other = dataclasses.replace(
+        limited, finals=np.array([0.1, 0.6, 0.7, 0.9]), finals_met=np.array([0, 1, 1, 1], bool)
+    )
+    assert other.spread == (0.6, 0.7)
+    text = "median at 0.7; not counting 1 outside the constraints; further trials improved it)"
+    assert f"(the best one ended at 0.6, the {text}" in other.summary()
+    none = dataclasses.replace(other, finals_met=np.zeros(4, bool))
+    assert np.isnan(none.spread).all()
+    assert none.as_dict()["best_start"] is None
+    assert "(none of them ended within the constraints; other trials did)" in none.summary()
+
+
+def problem_of(chain, *vary):
+    return hc.Design(chain, minimise="wall_force.peak", vary=[*vary])
+
+
+@pytest.mark.parametrize(("vary", "names"), [
+    # Radius 1 of the given beads is one of the sizes, is not, or is outside the limits.
+    (hc.vary.radii(0.5, 1.0), {"chain with equal varying sizes": 8, "chain of equal sizes": 1}),
+    (hc.vary.radii(0.5, 1.1), {"chain with equal varying sizes": 9, "chain of equal sizes": 1}),
+    (hc.vary.radii(0.5, 0.9), {"chain with equal varying sizes": 9}),
+    # A spline begins at bead 1.
+    (hc.vary.radii(0.5, 1.1, by="spline", knots=4), {"chain of equal sizes": 1}),
+    (hc.vary.radii(0.5, 1.0, beads=[3]), {"chain of equal sizes": 1}),
+])  # fmt: skip
+def test_chains_of_equal_sizes_are_those(vary, names):
+    problem = problem_of(WALLED, vary)
+    found = reference_points(problem)
+    assert {name: len(points) for name, points in found.items() if name != "taper"} == names
+    for name, points in found.items():
+        for point in points:
+            radii = problem.space.chain_of(point).radii
+            equal = np.ptp(radii) < 1e-9
+            assert equal == (name == "chain of equal sizes")
+            assert (np.ptp(radii[1:]) < 1e-9) <= (name != "taper")
+
+
+def test_all_beads_but_strikers_are_equal_in_a_chain_of_equal_sizes():
+    chain = hc.Chain.from_materials("3 mm", "steel-52100", beads=5,
+                                    right_wall=hc.Wall.of("steel-52100"))  # fmt: skip
+    chain = chain.struck_by(velocity="0.1 m/s", radius="8 mm", material="steel-52100")
+    found = reference_points(problem_of(chain, hc.vary.diameters("4 mm", "9 mm")))
+    assert {name: len(points) for name, points in found.items()} == {
+        "chain of equal sizes": 9, "taper": 72,
+    }  # fmt: skip
+
+
+def test_a_design_is_compared_with_a_chain_that_is_really_equal():
+    """The best chain for the velocity of the last bead is that of equal beads."""
+    problem = hc.Design(hc.Chain.uniform(9), maximise="velocity@8",
+                        vary=[hc.vary.radii(1.0 / 3.0, 1.7, beads="2:6")])  # fmt: skip
+    equal = hc.design(problem, budget=120).references["chain of equal sizes"]
+    simulated = hc.simulate(hc.Chain.uniform(9)).pulse().velocity[7]
+    assert equal.values["velocity@8"] == pytest.approx(simulated, rel=1e-9)
+
+
+def test_rows_of_equal_balls_are_named_by_the_places_that_vary():
+    chain = hc.Chain.from_materials("3 mm", "steel-52100", beads=5, velocity="0.1 m/s",
+                                    right_wall=hc.Wall.of("steel-52100"))  # fmt: skip
+    for beads, name in (("2:", "row of equal balls"), ("1:", "row of equal balls"),
+                        ("2:4", "equal balls in the places that vary")):  # fmt: skip
+        balls = hc.vary.balls(materials=["steel-52100"], diameters=["4 mm", "5 mm"], beads=beads)
+        problem = problem_of(chain, balls)
+        assert list(reference_points(problem)) == [name]
+        if beads == "2:4":
+            assert f"best {name} (of 2 tried), 3 balls of " in hc.design(problem).summary()

@@ -45,8 +45,8 @@ def _run_end(radii: Array, first: int) -> int | None:
         ahead *= 4
 
 
-def warn_if_decorated(chain: Chain, theory: str) -> None:
-    """Warn that a theory of single collisions does not apply to a decorated chain."""
+def warn_if_decorated(chain: Chain, theory: str) -> bool:
+    """Warn that a theory of single collisions does not apply to a decorated chain, if it is one."""
     small = small_beads(chain.radii)
     if small.any():
         warn_user(
@@ -55,3 +55,4 @@ def warn_if_decorated(chain: Chain, theory: str) -> None:
             f"chain without radii below {SMALL:g} of those on both sides",
             ModelRangeWarning,
         )
+    return bool(small.any())

@@ -37,6 +37,8 @@ METHOD: Final = "the disorder law"
 # Largest scatter of moduli, for which the second order was checked.
 MAX_MODULUS_SCATTER: Final = 0.1
 MIN_BEADS: Final = START + END + 2
+# Rounding errors of rates, so that exponential chains at the limits of the tables are accepted.
+ROUNDING: Final = 1e-12
 
 
 @checked_arguments("disorder")
@@ -152,7 +154,7 @@ def _checked_rates(chain: Chain) -> Array:
             f"{METHOD} requires at least {MIN_BEADS} beads, got {chain.beads}; use propagate_many"
         )
     rates = np.diff(np.log(chain.radii))
-    outside = (rates < RATES[0]) | (rates > RATES[-1])
+    outside = (rates < RATES[0] - ROUNDING) | (rates > RATES[-1] + ROUNDING)
     if outside.any():
         k = int(np.argmax(outside))
         raise InputError(
@@ -160,7 +162,7 @@ def _checked_rates(chain: Chain) -> Array:
             f"that of contact {k + 1} is {rates[k]:.3g}; use propagate_many with "
             "Chain.with_scatter"
         )
-    return rates
+    return np.clip(rates, RATES[0], RATES[-1])
 
 
 def _stages(contacts: int) -> np.ndarray[tuple[int], np.dtype[np.int64]]:

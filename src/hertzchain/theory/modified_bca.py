@@ -284,7 +284,7 @@ def two_thirds_bca(chain: Chain) -> Pulse:
     Warns
     -----
     ModelRangeWarning
-        If there are small beads between large ones (see `effective_chain`).
+        As for `bca`.
 
     Examples
     --------

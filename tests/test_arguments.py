@@ -236,8 +236,10 @@ def test_strikers_keep_their_sizes_if_radii_scatter():
     scaled = hc.Chain.uniform(6).struck_by(radius=2.0).with_scatter(3, relative=0.05)
     assert scaled.radii[0] == 2.0
     assert (scaled.radii[1:] != 1.0).all()
-    with pytest.raises(hc.InputError, match="changes the masses, .* first, then struck_by"):
-        balls.struck_by(mass="1 g", radius="5 mm").with_scatter(3, relative=0.05)
+    heavy = balls.struck_by(mass="1 g", radius="5 mm")
+    assert heavy.with_scatter(3, relative=0.05).masses[0] == 1e-3
+    with pytest.raises(hc.InputError, match="mass of bead 1, a striker, is given and would not"):
+        heavy.with_scatter(3, relative=0.05, beads="1:")
 
 
 def test_other_words_for_functions_are_explained():

@@ -77,12 +77,12 @@ def test_keys_and_defaults_are_those_of_python(function, keys):
 def test_fields_of_a_chain_are_those_of_python():
     fields = parameters(hc.Chain)
     in_files = {key.name: key for key in SECTIONS["chain"].keys}
-    assert fields.keys() - {"taper_parameters", "scatter"} <= in_files.keys() | {*PARTS}
+    assert fields.keys() - {"taper_parameters", "scatter"} <= in_files.keys() | {*TABLES}
     for name, item in fields.items():
         if name in ("exponent", "strikers", "precompression", "held_by", "gravity"):
             assert in_files[name].default == item.default
     assert {*FORMS} < {*KEYS}
-    assert {*BEAD_METHODS, *PARTS, "with_contacts", "exponent"} == {*TABLES}
+    assert {*BEAD_METHODS, *PARTS, "with_contacts", "exponent", "striker_properties"} == {*TABLES}
     assert {*LAWS.values()} == {*Loss.__subclasses__()}
 
 

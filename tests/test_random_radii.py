@@ -64,8 +64,7 @@ def test_with_scatter_and_scatter_have_one_rule(beads):
 
 @pytest.mark.parametrize(
     "chain",
-    [hc.Chain.uniform(5).replace(masses=np.ones(5)), hc.Chain.dimer(0.5, beads=6),
-     hc.Chain.uniform(5).struck_by(mass=2.0, radius=1.0)],
+    [hc.Chain.uniform(5).replace(masses=np.ones(5)), hc.Chain.dimer(0.5, beads=6)],
 )  # fmt: skip
 def test_given_masses_have_no_scatter(chain):
     for call in (

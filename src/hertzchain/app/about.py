@@ -21,7 +21,7 @@ TITLES: Final = {
     "struck_by": "Strikers", "left_wall": "Left wall", "right_wall": "Right wall",
     "loss": "Loss in contacts", "drive": "Drive", "decorated": "Small beads between",
     "with_defects": "Defects", "with_scatter": "Random scatter",
-    "with_contacts": "Shapes of contacts",
+    "with_contacts": "Shapes of contacts", "striker_properties": "Properties of strikers",
 }  # fmt: skip
 FORMS: Final = {
     "taper": "a taper and its rate", "first": "end radii", "first_diameter": "end diameters",

@@ -50,12 +50,12 @@ def chain_in_words(chain: Chain) -> str:
     if not count:
         return chain.description + impact_in_words(chain.velocities, chain.units)
     radii = chain.radii[:count]
-    if not chain.scaled and {"masses", "stiffness"} & {*chain.features}:
+    if not chain.scaled and not chain.strikers_are_spheres:
         # Such as a flat striker, which is represented by a sphere of its mass.
         size = engineering(1e3 * float(chain.masses[:count].sum()), "g")
     elif chain.scaled:
         size = f"radius {_ends(radii)}"
-        if "masses" in chain.features:
+        if not chain.strikers_are_spheres:
             size += f", mass {_ends(chain.masses[:count])}"
     else:
         size = sizes_in_words(radii)

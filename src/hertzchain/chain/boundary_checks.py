@@ -37,16 +37,16 @@ def check_part(name: str, part: object, *, scaled: bool, exponent: float) -> Non
     if not isinstance(part, kind):
         raise InputError(f"{name} must be {allowed} or None, got {short_repr(part)}; {advice}")
     if isinstance(part, Part) and part.with_units:
-        _check_units(name, part, scaled=scaled, exponent=exponent)
+        check_units(name, part, scaled=scaled, exponent=exponent)
     if isinstance(part, Wall) and part.loss is not None and part.loss.with_units:
-        _check_units(f"loss of {name}", part.loss, scaled=scaled, exponent=exponent)
+        check_units(f"loss of {name}", part.loss, scaled=scaled, exponent=exponent)
 
 
 def check_laws(laws: Iterable[Loss], groups: Sequence[ContactGroup], *, scaled: bool) -> None:
     """Check the units of the laws of a chain, and that each law supports its contacts."""
     for law in laws:
         if law.with_units:
-            _check_units("loss", law, scaled=scaled, exponent=HERTZ_EXPONENT)
+            check_units("loss", law, scaled=scaled, exponent=HERTZ_EXPONENT)
     for group in groups:
         group.law.row(group.contacts.exponent)
         with np.errstate(over="ignore", under="ignore"):
@@ -58,7 +58,7 @@ def check_laws(laws: Iterable[Loss], groups: Sequence[ContactGroup], *, scaled: 
             )
 
 
-def _check_units(name: str, part: Part, *, scaled: bool, exponent: float) -> None:
+def check_units(name: str, part: Part, *, scaled: bool, exponent: float) -> None:
     """Reject units in a scaled chain, and a unit of stiffness that belongs to another exponent."""
     fields = " and ".join(sorted(part.with_units))
     if scaled:
@@ -66,8 +66,7 @@ def _check_units(name: str, part: Part, *, scaled: bool, exponent: float) -> Non
             f"{name} has a unit in its {fields}, but the chain is in scaled variables; give plain "
             "numbers or build a chain in SI units"
         )
-    wall = isinstance(part, Wall) and "stiffness" in part.with_units
-    if wall and exponent not in (HERTZ_EXPONENT, 1.0):
+    if "stiffness" in part.with_units and exponent not in (HERTZ_EXPONENT, 1.0):
         raise InputError(
             f"the stiffness of {name} was given in N/m^1.5, but its contact has p = "
             f"{exponent:g}; give a plain number in N/m^{exponent:g}"

@@ -21,7 +21,8 @@ from .materials import Material, MaterialLike
 # Fields that builders pass on to a chain, those of a taper, and those of a dimer of a mass ratio.
 OTHER_FIELDS: Final = tuple(
     item.name for item in dataclasses.fields(ChainFields)
-    if item.init and item.name not in ("radii", "units", "materials", "scatter")
+    if item.init
+    and item.name not in ("radii", "units", "materials", "scatter", "striker_properties")
 )  # fmt: skip
 TAPER_FIELDS: Final = tuple(name for name in OTHER_FIELDS if not name.startswith("taper"))
 DIMER_FIELDS: Final = tuple(

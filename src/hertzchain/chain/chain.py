@@ -12,10 +12,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..collision import Array
+from ..errors import InputError
 from ..frozen import name_replace
 from ..validation.keywords import checked_fields
+from ..validation.numbers import real_numbers
 from . import contact_shapes, modifications, pieces, strikers
 from .builders import ChainBuilders
+from .contact_groups import loading_forces
 from .static_state import StaticState, static_state
 
 
@@ -72,6 +79,9 @@ class Chain(ChainBuilders):
     strikers : int
         Number of beads at the front that are strikers, which arrive in free flight and are not
         part of the static equilibrium.  See `Chain.struck_by`.
+    striker_properties : tuple of StrikerProperties
+        Mass, face and contact of each striker, where they do not follow from its radius; empty if
+        all do.  See `Chain.struck_by`.
     precompression : float
         Static force >= 0 on every contact after the strikers [scaled, or N]; with gravity, on
         the contact with the smallest force.
@@ -120,6 +130,38 @@ class Chain(ChainBuilders):
     def static_state(self) -> StaticState:
         """Positions and forces before the impact; see `hertzchain.equilibrium`."""
         return static_state(self)
+
+    def loading_force(self, overlaps: ArrayLike) -> Array:
+        """Forces of the contacts of two beads, at overlaps that are reached for the first time.
+
+        Parameters
+        ----------
+        overlaps : array_like, shape (N - 1,)
+            Overlaps; a negative one has no force [scaled, or m].
+
+        Returns
+        -------
+        ndarray, shape (N - 1,)
+            Elastic forces, and those beyond yield; without damping [scaled, or N].
+
+        Raises
+        ------
+        InputError
+            If there are too few or many overlaps.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.Chain.uniform(3).loading_force([4.0, -1.0])
+        array([8., 0.])
+        """
+        values = real_numbers("overlap", overlaps, "contact", unit=self._unit("m"))
+        if values.shape != (self.beads - 1,):
+            raise InputError(
+                f"there must be {self.beads - 1} overlaps, one for each contact of two beads, got "
+                f"shape {values.shape}"
+            )
+        return loading_forces(self.contact_groups, np.pad(values, 1))[1:-1]
 
     # Methods that return a modified chain, in separate files.
     __add__ = pieces.joined

@@ -38,7 +38,8 @@ def group_contacts(
 ) -> tuple[ContactGroup, ...]:
     """Groups of contacts 0..N, in the order in which they are first met.
 
-    Radii in metres are those of the beads; materials are those of left wall, beads and right wall.
+    Radii in metres are those of the beads, infinite for flat ones; materials are those of left
+    wall, beads and right wall.
     """
     reduced = reduced_masses(masses)
     effective = None if radii is None else effective_radii(radii)
@@ -66,9 +67,10 @@ def group_contacts(
 
 
 def effective_radii(radii: Array) -> Array:
-    """Effective radii of contacts 0..N, 1/R = 1/R_1 + 1/R_2; walls are flat."""
+    """Effective radii of contacts 0..N, 1/R = 1/R_1 + 1/R_2; infinite if both sides are flat."""
     curvature = np.concatenate(([0.0], 1.0 / radii, [0.0]))
-    return np.asarray(1.0 / (curvature[:-1] + curvature[1:]))
+    with np.errstate(divide="ignore"):
+        return np.asarray(1.0 / (curvature[:-1] + curvature[1:]))
 
 
 def yield_strengths(materials: Sequence[Material]) -> Array:

@@ -7,7 +7,7 @@ the metadata of its field (`hertzchain.chain.scales.scale`).
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -21,6 +21,7 @@ from .laws import Loss
 from .materials import contact_modulus, sphere_stiffness
 from .parts import Part
 from .scales import Scales
+from .striker_properties import SPHERE, StrikerProperties
 
 # Relative difference of numbers that differ by a conversion only.
 ROUNDING: Final = 1e-12
@@ -140,7 +141,9 @@ def _converted_chain(chain: Chain, scales: Scales, *, to_si: bool) -> Chain:
                 exponent=None if same and exponent == scales.exponent else exponent,
             )  # fmt: skip
             changes[name] = converted(resolved, scales, to_si=to_si)
-    return _derived_where_possible(chain.replace(units=wanted, **changes))
+    flat = tuple(StrikerProperties(flat=each.flat) for each in chain.striker_properties)
+    found = chain.replace(units=wanted, **changes, striker_properties=flat)
+    return _derived_where_possible(found, chain.striker_properties)
 
 
 def _resolved_laws(chain: Chain) -> list[Loss]:
@@ -152,13 +155,30 @@ def _resolved_laws(chain: Chain) -> list[Loss]:
     return laws
 
 
-def _derived_where_possible(chain: Chain) -> Chain:
-    """The chain without given masses and stiffness, where they follow from its other fields."""
-    for name in ("masses", "stiffness"):
+def _derived_where_possible(chain: Chain, given: Sequence[StrikerProperties]) -> Chain:
+    """The chain without given masses and stiffness, where they follow from its other fields.
+
+    Only those of strikers are then given that differ, or that were given to flat ones (``given``).
+    """
+    properties = tuple(given) or (SPHERE,) * chain.strikers
+    for name, item in (("masses", "mass"), ("stiffness", "stiffness")):
+        own = getattr(chain, name).tolist()
+        # The radius of a flat striker is that of a sphere of its mass, which is given.
+        properties = tuple(
+            dataclasses.replace(
+                each, **{item: value if each.flat and getattr(each, item) is not None else None}
+            )
+            for each, value in zip(properties, own, strict=False)
+        )
         try:
-            derived = chain.replace(**{name: None})
+            derived = chain.replace(**{name: None}, striker_properties=properties)
         except InputError:
             continue  # The chain has nothing from which they could be computed.
-        if np.allclose(getattr(derived, name), getattr(chain, name), rtol=ROUNDING, atol=0.0):
-            chain = derived
+        same = np.isclose(getattr(derived, name), own, rtol=ROUNDING, atol=0.0)
+        if same[chain.strikers :].all():
+            properties = tuple(
+                each if alike else dataclasses.replace(each, **{item: value})
+                for each, alike, value in zip(properties, same, own, strict=False)
+            )
+            chain = derived.replace(striker_properties=properties)
     return chain

@@ -8,10 +8,9 @@ from functools import cached_property
 from typing import Any, Final, Literal, Self, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT, Array
-from ..errors import InputError, unknown_name_error
+from ..errors import unknown_name_error
 from ..frozen import Frozen
 from ..representation import short
 from ..validation.keywords import checked_methods, show_fields
@@ -20,7 +19,6 @@ from ..validation.numbers import (
     number,
     per_bead_array,
     plain_magnitude,
-    real_numbers,
     whole_number,
 )
 from ..validation.objects import check_choice
@@ -34,7 +32,7 @@ from .boundary_checks import (
     check_part,
     check_precompression,
 )
-from .contact_groups import ContactGroup, group_contacts, loading_forces
+from .contact_groups import ContactGroup, group_contacts
 from .description import (
     beads_description,
     cells_in_words,
@@ -60,6 +58,14 @@ from .per_contact import (
 )
 from .scattered_radii import ScatteredRadii, check_scatter_of
 from .static_forces import Loads, check_static_overlaps, static_forces
+from .striker_properties import (
+    StrikerProperties,
+    checked_properties,
+    face_radii,
+    following,
+    masses_with,
+    stiffness_with,
+)
 from .tapers import checked_parameters
 from .walls import Wall, materials_with_walls
 
@@ -76,7 +82,10 @@ DERIVED: Final = ("masses", "stiffness", "velocities", "gaps")
 class ChainFields(Frozen):
     """Fields of `hertzchain.Chain`, which documents them; each is checked when it is set."""
 
-    _omitted = ("contact_groups", "features", "given", "loads")
+    _omitted = (
+        "contact_groups", "face_radii", "features", "given", "loads",
+        "strikers_are_spheres",
+    )  # fmt: skip
     radii: Array
     exponent: Exponent = HERTZ_EXPONENT
     _: KW_ONLY
@@ -89,6 +98,7 @@ class ChainFields(Frozen):
     velocities: Array = FROM_OTHERS
     gaps: Array = FROM_OTHERS
     strikers: int = 0
+    striker_properties: tuple[StrikerProperties, ...] = ()
     precompression: float = 0.0
     held_by: HeldBy = "walls"
     gravity: float = 0.0
@@ -156,14 +166,17 @@ class ChainFields(Frozen):
         """Check masses and stiffness, or compute them from radii and materials."""
         if self.materials is not None:
             self._set("materials", material_per_bead(self.materials, self.beads))
+        p = np.atleast_1d(self.exponents)
+        own = checked_properties(self.striker_properties, self.strikers, scaled=self.scaled,
+                                 exponent=float(p[0]), all_given=self.given)  # fmt: skip
+        self._set("striker_properties", own)
         if "masses" in self.given:
             masses = per_bead_array(
                 "mass", self.masses, self.beads, "bead", unit=self._unit("kg"), above=0.0
             )
         else:
-            masses = input_checks.positive_derived(
-                "mass", "bead", sphere_masses(self.radii, self.materials, scaled=self.scaled)
-            )
+            spheres = sphere_masses(self.radii, self.materials, scaled=self.scaled)
+            masses = input_checks.positive_derived("mass", "bead", masses_with(own, spheres))
         self._set("masses", masses)
         if "stiffness" in self.given:
             unit = self._unit(self._stiffness_unit)
@@ -171,8 +184,8 @@ class ChainFields(Frozen):
                 "stiffness", self.stiffness, self.beads - 1, "contact", unit=unit, above=0.0
             )
         else:
-            p = np.atleast_1d(self.exponents)
             values = contact_stiffness(self.radii, self.materials, p, scaled=self.scaled)
+            values = stiffness_with(own, values, self.radii, self.materials, p, scaled=self.scaled)
             stiffness = input_checks.positive_derived("stiffness", "contact", values)
         self._set("stiffness", stiffness)
 
@@ -185,6 +198,7 @@ class ChainFields(Frozen):
             values = per_bead_array(
                 "velocity", self.velocities, self.beads, "bead", unit=self._unit("m/s")
             )
+            input_checks.check_velocities(values)
         else:
             values = np.zeros(self.beads)
             values[: 0 if self._at_rest_by_default else max(1, self.strikers)] = 1.0
@@ -255,6 +269,21 @@ class ChainFields(Frozen):
         """Rate of the taper: S if it is linear, q if it is exponential; None without a rate."""
         return dict(self.taper_parameters).get("rate")
 
+    def _follows(self, name: Literal["masses", "stiffness"]) -> Array:
+        """Whether the mass of each bead, or the stiffness of each contact, follows from radii."""
+        count, given = len(getattr(self, name)), name in self.given
+        return following(self.striker_properties, name, count, all_given=given)
+
+    @property
+    def strikers_are_spheres(self) -> bool:
+        """Whether the masses of all strikers follow from their radii."""
+        return bool(self._follows("masses")[: self.strikers].all())
+
+    @property
+    def face_radii(self) -> Array:
+        """Radii of curvature at the contacts, shape (N,): infinite for flat strikers."""
+        return face_radii(self.striker_properties, self.radii)
+
     @cached_property
     def wall_stiffness(self) -> tuple[float, float]:
         r"""Stiffness of the contacts with the left and right wall [scaled, or N/m^p]; 0 if free.
@@ -267,7 +296,7 @@ class ChainFields(Frozen):
             if wall is None
             else wall_stiffness(
                 wall,
-                float(self.radii[bead]),
+                float(self.face_radii[bead]),
                 None if self.materials is None else self.materials[bead],
                 scaled=self.scaled,
                 given="stiffness" in self.given,
@@ -309,43 +338,11 @@ class ChainFields(Frozen):
         kinds = None
         if self.materials is not None and not self.scaled:
             kinds = materials_with_walls(self.materials, (self.left_wall, self.right_wall))
-        radii = None if self.scaled else self.radii
+        radii = None if self.scaled else self.face_radii
         return group_contacts(
             self.contact_losses, self.contact_exponents, self.contact_stiffness, self.masses,
             radii, kinds,
         )  # fmt: skip
-
-    def loading_force(self, overlaps: ArrayLike) -> Array:
-        """Forces of the contacts of two beads, at overlaps that are reached for the first time.
-
-        Parameters
-        ----------
-        overlaps : array_like, shape (N - 1,)
-            Overlaps; a negative one has no force [scaled, or m].
-
-        Returns
-        -------
-        ndarray, shape (N - 1,)
-            Elastic forces, and those beyond yield; without damping [scaled, or N].
-
-        Raises
-        ------
-        InputError
-            If there are too few or many overlaps.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> hc.Chain.uniform(3).loading_force([4.0, -1.0])
-        array([8., 0.])
-        """
-        values = real_numbers("overlap", overlaps, "contact", unit=self._unit("m"))
-        if values.shape != (self.beads - 1,):
-            raise InputError(
-                f"there must be {self.beads - 1} overlaps, one for each contact of two beads, got "
-                f"shape {values.shape}"
-            )
-        return loading_forces(self.contact_groups, np.pad(values, 1))[1:-1]
 
     @property
     def lossless(self) -> bool:
@@ -420,8 +417,9 @@ class ChainFields(Frozen):
         law, own = law_in_words(self.exponents), slice(self.strikers, None)
         shape: ChainFields | ScatteredRadii = self.scatter or self
         scatter = self.scatter.words(self.radii, self.strikers) if self.scatter else ""
-        masses = self.masses if "masses" in self.given else None
-        cells = cells_in_words(shape.radii[own], None if masses is None else masses[own])
+        balls = self.masses[own] if "masses" in self.given else None
+        cells = cells_in_words(shape.radii[own], balls)
+        masses = None if self.strikers_are_spheres else self.masses
         # The name of a dimer implies equal contacts.
         implied = cells.startswith("dimer, mass") and self.scaled and (self.stiffness == 1.0).all()
         left_out = ["SI units", "masses", "stiffness"] if implied else ["SI units"]

@@ -364,7 +364,7 @@ def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:
 
 def _ratios(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
     """Overlap over radius and pressure over yield of all contacts, walls included."""
-    bodies, radius = _bodies(chain), effective_radii(chain.radii)
+    bodies, radius = _bodies(chain), effective_radii(chain.face_radii)
     modulus, strength = contact_moduli(bodies), yield_strengths(bodies)
     # Johnson, Eqs. (4.22) to (4.24): a^3 = 3 F R/(4 E*), a^2 = R d and p_0 = 2 E* d/(pi a).
     force = chain.contact_stiffness * overlaps**chain.contact_exponents
@@ -376,7 +376,7 @@ def _ratios(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
 
 def _given(chain: Chain) -> NDArray[np.bool_]:
     """Contacts that are not those of spheres of their materials; none at free ends."""
-    own = 4.0 / 3.0 * contact_moduli(_bodies(chain)) * np.sqrt(effective_radii(chain.radii))
+    own = 4.0 / 3.0 * contact_moduli(_bodies(chain)) * np.sqrt(effective_radii(chain.face_radii))
     ratio, there = chain.contact_stiffness / own, chain.contact_stiffness > 0.0
     other = (ratio > OTHER_STIFFNESS) | (ratio * OTHER_STIFFNESS < 1.0)
     return np.asarray(there & (other | (chain.contact_exponents != HERTZ_EXPONENT)))

@@ -17,6 +17,8 @@ from ..validation.numbers import number, per_bead_array, real_numbers, whole_num
 BYTES_PER_BEAD: Final = 400
 # With a larger exponent, a contact resembles a rigid wall and the steps become too small.
 MAX_EXPONENT: Final = 50.0
+# Largest velocity, scaled or in m/s: the energy and the forces of an impact must be representable.
+MAX_VELOCITY: Final = 1e100
 # SI radii above this value [m], and limits from it on, cause a warning, because they are probably
 # in millimetres; so do limits above this multiple of the largest bead.
 LARGE_RADIUS: Final = 1.0
@@ -104,6 +106,17 @@ def check_unit_of_length(first: float, *, strikers: int) -> None:
             f"the first radius{which} of a scaled chain must be 1, or from {low:g} to {high:g} if "
             f"another bead is the unit of length, got {first:g}; Chain.from_radii accepts radii in "
             "any unit"
+        )
+
+
+def check_velocities(values: Array) -> None:
+    """Raise `InputError` if the energy of an impact cannot be represented."""
+    speeds = np.abs(values)
+    if speeds.max(initial=0.0) > MAX_VELOCITY:
+        k = int(np.argmax(speeds))
+        raise InputError(
+            f"velocity of bead {k + 1} is {values[k]:g}: it must be from {-MAX_VELOCITY:g} to "
+            f"{MAX_VELOCITY:g}; check its unit"
         )
 
 

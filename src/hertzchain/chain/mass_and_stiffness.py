@@ -78,6 +78,11 @@ def wall_stiffness(
             "the stiffness of a wall follows from materials only for Hertz contacts (exponent "
             f"1.5), not for p = {exponent:g}; give Wall(stiffness=...)"
         )
+    if math.isinf(radius):
+        raise InputError(
+            "the stiffness of a wall behind a flat striker does not follow from materials; give "
+            "Wall(stiffness=...)"
+        )
     if given and (scaled or material is None):
         raise InputError(
             "the stiffness of a wall follows from the material of the beads, which is unknown in "

@@ -66,7 +66,7 @@ def part(self: C, beads: slice) -> C:
         )
     changes = _cut(self, start, stop)
     if start > 0:
-        changes |= {"left_wall": None, "drive": None, "strikers": 0}
+        changes |= {"left_wall": None, "drive": None, "strikers": 0, "striker_properties": ()}
     if stop < self.beads:
         changes["right_wall"] = None
     if "velocities" in self.given and start > 0 and not changes["velocities"].any():

@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..collision import Array
 from ..errors import InputError, short_repr
@@ -56,11 +57,10 @@ def check_grade(grade: object) -> None:
 def check_scatter(chain: ChainFields, grade: int | None, beads: Any) -> None:
     """Raise `InputError` if the radii of a chain cannot deviate."""
     if beads is not None:
-        places_from(beads, chain.beads, "bead")
+        _check_strikers(chain, places_from(beads, chain.beads, "bead"))
     if own := sorted({"masses", "stiffness"} & set(chain.given)):
         raise InputError(
-            f"a scatter of radii changes the {' and '.join(own)}, which this chain or its strikers "
-            "give: omit them, or call with_scatter first, then struck_by"
+            f"a scatter of radii changes the {' and '.join(own)}, which this chain gives: omit them"
         )
     if grade is None:
         return
@@ -72,6 +72,15 @@ def check_scatter(chain: ChainFields, grade: int | None, beads: Any) -> None:
         raise InputError(
             f"a diameter of {2e3 * chain.radii.min():.4g} mm is too small for balls of grade "
             f"{grade}, whose diameters vary by {1e6 * BALL_GRADES[grade]:g} um"
+        )
+
+
+def _check_strikers(chain: ChainFields, places: NDArray[np.int64]) -> None:
+    fixed = ~chain._follows("masses")[places] & (places < chain.strikers)
+    if fixed.any() and "masses" not in chain.given:
+        raise InputError(
+            f"the mass of bead {places[fixed][0] + 1}, a striker, is given and would not follow "
+            "its radius: let only the beads behind deviate"
         )
 
 

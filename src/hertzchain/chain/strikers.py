@@ -10,15 +10,16 @@ from typing import Any, Final, TypeVar
 
 import numpy as np
 
-from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
+from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, InputWarning, warn_user
 from ..representation import measure
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from .fields import ChainFields
-from .input_checks import checked_beads
-from .materials import Material, MaterialLike, contact_modulus, sphere_stiffness
+from .input_checks import MAX_VELOCITY, checked_beads
+from .materials import Material, MaterialLike
 from .materials import material as material_named
+from .striker_properties import SPHERE, UNKNOWN_STIFFNESS, StrikerProperties, face_stiffness
 
 # Mass of a striker over that of the heaviest bead above which the unit is probably wrong.
 HEAVY: Final = 1000.0
@@ -109,7 +110,7 @@ def struck_by(
         radius = 0.5 * size
     own, radius, mass, drawn = _striker(self, radius, mass, material)
     speed = number("velocity of the strikers", velocity, unit=self._unit("m/s"), least=0.0,
-                   hint="positive velocities are towards the chain")  # fmt: skip
+                   most=MAX_VELOCITY, hint="positive velocities are towards the chain")  # fmt: skip
     distance = number("gap", gap, unit=self._unit("m"), least=0.0)
     # A sphere has the mass of its radius, which is then not given.
     with np.errstate(over="ignore"):
@@ -131,14 +132,19 @@ def struck_by(
         new["scatter"] = self.scatter.behind(count, drawn, self.radii[self.strikers :])
     if own is not None and self.materials is not None:
         new["materials"] = (own,) * count + self.materials
-    if mass is not None or "masses" in self.given:
+    if "masses" in self.given:
         heavy = _sphere_mass(self, drawn, own) if mass is None else mass
         new["masses"] = np.concatenate((np.full(count, heavy), self.masses))
-    if stiffness is not None or "stiffness" in self.given or math.isinf(radius):
-        between = 0.0 if count == 1 else _striker_contact(self, stiffness, radius, own, None)
-        last = _striker_contact(self, stiffness, radius, own, 0)
-        contacts = [*[between] * (count - 1), last]
-        new["stiffness"] = np.concatenate((contacts, self.stiffness))
+    if stiffness is not None:
+        unit = self._unit(self._stiffness_unit)
+        stiffness = number("stiffness of the new contacts", stiffness, unit=unit, above=0.0)
+    if "stiffness" in self.given:
+        new["stiffness"] = np.concatenate(
+            (_listed_stiffness(self, stiffness, radius, own, count), self.stiffness)
+        )
+    earlier = self.striker_properties or (SPHERE,) * self.strikers
+    properties = StrikerProperties(mass, math.isinf(radius), stiffness)
+    new["striker_properties"] = (properties,) * count + earlier
     # Contacts that are listed begin with those of the strikers, which are like the first.
     if isinstance(self.exponent, np.ndarray):
         new["exponent"] = np.concatenate(([self.exponent[0]] * count, self.exponent))
@@ -193,28 +199,20 @@ def _sphere_mass(chain: ChainFields, radius: float, own: Material | None) -> flo
     return float(chain.masses[first] * (radius / chain.radii[first]) ** 3)
 
 
-def _striker_contact(
-    chain: ChainFields, given: float | None, radius: float, own: Material | None, bead: int | None
-) -> float:
-    """Stiffness of a striker's contact with a bead, or with another striker if bead is None."""
+def _listed_stiffness(
+    chain: ChainFields, given: float | None, radius: float, own: Material | None, count: int
+) -> list[float]:
+    """Stiffness of the strikers' contacts in a chain that lists those of all contacts."""
     if given is not None:
-        unit = chain._unit(chain._stiffness_unit)
-        return number("stiffness of the new contacts", given, unit=unit, above=0.0)
-    other_radius = radius if bead is None else float(chain.radii[bead])
-    spheres = float(np.atleast_1d(chain.exponents)[0]) == HERTZ_EXPONENT
-    hertz = spheres and "stiffness" not in chain.given
+        return [given] * count
     if (
-        math.isinf(other_radius)
-        or (chain.units == "SI" and own is None)
-        or not (hertz or (own is not None and spheres))
+        own is None
+        or chain.materials is None
+        or np.atleast_1d(chain.exponents)[0] != HERTZ_EXPONENT
     ):
-        raise InputError(
-            "the stiffness of the strikers' contacts cannot be computed from radii and "
-            "materials for this chain; give stiffness"
-        )
-    if own is not None and chain.materials is not None:
-        other = own if bead is None else chain.materials[bead]
-        return float(sphere_stiffness(radius, other_radius, contact_modulus(own, other)))
-    if math.isinf(radius):
-        return math.sqrt(2.0 * other_radius)
-    return float(hertz_stiffness(radius, other_radius))
+        raise InputError(UNKNOWN_STIFFNESS)
+    kinds = (*[own] * count, chain.materials[0])
+    faces = (*[radius] * count, float(chain.face_radii[0]))
+    return [
+        face_stiffness(faces[k : k + 2], kinds[k : k + 2], HERTZ_EXPONENT) for k in range(count)
+    ]

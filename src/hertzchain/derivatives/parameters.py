@@ -106,11 +106,6 @@ def _has(law: Loss, name: str) -> bool:
     return name.removeprefix("loss.") in law.parameters()
 
 
-def _derived(chain: Chain, name: str) -> bool:
-    """Whether masses or stiffness are computed from the radii."""
-    return name not in chain.given
-
-
 def _walls(chain: Chain) -> tuple[tuple[int, int, Wall], ...]:
     """Bead, contact and wall of the walls whose stiffness follows from the bead."""
     walls = (0, 0, chain.left_wall), (-1, -1, chain.right_wall)
@@ -121,36 +116,37 @@ def _walls(chain: Chain) -> tuple[tuple[int, int, Wall], ...]:
 
 
 def _by_radii(chain: Chain, slopes: Slopes) -> Array:
-    radii, out = chain.radii, np.zeros(chain.beads)
-    if _derived(chain, "masses"):
-        out += 3.0 * slopes.masses * chain.masses / radii
-    if _derived(chain, "stiffness"):
-        # k ~ (R S/(R + S))^(1/2): d ln k/d ln R = S/(2 (R + S)).
-        behind, ahead = radii[:-1], radii[1:]
-        share = 0.5 * slopes.stiffness[1:-1] * chain.stiffness / (behind + ahead)
-        out[:-1] += share * ahead / behind
-        out[1:] += share * behind / ahead
+    radii = chain.radii
+    out = np.where(chain._follows("masses"), 3.0 * slopes.masses * chain.masses / radii, 0.0)
+    # k ~ (1/R + 1/S)^(-1/2): d ln k/dR = R^(-2)/(2 (1/R + 1/S)); a flat face has 1/R = 0.
+    curved = 1.0 / chain.face_radii
+    share = 0.5 * _by_logarithm(chain, slopes, curved[:-1] + curved[1:])
+    out[:-1] += share * curved[:-1] ** 2
+    out[1:] += share * curved[1:] ** 2
     for bead, contact, _ in _walls(chain):
         k = chain.contact_stiffness[contact]
         out[bead] += 0.5 * slopes.stiffness[contact] * k / radii[bead]
     return out
 
 
+def _by_logarithm(chain: Chain, slopes: Slopes, sums: Array) -> Array:
+    """Derivatives by the logarithm of each stiffness that follows from radii, over ``sums``."""
+    by = slopes.stiffness[1:-1] * chain.stiffness
+    return np.divide(by, sums, out=np.zeros_like(by), where=chain._follows("stiffness"))
+
+
 def _by_density(chain: Chain, slopes: Slopes) -> Array:
-    if not _derived(chain, "masses"):
-        return np.zeros(chain.beads)
     volumes = 4.0 / 3.0 * math.pi * chain.radii**3
-    return np.asarray(slopes.masses * volumes)
+    return np.where(chain._follows("masses"), slopes.masses * volumes, 0.0)
 
 
 def _by_compliance(chain: Chain, slopes: Slopes) -> Array:
     """Derivatives with respect to the compliance of each bead's material: k ~ 1/(C + C')."""
     assert chain.materials is not None
     own, out = np.array([each.compliance for each in chain.materials]), np.zeros(chain.beads)
-    if _derived(chain, "stiffness"):
-        share = slopes.stiffness[1:-1] * chain.stiffness / (own[:-1] + own[1:])
-        out[:-1] -= share
-        out[1:] -= share
+    share = _by_logarithm(chain, slopes, own[:-1] + own[1:])
+    out[:-1] -= share
+    out[1:] -= share
     for bead, contact, wall in _walls(chain):
         by_modulus = slopes.stiffness[contact] * chain.contact_stiffness[contact]
         # A wall of the bead's own material changes with it.

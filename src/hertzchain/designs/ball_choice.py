@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..chain.chain import Chain
 from ..chain.materials import Material, material
@@ -16,6 +17,7 @@ from ..validation.numbers import real_numbers
 from ..validation.objects import check_bool, check_list
 from .ball_space import BallSpace
 from .balls import Ball, among, load_balls
+from .sizes import check_strikers_vary
 from .start_rows import start_row
 
 
@@ -70,12 +72,12 @@ class BallChoice:
 
     def space(self, chain: Chain) -> BallSpace:
         """The choices for a chain."""
-        _check(chain)
+        places, balls = places_from(self.beads, chain.beads, "bead"), self.balls
+        _check(chain, places)
         if chain.units != "SI" or chain.materials is None:
             raise InputError(
                 "balls of a catalogue have materials: build the chain with Chain.from_materials"
             )
-        places, balls = places_from(self.beads, chain.beads, "bead"), self.balls
         if len(balls) + self.optional < 2:
             raise InputError("there is one kind of balls, which leaves nothing to vary")
         space = BallSpace(chain, places, balls, self.optional)
@@ -100,8 +102,8 @@ class OrderChoice:
 
     def space(self, chain: Chain) -> BallSpace:
         """The orders for a chain."""
-        _check(chain)
         places = places_from(self.beads, chain.beads, "bead")
+        _check(chain, places)
         kinds = chain.materials or (None,) * chain.beads
         items = [(float(chain.radii[k]), kinds[k]) for k in places]
         distinct = list(dict.fromkeys(items))
@@ -117,7 +119,7 @@ class OrderChoice:
         return BallSpace(chain, places, balls, False, given)
 
 
-def _check(chain: Chain) -> None:
+def _check(chain: Chain, places: NDArray[np.int64]) -> None:
     own = sorted({"masses", "stiffness"} & set(chain.given))
     if chain.gaps[chain.strikers :].any():
         own.append("gaps")
@@ -126,6 +128,7 @@ def _check(chain: Chain) -> None:
             f"the {' and '.join(own)} of this chain are given bead by bead, and its beads "
             "cannot be exchanged: omit them"
         )
+    check_strikers_vary(chain, places)
 
 
 def _check_sizes(

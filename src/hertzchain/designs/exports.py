@@ -35,7 +35,7 @@ def bead_table(chain: Chain) -> str:
     columns = {"bead": [str(k) for k in range(1, chain.beads + 1)]}
     name, factor = ("diameter [mm]", 2e3) if si else ("radius", 1.0)
     columns[name] = [f"{factor * each:.10g}" for each in chain.radii]
-    if "masses" in chain.given:
+    if not chain._follows("masses").all():
         name, factor = ("mass [g]", 1e3) if si else ("mass", 1.0)
         columns[name] = [f"{factor * each:.10g}" for each in chain.masses]
     if si and chain.materials is not None:

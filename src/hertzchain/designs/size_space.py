@@ -11,7 +11,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
-from .sizes import NOUNS, Block, Sizes
+from .sizes import NOUNS, Block, Sizes, check_strikers_vary
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,4 +107,6 @@ def size_space(chain: Chain, given: Sequence[Sizes]) -> SizeSpace:
                 "radii vary, but the masses of this chain are given and would not follow: omit "
                 "masses, or vary them"
             )
+        if block.field == "radii":
+            check_strikers_vary(chain, block.places)
     return SizeSpace(chain, blocks)

@@ -195,3 +195,14 @@ class Block:
         values = np.log(np.clip(sizes, self.low, self.high)) if self.log else sizes
         found = np.linalg.lstsq(self.matrix, values - self.offset, rcond=None)[0]
         return np.clip(found, *self.limits)
+
+
+def check_strikers_vary(chain: Chain, places: NDArray[np.int64]) -> None:
+    """Raise `InputError` if the size of a striker varies whose mass or face is given."""
+    given = [each.mass is not None or each.flat for each in chain.striker_properties]
+    fixed = [int(k) for k in places if k < len(given) and given[k]]
+    if fixed:
+        raise InputError(
+            f"the size of bead {fixed[0] + 1}, a striker, varies, but its mass is given and would "
+            f"not follow: use beads='{chain.strikers + 1}:', or give the striker no mass"
+        )

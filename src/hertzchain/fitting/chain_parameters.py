@@ -16,8 +16,8 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.laws import Loss
 from ..chain.laws.base import LAWS
-from ..chain.materials import sphere_stiffness
 from ..chain.per_contact import MaterialPairs
+from ..chain.striker_properties import face_radii
 from ..chain.walls import Wall
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, unknown_name_error
@@ -278,32 +278,44 @@ def with_sizes(chain: Chain, values: Mapping[Name, float], reference: float) -> 
     stiffness of Hertz contacts, such as that of a fitted chain, changes with the radii.
     """
     changes: dict[str, Any] = {}
-    for field in ("radius", "mass"):
-        chosen = {name: value for name, value in values.items() if name.key == field}
-        if chosen:
-            changes[("radii", "masses")[field == "mass"]] = array = (
-                chain.radii if field == "radius" else chain.masses
-            ).copy()
-            for name, value in chosen.items():
-                array[bead_indices(chain, name)] = value
-    if "radii" in changes:
-        changes |= _given_stiffness(chain, changes["radii"])
+    if (radii := _with_values(chain, "radius", chain.radii, values)) is not None:
+        changes = {"radii": radii} | _given_stiffness(chain, radii)
     materials = {name: value for name, value in values.items() if name.key.startswith("materials.")}
     if materials:
         changes["materials"] = _changed_materials(chain, materials)
     out = chain.replace(**changes) if changes else chain
+    # The masses of the other balls follow from the changed radii and densities.
+    if (masses := _with_values(out, "mass", out.masses, values)) is not None:
+        out = out.replace(masses=masses)
     return out.replace(**_forces_and_speeds(out, values, reference))
+
+
+def _with_values(chain: Chain, key: str, own: Array, values: Mapping[Name, float]) -> Array | None:
+    """Radii or masses with the values of the parameters of this key; None without them."""
+    chosen = {name: value for name, value in values.items() if name.key == key}
+    found = own.copy()
+    for name, value in chosen.items():
+        found[bead_indices(chain, name)] = value
+    return found if chosen else None
 
 
 def _given_stiffness(chain: Chain, radii: Array) -> dict[str, Any]:
     """Given stiffness of Hertz contacts, which is proportional to the root of effective radii."""
     changes: dict[str, Any] = {}
-    hertz = chain.contact_exponents == HERTZ_EXPONENT
+    hertz, own = chain.contact_exponents == HERTZ_EXPONENT, chain.striker_properties
+    before, after = (1.0 / face_radii(own, each) for each in (chain.radii, radii))
+    before, after = (each[:-1] + each[1:] for each in (before, after))
+    curved = hertz[1:-1] & (after > 0.0)
+    factors = np.sqrt(np.divide(before, after, out=np.ones_like(after), where=curved))
     if "stiffness" in chain.given:
-        before, after = (
-            sphere_stiffness(each[:-1], each[1:], 1.0) for each in (chain.radii, radii)
-        )
-        changes["stiffness"] = chain.stiffness * np.where(hertz[1:-1], after / before, 1.0)
+        changes["stiffness"] = chain.stiffness * factors
+    elif any(each.stiffness is not None for each in own):
+        changes["striker_properties"] = [
+            each
+            if (k := each.stiffness) is None
+            else dataclasses.replace(each, stiffness=k * ratio)
+            for each, ratio in zip(own, factors.tolist(), strict=False)
+        ]
     for side, end in zip((0, -1), ENDS, strict=True):
         wall: Wall | None = getattr(chain, end)
         if wall is not None and wall.stiffness is not None and hertz[side]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import textwrap
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,6 +15,7 @@ from numpy.typing import ArrayLike
 from ..chain.chain import Chain
 from ..chain.laws import Loss
 from ..chain.materials import RIGID, Material, catalogue
+from ..chain.striker_properties import SPHERE
 from ..chain.walls import Wall
 from ..errors import InputError
 from ..store.chain_as_toml import chain_as_toml
@@ -182,11 +184,16 @@ def _striker(chain: Chain, k: int) -> dict[str, Any]:
     assert chain.materials is not None
     found: dict[str, Any] = {"velocity": _measure(float(chain.velocities[k]), "m/s")}
     first = chain.strikers
-    if chain.radii[k] != chain.radii[first]:
+    own = chain.striker_properties[k] if chain.striker_properties else SPHERE
+    if own.mass is not None:
+        found["mass"] = f"{1e3 * own.mass:.{DIGITS}g} g"
+    if own.flat:
+        found["radius"] = math.inf
+    elif chain.radii[k] != chain.radii[first] or own.mass is not None:
         found["diameter"] = f"{2e3 * chain.radii[k]:.{DIGITS}g} mm"
     if chain.materials[k] != chain.materials[first]:
         found["material"] = chain.materials[k].name
-    if "stiffness" in chain.given:
+    if "stiffness" in chain.given or own.stiffness is not None:
         found["stiffness"] = float(chain.stiffness[k])
     if chain.gaps[k]:
         found["gap"] = _measure(float(chain.gaps[k]), "m")

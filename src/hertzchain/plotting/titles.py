@@ -46,7 +46,7 @@ def _scaled_beads(chain: Chain) -> str:
         beads = f"{number} equal beads" if equal else f"given masses, {count}"
     if not first:
         return beads
-    masses = chain.masses if "masses" in chain.given else None
+    masses = None if chain.strikers_are_spheres else chain.masses
     radii = (chain.scatter or chain).radii
     return f"{beads} and {strikers_in_words(first, radii, masses, chain.units)}"
 
@@ -61,7 +61,7 @@ def _strikers(chain: Chain) -> str:
         return f", {balls}"
     strikers = "a striker" if first == 1 else f"{first} strikers"
     # The radius of a striker of a given mass need not be its size.
-    own = balls if "masses" in chain.given else sizes_in_words(radii[:first])
+    own = sizes_in_words(radii[:first]) if chain.strikers_are_spheres else balls
     return f" and {strikers}, {balls}" if own == balls else f", {balls}, and {strikers}, {own}"
 
 

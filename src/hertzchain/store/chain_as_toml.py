@@ -131,6 +131,11 @@ def _beads_entries(
         # Materials imply SI units.
         if (value := getattr(chain, name)) != usual[name] and not (name == "units" and kinds):
             entries[name] = value
+    if chain.striker_properties:
+        entries["striker_properties"] = [
+            {name: value for name, value in _fields(each).items() if value is not False}
+            for each in chain.striker_properties
+        ]
     entries |= {name: one_for_all(getattr(chain, name)) for name in ARRAYS if name in chain.given}
     if kinds and "velocities" in chain.given and not chain.velocities[1:].any():
         entries["velocity"] = float(chain.velocities[0])

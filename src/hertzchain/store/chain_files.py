@@ -45,6 +45,7 @@ from ..chain.drives import Drive, SineBurst, StepDrive, TableDrive
 from ..chain.input_checks import checked_beads, checked_sizes
 from ..chain.laws import LAWS, Loss
 from ..chain.materials import RIGID, Material, material
+from ..chain.striker_properties import StrikerProperties
 from ..chain.taper_sizes import Sizes, si_radii
 from ..chain.tapers import PARAMETERS, taper_named
 from ..chain.walls import Wall
@@ -172,6 +173,9 @@ class _ChainFile:
         own = own if changed or self._form == "file" else {}
         if "strikers" in self.table and chain.strikers != self.table["strikers"]:
             own["strikers"] = self.table["strikers"]
+        if "striker_properties" in self.table:
+            given = self._arguments("striker_properties")
+            own["striker_properties"] = [StrikerProperties(**each) for each in given]
         chain = chain.replace(**own) if own else chain
         for arguments in self._arguments("struck_by"):
             chain = chain.struck_by(**arguments)

@@ -151,6 +151,12 @@ _STRUCK_BY: Final = (
     Key("count", "integer", "number of strikers", default=1, least=1),
     _number("gap", "distance to the chain", "length", default=0.0, least=0.0),
 )
+_STRIKER_PROPERTIES: Final = (
+    _number("mass", "mass, if it is not that of a sphere", "mass", above=0.0),
+    Key("flat", "boolean", "whether the face is flat", default=False),
+    _number("stiffness", "stiffness of the contact with the next bead, if it is not that of "
+            "Hertz's law", "stiffness", above=0.0),
+)  # fmt: skip
 _BETWEEN: Final = Key(
     "between", "material", "the two materials whose contacts have this law", per="item"
 )
@@ -240,6 +246,8 @@ _LISTED: Final = (
     Section("chain.with_defects", "a bead of another size or material", _DEFECTS, repeated=True),
     Section("chain.with_scatter", "random deviations of the radii", _SCATTER, repeated=True),
     Section("chain.struck_by", "strikers in front of the chain", _STRUCK_BY, repeated=True),
+    Section("chain.striker_properties", "properties of one of the first beads counted by strikers",
+            _STRIKER_PROPERTIES, repeated=True),
     Section("chain.exponent", "the exponent of one pair of materials", _EXPONENTS, repeated=True),
     Section("chain.with_contacts", "contacts of bodies other than spheres", (_CONTACTS,),
             repeated=True, variant_key="shape", variants=_SHAPES),

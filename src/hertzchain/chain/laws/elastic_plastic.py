@@ -119,6 +119,11 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
                 "ElasticPlastic in a scaled chain needs a yield_overlap, because scaled chains "
                 "have no pressures; alternatively, use a chain in SI units"
             )
+        if np.isinf(contacts.radius[contacts.stiffness > 0.0]).any():
+            raise InputError(
+                "ElasticPlastic() follows from the radii of spheres, but two flat faces touch: "
+                "give a yield_overlap"
+            )
         pressure = self._pressures(contacts)
         modulus = 0.75 * contacts.stiffness / np.sqrt(contacts.radius)
         with np.errstate(divide="ignore"):

@@ -203,3 +203,34 @@ def test_sweeps_of_struck_chains_are_complete(keep):
         "sweep": {"methods": ["simulate"], "keep": [keep, "wall_impulse"]},
     })  # fmt: skip
     assert (found.status == 1).all()
+
+
+@pytest.mark.parametrize("stiffness", [0.7, 1.4])
+@pytest.mark.parametrize("taper", ["linear", "sine"])
+def test_the_law_is_continuous_where_the_striker_has_the_mass_of_a_bead(taper, stiffness):
+    radii = TAPERS[taper]
+    equal = (radii[0] ** 2 / radii[1]) ** 3
+    below, above = (
+        hc.local_rate(hc.Chain(radii).struck_by(mass=mass, radius=1.0, stiffness=stiffness))
+        for mass in (equal * (1 - 1e-9), equal * (1 + 1e-9))
+    )
+    np.testing.assert_allclose(above.velocity, below.velocity, rtol=1e-8)
+
+
+def test_derivatives_by_single_radii_are_those_of_the_simulation_only():
+    """Derivatives by the second ball, of which the page states those of law and simulation."""
+    chain = hc.Chain.uniform(50).struck_by(mass=3.0, radius=1.2)
+    with pytest.raises(
+        hc.InputError, match="local_rate_gradient does not support strikers; use gr"
+    ):
+        hc.local_rate_gradient(chain, bead=30)
+    exact = hc.gradient(chain, "pulse.velocity@30", to="radii")
+    slopes = exact["radii"] * chain.radii / exact.value
+    assert slopes.max() == pytest.approx(0.32, abs=0.005)
+    assert slopes[2] == pytest.approx(0.07, abs=0.005)
+
+    def of_law(factor):
+        changed = chain.radii * np.where(np.arange(51) == 2, factor, 1.0)
+        return hc.local_rate(chain.replace(radii=changed)).velocity[29]
+
+    assert np.log(of_law(1.0001) / of_law(0.9999)) / 2e-4 == pytest.approx(-0.24, abs=0.005)

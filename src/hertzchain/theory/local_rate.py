@@ -175,7 +175,7 @@ def local_rate_gradient(
     Parameters
     ----------
     chain : Chain
-        As for `local_rate`.
+        As for `local_rate`, struck by its first bead and without losses.
     quantity : str
         ``"velocity"``, ``"momentum"``, ``"energy"``, ``"arrival"`` or ``"residence"`` of the
         bead, or ``"peak_force"`` on the next bead.

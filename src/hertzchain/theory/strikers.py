@@ -33,8 +33,10 @@ LOG_STIFFNESS: Final = tuple(0.5 * math.log(2.0) * n for n in range(-2, 3))
 RATES: Final = (-0.12, -0.09, -0.06, -0.04, -0.025, -0.015, -0.007, 0.0,
                 0.007, 0.015, 0.025, 0.04, 0.06, 0.09, 0.15)  # fmt: skip
 CONTACTS: Final = 40
-# Weights of the rates after the impact, per bead, for heavy and light strikers.
-MEMORY: Final = {True: 0.72, False: 0.5}
+# Weights of the rates after the impact, per bead, for light and heavy strikers.  Between the two
+# logarithms of the mass the weight changes smoothly, so that the law is continuous.
+MEMORY: Final = (0.5, 0.72)
+LIGHT, HEAVIER = -0.5 * math.log(2.0), 0.5 * math.log(2.0)
 REMEMBERED: Final = 12
 # Error of the last bead's velocity behind a heavy striker: at most this factor times the square of
 # the logarithm of its mass, which decays with the number of beads.
@@ -165,7 +167,7 @@ def striker_effect(striker: Striker) -> tuple[Array, float]:
                 "propagate"
             )
     rates = np.diff(np.log(striker.chain.radii))
-    weights = MEMORY[striker.mass >= 1.0] ** np.arange(min(REMEMBERED, len(rates)))
+    weights = _memory(at[0]) ** np.arange(min(REMEMBERED, len(rates)))
     mean = float(weights @ rates[: len(weights)] / weights.sum())
     if not RATES[0] <= mean <= RATES[-1]:
         warn_user(
@@ -187,6 +189,12 @@ def striker_effect(striker: Striker) -> tuple[Array, float]:
         )
     contacts = len(rates)
     return found[:, np.minimum(np.arange(contacts), CONTACTS - 1)], error
+
+
+def _memory(log_mass: float) -> float:
+    """Weight of a rate relative to that of the bead behind."""
+    x = float(np.clip((log_mass - LIGHT) / (HEAVIER - LIGHT), 0.0, 1.0))
+    return MEMORY[0] + (MEMORY[1] - MEMORY[0]) * x * x * (3.0 - 2.0 * x)
 
 
 def _interpolated(log_mass: float, log_stiffness: float, rate: float) -> Array:

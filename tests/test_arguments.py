@@ -312,7 +312,7 @@ def test_one_quantity_in_a_plot():
     with pytest.raises(hc.InputError, match="plot_pulses draws one quantity, .* once for each"):
         hc.plot_pulses([pulse], ["velocity", "momentum"])
     with pytest.raises(hc.InputError, match="did you mean 'velocity'"):
-        hc.plot_pulses([pulse], "speed")
+        hc.plot_pulses([pulse], "velocty")
 
 
 def test_a_free_end_has_no_contact():

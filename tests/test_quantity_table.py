@@ -150,6 +150,41 @@ def test_every_quantity_is_converted_by_its_scale(method):
     np.testing.assert_allclose(real.speed, speed, rtol=1e-13)
 
 
+def test_speed_of_the_pulse_is_that_of_the_solitary_wave():
+    """Far from the struck bead: 0.9075 (k/m)^(2/5) v^(1/5) beads per time, 10 mm apart."""
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=150, velocity=0.4)
+    pulse = hc.propagate(chain)
+    per_time = (chain.stiffness[0] / chain.masses[0]) ** 0.4 * pulse.velocity[119] ** 0.2
+    expected = 10e-3 * 0.9074700784 * per_time
+    assert pulse.column("speed")[119] == pytest.approx(expected, rel=1e-7)
+    assert hc.propagate_many([chain]).column("speed")[0, 119] == pulse.speed[119]
+    assert pulse.plot("speed").lines[0].get_ydata()[119] == pulse.speed[119]
+    assert pulse.unit("speed") == "m/s"
+    assert "speed" not in pulse.columns()
+
+
+def test_speeds_of_rows_of_radii():
+    table = hc.propagate_many([[2.0, 4.0, 5.0], [1.0, 1.0]])
+    for pulse, speeds in zip(table, table.column("speed"), strict=True):
+        np.testing.assert_allclose(speeds[: len(pulse.speed)], pulse.speed, rtol=1e-14)
+
+
+def test_errors_of_speed_follow_from_those_of_residence():
+    comparison = hc.bca(TAPER).compare(hc.propagate(TAPER))
+    expected = 1.0 / (1.0 + comparison.errors("residence")) - 1.0
+    np.testing.assert_allclose(comparison.errors("speed"), expected, rtol=1e-9)
+    drawn = comparison.plot("speed").lines[0].get_ydata()
+    np.testing.assert_allclose(drawn, 100.0 * expected[1:], rtol=1e-9)
+
+
+def test_speed_needs_residence_times():
+    theory = hc.modified_bca(hc.Chain.tapered("forward-linear", 0.005, beads=9))
+    with pytest.raises(
+        hc.InputError, match="calibrated does not predict speed, only velocity, mom"
+    ):
+        theory.plot("speed")
+
+
 def test_results_whose_fields_have_no_units_are_not_converted():
     run = hc.simulate(hc.Chain.uniform(5), times=5)
     for result in (run.budget(), run.pulse().compare(run.pulse()), 3.0):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from ..errors import InputError
-from ..pulse.quantities import QUANTITIES
+from ..pulse.quantities import COLUMN_QUANTITIES, ON_REQUEST
 from .chain_options import ChainOptions, chain_options, chains_from
 from .options import Fraction, LateHelp, StrictCommand, figure_option, json_option
 from .output import save_figure, show_table
@@ -24,12 +24,11 @@ if TYPE_CHECKING:
 
 # Names that users give to quantities.
 SYNONYMS: Final = {
-    "speed": "velocity", "force": "peak_force", "overlap": "peak_overlap", "time": "arrival",
-    "duration": "residence",
+    "force": "peak_force", "overlap": "peak_overlap", "time": "arrival", "duration": "residence",
 }  # fmt: skip
 DISORDER: Final = "disorder"
 # Spreads are predicted by that method only.
-PREDICTED: Final = tuple(name for name in QUANTITIES if not name.endswith("_spread"))
+PREDICTED: Final = tuple(name for name in COLUMN_QUANTITIES if not name.endswith("_spread"))
 PYTHON_ONLY: Final = {
     "piecewise-local-rate": "use hertzchain.piecewise_local_rate in Python",
     "effective-chain": "use hertzchain.effective_chain in Python",
@@ -65,7 +64,8 @@ def _method_help() -> str:
     metavar="NAME",
     help="Quantity to plot and, with several methods, to show side by side: "
     f"{', '.join(PREDICTED)}; with --method disorder also "
-    f"{', '.join(name for name in QUANTITIES if name not in PREDICTED)}.",
+    f"{', '.join(name for name in COLUMN_QUANTITIES if name not in PREDICTED)}.  The velocity is "
+    "that of the beads, the speed that of the pulse from bead to bead.",
 )
 @click.option(
     "--rtol",
@@ -127,7 +127,7 @@ def pulse(
         # The first pulse is the reference of comparisons.
         chosen.sort(key=lambda each: each not in SIMULATIONS)
     quantity = SYNONYMS.get(quantity, quantity)
-    check_choice("quantity", quantity, QUANTITIES)
+    check_choice("quantity", quantity, COLUMN_QUANTITIES)
     if quantity not in PREDICTED and DISORDER not in methods:
         raise click.UsageError(f"--quantity {quantity} requires --method disorder")
     settings = _settings(chosen, rtol, scatter, modulus_scatter)
@@ -150,10 +150,11 @@ def pulse(
         residuals = len(found) == 1 and len(pulses) > 1
         axes = plot_pulses(pulses, quantity, labels=labels, log=log, residuals=residuals)
         save_figure(axes, plot)
+    more = [quantity] if quantity in ON_REQUEST else []
     if as_json:
-        click.echo(results.pulses_as_json(pulses))
+        click.echo(results.pulses_as_json(pulses, more))
     elif as_csv:
-        click.echo(results.pulses_as_csv(pulses), nl=False)
+        click.echo(results.pulses_as_csv(pulses, more), nl=False)
     else:
         for each in found.values():
             _show_pulses(each, quantity, every_bead=every_bead)
@@ -197,12 +198,14 @@ def _computed(
 
 def _show_pulses(pulses: list[Pulse], quantity: str, *, every_bead: bool) -> None:
     """Print a table of one chain: all quantities of one pulse, or one quantity of several."""
-    if len(pulses) == 1:
+    if len(pulses) == 1 and quantity not in ON_REQUEST:
         show_table(pulse_table(pulses[0], every_bead))
         return
-    for missing in (other for other in pulses if other.column(quantity) is None):
-        hint = " (--method disorder does)" if quantity.endswith("_spread") else ""
-        raise InputError(f"{missing.method} does not predict {quantity}{hint}")
+    for each in pulses:
+        each._predicted(quantity)
     show_table(side_by_side(pulses, quantity, every_bead))
     for other in pulses[1:]:
-        click.echo(f"\n{other.compare(pulses[0])}")
+        comparison = other.compare(pulses[0])
+        click.echo(f"\n{comparison}")
+        if quantity in ON_REQUEST:
+            click.echo(comparison._line(quantity))

@@ -53,10 +53,10 @@ def pulse_table(pulse: Pulse, every_bead: bool) -> Table:
 def side_by_side(pulses: list[Pulse], quantity: str, every_bead: bool) -> Table:
     """Table of one quantity with one column per pulse."""
     from ..pulse.notes import OUT_OF_ORDER, out_of_order
-    from ..pulse.quantities import QUANTITIES
+    from ..pulse.quantities import COLUMN_QUANTITIES
 
     chain = pulses[0].chain
-    per = QUANTITIES[quantity].per
+    per = COLUMN_QUANTITIES[quantity].per
     count = chain.beads - (per == "contact")
     rows = table_rows(count, every_bead)
     unit = "" if chain.units == "scaled" else f" in {pulses[0].unit(quantity)}"
@@ -66,7 +66,8 @@ def side_by_side(pulses: list[Pulse], quantity: str, every_bead: bool) -> Table:
         table.add_column(pulse.method, justify="right")
     for i in rows:
         table.add_row(str(i + 1), *(_cell(values, i, 8) for values in columns))
-    unordered = quantity == "residence" and any(out_of_order(each.residence) for each in pulses)
+    timed = quantity in ("residence", "speed")
+    unordered = timed and any(out_of_order(each.residence) for each in pulses)
     _add_notes(table, pulses, OUT_OF_ORDER if unordered else "")
     return table
 

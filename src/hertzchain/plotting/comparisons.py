@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..pulse.free_end import ends_free
-from ..pulse.quantities import QUANTITIES
+from ..pulse.quantities import COLUMN_QUANTITIES
 from .colours import curve_colour, grey
 from .legends import place_legend
 from .style import MARKERS, BeadLocator, figure_style, get_axes, label_log_axis, set_title
@@ -48,7 +48,7 @@ def plot_comparison(
             label_log_axis(axes.yaxis)
         else:
             axes.axhline(0.0, color=grey(axes), linewidth=0.8)
-        contacts = {QUANTITIES[name].per == "contact" for name in quantities}
+        contacts = {COLUMN_QUANTITIES[name].per == "contact" for name in quantities}
         axes.set_xlabel("bead or contact $k$" if len(contacts) > 1 else
                         "contact $k$" if contacts == {True} else "bead $k$")  # fmt: skip
         axes.set_ylabel("|error| [%]" if log else "error [%]")

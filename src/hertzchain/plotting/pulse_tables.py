@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from ..errors import InputError
 from ..pulse.free_end import split_free_ends
-from ..pulse.quantities import QUANTITIES
+from ..pulse.quantities import COLUMN_QUANTITIES
 from ..validation.objects import check_choice
 from .colours import curve_colour
 from .legends import place_legend
@@ -30,9 +30,10 @@ def plot_pulse_table(table: PulseTable, quantity: str, *, ax: Axes | None = None
 
     At free ends, the median has a symbol and the range a bar, which no line joins to the others.
     """
-    columns = table.columns()
-    check_choice("quantity", quantity, columns)
-    values, row = columns[quantity], QUANTITIES[quantity]
+    check_choice("quantity", quantity, COLUMN_QUANTITIES)
+    values, row = table.column(quantity), COLUMN_QUANTITIES[quantity]
+    if values is None:
+        raise InputError(f"propagate_many does not predict {quantity}")
     if not np.isfinite(values).any():
         raise InputError(f"no chain of the table has a {quantity}; see its reasons")
     values, ends = split_free_ends(values, table.beads, quantity, (LOW, 50, HIGH))

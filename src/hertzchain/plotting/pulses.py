@@ -14,7 +14,7 @@ from ..collision import Array
 from ..errors import InputError, short_repr
 from ..pulse.free_end import ends_free
 from ..pulse.pulse import Pulse
-from ..pulse.quantities import QUANTITIES
+from ..pulse.quantities import COLUMN_QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_list, check_type
 from .colours import COLOURS, curve_colour, grey
@@ -128,7 +128,7 @@ def plot_pulses(
         looks = _looks(words, number_of_curves(axes))
         grouped = labels is None and any(look.line for look in looks)
         for pulse, look, name in zip(pulses, looks, names, strict=True):
-            values = pulse.columns()[quantity]
+            values = pulse._predicted(quantity)
             free = ends_free(pulse, quantity)
             _draw_spread(axes, pulse, quantity, look, free=free)
             if free:
@@ -138,7 +138,7 @@ def plot_pulses(
         if grouped:
             _label_groups(axes, words, looks)
         _label_parts(axes, pulses, quantity)
-        row = QUANTITIES[quantity]
+        row = COLUMN_QUANTITIES[quantity]
         axes.set_ylabel(row.label_in(pulses[0].chain.units))
         axes.set_yscale("log" if log else "linear")
         if log:
@@ -166,10 +166,9 @@ def _checked(pulses: Sequence[Pulse], quantity: str) -> list[Pulse]:
             f"plot_pulses draws one quantity, such as 'velocity', got {short_repr(quantity)}; call "
             "it once for each, with ax=... to draw into the same figure"
         )
-    check_choice("quantity", quantity, QUANTITIES)
-    missing = [pulse.method for pulse in checked if pulse.column(quantity) is None]
-    if missing:
-        raise InputError(f"{missing[0]} does not predict {quantity}")
+    check_choice("quantity", quantity, COLUMN_QUANTITIES)
+    for pulse in checked:
+        pulse._predicted(quantity)
     if len({pulse.chain.units for pulse in checked}) > 1:
         raise InputError(
             "pulses of scaled chains and of chains in SI units cannot share an axis; convert them "
@@ -262,7 +261,7 @@ def _draw_free_end(axes: Axes, bead: int, value: float, look: _Look) -> None:
 def _spread(pulse: Pulse, quantity: str) -> Array | None:
     """Standard deviation of the logarithm of a quantity over random chains, if known."""
     name = f"{quantity}_spread"
-    return pulse.column(name) if name in QUANTITIES else None
+    return pulse.column(name) if name in COLUMN_QUANTITIES else None
 
 
 def _draw_spread(axes: Axes, pulse: Pulse, quantity: str, look: _Look, *, free: bool) -> None:
@@ -270,7 +269,7 @@ def _draw_spread(axes: Axes, pulse: Pulse, quantity: str, look: _Look, *, free: 
     spread = _spread(pulse, quantity)
     if spread is None:
         return
-    values = pulse.columns()[quantity]
+    values = pulse._predicted(quantity)
     bead, low, high = pulse.bead[: len(values)], values * np.exp(-spread), values * np.exp(spread)
     colour, end = curve_colour(axes, look.colour), len(values) - free
     axes.fill_between(bead[:end], low[:end], high[:end], color=colour, alpha=BAND, linewidth=0.0)
@@ -327,7 +326,7 @@ def _draw_residuals(
     for look, pulse, reference, values in differences:
         # An exact zero, such as that of bead 1, has no place on a logarithmic axis.
         shown = np.where(values == 0.0, np.nan, np.abs(values)) if least else values
-        ends = {len(each.columns()[quantity]) for each in (reference, pulse)
+        ends = {len(each._predicted(quantity)) for each in (reference, pulse)
                 if ends_free(each, quantity)}  # fmt: skip
         free = len(shown) in ends
         _draw(axes, pulse, shown[:-1] if free else shown, look, None)
@@ -346,7 +345,7 @@ def _draw_residuals(
 
 def _difference(pulse: Pulse, reference: Pulse, quantity: str) -> Array:
     """Relative difference of two pulses in percent, at the beads that both have."""
-    first, other = reference.columns()[quantity], pulse.columns()[quantity]
+    first, other = reference._predicted(quantity), pulse._predicted(quantity)
     both = min(len(first), len(other))
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(100.0 * (other[:both] / first[:both] - 1.0))

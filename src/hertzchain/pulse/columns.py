@@ -10,7 +10,7 @@ from ..collision import Array
 from ..frozen import Frozen
 from ..validation.keywords import checked_methods
 from ..validation.objects import check_choice
-from .quantities import QUANTITIES, Quantity
+from .quantities import COLUMN_QUANTITIES, QUANTITIES, Quantity
 
 C = TypeVar("C")
 
@@ -25,7 +25,7 @@ class Columns(Frozen):
         Parameters
         ----------
         quantity : str
-            A name in `hertzchain.pulse.quantities.QUANTITIES`.
+            A name in `hertzchain.pulse.quantities.COLUMN_QUANTITIES`.
 
         Returns
         -------
@@ -48,12 +48,12 @@ class Columns(Frozen):
         array([[1.    , 1.    ],
                [1.    , 1.7778]])
         """
-        check_choice("quantity", quantity, QUANTITIES)
+        check_choice("quantity", quantity, COLUMN_QUANTITIES)
         values: Array | None = getattr(self, quantity)
         return values
 
     def columns(self) -> dict[str, Array]:
-        """Every quantity that the method predicts, by name.
+        """Every quantity that the method predicts, by name, except the speed of the pulse.
 
         Returns
         -------
@@ -77,7 +77,7 @@ def with_columns(cls: type[C]) -> type[C]:
     if the class does not declare them, the default `None`; derived ones become properties.  The
     class has a method ``_input(name)`` that returns an input of a formula.
     """
-    for quantity in QUANTITIES.values():
+    for quantity in COLUMN_QUANTITIES.values():
         name = quantity.name
         if quantity.stored:
             declared = name in cls.__annotations__ and name not in vars(cls)

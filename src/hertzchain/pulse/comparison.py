@@ -16,7 +16,7 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice, check_type
 from .chain_units import in_same_units, same_beads
 from .pulse import Pulse
-from .quantities import QUANTITIES
+from .quantities import ON_REQUEST, QUANTITIES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -105,10 +105,7 @@ class Comparison:
         >>> pulse.compare(pulse).errors("velocity")
         array([0., 0., 0.])
         """
-        ours, theirs = self.pulse.column(quantity), self.reference.column(quantity)
-        if ours is None or theirs is None:
-            missing = self.pulse if ours is None else self.reference
-            raise InputError(f"{missing.method} does not predict {quantity}")
+        ours, theirs = self.pulse._predicted(quantity), self.reference._predicted(quantity)
         return (ours - theirs) / np.where(theirs == 0.0, 1.0, theirs)
 
     @property
@@ -210,7 +207,7 @@ class Comparison:
         check_bool("legend", legend)
         names = [name for name in DRAWN if name in self.quantities]
         if quantity is not None:
-            names = [check_choice("quantity", quantity, self.quantities)]
+            names = [check_choice("quantity", quantity, (*self.quantities, *ON_REQUEST))]
         return plot_comparison(self, names, log=log, legend=legend, ax=ax)
 
     def _reduce(self, quantity: str, first_bead: int, summary: Callable[[Array], float]) -> float:
@@ -246,9 +243,13 @@ class Comparison:
         for name in self.quantities:
             if np.isnan(self.errors(name)[1:]).all():
                 continue  # Two beads have one contact; a run may not have determined other values.
-            worst, rms = percent(self.worst(name)), percent(self.rms(name))
-            lines.append(f"  {name:<{width}}{worst:>10}{self.worst_bead(name):>6}{rms:>10}")
+            lines.append(self._line(name, width))
         return "\n".join(lines)
+
+    def _line(self, name: str, width: int = 13) -> str:
+        """The errors of a quantity, as a line of the table."""
+        worst, rms = percent(self.worst(name)), percent(self.rms(name))
+        return f"  {name:<{width}}{worst:>10}{self.worst_bead(name):>6}{rms:>10}"
 
     def _repr_html_(self) -> str:
         from ..notebook.pulses import comparison_html

@@ -18,7 +18,8 @@ JUMP: Final = 1.2
 
 def ends_free(pulse: Pulse, quantity: str) -> bool:
     """Whether the last bead is much faster than the others, because nothing decelerates it."""
-    return pulse.chain.right_wall is None and jumps_at_end(pulse.columns()[quantity], quantity)
+    values = pulse.column(quantity)
+    return pulse.chain.right_wall is None and values is not None and jumps_at_end(values, quantity)
 
 
 def split_free_ends(

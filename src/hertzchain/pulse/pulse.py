@@ -17,13 +17,13 @@ from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..collision import Array
 from ..errors import InputError
-from ..representation import measure, percent, short
+from ..representation import listed, measure, percent, short
 from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_choice, text
 from .columns import Columns, derive, with_columns
 from .notes import checked_notes, notes_in_words
-from .quantities import BEAD_QUANTITIES, QUANTITIES, Quantity
+from .quantities import BEAD_QUANTITIES, COLUMN_QUANTITIES, QUANTITIES, Quantity
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -177,7 +177,8 @@ class Pulse(Columns):
         >>> print(f"{pulse.speed[40]:.2f} m/s, {1 / pulse.residence[40]:.0f} beads/s")
         561.69 m/s, 56169 beads/s
         """
-        return None if self.residence is None else self.chain.centre_distances / self.residence
+        found: Array | None = derive(self, COLUMN_QUANTITIES["speed"])
+        return found
 
     def unit(self, quantity: str) -> str:
         """Unit of a quantity, ``"1"`` if it is scaled.
@@ -185,7 +186,7 @@ class Pulse(Columns):
         Parameters
         ----------
         quantity : str
-            A name in `hertzchain.pulse.quantities.QUANTITIES`.
+            A name in `hertzchain.pulse.quantities.COLUMN_QUANTITIES`.
 
         Raises
         ------
@@ -198,8 +199,17 @@ class Pulse(Columns):
         >>> hc.bca(hc.Chain.uniform(3)).unit("peak_force")
         '1'
         """
-        check_choice("quantity", quantity, QUANTITIES)
-        return QUANTITIES[quantity].unit_in(self.chain.units)
+        check_choice("quantity", quantity, COLUMN_QUANTITIES)
+        return COLUMN_QUANTITIES[quantity].unit_in(self.chain.units)
+
+    def _predicted(self, quantity: str) -> Array:
+        """A quantity; an error lists those that the method predicts."""
+        values = self.column(quantity)
+        if values is None:
+            names = listed([*self.columns()])
+            hint = "; disorder predicts it" if quantity.endswith("_spread") else ""
+            raise InputError(f"{self.method} does not predict {quantity}, only {names}{hint}")
+        return values
 
     def compare(self, reference: Pulse) -> Comparison:
         """Compare this pulse with another one of the same chain.

@@ -108,6 +108,14 @@ class PulseTable(Columns):
         return hertz_stiffness(radii[:, :-1], radii[:, 1:])
 
     @property
+    def centre_distances(self) -> Array:
+        """Distances between the centres of neighbours [R_1, or m], shape (C, N - 1)."""
+        if self.chains:
+            return self._padded("centre_distances", 1)
+        radii = self._followed_radii
+        return np.asarray(radii[:, :-1] + radii[:, 1:])
+
+    @property
     def _followed_radii(self) -> Array:
         """Radii without those of chains that failed, which may be invalid."""
         radii = self.radii.copy()

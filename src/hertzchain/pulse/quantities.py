@@ -230,6 +230,19 @@ QUANTITIES: Final = _by_name(
     )
 )  # fmt: skip
 
+# Quantities of the leading pulse that are computed on request; tables and files omit them.
+ON_REQUEST: Final = _by_name(
+    (
+        Quantity(
+            "speed", "V", "speed of the pulse from this bead to the next",
+            unit="m/s", scale="radius/time", label="speed of the pulse $V_k$", per="contact",
+            inputs=("centre_distances", "residence"), formula=lambda apart, t: apart / t,
+        ),
+    )
+)  # fmt: skip
+# Every quantity that `Pulse.column` returns.
+COLUMN_QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType({**QUANTITIES, **ON_REQUEST})
+
 # Quantities of the right wall, which only `simulate` gives.
 WALL_QUANTITIES: Final = _by_name(
     (

@@ -35,13 +35,15 @@ SCHEMA_VERSION: Final = 1
 DIGITS: Final = 8
 
 
-def pulses_as_json(pulses: Sequence[Pulse]) -> str:
+def pulses_as_json(pulses: Sequence[Pulse], more: Sequence[str] = ()) -> str:
     """Convert several pulses of one chain to one versioned JSON object.
 
     Parameters
     ----------
     pulses : sequence of Pulse
         At least one; all of the same chain.
+    more : sequence of str
+        Quantities that `Pulse.columns` omits, such as ``"speed"``.
 
     Examples
     --------
@@ -58,7 +60,7 @@ def pulses_as_json(pulses: Sequence[Pulse]) -> str:
         "chain": chain_as_dict(pulses[0].chain),
         "pulses": [
             {"method": pulse.method}
-            | {name: finite(values.tolist()) for name, values in pulse.columns().items()}
+            | {name: finite(values.tolist()) for name, values in _columns(pulse, more).items()}
             | ({"notes": dict(pulse.notes)} if pulse.notes else {})
             for pulse in pulses
         ],
@@ -105,7 +107,7 @@ def document_of(chain: Chain) -> dict[str, Any]:
     }
 
 
-def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
+def pulses_as_csv(pulses: Sequence[Pulse], more: Sequence[str] = ()) -> str:
     """Convert pulses to CSV text with one row per method and bead.
 
     Quantities of contact k are in row k.
@@ -114,6 +116,8 @@ def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
     ----------
     pulses : sequence of Pulse
         At least one; all of the same chain.
+    more : sequence of str
+        As for `pulses_as_json`.
 
     Returns
     -------
@@ -127,7 +131,7 @@ def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
     >>> print(pulses_as_csv([hc.bca(hc.Chain.uniform(2))]).splitlines()[0])
     method,bead,radius,velocity,momentum,energy,arrival,residence,peak_overlap,peak_force
     """
-    names = list(dict.fromkeys(name for pulse in pulses for name in pulse.columns()))
+    names = list(dict.fromkeys(name for pulse in pulses for name in _columns(pulse, more)))
     lines = io.StringIO()
     writer = csv.writer(lines, lineterminator="\n")
     writer.writerow(["method", "bead", "radius", *names])
@@ -139,6 +143,12 @@ def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
             cells = ("" if np.isnan(value) else value for value in values)
             writer.writerow([pulse.method, bead, pulse.chain.radii[i], *cells])
     return lines.getvalue()
+
+
+def _columns(pulse: Pulse, more: Sequence[str]) -> dict[str, Array]:
+    """The columns of a pulse, and further quantities that its method predicts."""
+    further = {name: pulse.column(name) for name in more}
+    return pulse.columns() | {name: each for name, each in further.items() if each is not None}
 
 
 @checked_arguments("save_run")

@@ -54,7 +54,7 @@ def test_gradients_accept_names():
 @pytest.mark.parametrize("command", ["scatter", "sensitivity"])
 def test_quantities_of_commands_have_names(command, run, tmp_path):
     (tmp_path / "row.toml").write_text(hc.chain_as_toml(CHAIN))
-    more = ("--relative", "1%", "--chains", "4") if command == "scatter" else ()
+    more = ("--scatter", "1%", "--chains", "4") if command == "scatter" else ()
     texts = []
     for quantity in ("peak_force@ball 4", "peak_force@5"):
         code, out, err = run(command, tmp_path / "row.toml", "--quantity", quantity, *more,

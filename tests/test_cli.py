@@ -276,7 +276,7 @@ def test_cite(run):
         (["simulate", "--stream", "/dev/null", "--until", "9"], "'/dev/null' is a file"),
         (["recite"], "unknown command 'recite': choose from app, simulate, pulse"),
         (["simulat"], "did you mean 'simulate'"),
-        (["scatter", "--beads", "9", "--grade", "10"], "give a material and sizes, or --relative"),
+        (["scatter", "--beads", "9", "--grade", "10"], "give a material and sizes, or --scatter"),
         (["simulate", "--material", "brass", "--diameter", "9 mm", "--speed", "fast"],
          "text with a unit such as '5 m/s', got 'fast'"),
     ],
@@ -989,7 +989,7 @@ def test_sensitivity_and_scatter_of_elastic_contacts_that_would_yield(run, tmp_p
     assert found["value_with_yielding_contacts"] == pytest.approx(yielding, rel=1e-5)
     assert found["method"] == "adjoint"
     picture = tmp_path / "scatter.svg"
-    scatter = ("scatter", *YIELDING, "--relative", "1%", "--chains", 5, "--plot", picture)
+    scatter = ("scatter", *YIELDING, "--scatter", "1%", "--chains", 5, "--plot", picture)
     assert (
         f"elastic contacts; with contacts that yield, the nominal one is {shown}"
         in (run(*scatter)[1])
@@ -1032,7 +1032,7 @@ def test_sensitivity_by_the_stiffness_of_a_scaled_chain_keeps_its_wall(run, tmp_
 
 def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_path):
     picture = tmp_path / "scatter.svg"
-    command = ("scatter", *BALLS, "--relative", "0.05%", "--chains", 400, "--plot", picture)
+    command = ("scatter", *BALLS, "--scatter", "0.05%", "--chains", 400, "--plot", picture)
     found = json.loads(run(*command, "--json")[1])
     relative = json.loads(run("sensitivity", *BALLS, "--json")[1])["relative"]
     expected = 5e-4 * np.linalg.norm(relative) * found["nominal"]
@@ -1049,10 +1049,10 @@ def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_pat
     assert code == 2
     assert "No such option '--samples'; use --chains" in err
     assert (
-        "--relative must be a number or a percentage"
-        in run("scatter", *BALLS, "--relative", "much")[2]
+        "--scatter must be a number or a percentage"
+        in run("scatter", *BALLS, "--scatter", "much")[2]
     )
-    assert "at most 0.3, got '50%'" in run("scatter", *BALLS, "--relative", "50%")[2]
+    assert "at most 0.3, got '50%'" in run("scatter", *BALLS, "--scatter", "50%")[2]
 
 
 CRYSTAL = ("spectrum", "--material", "steel-316", "--diameter", "19 mm", "--beads", 6)

@@ -117,7 +117,7 @@ def test_the_unit_of_length_of_a_scaled_chain_may_be_another_bead(name):
 
 def test_the_command_has_the_spread_of_the_law(run):
     """Velocity of bead 30 for a scatter of 2%: without bead 1 it would be 1.5%."""
-    args = ["scatter", "--beads", "40", "--relative", "2%", "--quantity", "velocity@30", "--json"]
+    args = ["scatter", "--beads", "40", "--scatter", "2%", "--quantity", "velocity@30", "--json"]
 
     def spread(*more):
         code, out, _ = run(*args, *more)

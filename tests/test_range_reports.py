@@ -101,7 +101,7 @@ def test_distributions_count_chains_outside_the_range():
 
 
 @pytest.mark.filterwarnings("default::hertzchain.ModelRangeWarning")
-@pytest.mark.parametrize("command", [["scatter", "--relative", "1%", "--chains", "5"],
+@pytest.mark.parametrize("command", [["scatter", "--scatter", "1%", "--chains", "5"],
                                      ["sensitivity"]])  # fmt: skip
 def test_commands_report_the_range_once(command, run):
     code, _, err = run(*command, *WALLED, "--speed", "0.5 m/s")
@@ -113,13 +113,13 @@ def test_commands_report_the_range_once(command, run):
 
 @pytest.mark.filterwarnings("default::hertzchain.ModelRangeWarning")
 def test_the_document_of_scatter_counts_chains_outside_the_range(run):
-    options = ["scatter", "--relative", "1%", "--chains", "5", "--json", "--speed", "0.5 m/s"]
+    options = ["scatter", "--scatter", "1%", "--chains", "5", "--json", "--speed", "0.5 m/s"]
     _, out, _ = run(*options, *WALLED)
     assert json.loads(out)["outside_range"] == 5
 
 
 def test_values_of_scatter_are_printed_as_csv(run):
-    options = ["scatter", *WALLED, "--speed", "5 mm/s", "--relative", "1%", "--chains", "5"]
+    options = ["scatter", *WALLED, "--speed", "5 mm/s", "--scatter", "1%", "--chains", "5"]
     _, out, _ = run(*options, "--csv")
     header, *rows = out.splitlines()
     assert header == "wall_force.peak [N]"

@@ -144,7 +144,7 @@ def test_a_peak_is_not_complete_while_a_drive_pushes():
 
 def test_gradients_scatter_and_designs_on_a_soft_wall(run):
     truth = peak_of_scipy(balls(4), 6e-3)
-    code, out, err = run("scatter", *RUBBER, "--relative", "1%", "--chains", "4", "--json")
+    code, out, err = run("scatter", *RUBBER, "--scatter", "1%", "--chains", "4", "--json")
     assert code == 0
     assert json.loads(out)["nominal"] == pytest.approx(truth, rel=1e-5)
     assert json.loads(out)["failed"] == 0

@@ -60,7 +60,7 @@ KEYS_OF_FILES: Final = {
     "drive": "a table [chain.drive]",
 }
 # Options that have another name than the same argument of a function.
-NAMES_OF_ARGUMENTS: Final = {"samples": "--chains"}
+NAMES_OF_ARGUMENTS: Final = {"samples": "--chains", "relative": "--scatter"}
 
 
 def _explained(

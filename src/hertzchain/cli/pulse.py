@@ -70,7 +70,8 @@ def _method_help() -> str:
 @click.option(
     "--rtol",
     type=Fraction(),
-    help="Relative tolerance per step of propagate and simulate.  [default: 1e-13]",
+    help="Relative tolerance per step of propagate (1e-10 to 1e-5) and simulate (1e-14 to 1e-6).  "
+    "[default: 1e-8; with --method simulate, 1e-13]",
 )
 @click.option(
     "--scatter",

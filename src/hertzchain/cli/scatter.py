@@ -31,7 +31,8 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @click.command(cls=StrictCommand)
 @chain_options
 @click.option(
-    "--relative",
+    "--scatter",
+    "relative",
     metavar="SCATTER",
     help="Standard deviation of each diameter, and hence radius, relative to its nominal value, "
     "such as 0.01 or 1% (of its logarithm, which is normally distributed).",
@@ -39,7 +40,7 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @click.option(
     "--grade",
     type=int,
-    help="Grade of the balls by ISO 3290-1, 3 to 200, instead of --relative: diameters are "
+    help="Grade of the balls by ISO 3290-1, 3 to 200, instead of --scatter: diameters are "
     "uniformly distributed over the variation within a lot, 0.5 um (nominal +-0.25 um) for grade "
     "10 and 5 um for grade 100.",
 )
@@ -74,7 +75,7 @@ def scatter(
     \b
     Examples:
       hertzchain scatter --material steel-52100 --diameter "10 mm" --beads 20 \\
-          --speed "0.1 m/s" --wall same --relative 1%
+          --speed "0.1 m/s" --wall same --scatter 1%
       hertzchain scatter chain.toml --grade 100 --quantity arrival@last --plot arrival.png
     """
     import hertzchain
@@ -85,7 +86,7 @@ def scatter(
         raise click.UsageError("--json and --csv cannot be combined")
     if (relative is None) == (grade is None):
         both = "" if relative is None else ", not both"
-        raise click.UsageError(f"give --relative, such as 1%, or --grade, such as 100{both}")
+        raise click.UsageError(f"give --scatter, such as 1%, or --grade, such as 100{both}")
     part = None if relative is None else _part(relative)
     whole_number("--seed", seed, least=0)
     whole_number("--chains", count, least=2, most=10_000)
@@ -111,7 +112,7 @@ def _part(text: str) -> float:
     """A scatter, which need not be a percentage."""
     from ..chain.random_radii import relative_scatter
 
-    return relative_scatter("--relative", as_typed(text), above=0.0)
+    return relative_scatter("--scatter", as_typed(text), above=0.0)
 
 
 def _document(found: Distribution) -> dict[str, Any]:

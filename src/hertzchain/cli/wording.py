@@ -17,7 +17,7 @@ WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "use loss = {law = 'elastic-plastic', yield_overlap = ...} in the chain file"),
     (r"\bloss=None\b", "no loss"),
-    (r"\buse Chain\.from_materials, or relative$", "give a material and sizes, or --relative"),
+    (r"\buse Chain\.from_materials, or relative$", "give a material and sizes, or --scatter"),
     (r"\bchain\.struck_by\(\)", "struck_by = {velocity = '1 m/s'} in the chain file"),
     (r"\buse largest_so_far\b", "use the largest force so far"),
     (r"\bsimulate with until='([^']*)'", r"add --until '\1'"),

@@ -351,7 +351,8 @@ def _follow_with_progress(
 
 def checked_rtol(rtol: float) -> float:
     """Check a relative tolerance of the pulse, from 1e-10 to 1e-5."""
+    smaller = isinstance(rtol, float) and 0.0 < rtol < MIN_RTOL
+    hint = "for smaller errors use hertzchain.simulate(chain, times=0, rtol=1e-13).pulse()"
     return number(
-        "rtol", rtol, least=MIN_RTOL, most=MAX_RTOL,
-        hint="for smaller errors use hertzchain.simulate(chain, times=0, rtol=1e-13).pulse()",
+        "rtol", rtol, least=MIN_RTOL, most=MAX_RTOL, hint=hint if smaller else ""
     )  # fmt: skip

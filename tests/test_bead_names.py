@@ -31,7 +31,7 @@ def test_sensors_of_many_chains_have_names():
 @pytest.mark.parametrize(
     ("chains", "sensor", "words"),
     [
-        ([CHAIN], "ball 7", "6 balls after its strikers, no ball 7"),
+        ([CHAIN], "ball 7", "there is no ball 7: the chain has 6 balls after its strikers"),
         ([CHAIN], "marble 2", "or a name such as 'ball 11'"),
         ([CHAIN], "0", "or a name such as 'ball 11'"),
         ([CHAIN, hc.Chain.from_materials("10 mm", "steel-52100", beads=6, velocity=0.2)],
@@ -66,7 +66,7 @@ def test_quantities_of_commands_have_names(command, run, tmp_path):
     assert texts[0] == texts[1]
     code, _, err = run(command, tmp_path / "row.toml", "--quantity", "velocity@ball 9", *more)
     assert code == 2
-    assert "6 balls after its strikers, no ball 9" in err
+    assert "there is no ball 9: the chain has 6 balls after its strikers" in err
 
 
 def test_plots_and_headings_of_sensitivities_name_balls(run, tmp_path):

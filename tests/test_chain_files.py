@@ -183,7 +183,7 @@ def test_drives_from_a_table(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("radius [mm],material\n5,brass\n5\n", "row 2 has 1 cells, the header has 2"),
+        ("radius [mm],material\n5,brass\n5\n", "row 2 has 1 cell, but the header has 2"),
         ("radius [mm],materal\n5,brass\n", "unknown column 'materal'.*did you mean 'material'"),
         ("radius [mm],radius [mm]\n5,5\n4,4\n", "column 'radius' occurs 2 times"),
         ("radius [mm],radius [m]\n5,5\n4,4\n", "column 'radius' occurs 2 times"),
@@ -293,7 +293,7 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
             r"\[chain.loss\] has no law: choose from dashpot, elastic, elastic-plastic, rest",
         ),
         (U + '[chain.loss]\nlaw = "restitutoin"', "did you mean 'restitution'"),
-        (U + '[chain.loss]\nlaw = "restitution"', r"\[chain.loss\] has no coefficient"),
+        (U + '[chain.loss]\nlaw = "restitution"', r"\[chain.loss\] requires coefficient"),
         (U + '[chain.loss]\nlaw = "restitution"\ncoefficient = 2', "at most 1, got 2"),
         (U + '[chain.loss]\nlaw = "restitution"\ncoefficient = "9 mm"', "must have no unit"),
         (U + '[chain.loss]\nlaw = "restitution"\ncoefficient = "much"', "a percentage such as"),

@@ -127,7 +127,7 @@ def test_unsupported_features_are_named_with_the_chain_as_it_was_given():
     for method in METHODS:
         with pytest.raises(InputError, match=r"right wall; .* \(chain: \d+ steel-52100 beads"):
             method(walled)
-    with pytest.raises(InputError, match="modified_bca requires a tapered chain"):
+    with pytest.raises(InputError, match="the modified BCA requires a tapered chain"):
         hc.modified_bca(STEEL)
     driven = STEEL.replace(drive=hc.SineBurst(1.0, 1e4))
     with pytest.raises(InputError, match=r"propagate does not support a drive"):

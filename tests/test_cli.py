@@ -229,7 +229,8 @@ def test_cite(run):
         (["pulse", "--plot", "pulse.doc"], "must end in .png, .svg or .pdf"),
         (["pulse", "missing.toml"], "cannot read chain file 'missing.toml'"),
         (["pulse", "missing.toml", "--beads", "3"], "not both"),
-        (["pulse", "--method", "modified-bca"], "use bca or theory.two_thirds_bca for other"),
+        (["pulse", "--method", "modified-bca"],
+         "use --method bca or --method two-thirds-bca for other chains"),
         (["simulate", "--until", "-1"], "until must be above 0"),
         (["simulate", "--rtol", "1"], "rtol must be at least 1e-14 and at most 1e-06"),
         (["simulate", "--out", "run.xls"], "must end in .nc or .csv"),
@@ -648,7 +649,9 @@ def test_simulate_says_what_a_wall_has_not_felt(run, tmp_path):
         assert document["walls"][0]["peak"] is None
         assert document["walls"][0]["complete"] is False
         file.write_text(EXPERIMENT + "gap = 0.1\n")
-        assert "right wall: not reached" in run("simulate", file, "--until", "10 us")[1]
+        assert (
+            "right wall: the pulse has not arrived" in run("simulate", file, "--until", "10 us")[1]
+        )
     assert json.loads(run("simulate", "--beads", 3, "--json")[1])["walls"] == []
 
 

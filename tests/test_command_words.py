@@ -10,6 +10,7 @@ import pytest
 
 import hertzchain as hc
 from hertzchain import cli
+from hertzchain.recorded_warnings import ignore_warnings
 
 
 def test_speed_is_that_of_the_pulse(run):
@@ -64,6 +65,15 @@ right_wall = {}
 minimise = "wall_force.peak"
 vary = [{radii = [0.5, 1.0]}]
 """
+SWEEP = """
+[chain]
+taper = "forward-linear"
+beads = 5
+[axes]
+rate = [0.1, 0.2]
+[sweep]
+keep = ["speed"]
+"""
 
 
 def shown_defaults():
@@ -96,3 +106,85 @@ def test_shown_defaults_are_accepted(run, tmp_path, monkeypatch, command, option
         del arguments[place : place + 2]
     code, _, err = run(command, *arguments, *more, option, value)
     assert code in (0, 3), err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["pulse", *BALLS[:-2], "--loss", "restitution=0.9", "--method", "bca"],
+         "the BCA does not support a loss; use --method simulate (chain: "),
+        (["pulse", "--beads", "5", "--method", "local-rate"], "got 5; use --method propagate\n"),
+        (["pulse", "--beads", "5", "--rtol", "1"], "at most 1e-05, got 1\n"),
+        (["pulse", "--material", "stone", "--diameter", "9 mm"],
+         "or define a custom one as [materials.NAME] in a chain file\n"),
+        (["simulate", *BALLS, "--until", "-2 ms"], "--until must be above 0, got '-2 ms'\n"),
+        (["simulate", *BALLS, "--step", "1 us"],
+         "--step and --drift require --method symplectic, verlet or forward-4\n"),
+        (["simulate", *BALLS, "--loss", "restitution"],
+         "--loss restitution requires the value of its coefficient: write --loss"),
+        (["simulate", *BALLS, "--sensor", "ball 9"],
+         "there is no ball 9: the chain has 3 balls; give a number from 1 to 3\n"),
+        (["scatter", *BALLS, "--relative", "1%"], "No such option '--relative'; use --scatter\n"),
+        (["scatter", *BALLS, "--scatter", "2"], "got 2; for a scatter of 2%, give '2%'\n"),
+        (["scatter", *BALLS, "--scatter", "1%", "--only", "7:"], "--only '7:' is outside 1 to 3\n"),
+        (["sensitivity", "--beads", "5", "--to", "young"], "young is a parameter of materials"),
+        (["spectrum", *QUICK["spectrum"], "--beads", "9", "--transfer", "30", "--plot", "a.png"],
+         "--transfer must be a whole number from 0 to 9, got 30\n"),
+        (["sweep", "sweep.toml"], "sweeps do not keep the speed of the pulse; keep residence"),
+    ],
+)  # fmt: skip
+def test_messages_are_clear_sentences(run, tmp_path, monkeypatch, arguments, said):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "sweep.toml").write_text(SWEEP, "utf-8")
+    code, out, err = run(*arguments)
+    assert (code, out) == (2, "")
+    assert said in err
+
+
+def test_messages_of_functions_are_clear_sentences():
+    chain = hc.Chain.uniform(5)
+    for call, said in (
+        (lambda: chain.with_scatter(1, relative=1), "got 1; for a scatter of 1%, give '1%'$"),
+        (lambda: chain.with_scatter(1), "^give either relative, such as 0.01, or grade, such as"),
+        (lambda: hc.propagate(chain, rtol=1), "at most 1e-05, got 1$"),
+        (lambda: hc.propagate(chain, rtol=1e-12), "got 1e-12; for smaller errors use hertzchain.s"),
+        (lambda: hc.hard_sphere(chain.replace(right_wall=hc.Wall())), "remove it from the chain"),
+        (lambda: hc.Scatter(), "Scatter needs either radius, such as 0.01, or grade, such as 100"),
+        (lambda: hc.simulate(chain, times=0).plot(), "the run has 0; give simulate times, such"),
+    ):
+        with pytest.raises(hc.InputError, match=said):
+            call()
+    assert repr(hc.propagate_many([])) == "PulseTable(0 chains of up to 0 beads)"
+
+
+ROW = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", "20", "--speed", "0.1 m/s",
+       "--wall", "same", "--sensor", "15", "--sensor", "3")  # fmt: skip
+
+
+@pytest.mark.filterwarnings("default")
+def test_short_runs_state_that_the_pulse_has_not_arrived(run):
+    """At 130 us, a pulse with 561.69 m/s 0.4^-0.2 0.1^0.2 = 426 m/s is in the sixth ball."""
+    code, out, err = run("simulate", *ROW, "--until", "130 us")
+    assert code == 0
+    assert "right wall: the pulse has not arrived\n" in out
+    assert "sensor in bead 15: the pulse has not arrived\n" in out
+    assert "sensor in bead 3: first maximum" in out
+    assert "e-" not in out.partition("right wall")[2]
+    assert "Warning: the pulse had not reached bead 15 at t = 130 us; simulate for longer\n" in err
+    assert "Warning: the pulse had not reached the right wall at t = 130 us, and up to" in err
+
+
+def test_reached_at_sensors_and_walls():
+    chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
+    for until, expected in ((5.0, (True, False, False)), (40.0, (True, True, True))):
+        with ignore_warnings():
+            run = hc.simulate(chain, until=until, times=400)
+            reached = (*(run.sensor_force(k).reached for k in (2, 18)), run.wall_force().reached)
+        assert reached == expected
+    # A static force does not mean that the pulse has arrived.
+    loaded = chain.replace(precompression=1e-3, held_by="force")
+    with ignore_warnings():
+        sensor = hc.simulate(loaded, until=1.0, times=50).sensor_force(18)
+    assert sensor.largest_so_far == pytest.approx(1e-3)
+    assert not sensor.reached
+    assert "the pulse has not arrived" in repr(sensor)

@@ -201,7 +201,7 @@ def test_balls_are_counted_without_the_strikers():
         found = run.sensor_force(name)
         assert found.bead == 6
         assert found.largest_so_far == pytest.approx(mean.max(), rel=1e-3)
-    with pytest.raises(hc.InputError, match="9 balls after its strikers, no ball 10"):
+    with pytest.raises(hc.InputError, match="no ball 10: the chain has 9 balls after its strikers"):
         run.sensor_force("ball 10")
     np.testing.assert_array_equal(run.sensor("wall"), run.force(11))
     with pytest.raises(hc.InputError, match="a name such as 'ball 11' .* got 'wal'"):

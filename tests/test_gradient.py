@@ -694,7 +694,7 @@ def test_differences_of_balls_that_yield_have_the_powers_of_dimensional_analysis
         ({"quantity": "energy.kinetic"}, "depends on the end of the run; give until"),
         ({"to": ()}, "to must have at least one parameter"),
         ({"to": "radius"}, "unknown parameter 'radius'"),
-        ({"to": "young"}, "its beads have no materials"),
+        ({"to": "young"}, "young is a parameter of materials, which this chain"),
         ({"to": "left_wall.gap"}, "it has no left_wall"),
         ({"to": "gravity"}, "give a small gravity"),
         ({"until": -1.0}, "until must be above 0"),

@@ -238,7 +238,7 @@ def test_theories_take_masses_and_contacts_of_any_kind():
         (lambda: SineBurst(1.0, 1.0, window="tukey"), "unknown window 'tukey'"),
         (lambda: TableDrive([0.0, 1.0, 1.0], [0, 1, 2]), "that of row 3 is 1 after 1"),
         (lambda: TableDrive([0.0], [0.0]), "at least two times, got 1"),
-        (lambda: TableDrive([0.0, 1.0], [0.0]), "2 numbers for the value of the drive"),
+        (lambda: TableDrive([0.0, 1.0], [0.0]), "2 numbers for the values of the drive"),
         (lambda: Wall(gap=-0.1), "gap to a wall must be at least 0"),
         (lambda: Wall(stiffness=0.0), "stiffness of a wall must be above 0"),
         (

@@ -22,7 +22,7 @@ BALLS = hc.Chain.from_materials(4e-3, "steel-52100", beads=6, velocity=0.1)
         ),
         (lambda: hc.material("Stainless steel"), "did you mean 'steel-304' or 'steel-316'"),
         (lambda: hc.simulate("chain.toml"), r"hc.load_chain\('chain.toml'\) reads one"),
-        (lambda: BALLS.replace(gravity="9.81"), "'9.81' has no unit; write '9.81 m/s"),
+        (lambda: BALLS.replace(gravity="9.81"), "is '9.81', without a unit; write '9.81 m/s"),
         (lambda: BALLS.replace(gaps=[0.0, 1e-6]), "there must be 5 numbers for the gaps"),
         (lambda: BALLS.replace(gaps="-20 um"), "gap of contact 1 is '-20 um'"),
         (lambda: hc.Wall(gap="-20 um"), "got '-20 um'"),

@@ -124,9 +124,9 @@ def test_units_of_sensors_are_converted(tmp_path):
          "has the unit mV, but the sensor is given as 'ball 4 [V]'"),
         ("X,CH1,CH2", {"CH1": "ball 4 [V]"}, "one column of times"),
         ("TIME [s],CH1,CH2", {"CH3": "wall [V]"}, "no column 'CH3'; the file has CH1, CH2"),
-        ("TIME,CH1,CH2\n(s),(V)", PLACES, "row of units has 2 cells, the header has 3"),
+        ("TIME,CH1,CH2\n(s),(V)", PLACES, "row of units has 2 cells, but the header has 3"),
         ("TIME,CH1,CH2\n(s),(A),(V)", PLACES, "unit of column 'ball 4' 'A'"),
-        ("Model,X1\nTIME,CH1\n(s),(V)", {"CH1": "wall"}, "line 4 has 3 cells, the header has 2"),
+        ("Model,X1\nTIME,CH1\n(s),(V)", {"CH1": "wall"}, "line 4 has 3 cells, but the"),
     ],
 )  # fmt: skip
 def test_messages_use_the_names_of_the_file(head, sensors, words, tmp_path):
@@ -294,7 +294,7 @@ def test_decimal_commas_may_be_in_quotation_marks(tmp_path):
          "its numbers have commas and points, such as 0,5 and 1.0; save"),
         ("time [us];wall [V]", ["1;1.234,5", "2;1.234,6"], "commas and points, such as 1.234,5"),
         ("time [us],wall [V]", ["0,5,0,1", "1,5,0,2"],
-         "line 2 has 4 cells, the header has 2; if numbers have decimal commas, separate"),
+         "line 2 has 4 cells, but the header has 2; if numbers have decimal commas, separate"),
     ],
 )  # fmt: skip
 def test_numbers_that_can_be_read_in_two_ways_are_rejected(head, rows, words, tmp_path):
@@ -428,7 +428,7 @@ def test_a_file_with_comments_and_no_header_is_rejected(tmp_path):
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ("1e-06,1", "line {} has 2 cells, the header has 3"),
+        ("1e-06,1", "line {} has 2 cells, but the header has 3"),
         ("1e-06,x,1", "column 'CH1 [V]' is 'x' in line {}: it must be a number"),
         (",1,1", "the time of line {} is missing"),
         ("-1,1,1", "times must increase, but line {} is at -1 s"),

@@ -87,9 +87,9 @@ def test_ways_to_write_powers_and_products():
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("5", "gap '5' has no unit; write '5 mm' or another unit"),
-        ("9.81", "gap '9.81' has no unit; write '9.81 mm'"),
-        ("1e-3", "gap '1e-3' has no unit; write '1e-3 mm'"),
+        ("5", "gap is '5', without a unit; write '5 mm' or another unit"),
+        ("9.81", "gap is '9.81', without a unit; write '9.81 mm'"),
+        ("1e-3", "gap is '1e-3', without a unit; write '1e-3 mm'"),
         ("mm", "gap must be a number, or text with a unit such as '5 mm', got 'mm'"),
         ("5 furlong", "unknown unit of gap 'furlong': choose from m, cm, mm"),
         ("5 kg", "gap must have a unit such as m, cm, mm.* got 'kg'"),

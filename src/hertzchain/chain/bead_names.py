@@ -6,6 +6,7 @@ import re
 from typing import Final
 
 from ..errors import InputError, short_repr
+from ..representation import counted
 from ..validation.numbers import whole_number
 from .chain import Chain
 
@@ -52,9 +53,10 @@ def numbered_bead(chain: Chain, body: str, number: int) -> int:
     shift = chain.strikers if body == "ball" else 0
     count = chain.beads - shift
     if not 1 <= number <= count:
+        after = " after its strikers" if shift else ""
         raise InputError(
-            f"the chain has {count} {body}s{' after its strikers' if shift else ''}, "
-            f"no {body} {number}"
+            f"there is no {body} {number}: the chain has {counted(count, body)}{after}; give a "
+            f"number from 1 to {count}"
         )
     return number + shift
 

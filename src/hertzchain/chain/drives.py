@@ -230,7 +230,7 @@ class TableDrive(Part):
         given = real_numbers("time of the drive", self.times, "row", unit="s")
         times = per_bead_array("time of the drive", given, given.size, "row")
         values = per_bead_array(
-            "value of the drive", self.values, len(times), "row", unit=_UNIT[self.of]
+            "values of the drive", self.values, len(times), "row", unit=_UNIT[self.of]
         )
         if len(times) < 2:
             raise InputError(f"the table of a drive needs at least two times, got {len(times)}")

@@ -71,7 +71,7 @@ def require_supported(
     others = [name for name in chain.features if name not in (*supported, *implied)]
     if others:
         advice = alternative if isinstance(alternative, str) else alternative(others)
-        advice = advice or "remove them from the chain"
+        advice = advice or f"remove {'it' if len(others) == 1 else 'them'} from the chain"
         if others == ["SI units"]:
             advice = "use Scales.of(chain).to_scaled(chain)"
         # Chains of materials are converted into scaled ones with masses and stiffness.

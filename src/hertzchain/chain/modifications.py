@@ -189,7 +189,7 @@ def with_scatter(
     array([1.   , 1.   , 1.034, 0.878])
     """
     if (relative is None) == (grade is None):
-        raise InputError("give either a relative scatter or a ball grade")
+        raise InputError("give either relative, such as 0.01, or grade, such as 100")
     if relative is not None:
         relative = relative_scatter("relative scatter", relative, least=0.0)
     else:

@@ -41,7 +41,7 @@ def relative_scatter(
 ) -> float:
     """Check a standard deviation of the logarithm of the radius."""
     whole = isinstance(value, int | float) and MAX_SCATTER < value < 100.0 * MAX_SCATTER
-    percent = f"for {value:g}%, write {value:g}%" if whole else ""
+    percent = f"for a scatter of {value:g}%, give '{value:g}%'" if whole else ""
     return number(
         what, value, unit=FRACTION, above=above, least=least, most=MAX_SCATTER, hint=percent
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import MISSING, fields
 from typing import TYPE_CHECKING, Any, Final
 
 import click
@@ -95,6 +96,12 @@ def law_from(text: str, chain: Chain) -> Loss:
     parameters = LAWS[name].parameters()
     if equals and not parameters:
         raise click.UsageError(f"the law {name} has no parameters: write --loss {name}")
+    required = [each.name for each in fields(LAWS[name]) if each.default is MISSING]
+    if required and not equals:
+        raise click.UsageError(
+            f"--loss {name} requires the value of its {required[0]}: write --loss {name}=VALUE, as "
+            "in --loss restitution=0.96"
+        )
     given = [(next(iter(parameters), ""), value)] if equals else []
     for each in others:
         key, _, value = (part.strip() for part in each.partition("="))

@@ -35,7 +35,7 @@ class Fraction(click.ParamType):  # type: ignore[type-arg]
 
 
 class StrictCommand(click.Command):
-    """A command that rejects options that are given twice, of which Click would use the last."""
+    """A command that rejects options given twice, of which Click would use the last."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the options, each of which has one value unless it is repeatable."""
@@ -50,6 +50,13 @@ class StrictCommand(click.Command):
                     raise click.UsageError(f"{option} is given {order.count(param)} times; give "
                                            "it once", ctx)  # fmt: skip
         return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command; messages of the library are in the words of its options."""
+        from .wording import in_words_of_the_command
+
+        with in_words_of_the_command():
+            return super().invoke(ctx)
 
 
 # Names of options that are keys of chain files, where these differ.
@@ -121,15 +128,24 @@ def time_from(option: str, text: str | None, chain: Chain) -> float | None:
 
     if text is None:
         return None
+    value = as_typed(text)
     if chain.units == "SI":
-        return seconds_from(option, text)
-    return number(option, as_typed(text), unit=SCALED)
+        _require_unit(option, text)
+        return number(option, value, unit="s", above=0.0)
+    return number(option, value, unit=SCALED, above=0.0)
 
 
 def seconds_from(option: str, text: str) -> float:
-    """Parse a time with its unit, without which it could be meant in any, as lengths could."""
-    from ..representation import measure
+    """Parse a time with its unit."""
     from ..validation.numbers import number
+
+    _require_unit(option, text)
+    return number(option, as_typed(text), unit="s")
+
+
+def _require_unit(option: str, text: str) -> None:
+    """Reject a time without a unit, which could be meant in any, as lengths could."""
+    from ..representation import measure
 
     value = as_typed(text)
     if isinstance(value, float) and value and math.isfinite(value):
@@ -138,7 +154,6 @@ def seconds_from(option: str, text: str) -> float:
         raise click.UsageError(
             f"{option} {text} has no unit; write, for example, {option} '{example}'"
         )
-    return number(option, value, unit="s")
 
 
 def window_from(option: str, text: str) -> tuple[int, int]:

@@ -14,7 +14,6 @@ from .options import Fraction, LateHelp, StrictCommand, figure_option, json_opti
 from .output import save_figure, show_table
 from .progress import progress_bar
 from .pulse_tables import pulse_table, side_by_side
-from .wording import in_words_of_the_command
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -136,7 +135,7 @@ def pulse(
     if len(chains) > 1 and (as_json or as_csv):
         raise click.UsageError("--json and --csv require one chain FILE")
     found = {}
-    with progress_bar("beads passed") as progress, in_words_of_the_command():
+    with progress_bar("beads passed") as progress:
         for name, chain in chains.items():
             found[name] = [_computed(each, chain, progress, settings[each]) for each in chosen]
     pulses = [pulse for each in found.values() for pulse in each]

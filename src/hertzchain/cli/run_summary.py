@@ -142,6 +142,7 @@ def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
     from ..validation.json_types import finite
 
     found = {name: value for name, value in vars(force).items() if name not in ("times", "force")}
+    found["reached"] = force.reached
     if (duration := getattr(force, "duration", None)) is not None:
         found["duration"] = duration
     numbers: dict[str, object] = finite(found)
@@ -152,8 +153,8 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
     """Describe the force on a wall; an incomplete one has no peak."""
     from ..representation import counted, measure
 
-    if wall.largest_so_far == 0.0:
-        return f"{wall.side} wall: not reached"
+    if not wall.reached:
+        return f"{wall.side} wall: the pulse has not arrived"
     largest = _at(run, wall.largest_so_far, wall.largest_so_far_time)
     impulse = _impulse(wall.impulse, wall.units)
     whole = f"{impulse} in the whole run"
@@ -200,6 +201,8 @@ def _sensor_line(run: Run, bead: int) -> str:
     from ..simulation.sensor_force import SHOWN
 
     sensor = run.sensor_force(bead)
+    if not sensor.reached:
+        return f"sensor in {bead_label(run.chain, bead)}: the pulse has not arrived"
     first, largest = "no maximum yet", ""
     if not math.isnan(sensor.first_maximum):
         first = f"first maximum {_at(run, sensor.first_maximum, sensor.first_maximum_time)}"

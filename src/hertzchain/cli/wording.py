@@ -17,6 +17,7 @@ WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "use loss = {law = 'elastic-plastic', yield_overlap = ...} in the chain file"),
     (r"\bloss=None\b", "no loss"),
+    (r"\bwith Material\(name, density=, young=, poisson=\), or \[", "as ["),
     (r"\buse Chain\.from_materials, or relative$", "give a material and sizes, or --scatter"),
     (r"\bchain\.struck_by\(\)", "struck_by = {velocity = '1 m/s'} in the chain file"),
     (r"\buse largest_so_far\b", "use the largest force so far"),
@@ -41,8 +42,22 @@ WORDINGS: Final = (
 # ... and with commands that have an option for it.
 BY_OPTION: Final = {
     "striker": ((r"such as chain\.struck_by\(\)", "such as --striker 1"),),
+    "some": (
+        (r"^beads = '", "--only '"),
+        (r"^beads must be selected", "--only must select beads"),
+    ),
+    "contact": ((r"^contact must be", "--transfer must be"),),
+    "drift": (
+        (
+            r"^step and drift require method .*",
+            "--step and --drift require --method symplectic, verlet or forward-4",
+        ),
+    ),
     "methods": (
+        (r"\buse simulate, or bca\(.*restitution=e\)", "use --method simulate"),
         (r"\buse simulate\b", "use --method simulate"),
+        (r"\buse propagate\b", "use --method propagate"),
+        (r"\buse bca or theory\.two_thirds_bca", "use --method bca or --method two-thirds-bca"),
         (r"\buse propagate_many( with Chain\.with_scatter)?", "use hertzchain scatter"),
         (
             r"^disorder requires .*",

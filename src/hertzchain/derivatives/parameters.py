@@ -36,14 +36,18 @@ def checked_parameters(chain: Chain, to: str | Iterable[str]) -> tuple[str, ...]
         check_choice("parameter", name, PARAMETERS)
         if name in MATERIAL and chain.materials is None:
             raise InputError(
-                f"the chain has no {name}: its beads have no materials; use 'masses' and "
-                "'stiffness', or a chain of Chain.from_materials"
+                f"{name} is a parameter of materials, which this chain does not have; use 'masses' "
+                "and 'stiffness', or create the chain with Chain.from_materials"
             )
         end = name.split(".")[0]
         if end.endswith("_wall") and getattr(chain, end) is None:
-            raise InputError(f"the chain has no {name}: it has no {end}; add one or omit it")
+            raise InputError(
+                f"the chain has no {name}, because it has no {end}; add one, or omit {name}"
+            )
         if name.startswith("loss.") and not any(_has(law, name) for law in chain.contact_losses):
-            raise InputError(f"the chain has no {name}: no law of its contacts has this parameter")
+            raise InputError(
+                f"the chain has no {name}, because no law of its contacts has it; omit {name}"
+            )
         if name.startswith("loss."):
             _check_damped(chain, name)
         if name == "precompression" and not chain.precompression > 0.0:

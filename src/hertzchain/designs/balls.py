@@ -11,6 +11,7 @@ from typing import Final
 
 from ..chain.materials import Material, material
 from ..errors import InputError, errors_at
+from ..representation import counted
 from ..store.csv_tables import csv_rows
 from ..units import converted
 from ..validation.objects import file_path, shown_path
@@ -103,7 +104,7 @@ def _read(path: Path) -> tuple[Ball, ...]:
 
 def _ball(row: int, cells: dict[str, str], unit: str, width: int, given: list[str]) -> Ball:
     if len(given) != width:
-        raise InputError(f"row {row} has {len(given)} cells, the header has {width}")
+        raise InputError(f"row {row} has {counted(len(given), 'cell')}, but the header has {width}")
 
     def read(name: str) -> float:
         try:

@@ -65,7 +65,7 @@ class Scatter:
 
     def __post_init__(self) -> None:
         if (self.radius is None) == (self.grade is None):
-            raise InputError("a scatter has either a relative scatter of the radius or a grade")
+            raise InputError("Scatter needs either radius, such as 0.01, or grade, such as 100")
         if self.radius is not None:
             spread = relative_scatter("scatter of the radius", self.radius, above=0.0)
             object.__setattr__(self, "radius", spread)

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from ..errors import InputError
+from ..representation import counted
 from ..store.csv_tables import split_header
 from ..units import UNITS
 
@@ -43,8 +44,8 @@ def header_and_samples(rows: Rows, lines: Sequence[int]) -> tuple[list[str], Row
         units, body = [_unit(cell) for cell in body[0]], body[1:]
         if len(units) != len(header):
             raise InputError(
-                f"the row of units has {len(units)} cells, the header has {len(header)}; complete "
-                "one of them"
+                f"the row of units has {counted(len(units), 'cell')}, but the header has "
+                f"{len(header)}; complete one of them"
             )
     else:
         units = _units_in_settings(rows[:at], len(header))

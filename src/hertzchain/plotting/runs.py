@@ -98,7 +98,10 @@ def plot_run(
     'time $t$'
     """
     if len(run.times) < 2:
-        raise InputError(f"a map needs at least 2 saved times, the run has {len(run.times)}")
+        raise InputError(
+            f"a map needs at least 2 saved times, but the run has {len(run.times)}; give simulate "
+            "times, such as times=400"
+        )
     check_choice("quantity of a map", quantity, ("velocity", "force"))
     values = run.forces if quantity == "force" else run.velocities
     if check_bool("relative", relative):

@@ -293,6 +293,8 @@ class PulseTable(Columns):
     @property
     def _longest(self) -> str:
         """Number of beads and strikers of the longest chain in words."""
+        if not len(self):
+            return length_in_words(0, 0)
         row = int(np.argmax(self.beads))
         chain = self.chains[row] if self.chains else None
         return length_in_words(int(self.beads[row]), 0 if chain is None else chain.strikers)

@@ -106,7 +106,8 @@ def fixed_steps(
     if method == "adaptive":
         if step is not None or drift is not None:
             raise InputError(
-                "step and drift are options of method 'symplectic'; the adaptive method has rtol"
+                "step and drift require method 'symplectic', 'verlet' or 'forward-4'; the error of "
+                "method 'adaptive' is set by rtol"
             )
         return None
     require_fixed_steps(chain)

@@ -27,6 +27,9 @@ MIN_HEIGHT, FALL = 0.01, 0.1
 MANY_TIMES = 4000
 # Warn if the error of the largest force exceeds this fraction of it.
 COARSE = 1e-2
+# Fraction of the largest change of a force below which the pulse has not arrived: the computed
+# motion ahead of the pulse decreases to this size within a few beads, and further without limit.
+NEGLIGIBLE = 1e-6
 # Relative error above which an error is shown.
 SHOWN = 1e-4
 
@@ -60,6 +63,9 @@ class SensorForce:
         these overlaps.
     units : str
         ``"scaled"`` or ``"SI"``.
+    reached : bool
+        Whether the pulse has arrived: the force has changed by at least 1e-6 of the largest change
+        of a force in the chain.
     """
 
     bead: int
@@ -71,8 +77,11 @@ class SensorForce:
     largest_so_far_time: float
     units: str = "scaled"
     error: float = 0.0
+    reached: bool = True
 
     def __repr__(self) -> str:
+        if not self.reached:
+            return short("SensorForce", f"bead {self.bead}", "the pulse has not arrived")
         first, largest = (
             f"{measure(force, 'N', self.units)} at t = {measure(time, 's', self.units)}"
             for force, time in (
@@ -151,13 +160,15 @@ def sensor_force_of(self: Trajectory, bead: int | str) -> SensorForce:
     bead = bead_number(self.chain, bead)
     found = sensor_maxima(self, bead)
     if math.isnan(found.first_maximum):
-        warn_user(
-            f"the force in bead {bead} had no maximum before t = "
-            f"{measure(float(self.times[-1]), 's', self.chain.units, 6)}; simulate for longer, or "
-            "save more times",
-            IncompleteWarning,
-        )
-    if found.error > COARSE * found.largest_so_far:
+        end = measure(float(self.times[-1]), "s", self.chain.units, 6)
+        missing = f"the pulse had not reached bead {bead} at t = {end}; simulate for longer"
+        if found.reached:
+            missing = (
+                f"the force in bead {bead} had no maximum before t = {end}; simulate for longer, "
+                "or save more times"
+            )
+        warn_user(missing, IncompleteWarning)
+    if found.reached and found.error > COARSE * found.largest_so_far:
         warn_user(
             f"the largest force in bead {bead} may have an error of "
             f"{measure(found.error, 'N', self.chain.units)}, because it is interpolated between "
@@ -177,6 +188,8 @@ def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
     near = [place]
     if not math.isnan(found.first_maximum_time):
         near.insert(0, int(np.searchsorted(found.times, found.first_maximum_time)))
+    largest_change = float((run.forces - run.chain.static_state.forces).max())
+    reached = float(np.abs(force - at_rest).max()) > NEGLIGIBLE * largest_change
     tops = [maximum_near(run, bead, force, i) for i in near]
     first, first_time, _ = tops[0] if len(tops) == 2 else (math.nan,) * 3
     # The first maximum may be larger between saved times than the one at a saved time.
@@ -184,7 +197,7 @@ def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
     return replace(
         found, first_maximum=first, first_maximum_time=first_time, largest_so_far=largest,
         largest_so_far_time=largest_time,
-        error=max(bound - largest, *(top[2] for top in tops)),
+        error=max(bound - largest, *(top[2] for top in tops)), reached=reached,
     )  # fmt: skip
 
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = ("left", "right")
+# Fraction of the force that may follow, below which the pulse has not reached a wall.
+NEGLIGIBLE: Final = 1e-6
 # Relative excess of a sufficient time, which messages round.
 MARGIN: Final = 0.02
 SENSITIVE: Final = (
@@ -124,6 +126,12 @@ class WallForce:
         return self.impulse_of_impact / self.peak if self.peak else math.nan
 
     @property
+    def reached(self) -> bool:
+        """Whether the pulse has arrived: a force of more than 1e-6 of `bound` has acted."""
+        limit = NEGLIGIBLE * self.bound if math.isfinite(self.bound) else 0.0
+        return self.complete or self.largest_so_far > limit
+
+    @property
     def _later(self) -> str:
         """Statement about forces after a complete peak."""
         motion = " in this computed motion" if self.sensitive else ""
@@ -152,6 +160,8 @@ class WallForce:
                 touches,
             )  # fmt: skip
         largest = f"largest so far {at(self.largest_so_far, self.largest_so_far_time)}"
+        if not self.reached:
+            largest = "the pulse has not arrived"
         return short(
             "WallForce", f"{self.side} wall", "peak not complete", largest, self.reason,
             self._caution, impulse, touches,
@@ -297,8 +307,8 @@ def incomplete_peak(wall: WallForce, end: float, ends: tuple[float, float], chai
         latest = measure(last, "s", wall.units, digits=4)
         longer += f" (without until, a run ends by itself, at t = {latest} at the latest)"
     until = measure(end, "s", wall.units, digits=6)
-    if not wall.largest_so_far:
-        found = f"the {wall.side} wall was not reached before t = {until}"
+    if not wall.reached:
+        found = f"the pulse had not reached the {wall.side} wall at t = {until}"
         return f"{found}, and {wall.reason}; {longer}" if wall.bound else found
     largest = measure(wall.largest_so_far, "N", wall.units, digits=6)
     advice = f"{longer}, or use largest_so_far"

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Final
 
 from ..errors import InputError, unknown_name_error
+from ..representation import counted
 from ..units import UNITS, converted, is_unit, quantity
 
 # A name, and a unit in brackets or parentheses.
@@ -108,7 +109,9 @@ def read_csv(path: str | os.PathLike[str], known: Mapping[str, Column]) -> CsvTa
         )
     for number, row in enumerate(rows[1:], start=1):
         if len(row) != len(headers):
-            raise InputError(f"row {number} has {len(row)} cells, the header has {len(headers)}")
+            raise InputError(
+                f"row {number} has {counted(len(row), 'cell')}, but the header has {len(headers)}"
+            )
     body = rows[1:]
     columns = {
         name: _values(name, unit, [row[i] for row in body], known[name])

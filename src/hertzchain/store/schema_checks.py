@@ -135,7 +135,7 @@ def _check_keys(
     if complete:
         for key in keys:
             if key.required and table.keys().isdisjoint((key.name, key.unless)):
-                yield f"{place} has no {key.name}: {key.description}"
+                yield f"{place} requires {key.name} ({key.description})"
 
 
 def _unknown_keys(names: Sequence[str], place: str, known: Sequence[str]) -> Iterator[str]:

@@ -11,6 +11,7 @@ from ..chain.chain import Chain
 from ..errors import InputError, unknown_name_error
 from ..pulse.quantities import (
     LARGEST_QUANTITIES,
+    ON_REQUEST,
     QUANTITIES,
     SENSOR_QUANTITIES,
     WALL_QUANTITIES,
@@ -89,6 +90,8 @@ def unknown_quantity(name: object, known: Sequence[str]) -> InputError | str:
     if column in SENSOR_QUANTITIES:
         own = full_name(column)
         return f"{own} needs the bead of the sensor: write {own}@5 or '{own}@ball 4', got {name!r}"
+    if own in ON_REQUEST:
+        return f"sweeps do not keep the {own} of the pulse; keep residence, from which it follows"
     if at and column in known:
         return f"{name!r} is {column} of one bead: keep {column}, and give at = [{bead}]"
     sensors = [f"{full_name(each)}@k" for each in SENSOR_QUANTITIES]

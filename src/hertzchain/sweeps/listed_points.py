@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, errors_at, short_repr
+from ..representation import counted
 from ..store.csv_tables import csv_rows
 from ..validation.objects import file_path
 from .axes import flattened, path_of
@@ -52,7 +53,9 @@ def _columns_of_csv(file: Path) -> dict[tuple[str, ...], list[Any]]:
                 raise InputError(f"has two columns {'.'.join(path)!r}: remove one")
         for place, row in enumerate(body, start=1):
             if len(row) != len(header):
-                raise InputError(f"row {place} has {len(row)} cells, the header has {len(header)}")
+                raise InputError(
+                    f"row {place} has {counted(len(row), 'cell')}, but the header has {len(header)}"
+                )
             if "" in row:
                 raise InputError(f"row {place} has no {header[row.index('')]}")
     columns = zip(*body, strict=True)

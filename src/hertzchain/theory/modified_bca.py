@@ -227,12 +227,12 @@ def modified_bca(
     """
     if chain.taper not in FITTED_RATES or chain.rate is None:
         raise InputError(
-            f"modified_bca requires a tapered chain ({', '.join(FITTED_RATES)}), got "
+            f"the modified BCA requires a tapered chain ({', '.join(FITTED_RATES)}), got "
             f"{chain.description}; use bca or theory.two_thirds_bca for other chains"
         )
     if chain.exponents != HERTZ_EXPONENT:
         raise InputError(
-            f"modified_bca has constants for Hertz contacts (exponent 1.5), got p = "
+            f"the modified BCA has constants for Hertz contacts (exponent 1.5), got p = "
             f"{chain.exponents:g}; use bca or theory.two_thirds_bca"
         )
     if not isinstance(coefficients, Correction):

@@ -111,8 +111,8 @@ def _reject_bare_number(what: str, text: str, unit: str | None) -> None:
     if unit in (None, "", SCALED):
         raise InputError(f"{what} {text!r} is text; give the number {text.strip()} without quotes")
     raise InputError(
-        f"{what} {text!r} has no unit; write '{text.strip()} {_usual(unit)}' or another unit, or a "
-        "number without quotes in SI units"
+        f"{what} is {text!r}, without a unit; write '{text.strip()} {_usual(unit)}' or another "
+        "unit, or a number without quotes in SI units"
     )
 
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import itertools
-import weakref
 from collections.abc import Mapping, Sequence
-from typing import Final, Literal, NamedTuple
+from typing import Any, Final, Literal
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -49,17 +48,19 @@ MAP_TIMES: Final = 1000
 SHORT_RUN: Final = 0.9
 # Widths and opacities of the curves of the first, second, ... run in the same axes: thin curves are
 # in front of broad, pale ones, so that oscillations of several runs do not hide each other.
-RUN_LINES: Final = ((2.6, 0.5), (1.1, 1.0), (0.6, 1.0))
+RUN_LINES: Final = ((2.8, 0.5), (1.3, 1.0), (0.8, 1.0))
+# Sensors of a single run differ also in print without colours; a dashed wall would look like a
+# line for reference.
+SENSOR_LINES: Final = ("-", "--", "-.", ":")
+WALL_WIDTH: Final = 1.8
 
 
-class _Force(NamedTuple):
-    """Number of the run of a curve in its axes, and its label without the end of the run."""
+class _ForceLine(Line2D):
+    """A curve with the number of its run, and its label without the end of the run."""
 
-    run: int
-    label: str
-
-
-_forces: weakref.WeakKeyDictionary[Line2D, _Force] = weakref.WeakKeyDictionary()
+    def __init__(self, x: Array, y: Array, run: int, words: str, **style: Any) -> None:
+        super().__init__(x, y, **style)
+        self.run, self.words = run, words
 
 
 @checked_arguments("plot_run")
@@ -224,49 +225,54 @@ def plot_forces(
 
 
 def _draw_forces(
-    axes: Axes, run: Run, beads: Sequence[int | str], name: str, first: int, *, places: bool = True
-) -> None:
+    axes: Axes, run: Run, beads: Sequence[int | str], name: str, first: int, *,
+    compared: int | None = None, places: bool = True,
+) -> None:  # fmt: skip
     """Draw forces of a run, in the unit of time that the axes have, with colours from a first.
 
-    The label has the name of the run and, with ``places``, that of the place.
+    The label has the name of the run and, with ``places``, that of the place.  ``compared`` is the
+    number of the run in a figure of several runs; by default, runs in these axes are counted.
     """
     curves = [force_curve(run, each) for each in beads]
     factor, time_label = time_axis(run.chain, float(run.times[-1]))
     if axes.get_xlabel() in TIME_LABELS:
         factor, time_label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
-    number = 1 + max((_forces[line].run for line in axes.lines if line in _forces), default=-1)
+    number = 1 + max((line.run for line in _force_lines(axes)), default=-1)
+    dashes = itertools.cycle(SENSOR_LINES)
     for i, (times, force, curve, cut_off) in enumerate(curves, first):
-        (line,) = axes.plot(
-            factor * times,
-            force,
-            color=curve_colour(axes, i),
-            # Lines of one run differ also in print without colours.
-            linestyle=("-", "--", "-.", ":")[i % 4],
-            marker="o" if cut_off else None,
-            markevery=[-1],
-            markerfacecolor="none",
-            clip_on=not cut_off,
-        )
+        wall = curve.endswith("wall")
         words = filter(None, (name, curve if places else ""))
-        _forces[line] = _Force(number, ", ".join(words) + CUT_OFF * cut_off)
+        line = _ForceLine(
+            factor * times, force, number if compared is None else compared,
+            ", ".join(words) + CUT_OFF * cut_off, color=curve_colour(axes, i),
+            linestyle="-" if wall else next(dashes), linewidth=WALL_WIDTH if wall else None,
+            marker="o" if cut_off else None, markevery=[-1], markerfacecolor="none",
+            clip_on=not cut_off,
+        )  # fmt: skip
+        axes.add_line(line)
+    axes.autoscale_view()
     axes.set_xlabel(time_label)
     axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
     axes.margins(x=0.0)
-    _label_and_style(axes)
+    _label_and_style(axes, compared=compared is not None)
     mark_horizon(axes, run.known_horizon, factor)
 
 
-def _label_and_style(axes: Axes) -> None:
+def _force_lines(axes: Axes) -> list[_ForceLine]:
+    return [line for line in axes.lines if isinstance(line, _ForceLine)]
+
+
+def _label_and_style(axes: Axes, *, compared: bool) -> None:
     """Label the forces in axes, those of shorter runs also with their ends; distinguish runs."""
-    forces = {line: _forces[line] for line in axes.lines if line in _forces}
-    ends = [float(np.max(line.get_xdata())) for line in forces]
+    lines = _force_lines(axes)
+    ends = [float(np.max(line.get_xdata())) for line in lines]
     _, _, unit = axes.get_xlabel().rstrip("]").partition("[")
-    for (line, force), end in zip(forces.items(), ends, strict=True):
+    for line, end in zip(lines, ends, strict=True):
         shown = f"{end:.4g} {unit}" if unit else f"$t$ = {end:.4g}"
-        line.set_label(force.label + (f", until {shown}" if end < SHORT_RUN * max(ends) else ""))
-    if len({force.run for force in forces.values()}) > 1:
-        for line, force in forces.items():
-            width, opacity = RUN_LINES[min(force.run, len(RUN_LINES) - 1)]
+        line.set_label(line.words + (f", until {shown}" if end < SHORT_RUN * max(ends) else ""))
+    if compared or len({line.run for line in lines}) > 1:
+        for line in lines:
+            width, opacity = RUN_LINES[min(line.run, len(RUN_LINES) - 1)]
             line.set(linestyle="-", linewidth=width, alpha=opacity)
 
 
@@ -319,7 +325,10 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
             axes.set_xlabel(label)
             for i in shown:
                 name = names[i]
-                _draw_forces(axes, runs[name], beads[name], literal(name), int(colours[i]))
+                _draw_forces(
+                    axes, runs[name], beads[name], literal(name), int(colours[i]),
+                    compared=i if common else None,
+                )  # fmt: skip
         first: Axes = grid[0, 0]
         place_legend(first, own=len(panels) == 1)
         for axes, shown in zip(grid[1:, 0], panels[1:], strict=True):
@@ -341,7 +350,7 @@ def _draw_places(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) ->
             words = {force_curve(run, number)[2] for (_, run), number in pairs}
             alone = len(words) == 1 < len(places)
             for i, ((name, run), number) in enumerate(pairs):
-                _draw_forces(axes, run, [number], literal(name), i, places=not alone)
+                _draw_forces(axes, run, [number], literal(name), i, compared=i, places=not alone)
             if alone:
                 axes.set_title(words.pop(), loc="left")
             if axes is not grid[-1, 0]:

@@ -84,7 +84,7 @@ def waves() -> Figure:
     chain = hc.Chain.uniform(50).replace(masses=masses, right_wall=hc.Wall.rigid())
     run = hc.simulate(chain, until=65.0, times=1040)
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(11.0, 3.8), sharey=True)
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.0), sharey=True)
         run.plot("force", ax=right)
         run.waves().plot(ax=left)
         left.set_xlim(right.get_xlim())
@@ -179,7 +179,7 @@ def sweep() -> Figure:
         "forward-linear": (0.0005, 0.0099), "forward-exponential": (0.005, 0.2),
     }  # fmt: skip
     with figure_style():
-        canvas, grid = plt.subplots(2, 2, figsize=(10.0, 7.2), layout="constrained")
+        canvas, grid = plt.subplots(2, 2, figsize=(7.4, 5.6), layout="constrained")
         for axes, (taper, (low, high)) in zip(grid.flat, families.items(), strict=True):
             found = hc.sweep({
                 "chain": {"taper": taper},
@@ -197,7 +197,7 @@ def sweep() -> Figure:
             axes.set_xlabel("$S$" if taper.endswith("linear") else "$q$")
             axes.set_ylabel("beads $N$")
             axes.set_title(taper)
-            axes.xaxis.set_major_locator(MaxNLocator(5))
+            axes.xaxis.set_major_locator(MaxNLocator(4))
         beyond = Patch(facecolor="0.4", edgecolor="white", hatch="//",
                        label="error of the local-rate law above 1%")  # fmt: skip
         canvas.legend(handles=[beyond], loc="outside lower center")

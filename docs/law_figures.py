@@ -201,7 +201,7 @@ def extend() -> Figure:
     exact = hc.propagate(chain)
     run = hc.simulate(hc.Chain.uniform(10), times=np.linspace(0.0, 20.0, 400))
     with figure_style():
-        canvas, panels = plt.subplot_mosaic("aaa;bcd", figsize=(9.6, 4.4), height_ratios=(1.0, 2.4))
+        canvas, panels = plt.subplot_mosaic("aaa;bcd", figsize=(7.4, 3.8), height_ratios=(1.0, 2.4))
         hc.plot_chain(chain, ax=panels["a"])
         panels["a"].set_title("")
         panels["a"].set_title("a taper: a power law of 30 beads", loc="left")

@@ -96,7 +96,7 @@ def teaching() -> Figure:
         after.append(run.velocities[-1] if impact % 2 == 0 else velocities[::-1])
     balls = hc.Chain.from_materials(**material, beads=20).struck_by(velocity="0.1 m/s")
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.4), layout="constrained")
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.0), layout="constrained")
         for ball, marker in zip((5, 4, 3, 2, 1), "o^sDv", strict=True):
             left.plot(
                 range(1, 41), 1e3 * np.array(after)[:, ball - 1], color=COLOURS[ball],
@@ -126,7 +126,7 @@ def many_chains() -> Figure:
     chain = hc.Chain.tapered("forward-linear", 0.005, beads=40)
     gradient = hc.local_rate_gradient(chain, "peak_force", bead=30)[1]
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.4))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.0))
         left.hist(momentum, bins=60, color=COLOURS[5])
         left.axvline(same, color=COLOURS[0], linewidth=1.2, label="equal beads")
         left.axvline(np.median(momentum), color=COLOURS[2], linestyle="--", label="median")
@@ -151,7 +151,7 @@ def closed_forms() -> Figure:
     # The formula of Sen and Manciu is drawn on the exact curve, from which it hardly differs.
     widths = {"exact": 5.0, "long-wave theory": 1.1, "Sen and Manciu": 1.1}
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.0))
         for label, (profile, colour, dashes) in profiles.items():
             left.plot(distance, profile, dashes, color=colour, linewidth=widths[label], label=label)
         far = np.linspace(0.0, 7.0, 141)
@@ -163,7 +163,7 @@ def closed_forms() -> Figure:
             right.semilogy(far[shown], values[shown], dashes, color=colour, linewidth=widths[label])
         left.set_xlabel(r"distance from the crest $\xi$ [beads]")
         left.set_ylabel("velocity, relative to the crest")
-        left.legend()
+        right.legend(*left.get_legend_handles_labels(), loc="lower left")
         right.set_xlabel(r"distance from the crest $\xi$ [beads]")
         right.set_ylim(1e-40, 3.0)
         right.set_ylabel("velocity, relative to the crest")
@@ -175,7 +175,7 @@ def theory() -> Figure:
     tapers = {"backward-exponential": 0.05, "forward-exponential": 0.05,
               "backward-linear": 0.5, "forward-linear": 0.009}  # fmt: skip
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.0))
         for number, (taper, rate) in enumerate(tapers.items()):
             chain = hc.Chain.tapered(taper, rate, beads=100)
             comparison = hc.bca(chain).compare(hc.propagate(chain))
@@ -210,10 +210,10 @@ def numerics() -> Figure:
         errors.append(np.abs(run.pulse().velocity[1:-1] / best - 1.0).max())
         steps.append(run.steps)
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.4))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.0))
         left.loglog(tolerances, errors, "o-", color=COLOURS[1])
         left.loglog(tolerances, tolerances, "--", color="0.5", linewidth=0.8)
-        left.annotate("error = rtol", (1e-7, 1e-7), xytext=(6, -12), textcoords="offset points",
+        left.annotate("error = rtol", (1e-9, 1e-9), xytext=(6, -12), textcoords="offset points",
                       color="0.35")  # fmt: skip
         left.set_ylabel("largest error of a velocity")
         right.loglog(tolerances, steps, "o-", color=COLOURS[2])
@@ -260,7 +260,7 @@ def precompressed() -> Figure:
     """Bands and transfer function of a diatomic crystal, as the calls in the caption draw them."""
     crystal = hc.spectrum(_crystal())
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.8))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(8.2, 3.5))
         crystal.plot(ax=left)
         crystal.plot_transfer(16, ax=right)
         for axes in (left, right):

@@ -649,8 +649,32 @@ def test_narrow_figures_have_ticks_at_whole_beads_and_lines_that_survive_grey():
     np.testing.assert_array_equal(lower.get_xticks() % 1.0, 0.0)
     assert lower.get_ylabel() == "difference\n[%]"
     run = hc.simulate(hc.Chain.uniform(16).replace(right_wall=hc.Wall()))
-    styles = [line.get_linestyle() for line in run.plot_forces([4, 8, 12, "wall"]).lines]
-    assert len(set(styles)) == 4
+    *sensors, wall = run.plot_forces([4, 8, 12, "wall"]).lines
+    assert len({line.get_linestyle() for line in sensors}) == 3
+    # A dashed or thin curve would look like a line for reference.
+    assert wall.get_linestyle() == "-"
+    assert wall.get_linewidth() > 1.5 * max(line.get_linewidth() for line in sensors)
+
+
+def test_methods_hide_neither_curves_nor_symbols_of_each_other():
+    chain = hc.Chain.tapered("forward-linear", 0.015, beads=40)
+    exact, theory, law = hc.propagate(chain), hc.bca(chain), hc.local_rate(chain)
+    upper = hc.plot_pulses([exact, theory, law], log=True, residuals=True)
+    lower = upper.figure.axes[1]
+    curves = [line for line in upper.lines if len(line.get_xdata()) > 1]
+    assert len({line.get_linestyle() for line in curves}) == 3
+    symbols = [line.get_xdata()[first::step] for line in curves
+               for first, step in [line.get_markevery()]]  # fmt: skip
+    assert min(map(len, symbols)) >= 12
+    assert len({*np.concatenate(symbols)}) == sum(map(len, symbols))
+    # No difference is below the panel, and both panels have ticks of the same kind.
+    differences = 100.0 * np.abs(law.velocity / exact.velocity - 1.0)
+    assert lower.get_ylim()[0] < differences[differences > 0.0].min()
+    upper.figure.canvas.draw()
+    for axis in (upper.yaxis, lower.yaxis):
+        low, high = axis.get_view_interval()
+        assert not [at for at in axis.get_minorticklocs() if low < at < high]
+    np.testing.assert_array_equal(upper.get_xticks(), lower.get_xticks())
 
 
 def test_the_last_bead_of_a_free_end_is_marked():
@@ -658,13 +682,14 @@ def test_the_last_bead_of_a_free_end_is_marked():
     exact, bca = hc.propagate(chain), hc.bca(chain)
     axes = hc.plot_pulses([exact, bca])
     assert legend(axes) == ["propagation", "BCA", "last bead (free end)"]
-    drawn = {tuple(line.get_xdata()): line for line in axes.lines}
-    free = drawn[(20,)]
-    assert free.get_ydata().tolist() == [exact.velocity[-1]]
-    assert free.get_linestyle() == "None"
-    # The binary collision approximation has no jump there.
-    assert drawn[tuple(range(1, 20))].get_ydata().tolist() == exact.velocity[:-1].tolist()
-    assert drawn[tuple(range(1, 21))].get_ydata().tolist() == bca.velocity.tolist()
+    curves = [line for line in axes.lines if len(line.get_xdata()) > 1]
+    free = [line for line in axes.lines if len(line.get_xdata()) == 1]
+    # The binary collision approximation has no jump there, but describes the same bead.
+    for pulse, curve, end in zip((exact, bca), curves, free, strict=True):
+        assert curve.get_xdata().tolist() == list(range(1, 20))
+        assert curve.get_ydata().tolist() == pulse.velocity[:-1].tolist()
+        assert (end.get_xdata().tolist(), end.get_ydata().tolist()) == ([20], [pulse.velocity[-1]])
+        assert end.get_linestyle() == "None"
     wall = chain.replace(right_wall=hc.Wall())
     walled = hc.simulate(wall).pulse().plot()
     assert legend(walled) == ["simulation"]
@@ -1238,7 +1263,7 @@ def test_curves_of_several_runs_are_solid_and_differ_in_width_and_opacity():
     runs = [hc.simulate(balls.replace(loss=loss), until=40.0)
             for loss in (None, hc.Restitution(0.9), hc.Restitution(0.8))]  # fmt: skip
     axes = runs[0].plot_forces([4, "wall"], label="0")
-    assert len({line.get_linestyle() for line in axes.lines}) == 2
+    assert len({line.get_linewidth() for line in axes.lines}) == 2
     for i, run in enumerate(runs[1:], 1):
         run.plot_forces([4, "wall"], label=f"{i}", ax=axes)
     looks = [(line.get_linewidth(), line.get_alpha()) for line in axes.lines]
@@ -1247,6 +1272,21 @@ def test_curves_of_several_runs_are_solid_and_differ_in_width_and_opacity():
     assert len(set(looks)) == 3
     assert looks[0][0] > 2.0 * looks[2][0] > 2.0 * looks[4][0]
     assert len({line.get_color() for line in axes.lines}) == 6
+
+
+def test_runs_have_the_same_style_in_all_panels():
+    balls = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
+    chains = {"strong": balls, "weak": balls.replace(velocities=0.05 * balls.velocities)}
+    runs = {name: hc.simulate(chain, until=60.0) for name, chain in chains.items()}
+    first, weak = plot_forces_of_runs(runs, {name: [4, 9] for name in runs}).figure.axes
+
+    def looks(axes):
+        names = ("color", "linestyle", "linewidth", "alpha")
+        return {tuple(plt.getp(line, name) for name in names) for line in axes.lines}
+
+    assert len(looks(first)) == 4
+    assert len(looks(weak)) == 2
+    assert looks(weak) < looks(first)
 
 
 def test_several_places_of_several_runs_have_a_panel_each():

@@ -34,7 +34,8 @@ with hc.figure_style("single column"):
 #
 # Every plot of hertzchain has a parameter ``ax`` for axes of your own figure.  Here the chain is
 # above the velocities.  The lowest panel shows the errors on a logarithmic axis, because they
-# differ by orders of magnitude.  Curves with different dashes remain distinguishable in grey.
+# differ by orders of magnitude.  Curves with different dashes and symbols remain distinguishable in
+# grey.
 
 COLUMN = 86 / 25.4  # inches
 with hc.figure_style("single column"):
@@ -43,27 +44,11 @@ with hc.figure_style("single column"):
     )
     hc.plot_chain(chain, ax=top)
     top.set_axis_off()
-    k = exact.bead
-    for pulse, label, dashes in (
-        (exact, "simulation", "-"), (bca, "BCA", "--"), (law, "local-rate law", ":"),
-    ):
-        middle.semilogy(k, pulse.velocity, dashes, color="black" if dashes == "-" else None,
-                        linewidth=2.2 if dashes == ":" else 1.0, label=label)
-        if dashes != "-":
-            error = abs(pulse.velocity / exact.velocity - 1.0)
-            bottom.semilogy(k[1:-3], error[1:-3], dashes,
-                            color=middle.lines[-1].get_color())
-    middle.set_yticks([1, 2, 3], ["1", "2", "3"])
-    middle.minorticks_off()
-    bottom.set_yticks([1e-6, 1e-4, 1e-2, 1.0])
-    bottom.minorticks_off()
-    bottom.set_xlim(middle.get_xlim())
-    middle.set_ylabel("velocity $v_k$")
-    middle.tick_params(labelbottom=False)
-    middle.legend()
-    bottom.set_ylabel("relative\nerror")
-    bottom.set_xlabel("bead $k$")
-    figure.align_ylabels()
+    hc.plot_pulses(
+        [exact, bca, law], labels=["simulation", "BCA", "local-rate law"], log=True,
+        residuals=True, ax=(middle, bottom),
+    )
+    bottom.set_ylabel("relative\nerror [%]")
 
 # %%
 # A map

@@ -52,7 +52,9 @@ def pulse_table_html(pulses: PulseTable) -> str:
     figure = chart(curves, "bead k", f"velocity{unit}", marks=marks, whole=True)
     entries = [("5% to 95% of the chains", COLOURS[5]), ("median", COLOURS[0])]
     if ends:
-        figure += note("The separate points are last beads, at free ends.")
+        figure += note(
+            "Points without a line show the last beads, which leave free ends at a larger velocity."
+        )
     rows = []
     for name in SHOWN:
         if name in columns:

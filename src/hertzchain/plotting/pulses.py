@@ -34,8 +34,10 @@ from .titles import chain_words
 
 # Differences below this fraction of the largest ones are not visible on a linear axis.
 HIDDEN: Final = 0.02
-# Largest number of ticks of a logarithmic axis of differences.
+# Largest number of ticks of a logarithmic axis of differences, and its lower end relative to the
+# curve with the smallest differences: a change of sign would need an infinite axis.
 RESIDUAL_TICKS: Final = 4
+RESIDUAL_DEPTH: Final = 1e-4
 # Opacity of the band of a spread.
 BAND: Final = 0.25
 # Lines of different methods, if curves of a chain share a colour.
@@ -62,8 +64,8 @@ def plot_pulses(
     number of beads, ...); the title has the parts that all of them share.  For several chains and
     several methods, the colour of a curve shows its chain, its line and symbol show its method,
     and the legend has one entry for each of these.  If the last bead leaves a free end at a larger
-    velocity, its value has a filled symbol without a line.  A shaded band shows the spread of a
-    pulse by `disorder`: one standard deviation over random chains.
+    velocity, all values of this bead have symbols without a line.  A shaded band shows the spread
+    of a pulse by `disorder`: one standard deviation over random chains.
 
     Parameters
     ----------
@@ -126,10 +128,11 @@ def plot_pulses(
     with figure_style():
         axes, lower = _axes(ax, residuals=residuals)
         looks = _looks(words, number_of_curves(axes))
-        grouped = labels is None and any(look.line for look in looks)
+        grouped = labels is None and _share_colours(looks)
+        ends = _free_ends(pulses, quantity)
         for pulse, look, name in zip(pulses, looks, names, strict=True):
             values = pulse._predicted(quantity)
-            free = ends_free(pulse, quantity)
+            free = len(values) in ends and pulse.chain.right_wall is None
             _draw_spread(axes, pulse, quantity, look, free=free)
             if free:
                 _draw_free_end(axes, len(values), values[-1], look)
@@ -145,7 +148,8 @@ def plot_pulses(
             label_log_axis(axes.yaxis)
         lowest = axes if lower is None else lower
         lowest.set_xlabel(f"{row.per} $k$")
-        lowest.xaxis.set_major_locator(BeadLocator())
+        for each in {axes, lowest}:
+            each.xaxis.set_major_locator(BeadLocator())
         if lower is not None:
             _draw_residuals(lower, pulses, quantity, looks)
             lower.set_xlim(axes.get_xlim())
@@ -204,17 +208,33 @@ class _Look:
 
 
 def _looks(words: Sequence[Sequence[str]], begin: int) -> list[_Look]:
-    """Colours by chain and lines by method if there are several of both, otherwise by pulse."""
+    """Colours by chain and lines by method if there are several of both, otherwise by pulse.
+
+    Lines of several methods for one chain differ, too: they often coincide.
+    """
     chains = list(dict.fromkeys(tuple(chain) for _, *chain in words))
     methods = list(dict.fromkeys(method for method, *_ in words))
     different = len({*map(tuple, words)}) == len(words) >= len(chains) + len(methods)
     if not different or min(len(chains), len(methods)) < 2:
-        return [_Look(i, i) for i in range(begin, begin + len(words))]
+        lines = range(len(words)) if len(methods) == len(words) else [0] * len(words)
+        return [
+            _Look(begin + i, begin + i, line, begin + len(words)) for i, line in enumerate(lines)
+        ]
     return [
         # At a common bead, symbols of one colour would look like a filled one.
         _Look(begin + chains.index((*chain,)), i := methods.index(method), i, len(methods))
         for method, *chain in words
     ]
+
+
+def _share_colours(looks: Sequence[_Look]) -> bool:
+    """Whether colours show chains, and several pulses have the same one."""
+    return len({look.colour for look in looks}) < len(looks)
+
+
+def _free_ends(pulses: Sequence[Pulse], quantity: str) -> set[int]:
+    """Numbers of values at whose end at least one of the pulses jumps."""
+    return {len(each._predicted(quantity)) for each in pulses if ends_free(each, quantity)}
 
 
 def _label_groups(axes: Axes, words: Sequence[Sequence[str]], looks: Sequence[_Look]) -> None:
@@ -313,7 +333,7 @@ def _draw_residuals(
     axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequence[_Look]
 ) -> None:
     """Relative differences from the first pulse, of the same chain if colours are, in percent."""
-    grouped = any(look.line for look in looks)
+    grouped = _share_colours(looks)
     first: dict[int, Pulse] = {}
     differences = []
     for pulse, look in zip(pulses, looks, strict=True):
@@ -326,9 +346,7 @@ def _draw_residuals(
     for look, pulse, reference, values in differences:
         # An exact zero, such as that of bead 1, has no place on a logarithmic axis.
         shown = np.where(values == 0.0, np.nan, np.abs(values)) if least else values
-        ends = {len(each._predicted(quantity)) for each in (reference, pulse)
-                if ends_free(each, quantity)}  # fmt: skip
-        free = len(shown) in ends
+        free = len(shown) in _free_ends((reference, pulse), quantity)
         _draw(axes, pulse, shown[:-1] if free else shown, look, None)
         if free:
             _draw_free_end(axes, len(shown), shown[-1], look)
@@ -336,7 +354,9 @@ def _draw_residuals(
         axes.set_yscale("log")
         # By default, a low panel has two ticks.
         axes.yaxis.set_major_locator(LogLocator(numticks=RESIDUAL_TICKS))
-        axes.set_ylim(bottom=0.03 * least)
+        sizes = np.abs(np.concatenate([values for *_, values in differences]))
+        smallest = float(np.nanmin(sizes, where=sizes > 0.0, initial=least))
+        axes.set_ylim(bottom=0.5 * max(smallest, RESIDUAL_DEPTH * least))
         axes.set_ylabel("|difference|\n[%]")
         return
     # In two lines, the label is not taller than the panel of a narrow figure.

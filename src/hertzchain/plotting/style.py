@@ -25,7 +25,7 @@ from matplotlib.ticker import (
     FuncFormatter,
     LogLocator,
     MaxNLocator,
-    NullFormatter,
+    NullLocator,
     ScalarFormatter,
 )
 
@@ -48,8 +48,14 @@ logging.getLogger("fontTools.ttLib.tables._h_e_a_d").setLevel(logging.ERROR)
 # Average for a title.
 INCHES_PER_LETTER: Final = 0.07
 
-# Ratio of the limits of a logarithmic axis up to which it has plain numbers.
+# Ratio of the limits of a logarithmic axis up to which it has plain numbers, and digits of the
+# numbers for smaller ratios.
 MAX_PLAIN: Final = 100.0
+LOG_DIGITS: Final = (
+    (3.0, (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)),
+    (6.0, (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)),
+    (MAX_PLAIN, (1.0, 2.0, 5.0)),
+)
 # Times [s] above which they are in ms, and ratio above which curves need axes of their own.
 LONG, MUCH = 2e-3, 5.0
 # Factors of the labels of time axes in SI units.
@@ -232,10 +238,10 @@ def label_log_axis(axis: Axis) -> None:
     """Label an axis with few decades by plain numbers, such as 0.2, 0.5 and 1."""
     low, high = sorted(map(float, axis.get_view_interval()))
     if low > 0.0 and high < MAX_PLAIN * low:
-        digits = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0) if high < 6.0 * low else (1.0, 2.0, 5.0)
+        digits = next(each for ratio, each in LOG_DIGITS if high < ratio * low)
         axis.set_major_locator(LogLocator(subs=digits))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(NullFormatter())
+        axis.set_minor_locator(NullLocator())
 
 
 def label_narrow_axis(axes: Axes) -> None:

@@ -16,6 +16,7 @@ from ..representation import counted, short
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import Progress
+from .constants import FixedConstant, fixed_constants
 from .fitted_file import fitted_toml
 from .goodness import NO_ERRORS, Goodness
 from .loss_laws import ONE_LAW
@@ -26,7 +27,7 @@ from .shown_values import shown_diameter, shown_value
 from .systematics import Effect
 from .traces import Traces
 from .weak_directions import WeakDirection
-from .weights import chi2_by_sensor
+from .weights import chi2_by_sensor, residuals_by_sensor
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -174,6 +175,11 @@ class FitResult:
         """Fitted signals of each shot and sensor, at all times."""
         return self.model.predict(self.model.values(self.variables))
 
+    @cached_property
+    def constants(self) -> tuple[FixedConstant, ...]:
+        """Moduli, densities and stiffness of walls that are not free, and their influence."""
+        return fixed_constants(self)
+
     @property
     def prior_deviations(self) -> dict[str, float]:
         """Values minus those of their priors, in standard deviations of the priors, by name."""
@@ -199,17 +205,7 @@ class FitResult:
         >>> [name for _, name, _ in result.residuals()]
         ['ball 6', 'ball 11', 'ball 16', 'wall']
         """
-        found = []
-        skipped = self.problem.skipped
-        for index, shot in enumerate(self.traces.shots):
-            for signal, fitted in zip(shot.signals, self.predicted[index], strict=True):
-                count = int(signal.valid.sum())
-                used = signal.valid.copy()
-                used[signal.valid] = ~skipped[:count]
-                skipped = skipped[count:]
-                values = np.where(used, signal.values - fitted, np.nan) / signal.sigma
-                found.append((index + 1, signal.name, values))
-        return found
+        return residuals_by_sensor(self.problem, self.predicted)
 
     def chain_toml(self) -> str:
         """The fitted chain, of the first shot, as a chain file with seven digits and ``[fit]``.
@@ -294,7 +290,8 @@ class FitResult:
         # Effects can be mistaken for each other, so only the strongest is reported.
         if effects and effects[0].present:
             found = list(self.advice) or found[:1]
-        return (*(str(each) for each in self.weak), *found, *self.notes)
+        constants = [each.note for each in self.constants if each.note]
+        return (*(str(each) for each in self.weak), *found, *constants, *self.notes)
 
     def to_dataset(self) -> xr.Dataset:
         """Labelled dataset: values, errors and correlations over ``parameter``; data and fit.

@@ -31,6 +31,9 @@ def result_document(result: FitResult) -> dict[str, Any]:
         "effects": [
             dataclasses.asdict(each) | {"present": each.present} for each in result.effects
         ],
+        "constants": [
+            {"name": each.name, "changes_per_percent": each.changes} for each in result.constants
+        ],
         "simulations": result.simulations,
     })  # fmt: skip
     return found

@@ -6,6 +6,8 @@ only: priors keep their weight.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..collision import Array
@@ -55,3 +57,19 @@ def chi2_by_sensor(problem: Problem, residuals: Array) -> dict[str, float]:
         found[signal.name] = found.get(signal.name, 0.0) + sums
         begin += len(counts)
     return {name: float(square / count) for name, (square, count) in found.items()}
+
+
+def residuals_by_sensor(
+    problem: Problem, predicted: Sequence[Sequence[Array]]
+) -> list[tuple[int, str, Array]]:
+    """Shot, sensor, and data minus fit over the noise; NaN where a sample is not used."""
+    found, skipped = [], problem.skipped
+    for index, shot in enumerate(problem.model.traces.shots):
+        for signal, fitted in zip(shot.signals, predicted[index], strict=True):
+            count = int(signal.valid.sum())
+            used = signal.valid.copy()
+            used[signal.valid] = ~skipped[:count]
+            skipped = skipped[count:]
+            values = np.where(used, signal.values - fitted, np.nan) / signal.sigma
+            found.append((index + 1, signal.name, values))
+    return found

@@ -55,7 +55,8 @@ def problem_of(chain, *vary):
     (hc.vary.radii(0.5, 1.1), {"chain with equal varying sizes": 9, "chain of equal sizes": 1}),
     (hc.vary.radii(0.5, 0.9), {"chain with equal varying sizes": 9}),
     # A spline begins at bead 1.
-    (hc.vary.radii(0.5, 1.1, by="spline", knots=4), {"chain of equal sizes": 1}),
+    (hc.vary.radii(0.5, 1.1, by="spline", knots=4),
+     {"fast change to equal sizes": 9, "chain of equal sizes": 1}),
     (hc.vary.radii(0.5, 1.0, beads=[3]), {"chain of equal sizes": 1}),
 ])  # fmt: skip
 def test_chains_of_equal_sizes_are_those(vary, names):
@@ -67,7 +68,7 @@ def test_chains_of_equal_sizes_are_those(vary, names):
             radii = problem.space.chain_of(point).radii
             equal = np.ptp(radii) < 1e-9
             assert equal == (name == "chain of equal sizes")
-            assert (np.ptp(radii[1:]) < 1e-9) <= (name != "taper")
+            assert (np.ptp(radii[1:]) < 1e-9) == ("equal" in name and "fast" not in name)
 
 
 def test_all_beads_but_strikers_are_equal_in_a_chain_of_equal_sizes():

@@ -572,8 +572,54 @@ def test_the_gradient_warns_only_of_the_chain_up_to_the_bead():
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_an_estimate_without_meaning_is_not_printed():
     law = hc.local_rate(hc.Chain.from_radii([1.0] * 10 + [0.001] * 5 + [1.0] * 10))
-    assert law.velocity_error.max() > 1e10
-    assert "error of the velocity: above 1000% (bead 7)" in str(law)
+    assert law.velocity_error.max() == 10.0
+    assert "error of the velocity: not known from bead 7 on" in str(law)
+
+
+@pytest.mark.parametrize(("rate", "last", "known"), [
+    (0.5, 1.11, 29), (0.9, 1.105, 29), (0.0, 1.08, 26), (-0.1, -0.166, 28),
+])  # fmt: skip
+def test_the_estimate_of_a_last_rate_just_outside_the_tables(rate, last, known):
+    """It is up to 5e21 by the formula, and 10, which means that it is not known, by the law."""
+    rates = np.append(np.full(28, rate), last)
+    chain = hc.Chain.from_radii(np.exp(np.append(0.0, np.cumsum(rates))))
+    with pytest.warns(ModelRangeWarning, match="the error from bead 30 on is not|is not known at"):
+        law = hc.local_rate(chain)
+    assert law.velocity_error[-1] == law.velocity_error.max() == 10.0
+    assert "not known from bead" in str(law)
+    exact = hc.propagate(chain).velocity
+    errors = np.abs(law.velocity / exact - 1.0)[1:known]
+    assert (errors <= 4.0 * law.velocity_error[1:known]).all()
+
+
+def test_a_rate_outside_the_tables_is_printed_with_digits_that_show_it():
+    chain = hc.Chain.from_radii(np.exp(np.cumsum(np.append(np.zeros(12), 1.1 + 1e-7))))
+    with pytest.warns(ModelRangeWarning, match=r"= 1\.1000001 is outside -0.165 to 1.1, and"):
+        hc.local_rate(chain)
+
+
+@pytest.mark.parametrize(("chain", "advice"), [
+    (hc.Chain.dimer(radii=[1.0, 0.9], beads=30), "use propagate$"),
+    (hc.Chain.dimer(radii=[1.0, 0.5], beads=30), "use propagate, or effective_chain for small"),
+    (hc.Chain.from_radii([1.0] * 15 + [2.0] * 15), "use propagate, or piecewise_local_rate for"),
+])  # fmt: skip
+def test_the_advice_for_chains_outside_the_range_works(chain, advice):
+    """Each method of the advice accepts the chain, without a warning."""
+    with pytest.warns(ModelRangeWarning, match=advice):
+        hc.local_rate(chain)
+    hc.propagate(chain)
+    if "effective" in advice:
+        assert len(hc.effective_chain(chain).masses) == 16
+    if "piecewise" in advice:
+        hc.piecewise_local_rate(chain)
+
+
+def test_the_advice_for_a_dimer_of_masses_works():
+    chain = hc.Chain.dimer(0.4, beads=30)
+    with pytest.raises(hc.InputError, match=r"masses or stiffness; use propagate or simulate"):
+        hc.local_rate(chain)
+    followed, whole = hc.propagate(chain), hc.simulate(chain, times=0).pulse()
+    np.testing.assert_allclose(followed.velocity, whole.velocity, rtol=1e-6)
 
 
 @pytest.mark.parametrize("evaluated", [hc.local_rate, partial(hc.local_rate_gradient, bead=2)])

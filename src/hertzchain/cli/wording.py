@@ -55,6 +55,7 @@ BY_OPTION: Final = {
     ),
     "methods": (
         (r"\buse simulate, or bca\(.*restitution=e\)", "use --method simulate"),
+        (r"\buse propagate or simulate\b", "use --method propagate or --method simulate"),
         (r"\buse simulate\b", "use --method simulate"),
         (r"\buse propagate\b", "use --method propagate"),
         (r"\buse bca or theory\.two_thirds_bca", "use --method bca or --method two-thirds-bca"),

@@ -19,7 +19,7 @@ EQUAL_BALLS: Final = "row of equal balls"
 EQUAL_PLACES: Final = "equal balls in the places that vary"
 EQUAL: Final = "chain of equal sizes"
 EQUAL_VARYING: Final = "chain with equal varying sizes"
-TAPER: Final = "taper"
+CHANGING: Final = "fast change to equal sizes"
 # Relative difference of equal sizes.
 SAME: Final = 1e-9
 GIVEN_ROW: Final = "given row"
@@ -46,14 +46,14 @@ def reference_points(problem: Design) -> dict[str, list[Any]]:
         found.pop(EQUAL_VARYING, None)
     tapers = [space.taper(one, other) for one in levels for other in levels if one != other]
     if not _single(space):
-        found[TAPER] = found.pop(TAPER, []) + tapers
+        found["taper"] = tapers
     return found
 
 
 def _kind(space: SizeSpace, point: Any) -> str:
     """Whether all sizes are equal at a point, or only those that vary; strikers do not count.
 
-    A spline that begins at a given bead of another size is a taper.
+    A spline that begins at a given bead of another size changes fast behind it.
     """
     values = space._changes(point)
     if all(_all_equal(each[space.chain.strikers :]) for each in values.values()):
@@ -62,7 +62,7 @@ def _kind(space: SizeSpace, point: Any) -> str:
         values[field][np.concatenate([b.places for b in space.blocks if b.field == field])]
         for field in values
     ]
-    return EQUAL_VARYING if all(map(_all_equal, varying)) else TAPER
+    return EQUAL_VARYING if all(map(_all_equal, varying)) else CHANGING
 
 
 def _all_equal(sizes: Array) -> bool:

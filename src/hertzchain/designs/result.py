@@ -47,7 +47,8 @@ class DesignResult:
         Value and estimated relative error that the local-rate law promised, if it was used.
     references : mapping of str to Verified
         Chains to compare with, by name: the best ``"chain of equal sizes"``, ``"chain with equal
-        varying sizes"`` (if other sizes are given) and ``"taper"``; the best ``"row of equal
+        varying sizes"`` or ``"fast change to equal sizes"`` (if other sizes are given) and
+        ``"taper"``; the best ``"row of equal
         balls"``, or ``"equal balls in the places that vary"``, and the ``"given row"``; or the
         ``"given order"``.
     compared : mapping of str to int

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 # Methods whose error is that of an integration.
 SIMULATIONS: Final = ("simulation", "propagation")
-# Largest estimated error that is shown: of a larger one, not even the size is known.
+# Largest estimated error of a theory: of a larger one, not even the size is known.
 MAX_ESTIMATE: Final = 10.0
 NOT_ESTIMATED: Final = (
     "this theory does not estimate its error; hc.scoreboard() measures it in classes of chains"
@@ -371,8 +371,10 @@ class Pulse(Columns):
         if self.velocity_error is not None and np.isfinite(self.velocity_error).any():
             k = int(np.nanargmax(self.velocity_error))
             error = self.velocity_error[k]
-            size = percent(error) if error < MAX_ESTIMATE else f"above {100.0 * MAX_ESTIMATE:g}%"
-            found.append(f"largest estimated error of the velocity: {size} (bead {k + 1})")
+            size = f"{percent(error)} (bead {k + 1})"
+            if error >= MAX_ESTIMATE:
+                size = f"not known from bead {k + 1} on"
+            found.append(f"largest estimated error of the velocity: {size}")
         if self.velocity_error is None and self.method not in SIMULATIONS:
             found.append(NOT_ESTIMATED)
         return found

@@ -33,12 +33,13 @@ def losses(masses: Array) -> Array:
         return np.ones(len(masses))
     padded = np.pad(changes, 1, mode="reflect")
     mean = 0.25 * (padded[:-2] + padded[2:]) + 0.5 * changes
-    lost = (_log_cosh(0.5 * changes) - _log_cosh(0.5 * mean)) * _alternates(changes)
+    lost = (_log_cosh(0.5 * changes) - _log_cosh(0.5 * mean)) * alternates(masses)
     return np.exp(np.concatenate(([0.0], np.cumsum(lost))))
 
 
-def _alternates(changes: Array) -> NDArray[np.bool_]:
-    """Whether masses both grow and fall within two contacts of each contact."""
+def alternates(masses: Array) -> NDArray[np.bool_]:
+    """Whether masses both grow and fall within two contacts of each contact, shape (N - 1,)."""
+    changes = np.diff(np.log(masses))
     near = sliding_window_view(np.pad(changes, WINDOW), 2 * WINDOW + 1)
     return np.asarray((near.min(axis=1) < -SMALL) & (near.max(axis=1) > SMALL))
 

@@ -26,9 +26,11 @@ from ..pulse.quantities import QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
+from .alternating_masses import alternates
+from .decoration import small_beads
 from .lossy_law import lossy_pulse
 from .strikers import FEATURES as STRIKERS
-from .strikers import struck_pulse
+from .strikers import other_method, struck_pulse
 from .universal_functions import (
     MIN_BEADS,
     UniversalFunctions,
@@ -38,14 +40,16 @@ from .universal_functions import (
 
 # Quantities that have a gradient.
 DIFFERENTIABLE: Final = ("velocity", "momentum", "energy", "arrival", "residence", "peak_force")
-METHOD, ALTERNATIVE = "the local-rate law", "use simulate"
+METHOD: Final = "the local-rate law"
 # Estimated velocity error above which a chain is outside the law's range.  Because an estimate does
 # not cover every error, this is half of the error of 1% that must not remain without a warning.
 DOUBTFUL: Final = 0.005
+# Part of the contacts at which masses alternate from which on a chain is not one of single steps.
+MOSTLY: Final = 0.5
 
 
 @checked_arguments("local_rate")
-@for_any_units(METHOD, supported=(*STRIKERS, "loss"), alternative=ALTERNATIVE)
+@for_any_units(METHOD, supported=(*STRIKERS, "loss"), alternative=other_method)
 def local_rate(chain: Chain) -> Pulse:
     r"""Leading pulse of a chain of any taper by the local-rate law.
 
@@ -83,7 +87,9 @@ def local_rate(chain: Chain) -> Pulse:
     -------
     Pulse
         Velocity with its estimated relative error, arrival time, residence time and peak
-        overlap; momentum, energy and force are derived from them.
+        overlap; momentum, energy and force are derived from them.  An estimate of 10, or
+        1000%, means that the error is not known: beyond a contact whose rate is outside the tables,
+        and where it would be larger.
 
     Raises
     ------
@@ -126,6 +132,7 @@ def local_rate(chain: Chain) -> Pulse:
     )
     if not error <= DOUBTFUL:
         _warn_outside(chain, functions, chain.beads)
+        by_bead[1] = _known(by_bead[1], chain, functions)
     by_bead.setflags(write=False)
     by_contact.setflags(write=False)
     # The checks of a pulse take longer than the law.
@@ -139,6 +146,14 @@ def local_rate(chain: Chain) -> Pulse:
         residence=by_contact[0],
         velocity_error=by_bead[1],
     )
+
+
+def _known(errors: Array, chain: Chain, functions: UniversalFunctions) -> Array:
+    """Estimated errors, with the largest one where not even the size is known."""
+    rates, (low, high) = np.diff(np.log(chain.radii)), functions.range
+    outside = np.concatenate(([False], ~((rates >= low) & (rates <= high))))
+    unknown = np.logical_or.accumulate(outside) | ~(errors <= MAX_ESTIMATE)
+    return np.where(unknown, MAX_ESTIMATE, errors)
 
 
 def velocity_errors(radii: Array, exponent: float) -> Array | None:
@@ -314,19 +329,37 @@ def _warn_outside(chain: Chain, functions: UniversalFunctions, bead: int) -> Non
     outside = ~((rates >= low) & (rates <= high))
     if outside.any():
         k = int(np.argmax(outside))
-        reason = f"the rate ln(R_{k + 2}/R_{k + 1}) = {rates[k]:.3g} is outside {low:g} to {high:g}"
+        reason = (
+            f"the rate ln(R_{k + 2}/R_{k + 1}) = {_unlike(rates[k], low, high)} is outside {low:g} "
+            f"to {high:g}, and the error from bead {k + 2} on is not known"
+        )
     else:
         error = solution.error(functions)
         k = int(np.argmax(~(error <= DOUBTFUL)))
         place = "the end" if bead == chain.beads else f"bead {bead}"
         last = error[bead - 2]
-        size = f"{last:.1%}" if last < MAX_ESTIMATE else f"above {100.0 * MAX_ESTIMATE:g}%"
+        size = f"is {last:.1%}" if last < MAX_ESTIMATE else "is not known"
         reason = (
-            f"the estimated velocity error exceeds {DOUBTFUL:.1%} first at bead {k + 2} and is "
+            f"the estimated velocity error exceeds {DOUBTFUL:.1%} first at bead {k + 2} and "
             f"{size} at {place}"
         )
     warn_user(
         f"local_rate may be inaccurate for this chain ({chain.description}): {reason}; use "
-        "propagate, or piecewise_local_rate for steps and odd beads",
+        f"propagate{_other_theory(chain)}",
         ModelRangeWarning,
     )
+
+
+def _other_theory(chain: Chain) -> str:
+    """A theory for chains that are not smooth, if there is one."""
+    if small_beads(chain.radii).any():
+        return ", or effective_chain for small beads between large ones"
+    if alternates(chain.masses).mean() > MOSTLY:
+        return ""
+    return ", or piecewise_local_rate for steps and odd beads"
+
+
+def _unlike(rate: float, *limits: float) -> str:
+    """A rate with so many digits that it differs from the limits."""
+    texts = (f"{rate:.{digits}g}" for digits in range(3, 17))
+    return next((each for each in texts if float(each) not in limits), repr(float(rate)))

@@ -23,6 +23,7 @@ from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
 from ..validation.keywords import checked_arguments
 from .local_rate import local_rate
+from .strikers import other_method
 from .step_table import AFTER, BEFORE, LOG_RATIOS, RATES, jump_effect
 
 METHOD: Final = "the piecewise local-rate law"
@@ -64,7 +65,7 @@ class Jump:
 
 
 @checked_arguments("piecewise_local_rate")
-@for_any_units(METHOD, alternative="use simulate")
+@for_any_units(METHOD, alternative=other_method)
 def piecewise_local_rate(chain: Chain) -> Pulse:
     r"""Leading pulse of smooth parts joined by steps in the radius or single odd beads.
 

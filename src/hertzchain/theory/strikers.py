@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -76,9 +76,15 @@ def struck_pulse(chain: Chain, method: str, theory: Callable[[Chain], Pulse]) ->
     return _struck(chain, striker, theory(striker.chain))
 
 
+def other_method(features: Sequence[str]) -> str:
+    """Advice for a chain with features that theories of tapers do not support."""
+    by_both = {*features} <= {"masses", "stiffness", "SI units"}
+    return "use propagate or simulate" if by_both else "use simulate"
+
+
 def striker_of(chain: Chain, method: str) -> Striker:
     """The striker of a scaled chain; `InputError` if the other beads are not like spheres."""
-    require_supported(chain, method, supported=FEATURES, alternative="use simulate")
+    require_supported(chain, method, supported=FEATURES, alternative=other_method)
     if chain.beads < 3:
         raise InputError(
             f"{method} requires at least 3 beads, strikers included, got {chain.description}; use "
@@ -90,7 +96,7 @@ def striker_of(chain: Chain, method: str) -> Striker:
     )
     if not alike or chain.strikers > 1 or chain.velocities[1:].any():
         # Name the features as for a theory without strikers.
-        require_supported(chain, method, alternative="use simulate")
+        require_supported(chain, method, alternative=other_method)
     if not chain.velocities[0] > 0.0:
         raise InputError(
             f"{method} needs a striker that moves forwards, but its velocity is "

@@ -269,7 +269,7 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
             U + '[chain.right_wall.loss]\nlaw = "elastic"\nbetween = ["brass", "ptfe"]',
             r"loss of \[chain.right_wall\] has between, but .* omit between",
         ),
-        (U + "[[chain.exponent]]\nvalue = 2.0", r"\[chain.exponent\] has no between"),
+        (U + "[[chain.exponent]]\nvalue = 2.0", r"\[chain.exponent\] requires between"),
         (
             U + 'exponent = [{between = ["brass"], value = 2}]',
             r"between of \[chain.exponent\] must have two materials, .* got \['brass'\]",
@@ -277,7 +277,7 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
         (U + 'exponent = [{between = ["brass", "ptfe"], value = 2}]', "needs a chain of materials"),
         (U + "exponent = [1.5, {value = 2}]", r"must be a table, such as \{between"),
         (SI + "[chain.with_contacts]\nangle = 5.0", "has no shape: choose from cone, crossed-cyl"),
-        (SI + 'with_contacts = {shape = "cone"}', r"\[chain.with_contacts\] has no half_angle"),
+        (SI + 'with_contacts = {shape = "cone"}', r"\[chain.with_contacts\] requires half_angle"),
         (
             SI + 'with_contacts = {shape = "cone", half_angle = 70, angle = 3}',
             r"unknown key of \[chain.with_contacts\] 'angle': .*did you mean 'half_angle'",
@@ -303,8 +303,8 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
         (U + '[chain.drive]\nkind = "sine"', "did you mean 'sine-burst'"),
         (U + '[chain.drive]\nkind = "table"\nfile = "a.csv"\nof = "force"', "also other keys"),
         (U + '[chain.drive]\nkind = "table"\ntimes = [0, 0]\nvalues = [1, 1]', "must increase"),
-        (U + "[chain.with_scatter]\nrelative = 0.1", "has no seed: seed of the random numbers"),
-        (U + "[[chain.with_defects]]\nbead = 2", "has no radius"),
+        (U + "[chain.with_scatter]\nrelative = 0.1", "requires seed"),
+        (U + "[[chain.with_defects]]\nbead = 2", "requires radius"),
         (U + "[chain.decorated]\nration = 0.3", "did you mean 'ratio'"),
         (U + "[[chain.struck_by]]\nspeed = 3", r"'speed': choose .*; did you mean 'velocity'"),
         (
@@ -313,7 +313,10 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
             r"mean 'beads'\?\), 'xyz': choose from",
         ),
         (U + "strikers = [2.0]", r"got \[2.0\] \(.*\[\[chain.struck_by\]\] adds others"),
-        (SI + "[materials.mine]\ndensity = 1.0\nyoung = 1.0", r"\[materials.mine\] has no poisson"),
+        (
+            SI + "[materials.mine]\ndensity = 1.0\nyoung = 1.0",
+            r"\[materials.mine\] requires poisson",
+        ),
         (U + "gaps = [0, -1]", "gap of contact 2 is -1"),
         (U + "precompression = 1", "left end .* is free"),
         (U + "masses = [1, 2]", "3 numbers for the masses"),

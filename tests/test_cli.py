@@ -526,7 +526,7 @@ def test_a_chain_with_a_wall_is_reported_with_units(run, tmp_path):
     )
     code, out, _ = run("simulate", file, "--budget")
     assert code == 0
-    assert "the force on the right wall is complete at t = " in out
+    assert ": no larger force on the right wall follows\n" in out
     assert "right wall: peak " in out
     assert "energy [J]" in out
     assert "momentum [kg m/s]" in out
@@ -591,7 +591,7 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     felt = hertzchain.simulate(hertzchain.load_chain(file), until=3e-4, times=101)
     wall, sensor = felt.wall_force(), felt.sensor_force(3)
     peak = f"right wall: peak {wall.peak:.5g} N at t = {1e6 * wall.peak_time:.5g} us"
-    assert f"{peak}, no later force can exceed it\n" in out
+    assert f"{peak}; no larger force follows\n" in out
     assert f"  impulse {1e3 * wall.impulse_of_impact:.4g} mN s in the impact (1 contact)\n" in out
     lasts = 1e6 * wall.impulse_of_impact / wall.peak
     assert f"  impulse in the impact / peak = {lasts:.4g} us\n" in out
@@ -712,17 +712,17 @@ def test_simulate_says_that_small_differences_may_change_a_late_peak(run):
     code, out, _ = run(*taper, 0.1, "--beads", 40)
     assert code == 0
     line = next(line for line in out.splitlines() if line.startswith("right wall: "))
-    assert ", no later force in this computed motion can exceed it; " in line
-    assert line.endswith("and small differences may change it: check with --horizon")
+    assert "; no larger force follows in this computed motion; " in line
+    assert line.endswith("such as another tolerance: check with --horizon")
     assert "the run lasts 10 transits of the pulse: --horizon shows" in out
     code, out, _ = run(*taper, 0.1, "--beads", 40, "--horizon")
     assert code == 0
-    assert " (after the horizon), no later force in this computed motion can exceed it\n" in out
+    assert " (after the horizon); no larger force follows in this computed motion\n" in out
     assert "horizon: velocities predictable within 1% until t = " in out
     assert json.loads(run(*taper, 0.1, "--beads", 40, "--json")[1])["walls"][0]["sensitive"] is True
     code, out, _ = run(*taper, 0.05, "--beads", 30, "--until", 150)
     assert code == 0
-    assert ", no later force can exceed it\n" in out
+    assert "; no larger force follows\n" in out
     assert "transits of the pulse: --horizon shows" in out
 
 
@@ -1075,8 +1075,8 @@ def test_options_with_one_value_are_given_once(run, words, option):
 
 @pytest.mark.parametrize(("words", "said"), [
     (("--speed", "nan"), "--speed must be finite, got nan"),
-    (("--until", "nan"), "--until must be finite, got nan"),
-    (("--until", "inf"), "--until must be finite, got inf"),
+    (("--until", "nan"), "--until must be above 0 and finite, got nan"),
+    (("--until", "inf"), "--until must be above 0 and finite, got inf"),
 ])  # fmt: skip
 def test_values_that_are_no_numbers_are_not_asked_for_a_unit(run, words, said):
     balls = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", 5)

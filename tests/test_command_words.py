@@ -169,7 +169,7 @@ def test_short_runs_state_that_the_pulse_has_not_arrived(run):
     assert "right wall: the pulse has not arrived\n" in out
     assert "sensor in bead 15: the pulse has not arrived\n" in out
     assert "sensor in bead 3: first maximum" in out
-    assert "e-" not in out.partition("right wall")[2]
+    assert "e-" not in out.rpartition("right wall")[2]
     assert "Warning: the pulse had not reached bead 15 at t = 130 us; simulate for longer\n" in err
     assert "Warning: the pulse had not reached the right wall at t = 130 us, and up to" in err
 

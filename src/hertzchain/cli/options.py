@@ -131,8 +131,7 @@ def time_from(option: str, text: str | None, chain: Chain) -> float | None:
     value = as_typed(text)
     if chain.units == "SI":
         _require_unit(option, text)
-        return number(option, value, unit="s", above=0.0)
-    return number(option, value, unit=SCALED, above=0.0)
+    return number(option, value, unit="s" if chain.units == "SI" else SCALED, above=0.0)
 
 
 def seconds_from(option: str, text: str) -> float:

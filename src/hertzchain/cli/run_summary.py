@@ -168,7 +168,7 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
             f"  impulse {whole}"
         )
     so_far = "" if wall.proven else " so far"
-    peak = f"{wall.side} wall: peak{so_far} {largest}, {wall._later}{caution}"
+    peak = f"{wall.side} wall: peak{so_far} {largest}; {wall._later}{caution}"
     if wall.complete_since is None:
         return f"{peak}; {wall.reason}\n  impulse {whole}"
     of_impact = _impulse(wall.impulse_of_impact, wall.units)

@@ -55,7 +55,7 @@ MAX_GROUPED, MAX_REASONS = 1000, 5
 FLAGGED: Final = {
     "outside_range": "outside the validity range of a method",
     "incomplete": "with an incomplete largest force on the wall",
-    "sensitive": "whose largest force on the wall small differences may change",
+    "sensitive": "whose largest force on the wall is sensitive to small changes",
 }
 # Not contained in an estimate.
 START: Final = "starting and compiling (seconds to minutes)"

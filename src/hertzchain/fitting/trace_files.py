@@ -207,8 +207,8 @@ def _shots(table: Table, wanted: Sensors, noise: float | Mapping[str, float] | N
             if len(row) == 2 * len(header):
                 advice = "if numbers have decimal commas, separate the columns by semicolons"
             raise InputError(
-                f"line {number} has {counted(len(row), 'cell')}, the header has {len(header)}; "
-                f"{advice}"
+                f"line {number} has {counted(len(row), 'cell')}, but the header has "
+                f"{len(header)}; {advice}"
             )
     header, wanted = _with_times(header, wanted)
     time, shot, columns = _columns(header, wanted)

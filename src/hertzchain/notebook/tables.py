@@ -52,9 +52,7 @@ def pulse_table_html(pulses: PulseTable) -> str:
     figure = chart(curves, "bead k", f"velocity{unit}", marks=marks, whole=True)
     entries = [("5% to 95% of the chains", COLOURS[5]), ("median", COLOURS[0])]
     if ends:
-        figure += note(
-            "Points without a line show the last beads, which leave free ends at a larger velocity."
-        )
+        figure += note("The last bead of a chain with a free end is shown as a separate point.")
     rows = []
     for name in SHOWN:
         if name in columns:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 # Flags of the largest force on a wall, in words.
 FLAGGED_PEAKS: Final = {
-    "incomplete": "not complete", "sensitive": "sensitive to small differences",
+    "incomplete": "not complete", "sensitive": "sensitive to small changes",
 }  # fmt: skip
 # Dimensions without nearest values; relative difference of numbers that are regarded as the same.
 PLACES, SAME = ("bead", "contact", "point"), 1e-9

@@ -73,9 +73,7 @@ def _complete(chain: Chain, at: str, *, sensitive: bool) -> str:
     """Message of a run that ended with a complete peak on the right wall."""
     if motion_can_escape(chain, RIGHT):
         motion = " in this computed motion" if sensitive else ""
-        return (
-            f"the force on the right wall is complete {at}; no later force{motion} exceeds its peak"
-        )
+        return f"stopped {at}: no larger force on the right wall follows{motion}"
     return (
         f"the impact on the right wall has ended {at}; the beads can return to the wall, and a "
         "later impact may be stronger"

@@ -25,8 +25,8 @@ NEGLIGIBLE: Final = 1e-6
 # Relative excess of a sufficient time, which messages round.
 MARGIN: Final = 0.02
 SENSITIVE: Final = (
-    "the largest force is not in the first contact, and small differences may change it: check "
-    "with run.horizon()"
+    "the largest force occurs after the first contact and is sensitive to small changes, such as "
+    "another tolerance: check with run.horizon()"
 )
 
 
@@ -61,7 +61,7 @@ class WallForce:
         Whether `bound` holds at all later times.  If so, no later force exceeds a complete peak;
         otherwise a later impact may be stronger.
     sensitive : bool
-        Whether small differences, such as another tolerance, may change the largest force: nothing
+        Whether the largest force is sensitive to small changes, such as another tolerance: nothing
         is lost in the chain, and the largest force does not occur in the first contact with the
         wall (the left wall: nor before the pulse reaches the right wall for the second time).
         `hertzchain.Run.horizon` estimates how long the run is predictable.
@@ -135,7 +135,7 @@ class WallForce:
     def _later(self) -> str:
         """Statement about forces after a complete peak."""
         motion = " in this computed motion" if self.sensitive else ""
-        proven = f"no later force{motion} can exceed it"
+        proven = f"no larger force follows{motion}"
         return proven if self.proven else "a later impact may be stronger"
 
     @property
@@ -151,7 +151,7 @@ class WallForce:
         touches = counted(self.touches, "contact") + " with the wall"
         if self.complete:
             known = "" if self.proven else " so far"
-            peak = f"peak{known} {at(self.peak, self.peak_time)}, {self._later}"
+            peak = f"peak{known} {at(self.peak, self.peak_time)}; {self._later}"
             impact = self.reason
             if not impact:
                 impact = f"{measure(self.impulse_of_impact, 'N s', self.units)} of the impact"

@@ -77,7 +77,7 @@ def _by_batch(plan: Plan) -> dict[str, Variable]:
     if plan.keeps_wall:
         label = {"long_name": "1 where the largest force on the wall is incomplete"}
         found["incomplete"] = _by_method(plan, "i1", label)
-        label = {"long_name": "1 where small differences may change the largest force on the wall"}
+        label = {"long_name": "1 where the largest force on the wall is sensitive to small changes"}
         found["sensitive"] = _by_method(plan, "i1", label)
     label = {"long_name": "why the method failed, or why values are missing; otherwise empty"}
     found["reason"] = _by_method(plan, "str", label)

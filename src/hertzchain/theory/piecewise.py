@@ -23,8 +23,8 @@ from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
 from ..validation.keywords import checked_arguments
 from .local_rate import local_rate
-from .strikers import other_method
 from .step_table import AFTER, BEFORE, LOG_RATIOS, RATES, jump_effect
+from .strikers import other_method
 
 METHOD: Final = "the piecewise local-rate law"
 # A rate that is farther than this outside those of the neighbouring contacts is a jump.

@@ -313,10 +313,7 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
             r"mean 'beads'\?\), 'xyz': choose from",
         ),
         (U + "strikers = [2.0]", r"got \[2.0\] \(.*\[\[chain.struck_by\]\] adds others"),
-        (
-            SI + "[materials.mine]\ndensity = 1.0\nyoung = 1.0",
-            r"\[materials.mine\] requires poisson",
-        ),
+        (SI + "[materials.mine]\ndensity = 1.0\nyoung = 1.0", r"\[materials.mine\] requires poi"),
         (U + "gaps = [0, -1]", "gap of contact 2 is -1"),
         (U + "precompression = 1", "left end .* is free"),
         (U + "masses = [1, 2]", "3 numbers for the masses"),

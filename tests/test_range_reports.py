@@ -258,3 +258,24 @@ def test_fits_state_the_largest_pressure_of_all_shots(run):
     speeds = [float(chain.velocities[0]) for chain in fitted]
     # The pressure is proportional to the speed to the power 2/5; precompression is absent.
     assert min(ratios) / max(ratios) == pytest.approx((min(speeds) / max(speeds)) ** 0.4, rel=0.02)
+
+
+def test_pressure_over_yield_is_unknown_without_a_yield_strength():
+    """Glass has none in the catalogue; the harder body of a contact with steel does not yield."""
+    glass = hc.Chain.from_materials(5e-3, "glass", beads=4, velocity=0.1)
+    found = hc.hertz_range(glass.replace(right_wall=hc.Wall()))
+    assert np.isnan(found.yield_ratio).all()
+    assert np.isnan(found.largest_yield_ratio)
+    assert "pressure / yield  unknown" in str(found)
+    assert "pressure / yield unknown" in repr(found)
+    assert "unknown" in found._repr_html_()
+    assert not found.violations
+    table = hc.simulate_many([glass], keep=["yield_ratio"])
+    assert np.isnan(table["yield_ratio"][0])
+    mixed = hc.Chain.from_materials(5e-3, ["steel-52100", "glass", "glass"], velocity=1.0)
+    steel = hc.hertz_range(mixed)
+    assert np.isnan(steel.yield_ratio[2])
+    assert steel.largest_yield_ratio == steel.yield_ratio[1] > 0.0
+    with pytest.raises(hc.InputError, match="yield_ratio is unknown, because no material"):
+        hc.Design(glass, minimise="velocity@last", vary=[hc.vary.radii("3 mm", "6 mm")],
+                  subject_to={"yield_ratio": "<= 1"})  # fmt: skip

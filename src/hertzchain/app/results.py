@@ -351,7 +351,7 @@ def _pressures(run: Run) -> dict[str, Any]:
     """
     if run.chain.units != "SI" or run.chain.materials is None:
         return {}
-    ratios = hertz_range(run.chain, run.largest_overlaps).yield_ratio[1:]
+    ratios = np.nan_to_num(hertz_range(run.chain, run.largest_overlaps).yield_ratio[1:])
     return {"yield_ratio": ratios.astype(np.float32)} if ratios.any() else {}
 
 

@@ -80,8 +80,8 @@ class HertzRange:
     overlap_ratio : ndarray, shape (N + 1,)
         Overlap of spheres of the materials under the force of each contact over effective radius.
     yield_ratio : ndarray, shape (N + 1,)
-        Largest pressure over the pressure at first yield; 0 if no yield strength is known, or if
-        the law of the contact describes what happens beyond it.
+        Largest pressure over the pressure at first yield; NaN if no yield strength of the two
+        materials is known, and 0 if the law of the contact describes yield.
     speed_ratio : float
         Largest ratio of the closing speed of two neighbours at time 0 to the slower of their
         sound speeds.
@@ -130,6 +130,16 @@ class HertzRange:
     estimated: bool = False
 
     @property
+    def largest_yield_ratio(self) -> float:
+        """Largest known ``yield_ratio``; NaN if no yield strength is known."""
+        return float(self.yield_ratio[self._most_loaded])
+
+    @property
+    def _most_loaded(self) -> int:
+        """Contact with the largest known ``yield_ratio``."""
+        return int(np.argmax(np.nan_to_num(self.yield_ratio, nan=-1.0)))
+
+    @property
     def violations(self) -> tuple[str, ...]:
         """One sentence for each limit that is exceeded; yield comes first."""
         return self._violations()
@@ -137,7 +147,7 @@ class HertzRange:
     def _violations(self, *, linear: bool = False) -> tuple[str, ...]:
         """The same; ``linear`` motions cannot have a law with yield."""
         found = []
-        at = int(np.argmax(self.yield_ratio))
+        at = self._most_loaded
         if (ratio := self.yield_ratio[at]) > 1.0:
             others = int(np.count_nonzero(self.yield_ratio > 1.0)) - 1
             besides = f", and above 1 at {others} more" if others else ""
@@ -172,7 +182,7 @@ class HertzRange:
     @property
     def _below_yield(self) -> str:
         """The largest pressure, if it is known and does not exceed its limit."""
-        at = int(np.argmax(self.yield_ratio))
+        at = self._most_loaded
         if not 0.0 < (ratio := self.yield_ratio[at]) <= 1.0:
             return ""
         digits = 2 if ratio < 0.95 else 4
@@ -180,7 +190,7 @@ class HertzRange:
 
     def _excess(self, ratio: float) -> str:
         """How little the contact yields, if the pressure exceeds its limit only slightly."""
-        if ratio > SMALL_EXCESS or self.static_yield_ratio.any():
+        if ratio > SMALL_EXCESS or np.nan_to_num(self.static_yield_ratio).any():
             return ""
         # The pressure is proportional to the speed to the power 2/5.
         lost = 1.0 - restitution_beyond_yield(ratio**-2.5)
@@ -208,7 +218,7 @@ class HertzRange:
     def _advice(self, ratio: float, static: Array, limit: float, digits: int) -> str:
         """Advice to reduce the motion, or the static force if it exceeds the limit by itself."""
         motion, load = self.causes
-        alone = float(static.max())
+        alone = float(np.nan_to_num(static).max())
         if alone <= limit:
             return f"reduce {motion}"
         # The motion matters if it adds more than is printed.
@@ -218,15 +228,27 @@ class HertzRange:
         advice = by_weight if load == "gravity" else f"reduce {load}{also}"
         return f"the static force alone gives {alone:.{digits}g}; {advice}"
 
+    @property
+    def _known(self) -> bool:
+        """Whether the yield strength of a contact is known."""
+        return not math.isnan(self.largest_yield_ratio)
+
+    @property
+    def _pressure(self) -> str:
+        """The largest pressure over yield and its contact."""
+        if not self._known:
+            return "unknown (no yield strength is known)"
+        return f"{self.largest_yield_ratio:.3g} at contact {self._most_loaded}"
+
     def __repr__(self) -> str:
-        overlap, pressure = int(np.argmax(self.overlap_ratio)), int(np.argmax(self.yield_ratio))
+        overlap = int(np.argmax(self.overlap_ratio))
         count = len(self.violations)
         exceeded = f"; {counted(count, 'limit')} exceeded" if count else ""
         return short(
             "HertzRange",
             f"{len(self.overlap_ratio)} contacts",
             f"overlap / radius {self.overlap_ratio[overlap]:.2g} at contact {overlap}, pressure / "
-            f"yield {self.yield_ratio[pressure]:.3g} at contact {pressure}, speed / sound "
+            f"yield {self._pressure}, speed / sound "
             f"{self.speed_ratio:.2g}{exceeded}{', estimated before a run' * self.estimated}",
         )
 
@@ -236,13 +258,12 @@ class HertzRange:
         return hertz_range_html(self)
 
     def __str__(self) -> str:
-        overlap, pressure = int(np.argmax(self.overlap_ratio)), int(np.argmax(self.yield_ratio))
+        overlap = int(np.argmax(self.overlap_ratio))
         return "\n".join(
             (
                 f"overlap / radius  {self.overlap_ratio[overlap]:.2g} at contact {overlap} "
                 f"(limit {MAX_OVERLAP_RATIO:g})",
-                f"pressure / yield  {self.yield_ratio[pressure]:.3g} at contact {pressure} "
-                "(limit 1)",
+                f"pressure / yield  {self._pressure}{' (limit 1)' * self._known}",
                 f"speed / sound  {self.speed_ratio:.2g} (limit {MAX_SPEED_RATIO:g})",
                 *([ESTIMATED] if self.estimated else []),
             )
@@ -371,7 +392,8 @@ def _ratios(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
     d = np.cbrt(0.75 * force / (modulus * np.sqrt(radius))) ** 2
     pressure = 2.0 / math.pi * modulus * np.sqrt(d / radius)
     elastic = np.array([not law.yields for law in chain.contact_losses])
-    return d / radius, elastic * pressure / (FIRST_YIELD * strength)
+    strength = np.where(np.isinf(strength), math.nan, strength)
+    return d / radius, np.where(elastic, pressure / (FIRST_YIELD * strength), 0.0)
 
 
 def _given(chain: Chain) -> NDArray[np.bool_]:

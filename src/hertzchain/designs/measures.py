@@ -192,6 +192,11 @@ class Measure:
             )
         if self.key in RANGE and (chain.units != "SI" or chain.materials is None):
             raise InputError(f"{self} needs a chain with materials; use Chain.from_materials")
+        if self.key == "yield_ratio" and np.isnan(hertz_range(chain).largest_yield_ratio):
+            raise InputError(
+                "yield_ratio is unknown, because no material of this chain has a yield strength; "
+                "omit it, or define materials with yield_strength"
+            )
         if self.key == "yield_ratio" and _all_yield(chain):
             raise InputError(
                 "yield_ratio is the pressure of elastic contacts over that at first yield, and all "
@@ -243,7 +248,10 @@ class Measure:
         overlaps = table._overlaps[i, : chain.beads + 1]
         if self.key == "largest_force":
             return float(np.max(chain.contact_stiffness * overlaps**chain.contact_exponents))
-        return float(getattr(hertz_range(chain, overlaps), self.key).max())
+        limits = hertz_range(chain, overlaps)
+        return float(
+            limits.largest_yield_ratio if self.key == "yield_ratio" else limits.overlap_ratio.max()
+        )
 
     def from_chain(self, chain: Chain, price: float) -> float:
         """Value of a measure that needs no simulation, for the beads after the strikers."""

@@ -175,7 +175,7 @@ def scales_html(scales: Scales) -> str:
 
 def hertz_range_html(found: HertzRange) -> str:
     """The largest of each ratio with its limit, and what is exceeded."""
-    overlap, pressure = int(np.argmax(found.overlap_ratio)), int(np.argmax(found.yield_ratio))
+    overlap, pressure = int(np.argmax(found.overlap_ratio)), found._most_loaded
     rows = (
         ("overlap / radius", found.overlap_ratio[overlap], f"contact {overlap}", MAX_OVERLAP_RATIO),
         ("pressure / yield", found.yield_ratio[pressure], f"contact {pressure}", 1.0),
@@ -183,6 +183,8 @@ def hertz_range_html(found: HertzRange) -> str:
     )
     cells = [
         [name, f"{value:.3g}", place, f"{limit:g}", "exceeded" if value > limit else "within"]
+        if value == value
+        else [name, "unknown", "-", f"{limit:g}", "no yield strength is known"]
         for name, value, place, limit in rows
     ]
     sentences = [*found.violations, *([ESTIMATED] if found.estimated else [])]

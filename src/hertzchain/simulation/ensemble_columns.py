@@ -331,8 +331,8 @@ def energy_parts(
 
 
 def largest_yield_ratio(chain: Chain, overlaps: Array) -> float:
-    """Largest ratio of the pressure of a contact to that at first yield."""
-    return float(hertz_range(chain, overlaps).yield_ratio.max())
+    """Largest ratio of the pressure of a contact to that at first yield; NaN if it is unknown."""
+    return hertz_range(chain, overlaps).largest_yield_ratio
 
 
 def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
 
@@ -24,13 +26,13 @@ def pressures_below_yield(*runs: Run) -> list[str]:
     if any(run.chain.materials is None or run.chain.units != "SI" for run in runs):
         return []
     found = [hertz_range(run.chain, run.largest_overlaps) for run in runs]
-    line = max(found, key=lambda each: float(each.yield_ratio.max()))._below_yield
+    line = max(found, key=lambda each: float(np.nan_to_num(each.largest_yield_ratio)))._below_yield
     return [line] if line else []
 
 
 def yields(limits: HertzRange | None) -> bool:
     """Whether elastic contacts exceed the pressure at first yield, if it is known."""
-    return limits is not None and bool(limits.yield_ratio.max() > 1.0)
+    return limits is not None and limits.largest_yield_ratio > 1.0
 
 
 def dented_chain(chain: Chain) -> Chain | None:

@@ -629,7 +629,7 @@ def test_simulate_says_that_a_held_chain_may_hit_the_wall_harder_later(run, tmp_
     assert "the beads can return to the wall, and a later impact may be stronger\n" in out
     line = next(line for line in out.splitlines() if line.startswith("right wall: "))
     assert line.startswith("right wall: peak so far ")
-    assert line.endswith(", a later impact may be stronger")
+    assert line.endswith("; a later impact may be stronger")
     assert "is complete" not in out
     assert "can exceed" not in out
 

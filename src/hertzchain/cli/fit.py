@@ -74,7 +74,8 @@ if TYPE_CHECKING:
 @click.option(
     "--defects",
     is_flag=True,
-    help="Search for the gap or odd ball that explains most of the residuals, and fit it.",
+    help="Search for the gap or odd ball that explains most of the residuals, and fit it; this "
+    "takes 10 to 60 s for 20 balls.",
 )
 @click.option(
     "--sample",
@@ -214,7 +215,7 @@ def _defects(
 
     scans = []
     for kind, what in (("gap", "contacts tried"), ("bead", "balls tried")):
-        with progress_bar(what) as progress:
+        with progress_bar(what, rate=True) as progress:
             scans.append(hertzchain.scan_defects(result, kind, progress=progress))
     document["defects"] = [
         {"name": name, "value": float(size), "chi2_improvement": float(gained)}
@@ -224,7 +225,7 @@ def _defects(
     found = {}
     for scan in scans:
         if scan.found:
-            with progress_bar("defects fitted") as progress:
+            with progress_bar("defects fitted", rate=True) as progress:
                 found[scan.kind] = fit_of_defect(scan, progress=progress)
     if not found:
         return result, scans, [scan.summary() for scan in scans]

@@ -159,15 +159,13 @@ def simulate(
     if times is None:
         fine = sensors or forces or animation or len(options.files) > 1
         times = MANY_TIMES if fine else USUAL_TIMES
-    _check_times(
-        times, out=out, forces=forces, plot=plot, animate=animation, sensor=sensors,
-        stream=stream, budget=budget, waves=waves, horizon=horizon,
-    )  # fmt: skip
+    of_saved_times = {
+        "out": out, "forces": forces, "plot": plot, "animate": animation, "sensor": sensors,
+        "budget": budget, "waves": waves, "horizon": horizon,
+    }  # fmt: skip
+    _check_times(times, stream=stream, **of_saved_times)
     if stream is not None:
-        check_stream_options(
-            out=out, forces=forces, plot=plot, animate=animation, sensor=sensors, budget=budget,
-            waves=waves, horizon=horizon, max_steps=max_steps,
-        )  # fmt: skip
+        check_stream_options(**of_saved_times, max_steps=max_steps)
     chains = chains_from(options)
     if len(chains) > 1 and (out or forces or animation or stream):
         raise click.UsageError("--out, --forces, --animate and --stream require one chain FILE")

@@ -233,6 +233,27 @@ def test_sweeps_over_radii_behind_a_striker_of_given_mass():
         assert value == pytest.approx(expected, rel=1e-6)
 
 
+def test_sweeps_over_the_mass_of_a_striker_and_the_radii_of_balls():
+    chain = real_row(np.ones(4), STRIKERS["mass"])
+    settings = {
+        "sweep": {"methods": ["simulate"], "keep": ["wall_force.peak"]}, "method": {"until": 2e-3}
+    }  # fmt: skip
+    axes = {"striker_properties.1.mass": [8e-3, 12e-3], "radii.5": [4e-3, 6e-3]}
+    found = hc.sweep({"chain": chain, "axes": axes} | settings)
+    for i, j in np.ndindex(2, 2):
+        striker = STRIKERS["mass"] | {"mass": (8e-3, 12e-3)[i] / 4.07e-3}
+        expected = peak(real_row([1.0, 1.0, 1.0, (0.8, 1.2)[j]], striker))
+        assert float(found["wall_peak_force"][i, j].item()) == pytest.approx(expected, rel=1e-6)
+    with pytest.raises(hc.InputError, match=r"axes.masses.1: would fix the masses .* axes.radii.5"):
+        hc.sweep({"chain": chain, "axes": {"masses.1": [8e-3], "radii.5": [4e-3, 6e-3]}} | settings)
+
+
+def test_designs_in_which_masses_would_not_follow_radii_are_rejected():
+    vary = [hc.vary.radii(0.5, 1.0, beads="2:4"), hc.vary.masses(0.5, 1.0, beads="5")]
+    with pytest.raises(hc.InputError, match="that of bead 2 would not follow its radius"):
+        hc.design(hc.Design(hc.Chain.uniform(6, **WALL), minimise="wall_force.peak", vary=vary))
+
+
 @pytest.mark.parametrize("name", ["flat", "stiffness"])
 def test_fitted_radii_and_densities_change_masses(name):
     from hertzchain.fitting.chain_parameters import with_sizes

@@ -160,25 +160,25 @@ def _derived_where_possible(chain: Chain, given: Sequence[StrikerProperties]) ->
 
     Only those of strikers are then given that differ, or that were given to flat ones (``given``).
     """
-    properties = tuple(given) or (SPHERE,) * chain.strikers
+    properties = list(given) or [SPHERE] * chain.strikers
     for name, item in (("masses", "mass"), ("stiffness", "stiffness")):
         own = getattr(chain, name).tolist()
-        # The radius of a flat striker is that of a sphere of its mass, which is given.
-        properties = tuple(
-            dataclasses.replace(
-                each, **{item: value if each.flat and getattr(each, item) is not None else None}
-            )
-            for each, value in zip(properties, own, strict=False)
-        )
+        for k, each in enumerate(properties):
+            # The radius of a flat striker is that of a sphere of its mass, which is given.
+            kept = each.flat and getattr(each, item) is not None
+            properties[k] = _with(each, item, own[k] if kept else None)
         try:
             derived = chain.replace(**{name: None}, striker_properties=properties)
         except InputError:
             continue  # The chain has nothing from which they could be computed.
         same = np.isclose(getattr(derived, name), own, rtol=ROUNDING, atol=0.0)
         if same[chain.strikers :].all():
-            properties = tuple(
-                each if alike else dataclasses.replace(each, **{item: value})
-                for each, alike, value in zip(properties, same, own, strict=False)
-            )
+            for k in np.flatnonzero(~same).tolist():
+                properties[k] = _with(properties[k], item, own[k])
             chain = derived.replace(striker_properties=properties)
     return chain
+
+
+def _with(properties: StrikerProperties, item: str, value: float | None) -> StrikerProperties:
+    changes: dict[str, Any] = {item: value}
+    return dataclasses.replace(properties, **changes)

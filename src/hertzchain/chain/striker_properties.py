@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
@@ -109,20 +109,20 @@ def stiffness_with(
         elif np.isinf(faces[k : k + 2]).any():
             kinds = None if scaled or materials is None else materials[k : k + 2]
             p = float(exponents[k] if len(exponents) > 1 else exponents[0])
-            found[k] = face_stiffness(faces[k : k + 2], kinds, p)
+            found[k] = face_stiffness(float(faces[k]), float(faces[k + 1]), kinds, p)
     return found
 
 
-def face_stiffness(faces: Sequence[float], materials: Materials, exponent: float) -> float:
+def face_stiffness(one: float, other: float, materials: Materials, exponent: float) -> float:
     """Hertz stiffness of the contact of two faces, one of which is flat; scaled without materials.
 
     The stiffness of scaled contacts is for beads and strikers of one material.
     """
-    if np.isinf(faces).all() or exponent != HERTZ_EXPONENT:
+    if math.isinf(min(one, other)) or exponent != HERTZ_EXPONENT:
         raise InputError(UNKNOWN_STIFFNESS)
     if materials is None:
-        return math.sqrt(2.0 * min(faces))
-    return float(sphere_stiffness(*faces, contact_modulus(*materials)))
+        return math.sqrt(2.0 * min(one, other))
+    return float(sphere_stiffness(one, other, contact_modulus(*materials)))
 
 
 def face_radii(given: Given, radii: Array) -> Array:

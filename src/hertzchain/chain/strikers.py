@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any, Final, TypeVar
 
@@ -211,8 +212,8 @@ def _listed_stiffness(
         or np.atleast_1d(chain.exponents)[0] != HERTZ_EXPONENT
     ):
         raise InputError(UNKNOWN_STIFFNESS)
-    kinds = (*[own] * count, chain.materials[0])
-    faces = (*[radius] * count, float(chain.face_radii[0]))
+    bodies = [(radius, own)] * count + [(float(chain.face_radii[0]), chain.materials[0])]
     return [
-        face_stiffness(faces[k : k + 2], kinds[k : k + 2], HERTZ_EXPONENT) for k in range(count)
+        face_stiffness(one, other, (kind, next_kind), HERTZ_EXPONENT)
+        for (one, kind), (other, next_kind) in itertools.pairwise(bodies)
     ]

@@ -109,4 +109,15 @@ def size_space(chain: Chain, given: Sequence[Sizes]) -> SizeSpace:
             )
         if block.field == "radii":
             check_strikers_vary(chain, block.places)
+    _check_masses_follow(taken)
     return SizeSpace(chain, blocks)
+
+
+def _check_masses_follow(taken: set[tuple[str, int]]) -> None:
+    """Raise `InputError` if the radius of a bead varies, and the masses of others only."""
+    varied = {name: {place for field, place in taken if field == name} for name in NOUNS}
+    if varied["masses"] and (fixed := sorted(varied["radii"] - varied["masses"])):
+        raise InputError(
+            f"the masses of some beads vary, so that of bead {fixed[0] + 1} would not follow its "
+            "radius, which varies, too: vary its mass, or only radii"
+        )

@@ -270,6 +270,19 @@ def second_strikers(paths: Iterable[tuple[str, ...]], chain: Chain | None) -> li
     ]
 
 
+def fixed_by_others(paths: Iterable[tuple[str, ...]], chain: Chain | None) -> list[str]:
+    """Find axes of single masses or contacts that would fix those of all beads, as radii vary."""
+    each = list(paths)
+    sizes = [".".join(path) for path in each if path[0] in ("radii", "diameters")]
+    return [
+        f"axes.{'.'.join(path)}: would fix the {path[0]} of the whole chain, which then would not "
+        f"follow axes.{sizes[0]}: vary one of them"
+        for path in each
+        if path[0] in ("masses", "stiffness") and len(path) > 1 and sizes
+        if chain is not None and path[0] not in chain.given
+    ]
+
+
 def unequal_lengths(axes: Sequence[Axis]) -> list[str]:
     """Find out whether axes that vary together have different numbers of values."""
     if len({len(axis) for axis in axes}) < 2:

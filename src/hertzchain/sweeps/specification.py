@@ -48,6 +48,7 @@ from .axes import (
     Axis,
     conflicts,
     duplicates,
+    fixed_by_others,
     flattened,
     second_strikers,
     too_many_points,
@@ -341,6 +342,7 @@ class _Reader:
                 self._add("axes", "nothing varies: add parameters and their values")
             self.problems += conflicts([path for path, _ in found_axes])
         self.problems += second_strikers(entries, self.inlined)
+        self.problems += fixed_by_others(entries, self.inlined)
         if combine != "zip" and (excess := too_many_points(entries)):
             self.problems += excess
             return (), combine

@@ -191,11 +191,39 @@ def test_designs_of_a_chain_with_a_striker_of_given_mass(striker):
     found = hc.design(problem, budget=150)
     built = real_row(found.chain.radii[1:] / 5e-3, striker)
     assert found.chain.masses == pytest.approx(built.masses, rel=1e-13)
+    first = "flat" if striker == STRIKERS["flat"] else "12"
+    assert f"diameters [mm], from the struck end: {first}, " in found.summary()
     run = hc.simulate(built, until=2e-3, rtol=1e-11)
     assert found.value == pytest.approx(run.wall_force().peak, rel=1e-6)
     with pytest.raises(hc.InputError, match="bead 1, a striker, varies, but its mass is given"):
         hc.design(hc.Design(chain, minimise="wall_force.peak",
                             vary=[hc.vary.diameters("6 mm", "12 mm", beads="1:")]))  # fmt: skip
+
+
+def test_splines_of_radii_do_not_begin_at_a_striker():
+    """Equal balls of any size belong to the designs, whatever the striker."""
+    chain = real_row(np.ones(8), STRIKERS["flat"])
+    block = hc.vary.radii("3 mm", "9 mm", by="spline", knots=5).block(chain)
+    for size in (4e-3, 7e-3):
+        sizes = np.full(8, size)
+        assert block.sizes(block.coefficients(sizes)) == pytest.approx(sizes, rel=1e-9)
+
+
+def test_the_table_of_sensitivities_shows_flat_faces(run, tmp_path):
+    file = tmp_path / "chain.toml"
+    file.write_text(hc.chain_as_toml(real_row(np.ones(3), STRIKERS["flat"])))
+    _, out, _ = run("sensitivity", file, "--quantity", "wall_force.peak")
+    (row,) = [line for line in out.splitlines() if "(striker)" in line]
+    assert row.split()[2] == "flat"
+    assert [float(each) for each in row.split()[3:]] == [0.0, 0.0]
+
+
+def test_a_flat_striker_is_no_cylinder():
+    chain = real_row(np.ones(3), STRIKERS["flat"])
+    with pytest.raises(hc.InputError, match="a flat striker is not a cylinder with a radius"):
+        chain.with_contacts(hc.CrossedCylinders())
+    crossed = chain.with_contacts({2: hc.CrossedCylinders()})
+    assert crossed.stiffness[0] == chain.stiffness[0]
 
 
 def test_orders_and_choices_of_balls_behind_a_striker_of_given_mass():

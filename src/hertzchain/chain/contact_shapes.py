@@ -123,6 +123,9 @@ class CrossedCylinders:
         """Insert the radii of two beads if there are none."""
         if self.radius is not None:
             return self
+        if math.isinf(max(radius, other_radius)):
+            raise InputError("a flat striker is not a cylinder with a radius: give "
+                             "CrossedCylinders(radius), or other contacts only")  # fmt: skip
         return dataclasses.replace(self, radius=radius, other_radius=other_radius)
 
 
@@ -260,7 +263,7 @@ def with_contacts(self: C, shapes: Shape | Mapping[int, Shape]) -> C:
             )
         if c not in walls:
             modulus = contact_modulus(*self.materials[c - 1 : c + 1])
-            own = shape._between(float(self.radii[c - 1]), float(self.radii[c]))
+            own = shape._between(*self.face_radii[c - 1 : c + 1].tolist())
             stiffness[c - 1], exponents[c - 1] = own.stiffness(modulus), shape.exponent
             continue
         name, bead = walls[c]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan
+from math import isinf, isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -166,7 +166,9 @@ def _table(
         table.add_column(escape(column), justify="right", no_wrap=True)
     for i in rows:
         cells = [_place(chain, i) if of_beads else f"{i + 1}"]
-        cells += [f"{2e3 * chain.radii[i]:.5g}"] if of_beads and chain.units == "SI" else []
+        face = chain.face_radii[i]
+        size = "flat" if isinf(face) else f"{2e3 * face:.5g}"
+        cells += [size] if of_beads and chain.units == "SI" else []
         cells += ["-" if isnan(each[i]) else f"{each[i]:+.4f}" for each in shown.values()]
         table.add_row(*cells, *([] if changes else [f"{absolute[i]:.5g}"]))
     return table

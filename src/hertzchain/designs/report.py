@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from math import inf
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -297,7 +298,8 @@ def _sizes(result: DesignResult) -> list[str]:
     lines = []
     for name in dict.fromkeys(block.field for block in space.blocks):
         factor, shown = SHOWN[name] if chain.units == "SI" else (1.0, name)
-        texts = [f"{factor * value:.4g}" for value in getattr(chain, name)]
+        values = chain.face_radii if name == "radii" else getattr(chain, name)
+        texts = ["flat" if value == inf else f"{factor * value:.4g}" for value in values]
         groups = [(text, len(list(same))) for text, same in itertools.groupby(texts)]
         parts = [f"{count} x {text}" if count > 1 else text for text, count in groups]
         if len(parts) > MAX_SIZES:
@@ -308,8 +310,8 @@ def _sizes(result: DesignResult) -> list[str]:
 
 def _order(result: DesignResult) -> str:
     """Balls from the first to the last, each with the number of equal neighbours."""
-    chain, radii = result.chain, result.chain.radii
-    balls = [f"{2e3 * radius:g} mm {kind.name}"
+    chain, radii = result.chain, result.chain.face_radii
+    balls = [f"{'flat' if radius == inf else f'{2e3 * radius:g} mm'} {kind.name}"
              for radius, kind in zip(radii, chain.materials or (), strict=True)]  # fmt: skip
     moving = chain.velocities != 0.0
     groups = itertools.groupby(zip(moving.tolist(), balls, strict=True))

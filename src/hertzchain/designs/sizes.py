@@ -108,7 +108,8 @@ class Sizes:
         if (np.diff(places) != 1).any():
             raise InputError("a spline needs successive beads: use beads='2:20', or by='bead'")
         # A spline of ordered coefficients is monotone only if none of them is given.
-        anchored = places[0] > 0 and not self.symmetric and self.monotone is None
+        # The radius of a striker need not be a size.
+        anchored = places[0] > chain.strikers and not self.symmetric and self.monotone is None
         points = count + anchored
         knots = self.knots or min(MAX_KNOTS, max(MIN_KNOTS, count // 4))
         if knots > points:

@@ -47,7 +47,7 @@ def radii(
         list.  All others are fixed.
     by : str
         ``"bead"``, ``"spline"`` or ``"common"``.  A spline begins at the bead behind the first
-        that varies, which makes the taper smooth there.
+        that varies, unless it is a striker, which makes the taper smooth there.
     knots : int, optional
         Number of coefficients of a spline; by default a quarter of the beads, at most 24.
     symmetric : bool

@@ -17,6 +17,7 @@ import tomllib
 import warnings
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from app_client import STEEL, TAPER, WALL, Client, computed, serving, unpacked
@@ -26,6 +27,7 @@ from hertzchain.app import background_import
 from hertzchain.app import results as app_results
 from hertzchain.app.about import about, gallery
 from hertzchain.app.documents import chain_of, document_as_toml, document_of_file, document_of_toml
+from hertzchain.app.exports import _pulse_axes
 from hertzchain.app.force_curves import contact_durations
 from hertzchain.app.messages import Part
 from hertzchain.app.results import Cancelled, limited
@@ -624,6 +626,21 @@ def test_the_figure_of_the_pulse_shows_the_curves_of_the_page(client):
     answer = client.ask("POST", "/api/export", body)
     assert answer.status == 422
     assert "shows no curve" in json.loads(answer.content)["error"]
+
+
+def test_the_figure_of_the_pulse_has_the_same_balls_above_each_other():
+    row = hc.Chain.uniform(9)
+    chains = row, row.struck_by(radius=1.4)
+    for own, other in (chains, chains[::-1]):
+        curves = {"simulation": hc.propagate(own), "other chain": hc.propagate(other)}
+        axes = _pulse_axes("velocity", own, curves, {})
+        lines = [line for line in axes.lines if len(line.get_xdata()) > 1]
+        for line, chain in zip(lines, (own, other), strict=True):
+            ball_3 = np.flatnonzero(line.get_xdata() == 3 + own.strikers)
+            assert line.get_ydata()[ball_3] == hc.propagate(chain).velocity[2 + chain.strikers]
+        ends = {line.get_xdata()[0] for line in axes.lines if len(line.get_xdata()) == 1}
+        assert ends == {9 + own.strikers}
+        plt.close(axes.figure)
 
 
 def test_the_map_shows_the_quantity_of_the_page(client):

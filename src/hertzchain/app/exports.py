@@ -40,6 +40,7 @@ FORMATS: Final[Mapping[str, str]] = {
 }
 FIGURES: Final = ("chain", "pulse", "map", "forces", "budget")
 EFFECTIVE: Final = "effective-chain"
+OTHER: Final = "other chain"
 FRAMES: Final = 400
 RTOL: Final = 1e-9
 # A figure ends a little after the time at which the peak on the wall is known to be complete.
@@ -198,7 +199,7 @@ def _shown_curves(
         if other.units == chain.units:
             simulated = _simulated(other, stop)[0]
             first = {name: found.pop(name) for name in ("simulation",) if name in found}
-            found = first | {"other chain": simulated} | found
+            found = first | {OTHER: simulated} | found
     found = {name: each for name, each in found.items() if each.column(quantity) is not None}
     if not found:
         raise InputError("the view of the leading pulse shows no curve; show one to save a figure")
@@ -253,12 +254,24 @@ def _pulse_axes(
     axes = plotting.plot_pulses(
         [*curves.values()], quantity, labels=[*curves], log=bool(view.get("log")), legend=False
     )
+    if OTHER in curves:
+        _shift(axes, OTHER, chain.strikers - curves[OTHER].chain.strikers)
     if EFFECTIVE not in view.get("hidden", []) and quantity in ("velocity", "arrival"):
         with suppress(InputError):
             effective = effective_chain(chain).bca()
             axes.plot(effective.bead, getattr(effective, quantity), "k--", label=title(EFFECTIVE))
     place_legend(axes, own=True)
     return axes
+
+
+def _shift(axes: Axes, label: str, beads: int) -> None:
+    """Shift a curve and its symbol at a free end, so that the same balls are above each other."""
+    colour = next(line.get_color() for line in axes.lines if line.get_label() == label)
+    for line in axes.lines:
+        if line.get_color() == colour:
+            line.set_xdata(np.asarray(line.get_xdata()) + beads)
+    axes.relim()
+    axes.autoscale_view()
 
 
 def _places(chain: Chain, sensors: Any) -> list[int]:

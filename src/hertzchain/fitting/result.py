@@ -16,7 +16,6 @@ from ..representation import counted, short
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import Progress
-from .constants import FixedConstant, fixed_constants
 from .fitted_file import fitted_toml
 from .goodness import NO_ERRORS, Goodness
 from .loss_laws import ONE_LAW
@@ -34,6 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from .constants import FixedConstant
     from .posterior import Posterior
 
 
@@ -178,6 +178,8 @@ class FitResult:
     @cached_property
     def constants(self) -> tuple[FixedConstant, ...]:
         """Moduli, densities and stiffness of walls that are not free, and their influence."""
+        from .constants import fixed_constants
+
         return fixed_constants(self)
 
     @property

@@ -1,11 +1,15 @@
-"""The disorder law against ensembles: ``python benchmarks/disorder.py [CHAINS]``.
+"""The disorder law against ensembles: ``python benchmarks/disorder.py [CHAINS] [TAPER ...]``.
 
 Prints, at several beads of chains of 110, the errors of the law's geometric means and of its
 standard deviations.  The chains are pairs with opposite deviations, which are uncorrelated from
 bead to bead in the sample, too; the standard errors of the means and spreads are then small.
+
+``python benchmarks/disorder.py estimate [CHAINS]`` compares the estimated errors of the mean
+velocity at all beads with the deviations, in tapers of many kinds with rates from -0.1 to 0.1.
 """
 
 import sys
+import warnings
 
 import numpy as np
 
@@ -17,12 +21,31 @@ TAPERS = {
     "forward 0.03": np.full(BEADS - 1, -0.03),
     "backward 0.05": np.full(BEADS - 1, 0.05),
     "backward-linear 0.05": np.diff(np.log(1 + 0.05 * np.arange(BEADS))),
+    "backward-linear 0.1": np.diff(np.log(1 + 0.1 * np.arange(BEADS))),
     "sine 0.02": 0.02 * np.sin(2 * np.pi * np.arange(BEADS - 1) / 60),
 }
 SCATTERS = (0.003, 0.01, 0.03)
+MODULUS_SCATTERS = (0.01, 0.1)
 SPREADS = {
     "velocity": "velocity_spread", "arrival": "arrival_spread", "peak_force": "peak_force_spread",
 }  # fmt: skip
+
+
+def tapers_of_the_range():
+    """Rates of tapers of many kinds, by name."""
+    contacts = np.arange(BEADS - 1)
+    found = {f"exponential {s:g}": np.full(BEADS - 1, s)
+             for s in (-0.1, -0.04, -0.007, 0.0, 0.0015, 0.007, 0.015, 0.04, 0.1)}  # fmt: skip
+    for slope in (0.02, 0.05, 0.1):
+        found[f"backward-linear {slope:g}"] = np.diff(np.log(1 + slope * np.arange(BEADS)))
+    for end in (-0.1, -0.02, 0.02, 0.1):
+        found[f"rates from {-end:g} to {end:g}"] = np.linspace(-end, end, BEADS - 1)
+    for size, period in (
+        (0.005, 60), (0.01, 60), (0.02, 60), (0.05, 60), (0.1, 60), (0.02, 30), (0.05, 30),
+        (0.1, 120),
+    ):  # fmt: skip
+        found[f"sine {size:g}, period {period}"] = size * np.sin(2 * np.pi * contacts / period)
+    return found
 
 
 def deviations(scatter, chains, seed=7):
@@ -112,12 +135,44 @@ def summarize(results):
         print(f"| {quantity} | " + " | ".join(cells) + " |")
 
 
+def velocity_deviations(rates, scatter, chains, moduli):
+    """Law minus ensemble of the mean ln v of all beads, its standard error, and the estimate."""
+    chain = hc.Chain.from_radii(np.exp(np.concatenate(([0.0], np.cumsum(rates)))))
+    law = hc.disorder(chain, **{"modulus_scatter" if moduli else "scatter": scatter})
+    found = ensemble(chain.radii, deviations(scatter, chains), moduli)["velocity"]
+    pairs = found.reshape(2, -1, BEADS).mean(axis=0)
+    error = np.log(law.velocity) - found.mean(axis=0)
+    return error, pairs.std(axis=0) / np.sqrt(len(pairs)), law.velocity_error
+
+
+def estimates(chains):
+    """Print the largest deviations of the mean velocity, and those relative to the estimate."""
+    warnings.simplefilter("ignore", hc.ModelRangeWarning)
+    print(f"{chains} chains each; deviations of the mean velocity of all beads, law minus ensemble")
+    for kind, scatters in (("radii", SCATTERS), ("moduli", MODULUS_SCATTERS)):
+        for name, rates in tapers_of_the_range().items():
+            for scatter in scatters:
+                error, uncertain, estimate = velocity_deviations(
+                    rates, scatter, chains, kind == "moduli"
+                )
+                k = int(np.argmax(np.abs(error)))
+                # The deviation may be larger by two standard errors.
+                part = np.abs(error[1:]) / (estimate[1:] + 2.0 * uncertain[1:])
+                print(f"{scatter:.1%} scatter of {kind}, {name:24} largest {100 * error[k]:+.4f}% "
+                      f"(+-{100 * uncertain[k]:.4f}) at bead {k + 1}, estimate "
+                      f"{100 * estimate[k]:.4f}%; at most {part.max():.2f} of the estimate and "
+                      "two standard errors", flush=True)  # fmt: skip
+
+
 if __name__ == "__main__":
+    if sys.argv[1:2] == ["estimate"]:
+        estimates(int(sys.argv[2]) if len(sys.argv) > 2 else 1500)
+        raise SystemExit
     chains = int(sys.argv[1]) if len(sys.argv) > 1 else 4000
     print(f"{chains} chains each; the signs are those of law minus ensemble")
     results = {}
-    for kind, scatters in (("radii", SCATTERS), ("moduli", (0.01, 0.1))):
-        for name in TAPERS:
+    for kind, scatters in (("radii", SCATTERS), ("moduli", MODULUS_SCATTERS)):
+        for name in sys.argv[2:] or TAPERS:
             for scatter in scatters:
                 found = compare(name, scatter, chains, kind == "moduli")
                 results[kind, name, scatter] = found

@@ -81,6 +81,21 @@ def test_all_beads_but_strikers_are_equal_in_a_chain_of_equal_sizes():
     }  # fmt: skip
 
 
+@pytest.mark.parametrize(("rate", "beads", "measure", "noted"), [
+    (0.1, 40, "wall_force.peak", True), (0.05, 20, "wall_force.peak", False),
+    (0.1, 40, "velocity@3", False),
+])  # fmt: skip
+def test_a_note_of_forces_that_small_differences_may_change(rate, beads, measure, noted):
+    """As `WallForce.sensitive`; with a tenth of the tolerance, the peak is another one."""
+    chain = hc.Chain.tapered("forward-exponential", rate, beads=beads)
+    chain = chain.replace(right_wall=hc.Wall())
+    problem = hc.Design(chain, minimise=measure, vary=[hc.vary.radii(0.5, 1.0, beads="2:3")])
+    found = problem.evaluate(chain)
+    assert any("small differences" in note for note in found.notes) == noted
+    if measure != "velocity@3":
+        assert hc.simulate(chain).wall_force().sensitive == noted
+
+
 def test_a_design_is_compared_with_a_chain_that_is_really_equal():
     """The best chain for the velocity of the last bead is that of equal beads."""
     problem = hc.Design(hc.Chain.uniform(9), maximise="velocity@8",

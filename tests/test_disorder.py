@@ -218,3 +218,49 @@ def test_plots_have_no_band_where_the_spread_is_not_known():
     assert not hc.local_rate(pulse.chain).plot("velocity").collections
     axes = hc.plot_pulses([pulse], legend=False)
     assert axes.get_legend() is None
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+@pytest.mark.parametrize(("rates", "scatter"), [
+    (np.diff(np.log(1 + 0.1 * np.arange(60))), 0.03),
+    (np.diff(np.log(1 + 0.1 * np.arange(60))), 0.01),
+    (np.linspace(0.1, -0.1, 59), 0.01),
+    (0.1 * np.sin(2 * np.pi * np.arange(59) / 60), 0.01),
+    (np.full(59, -0.1), 0.003),
+])  # fmt: skip
+def test_the_estimated_error_covers_the_deviations_from_ensembles(rates, scatter):
+    radii = np.exp(np.append(0.0, np.cumsum(rates)))
+    x = lots(scatter, 600, 7)[:, : len(radii)]
+    found = np.log(hc.propagate_many(radii * np.exp(x), rtol=1e-7, threads=1).velocity)
+    law = hc.disorder(hc.Chain.from_radii(radii), scatter)
+    pairs = found.reshape(2, -1, len(radii)).mean(axis=0)
+    uncertain = 2.0 * pairs.std(axis=0) / np.sqrt(len(pairs))
+    deviations = np.abs(np.log(law.velocity) - found.mean(axis=0))
+    assert (deviations <= law.velocity_error + uncertain).all()
+    # The estimate has a purpose: it is not much larger than the largest deviation.
+    k = np.argmax(deviations)
+    assert law.velocity_error[k] < 5.0 * (deviations[k] + uncertain[k])
+    clean = hc.local_rate(hc.Chain.from_radii(radii)).velocity_error
+    if rates[0] > 0.09:
+        assert (deviations - uncertain > clean).any()
+
+
+def test_warnings_of_inaccurate_means():
+    taper = hc.Chain.tapered("backward-linear", 0.1, beads=110)
+    with pytest.warns(hc.ModelRangeWarning, match=r"exceeds 0\.5% from bead \d+ on and is 0\.77%"):
+        hc.disorder(taper, 0.03)
+    dimer = hc.Chain.dimer(radii=[1.0, 0.98], beads=30)
+    with pytest.warns(hc.ModelRangeWarning, match=r"at bead 2, .* changes by 0\.04"):
+        hc.disorder(dimer, 0.01)
+    # There is one warning where the law for the nominal chain has one.
+    with pytest.warns(hc.ModelRangeWarning) as caught:
+        hc.disorder(
+            hc.Chain.from_radii(np.exp(np.cumsum(0.1 * np.sin(np.arange(110) / 9.6)))), 0.03
+        )
+    assert [str(each.message).split()[0] for each in caught] == ["local_rate"]
+
+
+def test_rates_at_the_limits_are_accepted_despite_rounding():
+    for rate in (-0.1, 0.1):
+        chain = hc.Chain.from_radii(np.exp(rate * np.arange(40)))
+        assert hc.disorder(chain, 0.01).velocity_spread[20] > 0.01

@@ -365,3 +365,13 @@ def test_a_weak_impact_adds_to_the_static_overlap():
     assert "reduce the velocity" in hc.hertz_range(fast).violations[0]
     both = held.replace(velocities=[1.0, 0.0], precompression=2e3)
     assert "reduce the precompression and the velocity" in hc.hertz_range(both).violations[-1]
+
+
+def test_a_name_of_several_words_follows_the_beads():
+    steel = hc.Material("my steel", density=7800.0, young=2.1e11, poisson=0.3)
+    for material, words in (
+        ("steel-316", "14 steel-316 beads, "),
+        (steel, "14 beads of my steel, "),
+    ):
+        chain = hc.Chain.from_materials(5e-3, material, beads=14, velocity=1e-3)
+        assert chain.description.startswith(words)

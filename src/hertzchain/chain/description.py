@@ -79,11 +79,14 @@ def law_in_words(exponents: Array | float) -> str:
 
 
 def beads_of(count: int, noun: str, materials: Sequence[str] = ()) -> str:
-    """Such as ``20 brass balls``, ``20 balls of brass and glass``, ``20 balls of 3 materials``."""
+    """Such as ``20 brass balls``, ``20 balls of brass and glass``, ``20 balls of 3 materials``.
+
+    A name of several words, such as ``my steel``, follows the noun, too.
+    """
     noun = noun.removesuffix("s") if count == 1 else noun
-    if len(materials) <= 1:
+    if len(materials) <= 1 and not any(" " in name for name in materials):
         return " ".join((str(count), *materials, noun))
-    few = " and ".join(materials) if len(materials) == 2 else f"{len(materials)} materials"
+    few = " and ".join(materials) if len(materials) <= 2 else f"{len(materials)} materials"
     return f"{count} {noun} of {few}"
 
 

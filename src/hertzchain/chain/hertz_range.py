@@ -150,7 +150,8 @@ class HertzRange:
         at = self._most_loaded
         if (ratio := self.yield_ratio[at]) > 1.0:
             others = int(np.count_nonzero(self.yield_ratio > 1.0)) - 1
-            besides = f", and above 1 at {others} more" if others else ""
+            exceed = "contact exceeds" if others == 1 else "contacts exceed"
+            besides = f", and {others} more {exceed} this limit" if others else ""
             digits = 3 if ratio > 1.05 else 5
             cautious = ", which is a cautious limit for polymers" if self.soft[at] else ""
             other = (
@@ -158,8 +159,8 @@ class HertzRange:
                 f"{self._replaced}"
             )
             found.append(
-                f"pressure / yield is {ratio:.{digits}g} at {_place(at, self)}{besides} (limit 1 "
-                f"of Hertz's law{cautious}){self._basis(at)}; {self._excess(ratio)}"
+                f"pressure / yield is {ratio:.{digits}g} at {_place(at, self)} (limit 1 "
+                f"of Hertz's law{cautious}){self._basis(at)}{besides}; {self._excess(ratio)}"
                 f"{self._advice(ratio, self.static_yield_ratio, 1.0, digits)}"
                 f"{self._slower(ratio**-2.5)}"
                 f"{'' if linear else other}"

@@ -35,6 +35,7 @@ WORDINGS: Final = (
     (r"\bcompare_losses compares", "--laws all compares"),
     (r"\badd '([^']*)' to the free parameters", r"add --also-free '\1'"),
     (r"\bcheck with run\.horizon\(\)", "check with --horizon"),
+    (r"\bhc\.simulate\(result\.chain\)\.horizon\(\)", "hertzchain simulate --horizon"),
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),
     (r"(choose a value of the others, such as) (?!--at)", r"\1 --at "),
 )  # fmt: skip

@@ -16,7 +16,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.hertz_range import warn_outside_hertz
 from ..collision import HERTZ_EXPONENT, Array
-from ..errors import InputError
+from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import in_units_of, scaled_chain
 from ..pulse.pulse import Pulse
 from ..validation.keywords import checked_arguments
@@ -31,12 +31,18 @@ from .disorder_table import (
     DisorderTables,
     disorder_tables,
 )
-from .local_rate import local_rate
+from .local_rate import DOUBTFUL, local_rate
 
 METHOD: Final = "the disorder law"
 # Largest scatter of moduli, for which the second order was checked.
 MAX_MODULUS_SCATTER: Final = 0.1
 MIN_BEADS: Final = START + END + 2
+# Estimated error of the attenuation (`benchmarks/disorder.py estimate`): in units of the squared
+# scatter, and parts of the loss at a constant rate and where the rate has changed by SATURATED.
+OF_SCATTER: Final = {"radii": 2.0, "moduli": 0.04}
+OF_TABLES, OF_CHANGES, SATURATED = 0.01, 0.06, 0.04
+# Largest change of the rate from contact to contact for which the estimate was checked.
+MAX_CHANGE: Final = 0.011
 # Rounding errors of rates, so that exponential chains at the limits of the tables are accepted.
 ROUNDING: Final = 1e-12
 
@@ -54,9 +60,10 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     rates :math:`s_k = \ln(R_{k+1}/R_k)` that were tabulated from ensembles of simulated pulses.  In
     nearly equal beads, c depends on the scatter: the attenuation is not proportional to
     :math:`\sigma^2`.
-    Up to a scatter of 1%, means are within 0.06% and standard deviations within 0.8% of those of
-    simulated ensembles.  The law is not in the paper; it is derived, with that for arrival times
-    and the accuracy of all columns, in the explanation "Disorder".
+    Up to a scatter of 1%, mean velocities are within 0.05% and standard deviations within 0.8% of
+    those of simulated ensembles; at 3%, within 0.35% and 5%.  The law is not in the paper; it is
+    derived, with that for arrival times and the accuracy of all columns, in the explanation
+    "Disorder".
 
     Parameters
     ----------
@@ -75,13 +82,20 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
         Geometric means of all columns, in the units of the nominal chain; and the standard
         deviations of ln v, ln t and ln F, ``velocity_spread``, ``arrival_spread`` and
         ``peak_force_spread``.  Those of other columns differ: the momentum also has the scatter of
-        the mass.  The impact velocity does not scatter.  ``velocity_error`` is the estimate of
-        `local_rate` for the nominal chain, which does not depend on the scatter.
+        the mass.  The impact velocity does not scatter.  ``velocity_error`` is the estimated error
+        of the mean velocity: the estimate of `local_rate` for the nominal chain, and that of the
+        attenuation.
 
     Raises
     ------
     InputError
         If a scatter or rate is out of range, or `local_rate` does not support the chain.
+
+    Warns
+    -----
+    ModelRangeWarning
+        If the estimated error exceeds 0.5%, or the rate changes by more than 0.011 from one contact
+        to the next, for which the estimate was not checked.
 
     Examples
     --------
@@ -110,11 +124,15 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     rates = _checked_rates(scaled)
     clean = local_rate(scaled)
     assert clean.residence is not None
+    assert clean.velocity_error is not None
     assert clean.peak_overlap is not None
     shift, jitter = np.zeros((3, scaled.beads - 1)), np.zeros(scaled.beads - 1)
+    error = np.zeros(scaled.beads)
     for name, sigma in scatters.items():
         if sigma:
-            shift += sigma**2 * _mean_shift(disorder_tables()[name], sigma, rates)
+            own = sigma**2 * _mean_shift(disorder_tables()[name], sigma, rates)
+            shift += own
+            error[1:] += attenuation_errors(name, sigma, rates, own[0])
             jitter += sigma**2 * Delays.of(disorder_tables()[name], rates).variance()
     loss = np.concatenate(([0.0], np.cumsum(shift[0])))
     velocity = clean.velocity * np.exp(-loss)
@@ -130,11 +148,12 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
         arrival=arrival,
         peak_overlap=clean.peak_overlap * np.exp((shift[1] - 1.2 * loss[:-1]) / 1.5),
         residence=residence,
-        velocity_error=clean.velocity_error,
+        velocity_error=clean.velocity_error + error,
         velocity_spread=spread[0],
         arrival_spread=spread[1],
         peak_force_spread=spread[2],
     )
+    _warn_doubtful(pulse, rates, known=float(clean.velocity_error.max()) <= DOUBTFUL)
     if chain is scaled:
         return pulse
     pulse = in_units_of(chain, pulse)
@@ -163,6 +182,41 @@ def _checked_rates(chain: Chain) -> Array:
             "Chain.with_scatter"
         )
     return np.clip(rates, RATES[0], RATES[-1])
+
+
+def attenuation_errors(name: str, sigma: float, rates: Array, losses: Array) -> Array:
+    """Estimated errors of the mean ln v of beads 2 to N, given the loss at each contact.
+
+    The error is a part of the loss, which is larger where the rate has changed, and the error of
+    the first contacts and of the tables.
+    """
+    changed = np.cumsum(np.abs(np.diff(rates, prepend=rates[0])))
+    part = OF_TABLES + OF_CHANGES * np.minimum(1.0, changed / SATURATED)
+    return np.asarray(OF_SCATTER[name] * sigma**2 + part * np.cumsum(np.abs(losses)))
+
+
+def _warn_doubtful(pulse: Pulse, rates: Array, *, known: bool) -> None:
+    """Warn about mean velocities that may be inaccurate, if the nominal chain has no warning."""
+    change = float(np.abs(np.diff(rates)).max())
+    errors = pulse.velocity_error
+    assert errors is not None
+    advice = "use propagate_many with Chain.with_scatter"
+    if change > MAX_CHANGE:
+        k = int(np.argmax(np.abs(np.diff(rates)))) + 2
+        warn_user(
+            f"{METHOD} may be inaccurate for this chain ({pulse.chain.description}): at bead {k}, "
+            f"the rate ln(R_k+1/R_k) changes by {change:.2g}, more than {MAX_CHANGE:g}, up to "
+            f"which the estimated error was checked; {advice}",
+            ModelRangeWarning,
+        )
+    elif known and errors.max() > DOUBTFUL:
+        k = int(np.argmax(errors > DOUBTFUL)) + 1
+        warn_user(
+            f"{METHOD} may be inaccurate for this chain ({pulse.chain.description}): the estimated "
+            f"error of the mean velocity exceeds {DOUBTFUL:.1%} from bead {k} on and is "
+            f"{errors.max():.2%} at most; {advice}",
+            ModelRangeWarning,
+        )
 
 
 def _stages(contacts: int) -> np.ndarray[tuple[int], np.dtype[np.int64]]:

@@ -178,7 +178,9 @@ def test_plots_show_the_spread_as_a_band(quantity):
     pulse = hc.disorder(hc.Chain.uniform(40), scatter=0.02)
     values, spread = pulse.columns()[quantity], pulse.columns()[f"{quantity}_spread"]
     axes = pulse.plot(quantity)
-    assert "± one standard deviation" in axes.get_legend_handles_labels()[1]
+    handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+    swatch = handles["± one standard deviation"].get_facecolor()
+    np.testing.assert_array_equal(swatch, axes.collections[0].get_facecolor())
     (corners,) = (path.vertices for path in axes.collections[0].get_paths())
     # The last bead leaves the free end: its band is a bar of its own.
     joined = len(values) - (quantity == "velocity")

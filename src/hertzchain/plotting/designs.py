@@ -45,14 +45,13 @@ if TYPE_CHECKING:
 
 # Longest lines of the labels of y axes in narrow and in wide figures; height [inch] of a panel,
 # that of two panels of forces, in panels, and that of the labels of beads [inch].
-NARROW_LABEL, LABEL = 18, 24
+NARROW_LABEL, LABEL = 18, 27
 PANEL, TWO_PANELS, LABELS_OF_BEADS = 1.7, 1.7, 0.9
 # Largest height of both rows of beads [inch], and their part of the width of a figure.
 MAX_BEADS, PART = 1.6, 0.8
 # Name of the design among the compared chains.
 DESIGN: Final = "design"
 PLUS_MINUS: Final = "\N{PLUS-MINUS SIGN}"
-GROWS: Final = "if diameter grows by 1%"
 # Largest limit of a force that is drawn, relative to the largest force of the axes.
 NEAR: Final = 1.5
 # Width of the handle of a legend in characters.
@@ -203,10 +202,8 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes.set_xlabel("bead $k$")
         axes.xaxis.set_major_locator(BeadLocator())
         name = "score" if objective.single is None else objective.single.label
-        change = f"change [%] if $R_k$ {'changes' if both else 'grows'} by 1%"
-        if result.chain.units == "SI":
-            change = f"change [%] {f'for {PLUS_MINUS}1% in diameter' if both else GROWS}"
-        axes.set_ylabel(f"{name}:\n{change}")
+        size = "diameter" if result.chain.units == "SI" else "$R_k$"
+        axes.set_ylabel(f"{name}:\nchange [%], {size} {PLUS_MINUS if both else '+'}1%")
     return axes
 
 
@@ -288,8 +285,8 @@ def _draw_yielding_points(
     if beaten := beaten_if_yielding(result.front, result.problem):
         values = [result.front[i].values | result.front[i].verified.yielding for i in beaten]
         x, y = ([factor * row[name] for row in values] for name, factor in (across, up))
-        axes.scatter(x, y, s=70.0, facecolors="none", edgecolors=[grey(axes)], linewidths=0.8,
-                     label="beaten by others if contacts yield")  # fmt: skip
+        # Circles around points that are close would overlap.
+        axes.plot(x, y, "x", color=grey(axes, 0.6), label="beaten by others if contacts yield")
 
 
 def _join_points(result: DesignResult, x: Array, y: Array, axes: Axes) -> None:
@@ -330,8 +327,9 @@ def plot_design(result: DesignResult) -> Figure:
         _draw_last(result, figure.add_subplot(grid[-1, -1]))
         for axes in figure.axes:
             # No line begins with a unit.
-            label = axes.get_ylabel().replace(" [", "\u00a0[")
-            axes.set_ylabel(textwrap.fill(label, NARROW_LABEL if narrow else LABEL))
+            lines = axes.get_ylabel().replace(" [", "\u00a0[").split("\n")
+            width = NARROW_LABEL if narrow else LABEL
+            axes.set_ylabel("\n".join(textwrap.fill(line, width) for line in lines))
     return figure
 
 

@@ -140,7 +140,7 @@ def plot_pulses(
             _draw(axes, pulse, values[:-1] if free else values, look, label)
         if grouped:
             _label_groups(axes, words, looks)
-        _label_parts(axes, pulses, quantity)
+        _label_parts(axes, pulses, quantity, looks)
         row = COLUMN_QUANTITIES[quantity]
         axes.set_ylabel(row.label_in(pulses[0].chain.units))
         axes.set_yscale("log" if log else "linear")
@@ -297,14 +297,20 @@ def _draw_spread(axes: Axes, pulse: Pulse, quantity: str, look: _Look, *, free: 
         axes.vlines(bead[-1], low[-1], high[-1], color=colour, alpha=BAND, linewidth=3.0)
 
 
-def _label_parts(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
-    """Labels of symbols at free ends, and of bands."""
+def _label_parts(
+    axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequence[_Look]
+) -> None:
+    """Labels of symbols at free ends, and of bands; that of a single band has its colour."""
     # Those of pulses that the axes already had move to the end of the legend.
     present = {artist.get_label(): artist for artist in (*axes.lines, *axes.collections)}
     for label in {LOTS, FREE_END} & present.keys():
         present[label].remove()
-    if LOTS in present or any(_spread(pulse, quantity) is not None for pulse in pulses):
-        axes.fill_between([], [], [], color=grey(axes, 0.4), alpha=BAND, linewidth=0.0, label=LOTS)
+    banded = {look.colour for pulse, look in zip(pulses, looks, strict=True)
+              if _spread(pulse, quantity) is not None}  # fmt: skip
+    if LOTS in present or banded:
+        single = len(banded) == 1 and LOTS not in present
+        colour = curve_colour(axes, *banded) if single else grey(axes, 0.4)
+        axes.fill_between([], [], [], color=colour, alpha=BAND, linewidth=0.0, label=LOTS)
     if FREE_END in present or any(ends_free(pulse, quantity) for pulse in pulses):
         label_free_end(axes)
 

@@ -188,3 +188,36 @@ def test_reached_at_sensors_and_walls():
     assert sensor.largest_so_far == pytest.approx(1e-3)
     assert not sensor.reached
     assert "the pulse has not arrived" in repr(sensor)
+
+
+def test_contacts_of_a_collision_of_two_balls(run):
+    """Hertz: d = (5 m v^2 / (4 k))^(2/5) with m = M/2, p_0 = 2 E* sqrt(d/R) / pi, R = r/2."""
+    balls = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", "2", "--speed",
+             "0.05 m/s", "--contacts")  # fmt: skip
+    code, out, _ = run("simulate", *balls, "--json")
+    document = json.loads(out)
+    (contact,), (steel,) = document["contacts"], document["materials"]
+    modulus = steel["young"] / (2.0 * (1.0 - steel["poisson"] ** 2))
+    stiffness = 4.0 / 3.0 * modulus * np.sqrt(2.5e-3)
+    mass = steel["density"] * 4.0 / 3.0 * np.pi * 5e-3**3
+    overlap = (1.25 * 0.5 * mass * 0.05**2 / stiffness) ** 0.4
+    pressure = 2.0 / np.pi * modulus * np.sqrt(overlap / 2.5e-3)
+    assert code == 0
+    assert steel["name"] == "steel-52100"
+    assert contact["between"] == ["ball 1", "ball 2"]
+    assert contact["stiffness"] == pytest.approx(stiffness, rel=1e-12)
+    assert contact["largest_overlap"] == pytest.approx(overlap, rel=1e-9)
+    ratio = pressure / (1.6 * steel["yield_strength"])
+    assert contact["pressure_over_yield"] == pytest.approx(ratio, rel=1e-3)
+    table = run("simulate", *balls)[1]
+    assert "\nsteel-52100: 7780 kg/m^3, E = 203 GPa" in table
+    assert table.rstrip().endswith(f"{contact['pressure_over_yield']:.3g}")
+
+
+def test_contacts_without_a_known_yield_strength(run):
+    glass = ("--material", "glass", "--diameter", "10 mm", "--beads", "3", "--speed", "0.05 m/s")
+    *_, last = run("simulate", *glass, "--striker", "1", "--contacts")[1].rstrip().splitlines()
+    assert last.split()[:6] == ["3", "ball", "2", "and", "ball", "3"]
+    assert last.split()[-1] == "-"
+    contacts = json.loads(run("simulate", "--beads", "3", "--contacts", "--json")[1])["contacts"]
+    assert [each["pressure_over_yield"] for each in contacts] == [None, None]

@@ -19,9 +19,12 @@ if TYPE_CHECKING:
     from ..simulation.wall_force import Side, WallForce
 
 
-def run_as_dict(run: Run, beads: Sequence[int], *, waves: bool) -> dict[str, object]:
+def run_as_dict(
+    run: Run, beads: Sequence[int], *, waves: bool, contacts: bool
+) -> dict[str, object]:
     """Summary of a run as a JSON document."""
     from ..store.results import document_of
+    from .contact_tables import contacts_as_dict
     from .wave_tables import horizon_as_dict, waves_as_list
 
     described = document_of(run.chain)
@@ -46,6 +49,8 @@ def run_as_dict(run: Run, beads: Sequence[int], *, waves: bool) -> dict[str, obj
     }
     if run.known_horizon is not None:
         document["horizon"] = horizon_as_dict(run.known_horizon)
+    if contacts:
+        document |= contacts_as_dict(run)
     if waves:
         document["waves"] = waves_as_list(run.waves())
     return document | described

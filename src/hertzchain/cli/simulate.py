@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .chain_options import ChainOptions, chain_options, chains_from
+from .contact_tables import contact_table
 from .options import Fraction, StrictCommand, check_writable, figure_option, json_option, time_from
-from .output import save_figure, show_json
+from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 from .run_summary import run_as_dict, show_run
 from .stream import check_stream_options, stream_into
@@ -106,6 +107,12 @@ USUAL_TIMES: Final = 400
 )
 @click.option("--budget", is_flag=True, help="Print the final energy and momentum by location.")
 @click.option(
+    "--contacts",
+    is_flag=True,
+    help="Print the materials and, for each contact, its stiffness, largest overlap and largest "
+    "pressure over that at first yield.",
+)
+@click.option(
     "--waves", is_flag=True, help="Print the travelling waves: pulses, trains and reflections."
 )
 @click.option(
@@ -116,8 +123,8 @@ def simulate(
     options: ChainOptions, until: str | None, times: int | None, rtol: float, method: str,
     step: str | None, drift: float | None, max_steps: int | None, out: Path | None,
     forces: Path | None, plot: Path | None, animation: Path | None, magnify: float | None,
-    sensors: tuple[str, ...], stream: Path | None, budget: bool, waves: bool, horizon: bool,
-    as_json: bool,
+    sensors: tuple[str, ...], stream: Path | None, budget: bool, contacts: bool, waves: bool,
+    horizon: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
@@ -165,7 +172,7 @@ def simulate(
     }  # fmt: skip
     _check_times(times, stream=stream, **of_saved_times)
     if stream is not None:
-        check_stream_options(**of_saved_times, max_steps=max_steps)
+        check_stream_options(**of_saved_times, contacts=contacts, max_steps=max_steps)
     chains = chains_from(options)
     if len(chains) > 1 and (out or forces or animation or stream):
         raise click.UsageError("--out, --forces, --animate and --stream require one chain FILE")
@@ -187,13 +194,18 @@ def simulate(
     if plot is not None:
         save_figure(_drawn(runs, beads, forces=bool(sensors)), plot)
     if as_json:
-        found = [run_as_dict(run, beads[name], waves=waves) for name, run in runs.items()]
+        found = [
+            run_as_dict(run, beads[name], waves=waves, contacts=contacts)
+            for name, run in runs.items()
+        ]
         show_json(found[0] if len(found) == 1 else _together(runs, found))
     else:
         for i, (name, run) in enumerate(runs.items()):
             heading = f"{name}: " if len(runs) > 1 else ""
             click.echo("\n" * (i > 0) + heading, nl=False)
             show_run(run, beads[name], waves=waves)
+            if contacts:
+                show_table(contact_table(run))
             if budget:
                 click.echo(run.budget())
 

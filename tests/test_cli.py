@@ -1299,13 +1299,13 @@ def test_forces_after_the_horizon_are_marked(capsys):
     # The horizon is between the maxima in both sensors.
     error = np.where(run.times > np.mean([*sensors.values()]), 1.0, 0.0)
     run.__dict__["_horizon"] = Horizon(chain, run.times, error, 0.01, 1e-13, 1e-12)
-    show_run(run, [*sensors], waves=False)
+    show_run(run, [*sensors], waves=False, contacts=False)
     lines = capsys.readouterr().out.splitlines()
     marked = [line.split(":")[0] for line in lines if "(after the horizon)" in line]
     assert marked == ["right wall", "sensor in bead 8"]
     assert lines[-1].endswith("; later values are one of many possible outcomes")
     run.__dict__["_horizon"] = Horizon(chain, run.times, 0.0 * error, 0.01, 1e-13, 1e-12)
-    show_run(run, [*sensors], waves=False)
+    show_run(run, [*sensors], waves=False, contacts=False)
     out = capsys.readouterr().out
     assert "after the horizon" not in out
     assert "outcomes" not in out

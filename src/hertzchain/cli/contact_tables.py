@@ -5,8 +5,6 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING, Any
 
-from ..validation.json_types import finite
-
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -18,6 +16,7 @@ if TYPE_CHECKING:
 def contacts_as_dict(run: Run) -> dict[str, Any]:
     """Materials and contacts as plain data; unknown values are None."""
     from ..chain.hertz_range import hertz_range
+    from ..validation.json_types import finite
 
     chain, overlaps = run.chain, run.largest_overlaps
     names = _bodies(chain)

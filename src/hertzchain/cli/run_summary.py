@@ -56,10 +56,11 @@ def run_as_dict(
     return document | described
 
 
-def show_run(run: Run, beads: Sequence[int], *, waves: bool) -> None:
+def show_run(run: Run, beads: Sequence[int], *, waves: bool, contacts: bool) -> None:
     """Print the summary of a run, with a hint at --horizon if it is long."""
     from ..representation import measure
     from ..simulation.run_message import LONG_RUN, transits_between_walls
+    from .contact_tables import contact_table
     from .wave_tables import wave_table
 
     click.echo(f"{run.chain.description}{_impact(run.chain)}\n{on_command_line(run.message)}")
@@ -93,6 +94,8 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool) -> None:
         )
     if waves:
         show_table(wave_table(run.waves()))
+    if contacts:
+        show_table(contact_table(run))
 
 
 def last_bead_of(run: Run) -> dict[str, float] | None:

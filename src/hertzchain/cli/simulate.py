@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .chain_options import ChainOptions, chain_options, chains_from
-from .contact_tables import contact_table
 from .options import Fraction, StrictCommand, check_writable, figure_option, json_option, time_from
-from .output import save_figure, show_json, show_table
+from .output import save_figure, show_json
 from .progress import progress_bar
 from .run_summary import run_as_dict, show_run
 from .stream import check_stream_options, stream_into
@@ -193,19 +192,15 @@ def simulate(
         _save(run, beads[name], out, forces, animation, magnify)
     if plot is not None:
         save_figure(_drawn(runs, beads, forces=bool(sensors)), plot)
+    shown = {"waves": waves, "contacts": contacts}
     if as_json:
-        found = [
-            run_as_dict(run, beads[name], waves=waves, contacts=contacts)
-            for name, run in runs.items()
-        ]
+        found = [run_as_dict(run, beads[name], **shown) for name, run in runs.items()]
         show_json(found[0] if len(found) == 1 else _together(runs, found))
     else:
         for i, (name, run) in enumerate(runs.items()):
             heading = f"{name}: " if len(runs) > 1 else ""
             click.echo("\n" * (i > 0) + heading, nl=False)
-            show_run(run, beads[name], waves=waves)
-            if contacts:
-                show_table(contact_table(run))
+            show_run(run, beads[name], **shown)
             if budget:
                 click.echo(run.budget())
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Final
-
-import numpy as np
 
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
@@ -26,7 +25,8 @@ def pressures_below_yield(*runs: Run) -> list[str]:
     if any(run.chain.materials is None or run.chain.units != "SI" for run in runs):
         return []
     found = [hertz_range(run.chain, run.largest_overlaps) for run in runs]
-    line = max(found, key=lambda each: float(np.nan_to_num(each.largest_yield_ratio)))._below_yield
+    known = [each for each in found if not math.isnan(each.largest_yield_ratio)]
+    line = max(known, key=lambda each: each.largest_yield_ratio)._below_yield if known else ""
     return [line] if line else []
 
 

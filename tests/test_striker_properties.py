@@ -334,3 +334,9 @@ def test_velocities_are_limited_to_those_with_representable_energies(build):
     assert found[0] == pytest.approx(1e100 * expected, rel=1e-7)
     assert found[1] == pytest.approx(1e100 * expected, rel=1e-5)
     assert table["velocity"][0] == pytest.approx(1e100 * expected, rel=1e-5)
+
+
+@pytest.mark.parametrize(("mass", "advice"), [(1e6, "less unequal masses"), (None, "fewer beads")])
+def test_long_runs_of_heavy_strikers_are_explained(mass, advice):
+    with pytest.raises(hc.SimulationError, match=f"use {advice} if the time hardly advances"):
+        hc.simulate(hc.Chain.uniform(6).struck_by(mass=mass, radius=1.0), max_steps=20)

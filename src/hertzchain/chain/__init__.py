@@ -2,7 +2,8 @@
 
 - the chain: `chain`, its `fields`, `parts` and `description`, and its `builders` with their
   `builder_arguments`;
-- methods that return a modified chain: `modifications`, `pieces`, `strikers`, `contact_shapes`;
+- methods that return a modified chain: `modifications`, `pieces`, `strikers` with
+  `striker_properties`, and `contact_shapes`;
 - radii: `tapers`, `taper_sizes`, `random_radii`, `scattered_radii`, `repeated_cells`;
 - masses and contacts: `materials`, `mass_and_stiffness`, exponents and losses `per_contact`,
   `contact_groups`, and the `laws` of loss;

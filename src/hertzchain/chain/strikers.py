@@ -45,7 +45,8 @@ def struck_by(
     The impact on the first bead is then omitted, with a warning if its velocity was given, such as
     ``velocity`` of `Chain.from_materials`.
     The method can be called repeatedly; later strikers are placed to the left of earlier
-    ones.  Properties that are not given are those of the chain's first bead.
+    ones.  Properties that are not given are those of the chain's first bead.  Masses and contacts
+    of the other beads still follow from their radii if they did.
 
     Parameters
     ----------
@@ -133,25 +134,28 @@ def struck_by(
         new["scatter"] = self.scatter.behind(count, drawn, self.radii[self.strikers :])
     if own is not None and self.materials is not None:
         new["materials"] = (own,) * count + self.materials
-    if "masses" in self.given:
-        heavy = _sphere_mass(self, drawn, own) if mass is None else mass
-        new["masses"] = np.concatenate((np.full(count, heavy), self.masses))
     if stiffness is not None:
         unit = self._unit(self._stiffness_unit)
         stiffness = number("stiffness of the new contacts", stiffness, unit=unit, above=0.0)
+    if "masses" in self.given:
+        heavy = _sphere_mass(self, drawn, own) if mass is None else mass
+        new["masses"] = np.concatenate((np.full(count, heavy), self.masses))
     if "stiffness" in self.given:
-        new["stiffness"] = np.concatenate(
-            (_listed_stiffness(self, stiffness, radius, own, count), self.stiffness)
-        )
+        new["stiffness"] = _listed_stiffness(self, stiffness, radius, own, count)
     earlier = self.striker_properties or (SPHERE,) * self.strikers
     properties = StrikerProperties(mass, math.isinf(radius), stiffness)
     new["striker_properties"] = (properties,) * count + earlier
-    # Contacts that are listed begin with those of the strikers, which are like the first.
-    if isinstance(self.exponent, np.ndarray):
-        new["exponent"] = np.concatenate(([self.exponent[0]] * count, self.exponent))
-    if isinstance(self.loss, tuple):
-        new["loss"] = (self.loss[0],) * count + self.loss
-    return self.replace(**new)
+    return self.replace(**new, **_like_the_first(self, count))
+
+
+def _like_the_first(chain: ChainFields, count: int) -> dict[str, Any]:
+    """Listed exponents and losses, which begin with those of strikers: those of the first."""
+    listed: dict[str, Any] = {}
+    if isinstance(chain.exponent, np.ndarray):
+        listed["exponent"] = np.concatenate(([chain.exponent[0]] * count, chain.exponent))
+    if isinstance(chain.loss, tuple):
+        listed["loss"] = (chain.loss[0],) * count + chain.loss
+    return listed
 
 
 def _velocities_without_impact(chain: ChainFields) -> Array:
@@ -202,10 +206,10 @@ def _sphere_mass(chain: ChainFields, radius: float, own: Material | None) -> flo
 
 def _listed_stiffness(
     chain: ChainFields, given: float | None, radius: float, own: Material | None, count: int
-) -> list[float]:
-    """Stiffness of the strikers' contacts in a chain that lists those of all contacts."""
+) -> Array:
+    """Stiffness of all contacts, behind strikers, in a chain that lists it."""
     if given is not None:
-        return [given] * count
+        return np.concatenate(([given] * count, chain.stiffness))
     if (
         own is None
         or chain.materials is None
@@ -213,7 +217,8 @@ def _listed_stiffness(
     ):
         raise InputError(UNKNOWN_STIFFNESS)
     bodies = [(radius, own)] * count + [(float(chain.face_radii[0]), chain.materials[0])]
-    return [
+    new = [
         face_stiffness(one, other, (kind, next_kind), HERTZ_EXPONENT)
         for (one, kind), (other, next_kind) in itertools.pairwise(bodies)
     ]
+    return np.concatenate((new, chain.stiffness))

@@ -101,10 +101,11 @@ def _more_steps(chain: Chain, milder: str) -> str:
 
 def _milder(chain: Chain) -> str:
     """Changes of this chain that would make its motion less stiff."""
+    names = {*chain.features} | ({"masses"} if not chain.strikers_are_spheres else set())
     found = [
         advice
         for name, advice in MILDER.items()
-        if name in chain.features and (not name.endswith("wall") or _stiff_wall(chain, name))
+        if name in names and (not name.endswith("wall") or _stiff_wall(chain, name))
     ]
     even = np.ptp(chain.radii) == 0.0
     return " or ".join(found or ["fewer beads" if even else "fewer beads or a weaker taper"])

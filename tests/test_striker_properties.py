@@ -127,6 +127,13 @@ def test_a_chain_file_can_give_masses_of_strikers_with_units():
     )
 
 
+def test_a_chain_file_gives_masses_once():
+    for name, item in (("masses", "mass"), ("stiffness", "stiffness")):
+        text = f'[chain]\ntaper = "uniform"\nbeads = 4\nstrikers = 1\n{name} = 1.0\n'
+        with pytest.raises(hc.InputError, match=f"has {name}, and striker_properties also has"):
+            hc.chain_from_toml(text + f"striker_properties = [{{{item} = 2.0}}]")
+
+
 @GIVEN
 def test_converted_chains_keep_what_is_given(striker):
     chain = real_row(SIZES / 5.0, striker)

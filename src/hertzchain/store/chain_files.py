@@ -174,8 +174,7 @@ class _ChainFile:
         if "strikers" in self.table and chain.strikers != self.table["strikers"]:
             own["strikers"] = self.table["strikers"]
         if "striker_properties" in self.table:
-            given = self._arguments("striker_properties")
-            own["striker_properties"] = [StrikerProperties(**each) for each in given]
+            own["striker_properties"] = self._striker_properties()
         chain = chain.replace(**own) if own else chain
         for arguments in self._arguments("struck_by"):
             chain = chain.struck_by(**arguments)
@@ -188,6 +187,15 @@ class _ChainFile:
             one = isinstance(numbers, Integral)
             chain = chain.with_contacts(dict.fromkeys([numbers] if one else numbers, shape))
         return chain
+
+    def _striker_properties(self) -> list[StrikerProperties]:
+        given = [*self._arguments("striker_properties")]
+        for name, item in (("masses", "mass"), ("stiffness", "stiffness")):
+            if name in self.table and any(item in each for each in given):
+                raise InputError(
+                    f"[chain] has {name}, and striker_properties also has {item}: omit one"
+                )
+        return [StrikerProperties(**each) for each in given]
 
     def _is_list(self, name: str) -> bool:
         """Whether a key has one value per contact."""

@@ -346,6 +346,16 @@ def open_example(page, title, action="Open"):
     page.settle()
 
 
+def test_a_chain_file_with_a_striker_of_given_mass_can_be_opened(page, tmp_path):
+    chain = hc.Chain.uniform(6).struck_by(mass=4.0, radius=1.0)
+    path = tmp_path / "chain.toml"
+    path.write_text(hc.chain_as_toml(chain))
+    open_file(page, path)
+    assert page.document("A")["chain"]["striker_properties"] == [{"mass": 4.0}]
+    assert page.tab.evaluate("hertzchain.results.A.problem") == ""
+    assert np.array_equal(page.array("beads", "masses"), chain.masses)
+
+
 def test_opening_a_chain_removes_an_older_chain_b(page, tmp_path):
     open_example(page, "Shock absorber")
     assert page.document("B") == gallery()[7]["other"]

@@ -21,8 +21,10 @@ TITLES: Final = {
     "struck_by": "Strikers", "left_wall": "Left wall", "right_wall": "Right wall",
     "loss": "Loss in contacts", "drive": "Drive", "decorated": "Small beads between",
     "with_defects": "Defects", "with_scatter": "Random scatter",
-    "with_contacts": "Shapes of contacts", "striker_properties": "Properties of strikers",
+    "with_contacts": "Shapes of contacts",
 }  # fmt: skip
+# Table of which files keep the entries, but which has no controls: `struck_by` adds strikers.
+WITHOUT_CONTROLS: Final = "chain.striker_properties"
 FORMS: Final = {
     "taper": "a taper and its rate", "first": "end radii", "first_diameter": "end diameters",
     "radii": "a list of radii", "diameters": "a list of diameters", "cell": "a repeated cell",
@@ -92,11 +94,17 @@ def _factors() -> dict[str, float]:
     }  # fmt: skip
 
 
+def _schema() -> dict[str, Any]:
+    schema = chain_schema()
+    del schema["sections"][WITHOUT_CONTROLS]
+    return schema
+
+
 def about(document: object = None) -> dict[str, Any]:
     """Description of the program for the page, with the initial document."""
     return {
         "version": __version__,
-        "schema": chain_schema(),
+        "schema": _schema(),
         "titles": TITLES,
         "forms": FORMS,
         "tapers": {name: dict(taper.symbols) for name, taper in TAPERS.items()},

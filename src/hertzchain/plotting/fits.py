@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
@@ -19,6 +20,7 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice
 from .colours import COLOURS, curve_colour, grey
 from .legends import POINTS_PER_INCH, place_legend
+from .parameter_labels import parameter_in_words
 from .signals import (
     RESIDUAL,
     draw_crest,
@@ -57,7 +59,9 @@ ALMOST_ONE: Final = 0.995
 # Width of a handle in a legend, and of the distance to the next one, in letters.
 HANDLE: Final = 6
 # Smallest font of a corner plot, and largest number of characters of a name in one line.
-SMALLEST, LONG_NAME = 6.5, 14
+SMALLEST, LONG_NAME = 6.5, 16
+# Powers of ten of values that are shown without a factor in the unit.
+MIN_POWER, MAX_POWER = -3, 4
 # Width of a panel [inches] from which its title has room.
 LEAST_PANEL: Final = 1.2
 
@@ -336,10 +340,8 @@ def plot_corner(posterior: Posterior) -> Figure:
     side = max(1.7 * count + 0.6, 3.4)
     # Medians that would be wider than a panel are above all of them.
     listed = count > 1 and figure_size(side, side)[0] < LEAST_PANEL * count
-    # Long names and their units do not fit one line of a panel.
-    lines = [name.replace("_", "_\n") if listed else name for name in names]
     labels = [f"{name}\n[{unit}]" if unit else name
-              for name, unit in zip(lines, units, strict=True)]  # fmt: skip
+              for name, unit in zip(names, units, strict=True)]  # fmt: skip
     samples, estimates = factors * posterior.samples, factors * posterior.estimates
     drawn = samples[:: max(1, len(samples) // POINTS)]
     medians = [f"{_median_in_words(each)} {unit}".rstrip()
@@ -373,7 +375,7 @@ def plot_corner(posterior: Posterior) -> Figure:
                 axes.set_xlabel(labels[j], fontsize=size)
             if j == 0 and i:
                 axes.set_ylabel(labels[i], fontsize=size)
-        rows = [f"{''.join(name.split())}: {median}"
+        rows = [f"{' '.join(name.split())}: {median}"
                 for name, median in zip(names, medians, strict=True)]  # fmt: skip
         _corner_legend(figure, size, rows if listed else [])
     return figure
@@ -413,8 +415,18 @@ def _median_in_words(values: Any) -> str:
 
 
 def _in_shown_units(posterior: Posterior) -> tuple[np.ndarray[Any, Any], list[str], list[str]]:
-    """Factors to units in which parameters are shown, their names, and these units."""
-    factors, shown = zip(*(SHOWN.get(unit, (1.0, unit)) for unit in posterior.units), strict=True)
-    names = [name.replace(".", ".\n") if len(name) > LONG_NAME else name
+    """Factors to units in which parameters are shown, their names in words, and these units."""
+    factors, units = [], []
+    for samples, unit in zip(posterior.samples.T, posterior.units, strict=True):
+        factor, shown = SHOWN.get(unit, (1.0, unit))
+        size = factor * float(np.abs(samples).max(initial=0.0))
+        power = int(np.floor(np.log10(size))) if size > 0.0 else 0
+        shown = literal(with_micro(shown))
+        if not MIN_POWER <= power <= MAX_POWER:
+            factor, shown = factor * 10.0**-power, f"$10^{{{power}}}$ {shown}".rstrip()
+        factors.append(factor)
+        units.append(shown)
+    names = ["\n".join(textwrap.wrap(literal(parameter_in_words(name)), LONG_NAME,
+                                     break_long_words=False, break_on_hyphens=False))
              for name in posterior.names]  # fmt: skip
-    return np.array(factors), [*map(literal, names)], [literal(with_micro(unit)) for unit in shown]
+    return np.array(factors), names, units

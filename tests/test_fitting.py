@@ -25,6 +25,7 @@ from hertzchain.fitting.loss_comparison import LossComparison, LossFit
 from hertzchain.fitting.model import make_model
 from hertzchain.fitting.names import parse_name
 from hertzchain.fitting.parameters import free_parameters
+from hertzchain.fitting.posterior import MIN_WALKERS, steps_needed
 from hertzchain.fitting.problem import Problem
 from hertzchain.fitting.sensors import Sensor, filtered
 from hertzchain.fitting.simulations import Simulator
@@ -506,7 +507,7 @@ def test_gap_as_large_as_the_overlaps_is_found_among_all_contacts():
     assert "gap[7-8]" in wrong.names
     assert 3.0 < wrong.goodness.excess < 6.0 < wrong.goodness.correlation
     assert not wrong.describes
-    assert "successive residuals are correlated" in wrong.verdict
+    assert "Successive residuals are correlated" in wrong.verdict
 
 
 def test_odd_bead_is_found():
@@ -883,7 +884,7 @@ def test_posterior_agrees_with_least_squares():
     for row, name, unit in zip(rows, free, ("", " m/s", " us"), strict=True):
         assert re.fullmatch(rf"  {re.escape(name)} +\S+ \+- [\d.]+{unit}", row)
     labels = [axes.get_xlabel() for axes in panels if axes.get_xlabel()]
-    assert labels == ["stiffness", "struck_by.\nvelocity\n[m/s]", "time_offset\n[µs]"]
+    assert labels == ["stiffness factor", "striker velocity\n[m/s]", "time offset\n[µs]"]
     middle = float(np.mean(panels[-1].get_xlim()))
     assert middle == pytest.approx(
         1e6 * posterior.means["time_offset"], abs=6e6 * posterior.errors["time_offset"]
@@ -926,6 +927,20 @@ def test_an_interrupted_sampling_does_not_lose_the_fit(tmp_path, monkeypatch):
     done = CliRunner().invoke(cli, arguments, standalone_mode=False)
     assert isinstance(done.exception, (KeyboardInterrupt, click.Abort))
     assert "the model describes the data" in done.output
+    assert "11 parameters need about 7350 steps, more than --sample 1000" in done.output
+
+
+@pytest.mark.parametrize("count", [2, 6])
+def test_the_steps_of_a_gaussian_posterior_are_estimated(count):
+    emcee = pytest.importorskip("emcee")
+    walkers = max(MIN_WALKERS, 2 * count + 2)
+    sampler = emcee.EnsembleSampler(
+        walkers, count, lambda rows: -0.5 * np.sum(rows**2, axis=1), vectorize=True
+    )
+    sampler.random_state = np.random.RandomState(0).get_state()
+    sampler.run_mcmc(np.random.default_rng(0).normal(size=(walkers, count)), 5000)
+    needed = 50.0 * float(np.max(sampler.get_autocorr_time(tol=0)))
+    assert steps_needed(count) == pytest.approx(needed, rel=0.4)
 
 
 def test_command_reports_a_model_that_does_not_describe_the_data(tmp_path, command):

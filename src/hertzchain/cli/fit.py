@@ -81,7 +81,8 @@ if TYPE_CHECKING:
     "--sample",
     type=int,
     metavar="STEPS",
-    help="Also sample the posterior with emcee (extra: fit), as a check of the errors.",
+    help="Also sample the posterior with emcee (extra: fit), as a check of the errors; d "
+    "parameters need about 50 (15 + 12 d) steps.",
 )
 @figure_option(
     "Plot data, fit and residuals to FILE; residuals, correlations, defects "
@@ -288,6 +289,14 @@ def _prior(text: str) -> tuple[str, tuple[float | str, float | str]]:
 
 def _posterior(result: FitResult, steps: int, plot: Path | None) -> Posterior:
     """Sample the posterior and, if there is a file for figures, save the corner plot."""
+    from ..fitting.posterior import steps_needed
+
+    needed = steps_needed(len(result.names))
+    if steps < needed:
+        click.echo(
+            f"{len(result.names)} parameters need about {needed} steps, more than --sample {steps}",
+            err=True,
+        )
     with progress_bar("steps of the walkers", rate=True) as progress:
         posterior = result.sample(steps, progress=progress)
     if plot is not None:

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 MIN_WALKERS: Final = 16
 # Smallest number of steps for reliable errors, in autocorrelation times.
 LONG_ENOUGH: Final = 50
+# Autocorrelation time of the walkers in a Gaussian posterior, and its increase per parameter, in
+# steps.  It does not depend on the errors and correlations, because the moves are affine-invariant.
+AUTOCORRELATION, PER_PARAMETER = 15, 12
 # Fraction of the steps that is discarded.
 BURN_IN: Final = 0.25
 
@@ -164,12 +167,20 @@ class Posterior:
         if self.long_enough:
             return ""
         if np.isnan(self.autocorrelation):
-            return f"{self.steps} steps are too few to estimate their autocorrelation; take more"
+            return (
+                f"{self.steps} steps are too few to estimate their autocorrelation: take about "
+                f"{steps_needed(len(self.names))}"
+            )
         least = int(LONG_ENOUGH * self.autocorrelation) + 1
         return (
             f"only {self.steps} steps, too few for an autocorrelation of "
             f"{self.autocorrelation:.0f} steps: take at least {least}"
         )
+
+
+def steps_needed(parameters: int) -> int:
+    """Steps that a Gaussian posterior of this number of parameters usually needs."""
+    return LONG_ENOUGH * (AUTOCORRELATION + PER_PARAMETER * parameters)
 
 
 def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) -> Posterior:

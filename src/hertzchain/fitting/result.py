@@ -408,7 +408,8 @@ class FitResult:
         Parameters
         ----------
         steps : int
-            Steps of each walker; there are twice as many walkers as parameters, at least 16.
+            Steps of each walker; there are twice as many walkers as parameters, at least 16.  If
+            the posterior is Gaussian, d parameters need about 50 (15 + 12 d) steps.
         seed : int
             Seed of the random numbers, 0 .. 2^32 - 1.
         progress : callable, optional

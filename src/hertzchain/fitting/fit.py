@@ -12,7 +12,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
-from ..representation import counted
+from ..representation import counted, listed
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
@@ -241,7 +241,7 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     chains = tuple(model.chain(shot, values) for shot in range(len(model.chains)))
     at_bounds = tuple(name for name, there in zip(names, bound, strict=True) if there)
     notes = conflict_notes(model.parameters, model.traces, values, sigmas)
-    notes += _notes(model, sigmas, sizes, at_bounds, weak)
+    notes += (*_other_shots(model), *_notes(model, sigmas, sizes, at_bounds, weak))
     if good.skipped:
         notes += (
             f"{counted(good.skipped, 'sample')} next to jumps of the force "
@@ -300,6 +300,21 @@ def _sizes(model: Model, estimates: Array) -> Array:
         else:
             found.append(abs(value) if each.kind.factor else max(abs(value), typical))
     return np.array(found)
+
+
+def _other_shots(model: Model) -> list[str]:
+    """Notes on parameters of sensors and the clock that are free in some shots only."""
+    shots = {str(k) for k in range(1, len(model.chains) + 1)}
+    free: dict[Name, set[str]] = {}
+    for name in model.names:
+        if name.key in ("gain", "time_offset"):
+            free.setdefault(replace(name, shot=""), set()).add(name.shot)
+    return [
+        f"{name} is free in shot {listed(sorted(own))} only, and fixed at "
+        f"{1 if name.key == 'gain' else 0} in shot {listed(sorted(shots - own))}: free "
+        f"'{name}@*' for a value in each shot"
+        for name, own in free.items() if "" not in own and own != shots
+    ]  # fmt: skip
 
 
 def _notes(

@@ -125,11 +125,20 @@ def free_parameters(
 
 def _check_gains(names: Collection[Name], traces: Traces) -> None:
     """Raise `InputError` if the gain of a sensor without calibration is not free."""
-    free = {name.item for name in names if name.key == "gain"}
-    fixed = dict.fromkeys(
-        signal.name for _, signal in traces if not signal.calibrated and signal.name not in free
-    )
-    if fixed and "" not in free:
+    free = {(name.item, name.shot) for name in names if name.key == "gain"}
+    fixed, others = {}, {}
+    for shot, signal in traces:
+        ways = {(item, part) for item in ("", signal.name) for part in ("", str(shot + 1))}
+        if not signal.calibrated and not free & ways:
+            own = any(item == signal.name for item, _ in free)
+            (others if own else fixed)[signal.name] = shot + 1
+    if others:
+        name, shot = next(iter(others.items()))
+        raise InputError(
+            f"the gain of {name} is free in some shots, but not in shot {shot}: free "
+            f"'gain[{name}]' for all shots, or 'gain[{name}]@*' for each"
+        )
+    if fixed:
         these, gains = ("is", "its gain") if len(fixed) == 1 else ("are", "their gains")
         raise InputError(
             f"{listed([*fixed])} {these} in V without calibration, so {gains} must be free: add "

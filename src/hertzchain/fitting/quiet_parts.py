@@ -19,8 +19,10 @@ FOOT: Final = 2.0
 PICKED_UP: Final = 3.0
 
 
-def quiet_counts(columns: Sequence[Array]) -> list[int]:
+def quiet_counts(columns: Sequence[Array]) -> tuple[list[int], int]:
     """Number of samples at the beginning of each signal that contain only noise.
+
+    The last value is the number of samples before the pulse arrives at any sensor.
 
     A sensor is quiet until its own pulse begins, unless it picks up the pulses of other sensors.
     It is always quiet in the common part, before the pulse arrives at any of them.
@@ -39,7 +41,7 @@ def quiet_counts(columns: Sequence[Array]) -> list[int]:
         if longer and others and _picks_up(values[:end], others, common):
             longer = False
         counts.append(end if longer else common)
-    return counts
+    return counts, min(onsets)
 
 
 def _foot(values: Array, begin: int) -> int:

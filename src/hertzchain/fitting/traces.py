@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -29,7 +30,7 @@ from .noise import (
     saturated,
 )
 from .places import Place
-from .quiet_parts import quiet_counts
+from .quiet_parts import COMMON_PART, quiet_counts
 from .signals import Shot, Signal, merged_shots
 from .trace_headers import header_of, positive_noise
 from .trace_notes import trace_notes
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COUPLINGS = ("AC", "DC")
+# Samples before the pulse of which enough are clear of it.
+MIN_BEFORE = math.ceil(MIN_QUIET / COMMON_PART)
 # Part of the samples of a pulse that may be saturated.
 MAX_CLIPPED = 0.5
 
@@ -279,9 +282,11 @@ def make_shot(
         raise InputError("there is no signal; add a column such as 'ball 6 [N]'")
     for (place, _), values in columns.items():
         _check_values(place, values, len(times))
-    quiet = quiet_counts([*columns.values()])
+    quiet, first = quiet_counts([*columns.values()])
     pairs = zip(columns.items(), quiet, strict=True)
-    return Shot(times, tuple(_signal(*key, values, count, noise) for (key, values), count in pairs))
+    return Shot(
+        times, tuple(_signal(*key, values, (count, first), noise) for (key, values), count in pairs)
+    )
 
 
 def check_times(times: Array, unit: str = "s", lines: Array | None = None) -> None:
@@ -321,8 +326,13 @@ def _check_values(place: Place, values: Array, count: int) -> None:
 
 
 def _signal(
-    place: Place, unit: str, values: Array, quiet: int, noise: float | Mapping[str, float] | None
+    place: Place,
+    unit: str,
+    values: Array,
+    counts: tuple[int, int],
+    noise: float | Mapping[str, float] | None,
 ) -> Signal:
+    quiet, first = counts
     beyond = np.isinf(values)
     values = at_limits(values)
     present = np.isfinite(values)
@@ -345,7 +355,7 @@ def _signal(
         known = positive_noise(place.name, known, unit)
     else:
         used = len(before)
-        known = _estimated_noise(place, before, step)
+        known = _estimated_noise(place, before, step, first)
         least = ACCURACY * float(np.abs(values[present] - level).max())
         if known < least or (step <= least and is_still(before, least)):
             # This noise is known, not estimated.
@@ -357,12 +367,14 @@ def _signal(
     )
 
 
-def _estimated_noise(place: Place, before: Array, step: float) -> float:
+def _estimated_noise(place: Place, before: Array, step: float, first: int) -> float:
     """Noise of the samples before the pulse, without rounding errors that are larger."""
     if len(before) < MIN_QUIET:
         raise InputError(
-            f"the noise of {place.name} cannot be estimated from {len(before)} samples before the "
-            f"pulse arrives: record at least {MIN_QUIET}, or give noise"
+            f"the noise of {place.name} cannot be estimated: the pulse arrives after "
+            f"{counted(first, 'sample')}, and the first {len(before)} that are clear of it and "
+            f"valid are too few; record at least {MIN_BEFORE} samples before the pulse, or give "
+            "noise"
         )
     found = noise_of(before)
     return found if found >= step else noise_before_rounding(before, step)

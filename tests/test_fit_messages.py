@@ -149,10 +149,10 @@ def test_times_in_another_unit_are_suspected():
 
 
 def test_errors_of_a_model_that_does_not_describe_the_data_have_no_meaning(good):
-    assert "the errors above have no meaning" not in good.summary()
+    assert "The errors above have no meaning" not in good.summary()
     wrong = hc.fit(traces(gap=0.5e-6), chain(), free=FREE)
     assert not wrong.describes
-    assert wrong.verdict.endswith("the errors above have no meaning")
+    assert wrong.verdict.endswith("The errors above have no meaning")
 
 
 def test_the_overlap_at_which_a_stiffness_is_defined_is_stated():
@@ -189,7 +189,7 @@ def test_offsets_have_the_unit_of_their_sensor():
          "signals stay the same if the relative changes of these are in the ratio 0.5 : -1 : 1; "
          "fix one of them, or give it a prior"),
         ({"lag": 1.0, "time_offset": -0.4}, False, ("lag",),
-         "the data determine hardly more than a combination of lag and time_offset: signals hardly "
+         "the data hardly determine lag and time_offset separately: signals hardly "
          "change if the relative changes of these are in the ratio 1 : -0.4; only the prior of lag "
          "fixes them"),
         ({"gain[a]": 1.0, "gain[b]": 0.5}, True, ("gain[a]", "gain[b]"),

@@ -192,7 +192,7 @@ def test_a_verdict_on_known_noise_does_not_ask_for_it():
     residuals = 1.3 * rng.standard_normal(60)
     verdict = goodness_of(traces, residuals, np.ones(60, bool), 0).verdict
     assert "cannot be decided" in verdict
-    assert "record more samples; if you take" in verdict
+    assert "Record more samples. If you take" in verdict
 
 
 @pytest.mark.parametrize("time", [2.0, 5.0])
@@ -341,7 +341,7 @@ def test_residuals_smaller_than_their_noise_are_noted():
     data = hc.Traces.from_arrays(times, columns, noise=0.15)
     result = hc.fit(data, chain(), free=FREE)
     assert result.goodness.ratio == pytest.approx(1.0 / 1.5**2, rel=0.1)
-    assert "the residuals are smaller than their noise: check it" in result.verdict
+    assert "The residuals are smaller than their noise: check it" in result.verdict
     assert "multiply all errors by 0.67" in result.verdict
 
 

@@ -32,8 +32,7 @@ def order_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
             arrivals.append((signal, seen, own))
     for (one, seen, own), (two, seen_later, own_later) in itertools.combinations(arrivals, 2):
         measured, simulated = seen_later - seen, own_later - own
-        same_kind = (one.place.quantity, one.unit) == (two.place.quantity, two.unit)
-        if same_kind and measured * simulated < 0.0 and min(abs(measured), abs(simulated)) > least:
+        if measured * simulated < 0.0 and min(abs(measured), abs(simulated)) > least:
             early, late = (one, two) if measured > 0.0 else (two, one)
             return [
                 f"the measured pulse arrives at {early.name} {measure(abs(measured), 's')} before "

@@ -76,6 +76,8 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     """A result with advice if the model does not describe the data, or if they show an effect."""
     if result.describes or result.goodness.undecided:
         return _with_effect(result, refit)
+    if result.goodness.only_noise:
+        return result
     causes = [*_columns(result, start, refit), *_effects(result, refit)]
     for further in (_shots, _losses, _exponent, _masses, _beads):
         if not any(cause.result.describes for cause in causes):
@@ -129,9 +131,8 @@ def _sentence(result: FitResult, cause: Cause) -> str:
     if cause.result.describes:
         return f"{text}, and the model describes the data: {cause.advice}"
     return (
-        f"{text}, by {_removed(result, cause.result):.0%} of its excess, but the model still does "
-        f"not describe the data: {cause.advice}, unless it imitates another cause; consider "
-        f"{OTHERS}"
+        f"{text}, by {_removed(result, cause.result):.0%} of its excess: {cause.advice}. The model "
+        f"still does not describe the data. Consider {OTHERS}"
     )
 
 
@@ -160,7 +161,10 @@ def _effects(result: FitResult, refit: Refit) -> Iterator[Cause]:
                 columns[name] = derivative(result.problem, values, name, result.residual_vector)
         block = np.column_stack([columns[name] for name in names])
         gained.append(_explained(result, block, inverse) / excess)
-    order = sorted(range(len(groups)), key=lambda i: (gained[i] < MOST, len(groups[i]), -gained[i]))
+    # A common parameter and one of either of two shots explain the same.
+    order = sorted(
+        range(len(groups)), key=lambda i: (gained[i] < MOST, len(groups[i]), -round(gained[i], 4))
+    )
     for i in [i for i in order if gained[i] > PROMISING][:MAX_TRIED]:
         cause = _tried(result, groups[i], refit)
         if cause is not None:

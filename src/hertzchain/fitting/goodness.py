@@ -25,12 +25,15 @@ ALLOWED: Final = 1.0
 FAR: Final = 1.5
 # Standard deviations from which a chi-squared is unlikely if the noise is known.
 UNLIKELY: Final = 3.0
+# A model explains no more than noise if it reduces chi-squared by less than this value, the square
+# of 5 standard deviations, and twice the number of parameters.
+EXPLAINED: Final = 25.0
 # Larger numbers of standard deviations are not stated, because they have no meaning.
 MANY: Final = 10.0
 # Ratio of a chi-squared to its expectation above which it is stated without an error, which is that
 # of the residuals of a true model.
 NO_ERROR: Final = 10.0
-NO_ERRORS: Final = "; the errors above have no meaning"
+NO_ERRORS: Final = ". The errors above have no meaning"
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,8 @@ class Goodness:
         the samples before the pulse; 0 if it was given.
     noiseless : bool
         Whether no signal has noise: residuals are compared with the accuracy of the simulation.
+    explained : float
+        Reduction of chi-squared, of independent samples, from that of constant signals.
     """
 
     chi2: float
@@ -73,6 +78,7 @@ class Goodness:
     noise_error: float = 0.0
     counted: float = 0.0
     noiseless: bool = False
+    explained: float = np.inf
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "counted", self.counted or float(self.samples))
@@ -89,16 +95,35 @@ class Goodness:
 
     @property
     def describes(self) -> bool:
-        """Whether the residuals are consistent with the noise."""
-        return self.excess < MAX_EXCESS and self.ratio <= FAR and self._random
+        """Whether the residuals are consistent with the noise, and the data with a pulse."""
+        return self._consistent and self.explains
 
     @property
     def undecided(self) -> bool:
         """Whether the noise is too uncertain to accept or to reject the model."""
+        return self._possible and self.explains
+
+    @property
+    def explains(self) -> bool:
+        """Whether the model explains more of the data than noise would."""
+        parameters = self.counted - self.freedom
+        return self.explained > EXPLAINED + 2.0 * parameters
+
+    @property
+    def only_noise(self) -> bool:
+        """Whether the data may be noise: so are the residuals, and the model explains no more."""
+        return not self.explains and (self._consistent or self._possible)
+
+    @property
+    def _consistent(self) -> bool:
+        return self.excess < MAX_EXCESS and self.ratio <= FAR and self._random
+
+    @property
+    def _possible(self) -> bool:
         # The logarithm of a ratio of two estimated variances is nearly normally distributed
         # (Fisher's z); the ratio itself is not, if one of them has few independent samples.
         possible = self.ratio < np.exp(MAX_EXCESS * self.uncertainty)
-        return bool(possible) and self._random and not self.describes
+        return bool(possible) and self._random and not self._consistent
 
     @property
     def _random(self) -> bool:
@@ -114,7 +139,7 @@ class Goodness:
         """Whether only the uncertainty of the noise makes the residuals consistent with it."""
         known = 2.0 / max(self.effective_samples - (self.counted - self.freedom), 1.0)
         far = abs(self.ratio - 1.0) > UNLIKELY * known**0.5
-        return self.describes and self.noise_error > 0.0 and bool(far)
+        return self._consistent and self.noise_error > 0.0 and bool(far)
 
     @property
     def reservation(self) -> str:
@@ -122,37 +147,39 @@ class Goodness:
         if self.noiseless:
             return " to the accuracy of the simulation"
         if self.excess < -UNLIKELY:
-            return f", but the residuals are smaller than their noise: check it; {self.if_measured}"
+            return f". The residuals are smaller than their noise: check it. {self.if_measured}"
         if not self.noise_uncertain:
             return ""
         return (
             " within the uncertainty of their noise, which is estimated from the samples before "
-            f"the pulse; {self.if_measured}"
+            f"the pulse. {self.if_measured}"
         )
 
     @property
     def if_measured(self) -> str:
         """Advice on the errors, for the case that the residuals measure the noise."""
         return (
-            "if you take the noise from the residuals instead, multiply all errors by "
+            "If you take the noise from the residuals instead, multiply all errors by "
             f"{self.scale:.2f}"
         )
 
     @property
     def verdict(self) -> str:
         """End of a sentence: whether the model describes the data."""
+        if self.only_noise:
+            return f": the model explains no more of the data than noise would{NO_ERRORS}"
         if self.describes:
             return f": the model describes the data{self.reservation}"
         if self.undecided:
             return (
                 ": whether the model describes the data cannot be decided, because chi2 is known "
-                f"only to +-{self.uncertainty:.0%}; {self._more}; {self.if_measured}"
+                f"only to +-{self.uncertainty:.0%}. {self._more}. {self.if_measured}"
             )
         if self.excess < self.correlation:
             size = f" ({self.correlation:.0f} standard deviations)"
             reason = (
-                f"; successive residuals are correlated{size * (self.correlation < MANY)} although "
-                "the noise before the pulse is not"
+                f". Successive residuals are correlated{size * (self.correlation < MANY)}, the "
+                "noise before the pulse is not"
             )
         elif self.excess < MANY:
             reason = f", {self.excess:.0f} standard deviations more than expected"
@@ -163,8 +190,8 @@ class Goodness:
     @property
     def _more(self) -> str:
         if self.noise_error == 0.0:
-            return "record more samples"
-        return "give the noise, or record more samples before the pulse"
+            return "Record more samples"
+        return "Give the noise, or record more samples before the pulse"
 
     def __str__(self) -> str:
         digits = max(1 - math.floor(math.log10(self.uncertainty)), 0)

@@ -273,7 +273,7 @@ def saturated(values: Array) -> Array:
     """Mask of samples at a flat top or bottom where the signal would have a crest.
 
     The noise of a real crest makes its samples different.  If they are rounded, a crest has several
-    samples with the largest value, but hardly more than a parabola would have.
+    samples with the largest value, but few more than a parabola would have.
     """
     mask = np.zeros(len(values), bool)
     if len(values) < MIN_FLAT or np.ptp(values) == 0.0:

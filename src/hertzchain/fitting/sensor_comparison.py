@@ -174,7 +174,7 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
     measured, simulated = seen[present], (own - own[0])[covered]
     peaks = extreme(measured), extreme(simulated)
     saturated = bool(clipped.any())
-    width = _width(times[covered], simulated)
+    width = half_width(times[covered], simulated)
     missing = not saturated and crest_is_missing(times[covered], seen[covered] / peaks[0], width)
     # A signal without a crest and its model are compared at the same height.
     half = HALF * abs(peaks[0 if saturated or missing else 1])
@@ -230,7 +230,7 @@ def reached(times: Array, values: Array, level: float, longest: float = np.inf) 
     return float(np.interp(1.0, height[pair], times[pair]))
 
 
-def _width(times: Array, values: Array) -> float:
+def half_width(times: Array, values: Array) -> float:
     """Time during which a signal exceeds half of its peak, around the peak."""
     height = values / extreme(values)
     peak = int(np.argmax(height))
@@ -257,7 +257,7 @@ def check_arrivals(run: Run, shot: Shot, columns: Sequence[Array], grid: Array) 
 def check_resolved(shot: Shot, columns: Sequence[Array]) -> None:
     """Raise `InputError` if too few times of a run are within the pulse at a sensor."""
     widths = {
-        signal.name: _width(np.arange(float(len(column))), column - column[0])
+        signal.name: half_width(np.arange(float(len(column))), column - column[0])
         for signal, column in zip(shot.signals, columns, strict=True)
         if np.ptp(column) > 0.0
     }
@@ -275,7 +275,7 @@ def check_contains_a_pulse(shot: Shot, columns: Sequence[Array], spacing: float)
     """Raise `InputError` if the record is too short to determine the time offset and gains."""
     record = float(shot.times[-1] - shot.times[0])
     widths = {
-        signal.name: spacing * _width(np.arange(float(len(column))), column - column[0])
+        signal.name: spacing * half_width(np.arange(float(len(column))), column - column[0])
         for signal, column in zip(shot.signals, columns, strict=True)
         if 0 < np.argmax(np.abs(column - column[0])) < len(column) - 2
     }
@@ -295,8 +295,8 @@ def check_durations(shot: Shot, columns: Sequence[Array], grid: Array) -> None:
         own, seen = column - column[0], (signal.values - level_of(signal))[signal.valid]
         if not own.any():
             continue
-        width = _width(grid, own)
-        lasting = _width(shot.times[signal.valid], seen) / max(width, spacing)
+        width = half_width(grid, own)
+        lasting = half_width(shot.times[signal.valid], seen) / max(width, spacing)
         unresolved = width < RESOLVED * spacing and lasting > TOO_LONG
         if unresolved or any(1.0 / TOLERANCE < lasting / each < TOLERANCE for each in PREFIXES):
             least = "at least " if unresolved else ""

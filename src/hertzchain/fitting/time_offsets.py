@@ -83,13 +83,40 @@ def best_offset(
     The amplitude of each signal is free within a factor.  If another offset, which compares other
     pulses, agrees almost as well, it is also returned, with the ratio of the rms differences.
     """
+    pairs = _pairs(shot, columns)
+    found, other, _ = _coarse(pairs, shot.times, spacing)
+    reach = max(RANGE * min(_width(pair.own) for pair in pairs) * spacing, 2.0 * spacing)
+    return _refined(pairs, found, reach, spacing), other
+
+
+def difference_at_best_offset(shot: Shot, columns: Sequence[Array], spacing: float) -> float:
+    """Rms difference over the rms of the data, at the best offset that is a multiple of spacing."""
+    pairs = _pairs(shot, columns)
+    return (_coarse(pairs, shot.times, spacing)[2] / len(pairs)) ** 0.5
+
+
+def explained_by_offset(
+    shot: Shot, columns: Sequence[Array], spacing: float, offset: float
+) -> float:
+    """Reduction of the squares of the data over their noise, of independent samples."""
+    total = 0.0
+    for signal, column in zip(shot.signals, columns, strict=True):
+        pair = _pair(shot, signal, column)
+        grid = offset + spacing * np.arange(len(pair.own))
+        own = np.interp(pair.times, grid, pair.own, left=0.0, right=0.0)
+        size = float(own @ own)
+        if size > 0.0:
+            rest = pair.seen - own * float(pair.seen @ own) / size
+            noise = signal.sigma**2 * correlation_length(rest)
+            total += float(pair.seen @ own) ** 2 / size / noise
+    return total
+
+
+def _pairs(shot: Shot, columns: Sequence[Array]) -> list[Pair]:
     pairs = [
         _pair(shot, signal, column) for signal, column in zip(shot.signals, columns, strict=True)
     ]
-    pairs = [pair for pair in pairs if pair.own.any() and pair.energy > 0.0]
-    found, other = _coarse(pairs, shot.times, spacing)
-    reach = max(RANGE * min(_width(pair.own) for pair in pairs) * spacing, 2.0 * spacing)
-    return _refined(pairs, found, reach, spacing), other
+    return [pair for pair in pairs if pair.own.any() and pair.energy > 0.0]
 
 
 def offset_error(shot: Shot, signals: Sequence[Array]) -> float:
@@ -141,8 +168,10 @@ def _width(own: Array) -> int:
 
 def _coarse(
     pairs: Sequence[Pair], times: Array, spacing: float
-) -> tuple[float, tuple[float, float] | None]:
+) -> tuple[float, tuple[float, float] | None, float]:
     """The best offset that is a multiple of the spacing, and the best far from it if it is similar.
+
+    The last value is the sum of the squared differences over the squares of the data.
 
     Samples beyond the run count as differences: otherwise, few of them would agree best.
     """
@@ -174,7 +203,7 @@ def _coarse(
     second = int(np.argmin(cost_there))
     ratio = float(np.sqrt(cost_there[second] / max(cost[best], np.finfo(float).tiny)))
     other = (float(offsets[second]), ratio) if ratio < SIMILAR else None
-    return float(offsets[best]), other
+    return float(offsets[best]), other, float(cost[best])
 
 
 def _refined(pairs: Sequence[Pair], start: float, reach: float, spacing: float) -> float:

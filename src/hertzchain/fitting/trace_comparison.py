@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Final, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,8 @@ from .arrival_notes import (
     silent_notes,
 )
 from .coupling import Gain, coupling_notes, resolved_coupling, static_force
+from .exchanged_columns import exchange_notes
+from .goodness import EXPLAINED
 from .misread_columns import inversion_notes, level_of
 from .missing_rows import gap_notes, gaps_between, with_missing_samples
 from .places import check_places
@@ -37,6 +39,7 @@ from .sensor_comparison import (
     check_durations,
     check_resolved,
     compared_sensor,
+    half_width,
     level_notes,
     missing_notes,
     pulse_notes,
@@ -46,8 +49,14 @@ from .sensor_comparison import (
 )
 from .sensors import sampled
 from .signals import Shot, Signal
-from .time_offsets import best_offset, offset_error
+from .spikes import without_spikes
+from .time_offsets import best_offset, explained_by_offset, offset_error
 from .traces import Traces
+
+NOTHING_EXPLAINED: Final = (
+    "the simulation explains no more of the data than noise would, and the time offset has no "
+    "meaning: check the sensors and the record, or give time_offset"
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -250,27 +259,42 @@ def compare_traces(
     check_arrivals(run, shot, columns, grid)
     check_resolved(shot, columns)
     spacing = float(grid[1] - grid[0])
-    given, other = time_offset is not None, None
+    widths = [half_width(grid, column - column[0]) if np.ptp(column) else 0.0 for column in columns]
+    shot, of_spikes = without_spikes(shot, widths)
+    traces = Traces((shot,))
+    given, other, unexplained = time_offset is not None, None, list[str]()
     if time_offset is not None:
         time_offset = number("time_offset", time_offset, unit="s")
     else:
         check_contains_a_pulse(shot, columns, spacing)
         time_offset, other = best_offset(shot, columns, spacing)
+        least = EXPLAINED + 4.0 * len(columns)
+        if explained_by_offset(shot, columns, spacing, time_offset) < least:
+            unexplained = [NOTHING_EXPLAINED]
     moments = shot.times - time_offset - run.times[0]
     inside = _inside(moments, float(grid[-1] - grid[0]), time_offset)
     check_contained(shot, inside)
-    signals = tuple(_at(moments, inside, column, spacing, time_offset) for column in columns)
+    try:
+        signals = tuple(_at(moments, inside, column, spacing, time_offset) for column in columns)
+    except InputError:
+        if unexplained:
+            raise InputError(NOTHING_EXPLAINED) from None
+        raise
     error = np.nan if given else offset_error(shot, signals)
     found = TraceComparison(traces, signals, float(time_offset), given, error)
     outside = sensors_outside(shot, columns, signals)
     grid = grid - run.times[0]
     # Columns that are exchanged cause most of the other differences.
-    suspicious = order_notes(shot, columns, grid) or [
-        *unit_notes(found.sensors, outside),
-        *outside_notes(shot, columns, grid, time_offset, outside),
-        *other_offset_notes(shot, time_offset, other),
-    ]
-    suspicious += silent_notes(shot, inside)
+    suspicious = (
+        exchange_notes(shot, columns, spacing)
+        or order_notes(shot, columns, grid)
+        or [
+            *unit_notes(found.sensors, outside),
+            *outside_notes(shot, columns, grid, time_offset, outside),
+            *other_offset_notes(shot, time_offset, other),
+        ]
+    )
+    suspicious += [*of_spikes, *(silent_notes(shot, inside) or unexplained)]
     for note in suspicious:
         warn_user(note, InputWarning)
     notes = (

@@ -61,12 +61,14 @@ class WeakDirection:
 
     def _several(self) -> str:
         names = _grouped(list(self.weights))
-        more = "only" if self.exact else "hardly more than"
         what = "a combination" if len(self.weights) == 2 else "combinations"
+        first = f"the data determine only {what} of {names}"
+        if not self.exact:
+            first = f"the data hardly determine {names} separately"
         then = "stay the same" if self.exact else "hardly change"
         return (
-            f"the data determine {more} {what} of {names}: signals {then} if the relative changes "
-            f"of these are in the ratio {self._ratio()}"
+            f"{first}: signals {then} if the relative changes of these are in the ratio "
+            f"{self._ratio()}"
         )
 
     def _ratio(self) -> str:

@@ -7,6 +7,7 @@ only: priors keep their weight.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,7 +25,25 @@ def goodness_of_problem(problem: Problem, residuals: Array) -> Goodness:
     """Chi-squared of the residuals of a problem."""
     parameters = len(problem.model.parameters)
     own = data_residuals(problem, residuals)
-    return goodness_of(problem.model.traces, own, ~problem.skipped, parameters)
+    traces, used = problem.model.traces, ~problem.skipped
+    good = goodness_of(traces, own, used, parameters)
+    return replace(good, explained=_explained(problem, own, used))
+
+
+def _explained(problem: Problem, residuals: Array, used: Array) -> float:
+    """Reduction of the sum of squares from that of constant signals, of independent samples."""
+    traces = problem.model.traces
+    lengths = correlated_samples(traces, residuals, used)
+    total, begin = 0.0, 0
+    for _, signal in traces:
+        own = slice(begin, begin := begin + int(signal.valid.sum()))
+        mask = used[own]
+        if mask.any():
+            seen, sigma = problem.data[own][mask], problem.sigma[own][mask]
+            rest = (seen - np.average(seen, weights=sigma**-2)) / sigma
+            squares = float(rest @ rest) - float(np.sum(residuals[own][mask] ** 2))
+            total += squares / float(lengths[own][0])
+    return total
 
 
 def correlations(problem: Problem, residuals: Array) -> Array:

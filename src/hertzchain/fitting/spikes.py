@@ -1,0 +1,78 @@
+"""Single samples far from their neighbours, which are not part of a pulse."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from ..representation import listed, measure
+from .signals import Shot, Signal
+from .traces import make_shot
+
+# A spike differs from both neighbours by more than this multiple of the noise, and by more than
+# this multiple of their own differences from the samples next to them.
+IN_NOISE, IN_SLOPES = 10.0, 4.0
+# Least half width of the simulated pulse in samples: a shorter one may look like a spike.
+LEAST_WIDTH: Final = 4.0
+# Number of spikes of a sensor that are named; more of them are not single errors.
+MOST_NAMED: Final = 5
+
+
+def spikes(signal: Signal) -> Array:
+    """Indices of the samples that are spikes."""
+    values = signal.values
+    steps = np.diff(values)
+    before, after = steps[1:-2], -steps[2:-1]
+    # The differences of the two samples on each side show how steep the signal is.
+    slopes = np.maximum(np.abs(steps[:-3]), np.abs(steps[3:]))
+    least = np.maximum(IN_NOISE * _noise_without_spikes(signal), IN_SLOPES * slopes)
+    alone = (before * after > 0.0) & (np.minimum(np.abs(before), np.abs(after)) > least)
+    return np.flatnonzero(alone) + 2
+
+
+def _noise_without_spikes(signal: Signal) -> float:
+    """Noise of a signal, from the median if spikes before the pulse would contribute."""
+    quiet = signal.quiet_values
+    if not signal.quiet or not len(quiet):
+        return signal.sigma
+    median = float(np.median(np.abs(quiet - np.median(quiet)))) / 0.6745
+    return min(max(median, signal.step), signal.sigma)
+
+
+def without_spikes(shot: Shot, widths: Sequence[float]) -> tuple[Shot, list[str]]:
+    """The shot with spikes as missing samples, and a note for each sensor that has some.
+
+    ``widths`` are the half widths of the simulated pulses, in seconds.
+    """
+    step = float(np.median(np.diff(shot.times)))
+    found = {}
+    for signal, width in zip(shot.signals, widths, strict=True):
+        places = spikes(signal) if width > LEAST_WIDTH * step else np.zeros(0, int)
+        if 0 < len(places) <= MOST_NAMED:
+            found[signal.name] = places
+    if not found:
+        return shot, []
+    columns = {(each.place, each.unit): each.values.copy() for each in shot.signals}
+    for (place, _), values in columns.items():
+        values[found.get(place.name, [])] = np.nan
+    # Levels and estimated noises change, too.
+    noise = {each.name: each.noise for each in shot.signals if not each.quiet}
+    made = make_shot(shot.times, columns, noise).signals
+    pairs = zip(made, shot.signals, strict=True)
+    signals = tuple(replace(new, coupling=old.coupling) for new, old in pairs)
+    return Shot(shot.times, signals), [_note(shot, *each) for each in found.items()]
+
+
+def _note(shot: Shot, name: str, places: Array) -> str:
+    shown = listed([f"{i + 1} (at {measure(float(shot.times[i]), 's')})" for i in places])
+    what, verb, are = ("sample", "differs", "is")
+    if len(places) > 1:
+        what, verb, are = ("samples", "differ", "are")
+    return (
+        f"{what} {shown} of {name} {verb} from both neighbours by more than {IN_NOISE:.0f} times "
+        f"the noise and {are} not used"
+    )

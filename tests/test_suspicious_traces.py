@@ -1,0 +1,117 @@
+"""Records of noise, with spikes, exchanged columns or few samples, and gains of single shots."""
+
+import numpy as np
+import pytest
+from synthetic_traces import bench, measured, signals
+
+import hertzchain as hc
+
+NAMES = ("ball 3 [N]", "ball 6 [N]", "wall [N]")
+CHAIN = bench(hc.Viscoelastic(0.6e-6), beads=8, behind=3)
+
+
+@pytest.fixture(scope="module")
+def recorded():
+    """Times, and samples of three sensors with 0.1 N of noise."""
+    times, seen = signals(CHAIN, 400e-6, 60e-6, balls=(3, 6))
+    return times, seen + np.random.default_rng(0).normal(0.0, 0.1, seen.shape)
+
+
+@pytest.fixture(scope="module")
+def run():
+    return hc.simulate(CHAIN, until=400e-6, times=4000)
+
+
+def traces_of(times, samples, **options):
+    return hc.Traces.from_arrays(times, dict(zip(NAMES, samples.T, strict=True)), **options)
+
+
+@pytest.mark.parametrize("noise", [None, 0.1])
+def test_noise_alone_is_neither_described_nor_compared(run, noise):
+    times = 1e-6 * np.arange(400)
+    traces = traces_of(times, np.random.default_rng(1).normal(0.0, 0.1, (400, 3)), noise=noise)
+    free = ["stiffness", "struck_by.velocity", "time_offset"]
+    result = hc.fit(traces, CHAIN, free=free, starts=1)
+    assert not result.describes
+    assert not result.goodness.undecided
+    assert "explains no more of the data than noise would" in result.verdict
+    words = "explains no more of the data than noise would|no pulse above their noise"
+    with pytest.raises((hc.InputError, hc.InputWarning), match=words):
+        run.compare(traces)
+
+
+def test_a_pulse_of_twice_the_noise_is_described():
+    """Chi-squared falls by the sum of the squares of the pulse, far more than noise explains."""
+    rng = np.random.default_rng(2)
+    times, seen = signals(CHAIN, 400e-6, 60e-6, balls=(3, 6))
+    noise = 0.5 * float(seen[:, 0].max())
+    traces = traces_of(times, seen + rng.normal(0.0, noise, seen.shape), noise=noise)
+    result = hc.fit(traces, CHAIN, free=["struck_by.velocity", "time_offset"], starts=1)
+    assert result.describes
+    expected = float(np.sum((seen - seen.mean(axis=0)) ** 2)) / noise**2
+    assert result.goodness.explained == pytest.approx(expected, rel=0.3)
+
+
+@pytest.mark.parametrize(("sensor", "sample"), [(0, 20), (1, 380), (2, 200)])
+def test_a_spike_does_not_shift_the_time_offset(recorded, run, sensor, sample):
+    times, samples = recorded
+    clean = run.compare(traces_of(times, samples))
+    spiked = samples.copy()
+    spiked[sample, sensor] += 300.0
+    with pytest.warns(hc.InputWarning, match=rf"sample {sample + 1} \(at {sample} us\)"):
+        found = run.compare(traces_of(times, spiked))
+    assert found.time_offset == pytest.approx(60e-6, abs=0.2e-6)
+    assert found.time_offset == pytest.approx(clean.time_offset, abs=0.05e-6)
+    assert found.sensors[sensor].measured_peak == pytest.approx(
+        clean.sensors[sensor].measured_peak, rel=1e-3
+    )
+
+
+def test_crests_of_coarse_samples_are_not_spikes(run):
+    """The pulse exceeds half of its peak for about four samples."""
+    times, seen = signals(CHAIN, 400e-6, 60e-6, balls=(3, 6), spacing=6e-6)
+    traces = traces_of(times, seen, noise=0.01)
+    assert not any("sample" in note for note in run.compare(traces).notes)
+
+
+@pytest.mark.parametrize("pair", [(0, 1), (0, 2), (1, 2)])
+@pytest.mark.parametrize("factor", [1.0, 0.05])
+def test_exchanged_columns_are_named(recorded, run, pair, factor):
+    times, samples = recorded
+    order = [0, 1, 2]
+    order[pair[0]], order[pair[1]] = pair[1], pair[0]
+    exchanged = samples[:, order]
+    exchanged[:, 0] *= factor
+    names = ["ball 3 [V]" if factor != 1.0 else NAMES[0], *NAMES[1:]]
+    traces = hc.Traces.from_arrays(times, dict(zip(names, exchanged.T, strict=True)))
+    words = " and ".join(NAMES[i].split(" [")[0] for i in pair)
+    with pytest.warns(hc.InputWarning, match=f"columns of {words} exchanged"):
+        run.compare(traces)
+
+
+def test_columns_in_order_are_not_exchanged(recorded, run):
+    assert not any("exchanged" in note for note in run.compare(traces_of(*recorded)).notes)
+
+
+def test_the_samples_before_a_pulse_are_counted():
+    """The pulse begins with sample 23; 22 are before it."""
+    values = np.random.default_rng(3).normal(0.0, 0.1, 60)
+    values[22:] += 50.0
+    with pytest.raises(hc.InputError, match="arrives after 22 samples, .* 17 .* at least 25 samp"):
+        hc.Traces.from_arrays(1e-6 * np.arange(60), {"wall [N]": values})
+    enough = np.concatenate([0.1 * np.sin(np.arange(3.0)), values])
+    hc.Traces.from_arrays(1e-6 * np.arange(63), {"wall [N]": enough})
+
+
+def test_gains_of_single_shots_name_the_others():
+    one = measured(CHAIN, np.random.default_rng(4), balls=(3, 6), duration=300e-6)
+    free = ["struck_by.velocity", "time_offset@*", "gain[wall]@1"]
+    result = hc.fit(one + one, CHAIN, free=free, starts=1)
+    assert (
+        "gain[wall] is free in shot 1 only, and fixed at 1 in shot 2: free 'gain[wall]@*' for a "
+        "value in each shot"
+    ) in result.notes
+    shot = one.shots[0]
+    volts = hc.Traces.from_arrays(shot.times, {"wall [V]": 0.05 * shot.signals[-1].values})
+    with pytest.raises(hc.InputError, match="free in some shots, but not in shot 2"):
+        hc.fit(volts + volts, CHAIN, free=free)

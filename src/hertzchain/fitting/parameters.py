@@ -126,7 +126,7 @@ def free_parameters(
 def _check_gains(names: Collection[Name], traces: Traces) -> None:
     """Raise `InputError` if the gain of a sensor without calibration is not free."""
     free = {(name.item, name.shot) for name in names if name.key == "gain"}
-    fixed, others = {}, {}
+    fixed, others = dict[str, int](), dict[str, int]()
     for shot, signal in traces:
         ways = {(item, part) for item in ("", signal.name) for part in ("", str(shot + 1))}
         if not signal.calibrated and not free & ways:

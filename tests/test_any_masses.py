@@ -165,7 +165,7 @@ def test_heavy_light_bead_that_turns_round_at_once():
     """Radii of which one bead moves backwards when the crest passes it."""
     for seed in (0, 9, 20):
         chain = hc.Chain.from_radii(np.random.default_rng(seed).uniform(0.5, 2.0, 100))
-        pulse, exact = hc.propagate(chain), exact_pulse(chain)
+        pulse, exact = hc.propagate(chain, rtol=1e-9), exact_pulse(chain)
         assert pulse.compare(exact).worst("velocity", first_bead=1) < 1e-8
 
 

@@ -71,11 +71,16 @@ def masses_of(chain):
     if "masses" in chain.given:
         return np.array(chain.masses)
     if chain.materials is None:
-        return chain.radii**3
-    return np.array([
-        m.density * 4.0 * math.pi * r**3 / 3.0
-        for m, r in zip(chain.materials, chain.radii, strict=True)
-    ])  # fmt: skip
+        masses = chain.radii**3
+    else:
+        masses = np.array([
+            m.density * 4.0 * math.pi * r**3 / 3.0
+            for m, r in zip(chain.materials, chain.radii, strict=True)
+        ])  # fmt: skip
+    for k, striker in enumerate(chain.striker_properties):
+        if striker.mass is not None:
+            masses[k] = striker.mass
+    return masses
 
 
 def hertz(one, other, radius, other_radius):
@@ -99,8 +104,11 @@ def stiffness_of(chain):
     if "stiffness" in chain.given:
         k[1:-1] = chain.stiffness
     else:
+        radii, given = chain.radii.copy(), chain.striker_properties
+        radii[[i for i, striker in enumerate(given) if striker.flat]] = math.inf
         for c in range(1, beads):
-            k[c] = hertz(solid[c - 1], solid[c], chain.radii[c - 1], chain.radii[c])
+            own = given[c - 1].stiffness if c <= len(given) else None
+            k[c] = own or hertz(solid[c - 1], solid[c], radii[c - 1], radii[c])
     for end, wall in ((0, chain.left_wall), (-1, chain.right_wall)):
         if wall is None:
             continue

@@ -7,7 +7,7 @@ for each constant.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -17,11 +17,8 @@ from ..errors import InputError, SimulationError
 from ..representation import short
 from .chain_parameters import ENDS, value_of
 from .names import Name
-from .problem import differences
+from .problem import Problem, differences
 from .weights import remaining_weights
-
-if TYPE_CHECKING:
-    from .result import FitResult
 
 # Relative change of a constant to which results refer, and the step of the difference.
 PER: Final = 0.01
@@ -78,24 +75,37 @@ class FixedConstant:
         return short("FixedConstant", str(self))
 
 
-def fixed_constants(result: FitResult) -> tuple[FixedConstant, ...]:
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """The optimum of a fit: variables, residuals and their derivatives, values and chains."""
+
+    problem: Problem
+    variables: Array
+    jacobian: Array
+    residuals: Array
+    estimates: Array
+    sigmas: Array
+    chains: tuple[Chain, ...]
+
+
+def fixed_constants(optimum: Optimum) -> tuple[FixedConstant, ...]:
     """Moduli, densities and stiffness of walls that are not free, and on which a fit depends."""
-    problem, model = result.problem, result.model
-    weights = remaining_weights(problem, result.residual_vector)
-    change = differences(lambda u: np.array([*model.values(u).values()]), result.variables)
-    response = change @ np.linalg.pinv(weights[:, None] * result.jacobian, rcond=1e-10)
+    model = optimum.problem.model
+    weights = remaining_weights(optimum.problem, optimum.residuals)
+    change = differences(lambda u: np.array([*model.values(u).values()]), optimum.variables)
+    response = change @ np.linalg.pinv(weights[:, None] * optimum.jacobian, rcond=1e-10)
     free = {replace(each, shot="") for each in model.names}
     found = []
-    for name in _constants(result.chain):
+    for name in _constants(optimum.chains[0]):
         if name in free:
             continue
         try:
-            column = _derivative(result, name)
+            column = _derivative(optimum, name)
         except (SimulationError, InputError):
             continue
         if column.any():
             shifts = -PER * (response[:, : len(column)] @ (weights[: len(column)] * column))
-            found.append(_constant(name, shifts, result))
+            found.append(_constant(name, shifts, optimum))
     found = [each for each in found if not _is_in_stiffness(each)]
     return tuple(sorted(found, key=lambda each: -abs(each.in_sigmas[each.moved])))
 
@@ -109,11 +119,12 @@ def _constants(chain: Chain) -> list[Name]:
     return found + [Name(f"{end}.stiffness") for end in ENDS if getattr(chain, end) is not None]
 
 
-def _derivative(result: FitResult, name: Name) -> Array:
+def _derivative(optimum: Optimum, name: Name) -> Array:
     """Derivative of the residuals of the data with respect to the logarithm of a constant."""
-    problem, values = result.problem, result.model.values(result.variables)
+    problem = optimum.problem
+    values = problem.model.values(optimum.variables)
     base, moved = dict(values), dict(values)
-    for shot, chain in enumerate(result.chains, start=1):
+    for shot, chain in enumerate(optimum.chains, start=1):
         own = replace(name, shot=str(shot))
         base[own] = value_of(chain, name)
         moved[own] = (1.0 + STEP) * base[own]
@@ -121,15 +132,17 @@ def _derivative(result: FitResult, name: Name) -> Array:
     return np.where(problem.skipped, 0.0, change)
 
 
-def _constant(name: Name, shifts: Array, result: FitResult) -> FixedConstant:
+def _constant(name: Name, shifts: Array, optimum: Optimum) -> FixedConstant:
     with np.errstate(divide="ignore", invalid="ignore"):
-        in_sigmas = np.where(result.sigmas > 0.0, shifts / result.sigmas, 0.0)
-        relative = np.where(result.estimates != 0.0, shifts / result.estimates, np.nan)
+        in_sigmas = np.where(optimum.sigmas > 0.0, shifts / optimum.sigmas, 0.0)
+        relative = np.where(optimum.estimates != 0.0, shifts / optimum.estimates, np.nan)
+    parameters = optimum.problem.model.parameters
+    names = [str(each) for each in parameters]
     columns = (shifts, in_sigmas, relative)
-    changes = [dict(zip(result.names, each.tolist(), strict=True)) for each in columns]
-    of_chain = [i for i, each in enumerate(result.model.parameters) if each.of_chain]
+    changes = [dict(zip(names, each.tolist(), strict=True)) for each in columns]
+    of_chain = [i for i, each in enumerate(parameters) if each.of_chain]
     moved = max(of_chain or range(len(shifts)), key=lambda i: abs(in_sigmas[i]))
-    return FixedConstant(str(name), result.names[moved], *changes)
+    return FixedConstant(str(name), names[moved], *changes)
 
 
 def _is_in_stiffness(constant: FixedConstant) -> bool:

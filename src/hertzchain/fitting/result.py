@@ -16,6 +16,7 @@ from ..representation import counted, short
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import Progress
+from .constants import FixedConstant, Optimum, fixed_constants
 from .fitted_file import fitted_toml
 from .goodness import NO_ERRORS, Goodness
 from .loss_laws import ONE_LAW
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .constants import FixedConstant
     from .posterior import Posterior
 
 
@@ -178,9 +178,10 @@ class FitResult:
     @cached_property
     def constants(self) -> tuple[FixedConstant, ...]:
         """Moduli, densities and stiffness of walls that are not free, and their influence."""
-        from .constants import fixed_constants
-
-        return fixed_constants(self)
+        return fixed_constants(Optimum(
+            self.problem, self.variables, self.jacobian, self.residual_vector, self.estimates,
+            self.sigmas, self.chains,
+        ))  # fmt: skip
 
     @property
     def prior_deviations(self) -> dict[str, float]:

@@ -432,12 +432,11 @@ STRUCK = {"diameters": "10 mm", "materials": "steel-52100", "beads": 10}
 @pytest.mark.parametrize("velocity", ["-1 m/s", "0 m/s", "1e-300 m/s", "1e300 m/s"])
 def test_impacts_that_cannot_be_simulated_have_the_sentence_of_the_library(velocity, wall):
     document = {"chain": {**STRUCK, "velocity": velocity, **wall}}
-    chain = chain_of(document)
     with (
         warnings.catch_warnings(action="ignore"),
         pytest.raises((hc.InputError, hc.SimulationError)) as error,
     ):
-        hc.simulate(chain, times=0)
+        hc.simulate(chain_of(document), times=0)
     header, _ = computed(document)["error"]
     assert header["message"] == re.sub(",? or until$", "", str(error.value))
 

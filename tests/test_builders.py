@@ -198,7 +198,7 @@ BALLS = Chain.from_materials(5e-3, "brass", beads=3)
         ),
         (lambda: Chain.uniform(3).with_defects({4: 1.0}), "from 1 to 3, got 4"),
         (lambda: Chain.uniform(3).with_defects({2: 0.0}), "radius of bead 2 must be above 0"),
-        (lambda: Chain.uniform(3).with_scatter(1), "a relative scatter or a ball grade"),
+        (lambda: Chain.uniform(3).with_scatter(1), "give either relative, such as 0.01, or grade"),
         (lambda: Chain.uniform(3).with_scatter(1, grade=100), "micrometres"),
         (lambda: BALLS.with_scatter(1, grade=11), "no ball grade 11; choose from 3, 5, 10"),
         (lambda: BALLS.with_scatter(1, relative=0.31), "at least 0 and at most 0.3, got 0.31"),

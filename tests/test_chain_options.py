@@ -95,7 +95,7 @@ def test_simulate_states_the_speed_of_the_impact(run, file):
     [
         (("--loss", "visco=2us"), "did you mean 'viscoelastic'"),
         (("--loss", "viscoelastic=2"), "no unit; write, for example, --loss 'viscoelastic=2 us'"),
-        (("--loss", "restitution"), "missing the argument 'coefficient'"),
+        (("--loss", "restitution"), "requires the value of its coefficient"),
         (("--loss", "restitution=1.1"), "coefficient of restitution must be"),
         (("--loss", "restitution=0.9,foo=2"), "has no argument 'foo'"),
         (("--loss", "elastic=2"), "has no parameters: write --loss elastic"),

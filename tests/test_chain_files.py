@@ -606,16 +606,3 @@ def test_the_text_of_a_chain_file_is_read_like_the_file(tmp_path):
     ):  # fmt: skip
         with pytest.raises(InputError, match=re.escape(message)):
             hc.chain_from_toml(wrong)
-
-
-def test_zero_gaps_are_not_written():
-    balls = hc.Chain.from_materials("6 mm", "brass", beads=3)
-    chain = balls.struck_by(velocity="2 m/s").replace(right_wall=hc.Wall())
-    text = hc.chain_as_toml(chain)
-    assert "gap" not in text
-    assert 'velocity = "2 m/s"' in text
-    assert "right_wall = {}" in text
-    read = hc.chain_from_toml(text)
-    np.testing.assert_array_equal(read.velocities, [2.0, 0.0, 0.0, 0.0])
-    assert read.right_wall == chain.right_wall
-    assert not read.gaps.any()

@@ -53,7 +53,7 @@ def chain_as_toml(chain: Chain) -> str:
     [chain]
     taper = "uniform"
     beads = 2
-    right_wall = {rigid = true}
+    right_wall = {rigid = true, gap = 0.0}
     >>> print(hc.chain_as_toml(hc.Chain.from_materials("4.7 mm", "brass", beads=9, velocity=0.1)))
     [chain]
     diameters = "9.4 mm"
@@ -136,10 +136,7 @@ def _beads_entries(
             {name: value for name, value in _fields(each).items() if value is not False}
             for each in chain.striker_properties
         ]
-    given = [name for name in ARRAYS if name in chain.given]
-    # Beads touch unless gaps are given.
-    given = [name for name in given if name != "gaps" or chain.gaps.any()]
-    entries |= {name: one_for_all(getattr(chain, name)) for name in given}
+    entries |= {name: one_for_all(getattr(chain, name)) for name in ARRAYS if name in chain.given}
     if kinds and "velocities" in chain.given and not chain.velocities[1:].any():
         entries["velocity"] = float(chain.velocities[0])
         del entries["velocities"]
@@ -218,8 +215,7 @@ def _wall_entry(wall: Wall, names: Mapping[Material, str]) -> dict[str, Any]:
         entry["rigid"] = True
     elif wall.material is not None:
         entry["material"] = names[wall.material]
-    if wall.gap > 0.0:
-        entry["gap"] = wall.gap
+    entry["gap"] = wall.gap
     if wall.exponent is not None:
         entry["exponent"] = wall.exponent
     return entry if wall.loss is None else entry | {"loss": _law_entry(wall.loss)}

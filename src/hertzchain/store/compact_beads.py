@@ -55,7 +55,7 @@ def in_usual_units(entries: Mapping[str, Any]) -> dict[str, Any]:
         name, multiple = SIZES.get(key, (key, 1.0))
         sizes = multiple * np.atleast_1d(value) if key in SIZES else np.empty(0)
         if key == "velocity":
-            found[key] = f"{repr(value).removesuffix('.0')} m/s"
+            found[key] = f"{value!r} m/s"
         elif sizes.size and MILLIMETRES[0] <= sizes.min() and sizes.max() <= MILLIMETRES[1]:
             texts = [_in_millimetres(each) for each in sizes.tolist()]
             found[name] = texts if isinstance(value, list) else texts[0]

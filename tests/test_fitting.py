@@ -636,7 +636,7 @@ GOOD = "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 20 - abs(i - 80)}\n" for i 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (HEAD + GOOD[GOOD.index("\n55,") + 1 :], "before the pulse arrives: record at least 20"),
+        (HEAD + GOOD[GOOD.index("\n55,") + 1 :], "record at least 25 samples before the pulse"),
         ("ball 6 [N]\n1\n", "one column of times"),
         ("time [us],ball 6 [m]\n0,1\n1,2\n", "'ball 6' must have a unit such as N"),
         ("time [us],ball 6\n0,1\n1,2\n", "has no unit; write ball 6 [N]"),
@@ -646,7 +646,7 @@ GOOD = "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 20 - abs(i - 80)}\n" for i 
         (HEAD + GOOD + "50,0.1\n", "times must increase"),
         (HEAD + "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 9.0}\n" for i in range(90)),
          "is saturated at 9 N during most of its pulse"),
-        (HEAD + "0,1\n1\n", "line 3 has 1 cell, the header has 2"),
+        (HEAD + "0,1\n1\n", "line 3 has 1 cell, but the header has 2"),
         (HEAD + "0,1\n1,x\n", "column 'ball 6 [N]' is 'x' in line 3"),
         (HEAD + "0,1\n1,1\n", "has no signal"),
         ("time [us],ball 6 [N],ball 6 [kN]\n0,1,1\n1,2,2\n", "two columns of 'ball 6'"),
@@ -746,7 +746,7 @@ def test_priors_and_starts_may_have_units(traces):
         ({"free": ["exponent"], "priors": {"exponent": ("much", 0.1)}}, "number or a percentage"),
         ({"start": {"exponent": 1.4}}, "unknown free parameter 'exponent'"),
         ({"chain": hc.Chain.uniform(20)}, "in scaled variables"),
-        ({"chain": bench(LAW, beads=12)}, "a sensor in ball 16, but the chain has 12 balls"),
+        ({"chain": bench(LAW, beads=12)}, "a sensor in ball 16, but there is no ball 16"),
         ({"chain": bench(LAW).replace(right_wall=None)}, "the right end of the chain is free"),
         ({"starts": 0}, "starts must be a whole number"),
     ],

@@ -705,7 +705,7 @@ def test_differences_of_balls_that_yield_have_the_powers_of_dimensional_analysis
         ({"chain": DENTED, "quantity": "energy.kinetic", "until": 9.0},
          "energy.kinetic has exact derivatives only"),
         ({"progress": 3}, "progress must be a function"),
-        ({"to": "loss.time"}, "no law of its contacts has this parameter"),
+        ({"to": "loss.time"}, "the chain has no loss.time, because no law of its contacts has it"),
         (
             {"chain": hc.Chain.uniform(3).replace(loss=hc.Dashpot(0.0)), "to": "loss.gamma",
              "quantity": "pulse.velocity@3"},

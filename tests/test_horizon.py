@@ -207,8 +207,9 @@ def test_a_run_in_si_units_has_the_same_horizon():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         horizon = real.horizon()
-    # Errors grow from rounding to 1%; a factor of 50 in the first ones is 16% of the time.
-    assert horizon.time == pytest.approx(scales.time * found.time, rel=0.2)
+    # Errors grow from rounding to 1% by a factor of e^25.  A factor of 400 in the first ones, which
+    # differ between processors, is 24% of the time.
+    assert horizon.time == pytest.approx(scales.time * found.time, rel=0.3)
     assert f"until t = {1e6 * horizon.time:.4g} us;" in " ".join(repr(horizon).split())
 
 

@@ -221,7 +221,7 @@ def test_messages_do_not_state_a_time_in_other_units():
 
 def test_other_chains_are_refused():
     chain = hc.Chain.uniform(40).replace(loss=hc.Restitution(0.95))
-    with pytest.raises(hc.InputError, match="does not support masses"):
+    with pytest.raises(hc.InputError, match="does not support strikers"):
         hc.local_rate(chain.struck_by(mass=2.0, radius=1.0))
     with pytest.raises(hc.InputError, match="mixed losses"):
         hc.local_rate(chain.replace(loss=[hc.Restitution(0.9)] + [hc.Restitution(0.95)] * 38))

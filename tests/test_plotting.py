@@ -580,7 +580,7 @@ def test_corner_plots_have_medians_errors_and_a_legend():
     figure = posterior.plot()
     figure.draw_without_rendering()
     titles = [axes.get_title().splitlines() for axes in figure.axes if axes.get_title()]
-    assert [title[0] for title in titles] == ["time_offset", "struck_by.", "gain[wall]"]
+    assert [title[0] for title in titles] == ["time offset", "striker velocity", "gain of wall"]
     for title, values, unit in zip(titles, samples.T * [[1e6], [1.0], [1.0]], ("µs", "m/s", ""),
                                    strict=True):  # fmt: skip
         low, median, high = np.percentile(values, [16.0, 50.0, 84.0])
@@ -1344,7 +1344,8 @@ def test_medians_of_a_narrow_corner_plot_are_listed_above_it():
     assert not any(axes.get_title() for axes in figure.axes)
     (legend,) = figure.legends
     texts = [text.get_text() for text in legend.get_texts()]
-    assert [text.partition(":")[0] for text in texts[2:]] == [*names]
+    words = ["stiffness factor", "loss time", "striker velocity", "time offset"]
+    assert [text.partition(":")[0] for text in texts[2:]] == words
     top = max(axes.bbox.y1 for axes in figure.axes)
     assert legend.get_window_extent().y0 > top
     # All labels are inside the figure.

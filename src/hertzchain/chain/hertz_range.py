@@ -151,7 +151,7 @@ class HertzRange:
         if (ratio := self.yield_ratio[at]) > 1.0:
             others = int(np.count_nonzero(self.yield_ratio > 1.0)) - 1
             exceed = "contact exceeds" if others == 1 else "contacts exceed"
-            besides = f", and {others} more {exceed} this limit" if others else ""
+            besides = f", and {others} more {exceed} it" if others else ""
             digits = 3 if ratio > 1.05 else 5
             cautious = ", which is a cautious limit for polymers" if self.soft[at] else ""
             other = (

@@ -55,7 +55,7 @@ def design(
     file: Path, budget: str | None, method: str | None, seed: int | None, store: Path | None,
     threads: int | None, out: Path | None, dry_run: bool, plot: Path | None, as_json: bool,
 ) -> int:  # fmt: skip
-    """Search for a chain with the smallest or largest value of a quantity.
+    """Search for a chain that minimises or maximises a quantity.
 
     The file is a chain file with a table [design]: the quantity, what may vary, and constraints.
     All trials are written to a folder.  If the search is interrupted, run the same command again

@@ -282,19 +282,11 @@ def compare_traces(
         raise
     error = np.nan if given else offset_error(shot, signals)
     found = TraceComparison(traces, signals, float(time_offset), given, error)
-    outside = sensors_outside(shot, columns, signals)
-    grid = grid - run.times[0]
-    # Columns that are exchanged cause most of the other differences.
-    suspicious = (
-        exchange_notes(shot, columns, spacing)
-        or order_notes(shot, columns, grid)
-        or [
-            *unit_notes(found.sensors, outside),
-            *outside_notes(shot, columns, grid, time_offset, outside),
-            *other_offset_notes(shot, time_offset, other),
-        ]
-    )
-    suspicious += [*of_spikes, *(silent_notes(shot, inside) or unexplained)]
+    suspicious = [
+        *_suspicious(found, columns, grid - run.times[0], other),
+        *of_spikes,
+        *(silent_notes(shot, inside) or unexplained),
+    ]
     for note in suspicious:
         warn_user(note, InputWarning)
     notes = (
@@ -307,6 +299,27 @@ def compare_traces(
         *coupling_notes(traces, [run.chain], gain),
     )
     return replace(found, notes=notes)
+
+
+def _suspicious(
+    found: TraceComparison,
+    columns: Sequence[Array],
+    grid: Array,
+    other: tuple[float, float] | None,
+) -> list[str]:
+    """Sentences on columns that are probably exchanged, or in other units or elsewhere."""
+    (shot,), offset = found.traces.shots, found.time_offset
+    outside = sensors_outside(shot, columns, found.signals)
+    # Columns that are exchanged cause most of the other differences.
+    return (
+        exchange_notes(shot, columns, float(grid[1] - grid[0]))
+        or order_notes(shot, columns, grid)
+        or [
+            *unit_notes(found.sensors, outside),
+            *outside_notes(shot, columns, grid, offset, outside),
+            *other_offset_notes(shot, offset, other),
+        ]
+    )
 
 
 def _gain(run: Run) -> Gain:

@@ -152,7 +152,7 @@ class RunTable(Frozen):
         >>> import hertzchain as hc
         >>> chain = hc.Chain.from_materials(5e-3, "ptfe", beads=9, velocity=0.5)
         >>> (limit,) = hc.simulate_many([chain]).exceeded_limits(0)
-        >>> limit.partition(",")[0]
+        >>> limit.partition(" (")[0]
         'pressure / yield is 2.63 at contact 1'
         """
         index = whole_number("index of a chain", index, least=0, most=len(self) - 1)

@@ -1344,7 +1344,7 @@ def test_medians_of_a_narrow_corner_plot_are_listed_above_it():
     assert not any(axes.get_title() for axes in figure.axes)
     (legend,) = figure.legends
     texts = [text.get_text() for text in legend.get_texts()]
-    words = ["stiffness factor", "loss time", "striker velocity", "time offset"]
+    words = ["stiffness factor", "relaxation time", "striker velocity", "time offset"]
     assert [text.partition(":")[0] for text in texts[2:]] == words
     top = max(axes.bbox.y1 for axes in figure.axes)
     assert legend.get_window_extent().y0 > top

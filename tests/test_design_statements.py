@@ -91,7 +91,7 @@ def test_a_note_of_forces_that_small_differences_may_change(rate, beads, measure
     chain = chain.replace(right_wall=hc.Wall())
     problem = hc.Design(chain, minimise=measure, vary=[hc.vary.radii(0.5, 1.0, beads="2:3")])
     found = problem.evaluate(chain)
-    assert any("small differences" in note for note in found.notes) == noted
+    assert any("sensitive to small changes" in note for note in found.notes) == noted
     if measure != "velocity@3":
         assert hc.simulate(chain).wall_force().sensitive == noted
 

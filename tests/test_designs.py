@@ -313,7 +313,7 @@ def test_if_no_chain_meets_the_constraints_the_sum_of_violations_is_smallest():
         assert not found.met
         assert found.value == pytest.approx(least[1], rel=1e-5)
         first = found.summary().splitlines()[0]
-        assert first.startswith("No chain meets the constraints; the trial that violates them")
+        assert first.startswith("No trial meets the constraints; the one that violates them least")
 
 
 def test_an_impossible_impulse_is_reported_with_its_bound():

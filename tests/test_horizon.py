@@ -198,18 +198,21 @@ def test_a_resumed_run_has_the_horizon_of_the_whole():
 
 
 def test_a_run_in_si_units_has_the_same_horizon():
-    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=15, velocity=0.1).replace(**WALLS)
-    scales = hc.Scales.of(balls)
-    plain = hc.simulate(scales.to_scaled(balls), until=400.0)
-    found = plain.horizon()
-    real = scales.to_si(plain)
-    assert real.known_horizon is None
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        horizon = real.horizon()
-    # Errors grow from rounding to 1% by a factor of e^25.  A factor of 400 in the first ones, which
-    # differ between processors, is 24% of the time.
-    assert horizon.time == pytest.approx(scales.time * found.time, rel=0.3)
+    ratios = []
+    for velocity in (0.05, 0.08, 0.09, 0.1, 0.12, 0.15, 0.2, 0.3):
+        balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=15, velocity=velocity)
+        balls = balls.replace(**WALLS)
+        scales = hc.Scales.of(balls)
+        plain = hc.simulate(scales.to_scaled(balls), until=400.0)
+        real = scales.to_si(plain)
+        assert real.known_horizon is None
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            horizon = real.horizon()
+        ratios.append(horizon.time / (scales.time * plain.horizon().time))
+    # Each horizon depends on the first rounding errors, and differs by up to 25%: that of one
+    # scaled chain is 222 to 291 with changes of the last digits of the velocity.
+    assert np.median(ratios) == pytest.approx(1.0, abs=0.15)
     assert f"until t = {1e6 * horizon.time:.4g} us;" in " ".join(repr(horizon).split())
 
 

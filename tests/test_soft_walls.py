@@ -207,12 +207,13 @@ def test_runs_of_held_chains_end_alike_by_both_methods():
         # The motion is chaotic, so that rounding grows within ten transits.
         largest = run._wall_force("right").largest_so_far
         different.append(abs(table["wall_largest_so_far"][0] / largest - 1.0) > 0.01)
+        assert not different[-1] or table.sensitive[0], seed
         later = abs(table["end_time"][0] - run.end_time) / run._completion[1, 1]
         assert later < 1.0, seed
         others.append(later > 0.3)
     # Where the estimate is close to the peak, the times of the steps decide; seven otherwise.
     assert sum(others) <= 3
-    # Rounding differs between processors: on some, one chain is more chaotic than that.
+    # Rounding differs between processors: on some, one of the 27 sensitive chains differs.
     assert sum(different) <= 1
 
 

@@ -61,6 +61,8 @@ OTHER_STIFFNESS: Final = 2.0
 SMALL_EXCESS: Final = 1.1
 # Young's modulus [Pa] below which a material is a polymer; glass and metals are stiffer.
 POLYMER: Final = 1e10
+# Why the largest pressure over yield may be unknown.
+UNKNOWN_YIELD: Final = "no elastic contact has a known yield strength"
 # Shown with ratios of collisions that were not simulated.
 ESTIMATED: Final = (
     "estimated before a run (to about 10% in smooth chains only);\n"
@@ -81,7 +83,7 @@ class HertzRange:
         Overlap of spheres of the materials under the force of each contact over effective radius.
     yield_ratio : ndarray, shape (N + 1,)
         Largest pressure over the pressure at first yield; NaN if no yield strength of the two
-        materials is known, and 0 if the law of the contact describes yield.
+        materials is known, or if the law of the contact describes yield itself.
     speed_ratio : float
         Largest ratio of the closing speed of two neighbours at time 0 to the slower of their
         sound speeds.
@@ -131,7 +133,7 @@ class HertzRange:
 
     @property
     def largest_yield_ratio(self) -> float:
-        """Largest known ``yield_ratio``; NaN if no yield strength is known."""
+        """Largest known ``yield_ratio``; NaN if none is known."""
         return float(self.yield_ratio[self._most_loaded])
 
     @property
@@ -231,14 +233,14 @@ class HertzRange:
 
     @property
     def _known(self) -> bool:
-        """Whether the yield strength of a contact is known."""
+        """Whether the pressure over yield of a contact is known."""
         return not math.isnan(self.largest_yield_ratio)
 
     @property
     def _pressure(self) -> str:
         """The largest pressure over yield and its contact."""
         if not self._known:
-            return "unknown (no yield strength is known)"
+            return f"unknown ({UNKNOWN_YIELD})"
         return f"{self.largest_yield_ratio:.3g} at contact {self._most_loaded}"
 
     def __repr__(self) -> str:
@@ -393,8 +395,8 @@ def _ratios(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
     d = np.cbrt(0.75 * force / (modulus * np.sqrt(radius))) ** 2
     pressure = 2.0 / math.pi * modulus * np.sqrt(d / radius)
     elastic = np.array([not law.yields for law in chain.contact_losses])
-    strength = np.where(np.isinf(strength), math.nan, strength)
-    return d / radius, np.where(elastic, pressure / (FIRST_YIELD * strength), 0.0)
+    strength = np.where(elastic & np.isfinite(strength), strength, math.nan)
+    return d / radius, pressure / (FIRST_YIELD * strength)
 
 
 def _given(chain: Chain) -> NDArray[np.bool_]:

@@ -46,22 +46,18 @@ def contact_table(run: Run) -> Table:
     from rich import box
     from rich.table import Table
 
-    from .pulse_tables import table_rows
-
     chain = run.chain
     rows = contacts_as_dict(run)["contacts"]
-    shown = table_rows(len(rows), every_bead=False)
     si = chain.units == "SI"
     title = "\n".join([f"{len(rows)} contacts", *map(_described, _materials(chain) if si else ())])
-    note = None if len(shown) == len(rows) else f"{len(shown)} of {len(rows)}; all: --json"
-    table = Table(title=title, caption=note, box=box.SIMPLE_HEAD, title_justify="left")
+    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
     units = (" N/m^p", " um") if si else ("", "")
     for name in (
         "contact", "between", f"stiffness{units[0]}", "exponent p", f"largest overlap{units[1]}",
         "pressure / yield",
     ):  # fmt: skip
         table.add_column(name, justify="left" if name == "between" else "right", no_wrap=True)
-    for row in (rows[i] for i in shown):
+    for row in rows:
         ratio = row["pressure_over_yield"]
         table.add_row(
             str(row["contact"]),

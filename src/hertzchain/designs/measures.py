@@ -192,16 +192,16 @@ class Measure:
             )
         if self.key in RANGE and (chain.units != "SI" or chain.materials is None):
             raise InputError(f"{self} needs a chain with materials; use Chain.from_materials")
-        if self.key == "yield_ratio" and np.isnan(hertz_range(chain).largest_yield_ratio):
-            raise InputError(
-                "yield_ratio is unknown, because no material of this chain has a yield strength; "
-                "omit it, or define materials with yield_strength"
-            )
         if self.key == "yield_ratio" and _all_yield(chain):
             raise InputError(
                 "yield_ratio is the pressure of elastic contacts over that at first yield, and all "
                 "contacts of this chain have a law with yield (ElasticPlastic): omit yield_ratio, "
                 "or the loss"
+            )
+        if self.key == "yield_ratio" and np.isnan(hertz_range(chain).largest_yield_ratio):
+            raise InputError(
+                "yield_ratio is unknown, because no material of this chain has a yield strength; "
+                "omit it, or define materials with yield_strength"
             )
 
     def from_table(self, table: RunTable) -> Array:

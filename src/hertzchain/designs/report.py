@@ -143,7 +143,7 @@ def _heading(result: DesignResult) -> list[str]:
     if not result.met:
         name = "score" if single is None else str(single)
         article = "an" if name[0] in "aeiou" else "a"
-        first = ("No chain meets the constraints; the trial that violates them least has "
+        first = ("No trial meets the constraints; the one that violates them least has "
                  f"{article} {name} of {value.strip()}")  # fmt: skip
     lines = [first, f"  verified: the integration was repeated at rtol {found.rtol:g}"
              f"{_range_in_words(result)}"]  # fmt: skip

@@ -17,6 +17,7 @@ from ..representation import measure as shown
 from ..simulation.run_table import RunTable
 from ..simulation.simulate import simulate
 from ..simulation.simulate_many import simulate_many
+from ..simulation.wall_force import sensitive_in_words
 from ..simulation.yielding import dented_chain, yields
 from .exact_gradients import value_in_whole_run
 from .measured import measured
@@ -41,11 +42,6 @@ SAME: Final = 1e-6
 # Measures at the first maximum of a velocity; saved times; relative difference that is reported.
 PER_VELOCITY: Final = ("velocity", "momentum", "energy", "energy_share", "momentum_share")
 TIMES, LATER, MAX_CHECKED = 2000, 0.01, 10
-SENSITIVE: Final = (
-    "the largest force on the wall is not in the first contact, and small differences, such as "
-    "another tolerance of the simulation, may change it: hc.simulate(result.chain).horizon() shows "
-    "how long the motion is predictable"
-)
 # Fresh samples of a scatter.
 FRESH: Final = 400
 
@@ -105,7 +101,7 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     if not table.reasons and walled and problem.until is None:
         notes += _later_peak(chain, table["wall_peak_force"][0], float(table["end_time"][0]))
     if table.sensitive[0] and any(m.key.startswith("wall_force") for m in measures):
-        notes.append(SENSITIVE)
+        notes.append(sensitive_in_words("hc.simulate(result.chain)", " on the wall"))
     notes += _later_motion(problem, chain, values)
     notes += _later_force(problem, chain, values, float(table["end_time"][0]))
     limits = None

@@ -161,10 +161,7 @@ def _effects(result: FitResult, refit: Refit) -> Iterator[Cause]:
                 columns[name] = derivative(result.problem, values, name, result.residual_vector)
         block = np.column_stack([columns[name] for name in names])
         gained.append(_explained(result, block, inverse) / excess)
-    # A common parameter and one of either of two shots explain the same.
-    order = sorted(
-        range(len(groups)), key=lambda i: (gained[i] < MOST, len(groups[i]), -round(gained[i], 4))
-    )
+    order = sorted(range(len(groups)), key=lambda i: (gained[i] < MOST, len(groups[i]), -gained[i]))
     for i in [i for i in order if gained[i] > PROMISING][:MAX_TRIED]:
         cause = _tried(result, groups[i], refit)
         if cause is not None:

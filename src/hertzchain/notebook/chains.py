@@ -8,7 +8,13 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.description import strikers_in_words
-from ..chain.hertz_range import ESTIMATED, MAX_OVERLAP_RATIO, MAX_SPEED_RATIO, HertzRange
+from ..chain.hertz_range import (
+    ESTIMATED,
+    MAX_OVERLAP_RATIO,
+    MAX_SPEED_RATIO,
+    UNKNOWN_YIELD,
+    HertzRange,
+)  # fmt: skip
 from ..chain.materials import RIGID, Material
 from ..chain.scales import Scales
 from ..chain.walls import Wall
@@ -185,7 +191,7 @@ def hertz_range_html(found: HertzRange) -> str:
     cells = [
         [name, f"{value:.3g}", place, f"{limit:g}", "exceeded" if value > limit else "within"]
         if value == value
-        else [name, "unknown", "-", f"{limit:g}", "no yield strength is known"]
+        else [name, "unknown", "-", f"{limit:g}", UNKNOWN_YIELD]
         for name, value, place, limit in rows
     ]
     sentences = [*found.violations, *([ESTIMATED] if found.estimated else [])]

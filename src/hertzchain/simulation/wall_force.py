@@ -24,10 +24,14 @@ SIDES: Final[tuple[Side, ...]] = ("left", "right")
 NEGLIGIBLE: Final = 1e-6
 # Relative excess of a sufficient time, which messages round.
 MARGIN: Final = 0.02
-SENSITIVE: Final = (
-    "the largest force occurs after the first contact and is sensitive to small changes, such as "
-    "another tolerance: check with run.horizon()"
-)
+
+
+def sensitive_in_words(run: str, place: str = "") -> str:
+    """The meaning of a sensitive peak, and how to check it with a run."""
+    return (
+        f"the largest force{place} occurs after the first contact and is sensitive to small "
+        f"changes, such as another tolerance: check with {run}.horizon()"
+    )
 
 
 @checked_methods
@@ -141,7 +145,7 @@ class WallForce:
     @property
     def _caution(self) -> str:
         """Statement about the predictability of the largest force; empty if there is none."""
-        return SENSITIVE if self.sensitive else ""
+        return sensitive_in_words("run") if self.sensitive else ""
 
     def __repr__(self) -> str:
         def at(force: float, time: float) -> str:

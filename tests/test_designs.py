@@ -1299,7 +1299,7 @@ def test_a_design_without_a_trial_that_meets_the_constraints_is_drawn():
     texts = [text.get_text() for axes in result.plot().axes for text in axes.texts]
     assert "no trial met the constraints" in texts
     heading = result.summary().splitlines()[0]
-    assert "the trial that violates them least has a wall_force.peak of " in heading
+    assert "the one that violates them least has a wall_force.peak of " in heading
 
 
 @pytest.mark.parametrize("seed", [0, 1])

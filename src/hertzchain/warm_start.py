@@ -17,7 +17,7 @@ from .chain.laws.dashpot import Dashpot
 from .chain.laws.velocity_power import VelocityPower
 from .chain.laws.walton_braun import WaltonBraun
 from .chain.walls import Wall
-from .derivatives.gradient import gradients
+from .derivatives.gradient import gradient
 from .errors import SimulationError
 from .propagation.propagate import propagate, propagate_many
 from .simulation.simulate import simulate
@@ -64,7 +64,11 @@ def _fixed_steps(chain: Chain) -> object:
 
 
 def _gradients(chain: Chain) -> object:
-    return gradients(chain.replace(right_wall=Wall()), ["wall_force.peak", "pulse.velocity@3"])
+    walled = chain.replace(right_wall=Wall())
+    lossy = walled.replace(loss=Dashpot(0.1))
+    return gradient(chain, "pulse.velocity@3"), [
+        gradient(each, "wall_force.peak") for each in (walled, lossy)
+    ]
 
 
 # Functions that a page or a notebook needs first, in this order.

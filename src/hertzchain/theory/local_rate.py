@@ -166,6 +166,9 @@ def velocity_errors(radii: Array, exponent: float) -> Array | None:
     functions, of, beads = universal_functions(exponent), powers(exponent), len(radii)
     by_bead, by_contact = np.empty((3, beads)), np.empty((2, beads - 1))
     wanted = of["residence"], of["peak_overlap"]
+    # The kernel is compiled for the radii of chains, which cannot be changed.
+    radii = radii.view()
+    radii.setflags(write=False)
     largest, _ = kernel.pulse(
         radii, functions.arrays, functions.error, *wanted, by_bead, by_contact
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
-from ..chain.hertz_range import hertz_range
+from ..chain.hertz_range import MAX_OVERLAP_RATIO, MAX_SPEED_RATIO, HertzRange, hertz_range
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, SimulationError, warn_user
 from ..frozen import Frozen
@@ -293,7 +293,7 @@ def distribution(
 
 
 def _outside_range(chains: Sequence[Chain], table: RunTable | None) -> int:
-    """Number of random chains outside the range of Hertz's law; warns once if there are any.
+    """Number of random chains outside the range of Hertz's law; warns of the worst one.
 
     Without a table of the runs, overlaps are those of isolated collisions.
     """
@@ -301,16 +301,23 @@ def _outside_range(chains: Sequence[Chain], table: RunTable | None) -> int:
         return 0
     exceeded = {}
     for i, chain in enumerate(chains):
-        found = hertz_range(chain).violations if table is None else table.exceeded_limits(i)
-        if found:
-            exceeded[i] = found[0]
+        found = hertz_range(chain) if table is None else table._hertz_range(i)
+        if found is not None and found.violations:
+            exceeded[i] = found
     outside = len(exceeded) - (0 in exceeded)
     if exceeded:
-        first = min(exceeded)
-        which = f"random chain {first}" if first else "the chain without deviations"
+        worst = max(exceeded, key=lambda i: _excess(exceeded[i]))
+        which = f"random chain {worst}" if worst else "the chain without deviations"
         warn_user(
             f"{outside} of {len(chains) - 1} random chains exceed the limits of Hertz's law; in "
-            f"{which}, {exceeded[first]}",
+            f"the worst, {which}, {exceeded[worst].violations[0]}",
             ModelRangeWarning,
         )
     return outside
+
+
+def _excess(found: HertzRange) -> tuple[float, ...]:
+    """Factors by which the limits of Hertz's law are exceeded, in the order of `violations`."""
+    overlap = found.overlap_ratio.max() / MAX_OVERLAP_RATIO
+    ratios = found.largest_yield_ratio, overlap, found.speed_ratio / MAX_SPEED_RATIO
+    return tuple(np.fmax(ratios, 1.0).tolist())

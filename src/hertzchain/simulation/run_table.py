@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..chain.chain import Chain
-from ..chain.hertz_range import hertz_range
+from ..chain.hertz_range import HertzRange, hertz_range
 from ..collision import Array
 from ..frozen import Frozen
 from ..pulse.quantities import WALL_QUANTITIES
@@ -156,10 +156,15 @@ class RunTable(Frozen):
         'pressure / yield is 2.63 at contact 1'
         """
         index = whole_number("index of a chain", index, least=0, most=len(self) - 1)
+        found = self._hertz_range(index)
+        return () if found is None else found.violations
+
+    def _hertz_range(self, index: int) -> HertzRange | None:
+        """Comparison of a chain with the limits of Hertz's law; `None` if there is none."""
         chain = self.chains[index]
         if chain is None or index in self.reasons or chain.materials is None:
-            return ()
-        return hertz_range(chain, self._overlaps[index, : chain.beads + 1]).violations
+            return None
+        return hertz_range(chain, self._overlaps[index, : chain.beads + 1])
 
     @property
     def _peak_note(self) -> str:

@@ -618,6 +618,71 @@ def test_both_chains_have_sensors_and_values_at_the_same_balls(page):
     assert "sensor in bead 5 (ball 3)" in tab.text_content("#legend-force")
 
 
+HAMMER = """
+[chain]
+diameters = "8 mm"
+materials = "steel-52100"
+beads = 8
+right_wall = {material = "steel-52100"}
+[[chain.struck_by]]
+velocity = "0.5 m/s"
+mass = "50 g"
+radius = inf
+"""
+
+
+def test_a_hammer_is_a_plate_with_one_velocity(page, tmp_path):
+    path = tmp_path / "hammer.toml"
+    path.write_text(HAMMER.partition("[[")[0])
+    open_file(page, path)
+    assert page.tab.locator("[id='c-chain.velocity']").count() == 1
+    path.write_text(HAMMER)
+    open_file(page, path)
+    # The velocity of the impact is that of the striker.
+    assert page.tab.locator("[id='c-chain.velocity']").count() == 0
+    (x, y, r), (_, _, ball) = (page.tab.evaluate(f"hertzchain.placeOf('A', {k})") for k in (1, 2))
+    assert r == pytest.approx(0.25 * ball)
+    page.tab.keyboard.press("ArrowUp")
+    assert page.document()["chain"]["struck_by"][0]["mass"] == "50 g"
+    # A drag changes no radius.
+    page.tab.mouse.move(x, y)
+    page.tab.mouse.down()
+    page.tab.mouse.move(x, y - 2 * ball, steps=3)
+    page.tab.mouse.up()
+    page.settle()
+    assert np.array_equal(page.array("beads", "radii"), [np.inf] + 8 * [4e-3])
+    # A disc of this width would not cover its corner.
+    left, top = (page.tab.locator("#stage-A").bounding_box()[name] for name in ("x", "y"))
+    plate, outside = page.tab.evaluate(
+        """(places) => {
+          const canvas = document.getElementById("stage-A"), { width, height } = canvas;
+          const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+          const dense = width / canvas.clientWidth;
+          return places.map(([x, y]) => {
+            const at = 4 * (Math.round(y * dense) * width + Math.round(x * dense));
+            return [...data.slice(at, at + 4)];
+          });
+        }""",
+        [[x - left + 0.5 * r, y - top - 0.8 * ball], [x - left - r - 6, y - top - 0.8 * ball]],
+    )
+    assert plate != outside
+
+
+def test_the_forces_have_the_width_of_the_page_if_they_are_the_last_of_three(page, tmp_path):
+    path = tmp_path / "hammer.toml"
+    path.write_text(HAMMER)
+    hc.save_page(hc.load_chain(path), tmp_path / "hammer.html")
+    tab = page.tab = page.new_tab(f"file://{tmp_path}/hammer.html")
+    boxes = {
+        name: tab.locator(f"section:has(#{name})").bounding_box() for name in ("h-force", "h-map")
+    }
+    assert boxes["h-force"]["width"] == pytest.approx(boxes["h-map"]["width"], abs=1.0)
+    # Nothing can be chosen in a saved page.
+    warning = tab.inner_text("#warnings-count")
+    assert warning.startswith("Pressure / yield is ")
+    assert "choose" not in warning
+
+
 def test_a_saved_page_has_no_empty_panel_and_no_hint_about_changes(page, tmp_path):
     chain = hc.Chain.uniform(12)
     hc.save_page(chain, tmp_path / "free.html")

@@ -933,3 +933,14 @@ def test_the_command_prints_the_address_and_stops(tmp_path):
         process.send_signal(signal.SIGINT)
         assert process.wait(20) == 0
         assert "stopped" in process.stderr.read()
+
+
+def test_a_flat_striker_is_drawn_as_a_plate_without_a_radius():
+    hammer = {"mass": "50 g", "radius": math.inf, "material": "brass", "velocity": "0.1 m/s"}
+    row = {"diameters": "8 mm", "materials": "steel-52100", "beads": 3}
+    header, arrays = computed({"chain": row | {"struck_by": [hammer]}})["beads"]
+    assert arrays["radii"].tolist() == [math.inf, 4e-3, 4e-3, 4e-3]
+    assert np.allclose(arrays["widths"], [1e-3, 4e-3, 4e-3, 4e-3])
+    assert np.allclose(arrays["heights"], 4e-3)
+    assert np.allclose(arrays["centres"], [1e-3, 6e-3, 14e-3, 22e-3])
+    assert header["kinds"] == [["brass", "flat"], ["steel-52100", "8 mm"]]

@@ -10,12 +10,14 @@ from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
 import hertzchain as hc
+from hertzchain.chain.drawn_bodies import body_centres
 from hertzchain.designs.distribution import Distribution
 from hertzchain.plotting import animation
 from hertzchain.plotting.animation import animate
 from hertzchain.plotting.budget import plot_budget
-from hertzchain.plotting.chains import bead_centres, plot_chain
+from hertzchain.plotting.chains import plot_chain
 from hertzchain.plotting.colours import COLOURS, signed_map
+from hertzchain.plotting.design_beads import plot_beads
 from hertzchain.plotting.fits import plot_correlations
 from hertzchain.plotting.runs import (
     force_curve,
@@ -102,9 +104,70 @@ def test_the_stack_ends_at_what_was_given(run, of):
 
 def test_the_chain_is_to_scale():
     chain = hc.Chain.from_radii([2.0, 1.0, 3.0])
-    np.testing.assert_allclose(bead_centres(chain), [1.0, 2.5, 4.5])
+    np.testing.assert_allclose(body_centres(chain), [1.0, 2.5, 4.5])
     radii = [patch.vertices[:, 0].max() for patch in plot_chain(chain).collections[0].get_paths()]
-    assert len(radii) == 3
+    np.testing.assert_allclose(radii, [1.0, 0.5, 1.5])
+
+
+def hammered(beads=4):
+    """A flat hammer of 50 g, which as a steel ball would have a diameter of 23.1 mm."""
+    row = hc.Chain.from_materials("4 mm", "steel-52100", beads=beads, right_wall=hc.Wall())
+    return row.struck_by(velocity="0.1 m/s", mass="50 g", radius=np.inf)
+
+
+def test_a_flat_striker_is_a_plate_of_the_height_of_the_balls():
+    axes = plot_chain(hammered())
+    plate, *balls = axes.collections[0].get_paths()
+    assert len(plate.vertices) == 5
+    np.testing.assert_allclose(np.ptp(plate.vertices, axis=0), [2.0, 8.0])
+    assert all(len(ball.vertices) > 20 for ball in balls)
+    # The chain ends behind the plate of 2 mm and four balls of 8 mm, at the wall.
+    np.testing.assert_allclose(
+        axes.collections[0].get_offsets()[:, 0], [1.0, 6.0, 14.0, 22.0, 30.0]
+    )
+    wall = axes.collections[1].get_paths()[0].vertices
+    assert wall[:, 0].min() == pytest.approx(34.0)
+    low, high = axes.get_xlim()
+    assert high - low < 34.0 + 2.0 * 4.0
+
+
+def test_bodies_are_drawn_at_their_places():
+    axes = plot_chain(hammered())
+    axes.figure.canvas.draw()
+    pixels = np.asarray(axes.figure.canvas.buffer_rgba())[:, :, :3].astype(int)
+
+    def colour_at(x, y):
+        column, row = axes.transData.transform((x, y))
+        return pixels[pixels.shape[0] - 1 - round(row), round(column)].tolist()
+
+    steel, white = colour_at(6.0, 0.0), [255, 255, 255]
+    assert steel != white
+    # The plate has corners where a ball has none, and nothing is left of it.
+    assert colour_at(0.3, 3.7) == colour_at(1.0, 0.0) == colour_at(30.0, 0.0) == steel
+    assert colour_at(2.3, 3.7) == colour_at(-0.4, 0.0) == white
+
+
+@pytest.mark.parametrize("width", ["single column", "double column"])
+def test_diameters_of_designs_leave_out_flat_strikers(width):
+    balls = hc.vary.balls(materials=["steel-52100"], diameters=["6 mm", "8 mm"])
+    problem = hc.Design(hammered(), minimise="wall_force.peak", vary=[balls])
+    found = hc.design(problem, budget=20)
+    with hc.figure_style(width):
+        axes = plot_beads(found)
+    texts = [text.get_text() for text in axes.findobj(plt.Text)]
+    assert "flat" in texts
+    assert not any("23." in text for text in texts)
+    axes.figure.canvas.draw()
+    # Five bodies of at most 8 mm.
+    assert axes.dataLim.x1 < 2.0 + 4 * 8.0 + 1.0
+
+
+def test_the_notebook_draws_flat_strikers_as_plates():
+    html = hammered()._repr_html_()
+    assert html.count("<circle") == 4
+    # The wall is the other rectangle.
+    assert html.count("<rect") == 2
+    assert "11.5" not in html
 
 
 @pytest.mark.parametrize(

@@ -113,7 +113,7 @@ def _csv(given: Mapping[str, Any], stop: Stop) -> Export:
     pulses, _ = _pulses(chain, stop)
     unit = {each: f" [{QUANTITIES[each].unit}]" if not chain.scaled else "" for each in QUANTITIES}
     head = ["bead", "radius [m]" if not chain.scaled else "radius"]
-    columns: list[Any] = [range(1, chain.beads + 1), chain.radii]
+    columns: list[Any] = [range(1, chain.beads + 1), chain.face_radii]
     for name, pulse in pulses.items():
         for quantity, values in pulse.columns().items():
             head.append(f"{quantity} ({name}){unit[quantity]}")

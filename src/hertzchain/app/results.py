@@ -11,6 +11,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.description import sizes_in_words
+from ..chain.drawn_bodies import body_centres, half_heights, half_widths
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..errors import InputError, SimulationError
@@ -120,9 +121,15 @@ def _description(chain: Chain) -> dict[str, Any]:
         "features": list(chain.features), "strikers": chain.strikers,
         "exponent": p if isinstance(p, float) else None,
         "walls": [name.removesuffix(" wall") for name in walls if name in chain.features],
-        "kinds": [[name, sizes_in_words(chain.radii[beads])]
-                  for name, beads in _kinds(chain).items()],
+        "kinds": [[name, _sizes(chain, beads)] for name, beads in _kinds(chain).items()],
     }  # fmt: skip
+
+
+def _sizes(chain: Chain, beads: list[int]) -> str:
+    """Diameters of some beads in words; flat strikers have none."""
+    faces = chain.face_radii[beads]
+    known = faces[np.isfinite(faces)]
+    return sizes_in_words(known) if len(known) else "flat"
 
 
 def _kinds(chain: Chain) -> dict[str, list[int]]:
@@ -134,11 +141,11 @@ def _kinds(chain: Chain) -> dict[str, list[int]]:
 
 
 def _bead_arrays(chain: Chain) -> dict[str, Array]:
-    centres = np.cumsum(np.concatenate(([chain.radii[0]], chain.centre_distances)))
     kinds = np.zeros(chain.beads, np.int16)
     for number, beads in enumerate(_kinds(chain).values()):
         kinds[beads] = number
-    return {"radii": chain.radii, "masses": chain.masses, "centres": centres,
+    return {"radii": chain.face_radii, "masses": chain.masses, "centres": body_centres(chain),
+            "widths": half_widths(chain), "heights": half_heights(chain),
             "start": chain.velocities, "kinds": kinds}  # fmt: skip
 
 

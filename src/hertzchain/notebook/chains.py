@@ -8,6 +8,13 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.description import strikers_in_words
+from ..chain.drawn_bodies import (
+    body_centres,
+    flat_bodies,
+    half_heights,
+    half_widths,
+    known_radii,
+)  # fmt: skip
 from ..chain.hertz_range import (
     ESTIMATED,
     MAX_OVERLAP_RATIO,
@@ -51,7 +58,7 @@ def _numbers(chain: Chain) -> dict[str, str]:
             ends.append(engineering(high, unit, units))
         return " .. ".join(ends)
 
-    found = {"beads": _count(chain), "radii": range_of(chain.radii, "m"),
+    found = {"beads": _count(chain), "radii": range_of(known_radii(chain), "m"),
              "total mass": engineering(1e3 * chain.masses.sum(), "g") if units == "SI"
              else f"{chain.masses.sum():.4g}"}  # fmt: skip
     if chain.taper is not None:
@@ -84,19 +91,18 @@ def _count(chain: Chain) -> str:
 
 def _drawing(chain: Chain) -> str:
     """Beads, strikers in outline, and walls; to scale."""
-    apart = np.concatenate(([0.0], np.cumsum(chain.centre_distances)))
-    length = apart[-1] + chain.radii[0] + chain.radii[-1]
-    scale = min((WIDTH - 2.0 * MARGIN) / length, 0.5 * MAX_HEIGHT / chain.radii.max())
+    places, widths, heights = body_centres(chain), half_widths(chain), half_heights(chain)
+    length, largest = places[-1] + widths[-1], float(heights.max())
+    scale = min((WIDTH - 2.0 * MARGIN) / length, 0.5 * MAX_HEIGHT / largest)
     # A long chain would be too thin to see, so its thickness is not to scale.
-    thick = max(scale, 5.0 / chain.radii.max())
-    height = max(2.0 * thick * float(chain.radii.max()), 20.0) + 8.0
+    thick = max(scale, 5.0 / largest)
+    height = max(2.0 * thick * largest, 20.0) + 8.0
     begin = 0.5 * (WIDTH - scale * length)
-    centres, middle = begin + scale * (chain.radii[0] + apart), 0.5 * height
-    radii = scale * chain.radii
+    centres, middle = begin + scale * places, 0.5 * height
     if chain.beads <= MAX_CIRCLES:
-        content = _circles(chain, centres, radii, middle)
+        content = _shapes(chain, centres, (scale * widths, scale * heights), middle)
     else:
-        content = _outline(centres, thick * chain.radii, middle)
+        content = _outline(centres, thick * heights, middle)
     for wall, at, outwards in (
         (chain.left_wall, begin, -1.0), (chain.right_wall, begin + scale * length, 1.0),
     ):  # fmt: skip
@@ -110,17 +116,19 @@ def _drawing(chain: Chain) -> str:
     return svg(content, height, f"the beads of the chain: {chain.description}")
 
 
-def _circles(chain: Chain, centres: Array, radii: Array, middle: float) -> str:
+def _shapes(chain: Chain, centres: Array, sizes: tuple[Array, Array], middle: float) -> str:
+    """Circles, and plates for flat strikers; strikers in outline."""
     kinds = [*dict.fromkeys(chain.materials or (None,))]
     colours = {kind: COLOURS[i % len(COLOURS)] for i, kind in enumerate(kinds)}
     found = []
-    for k, (x, r) in enumerate(zip(centres, radii, strict=True)):
+    flat = flat_bodies(chain)
+    for k, (x, r, h) in enumerate(zip(centres, *sizes, strict=True)):
         colour = colours[chain.materials[k] if chain.materials else None]
         fill = "none" if k < chain.strikers else colour
-        found.append(
-            f'<circle cx="{x:.1f}" cy="{middle:.1f}" r="{max(r - 0.4, 0.4):.2f}" fill="{fill}" '
-            f'fill-opacity="0.55" stroke="{colour}"/>'
-        )
+        style = f'fill="{fill}" fill-opacity="0.55" stroke="{colour}"/>'
+        plate = f'x="{x - r:.1f}" y="{middle - h:.1f}" width="{2 * r:.2f}" height="{2 * h:.2f}"'
+        circle = f'cx="{x:.1f}" cy="{middle:.1f}" r="{max(r - 0.4, 0.4):.2f}"'
+        found.append(f"<rect {plate} {style}" if flat[k] else f"<circle {circle} {style}")
     return "".join(found)
 
 

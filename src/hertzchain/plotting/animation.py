@@ -14,10 +14,11 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.animation import FFMpegWriter
 from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection
+from matplotlib.collections import PatchCollection
 from matplotlib.patches import Rectangle
 
 from ..chain.chain import Chain
+from ..chain.drawn_bodies import half_heights, half_widths
 from ..collision import Array
 from ..errors import InputError
 from ..simulation.budget import overlaps_of
@@ -26,6 +27,7 @@ from ..store.writing import write_bytes
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback, check_type, file_path
+from .chains import body_collection
 from .colours import grey
 from .runs import check_times, wall_curve
 from .style import figure_style, set_title, time_axis
@@ -170,12 +172,12 @@ def _pictures(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]
 def _magnification(run: Run) -> float:
     """Factor that makes motion visible without overlaps that look impossible."""
     chain = run.chain
-    radii = np.pad(chain.radii, 1, constant_values=np.inf)
+    radii = np.pad(half_heights(chain), 1, constant_values=np.inf)
     overlaps = _overlaps(run)
     moved = float(np.abs(run.positions - run.positions[0]).max())
     largest = max(moved, float(_gaps(chain).max()), np.finfo(float).tiny)
     deepest = np.max(overlaps.max(axis=0) / np.minimum(radii[:-1], radii[1:]), initial=0.0)
-    visible = MOTION * float(chain.radii.mean()) / largest
+    visible = MOTION * float(half_heights(chain).mean()) / largest
     return min(visible, MAX_OVERLAP / deepest) if deepest > 0.0 else visible
 
 
@@ -193,8 +195,8 @@ def _gaps(chain: Chain) -> Array:
 
 def _centres(run: Run, factor: float) -> Array:
     """Centres of the beads at all times, if lengths other than radii are magnified."""
-    radii = run.chain.radii
-    touching = np.cumsum(radii) + np.concatenate(([0.0], np.cumsum(radii[:-1])))
+    widths = half_widths(run.chain)
+    touching = np.cumsum(widths) + np.concatenate(([0.0], np.cumsum(widths[:-1])))
     apart = np.concatenate(([0.0], np.cumsum(run.chain.gaps)))
     return np.asarray(touching + factor * (apart + run.positions))
 
@@ -208,7 +210,7 @@ def _left_edge(run: Run, factor: float) -> Array:
 
 def _right_edge(run: Run, factor: float) -> float:
     """Position of the right wall."""
-    return float(2.0 * run.chain.radii.sum() + factor * _gaps(run.chain)[1:].sum())
+    return float(2.0 * half_widths(run.chain).sum() + factor * _gaps(run.chain)[1:].sum())
 
 
 def _scales(run: Run, factor: float) -> str:
@@ -225,19 +227,15 @@ def _scales(run: Run, factor: float) -> str:
 
 def _draw_beads(
     axes: Axes, run: Run, centres: Array, factor: float
-) -> tuple[EllipseCollection, Rectangle | None]:
+) -> tuple[PatchCollection, Rectangle | None]:
     """Draw the beads, and the walls in front of them; returns the beads and the left wall."""
-    chain, radii = run.chain, run.chain.radii
+    chain, widths = run.chain, half_widths(run.chain)
     fastest = float(np.abs(run.velocities).max())
-    beads = EllipseCollection(
-        2 * radii, 2 * radii, np.zeros(chain.beads), units="xy", cmap=COLOURS,
-        offsets=np.column_stack([centres[0], 0.0 * centres[0]]), offset_transform=axes.transData,
-        edgecolor="black", linewidth=0.4,
-    )  # fmt: skip
+    places = np.column_stack([centres[0], 0.0 * centres[0]])
+    beads = body_collection(chain, 1.0, places, axes, cmap=COLOURS)
     beads.set_clim(-fastest, fastest)
-    axes.add_collection(beads)
-    largest = float(radii.max())
-    ends = [float((centres - radii).min()), float((centres + radii).max())]
+    largest = float(half_heights(chain).max())
+    ends = [float((centres - widths).min()), float((centres + widths).max())]
     left_wall = None
     if chain.left_wall is not None:
         edge = _left_edge(run, factor)

@@ -10,9 +10,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
-from matplotlib.patches import Circle, Patch
+from matplotlib.patches import Circle, Patch, Rectangle
+from matplotlib.transforms import AffineDeltaTransform
 
 from ..chain.chain import Chain
+from ..chain.drawn_bodies import body_centres, flat_bodies, half_heights, half_widths
 from ..chain.feature_support import require_chain
 from ..collision import Array
 from ..validation.keywords import checked_arguments
@@ -41,6 +43,7 @@ LABELS, TITLE, MAX_HEIGHT = 0.55, 0.3, 2.5
 def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     """Draw a chain to scale: beads, gaps and walls; an arrow marks strikers.
 
+    A flat striker is a plate, which is not to scale because its size is not known.
     Each material has the same colour in every figure; a legend names them if there are several.
 
     Parameters
@@ -59,16 +62,15 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     """
     require_chain("plot_chain", chain, beads=1)
     factor, unit = _unit_of_length(chain)
-    radii = factor * chain.radii
-    centres = bead_centres(chain) * factor
+    low, high = factor * np.array(ends_of(chain))
+    largest = factor * half_heights(chain).max()
     with figure_style():
-        low, high = centres[0] - radii[0], centres[-1] + radii[-1]
-        tall = 1.15 * radii.max()
-        axes = get_axes(ax) if ax is not None else _own_axes(chain, (high - low) / radii.max())
+        tall = 1.15 * largest
+        axes = get_axes(ax) if ax is not None else _own_axes(chain, (high - low) / largest)
         draw_beads(chain, factor, axes)
         draw_walls(chain, factor, tall, axes)
         axes.set_aspect("equal")
-        axes.set_xlim(low - 0.7 * radii.max(), high + 0.7 * radii.max())
+        axes.set_xlim(low - 0.7 * largest, high + 0.7 * largest)
         axes.set_ylim(-tall, tall)
         mark_strikers(chain, factor, axes)
         axes.set_xlabel(f"position [{unit}]")
@@ -103,10 +105,8 @@ def mark_strikers(chain: Chain, factor: float, axes: Axes) -> None:
     """Mark strikers by an arrow above them, of their length, with more room at the top."""
     if not chain.strikers:
         return
-    largest = factor * chain.radii.max()
-    centres, last = factor * bead_centres(chain), chain.strikers - 1
-    begin = centres[0] - factor * chain.radii[0]
-    end = centres[last] + factor * chain.radii[last]
+    largest, last = factor * half_heights(chain).max(), chain.strikers - 1
+    begin, end = 0.0, factor * (body_centres(chain) + half_widths(chain))[last]
     height = 1.3 * largest
     axes.annotate("", (end, height), (begin, height),
                   arrowprops={"arrowstyle": "-|>", "color": COLOURS[2], "shrinkA": 0.0,
@@ -120,8 +120,8 @@ def mark_strikers(chain: Chain, factor: float, axes: Axes) -> None:
 
 def draw_walls(chain: Chain, factor: float, tall: float, axes: Axes) -> None:
     """Draw the walls of a chain; their thickness is half the radius of the largest bead."""
-    low, high = factor * np.array([0.0, bead_centres(chain)[-1] + chain.radii[-1]])
-    thick = 0.5 * factor * chain.radii.max()
+    low, high = factor * np.array(ends_of(chain))
+    thick = 0.5 * factor * half_heights(chain).max()
     for wall, at, side in ((chain.left_wall, low, -1.0), (chain.right_wall, high, 1.0)):
         if wall is not None:
             # Gaps have units of displacement: in scaled variables they are much smaller than beads.
@@ -130,10 +130,9 @@ def draw_walls(chain: Chain, factor: float, tall: float, axes: Axes) -> None:
                                hatch="///", edgecolor="black", linewidth=0.0, zorder=0)  # fmt: skip
 
 
-def bead_centres(chain: Chain) -> Array:
-    """Positions of the centres of the beads; bead 1 is at its radius."""
-    apart = np.cumsum(chain.centre_distances)
-    return np.asarray(chain.radii[0] + np.concatenate(([0.0], apart)))
+def ends_of(chain: Chain) -> tuple[float, float]:
+    """Positions of both ends of a chain, from the left one."""
+    return 0.0, float(body_centres(chain)[-1] + half_widths(chain)[-1])
 
 
 def material_colour(name: str | None) -> str:
@@ -150,12 +149,39 @@ def material_names(chain: Chain) -> list[str | None]:
     return [material.name for material in chain.materials]
 
 
+def body_shapes(chain: Chain, factor: float) -> list[Patch]:
+    """Shapes of all bodies with their centres at the origin: circles, and plates if flat."""
+    widths, heights = factor * half_widths(chain), factor * half_heights(chain)
+    return [
+        Rectangle((-width, -height), 2.0 * width, 2.0 * height)
+        if flat
+        else Circle((0.0, 0.0), width)
+        for flat, width, height in zip(flat_bodies(chain), widths, heights, strict=True)
+    ]
+
+
+def body_collection(
+    chain: Chain, factor: float, centres: Array, axes: Axes, **style: Any
+) -> PatchCollection:
+    """Add the bodies to axes, as one collection with the centres as its offsets, shape (N, 2)."""
+    found = PatchCollection(
+        body_shapes(chain, factor), transform=AffineDeltaTransform(axes.transData),  # type: ignore[arg-type]
+        offsets=centres, offset_transform=axes.transData, edgecolor="black", linewidth=0.4,
+        **style,
+    )  # fmt: skip
+    # The limits of the axes do not follow from shapes with offsets.
+    axes.add_collection(found, autolim=False)
+    return found
+
+
 def draw_beads(chain: Chain, factor: float, axes: Axes, *, height: float = 0.0) -> None:
-    """Draw the beads in the colours of their materials, with the first at its radius."""
-    centres = factor * bead_centres(chain)
-    circles = [Circle((x, height), r) for x, r in zip(centres, factor * chain.radii, strict=True)]
+    """Draw the beads in the colours of their materials, with the left end at 0."""
+    centres = factor * body_centres(chain)
     faces = [material_colour(name) for name in material_names(chain)]
-    axes.add_collection(PatchCollection(circles, facecolor=faces, edgecolor="black", linewidth=0.4))
+    places = np.column_stack([centres, np.full(chain.beads, height)])
+    body_collection(chain, factor, places, axes, facecolor=faces)
+    corners = np.column_stack([half_widths(chain), half_heights(chain)]) * factor
+    axes.update_datalim(np.concatenate([places - corners, places + corners]))
 
 
 def material_legend(chains: Sequence[Chain], axes: Axes, **options: Any) -> None:
@@ -173,10 +199,10 @@ def material_legend(chains: Sequence[Chain], axes: Axes, **options: Any) -> None
 def scale_bar(chain: Chain, axes: Axes) -> None:
     """Draw a bar with its length below the chain, for axes that are switched off."""
     factor, unit = _unit_of_length(chain)
-    largest = factor * chain.radii.max()
+    largest = factor * half_heights(chain).max()
     power = 10.0 ** np.floor(np.log10(2.0 * largest))
     length = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= 2.0 * largest)
-    begin, height = factor * bead_centres(chain)[0] - factor * chain.radii[0], -1.35 * largest
+    begin, height = 0.0, -1.35 * largest
     axes.plot([begin, begin + length], [height] * 2, color=grey(axes), linewidth=2.0,
               solid_capstyle="butt")  # fmt: skip
     axes.annotate(f"{length:g} {unit}", (begin + length, height), xytext=(4, 0),

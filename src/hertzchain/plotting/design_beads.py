@@ -12,10 +12,11 @@ from matplotlib.font_manager import FontProperties
 
 from ..chain.chain import Chain
 from ..chain.description import sizes_in_words
+from ..chain.drawn_bodies import body_centres, flat_bodies, half_heights, known_radii
 from ..collision import Array
 from ..designs.comparison import shown_chains
 from ..designs.verified import Verified, violated
-from .chains import bead_centres, draw_beads, material_legend
+from .chains import draw_beads, ends_of, material_legend
 from .colours import grey
 from .legends import POINTS_PER_INCH, figure_of
 from .style import figure_style, get_axes
@@ -38,13 +39,13 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes = get_axes(ax, figsize=(7.0, 2.2))
         found = shown_chains(result)
         factor, unit = (1e3, " [mm]") if result.chain.units == "SI" else (1.0, "")
-        height = -DISTANCE * factor * max(each.chain.radii.max() for each in found.values())
+        height = -DISTANCE * factor * max(half_heights(each.chain).max() for each in found.values())
         for row, (name, each) in enumerate(found.items()):
             chain = each.chain
             draw_beads(chain, factor, axes, height=row * height)
             if chain.right_wall is not None:
-                end = factor * (bead_centres(chain)[-1] + chain.radii[-1])
-                largest = factor * chain.radii.max()
+                end = factor * ends_of(chain)[1]
+                largest = factor * half_heights(chain).max()
                 axes.plot([end] * 2, [row * height - largest, row * height + largest],
                           color=grey(axes), linewidth=3.0)  # fmt: skip
             lines = [*textwrap.wrap(name, MAX_NAME), *violations(result, each)]
@@ -55,7 +56,7 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes.autoscale_view()
         axes.margins(x=0.01)
         if result.chain.units == "SI":
-            _write_diameters(result.chain, axes, height - result.chain.radii.max() * factor)
+            _write_diameters(result.chain, axes, height - half_heights(result.chain).max() * factor)
         axes.set_yticks([])
         axes.spines["left"].set_visible(False)  # it would look like a wall
         axes.set_xlabel(f"position{unit}")
@@ -69,8 +70,8 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 def height_of_beads(result: DesignResult, width: float) -> float:
     """Height [inch] of both rows of beads in axes of a width [inch]."""
     chains = [each.chain for each in shown_chains(result).values()]
-    largest = max(float(chain.radii.max()) for chain in chains)
-    length = max(float(bead_centres(chain)[-1] + chain.radii[-1]) for chain in chains)
+    largest = max(float(half_heights(chain).max()) for chain in chains)
+    length = max(ends_of(chain)[1] for chain in chains)
     return width * (DISTANCE + 2.0) * largest / length
 
 
@@ -92,12 +93,17 @@ def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
     low, high = axes.get_xlim()
     # The layout of the figure may change, but hardly its width.
     point = (high - low) / (POINTS_PER_INCH * figure.get_figwidth() * axes.get_position().width)
-    texts = [f"{2e3 * radius:.4g}" for radius in chain.radii]
-    centres = 1e3 * bead_centres(chain)
+    texts = ["flat" if flat else f"{2e3 * radius:.4g}"
+             for flat, radius in zip(flat_bodies(chain), chain.radii, strict=True)]  # fmt: skip
+    centres = 1e3 * body_centres(chain)
     rows = _rows(centres / (point * size))
     label = "diameter [mm]"
     if rows == 0:
-        texts, centres, rows = [sizes_in_words(chain.radii)], np.array([0.5 * (low + high)]), 1
+        texts, centres, rows = (
+            [sizes_in_words(known_radii(chain))],
+            np.array([0.5 * (low + high)]),
+            1,
+        )
         label = "diameters"
     lengths = CHARACTER * np.array([len(text) for text in texts])
     apart = np.diff(centres) / (point * size)

@@ -98,7 +98,6 @@ export class Controls {
     const chain = this.chain, inForms = this.keysOfForms, keys = this.schema.chain.keys;
     const own = new Set(["materials", "velocity", "exponent"]);
     const rest = keys.filter((/** @type {any} */ key) => !inForms.has(key.name) && !own.has(key.name));
-    // The exponent can be a number or tables.
     const tabular = (/** @type {string} */ name) => typeof listed(chain[name])[0] === "object";
     const tables = Object.keys(this.schema).filter((name) => name.startsWith("chain.")
       && (tabular(name.slice(6)) || !keys.some((/** @type {any} */ key) => key.name === name.slice(6))));
@@ -123,12 +122,11 @@ export class Controls {
     const symbols = this.about.tapers[chain.taper] ?? {};
     const parameters = new Set(Object.values(this.about.tapers).flatMap((/** @type {any} */ each) => Object.keys(each)));
     const shown = keys.filter((key) => names.includes(key.name) && (!parameters.has(key.name) || form !== "taper" || key.name in symbols) && (key.name !== "radius" || this.si))
-      // The last bead has one control.
       .filter((key) => !/^(last|ratio|length)/.test(key.name) || key.name in chain);
     const fields = shown.map((key) => this.field(["chain"], key, symbols[key.name] ? `${words(key.name)} ${symbols[key.name]}` : undefined));
     const select = this.select("form", "defined by", choices.map((name) => [name, this.about.forms[name] ?? words(name)]), () => form, (name) => this.changeForm(name));
     const material = this.materialField(keys.find((key) => key.name === "materials"));
-    const more = ["velocity", "exponent"].filter((name) => (name !== "velocity" || this.si) && typeof listed(chain[name])[0] !== "object")
+    const more = ["velocity", "exponent"].filter((name) => (name !== "velocity" || (this.si && (!chain.struck_by || parseFloat(chain.velocity)))) && typeof listed(chain[name])[0] !== "object")
       .map((name) => this.field(["chain"], keys.find((key) => key.name === name), name === "velocity" ? "impact velocity" : undefined));
     return make("fieldset", {}, make("legend", {}, "Beads"), select, ...fields, material, ...more);
   }
@@ -177,7 +175,6 @@ export class Controls {
   group(name, title, used, children) {
     const details = make("details", { className: "group", id: `group-${name}` }, make("summary", {}, title, ...(used ? [make("span", { className: "used", title: "used" }, "●")] : [])), ...children);
     details.open = this.opened.has(name) || (used && !this.opened.has(`-${name}`));
-    // Not "toggle", which follows from the line above.
     details.firstElementChild?.addEventListener("click", () => {
       this.opened.delete(details.open ? name : `-${name}`);
       this.opened.add(details.open ? `-${name}` : name);

@@ -35,7 +35,6 @@ export class Link {
   ask(request) {
     this.waiting = request;
     clearTimeout(this.retry);
-    // Requests wait for drafts, which are short.
     const patient = this.current?.draft && performance.now() - this.current.sent < PATIENCE;
     if (!patient) this.send();
     else {

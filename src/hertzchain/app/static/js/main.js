@@ -255,7 +255,6 @@ const waiting = [];
 function problem(slot) {
   const found = results[slot], text = found.problem, stale = text !== "";
   $(`lane-${slot}`).classList.toggle("stale", stale);
-  // The message next to the controls may be far below.
   if (stale && !found.ready) $(`title-${slot}`).replaceChildren(make("span", { className: "bad" }, text));
   if (slot !== state.active) return;
   document.body.classList.toggle("stale", stale);
@@ -345,13 +344,12 @@ function showTitles() {
   for (const slot of SLOTS) {
     const header = results[slot].beads.header;
     if (!header) continue;
-    // A material has the same colour in both chains.
     const colours = stages[slot].colours = header.kinds.map((/** @type {string[]} */ [name]) => names.indexOf(name));
     const kinds = colours.map((/** @type {number} */ i, /** @type {number} */ n) => make("span", { className: "key" },
       make("i", { className: "ring", style: `color:var(--m${i % KINDS});${i < KINDS ? "" : "border-style:dashed"}` }), header.kinds[n].join(", ")));
     $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description, ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
   }
-  const beads = own().beads.header?.beads, list = SLOTS.flatMap((slot) => state[slot] ? results[slot].warnings.map((text) => (state.B ? `${slot}: ` : "") + upper(text)) : []);
+  const beads = own().beads.header?.beads, list = SLOTS.flatMap((slot) => state[slot] ? results[slot].warnings.map((text) => (state.B ? `${slot}: ` : "") + upper(fixed ? text.replace(/;[^;]* choose the loss.*/, "") : text)) : []);
   if (beads) $("bead").max = String(beads);
   if (beads < state.view.bead) select(beads);
   $("warnings").hidden = !list.length;

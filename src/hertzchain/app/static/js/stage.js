@@ -15,10 +15,11 @@ const FULL = 32767;
 const RIM = 6;
 const MOST = 6, LEAST = 0.15;
 
-/** @param {Pen} pen @param {number} x @param {number} y @param {number} r */
-function circle(pen, x, y, r) {
+/** A circle, or a higher plate. @param {Pen} pen @param {number} x @param {number} y @param {number} r */
+function circle(pen, x, y, r, h = r) {
   pen.beginPath();
-  pen.arc(x, y, Math.max(r, 0.5), 0, 6.2832);
+  if (h > r) pen.rect(x - r, y - h, 2 * r, 2 * h);
+  else pen.arc(x, y, Math.max(r, 0.5), 0, 6.2832);
 }
 
 export class Stage {
@@ -26,10 +27,8 @@ export class Stage {
   constructor(canvas, on) {
     this.canvas = canvas;
     this.on = on;
-    /** @type {Float64Array} */
-    this.radii = new Float64Array(0);
-    /** @type {Float64Array} */
-    this.centres = new Float64Array(0);
+    /** Half widths and heights; faces of plates are infinite. @type {Float64Array} */
+    this.radii = this.heights = this.faces = this.centres = new Float64Array(0);
     /** @type {string[]} */
     this.walls = [];
     this.strikers = 0;
@@ -57,7 +56,9 @@ export class Stage {
 
   /** @param {import("./results.js").Part} beads @param {number} wallGap */
   chain({ header, arrays }, wallGap) {
-    this.radii = arrays.get("radii");
+    this.faces = arrays.get("radii");
+    this.radii = arrays.get("widths");
+    this.heights = arrays.get("heights");
     this.centres = arrays.get("centres");
     this.kinds = arrays.get("kinds");
     this.walls = header.walls;
@@ -65,7 +66,7 @@ export class Stage {
     this.wallGap = header.units === "SI" ? wallGap : 0;
     const last = this.radii.length - 1;
     this.long = this.centres[last] + this.radii[last] + this.wallGap;
-    this.largest = Math.max(...this.radii);
+    this.largest = Math.max(...this.heights);
   }
 
   get middle() {
@@ -114,7 +115,7 @@ export class Stage {
       return;
     }
     const reach = Math.max(4, Math.hypot(x - this.px(this.centres[bead]), y - this.middle));
-    this.drag = { bead, rim, reach, radius: this.radii[bead], look: { ...this.look }, moved: false, x, y };
+    this.drag = { bead, rim, reach, radius: this.faces[bead], look: { ...this.look }, moved: false, x, y };
     this.on.select(bead + 1);
   }
 
@@ -250,16 +251,17 @@ export class Stage {
   drawBeads(pen, W, H, speeds) {
     const y = this.middle, scale = this.look.scale;
     for (let k = 0; k < this.radii.length; k++) {
-      const r = Math.max(this.radii[k] * scale, 0.5), x = this.px(this.centres[k]);
+      const r = Math.max(this.radii[k] * scale, 0.5), x = this.px(this.centres[k]), h = r + (this.heights[k] - this.radii[k]) * scale;
       if (x + r < -2 || x - r > W + 2) continue;
       const v = speeds[k], moving = v > 0.004 || v < -0.004;
-      circle(pen, x, y, r - 0.5);
+      const body = (/** @type {number} */ inset) => circle(pen, x, y, r - inset, h - inset);
+      body(0.5);
       pen.fillStyle = moving ? STEPS[stepOf(v)] : k < this.strikers ? COLOURS.striker : COLOURS.bead;
       pen.fill();
       if (this.colours.length) {
         // A ring in the colour of the material.
         const kind = this.colours[this.kinds[k]], wide = Math.max(1.75, 0.24 * r);
-        circle(pen, x, y, r - wide / 2);
+        body(wide / 2);
         pen.strokeStyle = COLOURS[`m${kind % KINDS}`];
         pen.lineWidth = wide;
         pen.setLineDash(kind < KINDS ? [] : [r / 3, r / 5]);
@@ -267,15 +269,10 @@ export class Stage {
         pen.setLineDash([]);
       }
       if (r > 3) {
-        circle(pen, x, y, r - 0.5);
+        body(0.5);
         pen.strokeStyle = COLOURS.edge;
         pen.lineWidth = r > 12 ? 1.25 : 0.75;
         pen.stroke();
-      }
-      if (r > 7) {
-        circle(pen, x - 0.33 * r, y - 0.36 * r, 0.19 * r);
-        pen.fillStyle = "#ffffff47";
-        pen.fill();
       }
     }
   }
@@ -293,7 +290,7 @@ export class Stage {
       const k = Math.max(0, c - 1), next = Math.min(m.beads - 1, c);
       const x = c === 0 ? this.px(0) : c === m.beads ? this.px(this.long) : this.px(this.centres[k] + this.radii[k]);
       if (x < -5 || x > W + 5) continue;
-      const r = Math.min(this.radii[k], this.radii[next]) * this.look.scale, half = Math.max(1.5, 0.6 * r * Math.cbrt(force));
+      const r = Math.min(this.heights[k], this.heights[next]) * this.look.scale, half = Math.max(1.5, 0.6 * r * Math.cbrt(force));
       pen.globalAlpha = 0.25 + 0.75 * force;
       pen.lineWidth = Math.max(1.25, Math.min(4.5, 0.14 * r));
       pen.beginPath();
@@ -323,13 +320,12 @@ export class Stage {
     const x = this.px(this.centres[this.bead - 1]), r = this.radii[this.bead - 1] * this.look.scale;
     pen.strokeStyle = COLOURS.accent;
     pen.lineWidth = 2;
-    circle(pen, x, y, Math.max(r + 1.5, 4.5));
+    circle(pen, x, y, Math.max(r + 1.5, 4.5), (this.heights[this.bead - 1] * r) / this.radii[this.bead - 1] + 1.5);
     pen.stroke();
     pen.fillStyle = COLOURS.accent;
     pen.font = "600 12px system-ui, sans-serif";
     const below = this.sensors.includes(this.bead - this.strikers) ? 24 : 15, at = Math.max(28, Math.min(W - 28, x));
     const text = `bead ${this.bead}`, base = Math.min(H - 3, y + Math.max(r, 4) + below);
-    // A wall may be behind the text.
     pen.strokeStyle = COLOURS.card;
     pen.lineWidth = 4;
     pen.strokeText(text, at, base);

@@ -150,7 +150,9 @@ def test_impossible_materials_are_rejected(build, said):
 
 
 def test_millimetres_given_as_metres_are_suspected():
-    with pytest.warns(hc.InputWarning, match="bead 1 has a diameter of 19 m.*divide by 1000"):
+    with pytest.warns(
+        hc.InputWarning, match="bead 1 has a diameter of 19 m.*write '19 mm', or divide by 1000"
+    ):
         Chain.from_materials(9.5, "brass", beads=3)
 
 

@@ -19,17 +19,17 @@ BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.1)
         (lambda: hc.simulate(BALLS, until=500, times=0), "check the unit"),
         (
             lambda: hc.Chain.from_materials(diameters=20, materials="brass", beads=3),
-            "bead 1 has a diameter of 20 m; lengths are in metres",
+            "bead 1 has a diameter of 20 m; if millimetres are meant, write .20 mm.",
         ),
         # Two seconds instead of two milliseconds; the pulse needs 24 us per contact.
         (lambda: hc.simulate(BALLS, until=2, times=0), "until = 2 s is 2.* transits of a pulse"),
         (
             lambda: hc.Design(BALLS, minimise="velocity@4", vary=[hc.vary.radii(0.5, 1)]),
-            "the radii vary from 0.5 m to 1 m; radii are in metres",
+            "the radii vary from 0.5 m to 1 m; if millimetres are meant, write .1 mm.",
         ),
         (
             lambda: hc.Design(BALLS, minimise="velocity@4", vary=[hc.vary.radii(0.3, 0.6)]),
-            "the radii vary from 0.3 m to 0.6 m; radii are in metres",
+            "the radii vary from 0.3 m to 0.6 m; if millimetres are meant, write .0.6 mm.",
         ),
     ],
 )

@@ -137,7 +137,8 @@ def warn_large_radius(radii: Array) -> None:
     """Warn about radii in metres that are probably in millimetres."""
     if radii.max() > LARGE_RADIUS:
         k = int(np.argmax(radii))
-        _warn_of_metres(f"bead {k + 1} has a diameter of {2.0 * radii[k]:g} m", "lengths")
+        diameter = 2.0 * float(radii[k])
+        _warn_of_metres(f"bead {k + 1} has a diameter of {diameter:g} m", diameter)
 
 
 def warn_large_gap(gaps: Array, radii: Array) -> None:
@@ -153,11 +154,11 @@ def warn_large_gap(gaps: Array, radii: Array) -> None:
 def warn_large_limit(low: float, high: float, radii: Array) -> None:
     """Warn about limits in metres, for beads of these radii, that are probably in millimetres."""
     if high >= min(LARGE_RADIUS, LARGE_RATIO * radii.max()):
-        _warn_of_metres(f"the radii vary from {low:g} m to {high:g} m", "radii")
+        _warn_of_metres(f"the radii vary from {low:g} m to {high:g} m", high)
 
 
-def _warn_of_metres(problem: str, sizes: str) -> None:
+def _warn_of_metres(problem: str, length: float) -> None:
     warn_user(
-        f"{problem}; {sizes} are in metres, so divide by 1000 if these are millimetres",
+        f"{problem}; if millimetres are meant, write '{length:g} mm', or divide by 1000",
         InputWarning,
     )

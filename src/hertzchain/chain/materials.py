@@ -7,9 +7,10 @@ r"""Materials of beads and walls: density, elastic constants, yield strength.
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -191,10 +192,17 @@ def material(name: MaterialLike) -> Material:
         if (meant := OTHER_NAMES.get(lower.replace("-", " "))) is not None:
             raise InputError(f"unknown material {lower!r}; did you mean {meant}?")
     unknown, question, meant = str(unknown_name_error("material", name, known)).partition("; did")
+    if isinstance(name, str) and len(alike := _same_kind(name, known)) > 1:
+        question, meant = "; did", f" you mean {' or '.join(map(repr, alike))}?"
     raise InputError(
         f"{unknown}, or define a custom one with Material(name, density=, young=, poisson=), or "
         f"[materials.NAME] in a chain file{question}{meant}"
     )
+
+
+def _same_kind(name: str, known: Iterable[str]) -> list[str]:
+    """Materials of a catalogue whose names begin with the same word, such as steel."""
+    return [each for each in known if each.split("-")[0] == re.split("[- ]", name.lower())[0]]
 
 
 def contact_modulus(one: Material, other: Material) -> float:

@@ -14,7 +14,7 @@ import click
 
 from .chain_changes import at_speed, law_from, require_unit_of_speed, struck, wall_named
 from .chain_completion import complete_losses, complete_materials, complete_tapers, complete_walls
-from .options import Fraction, as_typed
+from .options import Fraction, StrikerCount, as_typed
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -31,7 +31,7 @@ IMPACT: Final = (
     ),
     click.option(
         "--striker",
-        type=int,
+        type=StrikerCount(),
         metavar="COUNT",
         help="Add this number of beads like the first as a striker, which hits the chain at rest.  "
         "[default: bead 1 moves]",

@@ -64,7 +64,7 @@ BY_OPTION: Final = {
         (
             r"^disorder requires .*",
             "--method disorder requires a --scatter or --modulus-scatter "
-            "above 0; for none, use --method local-rate",
+            "above 0; for a chain without scatter, use --method local-rate",
         ),
         (r"\buse hertzchain\.simulate\([^)]*\)\.pulse\(\)", "use --method simulate"),
     ),

@@ -342,7 +342,8 @@ def parse_measure(text: object, chain: Chain | None = None) -> Measure:
             raise InputError(f"{key} does not belong to a bead: omit @{place}")
         return Measure(key)
     if not at:
-        raise InputError(f"{key} needs a bead: write {key}@20 or {key}@last")
+        wall = "; that on a wall is wall_force.peak" if key == "peak_force" else ""
+        raise InputError(f"{key} needs a bead: write {key}@20 or {key}@last{wall}")
     if place == "last":
         return Measure(key, 0)
     name = " ".join(place.lower().split())

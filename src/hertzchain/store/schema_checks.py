@@ -40,7 +40,7 @@ def check_document(document: Mapping[str, Any], *, complete: bool = True) -> Ite
     >>> from hertzchain.store.schema_checks import check_document
     >>> document = {"chain": {"beads": 2.5, "right_wall": {"rigid": "false"}}}
     >>> [*check_document(document)][1]
-    "rigid of [chain.right_wall] must be true or false, got 'false'"
+    "rigid of [chain.right_wall] must be true or false, got 'false'; omit the quotation marks"
     """
     for name in document:
         if name in TABLES:
@@ -147,6 +147,8 @@ def _unknown_keys(names: Sequence[str], place: str, known: Sequence[str]) -> Ite
     choices = f"choose from {', '.join(known)}"
     if len(names) == 1:
         hint = f"; did you mean {hints[names[0]]}?" if hints[names[0]] else ""
+        if names[0] == "flat" and "radius" in known:
+            hint = "; for a flat face, write radius = inf"
         yield f"unknown key of {place} {names[0]!r}: {choices}{hint}"
     elif names:
         listed = [
@@ -177,6 +179,8 @@ def problems_of(key: Key, value: Any, what: str) -> Iterator[str]:
         yield from _problem_of_list_with_unit(key, value, what)
     elif isinstance(value, list | tuple | np.ndarray):
         noun = "names" if key.kind == "material" else "numbers"
+        if not len(value) and key.dimension == "length" and key.name != "gaps":
+            yield f"{what} must have at least one number, got none; give one for each bead"
         for place, item in enumerate(value, start=1):
             if isinstance(item, list | tuple | Mapping | np.ndarray):
                 yield f"{what} must be a list of {noun}, got {short_repr(value)}"
@@ -205,7 +209,11 @@ def _problem_of_one(key: Key, value: Any, what: str) -> Iterator[str]:
     elif key.kind in _TYPES:
         types, allowed = _TYPES[key.kind]
         if not isinstance(value, types) or (value == "" and key.kind != "text"):
-            yield f"{what} must be {allowed}, got {short_repr(value)}"
+            quoted = (
+                isinstance(value, str) and value in ("true", "false") and allowed == "true or false"
+            )
+            hint = "; omit the quotation marks" if quoted else ""
+            yield f"{what} must be {allowed}, got {short_repr(value)}{hint}"
     elif key.kind == "choice":
         if not isinstance(value, str) or value not in key.choices:
             yield str(unknown_name_error(what, value, key.choices))
@@ -219,7 +227,9 @@ def _problem_of_one(key: Key, value: Any, what: str) -> Iterator[str]:
         units = UNITS[key.dimension] if key.dimension else ()
         with_unit = f", or text with a unit such as '5 {units[:3][-1]}'" if units else ""
         with_unit = " or a percentage such as '5%'" if key.fraction else with_unit
-        yield f"{what} must be a number{with_unit}, got {short_repr(value)}"
+        quoted = isinstance(value, str) and value.strip().lower() in ("inf", "infinity")
+        hint = "; write inf without quotation marks" if quoted else ""
+        yield f"{what} must be a number{with_unit}, got {short_repr(value)}{hint}"
 
 
 def _may_be_text(key: Key) -> bool:

@@ -118,8 +118,8 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
         ),
     }  # fmt: skip
     if not any(scatters.values()):
-        raise InputError("disorder requires a scatter or modulus_scatter above 0; for none, use "
-                         "local_rate")  # fmt: skip
+        raise InputError("disorder requires a scatter or modulus_scatter above 0; for a chain "
+                         "without scatter, use local_rate")  # fmt: skip
     scaled = scaled_chain(chain, METHOD, alternative="use propagate_many")
     rates = _checked_rates(scaled)
     clean = local_rate(scaled)

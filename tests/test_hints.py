@@ -1,0 +1,63 @@
+"""Messages that state what to write instead."""
+
+import pytest
+
+import hertzchain as hc
+
+ROW = """
+[chain]
+diameters = {diameters}
+materials = "steel-52100"
+beads = 3
+[[chain.struck_by]]
+mass = "50 g"
+{striker}
+"""
+
+
+@pytest.mark.parametrize(
+    ("striker", "hint"),
+    [
+        ("flat = true", "for a flat face, write radius = inf"),
+        ('radius = "inf"', "got 'inf'; write inf without quotation marks"),
+    ],
+)
+def test_mistakes_about_flat_strikers_are_explained(striker, hint, tmp_path):
+    path = tmp_path / "chain.toml"
+    path.write_text(ROW.format(diameters='"8 mm"', striker=striker))
+    with pytest.raises(hc.InputError, match=hint):
+        hc.load_chain(path)
+    path.write_text(ROW.format(diameters='"8 mm"', striker="radius = inf"))
+    assert hc.load_chain(path).striker_properties[0].flat
+
+
+def test_an_empty_list_of_diameters_is_named_as_it_is_written(tmp_path):
+    path = tmp_path / "chain.toml"
+    path.write_text(ROW.format(diameters="[]", striker="radius = inf"))
+    with pytest.raises(hc.InputError, match="diameters .*must have at least one number"):
+        hc.load_chain(path)
+
+
+def test_the_option_striker_names_the_table_of_other_strikers(run):
+    options = ["--material", "steel-52100", "--diameter", "8 mm", "--beads", "3"]
+    code, _, err = run("simulate", *options, "--striker", "50 g")
+    assert code == 2
+    words = " ".join(err.split())
+    assert "number of beads like the first, got '50 g'" in words
+    assert "[[chain.struck_by]]" in words
+    assert 'mass = "50 g" and, for a flat face, radius = inf' in words
+
+
+@pytest.mark.parametrize("name", ["steel-440c", "Steel 440C"])
+def test_steels_that_are_not_in_the_catalogue_are_answered_with_its_steels(name):
+    kinds = "did you mean 'steel-52100' or 'steel-304' or 'steel-316'[?]$"
+    with pytest.raises(hc.InputError, match=kinds):
+        hc.material(name)
+
+
+def test_a_peak_force_without_a_bead_may_be_that_on_a_wall():
+    chain = hc.Chain.uniform(9).replace(right_wall=hc.Wall())
+    with pytest.raises(
+        hc.InputError, match=r"peak_force@last; that on a wall is wall_force\.peak$"
+    ):
+        hc.Design(chain, minimise="peak_force", vary=[hc.vary.radii(0.5, 1.0)])

@@ -193,6 +193,19 @@ def test_the_order_of_beads_behind_a_striker_may_vary():
     assert found.chain.gaps.tolist() == struck.gaps.tolist()
 
 
+def test_the_summary_states_that_the_striker_does_not_count():
+    hammered = STEEL.replace(velocities=None).struck_by(velocity=0.1, mass=0.05, radius=np.inf)
+    problem = hc.Design(
+        hammered, minimise="wall_force.peak", vary=[balls()], subject_to={"length": "<= 30 mm"}
+    )
+    found = hc.design(problem, budget=30)
+    length = 2e3 * found.chain.radii[1:].sum()
+    lines = found.summary().splitlines()
+    assert any(
+        line.startswith(f"  length <= 30 mm: {length:.4g} mm without the striker") for line in lines
+    )
+
+
 def test_places_may_be_empty_and_the_length_is_limited():
     problem = hc.Design(
         STEEL, minimise="wall_force.peak", vary=[balls(optional=True)],

@@ -111,9 +111,13 @@ def point_in_words(point: DesignResult) -> str:
     return ", ".join(parts + ["outside the range of Hertz's law"] * outside)
 
 
-def _counts_arriving(result: DesignResult, each: Measure) -> bool:
-    """Whether a measure counts the arriving ball, which need not be bought."""
-    return each.key in ("length", "mass", "beads") and _arrives(result)
+def _counted(result: DesignResult, each: Measure) -> str:
+    """Whether a sum over beads counts the arriving ball, and that it counts no striker."""
+    if each.key not in ("length", "mass", "beads"):
+        return ""
+    if strikers := result.chain.strikers:
+        return f" without the striker{'s' * (strikers > 1)}"
+    return " with the arriving ball" if _arrives(result) else ""
 
 
 def _arrives(result: DesignResult) -> bool:
@@ -132,8 +136,7 @@ def _heading(result: DesignResult) -> list[str]:
     problem, found = result.problem, result.verified
     value = result._shown(result.value)
     single = problem.objective.single
-    arriving = single is not None and _counts_arriving(result, single)
-    value += " with the arriving ball" if arriving else ""
+    value += _counted(result, single) if single is not None else ""
     first = f"{_first_upper(str(problem.objective))}: {value}"
     if problem.scatter is not None and single is not None:
         aim, _, name = str(problem.objective).partition(" ")
@@ -282,9 +285,7 @@ def _of_starts(result: DesignResult) -> str:
 def _requirement(result: DesignResult, index: int) -> str:
     each = result.problem.requirements[index]
     value, name = result.values[str(each.measure)], str(each.measure)
-    text = f"  {each}: {each.shown(value)}"
-    if _counts_arriving(result, each.measure):
-        text += " with the arriving ball"
+    text = f"  {each}: {each.shown(value)}{_counted(result, each.measure)}"
     if name in result.verified.yielding and not each.measure.of_chain:
         text += f" ({each.shown(result.verified.yielding[name])} with contacts that yield)"
     return text if each.excess(value) <= 1e-6 else f"{text}, NOT met"

@@ -594,7 +594,7 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     assert f"{peak}; no larger force follows\n" in out
     assert f"  impulse {1e3 * wall.impulse_of_impact:.4g} mN s in the impact (1 contact)\n" in out
     lasts = 1e6 * wall.impulse_of_impact / wall.peak
-    assert f"  impulse in the impact / peak = {lasts:.4g} us\n" in out
+    assert f"  duration of the impact (impulse / peak) {lasts:.4g} us\n" in out
     first, time = sensor.first_maximum, sensor.first_maximum_time
     told = f"sensor in bead 3: first maximum {first:.5g} N at t = {1e6 * time:.5g} us"
     assert sensor.largest_so_far_time == time

@@ -165,7 +165,8 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
         return f"{wall.side} wall: the pulse has not arrived"
     largest = _at(run, wall.largest_so_far, wall.largest_so_far_time)
     impulse = _impulse(wall.impulse, wall.units)
-    whole = f"{impulse} in the whole run"
+    ends = ", which ends during a contact" if wall.force[-1] > 0.0 else ""
+    whole = f"{impulse} in the whole run{ends}"
     # If the horizon is known, the time of the force is marked if it is later.
     caution = "" if run.known_horizon or not wall._caution else f"; {wall._caution}"
     caution = on_command_line(caution)
@@ -187,7 +188,7 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
     parts += [whole] * (impulse != of_impact)
     ratio = measure(wall.duration, "s", wall.units)
     impulses = ", ".join(parts)
-    return f"{peak}\n  impulse {impulses}\n  impulse in the impact / peak = {ratio}"
+    return f"{peak}\n  impulse {impulses}\n  duration of the impact (impulse / peak) {ratio}"
 
 
 def _at(run: Run, force: float, time: float) -> str:

@@ -34,6 +34,7 @@ SHOWN: Final = {
 SEEDED: Final = ("genetic", "evolution", "gradient", "hybrid")
 # Longer lists of sizes are shortened.
 MAX_SIZES: Final = 12
+FLAT_STRIKER: Final = "striker with a flat face"
 
 
 def summary(result: DesignResult) -> str:
@@ -312,7 +313,7 @@ def _sizes(result: DesignResult) -> list[str]:
 def _order(result: DesignResult) -> str:
     """Balls from the first to the last, each with the number of equal neighbours."""
     chain, radii = result.chain, result.chain.face_radii
-    balls = [f"{'flat' if radius == inf else f'{2e3 * radius:g} mm'} {kind.name}"
+    balls = [FLAT_STRIKER if radius == inf else f"{2e3 * radius:g} mm {kind.name}"
              for radius, kind in zip(radii, chain.materials or (), strict=True)]  # fmt: skip
     moving = chain.velocities != 0.0
     groups = itertools.groupby(zip(moving.tolist(), balls, strict=True))

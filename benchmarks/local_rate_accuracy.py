@@ -57,6 +57,9 @@ def summarise(results: list[dict]) -> dict[str, float]:
     }  # fmt: skip
     true = np.concatenate([one["errors"] for one in results]) + 1e-9
     estimate = np.concatenate([one["estimates"] for one in results])
+    known = np.isfinite(estimate)
+    found["unknown"] = 100.0 * np.mean(~known)
+    true, estimate = true[known], estimate[known]
     found["covered"] = 100.0 * np.mean(true <= estimate)
     found["error/estimate"] = np.max(true / estimate)
     found["estimate/error"] = np.median(estimate / true)
@@ -72,14 +75,14 @@ def cell(value: float, width: int, digits: int) -> str:
 def show(table: dict[str, dict[str, float]]) -> None:
     """Print the numbers of all classes."""
     print(f"{'':38}  n warned | median     99%   worst | last: median worst | covered "
-          "error/est. est./error | unwarned > 1%")  # fmt: skip
+          "error/est. est./error unknown | unwarned > 1%")  # fmt: skip
     for name, row in table.items():
         print(
             f"{name:38}{row['chains']:4.0f} {row['warned']:4.0f} | {cell(row['median'], 8, 4)} "
             f"{cell(row['99%'], 7, 3)} {cell(row['worst'], 7, 3)} | "
             f"{cell(row['last, median'], 8, 4)} {cell(row['last, worst'], 7, 3)} | "
             f"{row['covered']:6.1f} {cell(row['error/estimate'], 6, 1)} "
-            f"{cell(row['estimate/error'], 6, 1)} | {row['unwarned > 1%']:3.0f} "
+            f"{cell(row['estimate/error'], 6, 1)} {row['unknown']:7.1f} | {row['unwarned > 1%']:3.0f} "
             f"{row['worst unwarned']:6.2f}"
         )
 

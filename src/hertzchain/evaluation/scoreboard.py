@@ -57,7 +57,8 @@ class Scoreboard:
     refusals : mapping of (str, str) to str
         Reasons why theories do not support chains, by the names of both.
     estimates : ndarray, shape (T, C, N)
-        Relative velocity error as estimated by the theory; NaN if it has no estimate.
+        Relative velocity error as estimated by the theory; NaN if it has no estimate, or the error
+        is unknown.
 
     Examples
     --------

@@ -55,6 +55,12 @@ LARGE_CHANGE, BEYOND = 40.0, 2.5
 # Error of the interpolation at the last contacts, and weight of the third power of a change of the
 # rate at the last one.
 ENDING, STEEP_END = 2e-7, 1200.0
+# Rates near the free end below which the last two and four beads may lose their first maximum, and
+# rate below which all beads beyond may: in exponential chains, their velocities jump by 9% between
+# -0.1615 and -0.162.  Within the ramp below each of these rates, the error becomes unknown.
+TWO_LOST, FOUR_LOST, ALL_LOST, RAMP = -0.1235, -0.149, -0.161, 0.0015
+# Difference between the largest and the smallest rate beyond which the last bead may lose it, too.
+NOT_CONSTANT = 1e-3
 # Rates below which a pulse leaves a train of waves behind, and above which these overtake it.
 TRAIN, CATCHING = -0.13, -0.05
 
@@ -175,15 +181,27 @@ def size_ahead(contact, fast):
 
 
 @compiled
-def lost_maximum(contacts, contact, slow):
-    """Doubt about the last two beads, as the first maximum of the last but one may be lost."""
-    # In long exponential chains below the rate -0.1325, its velocity is another by 23%.
-    if contacts - contact > 2:
+def doubt_below(rate, start):
+    """Doubt about maxima that may be lost below a rate: 0 above it, 1 if it is total."""
+    return min(1.0, max(0.0, (start - rate) / RAMP) ** 2)
+
+
+@compiled
+def lost_maximum(contacts, contact, slow, spread):
+    """Doubt about the beads at the free end, whose first maximum may be lost; 1 if it is total."""
+    # The velocity is then another by up to 25%, or correct: the two cases alternate many times
+    # between the rates -0.13 and -0.16, and depend on the length of the chain.
+    left = contacts - contact
+    if left > 4:
         return 0.0
     lowest = 0.0
-    for k in range(contact - 3, min(contact + 2, len(slow))):
+    for k in range(max(contact - 3, 0), len(slow)):
         lowest = min(lowest, slow[k])
-    return 0.2 * min(1.0, max(0.0, (-0.122 - lowest) / 0.01) ** 2)
+    doubt = doubt_below(lowest, TWO_LOST if left <= 2 else FOUR_LOST)
+    if left == 1 and lowest > FOUR_LOST:
+        # In exponential chains, the state of the last bead is tabulated.
+        doubt *= min(1.0, spread / NOT_CONSTANT)
+    return doubt
 
 
 @compiled
@@ -276,4 +294,5 @@ def write_parts(contacts, ending, slow, fast, doubts, regular, parts):
         parts[k, 12] = size if at_end else 0.0
         average, size_of_it = mean / weight, mean_size / weight
         parts[k, 13] = overlap(contacts, k, ending, size_of_it, average, lowest, spread)
-        parts[k, 14], parts[k, 15] = lost_maximum(contacts, k, slow) + overtaken, jagged
+        lost = lost_maximum(contacts, k, slow, spread) + doubt_below(lowest, ALL_LOST)
+        parts[k, 14], parts[k, 15] = lost + overtaken, jagged

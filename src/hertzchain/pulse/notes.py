@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..collision import Array
 from ..errors import InputError, short_repr
 from ..validation.objects import check_choice, text
@@ -34,6 +37,17 @@ def notes_in_words(notes: Mapping[str, str], quantities: Iterable[str] = QUANTIT
         if name in notes:
             about.setdefault(notes[name], []).append(name)
     return [f"{', '.join(names)}: {note}" for note, names in about.items()]
+
+
+def beads_in_words(flags: NDArray[np.bool_]) -> str:
+    """The beads with a flag: ``at bead 3``, ``at beads 3 to 5`` or ``from bead 3 on``."""
+    beads = np.flatnonzero(flags) + 1
+    first, last = int(beads[0]), int(beads[-1])
+    if len(beads) <= last - first:
+        return f"at {len(beads)} beads from {first} to {last}"
+    if last == len(flags) and len(beads) > 1:
+        return f"from bead {first} on"
+    return f"at bead {first}" if first == last else f"at beads {first} to {last}"
 
 
 def out_of_order(residence: Array | None) -> bool:

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
 
 # Methods whose error is that of an integration.
 SIMULATIONS: Final = ("simulation", "propagation")
-# Largest estimated error of a theory: of a larger one, not even the size is known.
-MAX_ESTIMATE: Final = 10.0
 NOT_ESTIMATED: Final = (
     "this theory does not estimate its error; hc.scoreboard() measures it in classes of chains"
 )
@@ -75,8 +73,8 @@ class Pulse(Columns):
         not given.  In strongly heterogeneous chains the pulse may arrive at beads out of order, and
         the residence time may be negative; among several strikers it is not defined.
     velocity_error : ndarray, shape (N,), or None
-        Estimated relative error of each velocity, if the method estimates it; 0 for bead 1.
-        It exceeds about 97% of the errors of random chains, but errors in one chain are correlated.
+        Estimated relative error of each velocity, if the method estimates it; 0 for bead 1, and
+        NaN where the error is unknown.  It exceeds about 97% of the errors of random chains, but errors in one chain are correlated.
     velocity_spread, arrival_spread : ndarray, shape (N,), or None
     peak_force_spread : ndarray, shape (N - 1,), or None
         Standard deviations of ln v, ln t and ln F over random chains, by `disorder`.  Other
@@ -368,13 +366,11 @@ class Pulse(Columns):
     def _all_notes(self) -> list[str]:
         """The notes, and a sentence about the error that a theory estimates, or does not."""
         found = notes_in_words(self.notes)
-        if self.velocity_error is not None and np.isfinite(self.velocity_error).any():
+        if self.velocity_error is not None and np.isfinite(self.velocity_error[1:]).any():
             k = int(np.nanargmax(self.velocity_error))
-            error = self.velocity_error[k]
-            size = f"{percent(error)} (bead {k + 1})"
-            if error >= MAX_ESTIMATE:
-                size = f"not known from bead {k + 1} on"
-            found.append(f"largest estimated error of the velocity: {size}")
+            size = f"{percent(self.velocity_error[k])} (bead {k + 1})"
+            known = " where it is known" if np.isnan(self.velocity_error).any() else ""
+            found.append(f"largest estimated error of the velocity{known}: {size}")
         if self.velocity_error is None and self.method not in SIMULATIONS:
             found.append(NOT_ESTIMATED)
         return found
@@ -392,7 +388,7 @@ _DEFAULTS = {item.name: item.default for item in fields(Pulse) if item.default i
 def assemble_pulse(**columns: Any) -> Pulse:
     """A pulse of new read-only columns that need no checks, which would take 20 microseconds."""
     pulse = Pulse.__new__(Pulse)
-    pulse.__dict__.update(_DEFAULTS, notes={}, **columns)
+    pulse.__dict__.update(_DEFAULTS | {"notes": {}} | columns)
     return pulse
 
 

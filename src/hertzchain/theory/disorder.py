@@ -152,6 +152,7 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
         velocity_spread=spread[0],
         arrival_spread=spread[1],
         peak_force_spread=spread[2],
+        notes=clean.notes,
     )
     _warn_doubtful(pulse, rates, known=float(clean.velocity_error.max()) <= DOUBTFUL)
     if chain is scaled:

@@ -21,7 +21,8 @@ from ..chain.hertz_range import warn_outside_hertz
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units, scaled_chain, unit_of
-from ..pulse.pulse import MAX_ESTIMATE, Pulse, assemble_pulse
+from ..pulse.notes import beads_in_words
+from ..pulse.pulse import Pulse, assemble_pulse
 from ..pulse.quantities import QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
@@ -44,6 +45,8 @@ METHOD: Final = "the local-rate law"
 # Estimated velocity error above which a chain is outside the law's range.  Because an estimate does
 # not cover every error, this is half of the error of 1% that must not remain without a warning.
 DOUBTFUL: Final = 0.005
+# Largest estimate: if it is larger, the error can be of any size, and is unknown.
+MAX_ESTIMATE: Final = 1.0
 # Part of the contacts at which masses alternate from which on a chain is not one of single steps.
 MOSTLY: Final = 0.5
 
@@ -87,9 +90,10 @@ def local_rate(chain: Chain) -> Pulse:
     -------
     Pulse
         Velocity with its estimated relative error, arrival time, residence time and peak
-        overlap; momentum, energy and force are derived from them.  An estimate of 10, or
-        1000%, means that the error is not known: beyond a contact whose rate is outside the tables,
-        and where it would be larger.
+        overlap; momentum, energy and force are derived from them.  The estimate is NaN where the
+        error is unknown: beyond a contact whose rate is outside the tables, where the estimate
+        would exceed 100%, and where beads of forward tapers may lose their first maximum: at the
+        last ones if rates are below -0.1235, and beyond a rate below -0.161.
 
     Raises
     ------
@@ -130,9 +134,11 @@ def local_rate(chain: Chain) -> Pulse:
     error, sound = kernel.pulse(
         chain.radii, functions.arrays, functions.error, *wanted, by_bead, by_contact
     )
+    notes: dict[str, str] = {}
     if not error <= DOUBTFUL:
         _warn_outside(chain, functions, chain.beads)
-        by_bead[1] = _known(by_bead[1], chain, functions)
+        by_bead[1] = _known(by_bead[1], np.diff(np.log(chain.radii)), functions)
+        notes = _notes(by_bead[1])
     by_bead.setflags(write=False)
     by_contact.setflags(write=False)
     # The checks of a pulse take longer than the law.
@@ -145,21 +151,31 @@ def local_rate(chain: Chain) -> Pulse:
         peak_overlap=by_contact[1],
         residence=by_contact[0],
         velocity_error=by_bead[1],
+        notes=notes,
     )
 
 
-def _known(errors: Array, chain: Chain, functions: UniversalFunctions) -> Array:
-    """Estimated errors, with the largest one where not even the size is known."""
-    rates, (low, high) = np.diff(np.log(chain.radii)), functions.range
-    outside = np.concatenate(([False], ~((rates >= low) & (rates <= high))))
-    unknown = np.logical_or.accumulate(outside) | ~(errors <= MAX_ESTIMATE)
-    return np.where(unknown, MAX_ESTIMATE, errors)
+def _known(errors: Array, rates: Array, functions: UniversalFunctions) -> Array:
+    """Estimated errors of all beads, or of all but the first; NaN where they are unknown."""
+    low, high = functions.range
+    outside = np.logical_or.accumulate(~((rates >= low) & (rates <= high)))
+    unknown = ~(errors <= MAX_ESTIMATE)
+    unknown[-len(outside) :] |= outside
+    return np.where(unknown, np.nan, errors)
+
+
+def _notes(errors: Array) -> dict[str, str]:
+    """A note that states where the estimated error is unknown."""
+    unknown = np.isnan(errors)
+    if not unknown.any():
+        return {}
+    return {"velocity_error": f"unknown (NaN) {beads_in_words(unknown)}"}
 
 
 def velocity_errors(radii: Array, exponent: float) -> Array | None:
-    """Estimated errors of the velocities, as `local_rate` gives them but much faster.
+    """Estimated errors of the velocities by the formula, also where the result is meaningless.
 
-    The result is `None` if a rate is outside the tables.
+    This is much faster than `local_rate`.  The result is `None` if a rate is outside the tables.
     """
     from ..kernels import local_rate_pulse as kernel
 
@@ -291,12 +307,13 @@ class Solution:
         return np.concatenate(([0.0], np.cumsum(self.states[:, 0])))
 
     def error(self, functions: UniversalFunctions) -> Array:
-        """Estimated relative errors of the velocities, shape (N - 1,)."""
+        """Estimated relative errors of the velocities, shape (N - 1,); NaN if unknown."""
         from ..kernels.local_rate_pulse import estimated_error
 
         constants, lost = functions.error, self.lost
         each = range(len(self.rates))
-        return np.array([estimated_error(k, self.error_parts, constants, lost) for k in each])
+        errors = np.array([estimated_error(k, self.error_parts, constants, lost) for k in each])
+        return _known(errors, self.rates, functions)
 
 
 def solve(chain: Chain, functions: UniversalFunctions) -> Solution:
@@ -334,23 +351,32 @@ def _warn_outside(chain: Chain, functions: UniversalFunctions, bead: int) -> Non
         k = int(np.argmax(outside))
         reason = (
             f"the rate ln(R_{k + 2}/R_{k + 1}) = {_unlike(rates[k], low, high)} is outside {low:g} "
-            f"to {high:g}, and the error from bead {k + 2} on is not known"
+            f"to {high:g}, and the error from bead {k + 2} on is unknown"
         )
     else:
         error = solution.error(functions)
-        k = int(np.argmax(~(error <= DOUBTFUL)))
-        place = "the end" if bead == chain.beads else f"bead {bead}"
-        last = error[bead - 2]
-        size = f"is {last:.1%}" if last < MAX_ESTIMATE else "is not known"
-        reason = (
-            f"the estimated velocity error exceeds {DOUBTFUL:.1%} first at bead {k + 2} and "
-            f"{size} at {place}"
-        )
+        reason = _reason(error[: bead - 1], "the end" if bead == chain.beads else f"bead {bead}")
     warn_user(
         f"local_rate may be inaccurate for this chain ({chain.description}): {reason}; use "
         f"propagate{_other_theory(chain)}",
         ModelRangeWarning,
     )
+
+
+def _reason(errors: Array, last: str) -> str:
+    """Where estimated errors of the beads from 2 on are too large, and where they are unknown."""
+    reasons, known = [], np.isfinite(errors)
+    above = known & (errors > DOUBTFUL)
+    if above.any():
+        k = int(np.argmax(above))
+        at_end = f" and is {errors[-1]:.1%} at {last}" if known[-1] else ""
+        reasons.append(
+            f"the estimated velocity error exceeds {DOUBTFUL:.1%} first at bead {k + 2}{at_end}"
+        )
+    if not known.all():
+        unknown = np.append(False, ~known)
+        reasons.append(f"the velocity error is unknown {beads_in_words(unknown)}")
+    return ", and ".join(reasons)
 
 
 def _other_theory(chain: Chain) -> str:

@@ -222,6 +222,7 @@ def _joined(chain: Chain, smooth: Pulse, jumps: list[Jump], sizes: Array) -> Pul
         peak_overlap=smooth.peak_overlap * np.exp(overlap),
         residence=residence,
         velocity_error=None if errors is None else np.sqrt(errors**2 + error),
+        notes=smooth.notes,
     )
 
 

@@ -82,8 +82,8 @@ def show(table: dict[str, dict[str, float]]) -> None:
             f"{cell(row['99%'], 7, 3)} {cell(row['worst'], 7, 3)} | "
             f"{cell(row['last, median'], 8, 4)} {cell(row['last, worst'], 7, 3)} | "
             f"{row['covered']:6.1f} {cell(row['error/estimate'], 6, 1)} "
-            f"{cell(row['estimate/error'], 6, 1)} {row['unknown']:7.1f} | {row['unwarned > 1%']:3.0f} "
-            f"{row['worst unwarned']:6.2f}"
+            f"{cell(row['estimate/error'], 6, 1)} {row['unknown']:7.1f} | "
+            f"{row['unwarned > 1%']:3.0f} {row['worst unwarned']:6.2f}"
         )
 
 

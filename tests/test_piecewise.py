@@ -94,3 +94,14 @@ def test_fast_changes_next_to_a_jump_are_announced():
     assert raised[0].filename == __file__
     errors = np.abs(law.compare(hc.propagate(chain)).errors("velocity"))
     assert (errors <= law.velocity_error)[FIRST + 20 : -3].all()
+
+
+def test_warnings_name_the_theory_and_the_chain_without_jumps():
+    radii = np.resize([1.0, 0.93], 80) * np.where(np.arange(80) < 40, 1.0, 1.5)
+    chain = hc.Chain.from_radii(radii)
+    with pytest.warns(hc.ModelRangeWarning) as raised:
+        hc.piecewise_local_rate(chain)
+    first = str(raised[0].message)
+    assert first.startswith("piecewise_local_rate may be inaccurate for this chain (")
+    assert "80 beads, without its jumps)" in first
+    assert "local_rate for steps" not in first

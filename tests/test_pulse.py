@@ -1,8 +1,13 @@
+import json
+import warnings
+from functools import partial
+
 import numpy as np
 import pytest
 
 import hertzchain as hc
 from hertzchain.pulse.quantities import QUANTITIES
+from hertzchain.store.results import pulses_as_json
 
 
 @pytest.fixture(scope="module")
@@ -114,3 +119,31 @@ def test_the_representation_states_speed_and_force():
     scaled = hc.propagate(hc.Chain.uniform(9))
     assert repr(scaled).endswith(f"speed {scaled.speed[3]:.4g} at contact 4)")
     assert "contact" not in repr(hc.hard_sphere(hc.Chain.uniform(9)))
+
+
+@pytest.mark.parametrize(("theory", "chain"), [
+    (hc.bca, hc.Chain.dimer(0.4, beads=30)),
+    (hc.theory.two_thirds_bca, hc.Chain.dimer(0.4, beads=30)),
+    (hc.modified_bca, hc.Chain.tapered("forward-exponential", 0.09, beads=30)),
+    (hc.local_rate, hc.Chain.from_radii(np.where(np.arange(40) < 20, 1.0, 1.3))),
+    (hc.local_rate, hc.Chain.from_materials(0.01, "steel-52100", beads=20, velocity=30.0)),
+    (partial(hc.disorder, scatter=0.01), hc.Chain.from_radii([1.0] * 20 + [1.05] * 20)),
+])  # fmt: skip
+def test_pulses_keep_the_warnings_of_their_theory(theory, chain):
+    with pytest.warns(hc.ModelRangeWarning) as raised:
+        pulse = theory(chain)
+    for warning in raised:
+        assert str(warning.message) in pulse.notes["warning"]
+    assert f"warning: {raised[0].message}" in str(pulse)
+    assert json.loads(pulses_as_json([pulse]))["pulses"][0]["notes"] == pulse.notes
+    assert pulse.to_xarray().attrs["warning"] == pulse.notes["warning"]
+    assert pulse.notes["warning"] in pulse._repr_html_().replace("&#x27;", "'")
+
+
+def test_a_pulse_keeps_warnings_that_are_not_shown():
+    chain = hc.Chain.from_radii(np.where(np.arange(40) < 20, 1.0, 1.3))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hc.ModelRangeWarning)
+        pulse = hc.local_rate(chain)
+    assert "the estimated velocity error exceeds 0.5% first at bead" in pulse.notes["warning"]
+    assert "warning" not in hc.local_rate(hc.Chain.uniform(40)).notes

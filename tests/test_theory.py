@@ -1,3 +1,5 @@
+import warnings
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -167,6 +169,22 @@ def test_functions_of_a_taper_check_it():
     ):
         with pytest.raises(hc.InputError):
             call()
+
+
+@pytest.mark.parametrize(("chain", "advice"), [
+    (hc.Chain.dimer(0.4, beads=30), "use propagate or simulate"),
+    (hc.Chain.dimer(radii=[1.0, 0.7], beads=30), "use propagate or simulate"),
+    (hc.Chain.dimer(radii=[1.0, 0.9], beads=200), "use propagate or simulate"),
+    (hc.Chain.uniform(30), "use bca or theory.two_thirds_bca"),
+])  # fmt: skip
+def test_the_modified_bca_advises_no_theory_that_is_wrong(chain, advice):
+    """The BCA warns about alternating masses, and its velocities are too small by a factor."""
+    with pytest.raises(hc.InputError, match=advice):
+        hc.modified_bca(chain)
+    with warnings.catch_warnings(record=True) as raised:
+        warnings.simplefilter("always")
+        hc.bca(chain)
+    assert bool(raised) == ("simulate" in advice)
 
 
 @pytest.mark.parametrize(

@@ -42,6 +42,20 @@ def ignore_warnings(*categories: type[Warning]) -> Iterator[None]:
 
 
 @contextmanager
+def observe_warnings(*categories: type[Warning]) -> Iterator[list[str]]:
+    """List the texts of warnings of this package in a ``with`` block, which are also shown."""
+    texts: list[str] = []
+
+    def observe(warning: Warning) -> bool:
+        if isinstance(warning, categories):
+            texts.append(str(warning))
+        return False
+
+    with _listening(observe):
+        yield texts
+
+
+@contextmanager
 def record_warnings() -> Iterator[list[Warning]]:
     """Record the warnings in a ``with`` block, showing none."""
     recorded: list[Warning] = []

@@ -20,6 +20,8 @@ from ..chain.feature_support import Alternative, require_chain, require_supporte
 from ..chain.hertz_range import hertz_range, warn_outside_hertz
 from ..chain.scales import Scales
 from ..errors import InputError, ModelRangeWarning, warn_user
+from ..recorded_warnings import observe_warnings
+from .notes import WARNING
 from .pulse import Pulse
 from .pulse_table import PulseTable
 from .quantities import QUANTITIES
@@ -43,17 +45,25 @@ def for_any_units(
         @functools.wraps(function)
         def convert(chain: Chain, *args: Any, **options: Any) -> Any:
             scaled = scaled_chain(chain, method, supported, alternative)
-            pulse = function(scaled, *args, **options)
-            if scaled is chain:
-                return pulse
-            pulse = in_units_of(chain, pulse)
-            if pulse.peak_overlap is not None:
-                warn_outside_hertz(chain, pulse.peak_overlap)
-            return pulse
+            with observe_warnings(ModelRangeWarning) as warned:
+                pulse = function(scaled, *args, **options)
+                if scaled is not chain:
+                    pulse = in_units_of(chain, pulse)
+                    if pulse.peak_overlap is not None:
+                        warn_outside_hertz(chain, pulse.peak_overlap)
+            return with_warnings(pulse, warned)
 
         return convert  # type: ignore[return-value]
 
     return decorate
+
+
+def with_warnings(pulse: Pulse, warned: Sequence[str]) -> Pulse:
+    """A pulse that keeps the warnings of its method in its notes."""
+    if not warned:
+        return pulse
+    texts = "; ".join(dict.fromkeys(warned))
+    return dataclasses.replace(pulse, notes={**pulse.notes, WARNING: texts})
 
 
 def scaled_chain(

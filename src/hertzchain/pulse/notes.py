@@ -1,4 +1,4 @@
-"""Notes of a pulse: reasons for missing values, by the name of the quantity."""
+"""Notes of a pulse: reasons for missing values by the name of the quantity, and warnings."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from ..errors import InputError, short_repr
 from ..validation.objects import check_choice, text
 from .quantities import QUANTITIES
 
+# Name of the note with the warnings of a theory about the chain.
+WARNING: Final = "warning"
 OUT_OF_ORDER: Final = (
     "residence: negative where the pulse arrives at the next bead before it arrives at this one"
 )
@@ -25,7 +27,7 @@ def checked_notes(notes: Mapping[str, str]) -> dict[str, str]:
             f"notes of a pulse must be a mapping from quantities to text, got {short_repr(notes)}"
         )
     for name, note in notes.items():
-        check_choice("quantity of a note", name, QUANTITIES)
+        check_choice("quantity of a note", name, (*QUANTITIES, WARNING))
         text(f"note on {name}", note)
     return dict(notes)
 

@@ -22,7 +22,7 @@ from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_choice, text
 from .columns import Columns, derive, with_columns
-from .notes import checked_notes, notes_in_words
+from .notes import WARNING, checked_notes, notes_in_words
 from .quantities import BEAD_QUANTITIES, COLUMN_QUANTITIES, QUANTITIES, Quantity
 
 if TYPE_CHECKING:
@@ -74,14 +74,16 @@ class Pulse(Columns):
         the residence time may be negative; among several strikers it is not defined.
     velocity_error : ndarray, shape (N,), or None
         Estimated relative error of each velocity, if the method estimates it; 0 for bead 1, and
-        NaN where the error is unknown.  It exceeds about 97% of the errors of random chains, but errors in one chain are correlated.
+        NaN where the error is unknown.  It exceeds about 97% of the errors of random chains, but
+        errors in one chain are correlated.
     velocity_spread, arrival_spread : ndarray, shape (N,), or None
     peak_force_spread : ndarray, shape (N - 1,), or None
         Standard deviations of ln v, ln t and ln F over random chains, by `disorder`.  Other
         columns have other ones.
     notes : dict of str
         For each quantity with missing values, where it is NaN and why; also where a quantity has
-        another meaning than usual.  A column without a note has no NaN.
+        another meaning than usual.  A column without a note has no NaN.  The note ``"warning"`` has
+        the warnings of a theory about a chain outside its range.
     restitution : float
         Coefficient of restitution of a theory that considers collisions of two beads one after the
         other; 1 for every other method.
@@ -274,7 +276,8 @@ class Pulse(Columns):
         return xr.Dataset(
             variables,
             coords={"bead": self.bead, "contact": self.bead[:-1]},
-            attrs={"chain": self.chain.description, "method": self.method},
+            attrs={"chain": self.chain.description, "method": self.method}
+            | ({WARNING: self.notes[WARNING]} if WARNING in self.notes else {}),
         )
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -365,7 +368,7 @@ class Pulse(Columns):
 
     def _all_notes(self) -> list[str]:
         """The notes, and a sentence about the error that a theory estimates, or does not."""
-        found = notes_in_words(self.notes)
+        found = notes_in_words(self.notes, (*QUANTITIES, WARNING))
         if self.velocity_error is not None and np.isfinite(self.velocity_error[1:]).any():
             k = int(np.nanargmax(self.velocity_error))
             size = f"{percent(self.velocity_error[k])} (bead {k + 1})"

@@ -60,6 +60,6 @@ def warn_if_alternating(chain: Chain, theory: str) -> None:
             "each contact as a separate collision, in which masses that grow and fall from bead to "
             f"bead cost a factor of {last} (more than {MAX_LOSS:g} from bead "
             f"{int(np.argmax(outside)) + 1} on), while a pulse across several beads loses much "
-            "less; use simulate",
+            "less; use propagate or simulate",
             ModelRangeWarning,
         )

@@ -14,10 +14,9 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.hertz_range import warn_outside_hertz
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
-from ..pulse.chain_units import in_units_of, scaled_chain
+from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
@@ -48,6 +47,7 @@ ROUNDING: Final = 1e-12
 
 
 @checked_arguments("disorder")
+@for_any_units(METHOD, alternative="use propagate_many")
 def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0) -> Pulse:
     r"""Leading pulse of chains that scatter about a nominal chain: mean and spread.
 
@@ -120,14 +120,13 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     if not any(scatters.values()):
         raise InputError("disorder requires a scatter or modulus_scatter above 0; for a chain "
                          "without scatter, use local_rate")  # fmt: skip
-    scaled = scaled_chain(chain, METHOD, alternative="use propagate_many")
-    rates = _checked_rates(scaled)
-    clean = local_rate(scaled)
+    rates = _checked_rates(chain)
+    clean = local_rate(chain)
     assert clean.residence is not None
     assert clean.velocity_error is not None
     assert clean.peak_overlap is not None
-    shift, jitter = np.zeros((3, scaled.beads - 1)), np.zeros(scaled.beads - 1)
-    error = np.zeros(scaled.beads)
+    shift, jitter = np.zeros((3, chain.beads - 1)), np.zeros(chain.beads - 1)
+    error = np.zeros(chain.beads)
     for name, sigma in scatters.items():
         if sigma:
             own = sigma**2 * _mean_shift(disorder_tables()[name], sigma, rates)
@@ -142,7 +141,7 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     arrival = np.concatenate(([0.0], np.cumsum(residence * np.exp(0.5 * jitter))))
     arrival *= np.exp(-0.5 * spread[1] ** 2)
     pulse = Pulse(
-        chain=scaled,
+        chain=chain,
         method=f"disorder law, {_description(scatters)}",
         velocity=velocity,
         arrival=arrival,
@@ -155,11 +154,6 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
         notes=clean.notes,
     )
     _warn_doubtful(pulse, rates, known=float(clean.velocity_error.max()) <= DOUBTFUL)
-    if chain is scaled:
-        return pulse
-    pulse = in_units_of(chain, pulse)
-    assert pulse.peak_overlap is not None
-    warn_outside_hertz(chain, pulse.peak_overlap)
     return pulse
 
 

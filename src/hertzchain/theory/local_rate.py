@@ -122,12 +122,17 @@ def local_rate(chain: Chain) -> Pulse:
     >>> comparison.worst("velocity") < 1e-3
     True
     """
-    from ..kernels import local_rate_pulse as kernel
-
     if "loss" in chain.features:
         return lossy_pulse(chain, METHOD, local_rate, DOUBTFUL)
     if chain.features:
         return struck_pulse(chain, METHOD, local_rate)
+    return smooth_pulse(chain)
+
+
+def smooth_pulse(chain: Chain, theory: str = "local_rate") -> Pulse:
+    """The pulse of a scaled chain of spheres, for a theory that is named in warnings."""
+    from ..kernels import local_rate_pulse as kernel
+
     functions, of = _checked_functions(chain), powers(chain.exponents)
     by_bead, by_contact = np.empty((3, chain.beads)), np.empty((2, chain.beads - 1))
     wanted = of["residence"], of["peak_overlap"]
@@ -136,7 +141,7 @@ def local_rate(chain: Chain) -> Pulse:
     )
     notes: dict[str, str] = {}
     if not error <= DOUBTFUL:
-        _warn_outside(chain, functions, chain.beads)
+        _warn_outside(chain, functions, chain.beads, theory)
         by_bead[1] = _known(by_bead[1], np.diff(np.log(chain.radii)), functions)
         notes = _notes(by_bead[1])
     by_bead.setflags(write=False)
@@ -342,7 +347,9 @@ def _checked_functions(chain: Chain) -> UniversalFunctions:
     return universal_functions(chain.exponents)
 
 
-def _warn_outside(chain: Chain, functions: UniversalFunctions, bead: int) -> None:
+def _warn_outside(
+    chain: Chain, functions: UniversalFunctions, bead: int, theory: str = "local_rate"
+) -> None:
     """Issue a warning that states why the chain up to a bead is outside the law's range."""
     solution, (low, high) = solve(chain, functions), functions.range
     rates = solution.rates[: bead - 1]
@@ -357,8 +364,8 @@ def _warn_outside(chain: Chain, functions: UniversalFunctions, bead: int) -> Non
         error = solution.error(functions)
         reason = _reason(error[: bead - 1], "the end" if bead == chain.beads else f"bead {bead}")
     warn_user(
-        f"local_rate may be inaccurate for this chain ({chain.description}): {reason}; use "
-        f"propagate{_other_theory(chain)}",
+        f"{theory} may be inaccurate for this chain ({chain.description}): {reason}; use "
+        f"propagate{_other_theory(chain, theory)}",
         ModelRangeWarning,
     )
 
@@ -379,11 +386,11 @@ def _reason(errors: Array, last: str) -> str:
     return ", and ".join(reasons)
 
 
-def _other_theory(chain: Chain) -> str:
-    """A theory for chains that are not smooth, if there is one."""
+def _other_theory(chain: Chain, theory: str) -> str:
+    """Another theory for chains that are not smooth, if there is one."""
     if small_beads(chain.radii).any():
         return ", or effective_chain for small beads between large ones"
-    if alternates(chain.masses).mean() > MOSTLY:
+    if alternates(chain.masses).mean() > MOSTLY or theory != "local_rate":
         return ""
     return ", or piecewise_local_rate for steps and odd beads"
 

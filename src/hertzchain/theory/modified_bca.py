@@ -31,7 +31,10 @@ from ..pulse.pulse import Pulse
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import bounded_numbers, number
 from ..validation.objects import check_choice
+from .alternating_masses import MAX_LOSS, losses
 from .bca import bca
+from .decoration import small_beads
+from .strikers import other_method
 
 
 @dataclass(frozen=True)
@@ -164,7 +167,7 @@ PRINTED_RATIO: dict[str, float] = {"backward-linear": 2.0 / 3.0, "forward-linear
 
 
 @checked_arguments("modified_bca")
-@for_any_units("modified_bca", alternative="use simulate")
+@for_any_units("modified_bca", alternative=other_method)
 def modified_bca(
     chain: Chain,
     coefficients: Literal["calibrated", "printed"] | Correction = "calibrated",
@@ -228,12 +231,12 @@ def modified_bca(
     if chain.taper not in FITTED_RATES or chain.rate is None:
         raise InputError(
             f"the modified BCA requires a tapered chain ({', '.join(FITTED_RATES)}), got "
-            f"{chain.description}; use bca or theory.two_thirds_bca for other chains"
+            f"{chain.description}; {_advice(chain)}"
         )
     if chain.exponents != HERTZ_EXPONENT:
         raise InputError(
             f"the modified BCA has constants for Hertz contacts (exponent 1.5), got p = "
-            f"{chain.exponents:g}; use bca or theory.two_thirds_bca"
+            f"{chain.exponents:g}; {_advice(chain)}"
         )
     if not isinstance(coefficients, Correction):
         check_choice("coefficients", coefficients, ("calibrated", "printed"))
@@ -257,6 +260,13 @@ def modified_bca(
         velocity = correction.velocity(bca(chain).velocity, chain.rate, k)
     velocity[0] = 1.0
     return Pulse(chain=chain, method=method, velocity=velocity)
+
+
+def _advice(chain: Chain) -> str:
+    """Another method for a chain; no theory of single collisions if the masses alternate."""
+    if small_beads(chain.radii).any() or (losses(chain.masses) > MAX_LOSS).any():
+        return "use propagate or simulate"
+    return "use bca or theory.two_thirds_bca for other chains"
 
 
 @checked_arguments("two_thirds_bca")

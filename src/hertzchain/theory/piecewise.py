@@ -22,7 +22,7 @@ from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
 from ..validation.keywords import checked_arguments
-from .local_rate import local_rate
+from .local_rate import smooth_pulse
 from .step_table import AFTER, BEFORE, LOG_RATIOS, RATES, jump_effect
 from .strikers import other_method
 
@@ -119,10 +119,12 @@ def piecewise_local_rate(chain: Chain) -> Pulse:
         ahead = slice(jump.contact + 1, jump.contact + 2 if jump.odd else None)
         sizes[ahead] += jump.log_ratio
     if not jumps:
-        return dataclasses.replace(local_rate(chain), method=METHOD.removeprefix("the "))
+        pulse = smooth_pulse(chain, "piecewise_local_rate")
+        return dataclasses.replace(pulse, method=METHOD.removeprefix("the "))
     radii = chain.radii * np.exp(-sizes)
-    nominal = local_rate(Chain(radii, chain.exponents))
-    return _joined(chain, nominal, jumps, sizes)
+    smooth = Chain(radii, chain.exponents)
+    smooth._set("_described_as", f"{chain.description}, without its jumps")
+    return _joined(chain, smooth_pulse(smooth, "piecewise_local_rate"), jumps, sizes)
 
 
 def find_jumps(rates: Array) -> list[Jump]:

@@ -239,7 +239,7 @@ def test_cite(run):
         (["reproduce", "--only", ","], "parts must be a list of at least one"),
         (["simulate", "--times", "0", "--out", "run.csv"], "--times 0 is too few"),
         (["pulse", "--plot", "nowhere/pulse.png"], "the folder nowhere does not exist"),
-        (["pulse", "--method", "bca", "--method", "propagate", "--quantity", "peak_time"],
+        (["pulse", "--method", "bca", "--method", "hard-sphere", "--quantity", "peak_time"],
          "BCA does not predict peak_time"),
         (["reproduce", "--window-linear", "60:5", "--only", "table3"], "window 60..5"),
         (["reproduce", "--out", "/proc/nowhere"], "cannot write '/proc/nowhere'"),

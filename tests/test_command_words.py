@@ -40,6 +40,35 @@ def test_speed_without_arrivals(run):
     code, out, err = run("pulse", "--beads", 9, "--method", "hard-sphere", "--quantity", "speed")
     assert (code, out) == (2, "")
     assert "does not predict speed, only velocity, momentum and energy" in err
+    assert "follows from residence times" in err
+
+
+def test_methods_without_the_quantity_are_omitted(run, tmp_path):
+    methods = [part for name in ("hard-sphere", "propagate", "bca") for part in ("--method", name)]
+    figure = tmp_path / "speed.png"
+    code, out, err = run("pulse", "--beads", 9, *methods, "--quantity", "speed", "--plot", figure)
+    assert code == 0
+    assert "note: hard sphere is omitted, as it does not predict the speed" in err
+    assert "propagation" in out
+    assert "BCA against propagation" in out
+    assert "hard sphere" not in out
+    assert "the last one is that to the free end" in " ".join(out.split())
+    assert figure.stat().st_size > 1000
+
+
+def test_speeds_that_alternate_have_a_mean(run, tmp_path):
+    chain = hc.Chain.dimer(radii=[1.0, 0.7], beads=30)
+    pulse = hc.propagate(chain)
+    # Both contacts of a cell: from one large bead to the next.
+    mean = 2.0 * (chain.radii[14] + chain.radii[15]) / (pulse.arrival[16] - pulse.arrival[14])
+    assert f"speed {mean:.4g} over contacts 15 and 16" in str(pulse)
+    file = tmp_path / "dimer.csv"
+    np.savetxt(file, chain.radii, header="radius", comments="")
+    code, out, _ = run("pulse", file, "--quantity", "speed")
+    assert code == 0
+    note = f"alternates from bead to bead; the mean is {mean:.4g} over contacts 15 and 16"
+    assert note in " ".join(out.split())
+    assert "alternates" not in run("pulse", "--beads", 30, "--quantity", "speed")[1]
 
 
 # For each command whose help shows defaults, arguments with which it takes at most a few seconds.

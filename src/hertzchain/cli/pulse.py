@@ -138,6 +138,8 @@ def pulse(
     with progress_bar("beads passed") as progress:
         for name, chain in chains.items():
             found[name] = [_computed(each, chain, progress, settings[each]) for each in chosen]
+    if plot is not None or not (as_json or as_csv):
+        found = {name: _with_quantity(each, quantity) for name, each in found.items()}
     pulses = [pulse for each in found.values() for pulse in each]
     if plot is not None:
         from ..plotting.pulses import plot_pulses
@@ -196,13 +198,23 @@ def _computed(
     return pulse_by(method, chain, progress, **settings)
 
 
+def _with_quantity(pulses: list[Pulse], quantity: str) -> list[Pulse]:
+    """Those of the pulses that have a quantity; an error if there is none."""
+    has = [pulse for pulse in pulses if pulse.column(quantity) is not None]
+    if not has:
+        pulses[0]._predicted(quantity)
+    for pulse in pulses:
+        if pulse not in has:
+            click.echo(f"note: {pulse.method} is omitted, as it does not predict the {quantity}",
+                       err=True)  # fmt: skip
+    return has
+
+
 def _show_pulses(pulses: list[Pulse], quantity: str, *, every_bead: bool) -> None:
     """Print a table of one chain: all quantities of one pulse, or one quantity of several."""
     if len(pulses) == 1 and quantity not in ON_REQUEST:
         show_table(pulse_table(pulses[0], every_bead))
         return
-    for each in pulses:
-        each._predicted(quantity)
     show_table(side_by_side(pulses, quantity, every_bead))
     for other in pulses[1:]:
         comparison = other.compare(pulses[0])

@@ -68,8 +68,25 @@ def side_by_side(pulses: list[Pulse], quantity: str, every_bead: bool) -> Table:
         table.add_row(str(i + 1), *(_cell(values, i, 8) for values in columns))
     timed = quantity in ("residence", "speed")
     unordered = timed and any(out_of_order(each.residence) for each in pulses)
-    _add_notes(table, pulses, OUT_OF_ORDER if unordered else "")
+    speeds = [note for each in pulses for note in _speed_notes(each)] if quantity == "speed" else []
+    _add_notes(table, pulses, OUT_OF_ORDER if unordered else "", *speeds)
     return table
+
+
+def _speed_notes(pulse: Pulse) -> list[str]:
+    """Notes on speeds that are not those of the whole pulse."""
+    from ..pulse.alternating_speed import alternates_at, over_two_contacts
+    from ..pulse.free_end import ends_free
+
+    found, k = [], pulse.chain.beads // 2
+    if alternates_at(pulse.speed, k) and pulse.residence is not None:
+        mean = over_two_contacts(pulse.chain, pulse.residence, k)
+        found.append(f"speed: it alternates from bead to bead; the mean is {mean}")
+    if ends_free(pulse, "velocity") and pulse.speed is not None:
+        found.append(
+            "speed: the last one is that to the free end, where no bead ahead delays the arrival"
+        )
+    return found
 
 
 def _cell(values: Array | None, i: int, digits: int) -> str:

@@ -21,6 +21,7 @@ from ..representation import listed, measure, percent, short
 from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_choice, text
+from .alternating_speed import alternates_at, over_two_contacts
 from .columns import Columns, derive, with_columns
 from .notes import WARNING, checked_notes, notes_in_words
 from .quantities import BEAD_QUANTITIES, COLUMN_QUANTITIES, QUANTITIES, Quantity
@@ -161,7 +162,9 @@ class Pulse(Columns):
         with the initial distance :math:`D_k` of the centres of beads k and k + 1 and the residence
         time :math:`T_k`; :math:`1/T_k` is the speed in beads per time.  In m/s for a chain in SI
         units, otherwise in radii :math:`R_1'` per unit of time.  `None` if the method does not
-        predict residence times.
+        predict residence times.  If the masses alternate, so does the speed, and that of the pulse
+        is the mean over two contacts, :math:`(D_k + D_{k+1})/(T_k + T_{k+1})`.  The speed to the
+        last bead of a free end differs from the others, because no bead ahead delays the arrival.
 
         In equal beads of mass m with contacts of stiffness k, and p = 3/2, it tends to
         :math:`V = 0.9074700784\,(k/m)^{2/5} v^{1/5}` beads per time, with the velocity v of
@@ -208,6 +211,10 @@ class Pulse(Columns):
         if values is None:
             names = listed([*self.columns()])
             hint = "; disorder predicts it" if quantity.endswith("_spread") else ""
+            if quantity == "speed":
+                hint = (
+                    "; the speed of the pulse follows from residence times, which it does not have"
+                )
             raise InputError(f"{self.method} does not predict {quantity}, only {names}{hint}")
         return values
 
@@ -354,16 +361,19 @@ class Pulse(Columns):
     def _main_numbers(self, digits: int) -> str:
         """Velocity of the last bead; speed and, in SI units, force in the middle of the chain."""
         units, contact = self.chain.units, self.chain.beads // 2
+        alternating = alternates_at(self.speed, contact)
         last = measure(self.velocity[-1], "m/s", units, digits)
         middle = [
             f"{name} {measure(values[contact - 1], unit, units)}"
             for name, values, unit in (
-                ("speed", self.speed, "m/s"),
+                ("speed", None if alternating else self.speed, "m/s"),
                 ("force", self.peak_force if units == "SI" else None, "N"),
             )
             if values is not None
         ]
         shown = f"v_{self.chain.beads} = {last}"
+        if alternating and self.residence is not None:
+            shown += f"; speed {over_two_contacts(self.chain, self.residence, contact)}"
         return f"{shown}; {', '.join(middle)} at contact {contact}" if middle else shown
 
     def _all_notes(self) -> list[str]:

@@ -654,6 +654,44 @@ def test_corner_plots_have_medians_errors_and_a_legend():
     assert words == ["samples of the posterior", "value of the fit"]
 
 
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_corner_plots_state_that_there_are_too_few_steps(count):
+    samples = 50.0 + np.random.default_rng(0).normal(size=(400, count))
+    names = tuple(f"gain[b{i}]" for i in range(count))
+    heights = []
+    for steps in (4000, 40):
+        arguments = 0.5, 20.0, steps, np.full(count, 50.0), ("",) * count
+        figure = hc.Posterior(names, samples, *arguments).plot()
+        figure.draw_without_rendering()
+        (legend,) = figure.legends
+        text = " ".join(" ".join(each.get_text() for each in legend.get_texts()).split())
+        assert ("not converged" in text) == (steps == 40)
+        box = legend.get_window_extent()
+        assert not any(box.overlaps(axes.get_tightbbox()) for axes in figure.axes)
+        heights.append(figure.axes[0].bbox.height)
+    assert text.endswith("too few for an autocorrelation of 20 steps: take at least 1001")
+    assert heights[1] > 0.8 * heights[0]
+
+
+def test_maps_of_correlations_name_parameters_in_words():
+    axes = hc.fit(*hc.example_experiment()).plot_correlations().axes[0]
+    for labels in (axes.get_xticklabels(), axes.get_yticklabels()):
+        words = [label.get_text() for label in labels]
+        assert words[:3] == ["stiffness factor", "striker velocity", "relaxation time"]
+
+
+def test_sensors_in_one_figure_need_one_legend():
+    traces, file = hc.example_experiment()
+    result = hc.fit(traces, file)
+    compared = hc.simulate(hc.load_chain(file), until=600e-6, times=1201).compare(traces)
+    for plotted in (result, compared):
+        _, panels = plt.subplots(2, 2)
+        plotted.plot("ball 6", ax=panels[:, 0])
+        plotted.plot("wall", legend=False, ax=panels[:, 1])
+        assert panels[0, 0].get_legend() is not None
+        assert panels[0, 1].get_legend() is None
+
+
 def test_labels_of_large_corner_plots_grow_with_the_figure():
     sizes = []
     for count in (2, 9):

@@ -342,11 +342,13 @@ class FitResult:
     def plot(self) -> Figure: ...
     @overload
     def plot(
-        self, sensor: str, *, shot: int = 1, ax: Axes | Sequence[Axes] | None = None
-    ) -> Axes: ...
+        self, sensor: str, *, shot: int = 1, legend: bool = True,
+        ax: Axes | Sequence[Axes] | None = None,
+    ) -> Axes: ...  # fmt: skip
     def plot(
-        self, sensor: str | None = None, *, shot: int = 1, ax: Axes | Sequence[Axes] | None = None
-    ) -> Axes | Figure:
+        self, sensor: str | None = None, *, shot: int = 1, legend: bool = True,
+        ax: Axes | Sequence[Axes] | None = None,
+    ) -> Axes | Figure:  # fmt: skip
         """Plot data, fit and residuals of every sensor, or of one.
 
         Parameters
@@ -355,6 +357,8 @@ class FitResult:
             Name of a sensor; by default, the figure has three panels per sensor.
         shot : int
             Number of the shot of this sensor, from 1.
+        legend : bool
+            Whether the axes of this sensor have a legend, which one of several sensors needs.
         ax : matplotlib.axes.Axes or pair of them, optional
             Axes for data and fit of this sensor and, in a pair, for its residuals.  By default, a
             new figure has both.
@@ -369,7 +373,7 @@ class FitResult:
         from ..plotting.fits import plot_fit, plot_fitted_sensor
 
         if sensor is not None:
-            return plot_fitted_sensor(self, sensor, shot=shot, ax=ax)
+            return plot_fitted_sensor(self, sensor, shot=shot, legend=legend, ax=ax)
         if ax is not None:
             raise InputError("ax takes one sensor; give it, such as 'wall'")
         return plot_fit(self)

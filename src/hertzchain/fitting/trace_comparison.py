@@ -188,16 +188,21 @@ class TraceComparison:
     @overload
     def plot(self) -> Figure: ...
     @overload
-    def plot(self, sensor: str, *, ax: Axes | Sequence[Axes] | None = None) -> Axes: ...
     def plot(
-        self, sensor: str | None = None, *, ax: Axes | Sequence[Axes] | None = None
-    ) -> Axes | Figure:
+        self, sensor: str, *, legend: bool = True, ax: Axes | Sequence[Axes] | None = None
+    ) -> Axes: ...
+    def plot(
+        self, sensor: str | None = None, *, legend: bool = True,
+        ax: Axes | Sequence[Axes] | None = None,
+    ) -> Axes | Figure:  # fmt: skip
         """Plot data and simulation and, below them, their difference over the noise, by sensor.
 
         Parameters
         ----------
         sensor : str, optional
             Name of a sensor; by default, the figure has two panels per sensor.
+        legend : bool
+            Whether the axes of this sensor have a legend, which one of several sensors needs.
         ax : matplotlib.axes.Axes, or a pair of them, optional
             Axes to draw one sensor into; those of its difference are the second of a pair.  By
             default, a new figure has both.
@@ -223,7 +228,7 @@ class TraceComparison:
         from ..plotting.fits import plot_comparison, plot_sensor
 
         if sensor is not None:
-            return plot_sensor(self, sensor, ax=ax)
+            return plot_sensor(self, sensor, legend=legend, ax=ax)
         if ax is not None:
             names = [signal.name for signal in self.traces.shots[0].signals]
             raise InputError(f"ax takes one sensor; give it, such as {names[0]!r}")

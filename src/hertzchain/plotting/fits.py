@@ -60,6 +60,9 @@ ALMOST_ONE: Final = 0.995
 HANDLE: Final = 6
 # Smallest font of a corner plot, and largest number of characters of a name in one line.
 SMALLEST, LONG_NAME = 6.5, 16
+# Number of parameters from which on a legend has room in the empty corner of a corner plot; height
+# of its remark on too few steps [inches], and the most characters of a line of it.
+CORNER, CAUTION_HEIGHT, CAUTION_LINE = 3, 0.6, 34
 # Powers of ten of values that are shown without a factor in the unit.
 MIN_POWER, MAX_POWER = -3, 4
 # Width of a panel [inches] from which its title has room.
@@ -151,8 +154,9 @@ def _legend_above(figure: Figure, *panels: Axes) -> None:
 
 
 def plot_fitted_sensor(
-    result: FitResult, sensor: str, *, shot: int = 1, ax: Axes | Sequence[Axes] | None = None
-) -> Axes:
+    result: FitResult, sensor: str, *, shot: int = 1, legend: bool = True,
+    ax: Axes | Sequence[Axes] | None = None,
+) -> Axes:  # fmt: skip
     """Plot data and fit of one sensor and, unless one axes are given, its residuals over noise."""
     shots = result.traces.shots
     index = whole_number("shot", shot, least=1, most=len(shots)) - 1
@@ -172,7 +176,8 @@ def plot_fitted_sensor(
             lower.set_ylabel(RESIDUAL)
             lower.set_xlim(upper.get_xlim())
         lower.set_xlabel(label)
-        place_legend(upper, own=ax is None)
+        if check_bool("legend", legend):
+            place_legend(upper, own=ax is None)
     return upper
 
 
@@ -224,7 +229,8 @@ def residual_bins(step: float) -> np.ndarray[Any, Any]:
 
 def plot_correlations(result: FitResult) -> Figure:
     """Plot the correlations of the parameters of a fit as a map, without its upper half."""
-    names, values = result.names, result.correlation
+    names = [literal(parameter_in_words(name)) for name in result.names]
+    values = result.correlation
     lower = np.tril(np.ones(values.shape, dtype=bool))
     with figure_style():
         side = 2.6 + 0.4 * len(names)
@@ -283,8 +289,9 @@ def _title_with_peaks(axes: Axes, comparison: TraceComparison, i: int) -> None:
 
 
 def plot_sensor(
-    comparison: TraceComparison, sensor: str, *, ax: Axes | Sequence[Axes] | None = None
-) -> Axes:
+    comparison: TraceComparison, sensor: str, *, legend: bool = True,
+    ax: Axes | Sequence[Axes] | None = None,
+) -> Axes:  # fmt: skip
     """Plot data and simulation of a sensor and, unless one axes are given, their difference."""
     names = [each.name for each in comparison.sensors]
     i = names.index(check_choice("sensor", sensor, names))
@@ -298,7 +305,8 @@ def plot_sensor(
         if ax is None:
             _title_with_peaks(upper, comparison, i)
         lower.set_xlabel(label)
-        place_legend(upper, own=ax is None)
+        if check_bool("legend", legend):
+            place_legend(upper, own=ax is None)
     return upper
 
 
@@ -333,7 +341,8 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
 def plot_corner(posterior: Posterior) -> Figure:
     """Corner plot of a posterior: histogram of each parameter and scatter of each pair.
 
-    Above the histograms are the medians, with the distances to the 16th and 84th percentiles.
+    Above the histograms are the medians, with the distances to the 16th and 84th percentiles.  If
+    there are too few steps for reliable errors, the legend states it.
     """
     count = len(posterior.names)
     factors, names, units = _in_shown_units(posterior)
@@ -350,6 +359,9 @@ def plot_corner(posterior: Posterior) -> Figure:
         figure, panels = plt.subplots(
             count, count, squeeze=False, figsize=figure_size(side, side), layout="constrained"
         )  # fmt: skip
+        caution = posterior._too_short()
+        if caution and (listed or count < CORNER):
+            figure.set_figheight(figure.get_figheight() + CAUTION_HEIGHT)
         size = _corner_font(figure.get_figwidth(), count, labels)
         for i, j in np.ndindex(count, count):
             axes: Any = panels[i, j]
@@ -377,7 +389,7 @@ def plot_corner(posterior: Posterior) -> Figure:
                 axes.set_ylabel(labels[i], fontsize=size)
         rows = [f"{' '.join(name.split())}: {median}"
                 for name, median in zip(names, medians, strict=True)]  # fmt: skip
-        _corner_legend(figure, size, rows if listed else [])
+        _corner_legend(figure, size, rows if listed else [], caution)
     return figure
 
 
@@ -388,16 +400,18 @@ def _corner_font(width: float, count: int, labels: Sequence[str]) -> float:
     return max(SMALLEST, min(fitting, 9.0 * max(1.0, width / 7.4)))
 
 
-def _corner_legend(figure: Figure, size: float, rows: Sequence[str]) -> None:
+def _corner_legend(figure: Figure, size: float, rows: Sequence[str], caution: str) -> None:
     """Explain the colours in the empty corner or, of few panels or with further rows, above."""
     samples, value = (Line2D([], [], color=COLOURS[i]) for i in (1, 2))
     samples.set(linestyle="", marker=".", label="samples of the posterior")
     value.set(linewidth=0.9, marker="+", markersize=0.7 * size, label="value of the fit")
     place: dict[str, Any] = (
         {"loc": "outside upper left"} if rows
-        else {"loc": "outside upper center"} if len(figure.axes) <= 3
+        else {"loc": "outside upper center"} if len(figure.axes) < CORNER * (CORNER + 1) // 2
         else {"loc": "upper right", "bbox_to_anchor": (0.98, 0.98)}
     )  # fmt: skip
+    if caution:
+        rows = [*rows, "\n".join(textwrap.wrap(f"not converged: {caution}", CAUTION_LINE))]
     further = [Line2D([], [], linestyle="", label=row) for row in rows]
     figure.legend(handles=[samples, value, *further], fontsize=size, **place)
 

@@ -68,8 +68,7 @@ def measured_traces() -> Figure:
     with hc.figure_style("double column"):
         canvas, panels = plt.subplots(1, 2, figsize=(178 / 25.4, 2.3), sharey=True)
         for axes, sensor in zip(panels, ["ball 6", "wall"], strict=True):
-            compared.plot(sensor, ax=axes)
-        panels[1].get_legend().remove()
+            compared.plot(sensor, legend=sensor == "ball 6", ax=axes)
         panels[1].set_ylabel("")
     return canvas
 

@@ -333,6 +333,8 @@ def test_velocities_are_limited_to_those_with_representable_energies(build):
     """Up to the limit, simulations and theories give the velocities of a slower impact, scaled."""
     with pytest.raises(hc.InputError, match=r"velocity of .*1e\+100.*"):
         build(1e101)
+    with pytest.raises(hc.InputError, match=r"velocity of bead 1.* is 1e-101: .* 1e-100 in size"):
+        build(1e-101)
     fast, slow = build(1e100), build(1.0)
     with pytest.warns(hc.ModelRangeWarning) if fast.units == "SI" else nullcontext():
         found = hc.propagate(fast).velocity, hc.simulate(fast).pulse().velocity
@@ -341,6 +343,7 @@ def test_velocities_are_limited_to_those_with_representable_energies(build):
     assert found[0] == pytest.approx(1e100 * expected, rel=1e-7)
     assert found[1] == pytest.approx(1e100 * expected, rel=1e-5)
     assert table["velocity"][0] == pytest.approx(1e100 * expected, rel=1e-5)
+    assert hc.propagate(build(1e-100)).velocity == pytest.approx(1e-100 * expected, rel=1e-7, abs=0.0)
 
 
 @pytest.mark.parametrize(("mass", "advice"), [(1e6, "less unequal masses"), (None, "fewer beads")])

@@ -17,7 +17,9 @@ from ..validation.numbers import number, per_bead_array, real_numbers, whole_num
 BYTES_PER_BEAD: Final = 400
 # With a larger exponent, a contact resembles a rigid wall and the steps become too small.
 MAX_EXPONENT: Final = 50.0
-# Largest velocity, scaled or in m/s: the energy and the forces of an impact must be representable.
+# Limits of the largest velocity, scaled or in m/s, if it is not 0: the energy and the forces of an
+# impact must be representable.
+MIN_VELOCITY: Final = 1e-100
 MAX_VELOCITY: Final = 1e100
 # SI radii above this value [m], and limits from it on, cause a warning, because they are probably
 # in millimetres; so do limits above this multiple of the largest bead.
@@ -117,6 +119,12 @@ def check_velocities(values: Array) -> None:
         raise InputError(
             f"velocity of bead {k + 1} is {values[k]:g}: it must be from {-MAX_VELOCITY:g} to "
             f"{MAX_VELOCITY:g}; check its unit"
+        )
+    if 0.0 < speeds.max(initial=0.0) < MIN_VELOCITY:
+        k = int(np.argmax(speeds))
+        raise InputError(
+            f"velocity of bead {k + 1}, the fastest one, is {values[k]:g}: it must be 0, or at "
+            f"least {MIN_VELOCITY:g} in size; check its unit"
         )
 
 

@@ -20,7 +20,7 @@ from ..chain.feature_support import Alternative, require_chain, require_supporte
 from ..chain.hertz_range import hertz_range, warn_outside_hertz
 from ..chain.scales import Scales
 from ..errors import InputError, ModelRangeWarning, warn_user
-from ..recorded_warnings import observe_warnings
+from ..recorded_warnings import ObserveWarnings
 from .notes import WARNING
 from .pulse import Pulse
 from .pulse_table import PulseTable
@@ -45,7 +45,7 @@ def for_any_units(
         @functools.wraps(function)
         def convert(chain: Chain, *args: Any, **options: Any) -> Any:
             scaled = scaled_chain(chain, method, supported, alternative)
-            with observe_warnings(ModelRangeWarning) as warned:
+            with ObserveWarnings(ModelRangeWarning) as warned:
                 pulse = function(scaled, *args, **options)
                 if scaled is not chain:
                     pulse = in_units_of(chain, pulse)

@@ -401,7 +401,7 @@ _DEFAULTS = {item.name: item.default for item in fields(Pulse) if item.default i
 def assemble_pulse(**columns: Any) -> Pulse:
     """A pulse of new read-only columns that need no checks, which would take 20 microseconds."""
     pulse = Pulse.__new__(Pulse)
-    pulse.__dict__.update(_DEFAULTS | {"notes": {}} | columns)
+    pulse.__dict__.update({**_DEFAULTS, "notes": {}, **columns})
     return pulse
 
 

@@ -33,15 +33,16 @@ def chain(**fields):
 
 @functools.cache
 def forces(
-    spacing=SPACING, gap=0.0, behind=8, exponent=1.5, static=0.0, velocity=VELOCITY, heavier=1.0
-):
+    spacing=SPACING, gap=0.0, behind=8, exponent=1.5, static=0.0, velocity=VELOCITY, heavier=1.0,
+    wall_young=WALL_YOUNG,
+):  # fmt: skip
     """Forces of the sensors after the impact, by name."""
     count = BALLS + 1
     masses = np.full(count, DENSITY * 4.0 / 3.0 * math.pi * RADIUS**3)
     masses[[ball for ball in SENSORS.values() if ball is not None]] *= heavier
     softness = (1.0 - POISSON**2) / YOUNG
     inner = 4.0 / 3.0 / (2.0 * softness) * math.sqrt(RADIUS / 2.0)
-    wall = 4.0 / 3.0 / (softness + (1.0 - POISSON**2) / WALL_YOUNG) * math.sqrt(RADIUS)
+    wall = 4.0 / 3.0 / (softness + (1.0 - POISSON**2) / wall_young) * math.sqrt(RADIUS)
     # Of the same force at an overlap of 2 um.
     k = FACTOR * np.array([inner] * (count - 1) + [wall]) * 2e-6 ** (1.5 - exponent)
     gaps = np.zeros(count)

@@ -94,7 +94,8 @@ def gradient(
         ``"precompression"``, ``"gravity"``, ``"loss.time"``, ``"loss.coefficient"`` or
         ``"loss.gamma"``; by differences, those of each bead or contact except gaps, where they are
         not 0 (NaN otherwise).  Masses and stiffness follow the radii and materials unless they are
-        given in the chain; the unit of a scaled chain remains fixed when radius 1 is varied.
+        given in the chain.  A wall with a given material keeps it.  The unit of a scaled chain
+        remains fixed when radius 1 is varied.
     bead : int or str, optional
         Number k of the bead, from 1, or its name, such as ``"ball 9"``.
     until : float, optional

@@ -24,9 +24,8 @@ from ..errors import InputError, unknown_name_error
 from ..recorded_warnings import ignore_warnings
 from ..units import is_unit
 from ..validation.numbers import FRACTION
-from .names import Name
-
-ENDS: Final = ("left_wall", "right_wall")
+from .material_parameters import constant_of, named_materials, with_constants
+from .names import ENDS, Name
 
 
 @dataclass(frozen=True)
@@ -111,8 +110,10 @@ def known_names(chain: Chain) -> list[str]:
     if chain.strikers or chain.velocities[0]:
         names.append("struck_by.velocity")
     if chain.materials is not None:
-        kind = chain.materials[-1].name
-        names += [f"materials[{kind}].{field}" for field in ("young", "poisson", "density")]
+        of_balls = {each.name for each in chain.materials}
+        for kind in dict.fromkeys((chain.materials[-1].name, *named_materials(chain))):
+            fields = ("young", "poisson", "density") if kind in of_balls else ("young", "poisson")
+            names += [f"materials[{kind}].{field}" for field in fields]
         names.append("radius[8]")
     for end in ENDS:
         if getattr(chain, end) is not None:
@@ -245,7 +246,7 @@ def value_of(chain: Chain, name: Name) -> float:
     if key == "struck_by.velocity":
         return float(np.abs(chain.velocities).max())
     if key.startswith("materials."):
-        return float(getattr(_material(chain, name), key.split(".")[1]))
+        return constant_of(chain, name)
     if key == "exponent":
         return float(chain.exponents)
     if key in ("gravity", "precompression"):
@@ -262,14 +263,6 @@ def value_of(chain: Chain, name: Name) -> float:
     return float(getattr(getattr(chain, end), field))
 
 
-def _material(chain: Chain, name: Name) -> Any:
-    for each in chain.materials or ():
-        if each.name == name.item:
-            return each
-    names = dict.fromkeys(each.name for each in chain.materials or ())
-    raise unknown_name_error("material of this chain", name.item, names)
-
-
 @ignore_warnings()
 def with_sizes(chain: Chain, values: Mapping[Name, float], reference: float) -> Chain:
     """The chain with other materials, sizes, stiffness, exponents and velocities.
@@ -280,10 +273,9 @@ def with_sizes(chain: Chain, values: Mapping[Name, float], reference: float) -> 
     changes: dict[str, Any] = {}
     if (radii := _with_values(chain, "radius", chain.radii, values)) is not None:
         changes = {"radii": radii} | _given_stiffness(chain, radii)
-    materials = {name: value for name, value in values.items() if name.key.startswith("materials.")}
-    if materials:
-        changes["materials"] = _changed_materials(chain, materials)
     out = chain.replace(**changes) if changes else chain
+    constants = {name: value for name, value in values.items() if name.key.startswith("materials.")}
+    out = with_constants(out, constants)
     # The masses of the other balls follow from the changed radii and densities.
     if (masses := _with_values(out, "mass", out.masses, values)) is not None:
         out = out.replace(masses=masses)
@@ -322,17 +314,6 @@ def _given_stiffness(chain: Chain, radii: Array) -> dict[str, Any]:
             ratio = float(radii[side] / chain.radii[side])
             changes[end] = dataclasses.replace(wall, stiffness=wall.stiffness * ratio**0.5)
     return changes
-
-
-def _changed_materials(chain: Chain, values: Mapping[Name, float]) -> tuple[Any, ...]:
-    assert chain.materials is not None
-    changes: dict[str, dict[str, Any]] = {}
-    for name, value in values.items():
-        changes.setdefault(name.item, {})[name.key.split(".")[1]] = value
-    return tuple(
-        dataclasses.replace(each, **changes[each.name]) if each.name in changes else each
-        for each in chain.materials
-    )
 
 
 def _forces_and_speeds(

@@ -6,17 +6,19 @@ for each constant.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.walls import Wall
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import short
-from .chain_parameters import ENDS, value_of
-from .names import Name
+from .chain_parameters import value_of
+from .names import ENDS, Name
 from .problem import Problem, differences
 from .weights import remaining_weights
 
@@ -97,7 +99,7 @@ def fixed_constants(optimum: Optimum) -> tuple[FixedConstant, ...]:
     free = {replace(each, shot="") for each in model.names}
     found = []
     for name in _constants(optimum.chains[0]):
-        if name in free:
+        if name in free or _follows(name, free, optimum.chains[0]):
             continue
         try:
             column = _derivative(optimum, name)
@@ -117,6 +119,15 @@ def _constants(chain: Chain) -> list[Name]:
         Name(f"materials.{field}", each) for each in materials for field in ("young", "density")
     ]
     return found + [Name(f"{end}.stiffness") for end in ENDS if getattr(chain, end) is not None]
+
+
+def _follows(name: Name, free: Collection[Name], chain: Chain) -> bool:
+    """Whether the stiffness of a wall follows from a modulus that is free and only the wall has."""
+    wall: Wall | None = getattr(chain, name.key.split(".")[0]) if not name.item else None
+    if wall is None or wall.stiffness is not None or wall.material is None:
+        return False
+    of_ball = any(each.name == wall.material.name for each in chain.materials or ())
+    return not of_ball and Name("materials.young", wall.material.name) in free
 
 
 def _derivative(optimum: Optimum, name: Name) -> Array:

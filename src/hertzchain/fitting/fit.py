@@ -17,13 +17,13 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
 from .arrival_notes import silent_notes
-from .chain_parameters import ENDS, following
+from .chain_parameters import following
 from .coupling import coupling_notes, resolved_coupling
 from .diagnosis import diagnosed
 from .least_squares import Solution, solve, solve_again
 from .misread_columns import inversion_notes
 from .model import Model, make_model
-from .names import Name
+from .names import ENDS, Name
 from .parameters import Parameter, Priors, free_parameters
 from .prior_conflicts import conflict_notes
 from .problem import Problem, differences

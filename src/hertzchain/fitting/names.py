@@ -8,6 +8,8 @@ from typing import Final
 
 from ..errors import InputError, short_repr
 
+# Walls, whose names begin those of their parameters.
+ENDS: Final = ("left_wall", "right_wall")
 NAME: Final = re.compile(
     r"(?P<base>[a-z_.]+?)(?:\[(?P<item>[^\]]+)\])?(?:\.(?P<field>[a-z_.]+))?(?:@(?P<shot>\d+|\*))?"
 )

@@ -23,6 +23,8 @@ REASONS: Final = {
     "radius": ("its mass and the stiffness of its contacts are given", "{masses} or 'stiffness'"),
     "crosstalk": ("no neighbouring column has the same unit", "'gain[*]' or 'offset[*]'"),
 }
+# The same for the density of a material of which no ball is made.
+OF_WALL: Final = ("only a wall is made of this material, and it does not move", "'{young}'")
 
 
 def check_used(parameters: Sequence[Parameter], traces: Traces, chains: Sequence[Chain]) -> None:
@@ -65,7 +67,11 @@ def _has_neighbours(traces: Traces) -> bool:
 def _sentence(parameter: Parameter, chain: Chain) -> str:
     name = parameter.name
     reason, others = REASONS.get(name.key, ("no contact depends on it", ""))
+    if name.key == "materials.density" and all(
+        each.name != name.item for each in chain.materials or ()
+    ):
+        reason, others = OF_WALL
     if not others:
         others = ", ".join(f"'loss.{each}'" for each in loss_parameters(chain)) or "'stiffness'"
-    others = others.format(masses=f"'mass[{name.item}]'")
+    others = others.format(masses=f"'mass[{name.item}]'", young=Name("materials.young", name.item))
     return f"{str(name)!r} has no effect, because {reason}; free {others} instead"

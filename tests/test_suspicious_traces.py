@@ -97,7 +97,7 @@ def test_the_samples_before_a_pulse_are_counted():
     """The pulse begins with sample 23; 22 are before it."""
     values = np.random.default_rng(3).normal(0.0, 0.1, 60)
     values[22:] += 50.0
-    with pytest.raises(hc.InputError, match="arrives after 22 samples, .* 17 .* at least 25 samp"):
+    with pytest.raises(hc.InputError, match="begins after 22 samples, .* 17 .* at least 25 samp"):
         hc.Traces.from_arrays(1e-6 * np.arange(60), {"wall [N]": values})
     enough = np.concatenate([0.1 * np.sin(np.arange(3.0)), values])
     hc.Traces.from_arrays(1e-6 * np.arange(63), {"wall [N]": enough})

@@ -28,7 +28,7 @@ def order_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
         ok = signal.valid | saturated_samples(signal)
         pairs = (shot.times[ok], (signal.values - level_of(signal))[ok]), (grid, column - column[0])
         seen, own = (reached(each, values, HALF * extreme(values)) for each, values in pairs)
-        if _has_pulse(signal):
+        if has_pulse(signal):
             arrivals.append((signal, seen, own))
     for (one, seen, own), (two, seen_later, own_later) in itertools.combinations(arrivals, 2):
         measured, simulated = seen_later - seen, own_later - own
@@ -47,11 +47,12 @@ def silent_notes(shot: Shot, inside: Array | None = None) -> list[str]:
     """Notes on data, or on the part of them that is compared, without a pulse."""
     return [
         f"the data of {signal.name} have no pulse above their noise"
-        for signal in shot.signals if not _has_pulse(signal, inside)
+        for signal in shot.signals if not has_pulse(signal, inside)
     ]  # fmt: skip
 
 
-def _has_pulse(signal: Signal, inside: Array | None = None) -> bool:
+def has_pulse(signal: Signal, inside: Array | None = None) -> bool:
+    """Whether a signal, or the part of it that is compared, clearly exceeds its noise."""
     ok = np.isfinite(signal.values) if inside is None else np.isfinite(signal.values) & inside
     return abs(extreme(signal.values[ok] - level_of(signal))) > ABOVE_NOISE * signal.sigma
 
@@ -75,7 +76,7 @@ def outside_notes(
         begin = float(shot.times[0]) - time_offset
         if own.any() and reached(grid, own, HALF * extreme(own)) < begin:
             early.append(signal.name)
-        elif signal.name in outside and _has_pulse(signal):
+        elif signal.name in outside and has_pulse(signal):
             missing.append(signal.name)
     notes = []
     if early:
@@ -95,7 +96,7 @@ def other_offset_notes(
     shot: Shot, time_offset: float, other: tuple[float, float] | None
 ) -> list[str]:
     """A note if another offset, with its larger differences, agrees almost as well."""
-    if other is None or not any(map(_has_pulse, shot.signals)):
+    if other is None or not any(map(has_pulse, shot.signals)):
         return []
     offset, larger = other
     return [

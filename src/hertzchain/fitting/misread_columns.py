@@ -32,6 +32,8 @@ class Misread:
     what: str
     advice: str
     traces: Traces
+    # Whether this changes all columns or all times.
+    whole: bool = False
 
 
 def misread_columns(model: Model) -> Iterator[Misread]:
@@ -63,6 +65,19 @@ def _signs(traces: Traces, ratios: Mapping[str, float]) -> Iterator[Misread]:
 
 
 def _units(traces: Traces, ratios: Mapping[str, float]) -> Iterator[Misread]:
+    for prefix in PREFIXES:
+        wrong = [
+            name for name, ratio in ratios.items()
+            if 1.0 / TOLERANCE < abs(ratio) / prefix < TOLERANCE
+        ]  # fmt: skip
+        if len(wrong) > 1:
+            yield Misread(
+                f"the values of {listed(wrong)} multiplied by {1.0 / prefix:g}",
+                "check the unit in the header of these columns",
+                _scaled(traces, dict.fromkeys(wrong, 1.0 / prefix)),
+                whole=len(wrong) == len(ratios),
+            )
+            return
     for name, ratio in ratios.items():
         for prefix in PREFIXES:
             if 1.0 / TOLERANCE < abs(ratio) / prefix < TOLERANCE:

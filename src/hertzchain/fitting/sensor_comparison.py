@@ -15,6 +15,7 @@ from ..representation import measure
 from ..simulation.run import Run
 from .misread_columns import POLARITY, PREFIXES, TOLERANCE, extreme, level_of
 from .noise import independent_samples
+from .shown_values import shown_difference, shown_part
 from .signals import Shot, Signal
 
 # A signal has arrived at this fraction of its peak, where its width is measured, too.
@@ -111,7 +112,7 @@ class SensorComparison:
     @property
     def cells(self) -> tuple[str, ...]:
         """Peaks, arrivals and residual as text."""
-        difference = f"{self.peak_ratio - 1.0:+z.1%}"
+        difference = shown_difference(self.peak_ratio)
         if self.lower_bound:
             difference = "saturated" if self.saturated else "no crest"
         return (
@@ -119,7 +120,7 @@ class SensorComparison:
             f"{self.simulated_peak:.4g} {self.unit}", difference,
             *(_time(each) for each in (self.measured_arrival, self.simulated_arrival)),
             _time(self.delay, "+"),
-            f"{self.residual:.1%}",
+            shown_part(self.residual),
         )  # fmt: skip
 
     @property

@@ -18,6 +18,9 @@ SHOWN: Final[Mapping[str, tuple[float, str]]] = {
     "m": (1e6, "um"),
     "Pa": (1e-9, "GPa"),
 }
+# Ratio from which values are compared by their ratio instead of a difference in percent, and the
+# smallest that has a meaning.
+FACTOR, NO_AGREEMENT = 2.0, 1e-6
 
 
 def shown_value(
@@ -63,3 +66,22 @@ def shown_diameter(
         f": diameter {with_error(2e3 * value, 2e3 * sigma)} mm, {sign}{percent}% "
         f"from {2e3 * nominal:.6g} mm"
     )
+
+
+def shown_difference(ratio: float) -> str:
+    """Relative difference of a value from another one; beyond a factor of 2, their ratio."""
+    if ratio < 0.0:
+        return "other sign"
+    return f"{ratio - 1.0:+z.1%}" if 1.0 / FACTOR < ratio < FACTOR else _times(ratio)
+
+
+def _times(ratio: float) -> str:
+    """A ratio in words, unless it only states that one of two signals vanishes."""
+    if not NO_AGREEMENT < ratio < 1.0 / NO_AGREEMENT:
+        return "no agreement"
+    return f"{ratio:.3g} times" if ratio < 1000.0 else f"{ratio:.0f} times"
+
+
+def shown_part(ratio: float) -> str:
+    """A ratio in percent; beyond a factor of 2, as a factor."""
+    return f"{ratio:.1%}" if ratio < FACTOR else _times(ratio)

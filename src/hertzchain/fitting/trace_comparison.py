@@ -28,6 +28,7 @@ from .coupling import Gain, coupling_notes, resolved_coupling, static_force
 from .exchanged_columns import exchange_notes
 from .goodness import EXPLAINED
 from .misread_columns import inversion_notes, level_of
+from .misread_times import time_notes
 from .missing_rows import gap_notes, gaps_between, with_missing_samples
 from .places import check_places
 from .sensor_comparison import (
@@ -85,9 +86,9 @@ class TraceComparison:
         a thousandth of the step between samples.  NaN if the time offset was given.
     notes : tuple of str
         Remarks, one sentence each: samples that the run does not cover, missing rows, incomplete
-        peaks, peaks that suggest another unit, arrivals in another order or outside the record,
-        another time offset that agrees almost as well, saturated sensors, and sensors without the
-        static force.
+        peaks, times and peaks that suggest another unit, arrivals in another order or outside the
+        record, another time offset that agrees almost as well, saturated sensors, and sensors
+        without the static force.
 
     Examples
     --------
@@ -315,7 +316,9 @@ def _suspicious(
     """Sentences on columns that are probably exchanged, or in other units or elsewhere."""
     (shot,), offset = found.traces.shots, found.time_offset
     outside = sensors_outside(shot, columns, found.signals)
-    # Columns that are exchanged cause most of the other differences.
+    # Wrong times, or columns that are exchanged, cause most of the other differences.
+    if notes := time_notes(shot, columns, grid):
+        return [*notes, *unit_notes(found.sensors, outside)]
     return (
         exchange_notes(shot, columns, float(grid[1] - grid[0]))
         or order_notes(shot, columns, grid)

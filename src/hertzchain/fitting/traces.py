@@ -371,7 +371,7 @@ def _estimated_noise(place: Place, before: Array, step: float, first: int) -> fl
     """Noise of the samples before the pulse, without rounding errors that are larger."""
     if len(before) < MIN_QUIET:
         raise InputError(
-            f"the noise of {place.name} cannot be estimated: the pulse arrives after "
+            f"the noise of {place.name} cannot be estimated: a pulse, or slow noise, begins after "
             f"{counted(first, 'sample')}, and the first {len(before)} that are clear of it and "
             f"valid are too few; record at least {MIN_BEFORE} samples before the pulse, or give "
             "noise"

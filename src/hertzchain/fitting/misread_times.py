@@ -1,0 +1,105 @@
+"""Times in another unit or with another sampling interval, from durations and arrivals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from ..simulation.time_scales import transit_times
+from .arrival_notes import has_pulse
+from .misread_columns import Misread, extreme, level_of
+from .model import Model
+from .sensor_comparison import HALF, check_durations, half_width, reached, saturated_samples
+from .signals import Shot
+from .traces import Traces
+
+# The ratios of pulse durations and of the times between sensors agree within the first factor, and
+# differ from 1 by more than the second.
+ALIKE, CLEAR = 1.25, 1.5
+# Factors that a unit or a sampling interval is usually wrong by, and their tolerance.
+USUAL: Final = (2.0, 2.5, 4.0, 5.0, 10.0, 100.0)
+TOLERANCE: Final = 1.15
+# Duration of the nominal simulation, as a multiple of the time in which the pulse passes.
+LONGER: Final = 1.5
+
+
+def time_factor(shot: Shot, columns: Sequence[Array], grid: Array) -> float | None:
+    """Ratio of measured to simulated times; None if pulses and travel disagree, or if it is 1.
+
+    Another stiffness has the same effect on times, but changes the forces inversely.
+    """
+    found, arrivals = [], []
+    for signal, column in zip(shot.signals, columns, strict=True):
+        ok = signal.valid | saturated_samples(signal)
+        seen, own = (signal.values - level_of(signal))[ok], column - column[0]
+        if not own.any() or not has_pulse(signal):
+            return None
+        found.append(half_width(shot.times[ok], seen) / max(half_width(grid, own), grid[1]))
+        arrivals.append([
+            reached(times, values, HALF * extreme(values))
+            for times, values in ((shot.times[ok], seen), (grid, own))
+        ])  # fmt: skip
+    if len(arrivals) < 2:
+        return None
+    seen, own = np.array(arrivals).T
+    first, last = int(np.argmin(own)), int(np.argmax(own))
+    if own[last] <= own[first]:
+        return None
+    travel = float((seen[last] - seen[first]) / (own[last] - own[first]))
+    widths = float(np.median(found))
+    if travel <= 0.0 or not 1.0 / ALIKE < widths / travel < ALIKE:
+        return None
+    if 1.0 / CLEAR < travel < CLEAR:
+        return None
+    near = [each**sign for each in USUAL for sign in (1, -1)]
+    usual = min(near, key=lambda each: abs(np.log(travel / each)))
+    return usual if 1.0 / TOLERANCE < travel / usual < TOLERANCE else float(f"{travel:.2g}")
+
+
+def time_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
+    """A note if all times differ from those of the simulation by one factor."""
+    factor = time_factor(shot, columns, grid)
+    if factor is None:
+        return []
+    return [
+        f"the measured pulses last {factor:.3g} times as long as the simulated ones, and they take "
+        f"{factor:.3g} times as long from sensor to sensor: check the unit of the times, the "
+        "sampling interval, and the materials of the chain"
+    ]
+
+
+def check_times(model: Model) -> None:
+    """Raise `InputError` if measured pulses last a thousand times as long as nominal ones."""
+    shot, columns, grid = _nominal_pulses(model)
+    pairs = zip(shot.signals, columns, strict=True)
+    clear = [(signal, column) for signal, column in pairs if has_pulse(signal)]
+    check_durations(
+        Shot(shot.times, tuple(each for each, _ in clear)), [column for _, column in clear], grid
+    )
+
+
+def misread_times(model: Model) -> Iterator[Misread]:
+    """Traces with times that agree better with the nominal chain."""
+    factor = time_factor(*_nominal_pulses(model))
+    if factor is not None:
+        how = f"multiplied by {1.0 / factor:.3g}" if factor < 1.0 else f"divided by {factor:.3g}"
+        shots = (Shot(shot.times / factor, shot.signals) for shot in model.traces.shots)
+        advice = "check the unit of the times and the sampling interval"
+        yield Misread(f"all times {how}", advice, Traces(tuple(shots)), whole=True)
+
+
+def _nominal_pulses(model: Model) -> tuple[Shot, list[Array], Array]:
+    """The first shot, and the signals of the nominal chain until the pulse has passed it."""
+    shot = model.traces.shots[0]
+    chain = model.chain(0, {each.name: each.start for each in model.parameters})
+    times = transit_times(chain)
+    duration = LONGER * float(times.sum() + 2.0 * times.max(initial=0.0))
+    if not np.isfinite(duration):
+        duration = float(shot.times[-1] - shot.times[0])
+    run = model.simulator.signals(chain, duration)
+    places = [place.name for place in model.simulator.places]
+    columns = [run.columns[:, places.index(signal.name)] for signal in shot.signals]
+    return shot, columns, run.spacing * np.arange(len(run.columns))

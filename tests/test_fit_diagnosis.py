@@ -189,7 +189,7 @@ def test_no_effect_of_sensors_is_named_for_a_gap(gap):
     assert "--" not in result.summary().replace("+-", "")
     (rest,) = without_tested(result, DEFECTS, LAWS).advice
     assert rest.endswith(
-        "consider the exponent of the wall, and the sizes and materials of striker, balls and wall"
+        "Consider the exponent of the wall, and the sizes and materials of striker, balls and wall"
     )
 
 

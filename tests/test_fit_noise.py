@@ -192,7 +192,7 @@ def test_a_verdict_on_known_noise_does_not_ask_for_it():
     residuals = 1.3 * rng.standard_normal(60)
     verdict = goodness_of(traces, residuals, np.ones(60, bool), 0).verdict
     assert "cannot be decided" in verdict
-    assert "Record more samples. If you take" in verdict
+    assert "Record more samples. If the residuals" in verdict
 
 
 @pytest.mark.parametrize("time", [2.0, 5.0])

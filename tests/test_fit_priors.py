@@ -43,7 +43,7 @@ def test_a_fit_far_from_its_prior_says_so(mean, deviations):
     words = f"struck_by.velocity is {abs(deviations):.0f} standard deviations from its prior"
     assert result.describes
     assert result.prior_conflict == words
-    assert result.verdict.endswith(f"; but {words}")
+    assert result.verdict.endswith(f". However, {words}")
     (note,) = (each for each in result.notes if "from its prior" in each)
     assert CALIBRATION in note
     assert f"from its prior, {mean:.4f} +- 0.0020 m/s: " in note

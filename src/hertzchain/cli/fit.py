@@ -108,7 +108,8 @@ def fit(
     The exit code is 1 if the search does not converge, and 3 if the model does not describe the
     data within their noise, if this cannot be decided, or if a value contradicts its prior.  If
     --defects finds a gap or an odd ball, the fit that includes it is printed first, and the exit
-    code, --out, --plot and --sample refer to this fit.  All results are printed and written before
+    code, --out, --plot and --sample refer to this fit.  The same holds for the fit with the best of
+    --laws if the data reject the law of the chain file.  All results are printed and written before
     sampling begins, so only the posterior is lost if sampling is interrupted; with --json, they are
     printed at the end.
 
@@ -147,6 +148,13 @@ def fit(
             )  # fmt: skip
         document["comparison"] = compared.as_dict()
         lines.append(compared.summary())
+        if own := compared.rejected_law(result.chain):
+            lines.append(
+                f"the fit above is that with {compared.fits[0].law}, because the data reject the "
+                f"law of the chain file, {own}"
+            )
+            result = compared.best
+            document["fit_with_best_law"] = result.as_dict()
     if defects:
         result, scans, found = _defects(result, document, tested)
         lines += found
@@ -168,9 +176,9 @@ def fit(
             click.echo(f"\n{posterior.summary()}")
     if as_json:
         show_json(document)
-    if not result.converged:
+    if not result.converged and not result.meaningless:
         return FAILED
-    good = result.describes and not result.prior_conflict
+    good = result.describes and not result.prior_conflict and not result.meaningless
     return DONE if good else OUTSIDE_TOLERANCE
 
 
@@ -265,6 +273,8 @@ def _pressures(result: FitResult) -> list[str]:
     """A line with the largest pressure in all shots, if it is known and below the limit."""
     import hertzchain
 
+    if result.meaningless:
+        return []
     shots = zip(result.chains, result.traces.shots, strict=True)
     with ignore_warnings():  # the notes of the fit have the violations
         runs = [

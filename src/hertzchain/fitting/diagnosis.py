@@ -16,19 +16,20 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.modifications import with_one_loss
-from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import listed
 from .chain_parameters import known_names, loss_parameters
 from .loss_laws import typical_law
 from .misread_columns import misread_columns
+from .misread_times import check_times, misread_times
 from .model import Model, make_model
 from .names import Name
 from .noise import independent_samples
 from .parameters import ELASTIC, Parameter, expanded, kind_and_value
 from .problem import Problem
 from .result import FitResult
-from .systematics import EFFECTS, derivative
+from .sensor_effects import gained_by, groups_of_effects
+from .systematics import PRESENT
 from .traces import Traces
 
 Refit = Callable[[Problem, Mapping[str, float], int], FitResult]
@@ -39,6 +40,8 @@ MOST, PROMISING = 0.75, 0.4
 CLEAR: Final = 2.0
 # Largest number of effects that are tried.
 MAX_TRIED: Final = 4
+# Largest number of pairs of effects that are tried.
+MAX_PAIRS: Final = 2
 # Common parameters that may differ between shots.
 OF_SHOTS: Final = ("struck_by.velocity", "time_offset")
 # Starts of a mass: a fit from the mass of the other balls can end there, because a heavier ball
@@ -56,9 +59,14 @@ OTHERS: Final = (
     "wall"
 )
 NOTHING_EXPLAINS: Final = (
-    "none of the effects tested explains the residuals (offsets, gains, delays, signs, units and "
-    "order of the sensors, lag, highpass, crosstalk, a loss, the exponent, the mass of balls with "
-    f"sensors, one ball more or fewer); consider {OTHERS}"
+    "none of the effects tested explains the residuals (offsets, gains and delays of the sensors, "
+    "alone and in pairs, signs, units and order of the columns, the unit of the times, "
+    "lag, highpass, crosstalk, a loss, the exponent, the mass of balls with sensors, one ball more "
+    f"or fewer). Consider {OTHERS}"
+)
+UNITS: Final = (
+    "check the units of the times and of the sensors, the materials and the velocity of the chain, "
+    "and whether the record contains the first pulse; hertzchain compare shows data and simulation"
 )
 
 
@@ -70,16 +78,25 @@ class Cause:
     advice: str
     result: FitResult
     added: int
+    # Whether all columns or all times are read wrongly.
+    whole: bool = False
 
 
 def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
     """A result with advice if the model does not describe the data, or if they show an effect."""
-    if result.describes or result.goodness.undecided:
+    if (result.describes or result.goodness.undecided) and not result.implausible:
         return _with_effect(result, refit)
     if result.goodness.only_noise:
         return result
-    causes = [*_columns(result, start, refit), *_effects(result, refit)]
-    for further in (_shots, _losses, _exponent, _masses, _beads):
+    check_times(result.model)
+    causes = [*_columns(result, start, refit)]
+    misread = next((each for each in causes if each.whole and _much_better(result, each)), None)
+    if misread is not None:
+        return replace(result, advice=(_sentence(result, misread),), misread=True)
+    if result.meaningless and not any(_is_good(each.result) for each in causes):
+        # Effects of sensors do not make a fit meaningless, and fits far from the data take long.
+        return replace(result, advice=(UNITS,))
+    for further in (_effects, _shots, _losses, _exponent, _masses, _beads, _pairs):
         if not any(cause.result.describes for cause in causes):
             causes += further(result, start, refit)
     good = [cause for cause in causes if _removed(result, cause.result) > MOST]
@@ -105,17 +122,46 @@ def without_tested(result: FitResult, *tested: str) -> FitResult:
 def _with_effect(result: FitResult, refit: Refit) -> FitResult:
     """A result with the value of the clearest effect of the sensors, from another fit."""
     clearest = max(result.effects, key=lambda each: each.improvement, default=None)
-    if clearest is None or not clearest.present:
-        return result
-    cause = _tried(result, (Name(clearest.name),), refit)
+    cause = None
+    if clearest is not None and clearest.present:
+        cause = _tried(result, (Name(clearest.name),), refit)
+    elif (single := _clearest_of_one_sensor(result)) is not None:
+        cause = _tried(result, (single,), refit, least=CERTAIN)
     if cause is None or not cause.result.converged:
         return result
     text = f"with {cause.what}, chi2 falls from {result.chi2:.0f} to {cause.result.chi2:.0f}"
-    moved = clearest.moved
-    shift, error = abs(cause.result.values[moved] - result.values[moved]), result.errors[moved]
-    if 0.0 < error < np.inf:
-        text += f", and {moved} moves by {shift / error:.1f} sigma"
+    shifts = {
+        str(each): abs(cause.result.values[str(each)] - result.values[str(each)])
+        / result.errors[str(each)]
+        for each in result.model.parameters
+        if each.of_chain and 0.0 < result.errors[str(each)] < np.inf
+    }
+    if shifts:
+        moved = max(shifts, key=lambda each: shifts[each])
+        text += f", and {moved} moves by {shifts[moved]:.1f} sigma"
     return replace(result, advice=(f"{text}: {cause.advice}",))
+
+
+def _clearest_of_one_sensor(result: FitResult) -> Name | None:
+    """The offset, gain or delay of a sensor that reduces chi-squared most, if it does clearly."""
+    singles = [names for names in groups_of_effects(result) if len(names) == 1 and names[0].item]
+    if not singles or result.goodness.noiseless:
+        return None
+    gained = gained_by(result, singles)
+    best = int(np.argmax(gained))
+    return singles[best][0] if gained[best] > PRESENT else None
+
+
+def _is_good(result: FitResult) -> bool:
+    """Whether a model describes the data, or may do so, with possible values."""
+    return (result.describes or result.goodness.undecided) and not result.meaningless
+
+
+def _much_better(result: FitResult, cause: Cause) -> bool:
+    """Whether a cause leaves possible values, and explains most of the residuals if they matter."""
+    if cause.result.meaningless:
+        return False
+    return _is_good(cause.result) or _removed(result, cause.result) > MOST
 
 
 def _removed(result: FitResult, other: FitResult) -> float:
@@ -128,6 +174,10 @@ def _removed(result: FitResult, other: FitResult) -> float:
 
 def _sentence(result: FitResult, cause: Cause) -> str:
     text = f"with {cause.what}, chi2 falls from {result.chi2:.0f} to {cause.result.chi2:.0f}"
+    if result.describes or result.goodness.undecided:
+        return (
+            f"with {cause.what}, the model describes the data with possible values: {cause.advice}"
+        )
     if cause.result.describes:
         return f"{text}, and the model describes the data: {cause.advice}"
     return (
@@ -139,28 +189,19 @@ def _sentence(result: FitResult, cause: Cause) -> str:
 def _columns(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """Fits to columns with another sign, unit or order."""
     model = result.model
-    for each in misread_columns(model):
+    for each in itertools.chain(misread_columns(model), misread_times(model)):
         problem = Problem(replace(model, traces=each.traces))
         try:
-            yield Cause(each.what, each.advice, refit(problem, start, 1), 0)
+            yield Cause(each.what, each.advice, refit(problem, start, 1), 0, each.whole)
         except SimulationError:
             continue
 
 
-def _effects(result: FitResult, refit: Refit) -> Iterator[Cause]:
+def _effects(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """Fits with the effects of sensors that reduce chi-squared most in the linearised fit."""
-    groups = list(_groups(result))
+    groups = list(groups_of_effects(result))
     excess = max(result.chi2 - result.goodness.freedom, 1.0)
-    values = result.model.values(result.variables)
-    inverse = np.linalg.pinv(result.jacobian, rcond=1e-12)
-    columns: dict[Name, Array] = {}
-    gained = []
-    for names in groups:
-        for name in names:
-            if name not in columns:
-                columns[name] = derivative(result.problem, values, name, result.residual_vector)
-        block = np.column_stack([columns[name] for name in names])
-        gained.append(_explained(result, block, inverse) / excess)
+    gained = [each / excess for each in gained_by(result, groups)]
     order = sorted(range(len(groups)), key=lambda i: (gained[i] < MOST, len(groups[i]), -gained[i]))
     for i in [i for i in order if gained[i] > PROMISING][:MAX_TRIED]:
         cause = _tried(result, groups[i], refit)
@@ -168,66 +209,22 @@ def _effects(result: FitResult, refit: Refit) -> Iterator[Cause]:
             yield cause
 
 
-def _groups(result: FitResult) -> Iterator[tuple[Name, ...]]:
-    """Effects of sensors that are not free: of one sensor, of all, and of single shots."""
-    model = result.model
-    keys = {name.key for name in model.names}
-    shots = model.traces.shots
-    several = any(len(shot.signals) > 1 for shot in shots)
-    for key in EFFECTS:
-        if key not in keys and (several or key != "crosstalk"):
-            yield (Name(key),)
-    # One sensor has no delay apart from the time offset, and all sensors have none in common.
-    for key in ("offset", "gain", "delay") if several else ("offset", "gain"):
-        if any(name.key == key and not name.item for name in model.names):
-            continue
-        names = [each for item in model.traces.names for each in _not_free(key, item, model)]
-        yield from ((name,) for name in names)
-        of_shots = {
-            part: [each for each in names if each.shot == part]
-            for part in dict.fromkeys(each.shot for each in names)
-        }
-        of_sensors = {
-            part: [each for each in names if each.shot and each.item == part]
-            for part in model.traces.names
-        }
-        groups = [*(of_shots.values() if key != "delay" else ()), *of_sensors.values()]
-        yield from (tuple(group) for group in groups if len(group) > 1)
-
-
-def _not_free(key: str, item: str, model: Model) -> Iterator[Name]:
-    """A parameter of one sensor in all shots and in each shot, unless it is free there."""
-    shots = model.traces.shots
-    free = {each.shot for each in model.names if (each.key, each.item) == (key, item)}
-    if not free:
-        yield Name(key, item)
-    # The common parameter needs a shot without its own.
-    if len(shots) == 1 or ("" in free and len(free) == len(shots)):
-        return
-    common = [k for k in range(1, len(shots) + 1) if str(k) not in free]
-    if "" in free and len(common) == 2:
-        # One of them keeps the common parameter; that of the other gives the same fit either way.
-        del common[0]
-    for k in common:
-        signals = shots[k - 1].signals
-        seen = any(signal.name == item for signal in signals)
-        if seen and (key != "delay" or len(signals) > 1):
-            yield Name(key, item, str(k))
+def _pairs(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """Fits with two offsets, gains or delays that reduce chi-squared most together."""
+    singles = [names for names in groups_of_effects(result) if len(names) == 1 and names[0].item]
+    pairs = [(*one, *two) for one, two in itertools.combinations(singles, 2)]
+    gained = gained_by(result, pairs)
+    excess = max(result.chi2 - result.goodness.freedom, 1.0)
+    order = sorted(range(len(pairs)), key=lambda i: -gained[i])
+    for i in [i for i in order if gained[i] > PROMISING * excess][:MAX_PAIRS]:
+        cause = _tried(result, pairs[i], refit)
+        if cause is not None:
+            yield cause
 
 
 def _is_free(key: str, model: Model) -> bool:
     """Whether a parameter of all contacts is free, in all shots or in some."""
     return any(each.key == key and not each.item for each in model.names)
-
-
-def _explained(result: FitResult, block: Array, inverse: Array) -> float:
-    """Reduction of chi-squared by parameters with these derivatives, in the linearised fit."""
-    rest = block - result.jacobian @ (inverse @ block)
-    scale = np.linalg.norm(block, axis=0)
-    scale[scale == 0.0] = 1.0
-    left, sizes, _ = np.linalg.svd(rest / scale, full_matrices=False)
-    left = left[:, sizes > 1e-6]
-    return float(np.sum((left.T @ result.residual_vector) ** 2))
 
 
 def _shots(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
@@ -329,12 +326,12 @@ def _masses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
 
 def _tried(
     result: FitResult, names: Sequence[Name], refit: Refit, model: Model | None = None,
-    neutral: float | None = None, factor: float = 1.0,
+    neutral: float | None = None, factor: float = 1.0, least: float = CLEAR,
 ) -> Cause | None:  # fmt: skip
     """The fit with further parameters, by default of the same chains.
 
-    None if it fails, or if no parameter differs clearly from the value without the cause, which is
-    by default that of the model.
+    None if it fails, or if no parameter differs by ``least`` standard errors from the value without
+    the cause, which is by default that of the model.
     """
     model, values = model or result.model, result.values
     parameters = [replace(each, start=values[str(each)]) for each in model.parameters]
@@ -348,7 +345,7 @@ def _tried(
         found = refit(Problem(replace(model, parameters=tuple(parameters))), values, 1)
     except SimulationError:
         return None
-    if not _beyond(CLEAR, fixed, found):
+    if not _beyond(least, fixed, found):
         return None
     rows = dict(found.rows())
     clear = list(fixed)

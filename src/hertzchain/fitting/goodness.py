@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -34,6 +34,9 @@ MANY: Final = 10.0
 # of the residuals of a true model.
 NO_ERROR: Final = 10.0
 NO_ERRORS: Final = ". The errors above have no meaning"
+NO_PULSE: Final = (
+    ". The model explains no more of the data than noise would, so they contain no pulse"
+)
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,8 @@ class Goodness:
         Whether no signal has noise: residuals are compared with the accuracy of the simulation.
     explained : float
         Reduction of chi-squared, of independent samples, from that of constant signals.
+    independent : mapping
+        Number of independent samples of the noise among the residuals of each sensor.
     """
 
     chi2: float
@@ -79,6 +84,7 @@ class Goodness:
     counted: float = 0.0
     noiseless: bool = False
     explained: float = np.inf
+    independent: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "counted", self.counted or float(self.samples))
@@ -158,16 +164,15 @@ class Goodness:
     @property
     def if_measured(self) -> str:
         """Advice on the errors, for the case that the residuals measure the noise."""
-        return (
-            "If you take the noise from the residuals instead, multiply all errors by "
-            f"{self.scale:.2f}"
-        )
+        return f"If the residuals measure the noise, multiply all errors by {self.scale:.2f}"
 
     @property
     def verdict(self) -> str:
         """End of a sentence: whether the model describes the data."""
         if self.only_noise:
-            return f": the model explains no more of the data than noise would{NO_ERRORS}"
+            return NO_PULSE
+        if not self.explains:
+            return ". The model explains nothing of the data, so the fit has no meaning"
         if self.describes:
             return f": the model describes the data{self.reservation}"
         if self.undecided:
@@ -279,12 +284,15 @@ def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) 
     freedom = round(counted) - parameters
     # The noise of each signal has a separate error.
     noise = sum((part.counted / counted * _noise_error(part)) ** 2 for part in parts)
-    independent = sum(map(_independent_noise, parts))
-    variance = 2.0 / max(independent - parameters, 1.0) + noise
+    independent: dict[str, float] = {}
+    for part in parts:
+        name = part.signal.name
+        independent[name] = independent.get(name, 0.0) + _independent_noise(part)
+    variance = 2.0 / max(sum(independent.values()) - parameters, 1.0) + noise
     return Goodness(
         chi2, len(residuals), sum(part.independent for part in parts), int(np.sum(~used)), freedom,
         float(variance**0.5), _correlation(parts), float(noise**0.5), counted,
-        all(part.signal.noiseless for part in parts),
+        all(part.signal.noiseless for part in parts), independent=independent,
     )  # fmt: skip
 
 

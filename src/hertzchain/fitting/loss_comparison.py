@@ -8,8 +8,11 @@ from typing import Any, Final
 
 import numpy as np
 
+from ..chain.chain import Chain
 from ..chain.laws import Loss
+from ..chain.laws.elastic import Elastic
 from ..chain.modifications import with_one_loss
+from ..chain.per_contact import MaterialPairs
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import listed, short
@@ -21,6 +24,7 @@ from .names import Name, parse_name
 from .parameters import Priors, default_names
 from .result import FitResult
 from .settings import Settings, for_sensors, load_experiment
+from .simulations import range_notes
 from .symmetry import units_of
 from .trace_files import load_traces
 
@@ -69,7 +73,7 @@ class LossComparison:
         In the order of their BIC.
     further_shots : dict
         Expected difference in chi-squared of the two best laws in one more shot, for several
-        velocities of this shot [m/s]; empty if the data decide.
+        velocities of this shot within the limits of Hertz's law [m/s]; empty if the data decide.
     """
 
     fits: tuple[LossFit, ...]
@@ -114,11 +118,27 @@ class LossComparison:
             )
         return "\n".join([*lines, self.statement])
 
+    def rejected_law(self, chain: Chain) -> str:
+        """Name of the law of a chain if it has one, and only another one describes the data.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> traces, chain_file = hc.example_experiment()
+        >>> compared = hc.compare_losses(traces, chain_file, laws=["elastic", "viscoelastic"])
+        >>> compared.rejected_law(hc.load_chain(chain_file).replace(loss=None))
+        'elastic'
+        """
+        if isinstance(chain.loss, tuple | MaterialPairs) or not self.best.describes:
+            return ""
+        own = (chain.loss or Elastic()).name
+        return "" if own in self.undecided else own
+
     @property
     def statement(self) -> str:
         """Sentence on the laws between which the data can and cannot decide."""
         conflict = self.best.prior_conflict
-        return f"{self._decision}, but {conflict}" if conflict else self._decision
+        return f"{self._decision}. However, {conflict}" if conflict else self._decision
 
     @property
     def _decision(self) -> str:
@@ -293,7 +313,12 @@ def _further_shots(comparison: LossComparison) -> dict[float, float]:
     first = pair[0]
     assert first is not None
     speed = float(np.abs(first.chain.velocities).max())
+    shot = first.model.traces.shots[0]
+    duration = float(shot.times[-1] - shot.times[0])
     for factor in FURTHER:
+        # Beyond the limits of Hertz's law, a shot would not decide between losses of elastic balls.
+        if range_notes(_struck(first.chains[0], factor), duration):
+            continue
         try:
             signals = [_signals(each, factor) for each in pair if each is not None]
         except (SimulationError, InputError):
@@ -302,11 +327,15 @@ def _further_shots(comparison: LossComparison) -> dict[float, float]:
     return found
 
 
+def _struck(chain: Chain, factor: float) -> Chain:
+    return chain.replace(velocities=factor * chain.velocities)
+
+
 def _signals(result: FitResult, factor: float) -> tuple[Array, Array, Array]:
     """Signals over noise of the first shot at another velocity, and their time derivatives."""
     model = result.model
     chain = result.chains[0]
-    struck = chain.replace(velocities=factor * chain.velocities)
+    struck = _struck(chain, factor)
     stretch = units_of(struck).time / units_of(chain).time
     shot = model.traces.shots[0]
     values = model.values(result.variables)

@@ -18,9 +18,10 @@ from ..validation.numbers import number
 from ..validation.objects import Progress
 from .constants import FixedConstant, Optimum, fixed_constants
 from .fitted_file import fitted_toml
-from .goodness import NO_ERRORS, Goodness
+from .goodness import Goodness
 from .loss_laws import ONE_LAW
 from .model import Model
+from .plausibility import implausible_values
 from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
 from .shown_values import shown_diameter, shown_value
@@ -71,6 +72,8 @@ class FitResult:
         If the model does not describe the data: a cause that explains the residuals, which another
         fit has confirmed, or what to consider.  If it does, an effect of the sensors that the data
         show, with its value in another fit.
+    misread : bool
+        Whether the model describes the data only if the unit of all columns or times is changed.
     """
 
     names: tuple[str, ...]
@@ -93,6 +96,7 @@ class FitResult:
     jacobian: Array = field(repr=False)
     residual_vector: Array = field(repr=False)
     advice: tuple[str, ...] = ()
+    misread: bool = False
 
     @property
     def values(self) -> dict[str, float]:
@@ -235,24 +239,14 @@ class FitResult:
         >>> print(hc.fit(*hc.example_experiment()).summary().splitlines()[0])
         11 parameters from 2560 samples of 4 sensors
         """
-        sensors = counted(len(self.traces.names), "sensor")
-        shots = len(self.traces.shots)
-        within = f" in {shots} shots" if shots > 1 else ""
-        parameters = counted(len(self.names), "parameter")
-        lines = [f"{parameters} from {self.goodness.samples} samples of {sensors}{within}"]
-        width = max(map(len, self.names))
-        for name, row in self.rows():
-            lines.append(f"  {name:<{width}}  {row}")
-        lines.append(self.verdict)
-        if len(self.traces.names) > 1:
-            parts = ", ".join(f"{k} {v:.3g}" for k, v in self.chi2_per_sample.items())
-            lines.append(f"chi2 per sample: {parts}")
-        return "\n".join([*lines, *self.warnings, *([self.loss_note] if self.loss_note else [])])
+        from .result_text import summary_of
+
+        return summary_of(self)
 
     @property
     def loss_note(self) -> str:
         """A sentence if only one loss law was fitted, and the data do not exclude it."""
-        possible = self.describes or self.goodness.undecided
+        possible = (self.describes or self.goodness.undecided) and not self.meaningless
         return ONE_LAW if possible and any("loss." in name for name in self.names) else ""
 
     def rows(self) -> list[tuple[str, str]]:
@@ -264,6 +258,8 @@ class FitResult:
         >>> hc.fit(*hc.example_experiment()).rows()[0][0]
         'stiffness'
         """
+        if self.meaningless:
+            return [(name, "not determined") for name in self.names]
         triples = zip(self.model.parameters, self.estimates, self.sigmas, strict=True)
         return [
             (str(each), shown_value(
@@ -274,27 +270,28 @@ class FitResult:
 
     @property
     def verdict(self) -> str:
-        """Whether the model describes the data and agrees with the priors, in a sentence."""
-        if not self.converged:
-            return f"{self.goodness}: the fit has {self.reason}{NO_ERRORS}"
-        text = f"{self.goodness}{self.goodness.verdict}"
-        word = "but" if self.describes else "and"
-        return f"{text}; {word} {self.prior_conflict}" if self.prior_conflict else text
+        """Whether the model describes the data and agrees with the priors."""
+        from .result_text import verdict_of
+
+        return verdict_of(self)
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Weak directions, effects of sensors or other causes, and notes, one sentence each."""
-        if not self.describes and not self.goodness.undecided:
-            return (*self.advice, *(str(each) for each in self.weak), *self.notes)
-        effects = sorted(self.effects, key=lambda each: (-each.present, -each.improvement))
-        # Data without noise are not of sensors.
-        real = not self.goodness.noiseless
-        found = [each.note for each in effects if each.note and (real or each.present)]
-        # Effects can be mistaken for each other, so only the strongest is reported.
-        if effects and effects[0].present:
-            found = list(self.advice) or found[:1]
-        constants = [each.note for each in self.constants if each.note]
-        return (*(str(each) for each in self.weak), *found, *constants, *self.notes)
+        from .result_text import warnings_of
+
+        return warnings_of(self)
+
+    @property
+    def implausible(self) -> str:
+        """A clause on fitted moduli that no material has; empty without any."""
+        parameters, known = self.model.parameters, self.model.values(self.variables)
+        return implausible_values(parameters, self.model.chains[0], known)
+
+    @property
+    def meaningless(self) -> bool:
+        """Whether values are not given: implausible ones, those of misread data or of noise."""
+        return self.misread or bool(self.implausible) or not self.goodness.explains
 
     def to_dataset(self) -> xr.Dataset:
         """Labelled dataset: values, errors and correlations over ``parameter``; data and fit.

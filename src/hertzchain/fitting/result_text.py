@@ -1,0 +1,97 @@
+"""Text of the result of a fit: summary, verdict and warnings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..representation import counted, listed
+from .arrival_notes import silent_notes
+from .goodness import NO_ERRORS
+
+if TYPE_CHECKING:
+    from .result import FitResult
+
+# The chi-squared per sample of a sensor is named if it exceeds that of the others by this factor,
+# and by this number of standard deviations of its scatter.
+LARGER, CLEARLY = 1.5, 3.0
+
+
+def summary_of(result: FitResult) -> str:
+    """Values with errors, the verdict and all notes; without values that have no meaning."""
+    sensors = counted(len(result.traces.names), "sensor")
+    shots = len(result.traces.shots)
+    within = f" in {shots} shots" if shots > 1 else ""
+    parameters = counted(len(result.names), "parameter")
+    lines = [f"{parameters} from {result.goodness.samples} samples of {sensors}{within}"]
+    width = max(map(len, result.names))
+    if not result.meaningless:
+        lines += [f"  {name:<{width}}  {row}" for name, row in result.rows()]
+    lines.append(result.verdict)
+    if len(result.traces.names) > 1 and not result.meaningless:
+        lines.append(f"chi2 per sample: {_by_sensor(result)}")
+    return "\n".join([*lines, *result.warnings, *([result.loss_note] if result.loss_note else [])])
+
+
+def verdict_of(result: FitResult) -> str:
+    """Whether the model describes the data and agrees with the priors."""
+    good = result.goodness
+    if good.only_noise:
+        return f"{good}{good.verdict}"
+    if result.implausible:
+        return f"{good}, but {result.implausible}, so the fit has no meaning"
+    if result.misread:
+        return f"{good}: the data and the chain differ in units, so the fit has no meaning"
+    if not result.converged:
+        return f"{good}: the fit has {result.reason}{NO_ERRORS}"
+    text = f"{good}{good.verdict}"
+    if not result.prior_conflict or result.meaningless:
+        return text
+    return f"{text}. {'However' if result.describes else 'In addition'}, {result.prior_conflict}"
+
+
+def warnings_of(result: FitResult) -> tuple[str, ...]:
+    """Weak directions, effects of sensors or other causes, and notes, one sentence each."""
+    if result.meaningless:
+        silent = [note for shot in result.traces.shots for note in silent_notes(shot)]
+        return (*result.advice, *result.traces.notes(), *dict.fromkeys(silent))
+    if not result.describes and not result.goodness.undecided:
+        return (*result.advice, *(str(each) for each in result.weak), *result.notes)
+    effects = sorted(result.effects, key=lambda each: (-each.present, -each.improvement))
+    # Data without noise are not of sensors.
+    real = not result.goodness.noiseless
+    found = [each.note for each in effects if each.note and (real or each.present)]
+    # Effects can be mistaken for each other, so only the strongest is reported.
+    if result.advice:
+        found = list(result.advice)
+    elif effects and effects[0].present:
+        found = found[:1]
+    constants = [each.note for each in result.constants if each.note]
+    return (*(str(each) for each in result.weak), *found, *constants, *result.notes)
+
+
+def _by_sensor(result: FitResult) -> str:
+    """Chi-squared per sample of each sensor, and the sensors of which it is clearly larger."""
+    ratios = result.chi2_per_sample
+    text = ", ".join(f"{name} {value:.3g}" for name, value in ratios.items())
+    if not (result.describes or result.goodness.undecided):
+        return text
+    larger = clearly_larger(ratios, result.goodness.independent)
+    if not larger:
+        return text
+    them = "its gain, zero and noise" if len(larger) == 1 else "their gains, zeros and noise"
+    return f"{text}. That of {listed(larger)} is clearly larger: check {them}"
+
+
+def clearly_larger(ratios: Mapping[str, float], independent: Mapping[str, float]) -> list[str]:
+    """Sensors whose chi-squared per sample exceeds that of the others, and 1, clearly."""
+    found = []
+    for name, value in ratios.items():
+        usual = float(np.median([each for other, each in ratios.items() if other != name]))
+        scatter = math.sqrt(2.0 / max(independent.get(name, 1.0), 1.0))
+        if value > LARGER * max(usual, 1.0) and math.log(value / usual) > CLEARLY * scatter:
+            found.append(name)
+    return found

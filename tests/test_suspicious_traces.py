@@ -115,3 +115,20 @@ def test_gains_of_single_shots_name_the_others():
     volts = hc.Traces.from_arrays(shot.times, {"wall [V]": 0.05 * shot.signals[-1].values})
     with pytest.raises(hc.InputError, match="free in some shots, but not in shot 2"):
         hc.fit(volts + volts, CHAIN, free=free)
+
+
+@pytest.mark.parametrize("factor", [2.0, 10.0])
+def test_times_with_a_wrong_factor_are_named(recorded, run, factor):
+    times, samples = recorded
+    with pytest.warns(hc.InputWarning, match=f"last {factor:g} times as long .* sampling interval"):
+        notes = run.compare(traces_of(factor * times, samples)).notes
+    assert not any("reflected pulse" in note for note in notes)
+
+
+def test_peaks_that_differ_by_more_than_two_are_compared_by_their_ratio(recorded, run):
+    times, samples = recorded
+    with pytest.warns(hc.InputWarning, match="check the unit in the header"):
+        sensor = run.compare(traces_of(times, 1e-3 * samples)).sensors[0]
+    assert sensor.cells[2] == f"{sensor.peak_ratio:.0f} times"
+    assert sensor.peak_ratio == pytest.approx(1000.0, rel=0.05)
+    assert run.compare(traces_of(times, samples)).sensors[0].cells[2].endswith("%")

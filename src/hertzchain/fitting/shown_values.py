@@ -79,7 +79,7 @@ def _times(ratio: float) -> str:
     """A ratio in words, unless it only states that one of two signals vanishes."""
     if not NO_AGREEMENT < ratio < 1.0 / NO_AGREEMENT:
         return "no agreement"
-    return f"{ratio:.3g} times" if ratio < 1000.0 else f"{ratio:.0f} times"
+    return f"{ratio:.3g} times" if ratio < 999.0 else f"{ratio:.0f} times"
 
 
 def shown_part(ratio: float) -> str:

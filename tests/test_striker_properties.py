@@ -343,7 +343,9 @@ def test_velocities_are_limited_to_those_with_representable_energies(build):
     assert found[0] == pytest.approx(1e100 * expected, rel=1e-7)
     assert found[1] == pytest.approx(1e100 * expected, rel=1e-5)
     assert table["velocity"][0] == pytest.approx(1e100 * expected, rel=1e-5)
-    assert hc.propagate(build(1e-100)).velocity == pytest.approx(1e-100 * expected, rel=1e-7, abs=0.0)
+    assert hc.propagate(build(1e-100)).velocity == pytest.approx(
+        1e-100 * expected, rel=1e-7, abs=0.0
+    )
 
 
 @pytest.mark.parametrize(("mass", "advice"), [(1e6, "less unequal masses"), (None, "fewer beads")])

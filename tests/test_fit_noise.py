@@ -288,7 +288,10 @@ def drawn(seed, part, step=0.4):
     return data, truth, {"struck_by.velocity": (gate, sigma), "gain[*]": (1.0, 0.03)}
 
 
-@pytest.mark.parametrize("part", [0.05, 0.25, 0.55])
+@pytest.mark.parametrize(
+    "part",
+    [pytest.param(0.05, marks=pytest.mark.long), 0.25, pytest.param(0.55, marks=pytest.mark.long)],
+)
 def test_errors_and_chi_squared_of_8_bits_are_right_with_priors(part):
     scores, ratios = [], []
     for seed in range(12):
@@ -316,7 +319,7 @@ def test_the_posterior_of_rounded_samples_has_the_prior():
     free = ["stiffness", "struck_by.velocity", "time_offset", "gain[*]"]
     result = hc.fit(data, row, free=free, priors=priors)
     assert result.errors["struck_by.velocity"] == pytest.approx(3e-4, rel=0.05)
-    sampled = result.sample(1500, seed=1).errors
+    sampled = result.sample(500, seed=1).errors
     for name, error in result.errors.items():
         assert sampled[name] == pytest.approx(error, rel=0.2)
 

@@ -416,7 +416,10 @@ def test_a_gap_beyond_the_sizes_that_were_tried_is_marked():
     ]
 
 
-@pytest.mark.parametrize(("ball", "change"), [(7, 0.05), (7, -0.03), (3, 0.02), (12, -0.03)])
+@pytest.mark.parametrize(("ball", "change"), [
+    (3, 0.02), (12, -0.03), pytest.param(7, 0.05, marks=pytest.mark.long),
+    pytest.param(7, -0.03, marks=pytest.mark.long),
+])  # fmt: skip
 def test_odd_balls_between_and_beside_sensors_are_found(ball, change):
     """Extrapolated from 0.2%, these changes had the wrong size, sign or place."""
     law, radii = hc.Viscoelastic(0.8e-6), np.full(15, 4.7625e-3)

@@ -70,7 +70,7 @@ READ = {
 
 # Between two walls no peak is ever complete.
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
-@pytest.mark.parametrize("exponent", [1.5, 2.0])
+@pytest.mark.parametrize("exponent", [1.5, pytest.param(2.0, marks=pytest.mark.long)])
 def test_derivatives_of_the_steps_in_long_double(recorded, exponent):
     found = hc.gradients(apart(exponent), [*READ], to="masses", until=25.0, rtol=1e-6)
     check_derivatives(recorded, found)

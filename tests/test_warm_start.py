@@ -34,7 +34,7 @@ for loss in (None, hc.Dashpot(0.2), hc.Viscoelastic(0.1), hc.Restitution(0.8), h
     if loss is None or isinstance(loss, hc.Dashpot):
         hc.gradient(walled, "wall_force.peak")
 hc.gradient(chain, "velocity@4"), hc.gradient(steel, "peak_force@2")
-hc.design(hc.Design(chain, minimise="velocity@5", vary=[hc.vary.radii(0.5, 2.0)]), budget=20)
+hc.design(hc.Design(chain, minimise="velocity@5", vary=[hc.vary.radii(0.5, 2.0)]), budget=100)
 hc.simulate(chain.replace(right_wall=hc.Wall(), exponent=[1.5] * 4 + [2.0] * 4), until=2.0)
 hc.simulate(chain.replace(loss=[None] * 4 + [hc.Dashpot(0.2)] * 4), until=2.0)
 hc.simulate(chain), hc.simulate(chain, method="symplectic", until=2.0)

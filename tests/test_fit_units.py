@@ -1,6 +1,7 @@
 """Fits to data in wrong units, to records without a pulse, and to two errors of sensors at once."""
 
 import json
+import warnings
 
 import numpy as np
 import pytest
@@ -145,3 +146,18 @@ def test_the_fit_with_the_best_law_is_printed_first(tmp_path, run):
     assert found.returncode == 0
     document = json.loads(run(*options, "--json").stdout)
     assert document["fit_with_best_law"]["describes"]
+
+
+@pytest.mark.parametrize(("wall", "fastest"), [("steel-52100", 0.5), ("steel-304", 0.0)])
+def test_suggested_shots_are_within_the_limits_of_hertz_law(wall, fastest):
+    """Balls are below first yield at 0.25 m/s, but not at 1 m/s or on a soft wall."""
+    row = chain(right_wall=hc.Wall.of(wall))
+    laws = ["viscoelastic", "restitution"]
+    found = hc.compare_losses(traces(noise=6.0), row, laws=laws, free=LOOSE)
+    assert len(found.undecided) == 2
+    assert max(found.further_shots, default=0.0) <= 1.05 * fastest
+    for speed in found.further_shots:
+        faster = row.replace(velocities=row.velocities * speed / row.velocities.max())
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", hc.ModelRangeWarning)
+            hc.simulate(faster, until=7e-4)

@@ -289,6 +289,13 @@ def test_designs_in_which_masses_would_not_follow_radii_are_rejected():
         hc.design(hc.Design(hc.Chain.uniform(6, **WALL), minimise="wall_force.peak", vary=vary))
 
 
+def test_the_file_of_a_flat_striker_says_what_its_size_is():
+    text = hc.chain_as_toml(real_row(np.ones(3), STRIKERS["flat"]))
+    said = "# The striker, bead 1, has a flat face; its size is that of a sphere of its mass."
+    assert text.splitlines()[:2] == [said, "[chain]"]
+    assert "#" not in hc.chain_as_toml(real_row(np.ones(3), STRIKERS["mass"]))
+
+
 @pytest.mark.parametrize("name", ["flat", "stiffness"])
 def test_fitted_radii_and_densities_change_masses(name):
     from hertzchain.fitting.chain_parameters import with_sizes

@@ -6,7 +6,7 @@ import contextlib
 import dataclasses
 import tomllib
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -24,6 +24,10 @@ from .chain_files import ARRAYS, DRIVES, LATER, chain_from
 from .compact_beads import compact_beads, in_usual_units, listed_beads, one_for_all
 from .toml_files import toml_key, toml_text
 
+FLAT_FACE: Final = (
+    "# The striker, bead {}, has a flat face; its size is that of a sphere of its mass.\n"
+)
+
 
 @checked_arguments("chain_as_toml")
 def chain_as_toml(chain: Chain) -> str:
@@ -32,7 +36,8 @@ def chain_as_toml(chain: Chain) -> str:
     `chain_from_toml` reads the text, and `load_chain` a file that contains it.
 
     Equal beads, repeated cells and tapers are written as such if their radii are the same, bit for
-    bit.  In SI units, sizes from 0.01 mm to 1 m are written in mm, so that the numbers read are
+    bit.  A comment states that the size of a striker with a flat face is that of a sphere of its
+    mass.  In SI units, sizes from 0.01 mm to 1 m are written in mm, so that the numbers read are
     those of the chain to the last bit.  Materials of the catalogue are written by name, others
     with their properties; different materials of one name are given different names.
 
@@ -62,7 +67,9 @@ def chain_as_toml(chain: Chain) -> str:
     velocity = "0.1 m/s"
     """
     require_chain("chain_as_toml", chain, beads=1)
-    return _shortest_text(chain, with_units=True)
+    text = _shortest_text(chain, with_units=True)
+    flat = [i + 1 for i, each in enumerate(chain.striker_properties) if each.flat]
+    return "".join(FLAT_FACE.format(bead) for bead in flat) + text
 
 
 def chain_document(chain: Chain) -> dict[str, Any]:

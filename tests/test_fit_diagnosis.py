@@ -112,6 +112,7 @@ def test_different_offsets_of_one_sensor_in_each_shot_are_named():
     assert DESCRIBES in advice
 
 
+@pytest.mark.long
 def test_levels_of_single_shots_are_named():
     shots = [
         traces(seed, gap=0.5e-6, change=change).shots[0]

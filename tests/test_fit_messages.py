@@ -263,6 +263,7 @@ def test_defects_that_were_searched_are_not_advised(defects, tmp_path, monkeypat
     assert ("Consider other loss laws (--laws all), " in done.output) == defects
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 def test_an_odd_ball_is_found_and_parameters_are_added(run, tmp_path):
     row = chain(loss=hc.Viscoelastic(0.6e-6))

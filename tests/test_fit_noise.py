@@ -310,6 +310,7 @@ def test_errors_and_chi_squared_of_8_bits_are_right_with_priors(part):
     assert np.mean(np.abs(scores) < 2.0) > 0.85
 
 
+@pytest.mark.long
 def test_the_posterior_of_rounded_samples_has_the_prior():
     # Without a loss, no trial requires a simulation.
     row, rng = bench(), np.random.default_rng(9)

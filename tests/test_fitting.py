@@ -347,7 +347,9 @@ def test_samples_next_to_jumps_are_found():
     assert not next_to_jumps(times, smooth + 0.005 * (grid > 1e-4), spacing, 0.01).any()
 
 
-@pytest.mark.parametrize("law", [hc.UnloadingRatio(0.05), hc.VelocityPower(25.0, 1.8)])
+@pytest.mark.parametrize("law", [
+    hc.UnloadingRatio(0.05), pytest.param(hc.VelocityPower(25.0, 1.8), marks=pytest.mark.long)
+])  # fmt: skip
 def test_errors_of_laws_whose_force_jumps_are_not_too_small(law):
     squares = []
     for seed in range(3):
@@ -478,6 +480,7 @@ def test_a_search_for_a_gap_needs_few_simulations():
     assert abs(found.values["gap[9-10]"] - 3e-7) < 3.0 * found.errors["gap[9-10]"] < 2e-8
 
 
+@pytest.mark.long
 def test_gap_as_large_as_the_overlaps_is_found_among_all_contacts():
     # With the stiffness free, chi-squared of the neighbours falls more in the linearised fit.
     balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=15).struck_by(velocity=0.2)

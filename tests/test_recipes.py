@@ -26,7 +26,9 @@ def recipes():
         diffs = re.findall(r"^```diff\n(.*?)^```$", text, re.M | re.S)
         blocks = re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S)
         if diffs:
-            yield pytest.param(diffs, blocks, id=title)
+            # An integrator is compiled.
+            marks = [pytest.mark.long] if title == "Add an integrator" else []
+            yield pytest.param(diffs, blocks, id=title, marks=marks)
 
 
 @pytest.mark.parametrize(("diffs", "blocks"), [*recipes()])

@@ -163,6 +163,7 @@ def test_terms_have_the_slopes_they_say():
                                    atol=1e-5)  # fmt: skip
 
 
+@pytest.mark.long
 def test_gauss_newton_follows_ramps_better_than_the_first_guess():
     random = np.random.default_rng(6)
     ramps = training_chains.ramp_rates(training_chains.COARSE_NODES[::2])
@@ -442,6 +443,7 @@ def test_stored_tables_of_all_exponents_are_those_that_were_packed():
             np.testing.assert_allclose(found, expected, rtol=0.0, atol=5.0 * STEPS[name])
 
 
+@pytest.mark.long
 def test_the_response_of_the_last_contacts_that_was_put_in_is_found():
     put_in = universal_functions(1.5).fast
     unfitted = put_in._replace(last=np.zeros_like(put_in.last))

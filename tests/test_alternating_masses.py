@@ -39,7 +39,9 @@ def ratios(chain):
 
 @pytest.mark.parametrize("chain", OUTSIDE.values(), ids=OUTSIDE)
 def test_a_warning_where_velocities_are_less_than_half(chain):
-    with pytest.warns(hc.ModelRangeWarning, match="underestimates velocities .* use simulate"):
+    with pytest.warns(
+        hc.ModelRangeWarning, match="underestimates velocities .* use propagate or simulate"
+    ):
         hc.bca(chain)
     assert ratios(chain).min() < 0.5
 

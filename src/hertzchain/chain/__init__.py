@@ -4,7 +4,8 @@
   `builder_arguments`;
 - methods that return a modified chain: `modifications`, `pieces`, `strikers` with
   `striker_properties`, and `contact_shapes`;
-- radii: `tapers`, `taper_sizes`, `random_radii`, `scattered_radii`, `repeated_cells`;
+- radii: `tapers`, `taper_sizes`, `random_radii`, `scattered_radii`, `repeated_cells`; sizes in
+  figures: `drawn_bodies`;
 - masses and contacts: `materials`, `mass_and_stiffness`, exponents and losses `per_contact`,
   `contact_groups`, and the `laws` of loss;
 - ends: `walls`, `drives`, and `boundary_checks` of both with the precompression;

@@ -232,14 +232,9 @@ class HertzRange:
         return f"the static force alone gives {alone:.{digits}g}; {advice}"
 
     @property
-    def _known(self) -> bool:
-        """Whether the pressure over yield of a contact is known."""
-        return not math.isnan(self.largest_yield_ratio)
-
-    @property
     def _pressure(self) -> str:
         """The largest pressure over yield and its contact."""
-        if not self._known:
+        if math.isnan(self.largest_yield_ratio):
             return f"unknown ({UNKNOWN_YIELD})"
         return f"{self.largest_yield_ratio:.3g} at contact {self._most_loaded}"
 
@@ -262,11 +257,12 @@ class HertzRange:
 
     def __str__(self) -> str:
         overlap = int(np.argmax(self.overlap_ratio))
+        limit = "" if math.isnan(self.largest_yield_ratio) else " (limit 1)"
         return "\n".join(
             (
                 f"overlap / radius  {self.overlap_ratio[overlap]:.2g} at contact {overlap} "
                 f"(limit {MAX_OVERLAP_RATIO:g})",
-                f"pressure / yield  {self._pressure}{' (limit 1)' * self._known}",
+                f"pressure / yield  {self._pressure}{limit}",
                 f"speed / sound  {self.speed_ratio:.2g} (limit {MAX_SPEED_RATIO:g})",
                 *([ESTIMATED] if self.estimated else []),
             )

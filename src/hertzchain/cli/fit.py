@@ -141,20 +141,8 @@ def fit(
     lines: list[str] = []
     scans: list[DefectScan] = []
     if laws is not None:
-        with progress_bar("laws fitted") as progress:
-            compared = hertzchain.compare_losses(
-                traces, files[-1], laws=None if laws == "all" else names_from(laws),
-                progress=progress, **settings,
-            )  # fmt: skip
-        document["comparison"] = compared.as_dict()
-        lines.append(compared.summary())
-        if own := compared.rejected_law(result.chain):
-            lines.append(
-                f"the fit above is that with {compared.fits[0].law}, because the data reject the "
-                f"law of the chain file, {own}"
-            )
-            result = compared.best
-            document["fit_with_best_law"] = result.as_dict()
+        result, found = _laws(result, document, laws, files[-1], settings)
+        lines += found
     if defects:
         result, scans, found = _defects(result, document, tested)
         lines += found
@@ -180,6 +168,31 @@ def fit(
         return FAILED
     good = result.describes and not result.prior_conflict and not result.meaningless
     return DONE if good else OUTSIDE_TOLERANCE
+
+
+def _laws(
+    result: FitResult, document: dict[str, Any], laws: str, chain: Path, settings: dict[str, Any]
+) -> tuple[FitResult, list[str]]:
+    """Compare loss laws; returns the fit with the best one if the data reject that of the chain."""
+    import hertzchain
+
+    from ..fitting.loss_comparison import rejected_law
+
+    names = None if laws == "all" else names_from(laws)
+    with progress_bar("laws fitted") as progress:
+        compared = hertzchain.compare_losses(
+            result.traces, chain, laws=names, progress=progress, **settings
+        )
+    document["comparison"] = compared.as_dict()
+    lines = [compared.summary()]
+    if own := rejected_law(compared, result.chain):
+        lines.append(
+            f"the fit above is that with {compared.fits[0].law}, because the data reject the law "
+            f"of the chain file, {own}"
+        )
+        result = compared.best
+        document["fit_with_best_law"] = result.as_dict()
+    return result, lines
 
 
 def _summary(result: FitResult, laws: str | None) -> list[str]:

@@ -118,22 +118,6 @@ class LossComparison:
             )
         return "\n".join([*lines, self.statement])
 
-    def rejected_law(self, chain: Chain) -> str:
-        """Name of the law of a chain if it has one, and only another one describes the data.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> traces, chain_file = hc.example_experiment()
-        >>> compared = hc.compare_losses(traces, chain_file, laws=["elastic", "viscoelastic"])
-        >>> compared.rejected_law(hc.load_chain(chain_file).replace(loss=None))
-        'elastic'
-        """
-        if isinstance(chain.loss, tuple | MaterialPairs) or not self.best.describes:
-            return ""
-        own = (chain.loss or Elastic()).name
-        return "" if own in self.undecided else own
-
     @property
     def statement(self) -> str:
         """Sentence on the laws between which the data can and cannot decide."""
@@ -304,6 +288,14 @@ def _ranked(fits: Sequence[LossFit]) -> tuple[LossFit, ...]:
         for each in fits
     ]
     return tuple(sorted(known, key=lambda each: each.bic))
+
+
+def rejected_law(comparison: LossComparison, chain: Chain) -> str:
+    """Name of the law of a chain if it has one, and only another one describes the data."""
+    if isinstance(chain.loss, tuple | MaterialPairs) or not comparison.best.describes:
+        return ""
+    own = (chain.loss or Elastic()).name
+    return "" if own in comparison.undecided else own
 
 
 def _further_shots(comparison: LossComparison) -> dict[float, float]:

@@ -582,6 +582,24 @@ velocity = 0.2
 """
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
+@pytest.mark.parametrize("times", [0, 101])
+def test_a_run_that_ends_during_a_contact_with_the_wall_says_so(run, tmp_path, times):
+    file = tmp_path / "row.toml"
+    row = hertzchain.Chain.uniform(3).replace(right_wall=hertzchain.Wall())
+    arrival = hertzchain.simulate(row).wall_force().peak_time
+    for chain, until, said in (
+        (row, arrival, True), (row, 4.0 * arrival, False),
+        # Static forces never let go of the wall.
+        (row.replace(left_wall=hertzchain.Wall(), precompression=0.5), arrival, False),
+    ):  # fmt: skip
+        file.write_text(hertzchain.chain_as_toml(chain))
+        code, out, _ = run("simulate", file, "--until", until, "--times", times)
+        assert code == 0
+        assert "impulse " in out
+        assert ("in the whole run, which ends during a contact" in out) == said, chain
+
+
 def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     file, picture = tmp_path / "experiment.toml", tmp_path / "forces.svg"
     file.write_text(EXPERIMENT)

@@ -165,7 +165,10 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
         return f"{wall.side} wall: the pulse has not arrived"
     largest = _at(run, wall.largest_so_far, wall.largest_so_far_time)
     impulse = _impulse(wall.impulse, wall.units)
-    ends = ", which ends during a contact" if wall.force[-1] > 0.0 else ""
+    # Static forces never let go of the wall.
+    closed = run._closed[0 if wall.side == "left" else -1]
+    during = closed and not run.chain.static_state.forces.any()
+    ends = ", which ends during a contact" if during else ""
     whole = f"{impulse} in the whole run{ends}"
     # If the horizon is known, the time of the force is marked if it is later.
     caution = "" if run.known_horizon or not wall._caution else f"; {wall._caution}"

@@ -1,4 +1,4 @@
-"""Largest overlaps between the saved times of a run."""
+"""Largest overlaps between the saved times of a run, and contacts that still act."""
 
 from __future__ import annotations
 
@@ -12,6 +12,15 @@ from ..collision import Array
 # fraction: if four times or more are saved during a contact.  Between fewer, it may be far from
 # any overlap of the motion.
 RESOLVED: Final = 0.1
+# Overlap, relative to its maximum, below which a contact is regarded as open.
+OPEN: Final = 1e-9
+
+
+def still_closed(overlaps: Array, largest: Array, forces: Array | None) -> Array:
+    """Whether contacts act, from their overlaps and, if these are known, their forces."""
+    closed = np.asarray(overlaps > OPEN * largest)
+    # Contacts with losses that do not attract are released before their overlap vanishes.
+    return closed if forces is None else closed & (forces != 0.0)
 
 
 def largest_between(times: Array, overlaps: Array, velocities: Array) -> Array:

@@ -8,7 +8,7 @@ left.  With ``until``, the run stops at that time, and walls are watched in the 
 from __future__ import annotations
 
 import math
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 
@@ -24,6 +24,8 @@ Status = Literal[
     "pulse left", "time reached", "wall force complete", "transit limit", "nothing more happens",
     "step limit", "step too small", "underflow",
 ]  # fmt: skip
+# Of runs that end by themselves although contacts may still act.
+NATURAL_ENDS: Final[tuple[Status, ...]] = ("pulse left", "wall force complete")
 
 # Steps between two checks whether a wall was hit, if neither an impact, a drive nor a fall
 # determines when to begin watching.

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,8 +25,8 @@ from ..representation import counted
 from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from .budget import overlaps_of
-from .largest_overlaps import largest_between
-from .run_end import Status
+from .largest_overlaps import OPEN, largest_between, still_closed
+from .run_end import NATURAL_ENDS, Status
 from .run_message import FAILURES, end_message, is_sensitive
 from .state import ACCUMULATOR_SCALES, ROW_SCALES, State
 from .wall_bound import RIGHT
@@ -34,11 +34,6 @@ from .wall_bound import RIGHT
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-# Overlap, relative to its maximum, below which a contact is regarded as open.
-OPEN: Final = 1e-9
-# Status of runs that end by themselves although contacts may still act.
-NATURAL_ENDS: Final = ("pulse left", "wall force complete")
 
 
 @checked_methods
@@ -149,11 +144,15 @@ class Trajectory(ShortDir):
         [1] 0.549
         [] 0.5
         """
-        closed = self._overlaps_at_end[1:-1] > OPEN * self.largest_overlaps[1:-1]
-        if self._forces is not None and len(self.times) and self.times[-1] == self.end_time:
-            # Contacts with losses that do not attract are released before their overlap vanishes.
-            closed &= self.forces[-1, 1:-1] != 0.0
-        return np.flatnonzero(closed) + 1
+        return np.flatnonzero(self._closed[1:-1]) + 1
+
+    @property
+    def _closed(self) -> Array:
+        """Whether each contact still acts at the end of the run; shape (N + 1,), with both ends."""
+        saved = self._forces is not None and len(self.times) and self.times[-1] == self.end_time
+        return still_closed(
+            self._overlaps_at_end, self.largest_overlaps, self.forces[-1] if saved else None
+        )
 
     @property
     def _unfinished(self) -> str:

@@ -28,7 +28,7 @@ from .messages import Part
 from .requests import Request
 from .results import Stop, limited, motion, results
 from .saved_page import saved_page
-from .wording import title
+from .wording import title, without_advice
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -306,15 +306,17 @@ def page_with_results(
         for part in results(Request.of({**given, **changes, "document": document}), stop):
             if part.header["part"] in ("error", "cancelled"):
                 raise SimulationError(part.header.get("message", "the export was cancelled"))
-            raw += _named(part, names.get(slot)).pack()
+            raw += _saved(part, names.get(slot)).pack()
     return saved_page(given, raw, names.get("A"))
 
 
-def _named(part: Part, name: str | None) -> Part:
-    """The description of the chain, after the name of its file."""
-    if name is None or part.header["part"] != "beads":
-        return part
-    header = {**part.header, "description": f"{name}: {part.header['description']}"}
+def _saved(part: Part, name: str | None) -> Part:
+    """A part of a saved page: with the name of the file, and without advice about choices."""
+    header = dict(part.header)
+    if name is not None and header["part"] == "beads":
+        header["description"] = f"{name}: {header['description']}"
+    if "warnings" in header:
+        header["warnings"] = [without_advice(each) for each in header["warnings"]]
     return Part(header, part.arrays)
 
 

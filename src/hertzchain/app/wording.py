@@ -20,6 +20,15 @@ WORDINGS: Final = (
 )  # fmt: skip
 
 
+# Advice about a choice, at the end of a warning.
+ADVICE: Final = re.compile(r";[^;]* choose the loss.*")
+
+
+def without_advice(warning: str) -> str:
+    """A warning of a saved page, on which nothing can be chosen."""
+    return ADVICE.sub("", warning)
+
+
 def on_the_page(message: object) -> str:
     """The message without Python expressions for which the page has a control."""
     text = str(message)

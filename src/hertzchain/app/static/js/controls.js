@@ -98,6 +98,7 @@ export class Controls {
     const chain = this.chain, inForms = this.keysOfForms, keys = this.schema.chain.keys;
     const own = new Set(["materials", "velocity", "exponent"]);
     const rest = keys.filter((/** @type {any} */ key) => !inForms.has(key.name) && !own.has(key.name));
+    // The exponent is a number or tables.
     const tabular = (/** @type {string} */ name) => typeof listed(chain[name])[0] === "object";
     const tables = Object.keys(this.schema).filter((name) => name.startsWith("chain.")
       && (tabular(name.slice(6)) || !keys.some((/** @type {any} */ key) => key.name === name.slice(6))));
@@ -175,6 +176,7 @@ export class Controls {
   group(name, title, used, children) {
     const details = make("details", { className: "group", id: `group-${name}` }, make("summary", {}, title, ...(used ? [make("span", { className: "used", title: "used" }, "●")] : [])), ...children);
     details.open = this.opened.has(name) || (used && !this.opened.has(`-${name}`));
+    // "toggle" follows from the line above.
     details.firstElementChild?.addEventListener("click", () => {
       this.opened.delete(details.open ? name : `-${name}`);
       this.opened.add(details.open ? `-${name}` : name);

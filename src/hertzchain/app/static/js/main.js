@@ -255,6 +255,7 @@ const waiting = [];
 function problem(slot) {
   const found = results[slot], text = found.problem, stale = text !== "";
   $(`lane-${slot}`).classList.toggle("stale", stale);
+  // The message may be far below.
   if (stale && !found.ready) $(`title-${slot}`).replaceChildren(make("span", { className: "bad" }, text));
   if (slot !== state.active) return;
   document.body.classList.toggle("stale", stale);
@@ -349,7 +350,7 @@ function showTitles() {
       make("i", { className: "ring", style: `color:var(--m${i % KINDS});${i < KINDS ? "" : "border-style:dashed"}` }), header.kinds[n].join(", ")));
     $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description, ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
   }
-  const beads = own().beads.header?.beads, list = SLOTS.flatMap((slot) => state[slot] ? results[slot].warnings.map((text) => (state.B ? `${slot}: ` : "") + upper(fixed ? text.replace(/;[^;]* choose the loss.*/, "") : text)) : []);
+  const beads = own().beads.header?.beads, list = SLOTS.flatMap((slot) => state[slot] ? results[slot].warnings.map((text) => (state.B ? `${slot}: ` : "") + upper(text)) : []);
   if (beads) $("bead").max = String(beads);
   if (beads < state.view.bead) select(beads);
   $("warnings").hidden = !list.length;

@@ -1,4 +1,4 @@
-/** Results of a chain, and the binary messages that contain them; `messages.py` describes their layout. */
+/** Results of a chain, and their binary messages, which `messages.py` describes. */
 
 /** @typedef {{header: any, arrays: Map<string, any>}} Part */
 
@@ -124,6 +124,7 @@ export class Results {
   /** Sentences about the validity of the results. @returns {string[]} */
   get warnings() {
     const note = this.pulse.header?.note, beads = this.beads.header, run = this.run.header;
+    // A run has those of its chain.
     return [...new Set([...((run?.number === beads?.number ? run : beads)?.warnings ?? []), ...(note ? [note] : [])])];
   }
 

@@ -15,7 +15,7 @@ const FULL = 32767;
 const RIM = 6;
 const MOST = 6, LEAST = 0.15;
 
-/** A circle, or a higher plate. @param {Pen} pen @param {number} x @param {number} y @param {number} r */
+/** A circle, or a plate. @param {Pen} pen @param {number} x @param {number} y @param {number} r */
 function circle(pen, x, y, r, h = r) {
   pen.beginPath();
   if (h > r) pen.rect(x - r, y - h, 2 * r, 2 * h);

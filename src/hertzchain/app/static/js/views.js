@@ -213,7 +213,7 @@ export class Views {
     chains.forEach((chain, i) => {
       const numbers = forcesOf(chain).flatMap(({ label, ball = label, shown }) => shown.flatMap(([what, force, time]) => [["", force, "N"], ["time of ", time, "s"]].filter(([, value]) => value !== null).map(([of, value, unit]) => [`${alike ? label : ball}, ${of}${what}`, unit, value])));
       numbers.push(["velocity of the last bead", "m/s", chain.exact("velocity")?.at(-1)], ["arrival there", "s", chain.exact("arrival")?.at(-1)]);
-      // The peak of a chain whose contacts do not yield is compared with that of one whose contacts do.
+      // The peak without yield is compared with that with yield.
       for (const [label, unit, value] of numbers) found.set(label, Object.assign(found.get(label) ?? [unit, ...chains.map(({ run }) => (/yield/.test(label) && run.header.peaks.right?.yielding) || NaN)], { [i + 1]: value ?? NaN }));
     });
     const rows = [...found].map(([label, [unit, a, b]]) => {

@@ -200,14 +200,13 @@ def _computed(
 
 def _with_quantity(pulses: list[Pulse], quantity: str) -> list[Pulse]:
     """Those of the pulses that have a quantity; an error if there is none."""
-    has = [pulse for pulse in pulses if pulse.column(quantity) is not None]
-    if not has:
+    lacking = [pulse for pulse in pulses if pulse.column(quantity) is None]
+    if len(lacking) == len(pulses):
         pulses[0]._predicted(quantity)
-    for pulse in pulses:
-        if pulse not in has:
-            click.echo(f"note: {pulse.method} is omitted, as it does not predict the {quantity}",
-                       err=True)  # fmt: skip
-    return has
+    for pulse in lacking:
+        click.echo(f"note: {pulse.method} is omitted, as it does not predict the {quantity}",
+                   err=True)  # fmt: skip
+    return [pulse for pulse in pulses if pulse.column(quantity) is not None]
 
 
 def _show_pulses(pulses: list[Pulse], quantity: str, *, every_bead: bool) -> None:

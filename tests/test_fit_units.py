@@ -31,7 +31,7 @@ def test_forces_in_kilonewtons_are_recognised(free):
     (advice,) = result.advice
     assert "the values of ball 5, ball 10 and wall multiplied by 1000" in advice
     assert "check the unit in the header of these columns" in advice
-    assert "so the fit has no meaning" in result.summary().splitlines()[1]
+    assert "so the fit is meaningless" in result.summary().splitlines()[1]
     assert advice == result.summary().splitlines()[2]
     assert "+-" not in result.summary().replace(result.verdict, "")
 
@@ -39,7 +39,7 @@ def test_forces_in_kilonewtons_are_recognised(free):
 def test_times_with_a_wrong_factor_are_recognised():
     result = fitted(time=10.0, free=LOOSE)
     assert "with all times divided by 10, chi2 falls from" in result.advice[0]
-    assert "so the fit has no meaning" in result.summary().splitlines()[1]
+    assert "so the fit is meaningless" in result.summary().splitlines()[1]
 
 
 @pytest.mark.parametrize("factor", [0.1, 0.5, 2.0, 2.5, 10.0])

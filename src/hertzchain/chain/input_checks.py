@@ -124,7 +124,7 @@ def check_velocities(values: Array) -> None:
         k = int(np.argmax(speeds))
         raise InputError(
             f"velocity of bead {k + 1}, the fastest one, is {values[k]:g}: it must be 0, or at "
-            f"least {MIN_VELOCITY:g} in size; check its unit"
+            f"least {MIN_VELOCITY:g} in magnitude; check its unit"
         )
 
 

@@ -172,7 +172,7 @@ class Goodness:
         if self.only_noise:
             return NO_PULSE
         if not self.explains:
-            return ". The model explains nothing of the data, so the fit has no meaning"
+            return ". The model explains nothing of the data, so the fit is meaningless"
         if self.describes:
             return f": the model describes the data{self.reservation}"
         if self.undecided:

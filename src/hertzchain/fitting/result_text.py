@@ -42,9 +42,9 @@ def verdict_of(result: FitResult) -> str:
     if good.only_noise:
         return f"{good}{good.verdict}"
     if result.implausible:
-        return f"{good}, but {result.implausible}, so the fit has no meaning"
+        return f"{good}, but {result.implausible}, so the fit is meaningless"
     if result.misread:
-        return f"{good}: the data and the chain differ in units, so the fit has no meaning"
+        return f"{good}: the data and the chain differ in units, so the fit is meaningless"
     if not result.converged:
         return f"{good}: the fit has {result.reason}{NO_ERRORS}"
     text = f"{good}{good.verdict}"

@@ -71,7 +71,7 @@ def shown_diameter(
 def shown_difference(ratio: float) -> str:
     """Relative difference of a value from another one; beyond a factor of 2, their ratio."""
     if ratio < 0.0:
-        return "other sign"
+        return "opposite sign"
     return f"{ratio - 1.0:+z.1%}" if 1.0 / FACTOR < ratio < FACTOR else _times(ratio)
 
 

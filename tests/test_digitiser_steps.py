@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.fitting.noise import digitiser_step
+from hertzchain.traces.noise import digitiser_step
 
 
 def pulses(samples=1400):

@@ -5,8 +5,8 @@ import pytest
 from scipy_row import BALLS, FACTOR, LOSS_TIME, RADIUS, SPACING, forces
 
 import hertzchain as hc
-from hertzchain.fitting.coupling import static_force
-from hertzchain.fitting.places import place_named
+from hertzchain.traces.coupling import static_force
+from hertzchain.traces.places import place_named
 
 STATIC, VELOCITY, NOISE = 22.0, 0.01, 0.02
 NAMES = {"ball 5": "bead 6", "ball 10": "bead 11", "wall": "wall"}

@@ -10,10 +10,10 @@ from scipy_row import BALLS, FREE, TRUTH, VELOCITY, chain, recorded, traces
 
 import hertzchain as hc
 from hertzchain.cli import cli
-from hertzchain.fitting.noise import saturated
 from hertzchain.fitting.weak_directions import WeakDirection
 from hertzchain.plotting.fits import residual_bins
 from hertzchain.representation import with_error
+from hertzchain.traces.noise import saturated
 
 
 @pytest.fixture(scope="module")

@@ -14,15 +14,15 @@ import hertzchain as hc
 from hertzchain.fitting.autocorrelation import correlation_length
 from hertzchain.fitting.fit import fit_with
 from hertzchain.fitting.goodness import goodness_of
-from hertzchain.fitting.noise import (
+from hertzchain.fitting.parameters import default_names
+from hertzchain.fitting.settings import Settings
+from hertzchain.traces.noise import (
     correlation_of_rounding,
     independent_samples,
     noise_before_rounding,
     noise_of,
     onset,
 )
-from hertzchain.fitting.parameters import default_names
-from hertzchain.fitting.settings import Settings
 
 
 def first_order(rng, rho, shape):

@@ -64,12 +64,16 @@ def test_the_places_named_in_contributing_exist():
     assert len(code) > len(rows)
 
 
-@pytest.mark.parametrize("package", ["chain", "simulation"])
+@pytest.mark.parametrize(
+    "package", ["chain", "simulation", "theory", "traces", "fitting", "designs"]
+)
 def test_large_packages_list_their_modules(package):
     folder = ROOT / "src" / "hertzchain" / package
-    modules = {path.stem for path in folder.iterdir() if not path.name.startswith("__")}
+    packages = {path.parent.name for path in folder.glob("*/__init__.py")}
+    modules = {path.stem for path in folder.glob("*.py")} - {"__init__"} | packages
     listed = ast.get_docstring(ast.parse((folder / "__init__.py").read_text("utf-8")))
-    assert set(re.findall(r"`(\w+)`", listed)) == modules
+    topics = listed[listed.index("\n- ") :].partition(".\n\n")[0]
+    assert set(re.findall(r"`(\w+)`", topics)) == modules
 
 
 def test_all_public_names_are_there():

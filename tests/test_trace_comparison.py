@@ -9,7 +9,7 @@ import pytest
 from scipy_row import BEFORE, FACTOR, LOSS_TIME, RADIUS, SPACING, VELOCITY, chain, forces
 
 import hertzchain as hc
-from hertzchain.fitting.missing_rows import gap_notes, gaps_between
+from hertzchain.traces.missing_rows import gap_notes, gaps_between
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 NOISE = 0.05

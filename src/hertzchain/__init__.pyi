@@ -59,8 +59,6 @@ from .fitting.loss_comparison import compare_losses as compare_losses
 from .fitting.posterior import Posterior as Posterior
 from .fitting.result import FitResult as FitResult
 from .fitting.trace_comparison import TraceComparison as TraceComparison
-from .fitting.trace_files import load_traces as load_traces
-from .fitting.traces import Traces as Traces
 from .plotting.animation import animate as animate
 from .plotting.chains import plot_chain as plot_chain
 from .plotting.pulses import plot_pulses as plot_pulses
@@ -118,6 +116,8 @@ from .theory.solitary_wave import solitary_wave as solitary_wave
 from .theory.spectrum import Spectrum as Spectrum
 from .theory.spectrum import spectrum as spectrum
 from .theory.striker_train import striker_train as striker_train
+from .traces.files import load_traces as load_traces
+from .traces.traces import Traces as Traces
 from .verification.verify import Verdict as Verdict
 from .verification.verify import verify as verify
 from .warm_start import warm_up as warm_up

@@ -27,7 +27,7 @@ from .wording import on_command_line
 if TYPE_CHECKING:
     from ..chain.chain import Chain
     from ..fitting.trace_comparison import TraceComparison
-    from ..fitting.traces import Traces
+    from ..traces.traces import Traces
 
 # Least number of saved times; signals are interpolated between them.
 MIN_TIMES: Final = 4000
@@ -138,7 +138,7 @@ def _check_unit_of_times(chain: Chain, data: Traces, end: float) -> None:
 
 
 def _one_shot(traces: Traces, shot: int | None) -> Traces:
-    from ..fitting.traces import Traces
+    from ..traces.traces import Traces
     from ..validation.numbers import whole_number
 
     count = len(traces.shots)

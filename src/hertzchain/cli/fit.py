@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ..fitting.defect_scan import DefectScan
     from ..fitting.posterior import Posterior
     from ..fitting.result import FitResult
-    from ..fitting.traces import Traces
+    from ..traces.traces import Traces
 
 
 @click.command(cls=StrictCommand)

@@ -1,4 +1,19 @@
-"""Design of chains: a problem, methods that search for chains, and verified results."""
+"""Design of chains: a problem, methods that search for chains, and verified results.
+
+- the problem: `problem` and `problem_files`, its `measures`, `objective`, `requirements` and
+  `scatter`;
+- variables: `vary`, the continuous `sizes`, the `ball_choice`, `balls` of catalogues, `stock`;
+- the search: `design`, `methods`, `trials` with their `search_budget`, `dry_run`, and the spaces
+  `size_space` and `ball_space`;
+- methods for sizes: `scanning`, `quasi_newton`, `bundle_descent`, `evolution`, `smooth_tapers`;
+- methods for choices: `genetic` with its `start_rows`; two objectives: `pareto`, `front_search`,
+  `dominance`;
+- values and derivatives: `measured`, theories in `models`, `exact_gradients`,
+  `finite_differences`, contacts in `yielding`;
+- the result: `result`, `verified`, `bounds`, `reference_chains`, `comparison`, `curves`,
+  `rejections`, `report`, `exports`;
+- deviations of beads: `sensitivity`, `distribution`.
+"""
 
 import lazy_loader
 

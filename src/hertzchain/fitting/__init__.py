@@ -1,1 +1,18 @@
-"""Fit chains to measured traces: materials, losses and gaps, with errors."""
+"""Fit chains to measured traces: materials, losses and gaps, with errors.
+
+- the fit: `fit` with its `settings`, the `model` and the `problem` of `least_squares`, and its
+  `starts`;
+- parameters: `names`, `parameters`, `chain_parameters`, `material_parameters`;
+- predicted signals: `simulations`, `symmetry` of chains, `jumps` of forces, and the model of
+  `sensors`;
+- errors: `weights` and `autocorrelation` of samples, `goodness`, `weak_directions`, `posterior`;
+- systematic errors: `systematics`, `sensor_effects`, `constants` that are taken as exact;
+- fits that mean less than they seem to: `diagnosis`, `plausibility`, `prior_conflicts`,
+  `unused_parameters`;
+- the result: `result`, `result_text`, `result_document`, `shown_values`, `fitted_file`;
+- further questions: `loss_comparison` of all `loss_laws`, and `defect_scan`;
+- data compared with a simulation, without a fit: `trace_comparison`, `sensor_comparison`,
+  `time_offsets`, `arrival_notes`;
+- data that are read in another way: `misread_columns`, `misread_times`, `exchanged_columns`;
+- the shipped data: `example_experiment`.
+"""

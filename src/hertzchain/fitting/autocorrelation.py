@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from .noise import MIN_INDEPENDENT, SIGNIFICANT
+from ..traces.noise import MIN_INDEPENDENT, SIGNIFICANT
 
 # Correlations are summed up to this lag, and while they are significant.
 MAX_LAG: Final = 200

@@ -18,19 +18,19 @@ from ..chain.chain import Chain
 from ..chain.modifications import with_one_loss
 from ..errors import InputError, SimulationError
 from ..representation import listed
+from ..traces.noise import independent_samples
+from ..traces.traces import Traces
 from .chain_parameters import known_names, loss_parameters
 from .loss_laws import typical_law
 from .misread_columns import misread_columns
 from .misread_times import check_times, misread_times
 from .model import Model, make_model
 from .names import Name
-from .noise import independent_samples
 from .parameters import ELASTIC, Parameter, expanded, kind_and_value
 from .problem import Problem
 from .result import FitResult
 from .sensor_effects import gained_by, groups_of_effects
 from .systematics import PRESENT
-from .traces import Traces
 
 Refit = Callable[[Problem, Mapping[str, float], int], FitResult]
 # Part of the excess of chi-squared that a cause must remove, and the part that it must remove in

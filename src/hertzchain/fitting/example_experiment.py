@@ -5,10 +5,10 @@ from __future__ import annotations
 from importlib.resources import files
 from pathlib import Path
 
+from ..traces.files import load_traces
+from ..traces.traces import Traces
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_choice
-from .trace_files import load_traces
-from .traces import Traces
 
 FILES = {"fast": "fast.csv", "slow": "slow.csv"}
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Final
 
 from ..collision import Array
-from .signals import Shot
+from ..traces.signals import Shot
 from .time_offsets import difference_at_best_offset
 
 # An exchange is mentioned if it reduces the rms difference to less than this part.

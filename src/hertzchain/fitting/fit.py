@@ -13,12 +13,14 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..representation import counted, listed
+from ..traces.coupling import coupling_notes, resolved_coupling
+from ..traces.files import load_traces
+from ..traces.traces import Traces
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
 from .arrival_notes import silent_notes
 from .chain_parameters import following
-from .coupling import coupling_notes, resolved_coupling
 from .diagnosis import diagnosed
 from .least_squares import Solution, solve, solve_again
 from .misread_columns import inversion_notes
@@ -33,8 +35,6 @@ from .simulations import Simulator, range_notes
 from .starts import with_gains
 from .symmetry import units_of
 from .systematics import effects_of
-from .trace_files import load_traces
-from .traces import Traces
 from .unused_parameters import check_used
 from .weak_directions import WeakDirection, weak_directions
 from .weights import correlations, goodness_of_problem, remaining_weights

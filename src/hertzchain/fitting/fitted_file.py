@@ -21,8 +21,8 @@ from ..errors import InputError
 from ..store.chain_as_toml import chain_as_toml
 from ..store.chain_files import chain_from
 from ..store.toml_files import toml_key, toml_text
+from ..traces.traces import Traces
 from .parameters import Parameter
-from .traces import Traces
 
 # Digits of numbers: errors of fits are much larger than the rounding.
 DIGITS: Final = 7

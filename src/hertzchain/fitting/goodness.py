@@ -10,10 +10,10 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from ..traces.noise import MIN_INDEPENDENT, SIGNIFICANT, independent_samples, level_runs
+from ..traces.signals import Signal
+from ..traces.traces import Traces
 from .autocorrelation import MIN_CORRELATED, autocorrelation, correlation_length, first_lag
-from .noise import MIN_INDEPENDENT, SIGNIFICANT, independent_samples, level_runs
-from .signals import Signal
-from .traces import Traces
 
 # The model describes the data if chi-squared exceeds its expectation by fewer standard deviations,
 # and if the correlation of successive residuals is smaller, in standard deviations.

@@ -16,6 +16,7 @@ from ..chain.per_contact import MaterialPairs
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import listed, short
+from ..traces.files import load_traces
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.objects import Progress, callback, check_list
 from .fit import ChainLike, TracesLike, fit_with
@@ -26,7 +27,6 @@ from .result import FitResult
 from .settings import Settings, for_sensors, load_experiment
 from .simulations import range_notes
 from .symmetry import units_of
-from .trace_files import load_traces
 
 DEFAULT_LAWS: Final = (
     "elastic", "viscoelastic", "restitution", "dashpot", "velocity-power", "unloading-ratio",

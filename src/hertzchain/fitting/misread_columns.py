@@ -11,9 +11,9 @@ import numpy as np
 
 from ..collision import Array
 from ..representation import listed
+from ..traces.signals import Shot, Signal
+from ..traces.traces import Traces
 from .model import Model
-from .signals import Shot, Signal
-from .traces import Traces
 
 # Ratios of amplitudes that suggest another prefix of a unit, and their tolerance (a factor).
 PREFIXES: Final = (1e-6, 1e-3, 1e3, 1e6)

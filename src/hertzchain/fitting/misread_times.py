@@ -9,12 +9,12 @@ import numpy as np
 
 from ..collision import Array
 from ..simulation.time_scales import transit_times
+from ..traces.signals import Shot
+from ..traces.traces import Traces
 from .arrival_notes import has_pulse
 from .misread_columns import Misread, extreme, level_of
 from .model import Model
 from .sensor_comparison import HALF, check_durations, half_width, reached, saturated_samples
-from .signals import Shot
-from .traces import Traces
 
 # The ratios of pulse durations and of the times between sensors agree within the first factor, and
 # differ from 1 by more than the second.

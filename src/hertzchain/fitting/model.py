@@ -17,16 +17,16 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..traces.places import check_places
+from ..traces.signals import Signal
+from ..traces.traces import Traces
 from .chain_parameters import is_motion, with_motion, with_sizes
 from .jumps import next_to_jumps
 from .names import Name
 from .parameters import Parameter, is_of_chain
-from .places import check_places
 from .sensors import Sensor, filtered, sampled, with_crosstalk
-from .signals import Signal
 from .simulations import Signals, Simulator
 from .symmetry import Units, units_of
-from .traces import Traces
 
 Values = Mapping[Name, float]
 Items = tuple[tuple[Name, float], ...]

@@ -10,6 +10,7 @@ from typing import Final
 from ..chain.chain import Chain
 from ..errors import InputError, short_repr, unknown_name_error
 from ..representation import listed
+from ..traces.traces import Traces
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_list
 from .chain_parameters import (
@@ -22,7 +23,6 @@ from .chain_parameters import (
 )
 from .names import Name, parse_name
 from .sensors import COMMON_ONLY, SENSOR_KINDS
-from .traces import Traces
 
 TIME: Final = Kind("s", typical=1e-6, step=1e-2)
 # Constants that determine the stiffness of Hertz contacts.

@@ -9,10 +9,10 @@ import numpy as np
 
 from ..collision import Array
 from ..representation import listed
+from ..traces.traces import Traces
 from .names import Name
 from .parameters import Parameter
 from .shown_values import shown_value
-from .traces import Traces
 
 # A parameter contradicts its prior beyond this number of standard deviations; several contradict
 # theirs together if the sum of squares is less probable than the same deviation of one.

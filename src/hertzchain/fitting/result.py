@@ -13,6 +13,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..representation import counted, short
+from ..traces.traces import Traces
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import Progress
@@ -26,7 +27,6 @@ from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
 from .shown_values import shown_diameter, shown_value
 from .systematics import Effect
-from .traces import Traces
 from .weak_directions import WeakDirection
 from .weights import chi2_by_sensor, residuals_by_sensor
 

@@ -18,11 +18,11 @@ from ..errors import (
 )
 from ..store.chain_files import chain_from, load_chain
 from ..store.toml_files import read_toml
+from ..traces.places import place_named
+from ..traces.traces import Traces, with_coupling
 from ..validation.objects import file_path, shown_path
 from .names import parse_name
-from .places import place_named
 from .sensors import SENSOR_KINDS
-from .traces import Traces, with_coupling
 
 # Keys of the table [fit] of a chain file: values and meanings.
 KEYS: Final[Mapping[str, tuple[str, str]]] = {

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..representation import with_error
+from ..traces.traces import Traces
 from .parameters import Parameter, kind_and_value
-from .traces import Traces
 
 # Values and errors of times, lengths and moduli are shown in these units.
 SHOWN: Final[Mapping[str, tuple[float, str]]] = {

@@ -16,8 +16,8 @@ from ..errors import InputError, ModelRangeWarning, SimulationError
 from ..recorded_warnings import ignore_warnings, record_warnings
 from ..simulation.simulate import simulate
 from ..simulation.time_scales import transit_times
+from ..traces.places import Place
 from .chain_parameters import JUMPING
-from .places import Place
 from .symmetry import Units, similarity_key, units_of
 
 # Tolerance of trial runs.  Their traces are accurate to 5e-9 of the peak, sufficient for finite

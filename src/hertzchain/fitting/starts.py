@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from ..traces.signals import Signal
 from .misread_columns import first_sign, level_of
 from .model import Model
 from .names import Name
 from .sensors import sampled
-from .signals import Signal
 
 # Factors of time that are tried if the stiffness is free, and points of the even grid.
 STRETCHES: Final = tuple(np.exp(np.linspace(-0.3, 0.3, 25)).tolist())

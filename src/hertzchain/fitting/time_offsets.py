@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..collision import Array
+from ..traces.signals import Shot, Signal
 from .autocorrelation import correlation_length
 from .misread_columns import PREFIXES, TOLERANCE, extreme, level_of, polarity_of
 from .sensor_comparison import ABOVE_NOISE, scaled
-from .signals import Shot, Signal
 
 if TYPE_CHECKING:
     from collections.abc import Callable

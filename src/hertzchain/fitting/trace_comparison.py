@@ -14,6 +14,12 @@ from ..collision import Array
 from ..errors import InputError, InputWarning, warn_user
 from ..representation import measure, short, usual_unit, with_error
 from ..simulation.run import Run
+from ..traces.coupling import Gain, coupling_notes, resolved_coupling, static_force
+from ..traces.missing_rows import gap_notes, gaps_between, with_missing_samples
+from ..traces.places import check_places
+from ..traces.signals import Shot, Signal
+from ..traces.spikes import without_spikes
+from ..traces.traces import Traces
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_type
@@ -24,13 +30,10 @@ from .arrival_notes import (
     sensors_outside,
     silent_notes,
 )
-from .coupling import Gain, coupling_notes, resolved_coupling, static_force
 from .exchanged_columns import exchange_notes
 from .goodness import EXPLAINED
 from .misread_columns import inversion_notes, level_of
 from .misread_times import time_notes
-from .missing_rows import gap_notes, gaps_between, with_missing_samples
-from .places import check_places
 from .sensor_comparison import (
     HEADING,
     SensorComparison,
@@ -49,10 +52,7 @@ from .sensor_comparison import (
     unit_notes,
 )
 from .sensors import sampled
-from .signals import Shot, Signal
-from .spikes import without_spikes
 from .time_offsets import best_offset, explained_by_offset, offset_error
-from .traces import Traces
 
 NOTHING_EXPLAINED: Final = (
     "the simulation explains no more of the data than noise would, and the time offset has no "

@@ -7,11 +7,11 @@ from typing import Final
 
 from ..chain.chain import Chain
 from ..errors import InputError
+from ..traces.traces import Traces
 from .chain_parameters import is_motion, loss_parameters, with_motion, with_sizes
 from .names import Name
 from .parameters import Parameter
 from .symmetry import similarity_key, units_of
-from .traces import Traces
 
 # Relative change by which a parameter is moved, or this part of its typical size from zero.
 MOVED: Final = 1e-3

@@ -13,10 +13,10 @@ from ..fitting.loss_comparison import LossComparison
 from ..fitting.posterior import Posterior
 from ..fitting.result import FitResult
 from ..fitting.sensor_comparison import HEADINGS
-from ..fitting.signals import Shot
 from ..fitting.trace_comparison import TraceComparison
-from ..fitting.traces import Traces
 from ..representation import counted
+from ..traces.signals import Shot
+from ..traces.traces import Traces
 from .drawing import (
     COLOURS,
     Curve,

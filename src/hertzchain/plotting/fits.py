@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from ..fitting.posterior import Posterior
     from ..fitting.result import FitResult
     from ..fitting.trace_comparison import TraceComparison
-    from ..fitting.traces import Traces
+    from ..traces.traces import Traces
 
 # Samples of a posterior that are drawn as points.
 POINTS: Final = 4000

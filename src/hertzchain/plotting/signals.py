@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..collision import Array
-from ..fitting.signals import Signal
+from ..traces.signals import Signal
 from .colours import COLOURS, grey
 from .legends import POINTS_PER_INCH
 from .style import literal

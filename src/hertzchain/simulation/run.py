@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ..fitting.trace_comparison import TraceComparison
-    from ..fitting.traces import Traces
+    from ..traces.traces import Traces
     from .horizon import Horizon
 
 # Number of beads up to which a run is regarded as a collision.
@@ -425,7 +425,7 @@ class Run(Trajectory):
         '4.0%'
         """
         from ..fitting.trace_comparison import compare_traces
-        from ..fitting.trace_files import load_traces
+        from ..traces.files import load_traces
 
         if isinstance(traces, Run):
             raise InputError(

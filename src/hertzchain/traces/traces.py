@@ -16,6 +16,7 @@ from ..representation import counted, short
 from ..validation.keywords import checked_arguments, checked_fields, checked_methods
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_choice, check_list, check_type
+from .headers import header_of, positive_noise
 from .noise import (
     ACCURACY,
     MIN_QUIET,
@@ -29,11 +30,10 @@ from .noise import (
     printed_step,
     saturated,
 )
+from .notes import trace_notes
 from .places import Place
 from .quiet_parts import COMMON_PART, quiet_counts
 from .signals import Shot, Signal, merged_shots
-from .trace_headers import header_of, positive_noise
-from .trace_notes import trace_notes
 
 if TYPE_CHECKING:
     import xarray as xr

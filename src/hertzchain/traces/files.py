@@ -16,12 +16,12 @@ from ..store.csv_tables import split_header
 from ..units import UNITS, converted
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_list, file_path, shown_path, text
+from .headers import header_of, other_unit_error, without_unit
 from .noise import check_names_of_noise
 from .places import Place, place_named
 from .sample_rows import Rows, sample_rows
 from .scope_files import WORDS, header_and_samples, sample
 from .signals import Shot
-from .trace_headers import header_of, other_unit_error, without_unit
 from .traces import Traces, check_times, make_shot, with_coupling
 
 Sensors = dict[str, tuple[str, str]] | None

@@ -650,6 +650,7 @@ GOOD = "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 20 - abs(i - 80)}\n" for i 
         ("time [us],force [N]\n0,1\n1,2\n", "does not name the place of its sensor"),
         ("time [us],wall velocity [m/s]\n0,1\n1,2\n", "does not name the place of its sensor"),
         (HEAD + GOOD + "50,0.1\n", "times must increase"),
+        ("ball 6 [N],time [us]\n" + GOOD, "all samples of ball 6 do: the headers of these two"),
         (HEAD + "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 9.0}\n" for i in range(90)),
          "is saturated at 9 N during most of its pulse"),
         (HEAD + "0,1\n1\n", "line 3 has 1 cell, but the header has 2"),

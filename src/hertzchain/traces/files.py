@@ -6,6 +6,7 @@ import functools
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -25,6 +26,8 @@ from .signals import Shot
 from .traces import Traces, check_times, make_shot, with_coupling
 
 Sensors = dict[str, tuple[str, str]] | None
+# Samples of a sensor that all increase are times if there are at least as many.
+MANY: Final = 10
 
 
 @checked_arguments("load_traces")
@@ -225,9 +228,22 @@ def _shots(table: Table, wanted: Sensors, noise: float | Mapping[str, float] | N
     shots = []
     for label in np.unique(labels):
         own = labels == label
+        _check_exchange(times[own], {each.name: v[own] for (each, _), v in samples.items()})
         check_times(times[own], unit, lines[own])
         shots.append(make_shot(factor * times[own], {k: v[own] for k, v in samples.items()}, noise))
     return shots
+
+
+def _check_exchange(times: Array, samples: Mapping[str, Array]) -> None:
+    """Reject times that do not increase if the samples of a sensor do, as times would."""
+    if len(times) < MANY or np.all(np.diff(times) > 0.0):
+        return
+    for name, values in samples.items():
+        if np.all(np.diff(values) > 0.0):
+            raise InputError(
+                f"the times do not increase, but all samples of {name} do: the headers of these "
+                "two columns may be exchanged"
+            )
 
 
 def _with_times(header: list[str], wanted: Sensors) -> tuple[list[str], Sensors]:

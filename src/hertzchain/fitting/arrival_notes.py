@@ -10,8 +10,8 @@ import numpy as np
 
 from ..collision import Array
 from ..representation import listed, measure
+from ..traces.amplitudes import extreme, level_of
 from ..traces.signals import Shot, Signal
-from .misread_columns import extreme, level_of
 from .sensor_comparison import ABOVE_NOISE, HALF, reached, saturated_samples
 
 # Arrivals that differ by less than this number of samples have no order.

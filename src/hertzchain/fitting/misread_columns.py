@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
@@ -11,6 +10,7 @@ import numpy as np
 
 from ..collision import Array
 from ..representation import listed
+from ..traces.amplitudes import ARRIVED, extreme, from_level
 from ..traces.signals import Shot, Signal
 from ..traces.traces import Traces
 from .model import Model
@@ -20,9 +20,8 @@ PREFIXES: Final = (1e-6, 1e-3, 1e3, 1e6)
 TOLERANCE: Final = 3.0
 # Advice for signals of the opposite sign.
 POLARITY: Final = "check the polarity of the sensor and of its amplifier"
-# A signal has arrived at this fraction of its largest value; arrivals that differ by less than this
-# number of samples have no order.
-ARRIVED, SAME_TIME = 0.5, 3
+# Arrivals that differ by less than this number of samples have no order.
+SAME_TIME: Final = 3
 
 
 @dataclass(frozen=True)
@@ -42,7 +41,7 @@ def misread_columns(model: Model) -> Iterator[Misread]:
     predicted = model.predict_shot(0, start)
     signals = model.traces.shots[0].signals
     ratios = {
-        signal.name: extreme(_seen(signal)) / extreme(own - own[0])
+        signal.name: extreme(from_level(signal)) / extreme(own - own[0])
         for signal, own in zip(signals, predicted, strict=True)
         if np.ptp(own) > 0.0
     }
@@ -92,7 +91,7 @@ def _order(model: Model, predicted: list[Array]) -> Iterator[Misread]:
     """Columns of one quantity and unit in the order in which the pulse should arrive."""
     signals = model.traces.shots[0].signals
     expected = [_arrival(own - own[0]) for own in predicted]
-    seen = [_arrival(_seen(signal)) for signal in signals]
+    seen = [_arrival(from_level(signal)) for signal in signals]
     places: dict[str, str] = {}
     for kind in dict.fromkeys((each.place.quantity, each.unit) for each in signals):
         same = [i for i, each in enumerate(signals) if (each.place.quantity, each.unit) == kind]
@@ -114,37 +113,11 @@ def _arrival(values: Array) -> int:
     return int(np.argmax(np.abs(values) > ARRIVED * np.abs(values).max()))
 
 
-def _seen(signal: Signal) -> Array:
-    """Samples from the level before the pulse; 0 where they are missing."""
-    return np.where(np.isfinite(signal.values), signal.values - level_of(signal), 0.0)
-
-
-def level_of(signal: Signal) -> float:
-    """Level of a signal before the pulse; 0 if it is not known."""
-    return signal.level if np.isfinite(signal.level) else 0.0
-
-
-def polarity_of(signal: Signal) -> float:
-    """-1 for a force whose largest value is negative, which contacts cannot exert; otherwise 1."""
-    return -1.0 if signal.place.quantity == "force" and extreme(_seen(signal)) < 0.0 else 1.0
-
-
 def inversion_notes(gains: Mapping[str, float]) -> tuple[str, ...]:
     """A note on each sensor without calibration whose gain is negative."""
     return tuple(
         f"{name} is inverted: its gain is negative" for name, gain in gains.items() if gain < 0.0
     )
-
-
-def first_sign(values: Array) -> float:
-    """Sign of the first value beyond half of the largest; waves that return may have another."""
-    size = np.abs(values)
-    return math.copysign(1.0, values[np.argmax(size > ARRIVED * size.max())])
-
-
-def extreme(values: Array) -> float:
-    """The value that is largest without its sign."""
-    return float(values[np.argmax(np.abs(values))])
 
 
 def _scaled(traces: Traces, factors: Mapping[str, float]) -> Traces:

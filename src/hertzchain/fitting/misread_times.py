@@ -9,10 +9,11 @@ import numpy as np
 
 from ..collision import Array
 from ..simulation.time_scales import transit_times
+from ..traces.amplitudes import extreme, level_of
 from ..traces.signals import Shot
 from ..traces.traces import Traces
 from .arrival_notes import has_pulse
-from .misread_columns import Misread, extreme, level_of
+from .misread_columns import Misread
 from .model import Model
 from .sensor_comparison import HALF, check_durations, half_width, reached, saturated_samples
 

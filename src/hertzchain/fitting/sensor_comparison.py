@@ -13,9 +13,10 @@ from ..collision import Array
 from ..errors import InputError
 from ..representation import measure
 from ..simulation.run import Run
+from ..traces.amplitudes import extreme, level_of
 from ..traces.noise import independent_samples
 from ..traces.signals import Shot, Signal
-from .misread_columns import POLARITY, PREFIXES, TOLERANCE, extreme, level_of
+from .misread_columns import POLARITY, PREFIXES, TOLERANCE
 from .shown_values import shown_difference, shown_part
 
 # A signal has arrived at this fraction of its peak, where its width is measured, too.

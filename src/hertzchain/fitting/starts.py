@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from ..traces.amplitudes import first_sign, level_of
 from ..traces.signals import Signal
-from .misread_columns import first_sign, level_of
 from .model import Model
 from .names import Name
 from .sensors import sampled

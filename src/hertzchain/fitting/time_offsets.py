@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..collision import Array
+from ..traces.amplitudes import extreme, level_of, polarity_of
 from ..traces.signals import Shot, Signal
 from .autocorrelation import correlation_length
-from .misread_columns import PREFIXES, TOLERANCE, extreme, level_of, polarity_of
+from .misread_columns import PREFIXES, TOLERANCE
 from .sensor_comparison import ABOVE_NOISE, scaled
 
 if TYPE_CHECKING:

@@ -14,6 +14,7 @@ from ..collision import Array
 from ..errors import InputError, InputWarning, warn_user
 from ..representation import measure, short, usual_unit, with_error
 from ..simulation.run import Run
+from ..traces.amplitudes import level_of
 from ..traces.coupling import Gain, coupling_notes, resolved_coupling, static_force
 from ..traces.missing_rows import gap_notes, gaps_between, with_missing_samples
 from ..traces.places import check_places
@@ -32,7 +33,7 @@ from .arrival_notes import (
 )
 from .exchanged_columns import exchange_notes
 from .goodness import EXPLAINED
-from .misread_columns import inversion_notes, level_of
+from .misread_columns import inversion_notes
 from .misread_times import time_notes
 from .sensor_comparison import (
     HEADING,

@@ -3,5 +3,6 @@
 - the data: `traces` of several shots, the `signals` of one, `headers` of columns, and the
   `places` of sensors;
 - files: `files`, with `scope_files` of oscilloscopes and `sample_rows`;
-- what the samples show: `noise`, `quiet_parts`, `spikes`, `missing_rows`, `coupling`, `notes`.
+- what the samples show: `amplitudes`, `noise`, `quiet_parts`, `spikes`, `missing_rows`, `coupling`,
+  `notes`.
 """

@@ -13,6 +13,7 @@ from sphinx.util.inspect import TypeAliasForwardRef
 HERE = Path(__file__).parent
 ARRAY = re.compile(r"\bArray\b")
 sys.path.insert(0, os.fspath(HERE))
+import navigation  # noqa: E402
 import reference_pages  # noqa: E402
 import schema_tables  # noqa: E402
 
@@ -201,3 +202,5 @@ def setup(app: Any) -> None:
     app.connect("builder-inited", write_tables)
     app.connect("autodoc-process-signature", name_aliases)
     app.connect("doctree-read", strip_blocks)
+    # Before the theme, which renders all templates to find empty ones.
+    app.connect("html-page-context", navigation.add_navigation, priority=400)

@@ -21,13 +21,13 @@ from collections.abc import Iterator
 from doctest import ELLIPSIS, OutputChecker
 from pathlib import Path
 
-# Importing these takes longer than most commands.  Commands are forked from a process that has
-# imported them, but has not yet started threads.
+# Importing these and loading kernels takes longer than most commands.  Commands are forked from a
+# process that has done both, but has not yet started threads.
 CONTEXT = multiprocessing.get_context("forkserver")
 CONTEXT.set_forkserver_preload(
     ["hertzchain.simulation.simulate", "hertzchain.propagation.propagate", "hertzchain.theory.bca",
      "scipy.interpolate", "scipy.optimize", "scipy.sparse", "matplotlib.pyplot", "pandas", "xarray",
-     "zarr", "rich.table"]
+     "zarr", "rich.table", "loaded_kernels"]
 )  # fmt: skip
 
 
@@ -80,7 +80,7 @@ def failures(page: Path) -> Iterator[str]:
             # On a slow machine there are lines about progress and the compiler, which are not shown
             # on the page.
             progress = (
-                r"^([\w ]+: \d+ (of \d+(, .* left)?|in total)|hertzchain: compiling once.*"
+                r"^([\w ]+: \d+( of \d+(, .* left)?| in total)?|hertzchain: compiling once.*"
                 r"|computing a few points to estimate the time)\n"
             )
             got = out + re.sub(progress, "", err, flags=re.M)

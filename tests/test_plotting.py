@@ -274,7 +274,7 @@ def test_animated_bodies_never_pass_through_each_other(gap, tmp_path, monkeypatc
         right_wall=hc.Wall(gap=gap), left_wall=hc.Wall(gap=gap), loss=hc.Restitution(0.9)
     )
     run = hc.simulate(chain, until="60 ms" if gap == "1 mm" else "3 ms", times=1500)
-    frames, _, axes = animated(run, tmp_path, monkeypatch, frames=60)
+    frames, _, axes = animated(run, tmp_path, monkeypatch, frames=30)
     radius, touched = 0.01, 0
     pixel = np.diff(axes.get_xlim())[0] / axes.get_window_extent().width
     for centres, walls in frames:
@@ -310,8 +310,8 @@ def test_a_driven_wall_moves_in_an_animation(tmp_path, monkeypatch):
     drive = hc.SineBurst("5 um", 5e3, cycles=0.5, of="displacement", window="none")
     balls = hc.Chain.from_materials("10 mm", "steel-52100", beads=3)
     chain = balls.replace(left_wall=hc.Wall(), drive=drive)
-    run = hc.simulate(chain, until="0.2 ms", times=101)
-    frames, _, _ = animated(run, tmp_path, monkeypatch, frames=101, magnify=100.0)
+    run = hc.simulate(chain, until="0.2 ms", times=26)
+    frames, _, _ = animated(run, tmp_path, monkeypatch, frames=26, magnify=100.0)
     edges = np.array([walls[0, 1] for _, walls in frames])
     np.testing.assert_allclose(edges, 100.0 * drive.value(run.times), atol=1e-9)
 

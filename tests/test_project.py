@@ -206,14 +206,19 @@ def test_no_tracked_file_names_a_machine():
         assert found is None, f"{path.name}: {found.group()}"
 
 
-def test_files_and_functions_are_short():
-    _, _, too_long = count_lines.count()
+@pytest.fixture(scope="module")
+def counts():
+    return count_lines.count()
+
+
+def test_files_and_functions_are_short(counts):
+    _, _, too_long = counts
     assert too_long.keys() <= count_lines.EXCEPTIONS.keys()
     assert all(name.startswith("kernels/") for name in too_long)
 
 
-def test_docstrings_are_slim():
-    code, documentation, _ = count_lines.count()
+def test_docstrings_are_slim(counts):
+    code, documentation, _ = counts
     assert documentation < count_lines.MAX_RATIO * code
 
 

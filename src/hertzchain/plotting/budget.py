@@ -116,7 +116,8 @@ def plot_budget(
             # Beside narrow axes, it would take a third of the width.
             place_legend(axes, own=True)
         elif legend:
-            axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+            # In the order in which the parts are stacked.
+            axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), reverse=True)
     return axes
 
 

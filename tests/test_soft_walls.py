@@ -8,6 +8,7 @@ import warnings
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.optimize import brentq
 from scipy_chain import Units, trajectory
 
 import hertzchain as hc
@@ -85,18 +86,65 @@ def test_a_proven_peak_does_not_wait_for_the_end_of_the_impact():
 
 @pytest.mark.parametrize("exponent", [1.5, 1.2, 3.0])
 def test_the_rebound_of_the_whole_chain(exponent):
-    """Half the period of one mass: the integral over its speed, by energy."""
-    chain = hc.Chain.uniform(7).replace(
-        masses=np.arange(1.0, 8.0), stiffness=np.ones(6),
-        right_wall=hc.Wall(stiffness=0.02, exponent=exponent),
+    """Half the period of one mass on contacts in series: the integral over its speed, by energy."""
+    chain = hc.Chain.uniform(7, exponent=exponent).replace(
+        masses=np.arange(1.0, 8.0), stiffness=np.arange(1.0, 7.0),
+        right_wall=hc.Wall(stiffness=0.02),
     )  # fmt: skip
     mass, momentum, power = 28.0, 1.7, exponent + 1.0
     speed = momentum / mass
-    depth = (power * mass * speed**2 / 2.0 / 0.02) ** (1.0 / power)
+    each = np.append(np.arange(1.0, 7.0), 0.02)
+    stiffness = (each ** (-1.0 / exponent)).sum() ** -exponent
+    depth = (power * mass * speed**2 / 2.0 / stiffness) ** (1.0 / power)
     # With 1 - x = y^2 the integrand has no singularity.
     part, _ = quad(lambda y: 2.0 * y / math.sqrt(-math.expm1(power * math.log1p(-y * y))), 0.0, 1.0)
     assert rebound_time(chain, momentum) == pytest.approx(2.0 * depth / speed * part, rel=1e-9)
     assert rebound_time(chain, 0.0) == rebound_time(hc.Chain.uniform(7), momentum) == 0.0
+
+
+@pytest.mark.parametrize("exponent", [1.2, 1.5, 3.0])
+def test_the_rebound_on_different_contacts_is_not_underestimated(exponent):
+    chain = hc.Chain.uniform(3).replace(
+        stiffness=[0.05, 2.0], right_wall=hc.Wall(stiffness=0.02, exponent=exponent)
+    )
+    mass, speed, wall = 3.0, 1.0 / 3.0, exponent
+    beads = (0.05 ** (-2.0 / 3.0) + 2.0 ** (-2.0 / 3.0)) ** -1.5
+
+    def energy(force):
+        return force ** (5.0 / 3.0) * beads ** (-2.0 / 3.0) / 2.5 + force ** (
+            1.0 + 1.0 / wall
+        ) * 0.02 ** (-1.0 / wall) / (1.0 + wall)
+
+    total = mass * speed**2 / 2.0
+    largest = brentq(lambda force: energy(force) - total, 0.0, 10.0)
+
+    def slowness(y):
+        """Of the force F = (1 - y^2) F_max, times 2y F_max."""
+        force = largest * (1.0 - y * y)
+        compliance = (
+            force ** (-1.0 / 3.0) * beads ** (-2.0 / 3.0) / 1.5
+            + force ** (1.0 / wall - 1.0) * 0.02 ** (-1.0 / wall) / wall
+        )
+        return 2.0 * y * largest * compliance / math.sqrt(2.0 * (total - energy(force)) / mass)
+
+    exact = 2.0 * quad(slowness, 0.0, 1.0)[0]
+    assert exact * (1.0 - 1e-6) < rebound_time(chain, 1.0) < 1.2 * exact
+
+
+@pytest.mark.filterwarnings("ignore:the striker has .* the mass:hertzchain.InputWarning")
+def test_a_heavy_striker_in_front_of_soft_balls():
+    """Its impact ends when the whole row has pushed it back, after many transits."""
+    row = hc.Chain.from_materials(2.5e-3, "ptfe", beads=2, velocity=0.0)
+    struck = row.struck_by(mass=0.1, radius=math.inf, material="steel-304", velocity=0.5)
+    chain = struck.replace(right_wall=hc.Wall.of("aluminium"))
+    truth = peak_of_scipy(chain, 1.2e-3)
+    run = hc.simulate(chain, times=0)
+    assert run.status == "wall force complete"
+    assert run.wall_force().peak == pytest.approx(truth, rel=2e-6)
+    assert run.wall_force().complete_since > 20.0 * run._completion[1, 1]
+    table = hc.simulate_many([chain], keep=["wall_peak_force"])
+    assert table["wall_peak_force"][0] == pytest.approx(truth, rel=2e-6)
+    assert hc.gradient(chain, "wall_force.peak", to="radii").value == pytest.approx(truth, rel=2e-6)
 
 
 def test_the_longest_run_is_that_of_the_message():

@@ -30,8 +30,8 @@ USUAL_TIMES: Final = 400
     metavar="TIME",
     help="Stop time, such as 60 or, in SI units, 2ms.  [default: when the peak force on the "
     "right wall is complete and the impact is over, or after ten transits of the pulse, 20 if the "
-    "left end is free, and more if the wall is soft; without a right wall, when the pulse has "
-    "left the chain]",
+    "left end is free, and more if the wall is soft or the striker heavy; without a right wall, "
+    "when the pulse has left the chain]",
 )
 @click.option(
     "--times",

@@ -171,7 +171,7 @@ class Ending:
         return np.asarray(last)
 
     def _rebounds(self, side: int) -> float:
-        """Time that the impact of the whole chain on a soft right wall may take."""
+        """Time that the impact of the whole chain at the right wall may take."""
         chain = self.equation.chain
         if side == LEFT:
             return 0.0

@@ -8,8 +8,8 @@ from __future__ import annotations
 # Time for which the bound must have been below the peak, and number of checks, per transit.
 HELD, CHECKS = 0.5, 16
 # Maximum length of a run in transits, twice as long if motion can escape from the wall, or in
-# rebounds of the whole chain from a soft wall, but not more than MOST_TRANSITS.  Impacts on soft
-# walls end after up to 1.3 rebounds, those of heavy balls between soft ones after 16 transits.
+# rebounds of the whole chain, but not more than MOST_TRANSITS.  Impacts on soft walls and of heavy
+# strikers end after up to 1.3 rebounds, those of heavy balls between soft ones after 16 transits.
 MAX_TRANSITS, MAX_REBOUNDS, MOST_TRANSITS = 10, 2.0, 500
 # Relative rounding of the bound; fraction of the peak to which the force of a contact that carries
 # a static force, and therefore need not open, falls when it releases the wall.

@@ -14,7 +14,7 @@ from ..collision import HERTZ_EXPONENT, Array, compression_time
 from ..frozen import once
 from ..kernels.wall_rule import MAX_REBOUNDS
 from .kernel_input import static_closing
-from .time_scales import transit_times
+from .time_scales import rebound_in_series, transit_times
 from .wall_bound import RIGHT, motion_can_escape, wall_targets
 
 # First step as a fraction of the time in which the pulse passes the first contact; smallest impulse
@@ -129,8 +129,8 @@ def _rebounds(given: Array, speeds: Array, inverse_masses: Array) -> Array:
 
     mass = (1.0 / inverse_masses).sum(axis=1)
     momentum = (np.maximum(speeds, 0.0) / inverse_masses).sum(axis=1)
-    stiffness, p = given[:, layout.GIVEN_STIFFNESS, -1], given[:, layout.GIVEN_EXPONENT, -1]
-    return 2.0 * compression_time(mass, stiffness, momentum / mass, p)
+    stiffness, p = given[:, layout.GIVEN_STIFFNESS, 1:], given[:, layout.GIVEN_EXPONENT, 1:]
+    return rebound_in_series(mass, momentum / mass, stiffness, p)
 
 
 def _add_static_state(chain: Chain, rows: Array) -> float:

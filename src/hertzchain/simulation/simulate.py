@@ -80,9 +80,10 @@ def simulate(
         Stop time [scaled, or s]; by default the last of the given ``times``.  If ``times`` is a
         number, a chain with a right wall runs until the largest force on the wall is complete and
         the impact has ended (see `hertzchain.simulation.wall_watch`), at most for ten
-        transits of the pulse, 20 if the left end is free, or, on a soft wall, for the first transit
-        and twice the time in which all beads, moving as one, would rebound.  Any other chain runs
-        until the pulse has left, that is, until every bead has passed its first velocity maximum.
+        transits of the pulse, 20 if the left end is free, or, for soft walls and heavy strikers,
+        for the first transit and twice the time in which all beads, as one body, would rebound from
+        the row.  Any other chain runs until the pulse has left, that is, until every bead has
+        passed its first velocity maximum.
         If the chain falls from rest, transits are counted from the end of the fall.
         Required for a drive without an end.
     times : int or array_like

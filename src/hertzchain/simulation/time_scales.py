@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..chain.chain import Chain
 from ..collision import Array, compression_time, reduced_mass
@@ -65,14 +66,33 @@ def fall_time(chain: Chain) -> float:
 
 
 def rebound_time(chain: Chain, momentum: float) -> float:
-    """Time in which all beads, moving as one with a momentum, rebound from the right wall.
+    """Time in which all beads, as one body with a momentum, rebound from the row and its wall.
 
-    It is half a period of their mass on the wall; 0 without momentum, or without this wall.
+    It is half a period of their mass on all contacts in series; 0 without momentum, or without a
+    right wall.
     """
     if chain.right_wall is None or not momentum > 0.0:
         return 0.0
-    mass, p = float(chain.masses.sum()), float(chain.contact_exponents[-1])
-    return 2.0 * float(compression_time(mass, chain.wall_stiffness[1], momentum / mass, p))
+    mass = float(chain.masses.sum())
+    stiffness, p = chain.contact_stiffness[1:], chain.contact_exponents[1:]
+    return float(rebound_in_series(mass, momentum / mass, stiffness, p))
+
+
+def rebound_in_series(
+    mass: ArrayLike, speed: ArrayLike, stiffness: Array, exponents: Array
+) -> Array:
+    """Half a period of a mass on contacts in series, which are along the last axis.
+
+    If the exponents p are equal, the compliances k^(-1/p) add up, so that the result is the s-norm
+    of the times on each contact, with s = (p + 1)/p.  Otherwise the largest p gives a longer time.
+    """
+    times = 2.0 * compression_time(
+        np.expand_dims(mass, -1), stiffness, np.expand_dims(speed, -1), exponents
+    )
+    longest = times.max(axis=-1)
+    s = 1.0 + 1.0 / exponents.max(axis=-1)
+    ratios = times / np.expand_dims(longest, -1)
+    return np.asarray(longest * (ratios ** np.expand_dims(s, -1)).sum(axis=-1) ** (1.0 / s))
 
 
 def typical_speed(chain: Chain) -> float:

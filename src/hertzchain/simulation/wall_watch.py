@@ -11,9 +11,10 @@ exceeded the peak for half a transit since then, where a transit is the time tha
 pass the chain.  This rule is empirical, and it starts again if a larger force follows.
 
 Without a given end, a run continues until the peak is complete and half a transit has passed since
-the end of the impact, or until `WallWatch.last`: ten transits, or 20 if motion can escape, or, on a
-soft wall, the first transit and twice the time in which all beads, moving as one with the momentum
-of the impact, would rebound from the wall.
+the end of the impact, or until `WallWatch.last`: ten transits, or 20 if motion can escape, or, if
+this is longer, the first transit and twice the time in which all beads, as one body with the
+momentum of the impact, would rebound from the row and its wall.  It is longer if the wall is soft,
+or if the striker is heavy and the beads are soft.
 
 Walls are watched from the end of the first transit on, or from the end of the drive or of a fall
 from rest, at fixed times between the calls of the compiled loop.  The array ``completion`` of the
@@ -156,7 +157,7 @@ class WallWatch:
 
     @cached_property
     def _rebound(self) -> float:
-        """Time of the rebound from the right wall with the momentum towards it at time 0."""
+        """Time of the rebound at the right end with the momentum towards it at time 0."""
         return rebound_time(self.chain, impact_momentum(self.chain))
 
     def _rebound_by_force(self) -> float:

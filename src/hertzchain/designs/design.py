@@ -29,7 +29,7 @@ from .methods import Found, method_for, price_of, run_method
 from .pareto import MOST_POINTS, SEARCHES, compared_points, design_front
 from .problem import Design
 from .reference_chains import evaluated_references, reference_count
-from .rejections import notes_on_rejections
+from .rejections import notes_on_rejections, why_rejected
 from .result import DesignResult
 from .search_budget import Budget, budget_from, simulations_within
 from .trials import Outcome, Reference, Trials
@@ -227,10 +227,11 @@ def finish(trials: Trials, found: Found, notes: tuple[str, ...]) -> DesignResult
     if not trials.best or not np.isfinite(trials.best[0].values).all():
         # There is nothing to resume.
         trials.journal.remove()
-        reasons = "; ".join(sorted(trials.reasons)[:2])
+        failed = sorted(trials.reasons)[:2]
+        reasons = f"{'; '.join(failed)}; allow other sizes" if failed else why_rejected(trials)
         raise InputError(
-            f"none of {trials.runs} trial chains could be simulated with the required quantities"
-            f"{': ' + reasons if reasons else ''}; allow other sizes or set until"
+            f"none of {trials.runs} trial chains could be simulated with the required quantities: "
+            f"{reasons}"
         )
     return _result(trials, found, None, trials.references, notes)
 

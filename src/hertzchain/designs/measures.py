@@ -6,6 +6,8 @@ name                                                    meaning
 ``wall_force.peak``, ``.impulse``, ``.duration``        force on the right wall; the impulse is that
                                                         of the impact on the wall, also called
                                                         ``wall_force.impulse_of_impact``
+``wall_force.largest_so_far``                           largest force on the right wall in the run,
+                                                        which a later one may exceed
 ``sensor.largest@k``                                    largest force in a sensor in bead k in the
                                                         run
 ``sensor.first_maximum@k``                              its first maximum
@@ -44,10 +46,11 @@ from ..representation import measure as shown
 from ..simulation.run_table import RunTable
 from ..validation.numbers import whole_number
 
+LARGEST_ON_WALL: Final = "wall_force.largest_so_far"
 IMPULSE: Final = "wall_force.impulse_of_impact"
 # Columns of a `RunTable` with the force on the wall; the impulse is that of the impact.
 WALL: Final = {
-    **{name: COLUMNS[name] for name in ("wall_force.peak", "wall_force.duration")},
+    **{name: COLUMNS[name] for name in ("wall_force.peak", "wall_force.duration", LARGEST_ON_WALL)},
     **dict.fromkeys(("wall_force.impulse", IMPULSE), COLUMNS[IMPULSE]),
 }
 PULSE: Final = ("velocity", "momentum", "energy", "arrival", "residence", "peak_force")
@@ -72,6 +75,7 @@ WORDS: Final = {
     "wall_force.peak": "peak force on the wall",
     "wall_force.impulse": "impulse on the wall", IMPULSE: "impulse on the wall",
     "wall_force.duration": "impulse / peak of the force on the wall",
+    LARGEST_ON_WALL: "largest force on the wall in the run",
     "largest_force": "largest force", LARGEST_IN_SENSOR: "largest force in the sensor",
     FIRST_MAXIMUM: "first maximum of the force in the sensor",
     "yield_ratio": "pressure / pressure at first yield", "overlap_ratio": "overlap / radius",
@@ -131,8 +135,8 @@ class Measure:
     @property
     def has_kinks(self) -> bool:
         """Whether its derivatives jump, because it is the largest of several peaks."""
-        kinks = ("wall_force.peak", "wall_force.duration", "largest_force", LARGEST_IN_SENSOR)
-        return self.key in (*kinks, *RANGE, *LARGEST)
+        kinks = ("wall_force.peak", "wall_force.duration", LARGEST_ON_WALL)
+        return self.key in (*kinks, "largest_force", LARGEST_IN_SENSOR, *RANGE, *LARGEST)
 
     @property
     def of_whole_run(self) -> bool:

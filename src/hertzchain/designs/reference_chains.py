@@ -121,5 +121,6 @@ def evaluated_references(trials: Trials) -> dict[str, Reference]:
     for name, group in reference_points(trials.problem).items():
         if outcomes := trials.evaluate(group):
             best = min(outcomes, key=lambda each: each.rank)
-            found[name] = Reference(best, len(outcomes))
+            rejected = sum(not np.isfinite(each.values).all() for each in outcomes)
+            found[name] = Reference(best, len(outcomes), rejected)
     return found

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import InputError, SimulationError
+from ..recorded_warnings import ignore_warnings
 from ..representation import counted
 from ..simulation.simulate import simulate
 from ..simulation.simulate_many import simulate_many
 from .exact_gradients import PEAK
-from .measures import in_words
+from .measures import LARGEST_ON_WALL, in_words
+from .problem import Design
 from .trials import MAX_FAILURES, RTOL, Trials
 from .verified import Verified
 
@@ -20,7 +22,13 @@ def notes_on_rejections(trials: Trials, best: Verified) -> list[str]:
         return []
     which = "one trial was" if trials.rejected == 1 else f"{trials.rejected} trials were"
     first = "" if trials.rejected == 1 else "the first one "
-    notes = [f"{which} rejected, {first}because {_why(trials)}"]
+    notes = [f"{which} rejected, {first}because {why_rejected(trials)}"]
+    for name, each in trials.references.items():
+        if each.rejected:
+            part = f"of {each.tried} chains" if each.tried > 1 else "the chain"
+            verb = "were" if each.rejected > 1 else "was"
+            number = f"{each.rejected} " if each.tried > 1 else ""
+            notes.append(f"{number}{part} of the kind {name!r}, to compare with, {verb} rejected")
     compared = trials.problem.objective.single == PEAK and trials.problem.objective.weights[0] > 0.0
     simulated = trials.problem.model == "simulation" and trials.problem.scatter is None
     if compared and simulated and trials.best[0].met and trials.rejected <= MAX_FAILURES:
@@ -28,8 +36,8 @@ def notes_on_rejections(trials: Trials, best: Verified) -> list[str]:
     return notes
 
 
-def _why(trials: Trials) -> str:
-    """Why the first rejected trial has no value."""
+def why_rejected(trials: Trials) -> str:
+    """Why the first rejected trial has no value, and what to try."""
     problem, point = trials.problem, trials.failures[0]
     trials.reasons.clear()
     values = trials._values([point], RTOL)[0]
@@ -37,15 +45,26 @@ def _why(trials: Trials) -> str:
         return next(iter(trials.reasons))
     unknown = [each for each, value in zip(trials.measures, values, strict=True)
                if not np.isfinite(value)]  # fmt: skip
-    if unknown == [PEAK] and problem.scatter is None:
-        chain = problem.space.chain_of(point)
+    if PEAK not in unknown:
+        return f"it has no {' and no '.join(map(str, unknown))}"
+    advice = f"{_advice(problem)}use {LARGEST_ON_WALL}, the largest force in the run"
+    if problem.scatter is not None:
+        return f"{PEAK} is not complete for some of its samples; {advice}"
+    chain = problem.space.chain_of(point)
+    with ignore_warnings():
         wall = simulate(chain, times=0, until=problem.until).wall_force()
-        largest, most = (
-            in_words(value, "N", chain.units)
-            for value in (wall.largest_so_far, max(wall.bound, wall.largest_so_far))
-        )
-        return f"{PEAK} is not complete: largest so far {largest}, at most {most}"
-    return f"it has no {' and no '.join(map(str, unknown))}"
+    largest, most = (
+        in_words(value, "N", chain.units)
+        for value in (wall.largest_so_far, max(wall.bound, wall.largest_so_far))
+    )
+    return f"{PEAK} is not complete: largest so far {largest}, at most {most}; {advice}"
+
+
+def _advice(problem: Design) -> str:
+    """How the peaks may become complete, or nothing if beads always fall back to the wall."""
+    if problem.until is not None:
+        return "omit until, set another one, or "
+    return "" if problem.chain.gravity else "set until, or "
 
 
 def _compared_with(trials: Trials, value: float) -> list[str]:
@@ -69,6 +88,6 @@ def _compared_with(trials: Trials, value: float) -> list[str]:
     if not better:
         smallest = in_words(float(reached.min()), "N", unit)
         return [f"no rejected trial is better: the force on the wall reached at least {smallest}"]
-    advice = "" if trials.problem.until is None else "; set a later until"
+    advice = "set until" if trials.problem.until is None else "set another until"
     which = counted(better, "rejected trial")
-    return [f"{which} reached less than {in_words(value, 'N', unit)} and may be better{advice}"]
+    return [f"{which} reached less than {in_words(value, 'N', unit)} and may be better; {advice}"]

@@ -211,7 +211,8 @@ def _no_better(result: DesignResult) -> list[str]:
     best = f"the {'best ' if result.compared[name] > 1 else ''}{name}"
     choices = _choices(result)
     if choices is not None and choices[0] >= choices[1]:
-        return [f"  no other choice is better than {best}"]
+        simulated = " that has a value" if result.rejected else ""
+        return [f"  no other choice{simulated} is better than {best}"]
     return [f"  the search found nothing better than {best}; give a larger budget or another seed"]
 
 
@@ -228,9 +229,16 @@ def search_in_words(result: DesignResult) -> str:
     if (choices := _choices(result)) is None:
         return _of_starts(result)
     done, count = choices
-    if done >= count:
-        return f"best of all {counted(count, 'simulated choice')}"
-    return f"best of the first {done} of {count} choices"
+    if done < count:
+        return f"best of the first {done} of {count} choices{_rejected(result)}"
+    if result.rejected:
+        return f"best of {count - result.rejected} of {count} choices{_rejected(result)}"
+    return f"best of all {counted(count, 'simulated choice')}"
+
+
+def _rejected(result: DesignResult) -> str:
+    """The number of trials without a value, if there are any."""
+    return f" ({result.rejected} were rejected, see the notes)" if result.rejected else ""
 
 
 def _choices(result: DesignResult) -> tuple[int, int] | None:

@@ -65,10 +65,11 @@ class Outcome:
 
 
 class Reference(NamedTuple):
-    """The best of the chains of one kind, and the number of those that were tried."""
+    """The best of the chains of one kind, and the numbers of those tried and rejected."""
 
     outcome: Outcome
     tried: int
+    rejected: int
 
 
 @dataclass(eq=False)

@@ -24,6 +24,7 @@ from .measured import measured
 from .measures import (
     FIRST_MAXIMUM,
     LARGEST_IN_SENSOR,
+    LARGEST_ON_WALL,
     OF_CHAIN,
     Measure,
     in_words,
@@ -42,6 +43,10 @@ SAME: Final = 1e-6
 # Measures at the first maximum of a velocity; saved times; relative difference that is reported.
 PER_VELOCITY: Final = ("velocity", "momentum", "energy", "energy_share", "momentum_share")
 TIMES, LATER, MAX_CHECKED = 2000, 0.01, 10
+NOT_A_PEAK: Final = (
+    f"{LARGEST_ON_WALL} is the largest force on the wall up to the end of the run; it is not a "
+    "complete peak, so a larger force may follow"
+)
 # Fresh samples of a scatter.
 FRESH: Final = 400
 
@@ -100,8 +105,13 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     }
     if not table.reasons and walled and problem.until is None:
         notes += _later_peak(chain, table["wall_peak_force"][0], float(table["end_time"][0]))
-    if table.sensitive[0] and any(m.key.startswith("wall_force") for m in measures):
-        notes.append(sensitive_in_words("hc.simulate(result.chain)", " on the wall"))
+    if any(m.key.startswith("wall_force") for m in measures):
+        if table.sensitive[0]:
+            notes.append(sensitive_in_words("hc.simulate(result.chain)", " on the wall"))
+        if any(m.key == LARGEST_ON_WALL for m in measures) and np.isnan(
+            table["wall_peak_force"][0]
+        ):
+            notes.append(NOT_A_PEAK)
     notes += _later_motion(problem, chain, values)
     notes += _later_force(problem, chain, values, float(table["end_time"][0]))
     limits = None
@@ -220,7 +230,8 @@ def _later_peak(chain: Chain, peak: float, end: float) -> list[str]:
     later = float(longer["wall_largest_so_far"][0]) if not longer.reasons else np.nan
     if np.isfinite(peak) and not later > (1.0 + SAME) * peak:
         return []
-    return [f"the force on the wall is {later:.6g} in a run of twice the duration"]
+    force = in_words(later, "N", chain.units)
+    return [f"the largest force on the wall is {force} in a run of twice the duration"]
 
 
 def _scattered(problem: Design, chain: Chain, seed: int) -> dict[str, float]:

@@ -185,6 +185,28 @@ def test_a_count_that_is_not_of_one_wave_warns():
     assert found.disturbed == (found.until < 65.0)
 
 
+def test_the_tail_that_losses_leave_behind_a_wave_does_not_end_the_count():
+    """The transmitted energy is the integral of force times velocity of the saved times."""
+    run = hc.simulate(interface(2.0).replace(loss=hc.Restitution(0.9)), until=150.0, times=2000)
+    found = run.reflection(55, 65)
+    assert found.until == 150.0
+    assert 0.01 < found.entered_energy < 0.05
+    force, speed = run.force(65), run.velocities[:, 64:66].mean(axis=1)
+    whole = np.trapezoid(force * speed, run.times) / found.incident.energy
+    assert found.transmitted_energy == pytest.approx(whole, rel=5e-3)
+    with pytest.warns(hc.InputWarning, match="still between the contacts at t = 97; simulate for"):
+        early = run.reflection(55, 65, until=97.0)
+    # Beads 56 to 65 at this time, the contacts between them by the law of Hertz, and half of both.
+    now = int(np.searchsorted(run.times, 97.0))
+    overlaps = np.maximum(-np.diff(run.positions[now]), 0.0)[54:65]
+    stored = 0.4 * run.chain.stiffness[54:65] * overlaps**2.5
+    inside = 0.5 * run.chain.masses[55:65] @ run.velocities[now, 55:65] ** 2
+    inside += stored.sum() - 0.5 * (stored[0] + stored[-1])
+    assert early.stored_energy == pytest.approx(inside / found.incident.energy, abs=1e-6)
+    with pytest.raises(hc.SimulationError, match="or the tail that losses leave behind this one"):
+        run.reflection(50, 72)
+
+
 @pytest.mark.parametrize("mass", [0.2, 0.5, 2.0, 5.0])
 def test_mass_defects_scatter_both_ways(mass):
     masses = np.ones(120)

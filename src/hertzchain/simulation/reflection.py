@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..collision import Array
 from ..errors import InputError, InputWarning, SimulationError, warn_user
 from ..representation import counted, measure
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number, whole_number
+from .budget import overlaps_of, stored_energy
 from .trajectory import Trajectory
 from .wave_events import (
     ContactCurves,
@@ -21,6 +23,7 @@ from .wave_events import (
     events_at,
     largest_force_of,
     require_resolved,
+    static_forces_of,
 )
 
 if TYPE_CHECKING:
@@ -72,6 +75,9 @@ class Reflection:
     kept_energy : float
         Net energy that flowed in between the two contacts from the beginning of the incident
         wave until ``until``, relative to the incident energy: it is still there, or was lost.
+    stored_energy : float
+        The part of ``kept_energy`` that is still there, as motion of the beads and compression of
+        the contacts between the two; the rest was lost.
     missing_momentum : float
         Impulse of the forces at ``before`` or ``after`` (that with the larger part) that no wave
         has, relative to the incident momentum: of forces that do not rise to a maximum, for
@@ -103,6 +109,7 @@ class Reflection:
     until: float
     disturbed: bool
     kept_energy: float
+    stored_energy: float = 0.0
     missing_momentum: float = 0.0
     entered_energy: float = 0.0
 
@@ -234,8 +241,7 @@ def reflection_of(
     -----
     InputWarning
         If more than 5% of the incident energy is missing from the balance, because of other
-        waves, or, without losses, is still between the contacts; if ``missing_momentum`` exceeds
-        5%.
+        waves, or is still between the contacts; if ``missing_momentum`` exceeds 5%.
 
     Examples
     --------
@@ -269,23 +275,21 @@ def reflection_of(
 
     stop = min(stop, float(self.times[-1]))
     entering = [e for e in near if e.direction == sign] + [e for e in far if e.direction == -sign]
-    leaving = [e for e in near if e.direction == -sign] + [e for e in far if e.direction == sign]
 
-    def inflow(end: float) -> float:
-        return sign * _inflow(self, first, second, incident.begin, end) / incident.energy
+    def still_there(time: float) -> float:
+        gained = _energy_between(self, first, second, np.array([incident.begin, time]))
+        return float(gained[1] - gained[0]) / incident.energy
 
-    def has_left(time: float) -> bool:
-        # A loss cannot be distinguished from energy that is still between the contacts.
-        lost = not self.chain.lossless and any(e.time <= time for e in leaving)
-        return lost or inflow(time) <= MISSING
-
-    last, entered = _end_of_count(entering, incident, stop, has_left)
+    last, entered = _end_of_count(
+        entering, incident, stop, lambda time: still_there(time) <= MISSING
+    )
     reflected = tuple(e for e in near if e.direction == -sign and e.time <= last)
     transmitted = tuple(e for e in far if e.direction == sign and e.time <= last)
     found = Reflection(
         chain=self.chain, before=first, after=second, incident=incident, reflected=reflected,
         transmitted=transmitted, until=last, disturbed=last < stop,
-        kept_energy=inflow(last), entered_energy=entered,
+        kept_energy=sign * _inflow(self, first, second, incident.begin, last) / incident.energy,
+        stored_energy=still_there(last), entered_energy=entered,
         missing_momentum=max(
             (_missing_momentum(self, each, incident, last) for each in ([incident, *near], far)),
             key=abs,
@@ -341,6 +345,20 @@ def _inflow(run: Trajectory, first: int, second: int, begin: float, end: float) 
     return here - there
 
 
+def _energy_between(run: Trajectory, first: int, second: int, times: Array) -> Array:
+    """Energy between two contacts, beyond the work of the static forces, at the saved times."""
+    chain, saved = run.chain, np.minimum(np.searchsorted(run.times, times), len(run.times) - 1)
+    low, high = sorted((first, second))
+    overlaps = overlaps_of(chain, run.times[saved], run.positions[saved])
+    stored = stored_energy(chain, overlaps, run.forces[saved])
+    stored -= static_forces_of(run) * overlaps
+    kinetic = 0.5 * chain.masses * run.velocities[saved] ** 2
+    # A wall keeps its energy, and the two sides of a contact share it.
+    shares = np.ones(high - low + 1)
+    shares[[0, -1]] = [1.0 if k in (0, chain.beads) else 0.5 for k in (low, high)]
+    return np.asarray(kinetic[:, low:high].sum(axis=1) + stored[:, low : high + 1] @ shares)
+
+
 def _time(chain: Chain, time: float) -> str:
     return f"t = {measure(time, 's', chain.units, 6)}"
 
@@ -350,7 +368,10 @@ def _check_count(run: Trajectory, found: Reflection) -> None:
     incident = found.incident
     if found.until <= incident.end:
         until, end = (_time(run.chain, each) for each in (found.until, incident.end))
-        reason = f"; another wave enters at {until}" if found.disturbed else ""
+        enters = "another wave enters"
+        if not run.chain.lossless:
+            enters = "another wave, or the tail that losses leave behind this one, enters"
+        reason = f"; {enters} at {until}" if found.disturbed else ""
         raise SimulationError(
             f"no coefficients: the incident wave passes contact {found.before} until {end}"
             f"{reason}; choose other contacts, since or until, or use "
@@ -371,19 +392,19 @@ def _warn_of_balance(found: Reflection) -> None:
             "missing from the balance, so the coefficients are not those of one wave; choose "
             "other contacts, since or until"
         )
+    elif found.stored_energy > MISSING:
+        advice = "simulate for longer"
+        if found.disturbed:
+            advice = "another wave enters then; choose contacts nearer to the object between them"
+        reason = (
+            f"{found.stored_energy:.0%} of the incident energy is still between the contacts at "
+            f"{_time(found.chain, found.until)}; {advice}"
+        )
     elif abs(found.missing_momentum) > MISSING:
         reason = (
             f"{found.missing_momentum:.0%} of the incident momentum passes one of the contacts, "
             "but belongs to no wave, so the coefficients of momentum are not complete; choose "
             "other contacts, or integrate run.forces"
-        )
-    elif found.kept_energy > MISSING and found.chain.lossless:
-        advice = "simulate for longer"
-        if found.disturbed:
-            advice = "another wave enters then; choose contacts nearer to the object between them"
-        reason = (
-            f"{found.kept_energy:.0%} of the incident energy is still between the contacts at "
-            f"{_time(found.chain, found.until)}; {advice}"
         )
     else:
         return

@@ -18,8 +18,10 @@ plt.style.use("hertzchain.figures")
 # -----
 #
 # The wall is elastic, so all energy returns.  Its stiffness determines the peak force and the
-# number of pulses that return.  The stiffness is relative to that of the contact of two beads;
-# a flat wall of the same material has the value 1.41.
+# number of pulses that return.  The stiffness is relative to that of the contact of two beads.
+# A flat wall of the same material has the value :math:`\sqrt{2}`, and a rigid flat wall
+# :math:`2\sqrt{2}`.  Only a concave seat of the ball can be stiffer (shaded), because it has a
+# larger area of contact.
 
 stiffness = np.geomspace(0.02, 200.0, 60)
 walls = [hc.Chain.uniform(30).replace(right_wall=hc.Wall(stiffness=value)) for value in stiffness]
@@ -28,15 +30,18 @@ chain_force = hc.propagate(hc.Chain.uniform(30)).peak_force[20]
 
 figure, axes = plt.subplots(figsize=(8.0, 3.8))
 axes.semilogx(stiffness, peak / chain_force)
-axes.axvline(np.sqrt(2), color="0.5", linestyle="--", linewidth=0.9)
-axes.annotate("same material", (np.sqrt(2), 0.5), xytext=(5, 0), textcoords="offset points")
+for value, name, height in ((np.sqrt(2), "same material", 0.5), (2 * np.sqrt(2), "rigid", 1.0)):
+    axes.axvline(value, color="0.5", linestyle="--", linewidth=0.9)
+    axes.annotate(name, (value, height), xytext=(5, 0), textcoords="offset points")
+axes.axvspan(2 * np.sqrt(2), stiffness[-1], color="0.93", zorder=0)
+axes.margins(x=0)
 axes.set_title("Peak force on a wall")
 axes.set_xlabel("stiffness of the wall over that of a contact of two beads")
 axes.set_ylabel("peak force over that in the chain")
 
 # %%
-# A soft wall acts for a long time on several beads, and more than one pulse returns.  A stiff wall
-# returns a single pulse with almost all of the energy.
+# A soft wall acts for a long time on several beads, and more than one pulse returns.  From a stiff
+# wall, almost all of the energy returns in the first pulse.
 
 figure, panels = plt.subplots(1, 2, figsize=(9.6, 3.6), sharey=True)
 for axes, value in zip(panels, (0.05, 20.0), strict=True):
@@ -93,9 +98,9 @@ for axes, radius in zip(panels, (0.5, 2.0), strict=True):
 # ------
 
 same = np.interp(np.log(np.sqrt(2)), np.log(stiffness), peak) / chain_force
-print(f"a wall of the same material carries {same:.2f} times the force in the chain")
-print(f"the largest force of any wall is {peak.max() / chain_force:.2f} times that in the chain, "
-      f"at stiffness {stiffness[peak.argmax()]:.2g}")
+rigid = hc.simulate(hc.Chain.uniform(30).replace(right_wall=hc.Wall.rigid())).wall_force().peak
+print(f"a wall of the same material carries {same:.2f} times the force in the chain,")
+print(f"a rigid wall {rigid / chain_force:.2f} times, more than any other flat wall")
 for radius in (0.5, 2.0):
     k = int(np.flatnonzero(radii == radius)[0])
     print(f"radius {radius:g}: {transmitted[k]:.1%} transmitted, {reflected[k]:.1%} reflected")

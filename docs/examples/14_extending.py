@@ -50,7 +50,8 @@ mine, bca = constant_energy(chain), hc.bca(chain)
 print(mine.compare(exact))
 
 # %%
-# The assumption holds for all beads but the first and the last.
+# From bead 4 on, the velocities agree within 5%, far better than those of the BCA.  The assumption
+# is not exact: the kinetic energy of the beads decreases slowly along the chain.
 
 figure, axes = plt.subplots(figsize=(8.0, 3.8))
 for pulse, style in ((exact, "-"), (bca, "--"), (mine, ":")):
@@ -67,14 +68,17 @@ axes.legend()
 # ----------
 #
 # A run has the positions and velocities of all beads at all saved times, from which any quantity
-# can be computed.  This one is the number of beads that share the kinetic energy,
-# :math:`(\sum_k E_k)^2 / \sum_k E_k^2`.
+# can be computed.  This one is the number of beads that share the kinetic energy of the pulse,
+# :math:`(\sum_k E_k)^2 / \sum_k E_k^2`.  The sums extend over three beads on each side of the
+# crest, because in tapers up to 16% of the kinetic energy stays behind the pulse.
 
 
 def participation(run):
-    """Number of beads that share the kinetic energy at each time."""
+    """Number of beads that share the kinetic energy of the pulse, at the crests of inner beads."""
     energy = 0.5 * run.chain.masses * run.velocities**2
-    return energy.sum(axis=1) ** 2 / (energy**2).sum(axis=1)
+    crests = np.searchsorted(run.times, run.pulse().peak_time)
+    near = [energy[crests[k], k - 3 : k + 4] for k in range(3, run.chain.beads - 3)]
+    return np.array([part.sum() ** 2 / (part**2).sum() for part in near])
 
 
 figure, axes = plt.subplots(figsize=(8.0, 3.8))
@@ -84,11 +88,9 @@ for name, each in {
     "equal beads": hc.Chain.uniform(60),
     "shrinking beads": power_taper(10.0, -0.6, beads=60),
 }.items():
-    run = hc.simulate(each, times=4000)
-    crest = run.pulse().peak_time[1:-1]
-    shared[name] = np.interp(crest, run.times, participation(run))
-    axes.plot(np.arange(2, 60), shared[name], label=name)
-axes.set_title("Number of beads that share the kinetic energy")
+    shared[name] = participation(hc.simulate(each, times=4000))
+    axes.plot(np.arange(4, 58), shared[name], label=name)
+axes.set_title("Number of beads that share the kinetic energy of the pulse")
 axes.set_xlabel("bead $k$, when its velocity is largest")
 axes.set_ylabel("number of beads")
 axes.legend()
@@ -101,11 +103,11 @@ axes.legend()
 # a run give any quantity.  To make them available on the command line and in sweeps, follow
 # :doc:`/how-to/extend`.
 
-inner = slice(4, 59)
+inner = slice(3, 59)
 worst, worst_bca = (
     abs(pulse.compare(exact).errors("velocity")[inner]).max() for pulse in (mine, bca)
 )
-print(f"largest error of the theory, beads 5 to 59: {worst:.1%} "
+print(f"largest error of the theory, beads 4 to 59: {worst:.1%} "
       f"(BCA: {worst_bca:.1%})")
 for name, values in shared.items():
-    print(f"{name:16} {values[28]:.2f} beads share the energy when bead 30 is fastest")
+    print(f"{name:16} {values[26]:.2f} beads share the energy when bead 30 is fastest")

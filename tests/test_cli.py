@@ -1073,7 +1073,7 @@ def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_pat
         "--scatter must be a number or a percentage"
         in run("scatter", *BALLS, "--scatter", "much")[2]
     )
-    assert "at most 0.3, got '50%'" in run("scatter", *BALLS, "--scatter", "50%")[2]
+    assert "at most 30%, got '50%'" in run("scatter", *BALLS, "--scatter", "50%")[2]
 
 
 CRYSTAL = ("spectrum", "--material", "steel-316", "--diameter", "19 mm", "--beads", 6)

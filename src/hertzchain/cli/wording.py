@@ -60,7 +60,7 @@ BY_OPTION: Final = {
         (r"\buse simulate\b", "use --method simulate"),
         (r"\buse propagate\b", "use --method propagate"),
         (r"\buse bca or theory\.two_thirds_bca", "use --method bca or --method two-thirds-bca"),
-        (r"\buse propagate_many( with Chain\.with_scatter)?", "use hertzchain scatter"),
+        (r"\buse (propagate_many with Chain\.with_scatter|distribution)", "use hertzchain scatter"),
         (
             r"^disorder requires .*",
             "--method disorder requires a --scatter or --modulus-scatter "

@@ -30,9 +30,10 @@ from .disorder_table import (
     DisorderTables,
     disorder_tables,
 )
-from .local_rate import DOUBTFUL, local_rate
+from .local_rate import DOUBTFUL, smooth_pulse
 
 METHOD: Final = "the disorder law"
+ADVICE: Final = "use propagate_many with Chain.with_scatter"
 # Largest scatter of moduli, for which the second order was checked.
 MAX_MODULUS_SCATTER: Final = 0.1
 MIN_BEADS: Final = START + END + 2
@@ -47,7 +48,7 @@ ROUNDING: Final = 1e-12
 
 
 @checked_arguments("disorder")
-@for_any_units(METHOD, alternative="use propagate_many")
+@for_any_units(METHOD, alternative="use distribution")
 def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0) -> Pulse:
     r"""Leading pulse of chains that scatter about a nominal chain: mean and spread.
 
@@ -111,7 +112,7 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     scatters = {
         "radii": number(
             "scatter", scatter, unit=FRACTION, least=0.0, most=SCATTERS[-1],
-            hint="for more, use propagate_many with Chain.with_scatter",
+            hint=f"for more, {ADVICE}",
         ),
         "moduli": number(
             "modulus_scatter", modulus_scatter, unit=FRACTION, least=0.0, most=MAX_MODULUS_SCATTER
@@ -121,7 +122,7 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
         raise InputError("disorder requires a scatter or modulus_scatter above 0; for a chain "
                          "without scatter, use local_rate")  # fmt: skip
     rates = _checked_rates(chain)
-    clean = local_rate(chain)
+    clean = smooth_pulse(chain, METHOD, ADVICE)
     assert clean.residence is not None
     assert clean.velocity_error is not None
     assert clean.peak_overlap is not None
@@ -161,11 +162,11 @@ def _checked_rates(chain: Chain) -> Array:
     if chain.exponents != HERTZ_EXPONENT:
         raise InputError(
             f"{METHOD} has tables for Hertz contacts (exponent 1.5) only, got "
-            f"{chain.exponents:g}; use propagate_many with Chain.with_scatter"
+            f"{chain.exponents:g}; {ADVICE}"
         )
     if chain.beads < MIN_BEADS:
         raise InputError(
-            f"{METHOD} requires at least {MIN_BEADS} beads, got {chain.beads}; use propagate_many"
+            f"{METHOD} requires at least {MIN_BEADS} beads, got {chain.beads}; {ADVICE}"
         )
     rates = np.diff(np.log(chain.radii))
     outside = (rates < RATES[0] - ROUNDING) | (rates > RATES[-1] + ROUNDING)
@@ -173,8 +174,7 @@ def _checked_rates(chain: Chain) -> Array:
         k = int(np.argmax(outside))
         raise InputError(
             f"{METHOD} has tables for rates ln(R_k+1/R_k) from {RATES[0]:g} to {RATES[-1]:g}, but "
-            f"that of contact {k + 1} is {rates[k]:.3g}; use propagate_many with "
-            "Chain.with_scatter"
+            f"that of contact {k + 1} is {rates[k]:.3g}; {ADVICE}"
         )
     return np.clip(rates, RATES[0], RATES[-1])
 
@@ -195,13 +195,12 @@ def _warn_doubtful(pulse: Pulse, rates: Array, *, known: bool) -> None:
     change = float(np.abs(np.diff(rates)).max())
     errors = pulse.velocity_error
     assert errors is not None
-    advice = "use propagate_many with Chain.with_scatter"
     if change > MAX_CHANGE:
         k = int(np.argmax(np.abs(np.diff(rates)))) + 2
         warn_user(
             f"{METHOD} may be inaccurate for this chain ({pulse.chain.description}): at bead {k}, "
             f"the rate ln(R_k+1/R_k) changes by {change:.2g}, more than {MAX_CHANGE:g}, up to "
-            f"which the estimated error was checked; {advice}",
+            f"which the estimated error was checked; {ADVICE}",
             ModelRangeWarning,
         )
     elif known and errors.max() > DOUBTFUL:
@@ -209,7 +208,7 @@ def _warn_doubtful(pulse: Pulse, rates: Array, *, known: bool) -> None:
         warn_user(
             f"{METHOD} may be inaccurate for this chain ({pulse.chain.description}): the estimated "
             f"error of the mean velocity exceeds {DOUBTFUL:.1%} from bead {k} on and is "
-            f"{errors.max():.2%} at most; {advice}",
+            f"{errors.max():.2%} at most; {ADVICE}",
             ModelRangeWarning,
         )
 

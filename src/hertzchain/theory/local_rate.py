@@ -129,7 +129,7 @@ def local_rate(chain: Chain) -> Pulse:
     return smooth_pulse(chain)
 
 
-def smooth_pulse(chain: Chain, theory: str = "local_rate") -> Pulse:
+def smooth_pulse(chain: Chain, theory: str = "local_rate", advice: str = "") -> Pulse:
     """The pulse of a scaled chain of spheres, for a theory that is named in warnings."""
     from ..kernels import local_rate_pulse as kernel
 
@@ -141,7 +141,7 @@ def smooth_pulse(chain: Chain, theory: str = "local_rate") -> Pulse:
     )
     notes: dict[str, str] = {}
     if not error <= DOUBTFUL:
-        _warn_outside(chain, functions, chain.beads, theory)
+        _warn_outside(chain, functions, chain.beads, theory, advice)
         by_bead[1] = _known(by_bead[1], np.diff(np.log(chain.radii)), functions)
         notes = _notes(by_bead[1])
     by_bead.setflags(write=False)
@@ -348,8 +348,9 @@ def _checked_functions(chain: Chain) -> UniversalFunctions:
 
 
 def _warn_outside(
-    chain: Chain, functions: UniversalFunctions, bead: int, theory: str = "local_rate"
-) -> None:
+    chain: Chain, functions: UniversalFunctions, bead: int, theory: str = "local_rate",
+    advice: str = "",
+) -> None:  # fmt: skip
     """Issue a warning that states why the chain up to a bead is outside the law's range."""
     solution, (low, high) = solve(chain, functions), functions.range
     rates = solution.rates[: bead - 1]
@@ -363,9 +364,9 @@ def _warn_outside(
     else:
         error = solution.error(functions)
         reason = _reason(error[: bead - 1], "the end" if bead == chain.beads else f"bead {bead}")
+    advice = advice or f"use propagate{_other_theory(chain, theory)}"
     warn_user(
-        f"{theory} may be inaccurate for this chain ({chain.description}): {reason}; use "
-        f"propagate{_other_theory(chain, theory)}",
+        f"{theory} may be inaccurate for this chain ({chain.description}): {reason}; {advice}",
         ModelRangeWarning,
     )
 

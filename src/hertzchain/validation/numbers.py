@@ -169,8 +169,9 @@ def number(
     given = plain if type(plain) is float else real_number(what, plain)
     if above < given < below and least <= given <= most and math.isfinite(given):
         return given
+    percent = isinstance(value, str) and value.rstrip().endswith("%")
     bounds = [
-        f"{text} {bound:g}"
+        f"{text} {100.0 * bound:g}%" if percent else f"{text} {bound:g}"
         for text, bound in (("above", above), ("at least", least), ("below", below),
                             ("at most", most))
         if math.isfinite(bound)

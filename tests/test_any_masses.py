@@ -121,6 +121,7 @@ def test_impact_velocity_scales_times_and_velocities():
     assert other.peak_overlap == pytest.approx(16.0 * one.peak_overlap, rel=1e-8)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 def test_ensemble_of_any_chains():
     """Rows of radii, chains of unlike features, and one that fails."""
     chains = [CHAINS["mixed exponents"], [1.0, 2.0, 1.0], CHAINS["dimer"],

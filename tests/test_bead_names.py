@@ -15,6 +15,7 @@ ROW = hc.Chain.from_materials("10 mm", "steel-52100", beads=6).struck_by(velocit
 CHAIN = ROW.replace(right_wall=hc.Wall())
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 def test_sensors_of_many_chains_have_names():
     keep = ["sensor_first_maximum", "sensor_largest_so_far"]
     named = hc.simulate_many([CHAIN, CHAIN], keep=keep, sensors=["ball 4", "bead 3"])
@@ -121,6 +122,7 @@ def test_a_design_limits_the_force_in_a_sensor():
     assert values[name] == pytest.approx(run.first_maximum, rel=1e-6)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 def test_last_beads_with_sensors_of_chains_of_several_lengths():
     chains = [ROW, hc.Chain.from_materials(5e-3, "brass", beads=6, velocity=0.1)]
     found = measured(chains, [parse_measure("sensor.first_maximum@last")])

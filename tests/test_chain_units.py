@@ -62,6 +62,7 @@ def test_two_materials_are_converted_for_the_theories_that_support_them():
         hc.local_rate(chain)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 def test_a_table_of_si_chains_is_in_si_units():
     short = hc.Chain.from_materials(RADII[:12], "brass", velocity=0.003)
     walled = STEEL.replace(right_wall=hc.Wall())

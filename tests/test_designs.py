@@ -427,6 +427,7 @@ def test_a_step_minimises_the_cvar_of_piecewise_linear_samples():
     assert gain == pytest.approx(cvar(at) - cvar(at + step[0]), abs=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 def test_the_projectile_can_be_left_out_of_the_scatter_of_a_design():
     """By bead 1 alone the spread of the force is larger than by all others."""
     row = hc.Chain.from_materials(
@@ -827,6 +828,7 @@ def test_points_are_reflected_at_the_limits():
     assert reflected(np.array([-0.2, 0.3, 1.1, 2.3])) == pytest.approx([0.2, 0.3, 0.9, 0.3])
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 def test_both_changes_of_a_radius_increase_equal_maxima():
     # The best order of 8 steel and 7 PTFE balls has three maxima of nearly the same height.
     kinds = [{"S": "steel-52100", "P": "ptfe"}[each] for each in "SPPSSSSSSPSPPPP"]

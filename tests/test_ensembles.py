@@ -320,6 +320,7 @@ def test_long_chains_and_many_lanes():
     assert relative(velocity[1, :-2], exact[:-2]) < 1e-6
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 def test_bad_members_do_not_stop_the_others():
     walled = hc.Chain.uniform(5).replace(right_wall=WALL)
     table = hc.simulate_many(
@@ -417,6 +418,7 @@ def test_tables():
     assert len(hc.simulate_many([])) == 0
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 def test_outside_the_range_of_hertz():
     slow = hc.Chain.from_materials(5e-3, "steel-52100", beads=5, velocity=0.05)
     fast = hc.Chain.from_materials(5e-3, "steel-52100", beads=5, velocity=5.0)
@@ -485,6 +487,7 @@ def test_sweeps_keep_the_reasons_of_values_that_are_absent():
     assert "no first maximum of the velocity" in str(found["reason"].sel(beads=8).values)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 def test_the_check_of_reflections_can_be_omitted():
     """The leading pulse is elastic in this taper, but not its reflection in front of the wall."""
     tapers = [
@@ -504,6 +507,7 @@ def test_the_check_of_reflections_can_be_omitted():
     assert "0 of 2 chains outside Hertz's range (reflections not" in repr(leading)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 def test_sensors_of_beads_that_no_chain_has_are_rejected():
     chains = [hc.Chain.uniform(8), hc.Chain.uniform(10)]
     with pytest.raises(hc.InputError, match="no bead 11 for a sensor in chains of up to 10 beads"):
@@ -541,3 +545,32 @@ def test_a_run_for_the_peak_alone_ends_when_the_peak_is_proven(loss, monkeypatch
     # The impulse needs the whole impact.
     hc.simulate_many([chain], keep="wall_impulse_of_impact", check_range=False)
     assert len(runs) == 6
+
+
+@pytest.mark.parametrize("loss", [None, hc.Viscoelastic(1e-7)])
+def test_one_warning_states_the_number_of_chains_outside_the_range_at_the_line_of_the_call(loss):
+    """Chains with losses are integrated one by one, in threads."""
+    chain = hc.Chain.from_materials("5 mm", "steel-304", beads=5, velocity="1 m/s")
+    slow = chain.replace(velocities=1e-3 * chain.velocities)
+    chains = [each.replace(loss=loss) for each in (slow, chain, chain)]
+    with pytest.warns(hc.ModelRangeWarning) as raised:
+        table = hc.simulate_many(chains)
+    assert len(raised) == 1
+    assert raised[0].filename == __file__
+    text = str(raised[0].message)
+    assert text.startswith("2 of 3 chains exceed the limits of Hertz's law; in the first of them, ")
+    assert text.endswith(f"chain 1, {table.exceeded_limits(1)[0]}")
+    assert [bool(table.exceeded_limits(i)) for i in range(3)] == table.outside_range.tolist()
+    hc.simulate_many(chains, check_range=False)
+
+
+@pytest.mark.parametrize("many", [hc.propagate_many, hc.simulate_many])
+def test_a_warning_states_the_number_of_failed_chains_and_the_first_reason(many):
+    falling = hc.Chain.uniform(5).replace(gravity=0.1)
+    with pytest.warns(hc.IncompleteWarning) as raised:
+        table = many([hc.Chain.uniform(5), falling, falling])
+    assert str(raised[0].message) == (
+        "2 of 3 chains failed and have no values; in the first of them, chain 1, "
+        f"{table.reasons[1]}"
+    )
+    assert raised[0].filename == __file__

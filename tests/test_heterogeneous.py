@@ -163,6 +163,7 @@ def test_residences_are_times_between_arrivals():
     assert pulse.residence.min() < 0.0  # a light bead is overtaken after the next one
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 def test_results_that_do_not_agree_are_an_error(monkeypatch):
     """With the first ways only, the window is too narrow for this chain."""
     monkeypatch.setattr(heterogeneous, "WINDOW_SETTINGS", heterogeneous.WINDOW_SETTINGS[:3])
@@ -226,6 +227,7 @@ def test_ensemble_of_uneven_chains():
         )
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 def test_a_hopeless_chain_ends_soon_with_advice_that_can_be_followed(monkeypatch):
     """Light beads that rattle: a million steps of the whole chain were not enough."""
     monkeypatch.setattr(heterogeneous, "WHOLE_BEAD_STEPS", 200_000)

@@ -126,6 +126,7 @@ def test_a_largest_force_after_the_first_contact_is_called_sensitive():
     assert "small changes" in wall._repr_html_()
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 @pytest.mark.parametrize("keep", [["wall_peak_force"], ["wall_duration", "end_time"]])
 def test_tables_flag_sensitive_forces_as_simulate_does(keep):
     chains = [tapered(0.05, 20), tapered(0.1, 40), tapered(0.1, 40, loss=hc.Restitution(0.8))]

@@ -156,6 +156,7 @@ def test_si_units_point_to_the_scales():
         modes(Chain.from_materials(5e-3, "brass", beads=3, velocity=3.0), 1.0)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 def test_many_chains_name_the_one_that_is_not_covered():
     table = hc.propagate_many([CHAIN, BENCH])
     assert "propagate_many does not support gravity" in table.reasons[1]

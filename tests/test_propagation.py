@@ -217,6 +217,7 @@ def test_place_in_the_ensemble_changes_nothing():
     assert np.array_equal(hc.propagate_many(rows[order]).velocity, table.velocity[order])
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 def test_bad_chains_among_good_ones():
     rows = np.ones((6, 10))
     rows[1, 3], rows[2, 0], rows[4, 9] = -2.0, np.nan, 1e120
@@ -231,6 +232,7 @@ def test_bad_chains_among_good_ones():
     assert table[-1].velocity[1] == pytest.approx(0.751471736247, rel=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 def test_a_chain_that_fails_underway_is_marked():
     good, bad = hc.Chain.uniform(100), hc.Chain.tapered("backward-exponential", 0.9, beads=100)
     table = hc.propagate_many([good, bad, good])

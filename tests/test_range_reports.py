@@ -134,6 +134,7 @@ def test_values_of_scatter_are_printed_as_csv(run):
     assert [float(row) for row in rows] == json.loads(run(*options, "--json")[1])["values"]
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 def test_tables_of_runs_state_the_number_of_chains_outside_the_range():
     table = hc.simulate_many([walled(FAST), walled(SLOW)])
     assert "1 of 2 chains outside Hertz's range;" in " ".join(repr(table).split())

@@ -277,6 +277,7 @@ def test_parts_of_the_paper_simulate_their_chains(reproduced):
             call("table9")
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 def test_tables_and_theories_have_views_in_notebooks():
     chains = [hc.Chain.uniform(9).with_scatter(seed, relative=0.05) for seed in range(6)]
     pulses = hc.propagate_many(chains)

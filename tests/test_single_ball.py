@@ -165,6 +165,7 @@ def test_a_single_ball_at_rest_and_its_representations():
     )
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 @pytest.mark.parametrize(
     "chains",
     [np.ones((2, 1)), [[1.0], [1.0]], [hc.Chain.uniform(1)], [ball()], [[1.0], [1.0, 1.0]]],

@@ -58,6 +58,7 @@ def test_balls_that_are_missing_are_replaced(optional):
     assert len(seen) > 30
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 @pytest.mark.parametrize("optional", [False, True])
 def test_the_best_design_is_that_of_all_rows_in_stock(drawer, optional):
     balls = hc.vary.balls(drawer, optional=optional)

@@ -45,15 +45,19 @@ from ..representation import counted, short
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
-from .contact_groups import effective_radii, yield_strengths
+from .contact_groups import effective_radii
 from .feature_support import require_chain
+from .hertz_ratios import (
+    MAX_OVERLAP_RATIO,
+    MAX_SPEED_RATIO,
+    bodies_of,
+    contact_ratios,
+    speed_ratio,
+)
 from .impact_overlaps import impact_overlaps
 from .laws.elastic_plastic import restitution_beyond_yield
-from .materials import FIRST_YIELD, Material, contact_moduli
-from .walls import materials_with_walls
+from .materials import contact_moduli
 
-MAX_OVERLAP_RATIO: Final = 0.01
-MAX_SPEED_RATIO: Final = 0.01
 # Ratio of the stiffness of a contact to that of its materials, or its inverse, from which yield of
 # `ElasticPlastic()`, which follows from the stiffness, differs from that of the materials.
 OTHER_STIFFNESS: Final = 2.0
@@ -316,14 +320,12 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         )
     static = chain.static_state.overlaps
     d = impact_overlaps(chain, static) if overlaps is None else _with_walls(chain, overlaps)
-    overlap_ratio, yield_ratio = _ratios(chain, d)
-    at_rest, static_yield = _ratios(chain, static)
-    sound = np.array([each.sound_speed for each in chain.materials])
-    closing = np.maximum(-np.diff(chain.velocities), 0.0)
+    overlap_ratio, yield_ratio = contact_ratios(chain, d)
+    at_rest, static_yield = contact_ratios(chain, static)
     return HertzRange(
         overlap_ratio=overlap_ratio,
         yield_ratio=yield_ratio,
-        speed_ratio=float(np.max(closing / np.minimum(sound[:-1], sound[1:]), initial=0.0)),
+        speed_ratio=speed_ratio(chain),
         static_overlap_ratio=at_rest,
         static_yield_ratio=static_yield,
         causes=_causes(chain),
@@ -382,37 +384,18 @@ def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:
             warn_user(violation, ModelRangeWarning)
 
 
-def _ratios(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
-    """Overlap over radius and pressure over yield of all contacts, walls included."""
-    bodies, radius = _bodies(chain), effective_radii(chain.face_radii)
-    modulus, strength = contact_moduli(bodies), yield_strengths(bodies)
-    # Johnson, Eqs. (4.22) to (4.24): a^3 = 3 F R/(4 E*), a^2 = R d and p_0 = 2 E* d/(pi a).
-    force = chain.contact_stiffness * overlaps**chain.contact_exponents
-    d = np.cbrt(0.75 * force / (modulus * np.sqrt(radius))) ** 2
-    pressure = 2.0 / math.pi * modulus * np.sqrt(d / radius)
-    elastic = np.array([not law.yields for law in chain.contact_losses])
-    strength = np.where(elastic & np.isfinite(strength), strength, math.nan)
-    return d / radius, pressure / (FIRST_YIELD * strength)
-
-
 def _given(chain: Chain) -> NDArray[np.bool_]:
     """Contacts that are not those of spheres of their materials; none at free ends."""
-    own = 4.0 / 3.0 * contact_moduli(_bodies(chain)) * np.sqrt(effective_radii(chain.face_radii))
+    own = 4.0 / 3.0 * contact_moduli(bodies_of(chain)) * np.sqrt(effective_radii(chain.face_radii))
     ratio, there = chain.contact_stiffness / own, chain.contact_stiffness > 0.0
     other = (ratio > OTHER_STIFFNESS) | (ratio * OTHER_STIFFNESS < 1.0)
     return np.asarray(there & (other | (chain.contact_exponents != HERTZ_EXPONENT)))
 
 
 def _soft(chain: Chain) -> NDArray[np.bool_]:
-    pairs = itertools.pairwise(_bodies(chain))
+    pairs = itertools.pairwise(bodies_of(chain))
     first = [min(pair, key=lambda each: each.yield_strength or math.inf) for pair in pairs]
     return np.array([each.young < POLYMER for each in first])
-
-
-def _bodies(chain: Chain) -> list[Material]:
-    """Materials of left wall, beads and right wall."""
-    assert chain.materials is not None
-    return materials_with_walls(chain.materials, (chain.left_wall, chain.right_wall))
 
 
 def _causes(chain: Chain) -> tuple[str, str]:

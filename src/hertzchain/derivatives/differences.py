@@ -17,7 +17,7 @@ from ..errors import InputError, ModelRangeWarning, SimulationError
 from ..pulse.quantity_names import COLUMNS
 from ..recorded_warnings import ignore_warnings
 from ..simulation.run_table import RunTable
-from ..simulation.simulate_many import simulate_many
+from ..simulation.simulate_many import tabulate_runs
 from ..validation.objects import Progress
 from .equation import is_linear
 from .names import Name
@@ -76,10 +76,10 @@ def differences(
                                "rtol": rtol or RTOL, "max_steps": max_steps}  # fmt: skip
     with ignore_warnings(ModelRangeWarning):
         # Each chain would warn.
-        own = simulate_many([chain], **options)
+        own = tabulate_runs([chain], **options)
         if own.reasons:
             raise SimulationError(own.reasons[0])
-        others = simulate_many(chains, check_range=False, progress=progress, **options)
+        others = tabulate_runs(chains, check_range=False, progress=progress, **options)
     found = []
     for name, column in zip(names, columns, strict=True):
         values = [_values(table, name, column) for table in (own, others)]

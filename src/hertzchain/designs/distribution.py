@@ -11,7 +11,8 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
-from ..chain.hertz_range import MAX_OVERLAP_RATIO, MAX_SPEED_RATIO, HertzRange, hertz_range
+from ..chain.hertz_range import HertzRange, hertz_range
+from ..chain.hertz_ratios import MAX_OVERLAP_RATIO, MAX_SPEED_RATIO
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, SimulationError, warn_user
 from ..frozen import Frozen

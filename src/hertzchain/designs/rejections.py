@@ -8,7 +8,7 @@ from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
 from ..representation import counted
 from ..simulation.simulate import simulate
-from ..simulation.simulate_many import simulate_many
+from ..simulation.simulate_many import tabulate_runs
 from .exact_gradients import PEAK
 from .measures import LARGEST_ON_WALL, in_words
 from .problem import Design
@@ -78,7 +78,7 @@ def _compared_with(trials: Trials, value: float) -> list[str]:
     if not chains:
         return []
     try:
-        table = simulate_many(chains, keep=["wall_largest_so_far"], until=trials.problem.until)
+        table = tabulate_runs(chains, keep=["wall_largest_so_far"], until=trials.problem.until)
     except SimulationError:
         return []
     reached = table["wall_largest_so_far"]

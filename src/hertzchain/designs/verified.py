@@ -16,7 +16,7 @@ from ..recorded_warnings import ignore_warnings
 from ..representation import measure as shown
 from ..simulation.run_table import RunTable
 from ..simulation.simulate import simulate
-from ..simulation.simulate_many import simulate_many
+from ..simulation.simulate_many import tabulate_runs
 from ..simulation.wall_force import sensitive_in_words
 from ..simulation.yielding import dented_chain, yields
 from .exact_gradients import value_in_whole_run
@@ -97,7 +97,7 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     names += ["wall_largest_so_far", "wall_peak_force"] if walled else []
     keep = list(dict.fromkeys(names))
     sensors = sensors_of(measures, [chain])
-    table = simulate_many([chain], keep=keep, sensors=sensors, rtol=RTOL, until=problem.until)
+    table = tabulate_runs([chain], keep=keep, sensors=sensors, rtol=RTOL, until=problem.until)
     notes += table.reasons.values()
     values = {
         str(m): m.from_chain(chain, price) if m.of_chain else _value(problem, chain, m, table)
@@ -149,12 +149,12 @@ def _with_yielding_contacts(
     if dented is None or not names:
         return {}
     sensors = sensors_of(measures, [dented])
-    table = simulate_many([dented], keep=[*names, "end_time"], sensors=sensors, until=problem.until)
+    table = tabulate_runs([dented], keep=[*names, "end_time"], sensors=sensors, until=problem.until)
     if table.reasons:
         return {}
     if problem.until is None and any(np.isnan(m.from_table(table)[0]) for m in measures):
         until = LONGER * float(table["end_time"][0])
-        table = simulate_many([dented], keep=names, sensors=sensors, until=until)
+        table = tabulate_runs([dented], keep=names, sensors=sensors, until=until)
     of_chain = {name: value for name, value in values.items() if name in OF_CHAIN}
     found = {str(m): float(m.from_table(table)[0]) for m in measures}
     # Incomplete peaks have no value.
@@ -215,7 +215,7 @@ def _later_force(
 
 def _largest_in_longer_run(chain: Chain, bead: int, end: float) -> float:
     column = COLUMNS[LARGEST_IN_SENSOR]
-    longer = simulate_many([chain], keep=[column], sensors=[bead], until=LONGER * end, rtol=RTOL)
+    longer = tabulate_runs([chain], keep=[column], sensors=[bead], until=LONGER * end, rtol=RTOL)
     return float(longer[column][0, 0])
 
 
@@ -226,7 +226,7 @@ def _speed(chain: Chain, value: float) -> str:
 
 def _later_peak(chain: Chain, peak: float, end: float) -> list[str]:
     """A note if the force on the wall is larger after the end of the run."""
-    longer = simulate_many([chain], keep=["wall_largest_so_far"], until=LONGER * end, rtol=RTOL)
+    longer = tabulate_runs([chain], keep=["wall_largest_so_far"], until=LONGER * end, rtol=RTOL)
     later = float(longer["wall_largest_so_far"][0]) if not longer.reasons else np.nan
     if np.isfinite(peak) and not later > (1.0 + SAME) * peak:
         return []

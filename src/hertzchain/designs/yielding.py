@@ -9,7 +9,7 @@ from ..chain.chain import Chain
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..recorded_warnings import ignore_warnings
-from ..simulation.simulate_many import simulate_many
+from ..simulation.simulate_many import tabulate_runs
 from ..simulation.yielding import MAX_BEADS, dented_chain, yields
 from .measured import measured
 from .measures import RANGE, Measure, in_words
@@ -32,7 +32,7 @@ def value_if_yielding(chain: Chain, measure: Measure, overlaps: Array | None = N
     with ignore_warnings():
         # Those of the elastic chain are shown.
         if overlaps is None:
-            overlaps = simulate_many([chain])._overlaps[0, : chain.beads + 1]
+            overlaps = tabulate_runs([chain])._overlaps[0, : chain.beads + 1]
         if not yields(hertz_range(chain, overlaps)):
             return math.nan
         return float(measured([dented], [measure]).values[0, 0])

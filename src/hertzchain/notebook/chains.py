@@ -15,13 +15,8 @@ from ..chain.drawn_bodies import (
     half_widths,
     known_radii,
 )  # fmt: skip
-from ..chain.hertz_range import (
-    ESTIMATED,
-    MAX_OVERLAP_RATIO,
-    MAX_SPEED_RATIO,
-    UNKNOWN_YIELD,
-    HertzRange,
-)  # fmt: skip
+from ..chain.hertz_range import ESTIMATED, UNKNOWN_YIELD, HertzRange
+from ..chain.hertz_ratios import MAX_OVERLAP_RATIO, MAX_SPEED_RATIO
 from ..chain.materials import RIGID, Material
 from ..chain.scales import Scales
 from ..chain.walls import Wall

@@ -21,9 +21,9 @@ from ..chain.hertz_range import warn_outside_hertz
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, SimulationError, short_repr
 from ..frozen import once
-from ..pulse.chain_units import warn_outside_hertz_once
 from ..pulse.pulse import Pulse, assemble_pulse
 from ..pulse.pulse_table import PulseTable
+from ..pulse.table_warnings import warn_failed, warn_outside_hertz_once
 from ..threads import run_in_threads
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers, worker_count
@@ -151,6 +151,13 @@ def propagate_many(
     InputError
         If an option is out of range.
 
+    Warns
+    -----
+    IncompleteWarning
+        If chains fail, with the reason of the first.
+    ModelRangeWarning
+        If chains exceed the limits of Hertz's law.
+
     Examples
     --------
     >>> import hertzchain as hc
@@ -169,6 +176,7 @@ def propagate_many(
         counted=False, progress=progress,
     )  # fmt: skip
     table = ensemble.table()
+    warn_failed(len(table), table.reasons)
     warn_outside_hertz_once(table)
     return table
 

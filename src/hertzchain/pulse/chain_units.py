@@ -17,13 +17,12 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.conversion import ROUNDING
 from ..chain.feature_support import Alternative, require_chain, require_supported
-from ..chain.hertz_range import hertz_range, warn_outside_hertz
+from ..chain.hertz_range import warn_outside_hertz
 from ..chain.scales import Scales
-from ..errors import InputError, ModelRangeWarning, warn_user
+from ..errors import InputError, ModelRangeWarning
 from ..recorded_warnings import ObserveWarnings
 from .notes import WARNING
 from .pulse import Pulse
-from .pulse_table import PulseTable
 from .quantities import QUANTITIES
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -128,22 +127,3 @@ def unit_of(chain: Chain, quantity: str) -> float:
     """Unit of a quantity in the scaled variables of a chain; 1 for a scaled chain."""
     scale = "radius" if quantity == "radii" else QUANTITIES[quantity].scale
     return 1.0 if chain.units == "scaled" else float(Scales.of(chain).unit(scale))
-
-
-def warn_outside_hertz_once(table: PulseTable) -> None:
-    """Warn once if chains in SI units have exceeded the limits of Hertz's law."""
-    exceeded = {}
-    for row, chain in enumerate(table.chains):
-        if chain is None or chain.units != "SI" or chain.materials is None:
-            continue
-        if row not in table.reasons:
-            overlaps = table.peak_overlap[row, : chain.beads - 1]
-            if violations := hertz_range(chain, overlaps).violations:
-                exceeded[row] = violations[0]
-    if exceeded:
-        first, violation = next(iter(exceeded.items()))
-        warn_user(
-            f"{len(exceeded)} of {len(table)} chains exceed the limits of Hertz's law; in the "
-            f"first of them, chain {first}, {violation}",
-            ModelRangeWarning,
-        )

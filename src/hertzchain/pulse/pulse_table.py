@@ -60,11 +60,9 @@ class PulseTable(Columns):
     Examples
     --------
     >>> import hertzchain as hc
-    >>> table = hc.propagate_many([[1.0, 1.0, 1.0], [1.0, 2.0], [1.0, -1.0]])
+    >>> table = hc.propagate_many([[1.0, 1.0, 1.0], [1.0, 2.0]])
     >>> table
-    PulseTable(3 chains of up to 3 beads, 1 failed)
-    >>> table.reasons[2]
-    'radius of bead 2 is -1: radii must be positive and finite'
+    PulseTable(2 chains of up to 3 beads)
     >>> table.velocity[1].round(4)
     array([1.    , 0.2222,    nan])
     """

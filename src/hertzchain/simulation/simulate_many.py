@@ -12,9 +12,11 @@ from ..chain.bead_names import bead_number
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain, require_same_units
 from ..collision import Array
-from ..errors import InputError, SimulationError
+from ..errors import InputError, ModelRangeWarning, SimulationError
 from ..pulse.quantities import SENSOR_QUANTITIES
 from ..pulse.quantity_names import column_name
+from ..pulse.table_warnings import warn_exceeded, warn_failed
+from ..recorded_warnings import ignore_warnings
 from ..threads import STOP, Signal, run_in_threads
 from ..validation.keywords import checked_arguments
 from ..validation.memory import check_memory
@@ -112,6 +114,13 @@ def simulate_many(
         If an option is out of range, some chains are scaled and others in SI units, or the table
         does not fit in memory.
 
+    Warns
+    -----
+    IncompleteWarning
+        If chains fail, with the reason of the first.
+    ModelRangeWarning
+        If chains exceed the limits of Hertz's law, unless ``check_range`` is false.
+
     Examples
     --------
     >>> import hertzchain as hc
@@ -123,6 +132,30 @@ def simulate_many(
     >>> table["wall_peak_force"].round(3)
     array([1.187, 1.122, 0.973])
     """
+    table = tabulate_runs(
+        chains, keep=keep, sensors=sensors, until=until, rtol=rtol, max_steps=max_steps,
+        check_range=check_range, threads=threads, progress=progress,
+    )  # fmt: skip
+    warn_failed(len(table), table.reasons)
+    if check_range and table.outside_range.any():
+        rows = np.flatnonzero(table.outside_range).tolist()
+        warn_exceeded(len(table), rows, table.exceeded_limits(rows[0])[0])
+    return table
+
+
+def tabulate_runs(
+    chains: Iterable[Chain],
+    *,
+    keep: str | Iterable[str] = ("velocity", "arrival"),
+    sensors: Iterable[int | str] = (),
+    until: float | None = None,
+    rtol: float = DEFAULT_RTOL,
+    max_steps: int | None = None,
+    check_range: bool = True,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> RunTable:
+    """Compute the table of `simulate_many`, without its warnings."""
     if isinstance(chains, Chain):
         raise InputError("simulate_many requires a list of chains, got one; use simulate(chain)")
     given = check_list("chains", chains, "chains")
@@ -260,7 +293,9 @@ class _Ensemble:
                 raise _Stopped
 
         try:
-            return by_simulate(chain, self.request, check_stop)
+            # The whole table has one warning.
+            with ignore_warnings(ModelRangeWarning):
+                return by_simulate(chain, self.request, check_stop)
         except (InputError, SimulationError) as error:
             nothing: Array = np.zeros((1, chain.beads + 1))
             no = np.zeros(1, bool)

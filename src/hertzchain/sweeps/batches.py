@@ -16,13 +16,13 @@ from ..propagation.propagate import propagate_many
 from ..pulse.notes import notes_in_words
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
-from ..recorded_warnings import record_warnings
+from ..recorded_warnings import ignore_warnings, record_warnings
 from ..simulation.ensemble_columns import largest_yield_ratio, sensors_of_run
 from ..simulation.ensemble_input import is_covered
 from ..simulation.run import Run
 from ..simulation.sensor_force import MANY_TIMES
 from ..simulation.simulate import DEFAULT_RTOL, simulate
-from ..simulation.simulate_many import simulate_many
+from ..simulation.simulate_many import tabulate_runs
 from ..store.sweep_store import DONE, FAILED
 from .kept import PER_PLACE, PER_RUN, sensor_of
 from .methods import OPTIONS_OF, pulse_by
@@ -146,7 +146,8 @@ class _Batch:
         if not subjects:
             return
         options = self._options("propagate", self.indices[0])
-        table = propagate_many(subjects, threads=1, progress=self._check_stop, **options)
+        with ignore_warnings(IncompleteWarning):
+            table = propagate_many(subjects, threads=1, progress=self._check_stop, **options)
         for name, values in self._of_pulse.items():
             found = table.column(name)
             if found is not None:
@@ -197,7 +198,7 @@ class _Batch:
                 self._one(row, place, "simulate")
             return
         chains = [self.chain(row) for row in rows]
-        table = simulate_many(
+        table = tabulate_runs(
             chains, keep=list(columns), sensors=sorted({bead for _, bead in there.values()}),
             threads=1, progress=self._check_stop, **{"rtol": DEFAULT_RTOL, **options},
         )  # fmt: skip

@@ -1,0 +1,54 @@
+"""Ratios of a chain to the limits of Hertz's law, from its overlaps."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from .chain import Chain
+from .contact_groups import effective_radii, yield_strengths
+from .materials import FIRST_YIELD, Material, contact_moduli
+from .walls import materials_with_walls
+
+MAX_OVERLAP_RATIO: Final = 0.01
+MAX_SPEED_RATIO: Final = 0.01
+
+
+def exceeds_limits(chain: Chain, overlaps: Array) -> bool:
+    """Whether a chain of materials exceeds a limit, from overlaps of all N + 1 contacts."""
+    overlap_ratio, yield_ratio = contact_ratios(chain, overlaps)
+    return bool(
+        (yield_ratio > 1.0).any()
+        or (overlap_ratio > MAX_OVERLAP_RATIO).any()
+        or speed_ratio(chain) > MAX_SPEED_RATIO
+    )
+
+
+def contact_ratios(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
+    """Overlap over radius and pressure over yield of all contacts, walls included."""
+    bodies, radius = bodies_of(chain), effective_radii(chain.face_radii)
+    modulus, strength = contact_moduli(bodies), yield_strengths(bodies)
+    # Johnson, Eqs. (4.22) to (4.24): a^3 = 3 F R/(4 E*), a^2 = R d and p_0 = 2 E* d/(pi a).
+    force = chain.contact_stiffness * overlaps**chain.contact_exponents
+    d = np.cbrt(0.75 * force / (modulus * np.sqrt(radius))) ** 2
+    pressure = 2.0 / math.pi * modulus * np.sqrt(d / radius)
+    elastic = np.array([not law.yields for law in chain.contact_losses])
+    strength = np.where(elastic & np.isfinite(strength), strength, math.nan)
+    return d / radius, pressure / (FIRST_YIELD * strength)
+
+
+def speed_ratio(chain: Chain) -> float:
+    """Largest closing speed of neighbours at time 0 over the slower of their sound speeds."""
+    assert chain.materials is not None
+    sound = np.array([each.sound_speed for each in chain.materials])
+    closing = np.maximum(-np.diff(chain.velocities), 0.0)
+    return float(np.max(closing / np.minimum(sound[:-1], sound[1:]), initial=0.0))
+
+
+def bodies_of(chain: Chain) -> list[Material]:
+    """Materials of left wall, beads and right wall."""
+    assert chain.materials is not None
+    return materials_with_walls(chain.materials, (chain.left_wall, chain.right_wall))

@@ -1,0 +1,43 @@
+"""Warnings about tables of many chains: one for those that failed, one for Hertz's limits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ..chain.hertz_range import hertz_range
+from ..errors import IncompleteWarning, ModelRangeWarning, warn_user
+from .pulse_table import PulseTable
+
+
+def warn_failed(chains: int, reasons: Mapping[int, str]) -> None:
+    """Warn once if some chains of a table have no values."""
+    if reasons:
+        first = min(reasons)
+        warn_user(
+            f"{len(reasons)} of {chains} chains failed and have no values; in the first of them, "
+            f"chain {first}, {reasons[first]}",
+            IncompleteWarning,
+        )
+
+
+def warn_exceeded(chains: int, rows: Sequence[int], violation: str) -> None:
+    """Warn once about rows that exceed limits of Hertz's law, with a violation of the first."""
+    warn_user(
+        f"{len(rows)} of {chains} chains exceed the limits of Hertz's law; in the first of them, "
+        f"chain {rows[0]}, {violation}",
+        ModelRangeWarning,
+    )
+
+
+def warn_outside_hertz_once(table: PulseTable) -> None:
+    """Warn once if chains in SI units have exceeded the limits of Hertz's law."""
+    exceeded = {}
+    for row, chain in enumerate(table.chains):
+        if chain is None or chain.units != "SI" or chain.materials is None:
+            continue
+        if row not in table.reasons:
+            overlaps = table.peak_overlap[row, : chain.beads - 1]
+            if violations := hertz_range(chain, overlaps).violations:
+                exceeded[row] = violations[0]
+    if exceeded:
+        warn_exceeded(len(table), [*exceeded], next(iter(exceeded.values())))

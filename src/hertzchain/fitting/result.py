@@ -181,7 +181,7 @@ class FitResult:
 
     @cached_property
     def constants(self) -> tuple[FixedConstant, ...]:
-        """Moduli, densities and stiffness of walls that are not free, and their influence."""
+        """Constants of the chain, gains and sampling interval that are taken as exact."""
         return fixed_constants(Optimum(
             self.problem, self.variables, self.jacobian, self.residual_vector, self.estimates,
             self.sigmas, self.chains,

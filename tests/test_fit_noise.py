@@ -443,3 +443,21 @@ def test_sensors_that_pick_up_other_pulses_are_quiet_before_the_first(true_force
     counts = [signal.before for _, signal in traces]
     assert len(set(counts)) == 1
     assert counts[0] < np.argmax(true_forces[1][:, 0] > 1e-3 * true_forces[1][:, 0].max())
+
+
+def test_errors_of_simulated_data_without_noise_are_those_of_data_with_it():
+    """The small and smooth residuals are not noise whose samples are correlated."""
+    times, seen = signals(bench(beads=10), 400e-6, 100e-6, balls=(3, 6))
+    names, found = ("ball 3 [N]", "ball 6 [N]", "wall [N]"), []
+    for noise in (0.0, 0.1):
+        values = seen + noise * np.random.default_rng(7).standard_normal(seen.shape)
+        columns = dict(zip(names, values.T, strict=True))
+        traces = hc.Traces.from_arrays(times, columns, noise=0.1)
+        free = ["stiffness", "struck_by.velocity", "time_offset"]
+        found.append(hc.fit(traces, bench(beads=10), free=free, starts=1))
+    without, noisy = found
+    assert without.sigmas == pytest.approx(noisy.sigmas, rel=0.02)
+    (note,) = [note for note in without.warnings if "far smaller than the noise" in note]
+    assert note.startswith("the residuals of ball 3, ball 6 and wall are")
+    assert not any("far smaller than the noise" in note for note in noisy.warnings)
+    assert "multiply" not in without.verdict

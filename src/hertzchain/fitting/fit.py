@@ -37,7 +37,12 @@ from .symmetry import units_of
 from .systematics import effects_of
 from .unused_parameters import check_used
 from .weak_directions import WeakDirection, weak_directions
-from .weights import correlations, goodness_of_problem, remaining_weights
+from .weights import (
+    correlations,
+    goodness_of_problem,
+    remaining_weights,
+    small_residual_notes,
+)
 
 Path_ = str | os.PathLike[str]
 TracesLike = Traces | Path_ | Sequence[Path_]
@@ -254,6 +259,7 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
         *dict.fromkeys(note for shot in model.traces.shots for note in silent_notes(shot)),
         *inversion_notes(_gains(model, values)),
         *coupling_notes(model.traces, chains, lambda k, each: model.gain(k, each, values)),
+        *small_residual_notes(problem, solution.residuals),
         *range_notes(chains[0], duration),
     )  # fmt: skip
     penalty = float(solution.residuals[count:] @ solution.residuals[count:])

@@ -25,6 +25,8 @@ ALLOWED: Final = 1.0
 FAR: Final = 1.5
 # Standard deviations from which a chi-squared is unlikely if the noise is known.
 UNLIKELY: Final = 3.0
+# Mean square of the residuals over the noise below which they are not those of noise of this size.
+FAR_BELOW: Final = 0.01
 # A model explains no more than noise if it reduces chi-squared by less than this value, the square
 # of 5 standard deviations, and twice the number of parameters.
 EXPLAINED: Final = 25.0
@@ -153,7 +155,8 @@ class Goodness:
         if self.noiseless:
             return " to the accuracy of the simulation"
         if self.excess < -UNLIKELY:
-            return f". The residuals are smaller than their noise: check it. {self.if_measured}"
+            text = ". The residuals are smaller than their noise: check it"
+            return text if self.ratio < FAR_BELOW else f"{text}. {self.if_measured}"
         if not self.noise_uncertain:
             return ""
         return (
@@ -241,9 +244,18 @@ class _Part:
         return self.residuals[self.before :]
 
     @property
+    def far_below_noise(self) -> bool:
+        """Whether the residuals are not those of the noise, as in simulated data without any.
+
+        Their correlation is then that of small errors of the simulation or of the model.
+        """
+        squares = float(self.residuals @ self.residuals)
+        return not self.signal.noiseless and squares < FAR_BELOW * self.counted
+
+    @property
     def independent(self) -> float:
         """Number of independent residuals."""
-        return self.counted / correlation_length(self._series)
+        return self.counted / (1.0 if self.far_below_noise else correlation_length(self._series))
 
     @property
     def _series(self) -> Array:
@@ -274,6 +286,12 @@ def correlated_samples(traces: Traces, residuals: Array, used: Array) -> Array:
         np.full(int(part.signal.valid.sum()), part.counted / part.independent)
         for part in _parts(traces, residuals, used)
     ])  # fmt: skip
+
+
+def far_below_noise(traces: Traces, residuals: Array, used: Array) -> list[str]:
+    """Sensors whose residuals are far smaller than their noise."""
+    parts = _parts(traces, residuals, used)
+    return list(dict.fromkeys(part.signal.name for part in parts if part.far_below_noise))
 
 
 def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) -> Goodness:

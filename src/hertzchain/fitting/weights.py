@@ -12,7 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..collision import Array
-from .goodness import Goodness, correlated_samples, goodness_of
+from ..representation import listed
+from .goodness import Goodness, correlated_samples, far_below_noise, goodness_of
 from .problem import Problem
 
 
@@ -62,6 +63,18 @@ def remaining_weights(problem: Problem, residuals: Array) -> Array:
     if np.all(problem.correlated == 1.0):
         weights[: len(problem.data)] = correlations(problem, residuals) ** -0.5
     return weights
+
+
+def small_residual_notes(problem: Problem, residuals: Array) -> list[str]:
+    """A note on sensors whose residuals are far smaller than their noise."""
+    own = data_residuals(problem, residuals)
+    names = far_below_noise(problem.model.traces, own, ~problem.skipped)
+    if not names:
+        return []
+    return [
+        f"the residuals of {listed(names)} are far smaller than the noise, so the errors are those "
+        "of independent noise of this size, such as of a planned experiment"
+    ]
 
 
 def chi2_by_sensor(problem: Problem, residuals: Array) -> dict[str, float]:

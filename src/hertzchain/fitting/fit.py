@@ -15,6 +15,7 @@ from ..errors import InputError
 from ..representation import counted, listed
 from ..traces.coupling import coupling_notes, resolved_coupling
 from ..traces.files import load_traces
+from ..traces.spikes import spikes, without_spikes
 from ..traces.traces import Traces
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
@@ -24,12 +25,14 @@ from .chain_parameters import following
 from .diagnosis import diagnosed
 from .least_squares import Solution, solve, solve_again
 from .misread_columns import inversion_notes
+from .misread_times import nominal_pulses
 from .model import Model, make_model
 from .names import ENDS, Name
 from .parameters import Parameter, Priors, free_parameters
 from .prior_conflicts import conflict_notes
 from .problem import Problem, differences
 from .result import FitResult
+from .sensor_comparison import pulse_widths
 from .settings import Settings, for_sensors, load_experiment
 from .simulations import Simulator, range_notes
 from .starts import with_gains
@@ -155,7 +158,8 @@ def fit_with(
     check_used(parameters, data, chains)
     places = list({signal.name: signal.place for _, signal in data}.values())
     simulator = Simulator(places, None if progress is None else lambda done: progress(done, 0))
-    problem = Problem(_coupled(make_model(data, chains, parameters, simulator), settings.start))
+    model = _without_spikes(make_model(data, chains, parameters, simulator))
+    problem = Problem(_coupled(model, settings.start))
     return fitted(problem, settings.start, starts)
 
 
@@ -173,6 +177,15 @@ def fitted(problem: Problem, start: Mapping[str, float], starts: int) -> FitResu
         problem.set_correlated(correlated)
         solution = solve_again(problem, solution)
     return result_of(problem, solution)
+
+
+def _without_spikes(model: Model) -> Model:
+    """The model without single samples far from their neighbours, if the pulses are wider."""
+    shots = list(model.traces.shots)
+    for index, shot in enumerate(shots):
+        if any(len(spikes(signal)) for signal in shot.signals):
+            shots[index] = without_spikes(shot, pulse_widths(*nominal_pulses(model, index)[1:]))
+    return replace(model, traces=Traces(tuple(shots)))
 
 
 def _coupled(model: Model, start: Mapping[str, float]) -> Model:

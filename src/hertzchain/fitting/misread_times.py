@@ -74,7 +74,7 @@ def time_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
 
 def check_times(model: Model) -> None:
     """Raise `InputError` if measured pulses last a thousand times as long as nominal ones."""
-    shot, columns, grid = _nominal_pulses(model)
+    shot, columns, grid = nominal_pulses(model)
     pairs = zip(shot.signals, columns, strict=True)
     clear = [(signal, column) for signal, column in pairs if has_pulse(signal)]
     check_durations(
@@ -84,7 +84,7 @@ def check_times(model: Model) -> None:
 
 def misread_times(model: Model) -> Iterator[Misread]:
     """Traces with times that agree better with the nominal chain."""
-    factor = time_factor(*_nominal_pulses(model))
+    factor = time_factor(*nominal_pulses(model))
     if factor is not None:
         how = f"multiplied by {1.0 / factor:.3g}" if factor < 1.0 else f"divided by {factor:.3g}"
         shots = (Shot(shot.times / factor, shot.signals) for shot in model.traces.shots)
@@ -92,10 +92,10 @@ def misread_times(model: Model) -> Iterator[Misread]:
         yield Misread(f"all times {how}", advice, Traces(tuple(shots)), whole=True)
 
 
-def _nominal_pulses(model: Model) -> tuple[Shot, list[Array], Array]:
-    """The first shot, and the signals of the nominal chain until the pulse has passed it."""
-    shot = model.traces.shots[0]
-    chain = model.chain(0, {each.name: each.start for each in model.parameters})
+def nominal_pulses(model: Model, index: int = 0) -> tuple[Shot, list[Array], Array]:
+    """A shot, and the signals of its nominal chain, on a grid, until the pulse has passed it."""
+    shot = model.traces.shots[index]
+    chain = model.chain(index, {each.name: each.start for each in model.parameters})
     times = transit_times(chain)
     duration = LONGER * float(times.sum() + 2.0 * times.max(initial=0.0))
     if not np.isfinite(duration):

@@ -243,6 +243,11 @@ def half_width(times: Array, values: Array) -> float:
     return float(times[last] - times[first])
 
 
+def pulse_widths(columns: Sequence[Array], grid: Array) -> list[float]:
+    """Half widths of simulated pulses; 0 without a pulse."""
+    return [half_width(grid, column - column[0]) if np.ptp(column) else 0.0 for column in columns]
+
+
 def check_arrivals(run: Run, shot: Shot, columns: Sequence[Array], grid: Array) -> None:
     """Raise `InputError` if the run has no pulse at a sensor, or one of another duration."""
     for signal, column in zip(shot.signals, columns, strict=True):

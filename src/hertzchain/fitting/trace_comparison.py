@@ -17,6 +17,7 @@ from ..simulation.run import Run
 from ..traces.amplitudes import level_of
 from ..traces.coupling import Gain, coupling_notes, resolved_coupling, static_force
 from ..traces.missing_rows import gap_notes, gaps_between, with_missing_samples
+from ..traces.notes import spike_notes
 from ..traces.places import check_places
 from ..traces.signals import Shot, Signal
 from ..traces.spikes import without_spikes
@@ -44,10 +45,10 @@ from .sensor_comparison import (
     check_durations,
     check_resolved,
     compared_sensor,
-    half_width,
     level_notes,
     missing_notes,
     pulse_notes,
+    pulse_widths,
     scale_of,
     scaled,
     unit_notes,
@@ -266,8 +267,7 @@ def compare_traces(
     check_arrivals(run, shot, columns, grid)
     check_resolved(shot, columns)
     spacing = float(grid[1] - grid[0])
-    widths = [half_width(grid, column - column[0]) if np.ptp(column) else 0.0 for column in columns]
-    shot, of_spikes = without_spikes(shot, widths)
+    shot = without_spikes(shot, pulse_widths(columns, grid))
     traces = Traces((shot,))
     given, other, unexplained = time_offset is not None, None, list[str]()
     if time_offset is not None:
@@ -291,7 +291,7 @@ def compare_traces(
     found = TraceComparison(traces, signals, float(time_offset), given, error)
     suspicious = [
         *_suspicious(found, columns, grid - run.times[0], other),
-        *of_spikes,
+        *spike_notes(shot),
         *(silent_notes(shot, inside) or unexplained),
     ]
     for note in suspicious:

@@ -98,4 +98,5 @@ def _with_missing(signal: Signal, at: Array) -> Signal:
         values=np.insert(signal.values, at, np.nan),
         valid=np.insert(signal.valid, at, False),
         before=signal.before + int(np.sum(at < signal.before)),
+        spikes=tuple(i + int(np.sum(at <= i)) for i in signal.spikes),
     )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ..representation import counted
+from ..representation import counted, listed, measure
 from .missing_rows import gap_notes, gaps_between
 from .noise import ACCURACY
 
@@ -16,11 +16,16 @@ if TYPE_CHECKING:
 
 # Sampling is uneven if the relative difference of time steps exceeds this value.
 EVEN: Final = 1e-3
+# A spike differs from both neighbours by more than this multiple of the noise.
+FAR_IN_NOISE: Final = 10.0
 
 
 def trace_notes(shots: Sequence[Shot]) -> tuple[str, ...]:
-    """Remarks on missing rows, on missing, saturated and rounded samples and on uneven sampling."""
-    found = []
+    """Remarks on missing rows, on missing, saturated and rounded samples and on uneven sampling.
+
+    Spikes, which are bad samples, come first.
+    """
+    found = [note for index, shot in enumerate(shots, 1) for note in spike_notes(shot, index)]
     for index, shot in enumerate(shots, start=1):
         steps = np.diff(shot.times)
         if gaps := gaps_between(shot.times):
@@ -35,13 +40,32 @@ def trace_notes(shots: Sequence[Shot]) -> tuple[str, ...]:
         for signal in shot.signals:
             missing = int(np.isnan(signal.values).sum())
             flat = int((~signal.valid).sum()) - missing
-            for count, what in ((missing, "missing"), (flat, "saturated")):
+            for count, what in ((missing - len(signal.spikes), "missing"), (flat, "saturated")):
                 if count:
                     found.append(
                         f"{counted(count, 'sample')} of {signal.name} in shot {index} "
                         f"{'is' if count == 1 else 'are'} {what} and not used"
                     )
     return tuple(found)
+
+
+def spike_notes(shot: Shot, number: int | None = None) -> list[str]:
+    """Notes on spikes, with the number of the shot if there may be several."""
+    found = []
+    for signal in shot.signals:
+        if not signal.spikes:
+            continue
+        times = [measure(float(shot.times[i]), "s") for i in signal.spikes]
+        shown = [f"{i + 1} (at {time})" for i, time in zip(signal.spikes, times, strict=True)]
+        what, verb, are = ("sample", "differs", "is")
+        if len(shown) > 1:
+            what, verb, are = ("samples", "differ", "are")
+        where = signal.name if number is None else f"{signal.name} in shot {number}"
+        found.append(
+            f"{what} {listed(shown)} of {where} {verb} from both neighbours by more than "
+            f"{FAR_IN_NOISE:.0f} times the noise and {are} not used"
+        )
+    return found
 
 
 def _coarse_notes(shot: Shot, number: int) -> list[str]:

@@ -52,6 +52,8 @@ class Signal(Frozen):
     noiseless : bool
         Whether the samples before the pulse have less noise than the simulated signals of a fit
         have errors, so that ``noise`` is the accuracy of these.
+    spikes : tuple of int
+        Indices of samples that are missing because they were far from both neighbours.
     """
 
     place: Place
@@ -65,6 +67,7 @@ class Signal(Frozen):
     before: int = 0
     coupling: str = ""
     noiseless: bool = False
+    spikes: tuple[int, ...] = ()
 
     @property
     def name(self) -> str:

@@ -9,13 +9,13 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from ..representation import listed, measure
+from .notes import FAR_IN_NOISE
 from .signals import Shot, Signal
 from .traces import make_shot
 
-# A spike differs from both neighbours by more than this multiple of the noise, and by more than
-# this multiple of their own differences from the samples next to them.
-IN_NOISE, IN_SLOPES = 10.0, 4.0
+# A spike differs from both neighbours by more than this multiple of their own differences from the
+# samples next to them, and by more than `FAR_IN_NOISE`.
+IN_SLOPES: Final = 4.0
 # Least half width of the simulated pulse in samples: a shorter one may look like a spike.
 LEAST_WIDTH: Final = 4.0
 # Number of spikes of a sensor that are named; more of them are not single errors.
@@ -29,7 +29,7 @@ def spikes(signal: Signal) -> Array:
     before, after = steps[1:-2], -steps[2:-1]
     # The differences of the two samples on each side show how steep the signal is.
     slopes = np.maximum(np.abs(steps[:-3]), np.abs(steps[3:]))
-    least = np.maximum(IN_NOISE * _noise_without_spikes(signal), IN_SLOPES * slopes)
+    least = np.maximum(FAR_IN_NOISE * _noise_without_spikes(signal), IN_SLOPES * slopes)
     alone = (before * after > 0.0) & (np.minimum(np.abs(before), np.abs(after)) > least)
     return np.flatnonzero(alone) + 2
 
@@ -43,8 +43,8 @@ def _noise_without_spikes(signal: Signal) -> float:
     return min(max(median, signal.step), signal.sigma)
 
 
-def without_spikes(shot: Shot, widths: Sequence[float]) -> tuple[Shot, list[str]]:
-    """The shot with spikes as missing samples, and a note for each sensor that has some.
+def without_spikes(shot: Shot, widths: Sequence[float]) -> Shot:
+    """The shot with spikes as missing samples, which its signals name.
 
     ``widths`` are the half widths of the simulated pulses, in seconds.
     """
@@ -55,7 +55,7 @@ def without_spikes(shot: Shot, widths: Sequence[float]) -> tuple[Shot, list[str]
         if 0 < len(places) <= MOST_NAMED:
             found[signal.name] = places
     if not found:
-        return shot, []
+        return shot
     columns = {(each.place, each.unit): each.values.copy() for each in shot.signals}
     for (place, _), values in columns.items():
         values[found.get(place.name, [])] = np.nan
@@ -63,16 +63,10 @@ def without_spikes(shot: Shot, widths: Sequence[float]) -> tuple[Shot, list[str]
     noise = {each.name: each.noise for each in shot.signals if not each.quiet}
     made = make_shot(shot.times, columns, noise).signals
     pairs = zip(made, shot.signals, strict=True)
-    signals = tuple(replace(new, coupling=old.coupling) for new, old in pairs)
-    return Shot(shot.times, signals), [_note(shot, *each) for each in found.items()]
-
-
-def _note(shot: Shot, name: str, places: Array) -> str:
-    shown = listed([f"{i + 1} (at {measure(float(shot.times[i]), 's')})" for i in places])
-    what, verb, are = ("sample", "differs", "is")
-    if len(places) > 1:
-        what, verb, are = ("samples", "differ", "are")
-    return (
-        f"{what} {shown} of {name} {verb} from both neighbours by more than {IN_NOISE:.0f} times "
-        f"the noise and {are} not used"
-    )
+    return Shot(shot.times, tuple(
+        replace(
+            new, coupling=old.coupling,
+            spikes=tuple(sorted({*old.spikes, *map(int, found.get(old.name, []))})),
+        )
+        for new, old in pairs
+    ))  # fmt: skip

@@ -189,7 +189,7 @@ class Traces:
         return sum(int(signal.valid.sum()) for _, signal in self)
 
     def notes(self) -> tuple[str, ...]:
-        """Remarks on missing rows, on missing, saturated and rounded samples, and on uneven steps.
+        """Remarks on bad, missing, saturated and rounded samples, missing rows and uneven steps.
 
         Returns
         -------

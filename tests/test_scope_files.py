@@ -213,7 +213,21 @@ def test_samples_beyond_the_range_are_not_used(tmp_path):
     assert np.flatnonzero(np.isnan(data.shots[0].signals[1].values)).tolist() == [60]
 
 
-@pytest.mark.parametrize(("cell", "sign"), [("∞", 1), ("+∞", 1), ("-∞", -1), ("-inf", -1)])
+@pytest.mark.parametrize("cell", ["9.91E37", "9.91e+37", "9.90999962E+37"])
+def test_scpi_numbers_of_missing_samples(cell, tmp_path):
+    rows = lines().splitlines()
+    rows[60] = rows[60].rpartition(",")[0] + f",{cell}"
+    (tmp_path / "scope.csv").write_text("TIME,CH1,CH2\n" + "\n".join(rows), "utf-8")
+    places = {"TIME": "time [s]", "CH1": "ball 4 [V]", "CH2": "wall [V]"}
+    data = hc.load_traces(tmp_path / "scope.csv", sensors=places)
+    assert np.flatnonzero(np.isnan(data.shots[0].signals[1].values)).tolist() == [60]
+
+
+@pytest.mark.parametrize(
+    ("cell", "sign"),
+    [("∞", 1), ("+∞", 1), ("-∞", -1), ("-inf", -1), ("9.9E+37", 1), ("-9.9e37", -1),
+     ("9.89999975E+37", 1)],
+)  # fmt: skip
 def test_arrays_and_files_have_the_same_samples_beyond_the_range(cell, sign, tmp_path):
     times = 1e-6 * np.arange(200)
     rng = np.random.default_rng(2)

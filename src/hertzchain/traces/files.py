@@ -49,8 +49,9 @@ def load_traces(
     Columns may also be separated by semicolons, tabs or spaces, and numbers may have decimal
     commas.
     Sampling may be uneven.  Empty cells are missing samples; those with an infinity sign are beyond
-    the range of the digitiser.  Saturated samples are recognised and not used.  A column ``shot``
-    with whole numbers divides a file into shots.
+    the range of the digitiser.  So are those with 9.9E37 or -9.9E37, and 9.91E37 is a missing
+    sample, which are the conventions of SCPI instruments.  Saturated samples are recognised and not
+    used.  A column ``shot`` with whole numbers divides a file into shots.
 
     Parameters
     ----------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from typing import Final
@@ -18,6 +19,9 @@ Rows = list[list[str]]
 # Missing samples, and those beyond the range of the digitiser.
 MISSING: Final = ("", "nan", "NaN", "NA")
 INFINITE: Final = {"∞": np.inf, "+∞": np.inf, "-∞": -np.inf}
+# The numbers of SCPI (1999, volume 1, section 7.2.1.4) for infinity and for "not a number", with a
+# relative tolerance for rounding.
+SCPI_INFINITY, SCPI_MISSING, ROUNDING = 9.9e37, 9.91e37, 4e-4
 # Units that oscilloscopes write as words.
 WORDS: Final = {
     "s": "s", "second": "s", "seconds": "s", "sec": "s", "volt": "V", "volts": "V", "newton": "N",
@@ -71,7 +75,12 @@ def _header_row(rows: Rows) -> int:
 
 def sample(cell: str) -> float:
     """Value of a cell: NaN if it is missing, infinite beyond the range of the digitiser."""
-    return np.nan if cell in MISSING else INFINITE.get(cell) or float(cell)
+    if cell in MISSING:
+        return np.nan
+    value = INFINITE.get(cell) or float(cell)
+    if abs(abs(value) / SCPI_INFINITY - 1.0) < ROUNDING:
+        return math.copysign(math.inf, value)
+    return np.nan if abs(value / SCPI_MISSING - 1.0) < ROUNDING else value
 
 
 def _names(row: list[str]) -> list[str]:

@@ -656,6 +656,7 @@ GOOD = "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 20 - abs(i - 80)}\n" for i 
         (HEAD + "0,1\n1\n", "line 3 has 1 cell, but the header has 2"),
         (HEAD + "0,1\n1,x\n", "column 'ball 6 [N]' is 'x' in line 3"),
         (HEAD + "0,1\n1,1\n", "has no signal"),
+        (HEAD + "0,1\n1,1e200\n2,0\n", "sample of size 1e+200, but samples must be below 1e+30"),
         ("time [us],ball 6 [N],ball 6 [kN]\n0,1,1\n1,2,2\n", "two columns of 'ball 6'"),
         ("", "no header"),
     ],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 COUPLINGS = ("AC", "DC")
 # Samples before the pulse of which enough are clear of it.
 MIN_BEFORE = math.ceil(MIN_QUIET / COMMON_PART)
+# Larger samples are not of a sensor, and their squares would overflow.
+MAX_SAMPLE: Final = 1e30
 # Part of the samples of a pulse that may be saturated.
 MAX_CLIPPED = 0.5
 
@@ -322,6 +324,12 @@ def _check_values(place: Place, values: Array, count: int) -> None:
     if not len(seen) or np.ptp(seen) == 0.0:
         raise InputError(
             f"{place.name} has no signal: all {len(seen)} samples are equal; remove the column"
+        )
+    if (largest := float(np.abs(seen).max())) > MAX_SAMPLE:
+        raise InputError(
+            f"{place.name} has a sample of size {largest:.3g}, but samples must be below "
+            f"{MAX_SAMPLE:g}; check the unit and the format of the numbers, and leave the cells of "
+            "missing samples empty"
         )
 
 

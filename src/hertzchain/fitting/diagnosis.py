@@ -23,9 +23,10 @@ from ..traces.traces import Traces
 from .chain_parameters import known_names, loss_parameters
 from .loss_laws import typical_law
 from .misread_columns import misread_columns
+from .misread_places import best_other_place
 from .misread_times import check_times, misread_times
 from .model import Model, make_model
-from .names import Name
+from .names import ENDS, Name
 from .parameters import ELASTIC, Parameter, expanded, kind_and_value
 from .problem import Problem
 from .result import FitResult
@@ -60,9 +61,10 @@ OTHERS: Final = (
 )
 NOTHING_EXPLAINS: Final = (
     "none of the effects tested explains the residuals (offsets, gains and delays of the sensors, "
-    "alone and in pairs, signs, units and order of the columns, the unit of the times, "
-    "lag, highpass, crosstalk, a loss, the exponent, the mass of balls with sensors, one ball more "
-    f"or fewer). Consider {OTHERS}"
+    "alone and in pairs, signs, units, order and places of the columns, the unit of the times, "
+    "lag, highpass, crosstalk, a loss, the exponent, the stiffness of the walls, the moduli of "
+    "several materials, the mass of balls with sensors, one ball more or fewer). "
+    f"Consider {OTHERS}"
 )
 UNITS: Final = (
     "check the units of the times and of the sensors, the materials and the velocity of the chain, "
@@ -96,7 +98,9 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if result.meaningless and not any(_is_good(each.result) for each in causes):
         # Effects of sensors do not make a fit meaningless, and fits far from the data take long.
         return replace(result, advice=(UNITS,))
-    for further in (_effects, _shots, _losses, _exponent, _masses, _beads, _pairs):
+    for further in (
+        _places, _effects, _shots, _losses, _exponent, _walls, _moduli, _masses, _beads, _pairs,
+    ):  # fmt: skip
         if not any(cause.result.describes for cause in causes):
             causes += further(result, start, refit)
     good = [cause for cause in causes if _removed(result, cause.result) > MOST]
@@ -195,6 +199,22 @@ def _columns(result: FitResult, start: Mapping[str, float], refit: Refit) -> Ite
             yield Cause(each.what, each.advice, refit(problem, start, 1), 0, each.whole)
         except SimulationError:
             continue
+
+
+def _places(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fit with one sensor in a neighbouring ball, if this agrees better with the chain."""
+    found = best_other_place(result.model)
+    if found is None:
+        return
+    try:
+        other = refit(Problem(found.model), start, 1)
+    except SimulationError:
+        return
+    yield Cause(
+        f"the sensor {found.name!r} in {found.place.name.removesuffix(' velocity')} instead",
+        "check the number in the name of this column, and how balls and strikers are counted",
+        other, 0,
+    )  # fmt: skip
 
 
 def _effects(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
@@ -301,6 +321,27 @@ def _exponent(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterat
             yield replace(cause, advice=advice)
         elif cause is not None:
             yield cause
+
+
+def _walls(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fits with the stiffness of each wall that is not free."""
+    for end in ENDS:
+        name = Name(f"{end}.stiffness")
+        if getattr(result.chain, end) is not None and not _is_free(name.key, result.model):
+            cause = _tried(result, (name,), refit)
+            if cause is not None:
+                yield cause
+
+
+def _moduli(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fits with the modulus of each material of the balls, if they have several."""
+    kinds = dict.fromkeys(each.name for each in result.chain.materials or ())
+    free = {replace(each, shot="") for each in result.model.names}
+    for name in (Name("materials.young", kind) for kind in kinds):
+        if len(kinds) > 1 and name not in free:
+            cause = _tried(result, (name,), refit)
+            if cause is not None:
+                yield cause
 
 
 def _masses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:

@@ -1,0 +1,83 @@
+"""A sensor that may be one ball away from the place that its column names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+from ..errors import InputError
+from ..traces.places import Place, check_places, place_named
+from ..traces.signals import Shot
+from ..traces.traces import Traces
+from .misread_times import nominal_pulses
+from .model import Model, make_model
+from .simulations import Simulator
+from .time_offsets import difference_at_best_offset
+
+# Another place is tried if it reduces the rms difference from the nominal chain, whose parameters
+# are not yet fitted, to less than this part.
+BETTER: Final = 0.9
+
+
+@dataclass(frozen=True)
+class OtherPlace:
+    """The name of a sensor, its other place, and the model with this place."""
+
+    name: str
+    place: Place
+    model: Model
+
+
+def best_other_place(model: Model) -> OtherPlace | None:
+    """The neighbouring place of one sensor that agrees best with the nominal chain."""
+    signals = {signal.name: signal.place for _, signal in model.traces}
+    others = list(_neighbours(signals, model))
+    known = model.simulator
+    simulator = Simulator(
+        [*signals.values(), *dict.fromkeys(place for _, place in others)], known.progress,
+        known.count,
+    )  # fmt: skip
+    least, found = BETTER * _difference(model), None
+    for name, place in others:
+        other = _with_place(model, name, place, simulator)
+        difference = _difference(other)
+        if difference < least:
+            least, found = difference, OtherPlace(name, place, other)
+    return found
+
+
+def _neighbours(signals: dict[str, Place], model: Model) -> Iterator[tuple[str, Place]]:
+    """Names of sensors, each with a neighbouring place that the chains have and no other sensor."""
+    for name, place in signals.items():
+        if place.body not in ("ball", "bead"):
+            continue
+        rest = [each for each in signals.values() if each != place]
+        for number in (place.number - 1, place.number + 1):
+            try:
+                other = place_named(place.name.replace(str(place.number), str(number)))
+                for chain in model.chains:
+                    check_places([*rest, other], chain)
+            except InputError:
+                continue
+            yield name, other
+
+
+def _with_place(model: Model, name: str, place: Place, simulator: Simulator) -> Model:
+    """The model with another place of a sensor, which the names of parameters follow."""
+    traces = Traces(tuple(
+        Shot(shot.times, tuple(
+            replace(each, place=place) if each.name == name else each for each in shot.signals
+        ))
+        for shot in model.traces.shots
+    ))  # fmt: skip
+    parameters = [
+        replace(each, name=replace(each.name, item=place.name)) if each.name.item == name else each
+        for each in model.parameters
+    ]
+    return make_model(traces, model.chains, parameters, simulator)
+
+
+def _difference(model: Model) -> float:
+    shot, columns, grid = nominal_pulses(model)
+    return difference_at_best_offset(shot, columns, float(grid[1] - grid[0]))

@@ -1,0 +1,53 @@
+"""Wrong descriptions of an experiment that a fit names; the forces are from SciPy."""
+
+import re
+
+import numpy as np
+import pytest
+from scipy_row import FREE, POISSON, RADIUS, TRUTH, YOUNG, chain, traces
+
+import hertzchain as hc
+
+
+@pytest.mark.parametrize(("wrong", "right"), [("ball 4", "ball 5"), ("ball 11", "ball 10")])
+def test_a_sensor_one_ball_away_is_named(wrong, right):
+    def renamed(columns):
+        return {
+            f"{wrong} [N]" if name == f"{right} [N]" else name: each
+            for name, each in columns.items()
+        }
+
+    result = hc.fit(traces(change=renamed), chain(), free=FREE)
+    assert not result.describes
+    (advice,) = result.advice
+    assert f"with the sensor {wrong!r} in {right} instead, chi2 falls" in advice
+    assert "and the model describes the data" in advice
+
+
+def test_a_softer_wall_is_named():
+    softer = 100e9
+    result = hc.fit(traces(wall_young=softer), chain(), free=FREE)
+    assert not result.describes
+    (advice,) = result.advice
+    assert "and the model describes the data" in advice
+    assert "add 'right_wall.stiffness' to the free parameters" in advice
+    digits = re.findall(r"right_wall.stiffness = \((\S+) \+- (\S+)\)e\+09", advice)[0]
+    value, error = (1e9 * float(each) for each in digits)
+    # The factor of the data belongs to all contacts.
+    compliance = (1.0 - POISSON**2) * (1.0 / YOUNG + 1.0 / softer)
+    expected = 4.0 / 3.0 * RADIUS**0.5 / compliance * TRUTH["stiffness"]
+    assert abs(value - expected) < 3.5 * error < 0.01 * expected
+
+
+def test_the_modulus_of_one_of_two_materials_is_named():
+    nominal = hc.material("steel-52100")
+    soft = hc.Material("soft", nominal.density, 0.9 * YOUNG, POISSON)
+    balls = np.where(np.arange(16) < 8, "front", "back")
+    kinds = {"back": nominal, "front": soft}
+    row = chain()
+    wrong = row.replace(materials=[
+        hc.Material(name, nominal.density, kinds[name].young, POISSON) for name in balls.tolist()
+    ])  # fmt: skip
+    (advice,) = hc.fit(traces(), wrong, free=FREE).advice
+    assert re.search(r"materials\[(front|back)\].young = ", advice)
+    assert "and the model describes the data" in advice

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from scipy_row import FREE, POISSON, RADIUS, TRUTH, YOUNG, chain, traces
+from scipy_row import FREE, POISSON, RADIUS, TRUTH, VELOCITY, YOUNG, chain, recorded, traces
 
 import hertzchain as hc
 
@@ -51,3 +51,19 @@ def test_the_modulus_of_one_of_two_materials_is_named():
     (advice,) = hc.fit(traces(), wrong, free=FREE).advice
     assert re.search(r"materials\[(front|back)\].young = ", advice)
     assert "and the model describes the data" in advice
+
+
+@pytest.mark.parametrize(("factor", "words"), [(2.0, "divided by 2"), (0.5, "multiplied by 2")])
+def test_a_wrong_sampling_interval_is_named_if_the_fit_is_far_from_a_prior(factor, words):
+    """Another interval is the same as another stiffness and velocity, except for the prior."""
+    times, columns = recorded()
+    data = hc.Traces.from_arrays(factor * times, columns)
+    options = {"free": FREE, "priors": {"struck_by.velocity": (VELOCITY, 0.01 * VELOCITY)}}
+    result = hc.fit(data, chain(), **options)
+    assert result.describes
+    assert result.prior_conflict
+    (advice,) = result.advice
+    assert advice == (
+        f"with all times {words}, the fit also agrees with the priors: check the unit of the times "
+        "and the sampling interval"
+    )

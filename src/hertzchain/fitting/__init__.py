@@ -7,12 +7,13 @@
   `sensors`;
 - errors: `weights` and `autocorrelation` of samples, `goodness`, `weak_directions`, `posterior`;
 - systematic errors: `systematics`, `sensor_effects`, `constants` that are taken as exact;
-- fits that mean less than they seem to: `diagnosis`, `plausibility`, `prior_conflicts`,
-  `unused_parameters`;
+- fits that mean less than they seem to: `diagnosis` with its `advice`, `plausibility`,
+  `prior_conflicts`, `unused_parameters`;
 - the result: `result`, `result_text`, `result_document`, `shown_values`, `fitted_file`;
 - further questions: `loss_comparison` of all `loss_laws`, and `defect_scan`;
 - data compared with a simulation, without a fit: `trace_comparison`, `sensor_comparison`,
   `time_offsets`, `arrival_notes`;
-- data that are read in another way: `misread_columns`, `misread_times`, `exchanged_columns`;
+- data that are read in another way: `misread_columns`, `misread_places`, `misread_times`,
+  `exchanged_columns`;
 - the shipped data: `example_experiment`.
 """

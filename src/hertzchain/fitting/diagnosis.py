@@ -18,8 +18,7 @@ from ..chain.chain import Chain
 from ..chain.modifications import with_one_loss
 from ..errors import InputError, SimulationError
 from ..representation import listed
-from ..traces.noise import independent_samples
-from ..traces.traces import Traces
+from .advice import advice_to_free, level_advice
 from .chain_parameters import known_names, loss_parameters
 from .loss_laws import typical_law
 from .misread_columns import misread_columns
@@ -27,7 +26,7 @@ from .misread_places import best_other_place
 from .misread_times import check_times, misread_times
 from .model import Model, make_model
 from .names import ENDS, Name
-from .parameters import ELASTIC, Parameter, expanded, kind_and_value
+from .parameters import ELASTIC, Parameter, kind_and_value
 from .problem import Problem
 from .result import FitResult
 from .sensor_effects import gained_by, groups_of_effects
@@ -50,9 +49,10 @@ OF_SHOTS: Final = ("struck_by.velocity", "time_offset")
 MASSES: Final = (1.05, 0.95)
 # Law that is tried if the chain has no loss.
 LOSS: Final = "viscoelastic"
-# Means before the pulse are reported beyond this number of standard errors, and values of an
-# effect of several sensors beyond this number of standard deviations.
+# Values of an effect of several sensors are reported beyond this number of standard deviations.
 CERTAIN: Final = 5.0
+# Columns may be wrong if a parameter is further from its prior, in standard deviations.
+FAR_FROM_PRIOR: Final = 10.0
 # Causes that are advised, the first two of which other functions test.
 DEFECTS, LAWS = "gaps and odd balls (scan_defects), ", "other loss laws (compare_losses), "
 OTHERS: Final = (
@@ -87,7 +87,7 @@ class Cause:
 def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
     """A result with advice if the model does not describe the data, or if they show an effect."""
     if (result.describes or result.goodness.undecided) and not result.implausible:
-        return _with_effect(result, refit)
+        return _with_other_columns(result, start, refit) or _with_effect(result, refit)
     if result.goodness.only_noise:
         return result
     check_times(result.model)
@@ -104,7 +104,7 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
         if not any(cause.result.describes for cause in causes):
             causes += further(result, start, refit)
     good = [cause for cause in causes if _removed(result, cause.result) > MOST]
-    levels = _levels(result)
+    levels = level_advice(result)
     if not good:
         return replace(result, advice=(*levels, NOTHING_EXPLAINS))
     best = min(good, key=lambda each: (
@@ -121,6 +121,19 @@ def without_tested(result: FitResult, *tested: str) -> FitResult:
     for cause in tested:
         advice = tuple(each.replace(cause, "") for each in advice)
     return replace(result, advice=advice)
+
+
+def _with_other_columns(
+    result: FitResult, start: Mapping[str, float], refit: Refit
+) -> FitResult | None:
+    """A result with advice if it agrees with its priors only if columns are read differently."""
+    if all(abs(each) < FAR_FROM_PRIOR for each in result.prior_deviations.values()):
+        return None
+    for cause in _columns(result, start, refit):
+        if _is_good(cause.result) and not cause.result.prior_conflict:
+            advice = f"with {cause.what}, the fit also agrees with the priors: {cause.advice}"
+            return replace(result, advice=(advice,))
+    return None
 
 
 def _with_effect(result: FitResult, refit: Refit) -> FitResult:
@@ -393,19 +406,7 @@ def _tried(
     if len(names) > 1:
         clear = _beyond(CERTAIN, fixed, found) or clear
     shown = ", ".join(f"{name} = {rows[name]}" for name in clear)
-    return Cause(shown, _added(names, model.traces), found, len(names))
-
-
-def _added(names: Sequence[Name], traces: Traces) -> str:
-    """The advice to add parameters, with a wildcard if it denotes exactly these."""
-    items, shots = {each.item for each in names}, {each.shot for each in names}
-    short = Name(
-        names[0].key,
-        items.pop() if len(items) == 1 else "*",
-        shots.pop() if len(shots) == 1 else "*",
-    )
-    shown = [short] if set(expanded(short, traces)) == set(names) else names
-    return f"add {listed([repr(str(each)) for each in shown])} to the free parameters"
+    return Cause(shown, advice_to_free(names, model.traces), found, len(names))
 
 
 def _beyond(times: float, fixed: Mapping[str, float], found: FitResult) -> list[str]:
@@ -413,24 +414,3 @@ def _beyond(times: float, fixed: Mapping[str, float], found: FitResult) -> list[
     values, errors = found.values, found.errors
     return [name for name, value in fixed.items()
             if abs(values[name] - value) > times * errors[name]]  # fmt: skip
-
-
-def _levels(result: FitResult) -> tuple[str, ...]:
-    """Notes on sensors whose mean before the pulse is not that of the model."""
-    found: dict[str, list[tuple[Name, str]]] = {}
-    flat = itertools.chain.from_iterable(result.predicted)
-    several = len(result.traces.shots) > 1
-    for (shot, signal), model in zip(result.traces, flat, strict=True):
-        name = Name("offset", signal.name, str(shot + 1) if several else "")
-        if not signal.before or {name, replace(name, shot="")} & {*result.model.names}:
-            continue
-        error = signal.sigma / independent_samples(signal.quiet_values) ** 0.5
-        if abs(signal.level - model[0]) > CERTAIN * error:
-            found.setdefault(signal.name, []).append((name, (
-                f"before the pulse{f' of shot {name.shot}' if several else ''}, {signal.name} is "
-                f"at {signal.level:.3g} {signal.unit}, the model at {model[0]:.3g} {signal.unit}"
-            )))  # fmt: skip
-    return tuple(
-        f"{noted[0][1]}: check its zero, or {_added([name for name, _ in noted], result.traces)}"
-        for noted in found.values()
-    )

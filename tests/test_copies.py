@@ -37,6 +37,7 @@ def everything(tmp_path_factory):
     radii = hc.vary.radii(0.5, 1.0, by="common")
     problem = hc.Design(hc.Chain.uniform(4), maximise="velocity@last", vary=[radii])
     found = [
+        hc.forecast(balls, ["ball 4"], noise=1e-3, interval="1 us", free=["stiffness"]),
         traces, fit, hc.scan_defects(fit), measured.compare(traces),
         hc.LossComparison(fits=(LossFit("viscoelastic", fit, bic=1.0),)),
         hc.Posterior(("gain",), np.ones((3, 1)), 0.3, np.nan, 4, np.ones((1, 2)), ("",)),

@@ -14,7 +14,7 @@ from hertzchain import Chain
 RESULTS = (
     "Budget", "Calibration", "DefectScan", "DesignResult", "Distribution", "EffectiveChain",
     "EffectivePulse", "EnergyFlux", "Gradient",
-    "FitResult", "Fronts", "LossComparison", "Posterior", "TraceComparison",
+    "FitResult", "Forecast", "Fronts", "LossComparison", "Posterior", "TraceComparison",
     "HertzRange", "Horizon", "LeadingPulse", "PulseTable", "Reflection", "Run", "RunTable",
     "Scoreboard",
     "SensorForce", "SolitaryWave", "Spectrum", "State", "StaticState", "VelocityPeaks", "Verdict",
@@ -147,6 +147,17 @@ def public_calls(folder):
             noise=0.01,
         ),
         "example_experiment": tried(lambda shot: hc.example_experiment(shot), shot="fast"),
+        "forecast": tried(
+            hc.forecast,
+            chain=steel,
+            sensors=["ball 4"],
+            noise=0.1,
+            interval=2e-6,
+            free=["time_offset"],
+            priors=None,
+            start=None,
+            until=2e-4,
+        ),
         "fit": tried(
             hc.fit,
             traces=traces,

@@ -54,6 +54,8 @@ from .fitting.defect_scan import DefectScan as DefectScan
 from .fitting.defect_scan import scan_defects as scan_defects
 from .fitting.example_experiment import example_experiment as example_experiment
 from .fitting.fit import fit as fit
+from .fitting.forecast import Forecast as Forecast
+from .fitting.forecast import forecast as forecast
 from .fitting.loss_comparison import LossComparison as LossComparison
 from .fitting.loss_comparison import compare_losses as compare_losses
 from .fitting.posterior import Posterior as Posterior

@@ -21,6 +21,7 @@ from . import (
     compare,
     design,
     fit,
+    forecast,
     pulse,
     reproduce,
     scatter,
@@ -40,7 +41,7 @@ GROUPS: Final = {
     "See": (app.app,),
     "Simulate and predict": (simulate.simulate, pulse.pulse, spectrum.spectrum),
     "Design": (design.design, sensitivity.sensitivity, scatter.scatter),
-    "Measured traces": (compare.compare, fit.fit),
+    "Measured traces": (forecast.forecast, compare.compare, fit.fit),
     "Sweeps": (sweep.sweep,),
     "The paper and other known results": (
         reproduce.reproduce, scoreboard.scoreboard, calibrate.calibrate, verify.verify, cite.cite,

@@ -11,9 +11,9 @@ import click
 from ..recorded_warnings import ignore_warnings
 from ..simulation.yielding import pressures_below_yield
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
+from .fit_options import also_free_option, free_option, prior_option, priors_from
 from .options import (
     StrictCommand,
-    as_typed,
     check_writable,
     figure_option,
     json_option,
@@ -43,28 +43,9 @@ if TYPE_CHECKING:
 @click.option(
     "--channels", is_flag=True, help="The files of traces are channels of one shot, not shots."
 )
-@click.option(
-    "--free",
-    multiple=True,
-    metavar="NAME",
-    help="Free parameter, such as loss.time or 'gain[*]'; repeatable.  [default: those of the "
-    "table [fit] of the chain file; without it, the stiffness, the velocity of the striker, the "
-    "parameter of the loss, the time offset and the gains of sensors in V]",
-)
-@click.option(
-    "--also-free",
-    multiple=True,
-    metavar="NAME",
-    help="Parameter that is free in addition to those of --free or the chain file; repeatable.",
-)
-@click.option(
-    "--prior",
-    "priors",
-    multiple=True,
-    metavar="NAME=VALUE,ERROR",
-    help="Value and standard deviation of a parameter from other measurements, such as "
-    "struck_by.velocity=0.3,0.003; repeatable.",
-)
+@free_option
+@also_free_option
+@prior_option
 @click.option(
     "--starts", type=int, default=4, show_default=True, help="Largest number of starting points."
 )
@@ -130,8 +111,9 @@ def fit(
     places = sensors_from(sensors)
     noise: Any = noise_from(noises)
     traces = hertzchain.load_traces(*files[:-1], sensors=places, channels=channels, noise=noise)
-    known = dict(_prior(text) for text in priors)
-    settings: dict[str, Any] = {"free": _free(traces, files[-1], free, also_free), "priors": known}
+    settings: dict[str, Any] = {
+        "free": _free(traces, files[-1], free, also_free), "priors": priors_from(priors),
+    }  # fmt: skip
     # The number of simulations is not known in advance.
     with progress_bar("simulations", counted=False) as progress:
         result = hertzchain.fit(traces, files[-1], starts=starts, progress=progress, **settings)
@@ -297,17 +279,6 @@ def _pressures(result: FitResult) -> list[str]:
             for chain, shot in shots
         ]
     return pressures_below_yield(*runs)
-
-
-def _prior(text: str) -> tuple[str, tuple[float | str, float | str]]:
-    name, _, rest = text.rpartition("=")
-    try:
-        value, error = (as_typed(part) for part in rest.split(","))
-    except ValueError:
-        raise click.UsageError(
-            f"--prior must look like struck_by.velocity=0.3,0.003, got {text!r}"
-        ) from None
-    return name, (value, error)
 
 
 def _posterior(result: FitResult, steps: int, plot: Path | None) -> Posterior:

@@ -5,7 +5,8 @@
 - parameters: `names`, `parameters`, `chain_parameters`, `material_parameters`;
 - predicted signals: `simulations`, `symmetry` of chains, `jumps` of forces, and the model of
   `sensors`;
-- errors: `weights` and `autocorrelation` of samples, `goodness`, `weak_directions`, `posterior`;
+- errors: `uncertainty`, `weights` and `autocorrelation` of samples, `goodness`,
+  `weak_directions`, `posterior`, and the `forecast` for a planned experiment;
 - systematic errors: `systematics`, `sensor_effects`, `constants` that are taken as exact;
 - fits that mean less than they seem to: `diagnosis` with its `advice`, `plausibility`,
   `prior_conflicts`, `unused_parameters`;

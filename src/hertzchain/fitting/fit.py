@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 
 from ..chain.chain import Chain
-from ..collision import Array
 from ..errors import InputError
 from ..representation import counted, listed
 from ..traces.coupling import coupling_notes, resolved_coupling
@@ -30,7 +29,7 @@ from .model import Model, make_model
 from .names import ENDS, Name
 from .parameters import Parameter, Priors, free_parameters
 from .prior_conflicts import conflict_notes
-from .problem import Problem, differences
+from .problem import Problem
 from .result import FitResult
 from .sensor_comparison import pulse_widths
 from .settings import Settings, for_sensors, load_experiment
@@ -38,8 +37,8 @@ from .simulations import Simulator, range_notes
 from .starts import with_gains
 from .symmetry import units_of
 from .systematics import effects_of
+from .uncertainty import Uncertainty, large_error_notes, uncertainty
 from .unused_parameters import check_used
-from .weak_directions import WeakDirection, weak_directions
 from .weights import (
     correlations,
     goodness_of_problem,
@@ -52,8 +51,6 @@ TracesLike = Traces | Path_ | Sequence[Path_]
 ChainLike = Chain | Path_ | Sequence[Chain]
 # A parameter is at a bound if its variable is within this relative distance of it.
 AT_BOUND = 1e-6
-# An error above this fraction of the value is reported.
-LARGE_ERROR = 1.0
 
 
 @checked_arguments("fit")
@@ -234,32 +231,12 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     bound = (variables - low < AT_BOUND * np.maximum(1.0, np.abs(low))) | (
         high - variables < AT_BOUND * np.maximum(1.0, np.abs(high))
     )
-    free = ~bound
-    # No simulation is needed.
-    change = differences(lambda u: np.array([*model.values(u).values()]), variables)
-    covariance = _covariance(jacobian, change, free)
-    sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    sigmas[bound] = np.inf
-    estimates = np.array([values[name] for name in model.names])
-    sizes = _sizes(model, estimates)
-    physical = jacobian[:count] @ np.linalg.inv(change)
-    priors = {
-        str(each): each.prior[1] / size
-        for each, size in zip(model.parameters, sizes, strict=True)
-        if each.prior is not None
-    }
-    factors = [each.kind.factor for each in model.parameters]
-    weak = weak_directions(
-        [name for name, ok in zip(names, free, strict=True) if ok],
-        physical[:, free], estimates[free], np.where(factors, estimates, sizes)[free], priors,
-    )  # fmt: skip
-    for each in weak:
-        if each.exact and not each.fixed_by:
-            sigmas[[name in each.weights for name in names]] = np.inf
+    found = uncertainty(problem, variables, jacobian, bound)
+    estimates, sigmas, weak = found.estimates, found.sigmas, found.weak
     chains = tuple(model.chain(shot, values) for shot in range(len(model.chains)))
     at_bounds = tuple(name for name, there in zip(names, bound, strict=True) if there)
     notes = conflict_notes(model.parameters, model.traces, values, sigmas)
-    notes += (*_other_shots(model), *_notes(model, sigmas, sizes, at_bounds, weak))
+    notes += (*_other_shots(model), *_notes(model, found, at_bounds))
     if good.skipped:
         notes += (
             f"{counted(good.skipped, 'sample')} next to jumps of the force "
@@ -277,7 +254,7 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     )  # fmt: skip
     penalty = float(solution.residuals[count:] @ solution.residuals[count:])
     return FitResult(
-        names, estimates, sigmas, covariance, good, solution.converged, solution.reason, weak,
+        names, estimates, sigmas, found.covariance, good, solution.converged, solution.reason, weak,
         effects, at_bounds, chains, notes, simulations, solution.starts, penalty,
         problem, variables, solution.jacobian, solution.residuals,
     )  # fmt: skip
@@ -291,34 +268,6 @@ def _gains(model: Model, values: Mapping[Name, float]) -> dict[str, float]:
             gain = model.gain(shot, signal, values)
             found[signal.name] = min(gain, found.get(signal.name, gain))
     return found
-
-
-def _covariance(jacobian: Array, change: Array, free: Array) -> Array:
-    """Covariance of the values; parameters at a bound are regarded as fixed."""
-    inner = jacobian[:, free]
-    scale = np.linalg.norm(inner, axis=0)
-    scale[scale == 0.0] = 1.0
-    _, singular, rows = np.linalg.svd(inner / scale, full_matrices=False)
-    inverse = (rows.T / np.maximum(singular, 1e-12 * singular[0]) ** 2) @ rows
-    inverse /= np.outer(scale, scale)
-    whole = np.zeros((len(free), len(free)))
-    whole[np.ix_(free, free)] = inverse
-    return np.asarray(change @ whole @ change.T)
-
-
-def _sizes(model: Model, estimates: Array) -> Array:
-    """Sizes to which changes of the parameters are relative."""
-    found = []
-    for each, value in zip(model.parameters, estimates, strict=True):
-        typical = each.kind.typical
-        if each.of_chain and each.kind.scale != "1" and "^" not in each.kind.scale:
-            typical *= units_of(model.chains[each.shot or 0]).scales.unit(each.kind.scale)
-            found.append(max(abs(value), typical))
-        elif each.name.key == "offset":
-            found.append(max(s.sigma for _, s in model.traces if each.name.item in ("", s.name)))
-        else:
-            found.append(abs(value) if each.kind.factor else max(abs(value), typical))
-    return np.array(found)
 
 
 def _other_shots(model: Model) -> list[str]:
@@ -336,20 +285,11 @@ def _other_shots(model: Model) -> list[str]:
     ]  # fmt: skip
 
 
-def _notes(
-    model: Model, sigmas: Array, sizes: Array, at_bounds: tuple[str, ...],
-    weak: tuple[WeakDirection, ...],
-) -> tuple[str, ...]:  # fmt: skip
+def _notes(model: Model, found: Uncertainty, at_bounds: tuple[str, ...]) -> tuple[str, ...]:
     """Notes on unused samples, bounds, large errors and failed runs, one sentence each."""
     notes = list(model.traces.notes())
     notes += [f"{name} is at its bound and has no error" for name in at_bounds]
-    named = {name for each in weak for name in each.weights}
-    for name, sigma, size in zip(map(str, model.names), sigmas, sizes, strict=True):
-        if np.isfinite(sigma) and sigma > LARGE_ERROR * size and name not in named:
-            notes.append(
-                f"the data hardly fix {name}, whose error exceeds its size: fix it, or give it a "
-                "prior"
-            )
+    notes += large_error_notes(model, found)
     if {"stiffness", "exponent"} <= {name.key for name in model.names}:
         notes.append(
             f"stiffness is the factor of the forces at an overlap of {1e6 * model.reference:.3g} "

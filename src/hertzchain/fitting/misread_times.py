@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from ..simulation.time_scales import transit_times
 from ..traces.amplitudes import extreme, level_of
 from ..traces.signals import Shot
 from ..traces.traces import Traces
@@ -16,6 +15,7 @@ from .arrival_notes import has_pulse
 from .misread_columns import Misread
 from .model import Model
 from .sensor_comparison import HALF, check_durations, half_width, reached, saturated_samples
+from .simulations import passing_time
 
 # The ratios of pulse durations and of the times between sensors agree within the first factor, and
 # differ from 1 by more than the second.
@@ -23,8 +23,6 @@ ALIKE, CLEAR = 1.25, 1.5
 # Factors that a unit or a sampling interval is usually wrong by, and their tolerance.
 USUAL: Final = (2.0, 2.5, 4.0, 5.0, 10.0, 100.0)
 TOLERANCE: Final = 1.15
-# Duration of the nominal simulation, as a multiple of the time in which the pulse passes.
-LONGER: Final = 1.5
 
 
 def time_factor(shot: Shot, columns: Sequence[Array], grid: Array) -> float | None:
@@ -96,8 +94,7 @@ def nominal_pulses(model: Model, index: int = 0) -> tuple[Shot, list[Array], Arr
     """A shot, and the signals of its nominal chain, on a grid, until the pulse has passed it."""
     shot = model.traces.shots[index]
     chain = model.chain(index, {each.name: each.start for each in model.parameters})
-    times = transit_times(chain)
-    duration = LONGER * float(times.sum() + 2.0 * times.max(initial=0.0))
+    duration = passing_time(chain)
     if not np.isfinite(duration):
         duration = float(shot.times[-1] - shot.times[0])
     run = model.simulator.signals(chain, duration)

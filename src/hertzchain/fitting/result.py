@@ -27,6 +27,7 @@ from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
 from .shown_values import shown_diameter, shown_value
 from .systematics import Effect
+from .uncertainty import correlation_of
 from .weak_directions import WeakDirection
 from .weights import chi2_by_sensor, residuals_by_sensor
 
@@ -111,9 +112,7 @@ class FitResult:
     @property
     def correlation(self) -> Array:
         """Correlations of the parameters."""
-        scale = np.sqrt(np.diag(self.covariance))
-        scale[scale == 0.0] = 1.0
-        return np.asarray(self.covariance / np.outer(scale, scale))
+        return correlation_of(self.covariance)
 
     @property
     def chain(self) -> Chain:

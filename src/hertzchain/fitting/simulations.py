@@ -35,6 +35,8 @@ LONGER: Final = 1.12
 # Step limit of a trial run, as a multiple of the steps of the first run.
 STEP_FACTOR, MIN_STEPS = 50, 20_000
 KEPT: Final = 96
+# Duration of a nominal simulation, as a multiple of the time in which the pulse passes.
+PASSES: Final = 1.5
 
 
 class Signals(NamedTuple):
@@ -132,6 +134,12 @@ class Simulator:
         columns = np.column_stack([place.signal(run) for place in self.places])
         force = np.array([place.quantity == "force" for place in self.places])
         return Simulated(units, spacing, columns, force)
+
+
+def passing_time(chain: Chain) -> float:
+    """A time in which the pulse passes the chain, with a margin; infinite without an impact."""
+    times = transit_times(chain)
+    return PASSES * float(times.sum() + 2.0 * times.max(initial=0.0))
 
 
 def _shortening(chain: Chain) -> float:

@@ -1,0 +1,96 @@
+"""The command `forecast`: errors of a fit to the signals of a planned experiment."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .exit_codes import DONE
+from .fit_options import also_free_option, free_option, prior_option, priors_from
+from .options import StrictCommand, json_option, noise_from, seconds_from
+from .output import show_json
+from .wording import on_command_line
+
+
+@click.command(cls=StrictCommand)
+@click.argument("chain", type=click.Path(path_type=Path))
+@click.option(
+    "--sensor",
+    "sensors",
+    multiple=True,
+    required=True,
+    metavar="PLACE",
+    help="Place of a sensor, such as 'ball 7', wall, 'ball 3 velocity' or, without calibration, "
+    "'ball 7 [V]', whose gain needs a prior; repeatable.",
+)
+@click.option(
+    "--noise",
+    "noises",
+    multiple=True,
+    required=True,
+    metavar="[SENSOR=]SIZE",
+    help="Standard deviation of a sample of all sensors or of one, such as '3 mV' or "
+    "'wall=0.05 N'; repeatable.",
+)
+@click.option("--interval", required=True, metavar="TIME", help="Sampling interval, such as 1us.")
+@free_option
+@also_free_option
+@prior_option
+@click.option(
+    "--until",
+    metavar="TIME",
+    help="Time from the impact to the last sample, such as 700us.  [default: 1.5 times the time in "
+    "which the pulse passes the chain]",
+)
+@json_option()
+def forecast(
+    chain: Path, sensors: tuple[str, ...], noises: tuple[str, ...], interval: str,
+    free: tuple[str, ...], also_free: tuple[str, ...], priors: tuple[str, ...], until: str | None,
+    as_json: bool,
+) -> int:  # fmt: skip
+    """Forecast the errors of a fit before you measure.
+
+    CHAIN is a chain file with assumed values; its table [fit] names free parameters and priors.
+    The errors are those of independent noise.  They are the smallest that any fit to such signals
+    can have.
+
+    \b
+    Examples:
+      hertzchain forecast experiment.toml --sensor "ball 7" --sensor wall \\
+              --noise "0.05 N" --interval 1us
+      hertzchain forecast experiment.toml --sensor "ball 7" --noise 0.05 --interval 5us \\
+              --free stiffness --free time_offset
+    """
+    import hertzchain
+
+    noise: Any = noise_from(noises)
+    step = seconds_from("--interval", interval)
+    end = None if until is None else seconds_from("--until", until)
+    known = list(free) or None
+    if also_free:
+        known = [*(free or _usual(chain, sensors, noise, step, end)), *also_free]
+    plan = hertzchain.forecast(
+        chain, [*sensors], noise=noise, interval=step, free=known, priors=priors_from(priors),
+        until=end,
+    )  # fmt: skip
+    if as_json:
+        show_json(plan.as_dict())
+    else:
+        click.echo(on_command_line(plan.summary()))
+    return DONE
+
+
+def _usual(
+    file: Path, sensors: tuple[str, ...], noise: Any, interval: float, until: float | None
+) -> Sequence[str]:
+    """Parameters that are free if none is named."""
+    from ..fitting.forecast import planned_traces
+    from ..fitting.parameters import default_names
+    from ..fitting.settings import load_chain_and_settings
+
+    chain, settings = load_chain_and_settings(file)
+    planned = planned_traces(chain, list(sensors), noise, interval, until)
+    return settings.free or default_names(planned, chain)

@@ -1,0 +1,408 @@
+"""Forecast the errors of a fit to the signals of a planned experiment."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from ..chain.bead_names import numbered_bead, wall_number
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError, short_repr
+from ..recorded_warnings import ignore_warnings
+from ..representation import counted, measure, short
+from ..traces.headers import UNITS, header_of, positive_noise
+from ..traces.noise import check_names_of_noise
+from ..traces.places import Place, place_named
+from ..traces.signals import Shot, Signal
+from ..traces.traces import Traces, with_coupling
+from ..validation.json_types import finite
+from ..validation.keywords import checked_arguments, checked_methods
+from ..validation.numbers import number
+from ..validation.objects import check_list, check_type
+from .constants import FixedConstant, Optimum, fixed_constants
+from .model import make_model
+from .parameters import Parameter, Priors, free_parameters
+from .problem import Problem
+from .result_document import constants_document, parameters_document
+from .settings import Settings, for_sensors, load_chain_and_settings
+from .shown_values import shown_value, unit_of_parameter
+from .simulations import Simulator, passing_time, range_notes
+from .uncertainty import correlation_of, large_error_notes, uncertainty
+from .unused_parameters import check_used
+from .weak_directions import WeakDirection
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# Largest number of samples; the derivatives of all of them are in memory.
+MAX_SAMPLES: Final = 2_000_000
+
+
+@checked_methods
+@dataclass(frozen=True, eq=False)
+class Forecast:
+    """Expected errors of a fit to the signals of a planned experiment.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of the free parameters.
+    estimates, sigmas : ndarray
+        Their assumed values and expected standard errors in SI units; factors have no unit.  The
+        error is infinite if the data do not determine the parameter.
+    covariance : ndarray
+        Covariance of the values.
+    weak : tuple of WeakDirection
+        Combinations of parameters that the data do not determine.
+    sensors : tuple of str
+        Names of the sensors.
+    interval, duration : float
+        Sampling interval, and time from the impact to the last sample [s].
+    samples : int
+        Number of samples of all sensors.
+    notes : tuple of str
+        Further remarks, one sentence each.
+    """
+
+    names: tuple[str, ...]
+    estimates: Array
+    sigmas: Array
+    covariance: Array
+    weak: tuple[WeakDirection, ...]
+    sensors: tuple[str, ...]
+    interval: float
+    duration: float
+    samples: int
+    notes: tuple[str, ...]
+    problem: Problem = field(repr=False)
+    variables: Array = field(repr=False)
+    jacobian: Array = field(repr=False)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Assumed values by name, in SI."""
+        return dict(zip(self.names, self.estimates.tolist(), strict=True))
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Expected standard errors by name, in SI; infinite if not determined."""
+        return dict(zip(self.names, self.sigmas.tolist(), strict=True))
+
+    @property
+    def correlation(self) -> Array:
+        """Correlations of the parameters."""
+        return correlation_of(self.covariance)
+
+    @cached_property
+    def constants(self) -> tuple[FixedConstant, ...]:
+        """Constants of the chain, gains and sampling interval that are taken as exact."""
+        model, residuals = self.problem.model, np.zeros(len(self.jacobian))
+        chain = model.chain(0, model.values(self.variables))
+        return fixed_constants(Optimum(
+            self.problem, self.variables, self.jacobian, residuals, self.estimates, self.sigmas,
+            (chain,),
+        ))  # fmt: skip
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Weak directions, constants that matter, and notes, one sentence each."""
+        constants = [each.note for each in self.constants if each.note]
+        return (*(str(each) for each in self.weak), *constants, *self.notes)
+
+    def rows(self) -> list[tuple[str, str]]:
+        """Name, and value with error and unit, of each parameter.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.from_materials("5 mm", "brass", beads=12).struck_by(velocity="0.1 m/s")
+        >>> plan = hc.forecast(chain, ["ball 5"], noise=0.02, interval="1 us", free=["stiffness"])
+        >>> plan.rows()
+        [('stiffness', '1.00000 +- 0.00019')]
+        """
+        model = self.problem.model
+        triples = zip(model.parameters, self.estimates, self.sigmas, strict=True)
+        return [
+            (str(each), shown_value(each, model.traces, value, sigma, at_bound=False))
+            for each, value, sigma in triples
+        ]
+
+    def summary(self) -> str:
+        """Values with errors and all remarks, as text.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.from_materials("5 mm", "brass", beads=12).struck_by(velocity="0.1 m/s")
+        >>> plan = hc.forecast(chain, ["ball 5"], noise=0.02, interval="1 us", until="300 us")
+        >>> print(plan.summary().splitlines()[0])
+        3 parameters from 301 samples of 1 sensor, every 1 us for 300 us
+        """
+        width = max(map(len, self.names))
+        rows = [f"  {name:<{width}}  {row}" for name, row in self.rows()]
+        return "\n".join([self._about, *rows, *self.warnings])
+
+    @property
+    def _about(self) -> str:
+        sensors = counted(len(self.sensors), "sensor")
+        return (
+            f"{counted(len(self.names), 'parameter')} from {self.samples} samples of {sensors}, "
+            f"every {measure(self.interval, 's')} for {measure(self.duration, 's')}"
+        )
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per parameter.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``parameter``; columns ``value`` and ``error`` in SI, ``relative_error``,
+            which is NaN for a value of zero, and ``unit``.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.from_materials("5 mm", "brass", beads=12).struck_by(velocity="0.1 m/s")
+        >>> plan = hc.forecast(chain, ["ball 5"], noise=0.02, interval="1 us", free=["stiffness"])
+        >>> f"{plan.to_dataframe().relative_error['stiffness']:.3%}"
+        '0.019%'
+        """
+        import pandas as pd
+
+        sizes = np.where(self.estimates != 0.0, np.abs(self.estimates), np.nan)
+        model = self.problem.model
+        columns = {
+            "value": self.estimates, "error": self.sigmas, "relative_error": self.sigmas / sizes,
+            "unit": [unit_of_parameter(each, model.traces) for each in model.parameters],
+        }  # fmt: skip
+        return pd.DataFrame(columns, index=pd.Index(self.names, name="parameter"))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values for JSON: numbers that do not exist are `None`.
+
+        Returns
+        -------
+        dict
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.from_materials("5 mm", "brass", beads=12).struck_by(velocity="0.1 m/s")
+        >>> plan = hc.forecast(chain, ["ball 5"], noise=0.02, interval="1 us", free=["stiffness"])
+        >>> plan.as_dict()["sensors"]
+        ['ball 5']
+        """
+        found: dict[str, Any] = finite({
+            "parameters": parameters_document(self.names, self.estimates, self.sigmas),
+            "correlation": self.correlation.tolist(), "sensors": list(self.sensors),
+            "samples": self.samples, "interval": self.interval, "duration": self.duration,
+            "warnings": list(self.warnings), "constants": constants_document(self.constants),
+        })  # fmt: skip
+        return found
+
+    def __repr__(self) -> str:
+        return short("Forecast", self._about, *(f"{name} {row}" for name, row in self.rows()))
+
+
+@checked_arguments("forecast")
+def forecast(
+    chain: Chain | str | os.PathLike[str],
+    sensors: Sequence[str],
+    *,
+    noise: float | str | Mapping[str, float | str],
+    interval: float | str,
+    free: Sequence[str] | None = None,
+    priors: Priors | None = None,
+    start: Mapping[str, float] | None = None,
+    until: float | str | None = None,
+) -> Forecast:
+    r"""Forecast the errors of a fit to the signals of a planned experiment.
+
+    The chain is simulated with the assumed values of the free parameters :math:`\theta`.  From the
+    derivatives J of the signals :math:`f_i` at the times of the samples follows the covariance of
+    the parameters, which no unbiased estimate from these data can have a smaller one than (bound of
+    Cramér and Rao):
+
+    .. math::
+
+        C = (J^T W J + P)^{-1}, \quad J_{ij} = \frac{\partial f_i}{\partial\theta_j}, \quad
+        W_{ii} = \sigma_i^{-2}, \quad P_{jj} = s_j^{-2}
+
+    with the noise :math:`\sigma_i` of independent samples and the standard deviations :math:`s_j`
+    of the priors.  `hertzchain.fit` reaches this bound if the noise is small enough for the signals
+    to be linear functions of the parameters within their errors.
+
+    Parameters
+    ----------
+    chain : Chain or path-like
+        The chain with assumed values, in SI units.  The table ``[fit]`` of a chain file gives
+        ``free``, ``prior``, ``start`` and ``coupling``; arguments replace them.
+    sensors : sequence of str
+        Places of the sensors, such as ``"ball 7"``, ``"wall"`` and ``"ball 3 velocity"``.  A sensor
+        without calibration is ``"ball 7 [V]"``; a prior or ``start`` gives its gain in V/N.
+    noise : float, str or mapping
+        Standard deviation of a sample of all sensors, or by name, in N, m/s or V, or with a unit.
+    interval : float or str
+        Sampling interval [s].
+    free, priors : optional
+        Free parameters and their priors, as for `hertzchain.fit`.
+    start : mapping, optional
+        Assumed values by name; by default those of the priors or the chain.
+    until : float or str, optional
+        Time from the impact to the last sample [s].  By default 1.5 times the time in which the
+        pulse passes the chain.
+
+    Returns
+    -------
+    Forecast
+
+    Raises
+    ------
+    InputError
+        For an unknown parameter or sensor, a parameter without any effect, a signal that does not
+        exceed its noise, fewer samples than parameters, or a chain in scaled variables.
+    SimulationError
+        If the chain cannot be simulated.
+
+    Notes
+    -----
+    The first sample is that of the impact.  Correlated noise and errors of constants that are taken
+    as exact are not included; `Forecast.constants` has the influence of the latter.
+
+    Examples
+    --------
+    Which error does the stiffness have with one sensor and with two?
+
+    >>> import hertzchain as hc
+    >>> balls = hc.Chain.from_materials("5 mm", "brass", beads=20).struck_by(velocity="0.1 m/s")
+    >>> chain = balls.replace(right_wall=hc.Wall(), loss=hc.Restitution(0.96))
+    >>> free = ["stiffness", "loss.coefficient", "time_offset"]
+    >>> for sensors in (["ball 7"], ["ball 7", "wall"]):
+    ...     plan = hc.forecast(chain, sensors, noise="0.02 N", interval="1 us", free=free)
+    ...     print(plan.rows()[0])
+    ('stiffness', '1.00000 +- 0.00050')
+    ('stiffness', '1.00000 +- 0.00010')
+    """
+    settings = Settings()
+    if isinstance(chain, str | os.PathLike):
+        chain, settings = load_chain_and_settings(chain)
+    check_type("chain", chain, Chain, "or give the path of a chain file")
+    if chain.scaled:
+        raise InputError(
+            "the noise of sensors is in SI units, but the chain is in scaled variables; build it "
+            "with Chain.from_materials"
+        )
+    traces = with_coupling(
+        planned_traces(chain, sensors, noise, interval, until), settings.coupling
+    )
+    with ignore_warnings():  # of other sensors in the chain file: a plan compares several sets
+        settings = for_sensors(settings, traces).updated(free, priors, start)
+    return _forecast(traces, chain, settings)
+
+
+def _forecast(traces: Traces, chain: Chain, settings: Settings) -> Forecast:
+    """Errors from derivatives at the values from which a fit would start."""
+    parameters = free_parameters(
+        traces, (chain,), settings.free, settings.priors, settings.start, settings.optional
+    )
+    _check_gains(parameters, traces, settings.start)
+    if traces.samples <= len(parameters):
+        raise InputError(
+            f"{len(parameters)} parameters cannot be fitted to {traces.samples} samples; free "
+            "fewer, or use a shorter interval"
+        )
+    check_used(parameters, traces, (chain,))
+    (shot,) = traces.shots
+    simulator = Simulator([each.place for each in shot.signals])
+    problem = Problem(make_model(traces, (chain,), parameters, simulator))
+    model, duration = problem.model, float(shot.times[-1])
+    values = {each.name: each.start for each in parameters}
+    variables = model.variables(values)
+    for signal, seen in zip(shot.signals, model.predict(values)[0], strict=True):
+        if np.ptp(seen) < signal.sigma:
+            raise InputError(
+                f"the signal of {signal.name} does not exceed its noise within "
+                f"{measure(duration, 's')}; give a later until, or check the noise"
+            )
+    if problem.jumps:
+        problem.skip_next_to_jumps(variables, more=False)
+    jacobian = problem.jacobian(variables)
+    found = uncertainty(problem, variables, jacobian, np.zeros(len(variables), bool))
+    notes = (*large_error_notes(model, found), *range_notes(model.chain(0, values), duration))
+    return Forecast(
+        tuple(map(str, model.names)), found.estimates, found.sigmas, found.covariance, found.weak,
+        traces.names, float(shot.times[1]), duration, traces.samples, notes, problem, variables,
+        jacobian,
+    )  # fmt: skip
+
+
+def planned_traces(
+    chain: Chain, sensors: object, noise: Any, interval: object, until: object
+) -> Traces:
+    """Traces with the times, places, units and noise of the planned signals."""
+    step = number("interval", interval, unit="s", above=0.0)
+    last = passing_time(chain) if until is None else number("until", until, unit="s", above=0.0)
+    if not math.isfinite(last):
+        raise InputError("the time in which a pulse passes this chain is not known; give until")
+    places = [_place(each, chain) for each in check_list("sensors", sensors, "names")]
+    if not places:
+        raise InputError("there is no sensor; name at least one, such as 'ball 6'")
+    count = int(last / step * (1.0 + 1e-12)) + 1
+    if not 2 <= count <= MAX_SAMPLES // len(places):
+        size = "short" if count > 2 else "long"
+        raise InputError(
+            f"an interval of {measure(step, 's')} is too {size} for {measure(last, 's')}: each "
+            f"sensor must have from 2 to {MAX_SAMPLES // len(places)} samples, not {count}"
+        )
+    check_names_of_noise(noise, [place.name for place, _ in places])
+    signals = []
+    for place, unit in places:
+        own = noise.get(place.name) if isinstance(noise, Mapping) else noise
+        if own is None:
+            raise InputError(f"{place.name} has no noise; give noise for each sensor")
+        sigma = positive_noise(place.name, own, unit)
+        signals.append(Signal(place, unit, np.zeros(count), np.ones(count, bool), sigma, 0, 0.0))
+    return Traces((Shot(step * np.arange(count), tuple(signals)),))
+
+
+def _place(text: object, chain: Chain) -> tuple[Place, str]:
+    """Place of a sensor in a chain, and the unit of its signal."""
+    try:
+        if isinstance(text, str) and text.strip().endswith("]"):
+            place, unit, _ = header_of(text)
+        else:
+            place = place_named(str(text))
+            unit = UNITS[place.quantity]
+    except InputError:
+        raise InputError(
+            "sensors must be names such as 'ball 6', 'bead 7', 'wall', 'ball 3 velocity' or, "
+            f"without calibration, 'ball 6 [V]', got {short_repr(text)}"
+        ) from None
+    if place.body in ("left", "right"):
+        wall_number(chain, f"{place.body} wall")
+    else:
+        numbered_bead(chain, place.body, place.number)
+    return place, unit
+
+
+def _check_gains(parameters: Sequence[Parameter], traces: Traces, start: Collection[str]) -> None:
+    """Raise `InputError` if neither a prior nor a start gives the gain of a sensor in V."""
+    volts = {each.name for _, each in traces if not each.calibrated}
+    for each in parameters:
+        known = each.prior is not None or str(each) in start
+        if each.name.key == "gain" and not known and each.name.item in volts:
+            raise InputError(
+                f"{each} is not known: give it a prior in V/N, or a start such as "
+                f"{{{str(each)!r}: 0.01}}"
+            )

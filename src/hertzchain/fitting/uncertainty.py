@@ -1,0 +1,106 @@
+"""Errors and correlations of parameters from the derivatives of the residuals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..collision import Array
+from .model import Model
+from .problem import Problem, differences
+from .symmetry import units_of
+from .weak_directions import WeakDirection, weak_directions
+
+# An error above this fraction of the value is reported.
+LARGE_ERROR: Final = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Uncertainty:
+    """Values with errors and covariance, the sizes of the parameters, and weak directions."""
+
+    estimates: Array
+    sigmas: Array
+    covariance: Array
+    sizes: Array
+    weak: tuple[WeakDirection, ...]
+
+
+def uncertainty(
+    problem: Problem, variables: Array, jacobian: Array, bound: NDArray[np.bool_]
+) -> Uncertainty:
+    """Errors from the derivatives of all residuals; parameters at a bound are regarded as fixed."""
+    model, free = problem.model, ~bound
+    values = model.values(variables)
+    estimates = np.array([values[name] for name in model.names])
+    # No simulation is needed.
+    change = differences(lambda u: np.array([*model.values(u).values()]), variables)
+    covariance = _covariance(jacobian, change, free)
+    sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    sigmas[bound] = np.inf
+    sizes = _sizes(model, estimates)
+    physical = jacobian[: len(problem.data)] @ np.linalg.inv(change)
+    priors = {
+        str(each): each.prior[1] / size
+        for each, size in zip(model.parameters, sizes, strict=True)
+        if each.prior is not None
+    }
+    names = [str(each) for each in model.names]
+    factors = [each.kind.factor for each in model.parameters]
+    weak = weak_directions(
+        [name for name, ok in zip(names, free, strict=True) if ok],
+        physical[:, free], estimates[free], np.where(factors, estimates, sizes)[free], priors,
+    )  # fmt: skip
+    for each in weak:
+        if each.exact and not each.fixed_by:
+            sigmas[[name in each.weights for name in names]] = np.inf
+    return Uncertainty(estimates, sigmas, covariance, sizes, weak)
+
+
+def correlation_of(covariance: Array) -> Array:
+    """Correlations from a covariance; a parameter without a variance has none."""
+    scale = np.sqrt(np.diag(covariance))
+    scale[scale == 0.0] = 1.0
+    return np.asarray(covariance / np.outer(scale, scale))
+
+
+def large_error_notes(model: Model, found: Uncertainty) -> list[str]:
+    """Notes on parameters whose error exceeds their size, unless a weak direction has them."""
+    named = {name for each in found.weak for name in each.weights}
+    triples = zip(map(str, model.names), found.sigmas, found.sizes, strict=True)
+    return [
+        f"the data hardly fix {name}, whose error exceeds its size: fix it, or give it a prior"
+        for name, sigma, size in triples
+        if np.isfinite(sigma) and sigma > LARGE_ERROR * size and name not in named
+    ]
+
+
+def _covariance(jacobian: Array, change: Array, free: Array) -> Array:
+    """Covariance of the values; parameters at a bound are regarded as fixed."""
+    inner = jacobian[:, free]
+    scale = np.linalg.norm(inner, axis=0)
+    scale[scale == 0.0] = 1.0
+    _, singular, rows = np.linalg.svd(inner / scale, full_matrices=False)
+    inverse = (rows.T / np.maximum(singular, 1e-12 * singular[0]) ** 2) @ rows
+    inverse /= np.outer(scale, scale)
+    whole = np.zeros((len(free), len(free)))
+    whole[np.ix_(free, free)] = inverse
+    return np.asarray(change @ whole @ change.T)
+
+
+def _sizes(model: Model, estimates: Array) -> Array:
+    """Sizes to which changes of the parameters are relative."""
+    found = []
+    for each, value in zip(model.parameters, estimates, strict=True):
+        typical = each.kind.typical
+        if each.of_chain and each.kind.scale != "1" and "^" not in each.kind.scale:
+            typical *= units_of(model.chains[each.shot or 0]).scales.unit(each.kind.scale)
+            found.append(max(abs(value), typical))
+        elif each.name.key == "offset":
+            found.append(max(s.sigma for _, s in model.traces if each.name.item in ("", s.name)))
+        else:
+            found.append(abs(value) if each.kind.factor else max(abs(value), typical))
+    return np.array(found)

@@ -1,0 +1,176 @@
+"""Expected errors of planned experiments, compared with other ways to compute them."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from synthetic_traces import bench, signals
+
+import hertzchain as hc
+
+RADIUS, DENSITY, YOUNG, POISSON = 5e-3, 7780.0, 203e9, 0.3
+FREE = ["stiffness", "struck_by.velocity", "time_offset"]
+TIMES = 2e-6 * np.arange(101)
+
+
+def row():
+    """Four steel balls in front of a steel wall, struck by a fifth."""
+    balls = hc.Chain.from_materials(RADIUS, "steel-52100", beads=4).struck_by(velocity=0.2)
+    return balls.replace(right_wall=hc.Wall())
+
+
+def forces_of_row(stiffness, velocity, offset):
+    """Forces in ball 2 and on the wall at `TIMES`, integrated by SciPy."""
+    mass = DENSITY * 4.0 / 3.0 * math.pi * RADIUS**3
+    modulus = 0.5 * YOUNG / (1.0 - POISSON**2)
+    sizes = np.array([RADIUS / 2.0] * 4 + [RADIUS])
+    k = stiffness * 4.0 / 3.0 * modulus * np.sqrt(sizes)
+
+    def forces(x):
+        return k * np.maximum(x - np.append(x[1:], 0.0), 0.0) ** 1.5
+
+    def derivatives(_, y):
+        force = forces(y[:5])
+        return np.append(y[5:], (np.append(0.0, force[:-1]) - force) / mass)
+
+    start = np.append(np.zeros(5), [velocity, 0.0, 0.0, 0.0, 0.0])
+    span = 0.0, TIMES[-1] + 1e-6
+    run = solve_ivp(
+        derivatives, span, start, "DOP853", rtol=1e-10, atol=1e-16, max_step=1e-6,
+        dense_output=True,
+    )  # fmt: skip
+    found = np.array([forces(run.sol(max(each, 0.0))[:5]) for each in TIMES - offset])
+    return np.concatenate((0.5 * (found[:, 1] + found[:, 2]), found[:, 4]))
+
+
+def test_covariance_is_the_inverse_of_fishers_information():
+    """Derivatives are differences of signals that SciPy integrates; the velocity has a prior."""
+    centre, steps = np.array([1.0, 0.2, 0.0]), np.array([1e-3, 2e-4, 1e-8])
+    sigma = np.repeat([0.05, 0.2], len(TIMES))
+    columns = [
+        (forces_of_row(*(centre + shift)) - forces_of_row(*(centre - shift))) / (2.0 * step)
+        for step, shift in zip(steps, np.diag(steps), strict=True)
+    ]
+    jacobian = np.column_stack(columns) / sigma[:, np.newaxis]
+    information = jacobian.T @ jacobian + np.diag([0.0, 1e-4**-2, 0.0])
+    plan = hc.forecast(
+        row(), ["ball 2", "wall"], noise={"ball 2": 0.05, "wall": "0.2 N"}, interval="2 us",
+        until="200 us", free=FREE, priors={"struck_by.velocity": (0.2, 1e-4)},
+    )  # fmt: skip
+    expected = np.linalg.inv(information)
+    assert plan.samples == len(sigma)
+    assert plan.sigmas == pytest.approx(np.sqrt(np.diag(expected)), rel=2e-3)
+    sizes = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    assert plan.covariance / sizes == pytest.approx(expected / sizes, abs=2e-3)
+    assert plan.correlation == pytest.approx(expected / sizes, abs=4e-3)
+    frame = plan.to_dataframe()
+    assert frame.relative_error["struck_by.velocity"] == pytest.approx(plan.sigmas[1] / 0.2)
+    assert frame.unit.tolist() == ["", "m/s", "s"]
+    assert math.isnan(frame.relative_error["time_offset"])
+
+
+def test_errors_are_proportional_to_noise_and_to_the_root_of_the_interval():
+    usual = hc.forecast(row(), ["wall"], noise=0.1, interval="1 us", until="200 us", free=FREE)
+    noisy = hc.forecast(row(), ["wall"], noise=0.3, interval="1 us", until="200 us", free=FREE)
+    rare = hc.forecast(row(), ["wall"], noise=0.1, interval="4 us", until="200 us", free=FREE)
+    assert noisy.sigmas == pytest.approx(3.0 * usual.sigmas, rel=1e-6)
+    # A sum over a smooth signal is nearly its integral over the interval.
+    assert rare.sigmas == pytest.approx(2.0 * usual.sigmas, rel=0.02)
+
+
+def test_combinations_that_the_signals_do_not_determine_have_no_error():
+    """Stiffness, velocity and a gain compensate each other exactly, in the ratio 0.5 : -1 : 1."""
+    free = [*FREE, "gain[wall]"]
+    given = {"noise": 0.1, "interval": "1 us", "free": free}
+    plan = hc.forecast(row(), ["wall"], **given)
+    (weak,) = plan.weak
+    assert weak.weights == pytest.approx(
+        {"stiffness": -0.5, "struck_by.velocity": 1.0, "gain[wall]": -1.0}, abs=1e-3
+    )
+    assert [math.isinf(plan.errors[name]) for name in free] == [True, True, False, True]
+    assert "not determined" in plan.rows()[0][1]
+    assert plan.as_dict()["parameters"]["stiffness"]["error"] is None
+    known = hc.forecast(row(), ["wall"], **given, priors={"gain[wall]": (1.0, 0.02)})
+    assert known.errors["struck_by.velocity"] == pytest.approx(0.02 * 0.2, rel=0.01)
+    assert known.errors["stiffness"] == pytest.approx(0.01, rel=0.03)
+
+
+def test_gains_of_sensors_in_volts_are_assumed():
+    given = {"noise": "1 mV", "interval": "1 us", "free": ["stiffness", "gain[wall]"]}
+    assumed = hc.forecast(row(), ["wall [mV]"], **given, start={"gain[wall]": 0.01})
+    newtons = hc.forecast(row(), ["wall"], **given | {"noise": 0.1})
+    assert assumed.sigmas == pytest.approx(newtons.sigmas * [1.0, 0.01], rel=1e-6)
+    with pytest.raises(hc.InputError, match=r"gain\[wall\] is not known: give it a prior in V/N"):
+        hc.forecast(row(), ["wall [V]"], **given)
+
+
+def test_constants_that_are_taken_as_exact_are_those_of_fits():
+    """The density changes all masses: in these units the stiffness changes in proportion."""
+    free = ["stiffness", "time_offset"]
+    plan = hc.forecast(row(), ["ball 2 velocity"], noise=1e-3, interval="1 us", free=free)
+    change = {each.name: each.relative["stiffness"] for each in plan.constants}
+    assert change["materials[steel-52100].density"] == pytest.approx(0.01, rel=0.01)
+    assert any(each.startswith("materials[steel-52100].density is") for each in plan.warnings)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"sensors": ["foo"]}, "sensors must be names such as 'ball 6'"),
+        ({"sensors": ["ball 9"]}, "there is no ball 9: the chain has 4 balls"),
+        ({"sensors": ["left wall"]}, "the chain has no left wall"),
+        ({"sensors": []}, "there is no sensor; name at least one"),
+        ({"interval": "1 s"}, "an interval of 1 s is too long for"),
+        ({"interval": "1e-12 s"}, "is too short for"),
+        ({"noise": {"ball 2": 0.1}}, "wall has no noise"),
+        ({"noise": "1 kg"}, "must have a unit such as N"),
+        ({"until": "5 us"}, "the signal of ball 2 does not exceed its noise"),
+        ({"free": ["foo"]}, "unknown parameter 'foo'"),
+        ({"interval": "150 us", "until": "200 us"}, "cannot be fitted to 4 samples"),
+        ({"chain": hc.Chain.uniform(9)}, "the chain is in scaled variables"),
+    ],
+)
+def test_messages(change, message):
+    given = {"chain": row(), "sensors": ["ball 2", "wall"], "noise": 0.1, "interval": "1 us",
+             "free": [*FREE, "lag", "highpass"]}  # fmt: skip
+    with pytest.raises(hc.InputError, match=message):
+        hc.forecast(**given | change)
+
+
+def test_command_prints_what_the_function_returns(run):
+    file = hc.example_experiment()[1]
+    words = ["forecast", file, "--sensor", "ball 6", "--sensor", "wall", "--noise", "0.1",
+             "--interval", "1us", "--until", "600 us", "--free", "stiffness"]  # fmt: skip
+    plan = hc.forecast(
+        file, ["ball 6", "wall"], noise=0.1, interval="1 us", until="600 us",
+        free=["stiffness", "time_offset", "struck_by.velocity"],
+        priors={"struck_by.velocity": ("0.3 m/s", "1 mm/s")},
+    )  # fmt: skip
+    more = ["--also-free", "time_offset", "--also-free", "struck_by.velocity",
+            "--prior", "struck_by.velocity=0.3 m/s,1 mm/s"]  # fmt: skip
+    code, out, _ = run(*words, *more)
+    assert code == 0
+    assert out.splitlines()[:4] == plan.summary().splitlines()[:4]
+    code, out, _ = run(*words, *more, "--json")
+    assert json.loads(out)["parameters"] == plan.as_dict()["parameters"]
+    assert run(*words[:-2], "--prior", "stiffness=1")[0] == 2
+
+
+@pytest.mark.long
+def test_errors_are_the_scatter_of_fits_to_noisy_signals():
+    chain, noise = bench(loss=hc.Viscoelastic(0.6e-6), beads=10), 0.1
+    free = [*FREE, "loss.time"]
+    times, seen = signals(chain, 400e-6, 0.0, balls=(3, 6))
+    names, rng, found = ("ball 3 [N]", "ball 6 [N]", "wall [N]"), np.random.default_rng(11), []
+    for _ in range(40):
+        noisy = seen + noise * rng.standard_normal(seen.shape)
+        traces = hc.Traces.from_arrays(times, dict(zip(names, noisy.T, strict=True)), noise=noise)
+        found.append(hc.fit(traces, chain, free=free, starts=1).estimates)
+    plan = hc.forecast(
+        chain, ["ball 3", "ball 6", "wall"], noise=noise, interval="1 us", until=times[-1],
+        free=free,
+    )  # fmt: skip
+    # The standard deviation of 40 values has an error of 11%.
+    assert np.std(found, axis=0, ddof=1) == pytest.approx(plan.sigmas, rel=0.35)

@@ -32,7 +32,7 @@ class Restitution(Loss, name="restitution"):
     71, 239 (1992), doi:10.1016/0032-5910(92)88030-L, with the damping that makes e exact.
     If the force may not pull, the contact ends earlier, with
 
-    .. math:: e = e^{-2\varphi\cot\varphi}, \qquad \zeta = \cos\varphi ,
+    .. math:: e = \exp(-2\varphi\cot\varphi), \qquad \zeta = \cos\varphi ,
 
     (hyperbolic for :math:`\zeta > 1`), and :math:`\zeta` is the solution of this equation, so
     that e is exact in both cases.

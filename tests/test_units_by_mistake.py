@@ -19,7 +19,8 @@ BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.1)
         (lambda: hc.simulate(BALLS, until=500, times=0), "check the unit"),
         (
             lambda: hc.Chain.from_materials(diameters=20, materials="brass", beads=3),
-            "bead 1 has a diameter of 20 m; if millimetres are meant, write .20 mm.",
+            "bead 1 has a diameter of 20 m; if millimetres are meant, write the diameter as "
+            "'20 mm' or the radius as '10 mm', or divide by 1000",
         ),
         # Two seconds instead of two milliseconds; the pulse needs 24 us per contact.
         (lambda: hc.simulate(BALLS, until=2, times=0), "until = 2 s is 2.* transits of a pulse"),
@@ -70,3 +71,14 @@ def test_the_range_before_a_run_follows_the_pulse_to_the_wall():
     assert ratio[:-1].min() > 0.99
     assert ratio[:-1].max() < 1.12
     assert 0.85 < ratio[-1] < 1.15
+
+
+@pytest.mark.parametrize(
+    ("key", "ends"),
+    [("diameters", "first_diameter and last_diameter"), ("radii", "first and last")],
+)
+def test_ranges_of_sizes_in_chain_files_name_the_keys_of_a_taper(tmp_path, key, ends):
+    file = tmp_path / "chain.toml"
+    file.write_text(f'[chain]\n{key} = "20 mm:8 mm"\nbeads = 5\nmaterials = "brass"\n')
+    with pytest.raises(hc.InputError, match=f"'20 mm:8 mm' is a range; .*, give {ends}"):
+        hc.load_chain(file)

@@ -71,6 +71,9 @@ def checked_radii(radii: ArrayLike) -> Array:
 
 def checked_sizes(what: str, given: ArrayLike | Any, unit: str | None = "m") -> Array:
     """Check one positive radius or diameter, or several; messages show them as typed."""
+    if isinstance(given, str) and ":" in given:
+        ends = "first_diameter and last_diameter" if what == "diameter" else "first and last"
+        raise InputError(f"{what} {given!r} is a range; for a taper between two sizes, give {ends}")
     values = real_numbers(what, given, "bead", unit=unit)
     if values.ndim == 0:
         number(what, given, unit=unit, above=0.0)
@@ -146,7 +149,12 @@ def warn_large_radius(radii: Array) -> None:
     if radii.max() > LARGE_RADIUS:
         k = int(np.argmax(radii))
         diameter = 2.0 * float(radii[k])
-        _warn_of_metres(f"bead {k + 1} has a diameter of {diameter:g} m", diameter)
+        warn_user(
+            f"bead {k + 1} has a diameter of {diameter:g} m; if millimetres are meant, write the "
+            f"diameter as '{diameter:g} mm' or the radius as '{0.5 * diameter:g} mm', or divide by "
+            "1000",
+            InputWarning,
+        )
 
 
 def warn_large_gap(gaps: Array, radii: Array) -> None:
@@ -162,11 +170,8 @@ def warn_large_gap(gaps: Array, radii: Array) -> None:
 def warn_large_limit(low: float, high: float, radii: Array) -> None:
     """Warn about limits in metres, for beads of these radii, that are probably in millimetres."""
     if high >= min(LARGE_RADIUS, LARGE_RATIO * radii.max()):
-        _warn_of_metres(f"the radii vary from {low:g} m to {high:g} m", high)
-
-
-def _warn_of_metres(problem: str, length: float) -> None:
-    warn_user(
-        f"{problem}; if millimetres are meant, write '{length:g} mm', or divide by 1000",
-        InputWarning,
-    )
+        warn_user(
+            f"the radii vary from {low:g} m to {high:g} m; if millimetres are meant, write "
+            f"'{high:g} mm', or divide by 1000",
+            InputWarning,
+        )

@@ -532,6 +532,16 @@ def test_a_chain_with_a_wall_is_reported_with_units(run, tmp_path):
     assert "momentum [kg m/s]" in out
 
 
+def test_simulate_prints_the_budget_as_json(run):
+    code, out, _ = run("simulate", "--beads", "10", "--budget", "--json")
+    assert code == 0
+    budget = json.loads(out)["budget"]
+    # The energy and momentum of a bead of mass and velocity 1, in a chain without walls.
+    for of, given in (("energy", 0.5), ("momentum", 1.0)):
+        assert sum(budget[of]["location"].values()) == pytest.approx(given, abs=1e-8)
+        assert sum(budget[of]["origin"].values()) == pytest.approx(given, abs=1e-12)
+
+
 def test_simulate_prints_the_budget(run):
     code, out, _ = run("simulate", "--beads", "10", "--budget")
     assert code == 0

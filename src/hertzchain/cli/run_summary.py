@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def run_as_dict(
-    run: Run, beads: Sequence[int], *, waves: bool, contacts: bool
+    run: Run, beads: Sequence[int], *, waves: bool, contacts: bool, budget: bool = False
 ) -> dict[str, object]:
     """Summary of a run as a JSON document."""
     from ..store.results import document_of
@@ -53,10 +53,29 @@ def run_as_dict(
         document |= contacts_as_dict(run)
     if waves:
         document["waves"] = waves_as_list(run.waves())
+    if budget:
+        document["budget"] = _budget_as_dict(run)
     return document | described
 
 
-def show_run(run: Run, beads: Sequence[int], *, waves: bool, contacts: bool) -> None:
+def _budget_as_dict(run: Run) -> dict[str, object]:
+    """Energy and momentum by location and by origin, at the last saved time."""
+    found = run.budget()
+    parts = {
+        "energy": {"location": found.energy, "origin": found.energy_given},
+        "momentum": {"location": found.momentum, "origin": found.momentum_given},
+    }
+    last = {
+        of: {side: {name: float(each[-1]) for name, each in amounts.items()}
+             for side, amounts in sides.items()}
+        for of, sides in parts.items()
+    }  # fmt: skip
+    return {"time": float(found.times[-1]), **last}
+
+
+def show_run(
+    run: Run, beads: Sequence[int], *, waves: bool, contacts: bool, budget: bool = False
+) -> None:
     """Print the summary of a run, with a hint at --horizon if it is long."""
     from ..representation import measure
     from ..simulation.run_message import LONG_RUN, transits_between_walls
@@ -96,6 +115,8 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool, contacts: bool) -> 
         show_table(wave_table(run.waves()))
     if contacts:
         show_table(contact_table(run))
+    if budget:
+        click.echo(run.budget())
 
 
 def last_bead_of(run: Run) -> dict[str, float] | None:

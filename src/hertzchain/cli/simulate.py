@@ -160,8 +160,6 @@ def simulate(
     check_writable(forces, "--forces", (".csv",))
     if magnify is not None and animation is None:
         raise click.UsageError("--magnify requires --animate")
-    if budget and as_json:
-        raise click.UsageError("--budget and --json cannot be combined")
     if times is None:
         fine = sensors or forces or animation or len(options.files) > 1
         times = MANY_TIMES if fine else USUAL_TIMES
@@ -192,7 +190,7 @@ def simulate(
         _save(run, beads[name], out, forces, animation, magnify)
     if plot is not None:
         save_figure(_drawn(runs, beads, forces=bool(sensors)), plot)
-    shown = {"waves": waves, "contacts": contacts}
+    shown = {"waves": waves, "contacts": contacts, "budget": budget}
     if as_json:
         found = [run_as_dict(run, beads[name], **shown) for name, run in runs.items()]
         show_json(found[0] if len(found) == 1 else _together(runs, found))
@@ -201,8 +199,6 @@ def simulate(
             heading = f"{name}: " if len(runs) > 1 else ""
             click.echo("\n" * (i > 0) + heading, nl=False)
             show_run(run, beads[name], **shown)
-            if budget:
-                click.echo(run.budget())
 
 
 def _check_times(times: int, **options: object) -> None:

@@ -263,7 +263,7 @@ function problem(slot) {
   if (stale) return say(text, true);
   const { message, energy_drift, success } = found.run.header ?? {};
   if (found.pending.length && !found.motion) say(whyBlank(found));
-  else if (message) say(`${upper(message)}; energy is conserved to ${energy_drift.toExponential(0)}.`, !success);
+  else if (message) say(`${upper(message)}; energy adds up within ${energy_drift.toExponential(0)}.`, !success);
 }
 
 function wake() {

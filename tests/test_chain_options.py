@@ -1,12 +1,15 @@
 """Options that describe or change a chain, and messages in the words of the command line."""
 
 import json
+import math
 import re
 
 import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.simulation.yielding import dented_chain
+from hertzchain.store.chain_as_toml import chain_as_toml
 
 BALLS = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", 8)
 FILE = """
@@ -137,7 +140,8 @@ def test_messages_have_the_words_of_the_command_line(run):
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
-def test_simulate_states_the_peak_with_contacts_that_yield(run):
+@pytest.mark.filterwarnings("ignore:the striker has:hertzchain.InputWarning")
+def test_simulate_states_the_peak_with_contacts_that_yield(run, tmp_path):
     command = ("simulate", "--material", "steel-52100", "--diameter", "20 mm:5 mm", "--beads", 12,
                "--speed", "1 m/s", "--wall", "same")  # fmt: skip
     out = run(*command).stdout
@@ -148,6 +152,17 @@ def test_simulate_states_the_peak_with_contacts_that_yield(run):
     elastic = json.loads(run(*command, "--json").stdout)
     assert elastic["peak_with_yielding_contacts"] == pytest.approx(stated, rel=1e-4)
     assert stated < 0.7 * elastic["walls"][0]["peak"]
+    # The peak of the elastic contacts is complete, but not that of those that yield.
+    hammered = hc.Chain.from_materials("3 mm", ["steel-52100", "ptfe"] * 2, velocity=0.0)
+    hammered = hammered.struck_by(mass=0.2, radius=math.inf, material="steel-304", velocity=0.1)
+    hammered = hammered.replace(right_wall=hc.Wall.of("steel-52100"), gravity=100.0)
+    assert hc.simulate(hammered, times=0).wall_force().complete
+    assert not hc.simulate(dented_chain(hammered), times=0)._wall_force("right").complete
+    (tmp_path / "row.toml").write_text(chain_as_toml(hammered))
+    document = json.loads(run("simulate", tmp_path / "row.toml", "--json").stdout)
+    assert document["walls"][0]["peak"] > 0.0
+    assert document["peak_with_yielding_contacts"] is None
+    assert "contacts that yield" not in run("simulate", tmp_path / "row.toml").stdout
     slow = run(*command[:-3], "0.01 m/s", "--wall", "same").stdout
     assert "contacts that yield" not in slow
 

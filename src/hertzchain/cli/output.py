@@ -25,12 +25,13 @@ def show_table(table: Table) -> None:
 
 
 def show_json(document: dict[str, Any]) -> None:
-    """Print a document, whose numbers must be finite, with the version of its schema on stdout."""
+    """Print a document with the version of its schema; numbers that are not finite become null."""
     import json
 
     from ..store.results import SCHEMA_VERSION
+    from ..validation.json_types import finite
 
-    versioned = {"schema_version": SCHEMA_VERSION} | document
+    versioned = finite({"schema_version": SCHEMA_VERSION} | document)
     click.echo(json.dumps(versioned, indent=2, allow_nan=False))
 
 

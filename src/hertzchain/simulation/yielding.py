@@ -48,7 +48,7 @@ def dented_chain(chain: Chain) -> Chain | None:
 
 
 def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> float | None:
-    """Largest force on the right wall of an elastic run that yields; `None` if it is not known."""
+    """Peak on the right wall of an elastic run that yields; `None` if it is not complete."""
     from ..chain.hertz_range import hertz_range
     from .simulate import simulate
 
@@ -62,8 +62,8 @@ def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> f
         return None
     with ignore_warnings():  # those of the elastic run are shown
         try:
-            return (
-                simulate(dented, times=0, check=False, progress=progress).wall_force("right").peak
-            )
+            again = simulate(dented, times=0, check=False, progress=progress)
         except (InputError, SimulationError):
             return None
+        wall = again._wall_force("right")
+    return wall.peak if wall.complete else None

@@ -18,6 +18,7 @@ import pytest
 from scipy_chain import wall_peak
 
 import hertzchain as hc
+from hertzchain.cli.progress import _Pace
 from hertzchain.designs import dry_run as timing
 from hertzchain.designs import pareto, trials
 from hertzchain.designs.bounds import impossible
@@ -805,3 +806,33 @@ def test_a_dry_run_of_slow_trials_times_few(monkeypatch):
     monkeypatch.setattr(time, "perf_counter", lambda: clock[0])
     assert dry_run(given, budget=400, threads=1).trial == pytest.approx(3.0)
     assert sum(count) == 2
+
+
+def test_a_dry_run_skips_balls_without_the_properties_of_the_law():
+    """Glass has no yield strength; a search rejects its rows, and a dry run times the others."""
+    steel = hc.Chain.from_materials("3 mm", "steel-304", beads=3, velocity=0.3)
+    chain = steel.replace(right_wall=hc.Wall.of("steel-304"), loss=hc.ElasticPlastic())
+    balls = hc.vary.balls(materials=["steel-304", "glass"], diameters=["6 mm"], beads="2:")
+    found = dry_run(hc.Design(chain, minimise="wall_force.peak", vary=[balls]), budget=50)
+    assert found.choices == 4
+    assert found.trial > 0.0
+
+
+def test_progress_of_an_enumeration_has_the_number_of_choices():
+    balls = hc.vary.balls(materials="steel-304", diameters=["5 mm", "6 mm"], beads="2:")
+    chain = hc.Chain.from_materials("3 mm", "steel-304", beads=4, velocity=0.1)
+    reports = []
+    hc.design(
+        hc.Design(chain, minimise="velocity@last", vary=[balls]),
+        method="enumerate", progress=lambda *each: reports.append(each),
+    )  # fmt: skip
+    assert {total for _, total in reports} == {8}
+    assert reports[-1] == (8, 8)
+
+
+def test_the_remaining_time_does_not_include_compilation(monkeypatch):
+    clock = iter([0.0, 100.0, 102.0])
+    monkeypatch.setattr("hertzchain.cli.progress.time.monotonic", lambda: next(clock))
+    pace = _Pace()
+    assert [pace.text(done, 50) for done in (0, 1)] == ["", ""]
+    assert pace.text(21, 50) == "10 per second, 0:00:03 left"

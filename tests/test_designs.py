@@ -385,14 +385,42 @@ def test_samples_that_exceed_a_limit_are_marked():
     free = hc.design(hc.Design(WALLED, scatter=scatter, **given), budget=300)
     samples = free.verified.scattered
     # Between the mean and the worst sample.
-    limit = samples["CVaR90 of wall_force.peak"] * (1.0 - 1e-6)
+    limit = samples["CVaR90 of wall_force.peak"] * (1.0 - 1e-5)
     limited = hc.Design(
         WALLED, scatter=scatter, subject_to={"wall_force.peak": f"<= {limit}"}, **given
     )
     result = dataclasses.replace(free, problem=limited)
-    (line,) = (each for each in result.summary().splitlines() if "new samples" in each)
-    assert line.endswith("(CVaR90 and worst exceed the limit)")
+    (line,) = (each for each in result.summary().splitlines() if "400 new samples" in each)
+    assert line.endswith("(CVaR90 and worst value exceed the limit)")
     assert "exceed" not in free.summary()
+
+
+def test_limits_that_new_samples_violate_are_not_met():
+    """The limit is between the CVaR of the samples and that of new ones."""
+    chain = hc.Chain.from_materials("4 mm", "steel-52100", beads=3, velocity=0.1)
+    chain = chain.replace(right_wall=hc.Wall.of("steel-52100"))
+    given = {
+        "minimise": "length",
+        "vary": [hc.vary.balls(materials="steel-52100", diameters=["8 mm", "9 mm"], beads="2:")],
+        "scatter": hc.Scatter(radius=0.01, samples=4, beads="2:"),
+    }
+    cvar = {}
+    for count, seed in ((4, 0), (400, 1_000_003)):
+        draws = given["scatter"]._draws(seed, 3, count)
+        chains = given["scatter"]._chains(chain, draws)
+        peaks = [hc.simulate(each, times=0, rtol=1e-8).wall_force().peak for each in chains]
+        cvar[count] = np.mean(sorted(peaks)[-max(1, count // 10) :])
+    assert cvar[4] < cvar[400]
+    for limit, fine in ((0.5 * (cvar[4] + cvar[400]), False), (1.001 * cvar[400], True)):
+        # Only the row of balls of 8 mm is short enough.
+        subject = {"wall_force.peak": f"<= {limit:.9g} N", "length": "<= 24.1 mm"}
+        result = hc.design(hc.Design(chain, subject_to=subject, **given), budget=100)
+        assert result.met == result.as_dict()["constraints_met"] == fine
+        assert result.summary().startswith("Smallest") == fine
+        noted = [
+            note for note in result.notes if "new samples of the scatter violate CVaR90" in note
+        ]
+        assert len(noted) == (not fine)
 
 
 def test_models_of_samples_have_the_cvar_and_its_derivatives():

@@ -94,16 +94,20 @@ def _count_column() -> ProgressColumn:
 
 
 class _Pace:
-    """Number per second since the beginning, and remaining time."""
+    """Number per second since the end of the first batch, which may compile, and remaining time."""
 
     def __init__(self) -> None:
         self.begun: tuple[float, int] | None = None
+        self.warm = False
 
     def text(self, done: int, total: int) -> str:
         now = time.monotonic()
         if self.begun is None:
             self.begun = now, done
         elapsed, more = now - self.begun[0], done - self.begun[1]
+        if more > 0 and not self.warm:
+            self.begun, self.warm = (now, done), True
+            return ""
         if more <= 0 or elapsed <= 0.0:
             return ""
         left = timedelta(seconds=round((total - done) * elapsed / more))

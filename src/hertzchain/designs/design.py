@@ -25,7 +25,7 @@ from .ball_space import BallSpace
 from .bounds import bounds_of, impossible, note_on_impact
 from .dry_run import Estimate, estimate
 from .measures import in_words
-from .methods import Found, method_for, price_of, run_method
+from .methods import SEEDED, Found, method_for, price_of, run_method
 from .pareto import MOST_POINTS, SEARCHES, compared_points, design_front
 from .problem import Design
 from .reference_chains import evaluated_references, reference_count
@@ -33,7 +33,7 @@ from .rejections import notes_on_rejections, why_rejected
 from .result import DesignResult
 from .search_budget import Budget, budget_from, simulations_within
 from .trials import Outcome, Reference, Trials
-from .verified import Verified, met, quietly
+from .verified import Verified, excess_with_scatter, met, quietly
 
 RUNNERS_UP: Final = 4
 # Relative difference of an objective between search and verification that causes a note.
@@ -251,10 +251,14 @@ def _result(
     promise = found.promise
     space = problem.space
     parts = tuple(space.parts(best.x)) if isinstance(space, BallSpace) and not space.order else ()
-    notes = (*notes, *note_on_impact(problem), *_differs(trials, best, verified), *verified.notes,
-             *notes_on_rejections(trials, verified))  # fmt: skip
+    exceeded = [*excess_with_scatter(problem, verified)]
+    notes = (
+        *notes, *note_on_impact(problem), *_differs(trials, best, verified, found.method),
+        *verified.notes, *_note_on_samples(trials, exceeded),
+        *notes_on_rejections(trials, verified),
+    )  # fmt: skip
     return DesignResult(
-        problem, verified, met(problem, verified.values), best.score,
+        problem, verified, met(problem, verified.values) and not exceeded, best.score,
         None if promise is None else (promise.value, promise.error),
         {name: _verified(trials, each.outcome) for name, each in references.items()
          if np.isfinite(each.outcome.score)},
@@ -267,7 +271,18 @@ def _result(
     )  # fmt: skip
 
 
-def _differs(trials: Trials, best: Outcome, verified: Verified) -> list[str]:
+def _note_on_samples(trials: Trials, exceeded: list[str]) -> list[str]:
+    """A note that limits kept in the samples of the search are not kept in new ones."""
+    if not exceeded:
+        return []
+    return [
+        f"new samples of the scatter violate {' and '.join(exceeded)}, although the "
+        f"{trials.samples} samples of the search may not: set stricter limits, or give the scatter "
+        "more samples"
+    ]
+
+
+def _differs(trials: Trials, best: Outcome, verified: Verified, method: str) -> list[str]:
     """A note if the verified value of the objective is not that of the search."""
     problem = trials.problem
     measure = problem.objective.single
@@ -280,9 +295,10 @@ def _differs(trials: Trials, best: Outcome, verified: Verified) -> list[str]:
         return []
     before, after = (in_words(each, measure.unit, verified.chain.units)
                      for each in (searched, value))  # fmt: skip
+    advice = "; repeat the search with another seed" if method in SEEDED else ""
     return [
         f"{measure} was {before} in the search and is {after} in the verification: it jumps "
-        "between designs that hardly differ; repeat the search with another seed"
+        f"between designs that hardly differ{advice}"
     ]
 
 
@@ -295,9 +311,13 @@ def _verified(trials: Trials, outcome: Outcome) -> Verified:
 
 
 def _verified_rank(trials: Trials, pair: tuple[Outcome, Verified]) -> tuple[float, float]:
-    """Order by verified values; with a scatter, by those of the search, which are summaries."""
+    """Order by verified values; with a scatter, by those of the search, which are summaries.
+
+    A violation in new samples counts as one in the search.
+    """
     outcome, verified = pair
     if trials.problem.scatter is not None:
-        return outcome.rank
+        first, second = outcome.rank
+        return first + sum(excess_with_scatter(trials.problem, verified).values()), second
     values = np.array([[verified.values[str(each)] for each in trials.measures]])
     return trials.outcomes([outcome.x], values)[0].rank

@@ -83,7 +83,9 @@ def estimate(
     groups = reference_points(problem)
     points: list[Any] = [*itertools.chain(*groups.values())]
     # The longest chains, because good ones are seldom short.
-    lengths = [problem.space.chain_of(point).beads for point in points]
+    # Those that cannot be built, such as balls without the yield strength of a law, are rejected.
+    chains = map(trials.chain_of, points)
+    lengths = [0 if chain is None else chain.beads for chain in chains]
     timed = [points[i] for i in np.argsort(lengths, kind="stable")[-TIMED:]]
     each = _time_of_trials(trials, timed)
     space, choices = problem.space, math.inf

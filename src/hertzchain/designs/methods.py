@@ -39,6 +39,8 @@ from .search_budget import Spent
 from .size_space import SizeSpace
 from .trials import Outcome, Trials
 
+# Those whose results depend on the seed.
+SEEDED: Final = ("genetic", "evolution", "gradient", "hybrid")
 METHODS: Final = ("auto", "law", "scan", "hybrid", "gradient", "evolution", "enumerate", "genetic")
 # More variables need more memory and time than these methods can use.
 MAX_VARIABLES: Final = {"hybrid": 500, "evolution": 500, "gradient": 2000}

@@ -19,9 +19,10 @@ from .comparison import (
     value_if_yielding,
 )
 from .measures import Measure, in_words
+from .methods import SEEDED
 from .size_space import SizeSpace
 from .start_rows import ARRIVES
-from .verified import Verified, met
+from .verified import Verified, excess_with_scatter, met
 
 if TYPE_CHECKING:
     from .result import DesignResult
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 SHOWN: Final = {
     "radii": (2e3, "diameters [mm]"), "masses": (1e3, "masses [g]"), "gaps": (1e6, "gaps [um]"),
 }  # fmt: skip
-# Methods whose results depend on the seed.
-SEEDED: Final = ("genetic", "evolution", "gradient", "hybrid")
 # Longer lists of sizes are shortened.
 MAX_SIZES: Final = 12
 FLAT_STRIKER: Final = "striker with a flat face"
@@ -95,7 +94,9 @@ def _scattered(result: DesignResult, each: Measure) -> str:
     limits = [limit for limit in result.problem.requirements if limit.measure == each]
     over = [kind for kind, value in values.items() if any(x.excess(value) > 0.0 for x in limits)]
     verb = "exceed" if len(over) > 1 else "exceeds"
-    exceeding = f" ({' and '.join(over)} {verb} the limit)" if over else ""
+    over = ["worst value" if kind == "worst" else kind for kind in over]
+    kinds = f"{', '.join(over[:-1])} and {over[-1]}" if len(over) > 1 else "".join(over)
+    exceeding = f" ({kinds} {verb} the limit)" if over else ""
     return f"{each} {', '.join(parts)}{exceeding}"
 
 
@@ -144,7 +145,9 @@ def _heading(result: DesignResult) -> list[str]:
         searched = result._shown(result._sign * result.expected)
         first = (f"{_first_upper(aim)} {problem.scatter.statistic} of {name}: {searched} in the "
                  f"search; {value} without scatter")  # fmt: skip
-    if not result.met:
+    if excess_with_scatter(problem, found):
+        first = f"The constraints are NOT met in new samples of the scatter. {first}"
+    elif not result.met:
         name = "score" if single is None else str(single)
         article = "an" if name[0] in "aeiou" else "a"
         first = ("No trial meets the constraints; the one that violates them least has "

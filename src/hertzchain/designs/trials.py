@@ -21,6 +21,7 @@ from ..threads import Threads
 from ..validation.numbers import worker_count
 from ..validation.objects import Progress
 from . import exact_gradients
+from .ball_space import BallSpace
 from .finite_differences import STEP_RTOL, differences
 from .measured import measured
 from .models import by_model
@@ -369,7 +370,11 @@ class Trials:
         if self.progress is None:
             return
         if np.isfinite(self.budget.runs):
-            self.progress(min(self.runs, int(self.budget.runs)), int(self.budget.runs))
+            budget, space = int(self.budget.runs), self.problem.space
+            # Each choice is simulated once; a search with scatter begins without it.
+            most = space.count * self.samples if isinstance(space, BallSpace) else budget
+            total = int(most) if self.runs <= most < budget else budget
+            self.progress(min(self.runs, total), total)
         else:
             whole = max(1, round(self.budget.seconds))
             self.progress(min(int(self.clock.seconds), whole), whole)

@@ -253,6 +253,7 @@ def _scattered(problem: Design, chain: Chain, seed: int) -> dict[str, float]:
             f"mean of {measure}": float(values.mean()),
             f"CVaR90 of {measure}": sign * float(tail.mean()),
             f"worst of {measure}": sign * float(ordered[-1]),
+            f"{scatter.statistic} of {measure}": float(values[scatter._worst(values, sign)].mean()),
         }
     return found
 
@@ -268,6 +269,24 @@ def met(problem: Design, values: dict[str, float]) -> bool:
     """Whether verified values meet all constraints, apart from rounding."""
     row: Array = np.array([[values[str(each.measure)] for each in problem.requirements]])
     return not problem.requirements or bool(violation(problem.requirements, row)[0] == 0.0)
+
+
+def excess_with_scatter(problem: Design, found: Verified) -> dict[str, float]:
+    """Limits that the statistic of a scatter violates in new samples, with the relative amounts.
+
+    They are those of measures that need a simulation, since new samples have no others.
+    """
+    if problem.scatter is None:
+        return {}
+    values = (
+        (each, found.scattered.get(f"{problem.scatter.statistic} of {each.measure}", -np.inf))
+        for each in problem.requirements
+    )
+    return {
+        f"{problem.scatter.statistic} of {each}": float(each.excess(value))
+        for each, value in values
+        if np.isfinite(value) and each.excess(value) > TOLERANCE
+    }
 
 
 def violated(problem: Design, values: dict[str, float]) -> list[str]:

@@ -808,11 +808,12 @@ def test_a_dry_run_of_slow_trials_times_few(monkeypatch):
     assert sum(count) == 2
 
 
-def test_a_dry_run_skips_balls_without_the_properties_of_the_law():
+def test_a_dry_run_skips_balls_without_the_properties_of_the_law(tmp_path):
     """Glass has no yield strength; a search rejects its rows, and a dry run times the others."""
     steel = hc.Chain.from_materials("3 mm", "steel-304", beads=3, velocity=0.3)
     chain = steel.replace(right_wall=hc.Wall.of("steel-304"), loss=hc.ElasticPlastic())
-    balls = hc.vary.balls(materials=["steel-304", "glass"], diameters=["6 mm"], beads="2:")
+    (tmp_path / "stock.csv").write_text("diameter [mm],material\n6,steel-304\n6,glass\n")
+    balls = hc.vary.balls(tmp_path / "stock.csv", beads="2:")
     found = dry_run(hc.Design(chain, minimise="wall_force.peak", vary=[balls]), budget=50)
     assert found.choices == 4
     assert found.trial > 0.0

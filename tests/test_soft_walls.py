@@ -265,6 +265,20 @@ def test_runs_of_held_chains_end_alike_by_both_methods():
     assert sum(different) <= 1
 
 
+@pytest.mark.parametrize("gravity", [0.0, 9.81])
+def test_an_impact_does_not_end_while_a_loss_pulls(gravity):
+    row = hc.Chain.from_materials(5e-3, ["nylon", "steel-52100", "nylon"], velocity=0.0)
+    chain = row.struck_by(radius=6e-3, material="glass", velocity=0.1).replace(
+        right_wall=hc.Wall.of("aluminium"), loss=hc.Restitution(0.8), gravity=gravity
+    )
+    wall = hc.simulate(chain, times=0).wall_force()
+    times, force = force_of_scipy(chain, 2.0 * wall.peak_time)
+    assert force.min() < -1e-3 * force.max()
+    end = np.flatnonzero((force == 0.0) & (times > wall.peak_time))[0]
+    assert wall.complete_since == pytest.approx(times[end], abs=times[1])
+    assert wall.impulse_of_impact == pytest.approx(np.trapezoid(force[:end], times[:end]), rel=1e-4)
+
+
 def heavy_striker():
     masses = np.where(np.arange(20) == 0, 30.0, 1.0)
     return hc.Chain.uniform(20).replace(masses=masses)

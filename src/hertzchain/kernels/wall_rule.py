@@ -38,5 +38,8 @@ def time_between_checks(elapsed: float, transit: float, checks: int) -> float:
 
 
 def has_released(force: float, static: float, peak: float) -> bool:
-    """Whether the force on a wall has fallen to zero, or to about the static force."""
-    return force <= (static + RELEASED * (peak - static) if static > 0.0 else 0.0)
+    """Whether the force on a wall has fallen to zero, or to about the static force.
+
+    A loss may pull at the end of a contact, which has then not ended.
+    """
+    return 0.0 <= force <= (static + RELEASED * (peak - static) if static > 0.0 else 0.0)

@@ -214,6 +214,7 @@ def test_files_in_the_wrong_order_are_named(run, tmp_path):
     assert code == 2
     assert "base.toml is a chain file" in err
     assert "the traces first and the chain file last" in err
+    assert "hertzchain compare" not in err
 
 
 def written(path, **options):

@@ -309,6 +309,11 @@ def test_decimal_commas_may_be_in_quotation_marks(tmp_path):
         ("time [us];wall [V]", ["1;1.234,5", "2;1.234,6"], "commas and points, such as 1.234,5"),
         ("time [us],wall [V]", ["0,5,0,1", "1,5,0,2"],
          "line 2 has 4 cells, but the header has 2; if numbers have decimal commas, separate"),
+        ("time [us],wall [V]", ["0,-0,1", "1,0,2"],
+         "line 2 has 3 cells, but the header has 2; if numbers have decimal commas, separate"),
+        ("time [us],wall [V]", ["0,0.1,3", "1,0.2,3"], "complete or remove the line"),
+        ("shot,time [us],wall [V]", ["1,0,0.1", "1.5,1,0.2"],
+         "the shot of line 3 is 1.5, but shots have whole numbers, such as 1 and 2"),
     ],
 )  # fmt: skip
 def test_numbers_that_can_be_read_in_two_ways_are_rejected(head, rows, words, tmp_path):
@@ -456,3 +461,15 @@ def test_messages_name_the_line_of_the_file(before, changed, words, tmp_path):
     with pytest.raises(hc.InputError) as caught:
         hc.load_traces(tmp_path / "scope.csv", sensors=PLACES)
     assert words.format(101) in str(caught.value)
+
+
+def test_shots_with_the_same_samples_are_named():
+    rng = np.random.default_rng(3)
+    shots = [
+        hc.Traces.from_arrays(TIMES, {"wall [V]": PULSE + rng.normal(0.0, 0.01, len(PULSE))})
+        for _ in range(2)
+    ]
+    words = "have the same samples"
+    assert not any(words in note for note in (shots[0] + shots[1]).notes())
+    (note,) = [note for note in (shots[0] + shots[1] + shots[0]).notes() if words in note]
+    assert note.startswith("shots 1 and 3")

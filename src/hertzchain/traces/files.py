@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -26,6 +27,8 @@ from .signals import Shot
 from .traces import Traces, check_times, make_shot, with_coupling
 
 Sensors = dict[str, tuple[str, str]] | None
+# Parts of a number with a decimal comma, and its exponent.
+_INTEGER: Final = re.compile(r"[+-]?\d+(e[+-]?\d+)?", re.IGNORECASE)
 # Samples of a sensor that all increase are times if there are at least as many.
 MANY: Final = 10
 
@@ -139,7 +142,7 @@ def _table(path: str | os.PathLike[str]) -> Table:
     if file.suffix.lower() == ".toml":
         raise InputError(
             f"{shown_path(path)} is a chain file, where a CSV file of traces is required; give "
-            "the traces first and the chain file last, as in hertzchain compare data.csv chain.toml"
+            "the traces first and the chain file last, as in data.csv chain.toml"
         )
     with errors_at(shown_path(path)):
         rows, lines = sample_rows(file)
@@ -208,7 +211,7 @@ def _shots(table: Table, wanted: Sensors, noise: float | Mapping[str, float] | N
     for number, row in zip(table.lines, table.body, strict=True):
         if len(row) != len(header):
             advice = "complete or remove the line"
-            if len(row) == 2 * len(header):
+            if len(header) < len(row) <= 2 * len(header) and all(map(_INTEGER.fullmatch, row)):
                 advice = "if numbers have decimal commas, separate the columns by semicolons"
             raise InputError(
                 f"line {number} has {counted(len(row), 'cell')}, but the header has "
@@ -226,6 +229,11 @@ def _shots(table: Table, wanted: Sensors, noise: float | Mapping[str, float] | N
     lines = np.array(table.lines)
     if not np.isfinite(labels).all():
         raise InputError(f"line {lines[np.argmin(np.isfinite(labels))]} has no shot")
+    if len(parts := np.flatnonzero(labels != np.round(labels))):
+        raise InputError(
+            f"the shot of line {lines[parts[0]]} is {labels[parts[0]]:g}, but shots have whole "
+            "numbers, such as 1 and 2"
+        )
     shots = []
     for label in np.unique(labels):
         own = labels == label

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
@@ -25,7 +26,8 @@ def trace_notes(shots: Sequence[Shot]) -> tuple[str, ...]:
 
     Spikes, which are bad samples, come first.
     """
-    found = [note for index, shot in enumerate(shots, 1) for note in spike_notes(shot, index)]
+    found = _repeated_notes(shots)
+    found += [note for index, shot in enumerate(shots, 1) for note in spike_notes(shot, index)]
     for index, shot in enumerate(shots, start=1):
         steps = np.diff(shot.times)
         if gaps := gaps_between(shot.times):
@@ -47,6 +49,22 @@ def trace_notes(shots: Sequence[Shot]) -> tuple[str, ...]:
                         f"{'is' if count == 1 else 'are'} {what} and not used"
                     )
     return tuple(found)
+
+
+def _repeated_notes(shots: Sequence[Shot]) -> list[str]:
+    """Notes on shots with the samples of an earlier one."""
+    found = []
+    for (i, one), (j, two) in itertools.combinations(enumerate(shots, 1), 2):
+        columns = [{each.name: each.values for each in shot.signals} for shot in (one, two)]
+        if columns[0].keys() == columns[1].keys() and all(
+            np.array_equal(values, columns[1][name], equal_nan=True)
+            for name, values in columns[0].items()
+        ):
+            found.append(
+                f"shots {i} and {j} have the same samples: remove one, because errors would be too "
+                "small"
+            )
+    return found
 
 
 def spike_notes(shot: Shot, number: int | None = None) -> list[str]:

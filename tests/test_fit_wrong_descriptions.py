@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from scipy.interpolate import make_interp_spline
 from scipy_row import FREE, POISSON, RADIUS, TRUTH, VELOCITY, YOUNG, chain, recorded, traces
 
 import hertzchain as hc
@@ -67,3 +68,31 @@ def test_a_wrong_sampling_interval_is_named_if_the_fit_is_far_from_a_prior(facto
         f"with all times {words}, the fit also agrees with the priors: check the unit of the times "
         "and the sampling interval"
     )
+
+
+def test_random_errors_of_times_are_named():
+    """Each row has an error of its time; the file states even times."""
+    rng = np.random.default_rng(6)
+    times, columns = recorded(noise=0.0)
+    error = 0.3e-6
+    moved = times + error * rng.standard_normal(len(times))
+    seen = {name: make_interp_spline(times, each, k=3)(moved) for name, each in columns.items()}
+    noisy = {name: each + 0.05 * rng.standard_normal(len(each)) for name, each in seen.items()}
+    (advice,) = hc.fit(hc.Traces.from_arrays(times, noisy), chain(), free=FREE).advice
+    (size,) = re.findall(r"random errors of (\S+) us in the times of the samples", advice)
+    # The number of steep samples of three sensors is several hundred.
+    assert float(size) == pytest.approx(1e6 * error, rel=0.1)
+
+
+def test_a_noise_proportional_to_the_signal_is_named():
+    rng = np.random.default_rng(7)
+
+    def change(columns):
+        return {
+            name: each * (1.0 + 0.02 * rng.standard_normal(len(each)))
+            for name, each in columns.items()
+        }
+
+    (advice,) = hc.fit(traces(change=change), chain(), free=FREE).advice
+    (size,) = re.findall(r"a noise of (\S+) times the signal", advice)
+    assert float(size) == pytest.approx(0.02, rel=0.1)

@@ -30,6 +30,7 @@ from .parameters import ELASTIC, Parameter, kind_and_value
 from .problem import Problem
 from .result import FitResult
 from .sensor_effects import gained_by, groups_of_effects
+from .signal_noise import signal_noise_advice
 from .systematics import PRESENT
 
 Refit = Callable[[Problem, Mapping[str, float], int], FitResult]
@@ -98,6 +99,8 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if result.meaningless and not any(_is_good(each.result) for each in causes):
         # Effects of sensors do not make a fit meaningless, and fits far from the data take long.
         return replace(result, advice=(UNITS,))
+    if not causes and (noise := signal_noise_advice(result)):
+        return replace(result, advice=(*level_advice(result), noise))
     for further in (
         _places, _effects, _shots, _losses, _exponent, _walls, _moduli, _masses, _beads, _pairs,
     ):  # fmt: skip

@@ -821,6 +821,9 @@ def test_results_can_be_shown_and_written(example, tmp_path):
     # Files of fits have seven digits.
     assert np.allclose(hc.load_chain(file).stiffness, example.chain.stiffness, rtol=5e-7)
     data = example.to_dataset()
+    assert str(data["unit"].sel(parameter="struck_by.velocity").values) == "m/s"
+    assert data["correlation"].dims == ("parameter", "other_parameter")
+    assert data.attrs["verdict"] == example.verdict
     rest = data["ball_6"] - data["ball_6_fit"]
     assert float((rest**2).mean()) ** 0.5 < 0.13
     assert float(data["value"].sel(parameter="lag")) == example.values["lag"]
@@ -912,6 +915,7 @@ def test_command_fits_and_reports(tmp_path, command):
     document = json.loads(done.stdout)
     lag = document["parameters"]["lag"]
     assert abs(lag["value"] - 1.4e-6) < 3.0 * lag["error"]
+    assert lag["unit"] == "s"
     assert {each.name for each in tmp_path.iterdir()} == {
         "fitted.toml", "fit.png", "fit-residuals.png", "fit-correlations.png"
     }  # fmt: skip

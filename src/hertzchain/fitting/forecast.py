@@ -203,8 +203,9 @@ class Forecast:
         >>> plan.as_dict()["sensors"]
         ['ball 5']
         """
+        model = self.problem.model
         found: dict[str, Any] = finite({
-            "parameters": parameters_document(self.names, self.estimates, self.sigmas),
+            "parameters": parameters_document(model, self.estimates, self.sigmas),
             "correlation": self.correlation.tolist(), "sensors": list(self.sensors),
             "samples": self.samples, "interval": self.interval, "duration": self.duration,
             "warnings": list(self.warnings), "constants": constants_document(self.constants),

@@ -306,16 +306,9 @@ class FitResult:
         >>> sorted(result.to_dataset().data_vars)[:3]
         ['ball_11', 'ball_11_fit', 'ball_16']
         """
-        data = self.traces.to_dataset()
-        names = list(data.data_vars)
-        flat = [each for shot in self.predicted for each in shot]
-        for name, fitted in zip(names, flat, strict=True):
-            data[f"{name}_fit"] = (data[name].dims, fitted, data[name].attrs)
-        data = data.assign_coords(parameter=list(self.names), parameter_2=list(self.names))
-        data["value"] = ("parameter", self.estimates)
-        data["error"] = ("parameter", self.sigmas)
-        data["correlation"] = (("parameter", "parameter_2"), self.correlation)
-        return data.assign_attrs(chi2=self.chi2, bic=self.bic(), describes=int(self.describes))
+        from .result_document import result_dataset
+
+        return result_dataset(self)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON: numbers that do not exist are `None`.

@@ -1,4 +1,4 @@
-"""Results of fits and forecasts as JSON documents."""
+"""Results of fits and forecasts as JSON documents and as labelled datasets."""
 
 from __future__ import annotations
 
@@ -9,15 +9,22 @@ from typing import TYPE_CHECKING, Any
 from ..collision import Array
 from ..validation.json_types import finite
 from .constants import FixedConstant
+from .model import Model
+from .shown_values import unit_of_parameter
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from .result import FitResult
 
 
-def parameters_document(names: Sequence[str], values: Array, errors: Array) -> dict[str, Any]:
-    """Value and error of each parameter."""
-    triples = zip(names, values, errors, strict=True)
-    return {name: {"value": value, "error": error} for name, value, error in triples}
+def parameters_document(model: Model, values: Array, errors: Array) -> dict[str, Any]:
+    """Value, error and unit of each parameter."""
+    triples = zip(model.parameters, values, errors, strict=True)
+    return {
+        str(each): {"value": value, "error": error, "unit": unit_of_parameter(each, model.traces)}
+        for each, value, error in triples
+    }
 
 
 def constants_document(constants: Sequence[FixedConstant]) -> list[dict[str, Any]]:
@@ -28,7 +35,7 @@ def constants_document(constants: Sequence[FixedConstant]) -> list[dict[str, Any
 def result_document(result: FitResult) -> dict[str, Any]:
     """Plain values; numbers that do not exist are `None`."""
     found: dict[str, Any] = finite({
-        "parameters": parameters_document(result.names, result.estimates, result.sigmas),
+        "parameters": parameters_document(result.model, result.estimates, result.sigmas),
         "correlation": result.correlation.tolist(),
         "chi2": result.chi2, "degrees_of_freedom": result.goodness.freedom,
         "samples": result.goodness.samples,
@@ -44,3 +51,21 @@ def result_document(result: FitResult) -> dict[str, Any]:
         "simulations": result.simulations,
     })  # fmt: skip
     return found
+
+
+def result_dataset(result: FitResult) -> xr.Dataset:
+    """Data, fit, and values with errors, units and correlations."""
+    data = result.traces.to_dataset()
+    names = list(data.data_vars)
+    flat = [each for shot in result.predicted for each in shot]
+    for name, fitted in zip(names, flat, strict=True):
+        data[f"{name}_fit"] = (data[name].dims, fitted, data[name].attrs)
+    data = data.assign_coords(parameter=list(result.names), other_parameter=list(result.names))
+    data["value"] = ("parameter", result.estimates)
+    data["error"] = ("parameter", result.sigmas)
+    data["correlation"] = (("parameter", "other_parameter"), result.correlation)
+    units = [unit_of_parameter(each, result.traces) for each in result.model.parameters]
+    data = data.assign_coords(unit=("parameter", units))
+    return data.assign_attrs(
+        chi2=result.chi2, bic=result.bic(), describes=int(result.describes), verdict=result.verdict
+    )

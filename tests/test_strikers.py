@@ -234,3 +234,10 @@ def test_derivatives_by_single_radii_are_those_of_the_simulation_only():
         return hc.local_rate(chain.replace(radii=changed)).velocity[29]
 
     assert np.log(of_law(1.0001) / of_law(0.9999)) / 2e-4 == pytest.approx(-0.24, abs=0.005)
+
+
+def test_the_material_of_a_striker_is_not_counted_among_those_of_the_beads():
+    beads = hc.Chain.from_materials("2.5 mm", "ptfe", beads=4)
+    struck = beads.struck_by(material="brass", velocity=0.1)
+    assert struck.description == "4 ptfe beads, diameter 5 mm, and 1 striker (brass)"
+    assert beads.struck_by(velocity=0.1).description.endswith("and 1 striker")

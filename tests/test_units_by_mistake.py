@@ -22,6 +22,11 @@ BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.1)
             "bead 1 has a diameter of 20 m; if millimetres are meant, write the diameter as "
             "'20 mm' or the radius as '10 mm', or divide by 1000",
         ),
+        (lambda: BALLS.replace(gravity=9810), "1000 times that of the earth; .* '9810 mm/s.2'"),
+        (
+            lambda: BALLS.replace(right_wall=hc.Wall(gap=1)),
+            "the gap of the right wall is 1 m, but the beads are only 0.04 m long",
+        ),
         # Two seconds instead of two milliseconds; the pulse needs 24 us per contact.
         (lambda: hc.simulate(BALLS, until=2, times=0), "until = 2 s is 2.* transits of a pulse"),
         (

@@ -120,23 +120,39 @@ def features_in_words(
     return "".join(f", {name}" for name in names if name not in hidden)
 
 
-def strikers_in_words(count: int, radii: Array, masses: Array | None, units: str) -> str:
-    """Such as ``1 striker`` or ``2 strikers (19 mm)``, if their size is not that of the next bead.
+def strikers_in_words(
+    count: int,
+    radii: Array,
+    masses: Array | None,
+    units: str,
+    materials: Sequence[Material] | None = None,
+) -> str:
+    """Such as ``1 striker`` or ``2 strikers (19 mm, brass)``.
 
-    Empty without strikers.  Masses are `None` if they follow from the radii.  Otherwise they are
-    shown, because the radius of a striker of a given mass need not be its size.
+    Size and material are stated if they are not those of the next bead and of all beads.  Empty
+    without strikers.  Masses are `None` if they follow from the radii.  Otherwise they are shown,
+    because the radius of a striker of a given mass need not be its size.
     """
-    number = f"{count} striker{'s' * (count > 1)}"
-    sizes = radii if masses is None else masses
     if count == 0:
         return ""
+    own, others = (
+        list(dict.fromkeys(each.name for each in part))
+        for part in ((materials or ())[:count], (materials or ())[count:])
+    )
+    size = _size_of_strikers(count, radii, masses, units)
+    about = ", ".join(filter(None, (size, " and ".join(own) if own != others else "")))
+    return f"{count} striker{'s' * (count > 1)}" + (f" ({about})" if about else "")
+
+
+def _size_of_strikers(count: int, radii: Array, masses: Array | None, units: str) -> str:
+    sizes = radii if masses is None else masses
     if np.ptp(sizes[: count + 1]) == 0.0:
-        return number
+        return ""
     if masses is None and units == "SI":
-        return f"{number} ({sizes_in_words(radii[:count])})"
+        return sizes_in_words(radii[:count])
     name, unit = ("radius", "m") if masses is None else ("mass", "kg")
     ends = dict.fromkeys(measure(each, unit, units) for each in (sizes[0], sizes[count - 1]))
-    return f"{number} ({name} {' to '.join(ends)})"
+    return f"{name} {' to '.join(ends)}"
 
 
 def impact_in_words(velocities: Array, units: str) -> str:

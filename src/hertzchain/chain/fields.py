@@ -150,6 +150,10 @@ class ChainFields(Frozen):
             if isinstance(part, Wall) and part.with_units:
                 p = float(self.contact_exponents[0 if name == "left_wall" else -1])
             check_part(name, part, scaled=self.scaled, exponent=p)
+        if self.units == "SI":
+            of_walls = [each.gap if each else 0.0 for each in (self.left_wall, self.right_wall)]
+            input_checks.warn_large_gap(self.gaps, of_walls, self.radii)
+            input_checks.warn_large_gravity(self.gravity)
 
     def _check_radii(self) -> None:
         radii = plain_magnitude("radius", self.radii, self._unit("m"))
@@ -208,8 +212,6 @@ class ChainFields(Frozen):
             unit = self._unit("m")
             gaps = per_bead_array("gap", self.gaps, self.beads - 1, "contact", unit=unit, least=0.0)
         self._set("gaps", _read_only(gaps))
-        if self.units == "SI":
-            input_checks.warn_large_gap(gaps, self.radii)
         gravity = number("gravity", self.gravity, unit=self._unit("m/s**2"))
         self._set("gravity", gravity)
 
@@ -423,12 +425,13 @@ class ChainFields(Frozen):
         # The name of a dimer implies equal contacts.
         implied = cells.startswith("dimer, mass") and self.scaled and (self.stiffness == 1.0).all()
         left_out = ["SI units", "masses", "stiffness"] if implied else ["SI units"]
-        first = strikers_in_words(self.strikers, shape.radii, masses, self.units)
+        first = strikers_in_words(self.strikers, shape.radii, masses, self.units, self.materials)
         rest = features_in_words(self.features, left_out, self.velocities, self.strikers)
         taper = shape.taper, shape.taper_parameters
         if self.strikers and self.scaled:
             taper = taper_behind(shape.radii[own])
-        kind = shape.radii[own], self.materials, *taper
+        materials = self.materials[own] if self.materials else None
+        kind = shape.radii[own], materials, *taper
         beads = beads_description(*kind, cells, scatter, scaled=self.scaled)
         beads += f", and {first}" if first else ""
         still = self._at_rest_by_default and self.drive is None and not self.velocities.any()

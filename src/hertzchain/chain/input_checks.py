@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -25,6 +26,8 @@ MAX_VELOCITY: Final = 1e100
 # in millimetres; so do limits above this multiple of the largest bead.
 LARGE_RADIUS: Final = 1.0
 LARGE_RATIO: Final = 100.0
+# SI gravity above this value [m/s^2], which is probably in mm/s^2 or cm/s^2.
+LARGE_GRAVITY: Final = 500.0
 # First radius of a scaled chain; radii in metres are below, and would give wrong times.
 FIRST_RADIUS: Final = (0.02, 50.0)
 
@@ -157,12 +160,26 @@ def warn_large_radius(radii: Array) -> None:
         )
 
 
-def warn_large_gap(gaps: Array, radii: Array) -> None:
-    """Warn about gaps in metres that are probably in another unit."""
-    if len(gaps) and gaps.max() > (length := 2.0 * float(radii.sum())):
+def warn_large_gap(gaps: Array, of_walls: Sequence[float], radii: Array) -> None:
+    """Warn about gaps between beads, and of both walls, in metres that are in another unit."""
+    names = [*(f"gap {k + 1}" for k in range(len(gaps))), "the gap of the left wall",
+             "the gap of the right wall"]  # fmt: skip
+    distances, length = [*gaps, *of_walls], 2.0 * float(radii.sum())
+    k = int(np.argmax(distances))
+    if distances[k] > length:
         warn_user(
-            f"gap {int(np.argmax(gaps)) + 1} is {gaps.max():g} m, but the beads are only "
-            f"{length:.3g} m long in total; gaps are in metres, so check their unit",
+            f"{names[k]} is {distances[k]:g} m, but the beads are only {length:.3g} m long in "
+            "total; gaps are in metres, so check their unit",
+            InputWarning,
+        )
+
+
+def warn_large_gravity(gravity: float) -> None:
+    """Warn about a gravity that is probably in mm/s^2 or cm/s^2."""
+    if abs(gravity) > LARGE_GRAVITY:
+        warn_user(
+            f"the gravity is {gravity:g} m/s^2, {abs(gravity) / 9.81:.0f} times that of the earth; "
+            f"if millimetres are meant, write '{gravity:g} mm/s^2'",
             InputWarning,
         )
 

@@ -79,7 +79,7 @@ def _numbers(chain: Chain) -> dict[str, str]:
 def _count(chain: Chain) -> str:
     """Number of beads, of which strikers are stated separately."""
     masses = None if chain.strikers_are_spheres else chain.masses
-    words = strikers_in_words(chain.strikers, chain.radii, masses, chain.units)
+    words = strikers_in_words(chain.strikers, chain.radii, masses, chain.units, chain.materials)
     balls = f"{chain.beads - chain.strikers}"
     return f"{balls}, and {words}" if words else balls
 

@@ -104,6 +104,7 @@ def test_simulate_states_the_speed_of_the_impact(run, file):
         (("--loss", "elastic=2"), "has no parameters: write --loss elastic"),
         (("--striker", "0"), "--striker must be"),
         (("--wall", "butter"), "--wall must be same, rigid or a material"),
+        (("--wall", "2 kN/mm"), "write right_wall = {stiffness"),
     ],
 )
 def test_bad_changes_are_rejected(run, file, options, words):

@@ -228,7 +228,7 @@ def test_cite(run):
         (["pulse", "--json", "--csv"], "cannot be combined"),
         (["pulse", "--plot", "pulse.doc"], "must end in .png, .svg or .pdf"),
         (["pulse", "missing.toml"], "cannot read chain file 'missing.toml'"),
-        (["pulse", "missing.toml", "--beads", "3"], "not both"),
+        (["pulse", "0.9", "--beads", "3"], "not both; '0.9' is read as FILE"),
         (["pulse", "--method", "modified-bca"],
          "use --method bca or --method two-thirds-bca for other chains"),
         (["simulate", "--until", "-1"], "until must be above 0"),

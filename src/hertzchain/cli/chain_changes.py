@@ -73,6 +73,11 @@ def wall_named(name: str, chain: Chain) -> Wall:
         return Wall()
     if name == "rigid":
         return Wall.rigid()
+    if name[:1].isdigit():
+        raise click.UsageError(
+            f"--wall must be same, rigid or a material, got {name!r}; for a pad of known "
+            'stiffness, write right_wall = {stiffness = "2 kN/mm", exponent = 1} in a chain file'
+        )
     if chain.scaled:
         raise click.UsageError(
             f"--wall {name} requires --material; a scaled chain has the walls same and rigid"

@@ -151,7 +151,10 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
         and getattr(options, each.name) is not None
     ]  # fmt: skip
     if beside:
-        raise click.UsageError(f"give a chain FILE or --{' and --'.join(beside)}, not both")
+        raise click.UsageError(
+            f"give a chain FILE or --{' and --'.join(beside)}, not both; "
+            f"'{files[0]}' is read as FILE"
+        )
     names = [file.stem for file in files]
     if len(set(names)) < len(names):
         names = [os.fspath(file) for file in files]

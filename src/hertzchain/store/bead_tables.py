@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -87,12 +87,19 @@ def _chain_of(table: CsvTable, own: Mapping[str, Material]) -> Chain:
     if "material" in columns:
         if not table.has_units:
             raise InputError(f"materials require sizes with a unit; write {sizes[0]} [mm]")
-        kinds = [own.get(str(name)) or material(str(name)) for name in columns["material"]]
-        return Chain.from_materials(radii, kinds, **fields)
+        return Chain.from_materials(radii, _materials(columns["material"], own), **fields)
     if table.has_units:
         return Chain(radii, units="SI", **fields)
     chain = Chain.from_radii(radii)
     return chain.replace(**fields) if fields else chain
+
+
+def _materials(names: Sequence[object], own: Mapping[str, Material]) -> list[Material]:
+    found = []
+    for row, name in enumerate(map(str, names), start=1):
+        with errors_at(f"row {row}"):
+            found.append(own.get(name) or material(name))
+    return found
 
 
 @checked_arguments("load_drive")

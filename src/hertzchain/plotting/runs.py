@@ -24,7 +24,7 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice, check_list, text
 from .colours import curve_colour, grey, signed_map
 from .enlarged import finish_enlarged, small_groups
-from .legends import place_legend
+from .legends import figure_of, place_legend
 from .style import (
     TIME_LABELS,
     BeadLocator,
@@ -36,7 +36,7 @@ from .style import (
     time_axis,
 )
 from .titles import chain_title
-from .widths import figure_size
+from .widths import NARROW, figure_size
 
 # Added to the legend of a wall whose force may still exceed the plotted values.
 CUT_OFF = " (peak not complete)"
@@ -271,9 +271,11 @@ def _label_and_style(axes: Axes, *, compared: bool) -> None:
         shown = f"{end:.4g} {unit}" if unit else f"$t$ = {end:.4g}"
         line.set_label(line.words + (f", until {shown}" if end < SHORT_RUN * max(ends) else ""))
     if compared or len({line.run for line in lines}) > 1:
+        # In a narrow figure, wide lines would cover oscillations.
+        narrower = min(1.0, figure_of(axes).get_figwidth() / NARROW)
         for line in lines:
             width, opacity = RUN_LINES[min(line.run, len(RUN_LINES) - 1)]
-            line.set(linestyle="-", linewidth=width, alpha=opacity)
+            line.set(linestyle="-", linewidth=narrower * width, alpha=opacity)
 
 
 def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -> Axes:

@@ -58,6 +58,8 @@ KINDS: Final[Mapping[str, Kind]] = {
     "stiffness": Kind(lower=1e-3, upper=1e3, factor=True),
     "exponent": Kind(lower=1.05, upper=4.0, step=3e-5),
     "struck_by.velocity": Kind("m/s", factor=True),
+    "struck_by.mass": Kind("kg", lower=1e-15, factor=True),
+    "struck_by.radius": Kind("m", lower=1e-9, factor=True),
     "materials.young": Kind("Pa", lower=1.0, factor=True),
     "materials.density": Kind("kg/m^3", lower=1e-3, upper=1e6, factor=True),
     "materials.poisson": Kind(lower=-0.99, upper=0.499, typical=0.3),
@@ -109,6 +111,10 @@ def known_names(chain: Chain) -> list[str]:
         names.append("exponent")
     if chain.strikers or chain.velocities[0]:
         names.append("struck_by.velocity")
+    if chain.strikers:
+        names.append("struck_by.mass")
+    if chain.strikers and chain.materials is not None and not _flat_strikers(chain):
+        names.append("struck_by.radius")
     if chain.materials is not None:
         of_balls = {each.name for each in chain.materials}
         for kind in dict.fromkeys((chain.materials[-1].name, *named_materials(chain))):
@@ -119,6 +125,10 @@ def known_names(chain: Chain) -> list[str]:
         if getattr(chain, end) is not None:
             names += [f"{end}.{field}" for field in ("stiffness", "gap", "exponent")]
     return names + [f"loss.{each}" for each in loss_parameters(chain)]
+
+
+def _flat_strikers(chain: Chain) -> bool:
+    return any(each.flat for each in chain.striker_properties)
 
 
 def loss_parameters(chain: Chain) -> dict[str, Loss]:
@@ -145,7 +155,8 @@ def kind_of(chain: Chain, name: Name) -> Kind:
     example = {"materials": "materials[NAME].", "radius": "radius[8]", "mass": "mass[8]"}
     known = known_names(chain)
     shown = {each.split("[")[0].split(".")[0] for each in known} | {"wall"}
-    if key not in KINDS or key.split(".")[0] not in shown:
+    absent = key in ("struck_by.mass", "struck_by.radius") and key not in known
+    if key not in KINDS or key.split(".")[0] not in shown or absent:
         raise UnknownParameterError(chain, name)
     if key == "exponent" and "exponent" not in known:
         raise InputError("the contacts of this chain have several exponents; they cannot be fitted")
@@ -212,7 +223,9 @@ def contact_index(chain: Chain, name: Name) -> int:
 
 
 def bead_indices(chain: Chain, name: Name) -> list[int]:
-    """Indices of balls such as ``8`` or ``5,10``, which are counted without the strikers."""
+    """Indices of the strikers, or of balls such as ``5,10``, counted without the strikers."""
+    if name.key.startswith("struck_by."):
+        return [*range(chain.strikers)]
     balls = chain.beads - chain.strikers
     numbers = [part.strip() for part in name.item.split(",")]
     if not all(each.isdigit() and 1 <= int(each) <= balls for each in numbers):
@@ -223,10 +236,11 @@ def bead_indices(chain: Chain, name: Name) -> list[int]:
 
 def _common(chain: Chain, name: Name) -> float:
     """Radius or mass that one or several balls have in common."""
-    values = (chain.radii if name.key == "radius" else chain.masses)[bead_indices(chain, name)]
+    key = name.key.removeprefix("struck_by.")
+    values = (chain.radii if key == "radius" else chain.masses)[bead_indices(chain, name)]
     if np.ptp(values) > SAME * values[0]:
         raise InputError(
-            f"{name} requires balls of one {name.key}, but theirs are {values.min():.5g} to "
+            f"{name} requires balls of one {key}, but theirs are {values.min():.5g} to "
             f"{values.max():.5g} {KINDS[name.key].unit}; name each ball in a separate parameter"
         )
     return float(values[0])
@@ -239,7 +253,7 @@ def value_of(chain: Chain, name: Name) -> float:
         if name.item:
             contact_index(chain, name)
         return 1.0
-    if key in ("radius", "mass"):
+    if key.removeprefix("struck_by.") in ("radius", "mass"):
         return _common(chain, name)
     if key == "gap":
         return float(chain.gaps[contact_index(chain, name)])
@@ -284,7 +298,8 @@ def with_sizes(chain: Chain, values: Mapping[Name, float], reference: float) -> 
 
 def _with_values(chain: Chain, key: str, own: Array, values: Mapping[Name, float]) -> Array | None:
     """Radii or masses with the values of the parameters of this key; None without them."""
-    chosen = {name: value for name, value in values.items() if name.key == key}
+    keys = (key, f"struck_by.{key}")
+    chosen = {name: value for name, value in values.items() if name.key in keys}
     found = own.copy()
     for name, value in chosen.items():
         found[bead_indices(chain, name)] = value

@@ -12,7 +12,7 @@ from ..collision import Array
 from ..errors import SimulationError
 from .names import Name
 from .problem import Problem
-from .starts import aligned, further_starts
+from .starts import MASSES, aligned, further_starts
 
 FTOL, XTOL, GTOL = 1e-7, 1e-9, 1e-10
 # Tolerance before the samples next to jumps are known, when chi-squared is not smooth.
@@ -63,7 +63,7 @@ def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bo
     best = _from(problem, problem.model.variables(first))
     tried = 1
     # A mass has one optimum above and one below that of the other balls.
-    least = 2 if any(name.key == "mass" for name in problem.model.names) else 1
+    least = 2 if any(name.key in MASSES for name in problem.model.names) else 1
     if best.cost > GOOD * problem.expected:
         for start in further_starts(problem.model, first, starts):
             found = _from(problem, problem.model.variables(start))

@@ -57,7 +57,7 @@ def shown_diameter(
     parameter: Parameter, traces: Traces, chains: Sequence[Chain], value: float, sigma: float
 ) -> str:
     """Diameter of a ball, and its difference from the nominal one; empty for other parameters."""
-    if parameter.name.key != "radius" or not 0.0 < sigma < np.inf:
+    if parameter.name.key.removeprefix("struck_by.") != "radius" or not 0.0 < sigma < np.inf:
         return ""
     _, nominal = kind_and_value(parameter.name, traces, chains)
     percent = with_error(100.0 * (value / nominal - 1.0), 100.0 * sigma / nominal)

@@ -20,6 +20,7 @@ STRETCHES: Final = tuple(np.exp(np.linspace(-0.3, 0.3, 25)).tolist())
 POINTS: Final = 2048
 # Factors of the losses and masses, and changes of the exponent, in further starts.
 LOSS_FACTORS: Final = (1.0, 0.2, 4.0, 1.0, 1.0, 0.05)
+MASSES: Final = ("mass", "struck_by.mass")
 MASS_FACTORS: Final = (1.0, 1.05, 0.95, 1.0, 1.0, 1.1)
 EXPONENT_SHIFTS: Final = (0.0, 0.0, 0.0, 0.08, -0.08, 0.0)
 
@@ -132,7 +133,8 @@ def further_starts(
     model: Model, values: dict[Name, float], count: int
 ) -> Iterator[dict[Name, float]]:
     """Values with smaller and larger losses, masses and exponents, clipped to their bounds."""
-    if not any("loss." in name.key or name.key in ("exponent", "mass") for name in model.names):
+    varied = ("exponent", *MASSES)
+    if not any("loss." in name.key or name.key in varied for name in model.names):
         return
     changes = zip(LOSS_FACTORS, MASS_FACTORS, EXPONENT_SHIFTS, strict=True)
     for factor, mass, shift in list(changes)[1:count]:
@@ -143,7 +145,7 @@ def further_starts(
                 high = each.name.key.endswith("coefficient") or (share and each.start > 0.5)
                 value = out[each.name]
                 value = 1.0 - (1.0 - value) * factor if high else value * factor
-            elif each.name.key == "mass":
+            elif each.name.key in MASSES:
                 value = out[each.name] * mass
             elif each.name.key == "exponent":
                 value = out[each.name] + shift

@@ -61,6 +61,17 @@ def test_hard_spheres(run):
     assert "arrival" not in first
 
 
+@pytest.mark.filterwarnings("always::hertzchain.errors.InputWarning")
+def test_a_warning_is_printed_once(run, tmp_path):
+    file = tmp_path / "row.toml"
+    file.write_text(
+        '[chain]\ndiameters = ["10 mm", "8 mm"]\nmaterial = "steel-52100"\n'
+        'velocity = "0.1 m/s"\nright_wall = {gap = 1}\n'
+    )
+    # The peak with yielding contacts is that of another chain.
+    assert run("simulate", file).stderr.count("gap of the right wall is 1 m") == 1
+
+
 @pytest.mark.filterwarnings("default")
 def test_a_theory_out_of_its_range_warns_in_one_line(run, tmp_path):
     file = tmp_path / "chain.toml"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 import warnings
+from collections.abc import Callable
 from typing import Final
 
 import click
@@ -110,7 +111,7 @@ def main() -> None:
         sys.exit(FAILED)
     try:
         with warnings.catch_warnings():
-            warnings.showwarning = _show_warning
+            warnings.showwarning = _show_once()
             prepare_environment()
             code = cli.main(standalone_mode=False)
     except click.ClickException as error:
@@ -134,5 +135,14 @@ def main() -> None:
     sys.exit(code or DONE)
 
 
-def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
-    click.echo(f"Warning: {on_command_line(str(message))}", err=True)
+def _show_once() -> Callable[..., None]:
+    """Show warnings on stderr, each text once: a command may create a chain again."""
+    shown = set[str]()
+
+    def show(message: Warning | str, *_: object, **__: object) -> None:
+        text = on_command_line(str(message))
+        if text not in shown:
+            click.echo(f"Warning: {text}", err=True)
+        shown.add(text)
+
+    return show

@@ -625,6 +625,7 @@ def test_rejected_trials_are_compared_with_the_design(until, said):
     assert "; omit until, set another one, or use wall_force.largest_so_far" in first
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 def test_vertical_rows_can_be_compared_by_the_largest_force_in_the_run():
     """Beads that fall back to the wall keep its peak from being complete at a given end."""
     row = hc.Chain.from_materials("3 mm", "steel-52100", beads=2, velocity=0.0)

@@ -150,9 +150,8 @@ def test_impossible_materials_are_rejected(build, said):
 
 
 def test_millimetres_given_as_metres_are_suspected():
-    with pytest.warns(
-        hc.InputWarning, match="bead 1 has a diameter of 19 m.*write '19 mm', or divide by 1000"
-    ):
+    said = "bead 1 has a diameter of 19 m.*the diameter as '19 mm' or the radius as '9.5 mm', or"
+    with pytest.warns(hc.InputWarning, match=said):
         Chain.from_materials(9.5, "brass", beads=3)
 
 

@@ -215,6 +215,7 @@ def test_parts_of_a_converted_chain_are_scaled():
     assert scales.to_si(scaled).loss.time == pytest.approx(1e-6)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 @pytest.mark.parametrize(
     "call",
     [

@@ -33,11 +33,8 @@ def best_other_place(model: Model) -> OtherPlace | None:
     """The neighbouring place of one sensor that agrees best with the nominal chain."""
     signals = {signal.name: signal.place for _, signal in model.traces}
     others = list(_neighbours(signals, model))
-    known = model.simulator
-    simulator = Simulator(
-        [*signals.values(), *dict.fromkeys(place for _, place in others)], known.progress,
-        known.count,
-    )  # fmt: skip
+    places = [*signals.values(), *dict.fromkeys(place for _, place in others)]
+    simulator = Simulator(places, model.simulator.count_one)
     least, found = BETTER * _difference(model), None
     for name, place in others:
         other = _with_place(model, name, place, simulator)

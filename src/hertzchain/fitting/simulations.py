@@ -103,6 +103,12 @@ class Simulator:
             self._kept.popitem(last=False)
         return found.scaled_to(key, units)
 
+    def count_one(self, _: int = 0) -> None:
+        """Count and report a simulation of this simulator, or of one at other places."""
+        self.count += 1
+        if self.progress is not None:
+            self.progress(self.count)
+
     def knows(self, chain: Chain) -> bool:
         """Whether a chain with the same scaled motion has been simulated."""
         return similarity_key(chain, units_of(chain)) in self._kept
@@ -124,9 +130,7 @@ class Simulator:
             run = simulate(
                 chain, times=spacing * np.arange(count), rtol=RTOL, max_steps=limit, check=False
             )
-        self.count += 1
-        if self.progress is not None:
-            self.progress(self.count)
+        self.count_one()
         if not run.success:
             self.failed += 1
             raise SimulationError(run.message)

@@ -687,7 +687,7 @@ def test_simulate_says_what_a_wall_has_not_felt(run, tmp_path):
         document = json.loads(run(*command, "--json")[1])
         assert document["walls"][0]["peak"] is None
         assert document["walls"][0]["complete"] is False
-        file.write_text(EXPERIMENT + "gap = 0.1\n")
+        file.write_text(EXPERIMENT + "gap = 0.03\n")
         assert (
             "right wall: the pulse has not arrived" in run("simulate", file, "--until", "10 us")[1]
         )

@@ -91,6 +91,7 @@ def test_strikers_just_meet_the_compressed_chain():
     assert state.positions[0] - state.positions[1] - state.gaps[1] == pytest.approx(-0.3)
 
 
+@pytest.mark.filterwarnings("ignore:the gravity is 1e.09 m/s:hertzchain.errors.InputWarning")
 def test_beads_are_not_pressed_through_each_other():
     balls = Chain.from_materials(5e-3, "brass", beads=5)
     with pytest.raises(hc.InputError, match=r"contact 1, .* 0\.005 m; .* at most 1\.35e\+06 N"):

@@ -11,6 +11,9 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning"),
     # Impulses are compared at any time.
     pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning"),
+    # Of impacts at high speed.
+    pytest.mark.filterwarnings("ignore:.*gap .* but the beads are only:hertzchain.InputWarning"),
+    pytest.mark.filterwarnings("ignore:the gravity is:hertzchain.InputWarning"),
 ]
 
 

@@ -22,6 +22,9 @@ from hertzchain.simulation.state import fingerprint
 pytestmark = [
     pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning"),
     pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning"),
+    # Of random chains.
+    pytest.mark.filterwarnings("ignore:the gravity is:hertzchain.InputWarning"),
+    pytest.mark.filterwarnings("ignore:.*gap .* but the beads are only:hertzchain.InputWarning"),
 ]
 MIXED = Chain.uniform(5).replace(
     loss=[hc.Dashpot(0.1), None, hc.WaltonBraun(0.8), hc.ElasticPlastic(yield_overlap=0.1)],

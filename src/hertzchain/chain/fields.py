@@ -151,7 +151,8 @@ class ChainFields(Frozen):
                 p = float(self.contact_exponents[0 if name == "left_wall" else -1])
             check_part(name, part, scaled=self.scaled, exponent=p)
         if self.units == "SI":
-            of_walls = [each.gap if each else 0.0 for each in (self.left_wall, self.right_wall)]
+            walls = self.left_wall, self.right_wall
+            of_walls = [each.gap if each and not self.gravity else 0.0 for each in walls]
             input_checks.warn_large_gap(self.gaps, of_walls, self.radii)
             input_checks.warn_large_gravity(self.gravity)
 

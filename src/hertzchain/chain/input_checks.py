@@ -161,7 +161,10 @@ def warn_large_radius(radii: Array) -> None:
 
 
 def warn_large_gap(gaps: Array, of_walls: Sequence[float], radii: Array) -> None:
-    """Warn about gaps between beads, and of both walls, in metres that are in another unit."""
+    """Warn about gaps between beads and of both walls in metres that are probably in another unit.
+
+    Those of the walls of a falling chain, which may begin far from the wall, are given as 0.
+    """
     names = [*(f"gap {k + 1}" for k in range(len(gaps))), "the gap of the left wall",
              "the gap of the right wall"]  # fmt: skip
     distances, length = [*gaps, *of_walls], 2.0 * float(radii.sum())

@@ -34,7 +34,7 @@ from .result_document import constants_document, parameters_document
 from .settings import Settings, for_sensors, load_chain_and_settings
 from .shown_values import shown_value, unit_of_parameter
 from .simulations import Simulator, passing_time, range_notes
-from .uncertainty import correlation_of, large_error_notes, uncertainty
+from .uncertainty import Estimates, large_error_notes, uncertainty
 from .unused_parameters import check_used
 from .weak_directions import WeakDirection
 
@@ -47,7 +47,7 @@ MAX_SAMPLES: Final = 2_000_000
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class Forecast:
+class Forecast(Estimates):
     """Expected errors of a fit to the signals of a planned experiment.
 
     Attributes
@@ -71,10 +71,6 @@ class Forecast:
         Further remarks, one sentence each.
     """
 
-    names: tuple[str, ...]
-    estimates: Array
-    sigmas: Array
-    covariance: Array
     weak: tuple[WeakDirection, ...]
     sensors: tuple[str, ...]
     interval: float
@@ -84,21 +80,6 @@ class Forecast:
     problem: Problem = field(repr=False)
     variables: Array = field(repr=False)
     jacobian: Array = field(repr=False)
-
-    @property
-    def values(self) -> dict[str, float]:
-        """Assumed values by name, in SI."""
-        return dict(zip(self.names, self.estimates.tolist(), strict=True))
-
-    @property
-    def errors(self) -> dict[str, float]:
-        """Expected standard errors by name, in SI; infinite if not determined."""
-        return dict(zip(self.names, self.sigmas.tolist(), strict=True))
-
-    @property
-    def correlation(self) -> Array:
-        """Correlations of the parameters."""
-        return correlation_of(self.covariance)
 
     @cached_property
     def constants(self) -> tuple[FixedConstant, ...]:
@@ -230,10 +211,9 @@ def forecast(
 ) -> Forecast:
     r"""Forecast the errors of a fit to the signals of a planned experiment.
 
-    The chain is simulated with the assumed values of the free parameters :math:`\theta`.  From the
-    derivatives J of the signals :math:`f_i` at the times of the samples follows the covariance of
-    the parameters, which no unbiased estimate from these data can have a smaller one than (bound of
-    Cramér and Rao):
+    The chain is simulated with the assumed values of the free parameters :math:`\theta`.  The
+    derivatives J of the signals :math:`f_i` at the times of the samples determine the smallest
+    covariance that an unbiased estimate from these data can have (the Cramér-Rao bound):
 
     .. math::
 

@@ -27,7 +27,7 @@ from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
 from .shown_values import shown_diameter, shown_value
 from .systematics import Effect
-from .uncertainty import correlation_of
+from .uncertainty import Estimates
 from .weak_directions import WeakDirection
 from .weights import chi2_by_sensor, residuals_by_sensor
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class FitResult:
+class FitResult(Estimates):
     """Parameters of chains and sensors that describe measured traces best.
 
     Attributes
@@ -77,10 +77,6 @@ class FitResult:
         Whether the model describes the data only if the unit of all columns or times is changed.
     """
 
-    names: tuple[str, ...]
-    estimates: Array
-    sigmas: Array
-    covariance: Array
     goodness: Goodness
     converged: bool
     reason: str
@@ -98,21 +94,6 @@ class FitResult:
     residual_vector: Array = field(repr=False)
     advice: tuple[str, ...] = ()
     misread: bool = False
-
-    @property
-    def values(self) -> dict[str, float]:
-        """Values by name, in SI."""
-        return dict(zip(self.names, self.estimates.tolist(), strict=True))
-
-    @property
-    def errors(self) -> dict[str, float]:
-        """Standard errors by name, in SI; infinite at a bound or if not determined."""
-        return dict(zip(self.names, self.sigmas.tolist(), strict=True))
-
-    @property
-    def correlation(self) -> Array:
-        """Correlations of the parameters."""
-        return correlation_of(self.covariance)
 
     @property
     def chain(self) -> Chain:

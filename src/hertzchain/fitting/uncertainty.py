@@ -19,6 +19,33 @@ LARGE_ERROR: Final = 1.0
 
 
 @dataclass(frozen=True, eq=False)
+class Estimates:
+    """Values of parameters with standard errors and their covariance, by name."""
+
+    names: tuple[str, ...]
+    estimates: Array
+    sigmas: Array
+    covariance: Array
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Values by name, in SI."""
+        return dict(zip(self.names, self.estimates.tolist(), strict=True))
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Standard errors by name, in SI; infinite at a bound or if not determined."""
+        return dict(zip(self.names, self.sigmas.tolist(), strict=True))
+
+    @property
+    def correlation(self) -> Array:
+        """Correlations of the parameters; one without a variance has none."""
+        scale = np.sqrt(np.diag(self.covariance))
+        scale[scale == 0.0] = 1.0
+        return np.asarray(self.covariance / np.outer(scale, scale))
+
+
+@dataclass(frozen=True, eq=False)
 class Uncertainty:
     """Values with errors and covariance, the sizes of the parameters, and weak directions."""
 
@@ -58,13 +85,6 @@ def uncertainty(
         if each.exact and not each.fixed_by:
             sigmas[[name in each.weights for name in names]] = np.inf
     return Uncertainty(estimates, sigmas, covariance, sizes, weak)
-
-
-def correlation_of(covariance: Array) -> Array:
-    """Correlations from a covariance; a parameter without a variance has none."""
-    scale = np.sqrt(np.diag(covariance))
-    scale[scale == 0.0] = 1.0
-    return np.asarray(covariance / np.outer(scale, scale))
 
 
 def large_error_notes(model: Model, found: Uncertainty) -> list[str]:

@@ -613,7 +613,7 @@ def test_rejected_trials_are_compared_with_the_design(until, said):
     headline = f"best of {8 - len(rejected)} of 8 choices ({len(rejected)} were rejected, see the"
     assert headline in found.summary()
     equal = sum(len(np.unique(row.radii[1:])) == 1 for row in rejected)
-    assert (f"{equal} of 2 chains of the kind 'equal balls in the places that vary'"
+    assert (f"{equal} of 2 chains for the comparison with 'equal balls in the places that vary'"
             in found.summary()) == (equal > 0)  # fmt: skip
     last = found.notes[-1]
     assert said in last

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..collision import HERTZ_EXPONENT, Array
-from ..representation import MAX_DIGITS, measure
+from ..representation import MAX_DIGITS, listed, measure
 from .materials import Material
 from .repeated_cells import cell_repeats, smallest_cell
 from .taper_sizes import SHAPES, taper_between
@@ -140,7 +140,7 @@ def strikers_in_words(
         for part in ((materials or ())[:count], (materials or ())[count:])
     )
     size = _size_of_strikers(count, radii, masses, units)
-    about = ", ".join(filter(None, (size, " and ".join(own) if own != others else "")))
+    about = ", ".join(filter(None, (size, listed(own) if own and own != others else "")))
     return f"{count} striker{'s' * (count > 1)}" + (f" ({about})" if about else "")
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import IncompleteWarning, InputError, InputWarning, ModelRangeWarning
 from ..recorded_warnings import ignore_warnings
-from ..representation import counted
+from ..representation import counted, listed
 from ..simulation.ensemble_input import is_covered
 from ..store.digests import document_digest
 from ..store.file_lock import lock
@@ -276,7 +276,7 @@ def _note_on_samples(trials: Trials, exceeded: list[str]) -> list[str]:
     if not exceeded:
         return []
     return [
-        f"new samples of the scatter violate {' and '.join(exceeded)}, although the "
+        f"new samples of the scatter violate {listed(exceeded)}, although the "
         f"{trials.samples} samples of the search may not: set stricter limits, or give the scatter "
         "more samples"
     ]

@@ -25,10 +25,9 @@ def notes_on_rejections(trials: Trials, best: Verified) -> list[str]:
     notes = [f"{which} rejected, {first}because {why_rejected(trials)}"]
     for name, each in trials.references.items():
         if each.rejected:
-            part = f"of {each.tried} chains" if each.tried > 1 else "the chain"
             verb = "were" if each.rejected > 1 else "was"
-            number = f"{each.rejected} " if each.tried > 1 else ""
-            notes.append(f"{number}{part} of the kind {name!r}, to compare with, {verb} rejected")
+            which = f"{each.rejected} of {counted(each.tried, 'chain')}"
+            notes.append(f"{which} for the comparison with {name!r} {verb} rejected")
     compared = trials.problem.objective.single == PEAK and trials.problem.objective.weights[0] > 0.0
     simulated = trials.problem.model == "simulation" and trials.problem.scatter is None
     if compared and simulated and trials.best[0].met and trials.rejected <= MAX_FAILURES:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ..representation import counted, usual_unit, with_decimals
+from ..representation import counted, listed, usual_unit, with_decimals
 from .ball_space import BallSpace
 from .comparison import (
     best_reference,
@@ -95,8 +95,7 @@ def _scattered(result: DesignResult, each: Measure) -> str:
     over = [kind for kind, value in values.items() if any(x.excess(value) > 0.0 for x in limits)]
     verb = "exceed" if len(over) > 1 else "exceeds"
     over = ["worst value" if kind == "worst" else kind for kind in over]
-    kinds = f"{', '.join(over[:-1])} and {over[-1]}" if len(over) > 1 else "".join(over)
-    exceeding = f" ({kinds} {verb} the limit)" if over else ""
+    exceeding = f" ({listed(over)} {verb} the limit)" if over else ""
     return f"{each} {', '.join(parts)}{exceeding}"
 
 

@@ -155,7 +155,7 @@ def kind_of(chain: Chain, name: Name) -> Kind:
     example = {"materials": "materials[NAME].", "radius": "radius[8]", "mass": "mass[8]"}
     known = known_names(chain)
     shown = {each.split("[")[0].split(".")[0] for each in known} | {"wall"}
-    absent = key in ("struck_by.mass", "struck_by.radius") and key not in known
+    absent = key.startswith("struck_by.") and key not in known
     if key not in KINDS or key.split(".")[0] not in shown or absent:
         raise UnknownParameterError(chain, name)
     if key == "exponent" and "exponent" not in known:

@@ -42,13 +42,13 @@ def signal_noise_advice(result: FitResult) -> str:
         return ""
     if best == 0:
         return (
-            f"the residuals are independent and as large as a noise of {size:.2g} times the signal "
-            "makes them: check the sensors and amplifiers. No other cause is needed"
+            f"the residuals are independent, and their size is that of a noise of {size:.2g} times "
+            "the signal: check the sensors and amplifiers. No other cause is needed"
         )
     error = measure(size, "s", digits=2)
     return (
-        f"the residuals are independent and as large as random errors of {error} in the times of "
-        "the samples make them: check the clock of the digitiser, and whether the times are "
+        f"the residuals are independent, and their size is that of random errors of {error} in the "
+        "times of the samples: check the clock of the digitiser, and whether the times are "
         "rounded. No other cause is needed"
     )
 

@@ -73,7 +73,7 @@ def small_residual_notes(problem: Problem, residuals: Array) -> list[str]:
         return []
     return [
         f"the residuals of {listed(names)} are far smaller than the noise, so the errors are those "
-        "of independent noise of this size, such as of a planned experiment"
+        "for independent noise of this size, as in a forecast of an experiment"
     ]
 
 

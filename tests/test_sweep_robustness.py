@@ -19,6 +19,7 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
+from interruption import PROMPT
 
 import hertzchain as hc
 from hertzchain.store.sweep_store import SweepStore, locked
@@ -271,7 +272,7 @@ def test_processes_of_any_pool_stop_with_the_sweep(specification, tmp_path):
         with pytest.raises(KeyboardInterrupt):
             hc.sweep(specification, tmp_path / "sweep", executor=pool)
         begun = time.monotonic()
-    assert time.monotonic() - begun < 5.0
+    assert time.monotonic() - begun < PROMPT
     assert files_beside(tmp_path / "sweep") == []
 
 
@@ -368,7 +369,7 @@ def test_an_interrupted_sweep_resumes(specification, undisturbed, tmp_path):
     kill_at(process, store, 2, signal.SIGINT)
     begun = time.monotonic()
     _, told = process.communicate(timeout=60)
-    assert time.monotonic() - begun < 5.0
+    assert time.monotonic() - begun < PROMPT
     assert process.returncode == 130
     assert "run the same command again to resume" in told
     assert 2 <= done_batches(store) < 32
@@ -402,8 +403,7 @@ def test_an_interrupt_is_handled_at_once_in_large_sweeps(tmp_path, size, seconds
     begun = time.monotonic()
     process.communicate(timeout=60)
     assert process.returncode == 130
-    # Two seconds, and as much again for a machine that does other work.
-    assert time.monotonic() - begun < 4.0
+    assert time.monotonic() - begun < PROMPT
 
 
 def test_a_full_disk_is_reported_and_the_sweep_resumes(specification, undisturbed, tmp_path):
@@ -844,7 +844,7 @@ def test_a_scheduler_that_does_not_answer_is_reported_soon(monkeypatch):
     said = "no dask scheduler answers at 'tcp://127.0.0.1:1'"
     with pytest.raises(hc.InputError, match=said), executors.dask_pool("tcp://127.0.0.1:1"):
         pass
-    assert time.monotonic() - begun < 15.0
+    assert time.monotonic() - begun < 30.0
 
 
 @pytest.mark.parametrize("address", ["http://127.0.0.1:1", "nonsense", "", "tcp://127.0.0.1", 3])
@@ -856,7 +856,7 @@ def test_an_invalid_address_is_rejected_immediately(address):
     said = "tls://127.0.0.1:1 needs certificates"
     with pytest.raises(hc.InputError, match=said), executors.dask_pool("tls://127.0.0.1:1"):
         pass
-    assert time.monotonic() - begun < 5.0
+    assert time.monotonic() - begun < PROMPT
 
 
 def test_options_of_the_command_that_contradict(specification, run):

@@ -22,6 +22,7 @@ import hertzchain as hc
 from hertzchain.cli.progress import _Pace
 from hertzchain.designs import dry_run as timing
 from hertzchain.designs import pareto, trials
+from hertzchain.designs.balls import load_balls
 from hertzchain.designs.bounds import impossible
 from hertzchain.designs.design import dry_run
 from hertzchain.designs.dry_run import in_lines
@@ -519,6 +520,13 @@ def test_too_many_variables_are_explained():
     chain = hc.Chain.uniform(600).replace(right_wall=hc.Wall())
     with pytest.raises(hc.InputError, match="599 variables are too many"):
         hc.design(problem(chain=chain), budget=10)
+
+
+def test_catalogues_and_chain_files_have_the_same_headers(tmp_path):
+    file = tmp_path / "balls.csv"
+    file.write_text("Diameter (mm),Material\n4,ptfe\n")
+    (ball,) = load_balls(file)
+    assert (ball.diameter, ball.material.name) == (pytest.approx(4e-3), "ptfe")
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ from hertzchain.designs.sensitivity import changes, sensitivity
 from hertzchain.designs.sizes import spline_basis
 from hertzchain.designs.smooth_tapers import promise
 from hertzchain.designs.trials import Outcome, Trials
-from hertzchain.designs.verified import quietly
+from hertzchain.designs.verified import quietly, verify_chain
 from hertzchain.plotting.legends import covers_data
 from hertzchain.store.journal import Journal
 
@@ -1072,7 +1072,7 @@ def test_figures_show_both_chains(softest):
     ]  # fmt: skip
     lines = figure.axes[1].lines
     assert lines[1].get_ydata().max() == pytest.approx(softest.value, rel=1e-2)
-    assert len(softest.plot_all().axes) == 4
+    assert len(softest.plot().axes) == 4
     labels = [text.get_text() for text in figure.axes[1].get_legend().get_texts()]
     assert labels[1] == f"design, peak {softest.value:.4g}"
     with pytest.raises(hc.InputError, match="ax takes one kind"):
@@ -1486,3 +1486,56 @@ def test_scattered_chains_without_a_value_have_a_reason(monkeypatch):
     found = hc.distribution(WALLED, "wall_force.peak", hc.Scatter(radius=0.01, samples=20))
     assert found.failed == 1
     assert found.reason == "wall_force.peak is not complete at the end of the run"
+
+
+def test_a_distribution_needs_a_value_of_the_chain_itself(monkeypatch):
+    module = importlib.import_module("hertzchain.designs.distribution")
+    simulate_all = module.measured
+
+    def incomplete(*arguments, **options):
+        found = simulate_all(*arguments, **options)
+        values = found.values.copy()
+        values[0] = np.nan
+        return found._replace(values=values)
+
+    monkeypatch.setattr(module, "measured", incomplete)
+    said = r"the chain without deviations has no wall_force\.peak: .* is not complete"
+    with pytest.raises(hc.SimulationError, match=said):
+        hc.distribution(WALLED, "wall_force.peak", hc.Scatter(radius=0.01, samples=20))
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"minimise": {"velocity@5": 1.0, "wall_force.peak": -2.0}},
+        {"minimise": "velocity@5", "subject_to": {"wall_force.peak": ">= 0.5"}},
+        {"minimise": {"velocity@5": 1.0, "wall_force.peak": 0.0},
+         "subject_to": {"wall_force.peak": ">= 0.5"}},
+    ],
+)  # fmt: skip
+def test_search_and_verification_average_the_same_end_of_the_samples(given):
+    """Small forces are bad in these problems."""
+    scatter = hc.Scatter(radius=0.02, measure="cvar80", samples=10)
+    problem = hc.Design(WALLED, vary=[hc.vary.radii(0.5, 1.0)], scatter=scatter, **given)
+    trials = Trials(problem, budget_from(100), Journal(None, ""), seed=3)
+    radii = WALLED.radii * np.exp(0.02 * scatter._draws(3, 10))
+    chains = [WALLED.replace(radii=row) for row in radii]
+    peaks = np.sort(hc.simulate_many(chains, keep=["wall_peak_force"])["wall_peak_force"])
+    outcome = trials.evaluate([problem.space.point(WALLED)])[0]
+    where = trials.position[problem.measures[-1]]
+    assert problem.measures[-1].key == "wall_force.peak"
+    assert outcome.values[where] == pytest.approx(peaks[:2].mean(), rel=1e-6)
+    sampled = verify_chain(problem, WALLED, np.nan, 0).scattered
+    assert sampled["worst of wall_force.peak"] < sampled["mean of wall_force.peak"]
+
+
+def test_limits_in_both_directions_need_the_mean_of_a_scatter():
+    given = {
+        "minimise": "velocity@5", "vary": [hc.vary.radii(0.5, 1.0)],
+        "subject_to": {"wall_force.peak": ["<= 1.5", ">= 0.5"]},
+    }  # fmt: skip
+    said = "large and small values of wall_force.peak are both bad here, but CVaR90 is the mean of"
+    with pytest.raises(hc.InputError, match=said):
+        hc.Design(WALLED, scatter=hc.Scatter(radius=0.02), **given)
+    hc.Design(WALLED, scatter=hc.Scatter(radius=0.02, measure="mean"), **given)
+    hc.Design(WALLED, **given)

@@ -1114,6 +1114,18 @@ LONG_RUNS = {
 }
 
 
+def test_estimated_files_are_those_of_the_store(tmp_path):
+    """In SI units, each batch also writes variables about the range and the completeness."""
+    given = {
+        "chain": {"radii": "5 mm", "materials": "steel-52100", "beads": 5, "right_wall": {}},
+        "axes": {"velocity": [0.001, 0.002, 0.003, 0.004]},
+        "sweep": {"methods": "simulate", "keep": "wall_peak_force", "batch": 1},
+    }
+    hc.sweep(given, tmp_path / "sweep")
+    files = [file for file in (tmp_path / "sweep").rglob("*") if file.is_file()]
+    assert abs(estimate(given, workers=1).files - len(files)) <= 3
+
+
 def test_estimates_do_not_wait_for_long_runs(monkeypatch):
     hc.sweep(LONG_RUNS | {"axes": {"beads": [4], "velocity": [0.01]}})  # compiles
     monkeypatch.setattr(timing, "LONGEST", 0.05)

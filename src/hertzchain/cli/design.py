@@ -127,5 +127,6 @@ def _write(result: Any, out: Path | None, plot: Path | None) -> None:
             text = each.to_csv() if out.suffix == ".csv" else each.to_toml()
             write_bytes(file, text.encode())
     if plot is not None:
-        figure = result.plot_all()
-        save_figure(figure.axes[0], plot)
+        from ..plotting.designs import plot_design
+
+        save_figure(plot_design(result).axes[0], plot)

@@ -12,7 +12,7 @@ from typing import Final
 from ..chain.materials import Material, material
 from ..errors import InputError, errors_at
 from ..representation import counted
-from ..store.csv_tables import csv_rows
+from ..store.csv_tables import csv_rows, split_header
 from ..units import converted
 from ..validation.objects import file_path, shown_path
 
@@ -85,14 +85,13 @@ def _read(path: Path) -> tuple[Ball, ...]:
         raise InputError("it has no balls; give a header, such as diameter [mm],material, and rows")
     names, units = [], {}
     for header in rows[0]:
-        name, _, unit = header.partition("[")
-        name = name.strip().lower()
+        name, unit = split_header(header) or (header, None)
         if name not in COLUMNS or name in names:
             raise InputError(
                 f"column {header!r} is unknown or repeated: choose from {', '.join(COLUMNS)}"
             )
         names.append(name)
-        units[name] = unit.strip(" ]")
+        units[name] = unit or ""
     for needed in ("diameter", "material"):
         if needed not in names:
             raise InputError(f"it has no column {needed}")

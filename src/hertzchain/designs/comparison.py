@@ -48,8 +48,8 @@ class ReferenceComparison:
 def compared(result: DesignResult, found: Verified) -> ReferenceComparison:
     """The design and a chain to compare with."""
     return ReferenceComparison(
-        result.objective_of(found), result.value, value_if_yielding(result, found),
-        value_if_yielding(result, result.verified), met(result.problem, found.values),
+        result.objective_of(found), result.value, objective_if_yielding(result, found),
+        objective_if_yielding(result, result.verified), met(result.problem, found.values),
     )  # fmt: skip
 
 
@@ -60,7 +60,7 @@ def has_yielding_value(result: DesignResult, found: Verified) -> bool:
     return math.isfinite(result._objective(found.yielding))
 
 
-def value_if_yielding(result: DesignResult, found: Verified) -> float:
+def objective_if_yielding(result: DesignResult, found: Verified) -> float:
     """Objective with contacts that yield; of a chain whose contacts do not, the elastic one."""
     known = has_yielding_value(result, found)
     return result._objective(found.yielding if known else found.values)
@@ -69,13 +69,13 @@ def value_if_yielding(result: DesignResult, found: Verified) -> float:
 def better_if_yielding(result: DesignResult) -> int | None:
     """Index of the best runner-up with contacts that yield, if it is better than the design."""
     values = {
-        i: result._sign * value_if_yielding(result, each)
+        i: result._sign * objective_if_yielding(result, each)
         for i, each in enumerate(result.runners_up)
         if met(result.problem, each.values)
     }
     finite = {i: value for i, value in values.items() if math.isfinite(value)}
     best = min(finite, default=None, key=lambda i: finite[i])
-    own = result._sign * value_if_yielding(result, result.verified)
+    own = result._sign * objective_if_yielding(result, result.verified)
     better = best is not None and finite[best] < own - NEGLIGIBLE * abs(own)
     return best if better else None
 

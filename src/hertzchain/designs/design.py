@@ -14,7 +14,6 @@ import numpy as np
 from ..errors import IncompleteWarning, InputError, InputWarning, ModelRangeWarning
 from ..recorded_warnings import ignore_warnings
 from ..representation import counted, listed
-from ..simulation.ensemble_input import is_covered
 from ..store.digests import document_digest
 from ..store.file_lock import lock
 from ..store.journal import Journal
@@ -153,9 +152,8 @@ def dry_run(
 
 
 def _chosen_method(problem: Design, method: str, limit: Budget) -> str:
-    chain = problem.chain
-    together = is_covered(chain, problem.until)
-    return method_for(problem, method, simulations_within(limit, chain.beads, elastic=together))
+    within = simulations_within(limit, problem.chain, problem.until)
+    return method_for(problem, method, within)
 
 
 def _check_budget(problem: Design, limit: Budget, points: int) -> None:

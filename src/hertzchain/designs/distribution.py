@@ -279,13 +279,18 @@ def distribution(
     outside = _outside_range(chains, simulated.table)
     nominal, found = simulated.values[0, 0], simulated.values[1:, 0]
     good = found[np.isfinite(found)]
-    if len(good) < 2 or not np.isfinite(nominal):
+    missing = f"{measure} is not complete at the end of the run"
+    if not np.isfinite(nominal):
+        reasons = {} if simulated.table is None else simulated.table.reasons
+        raise SimulationError(
+            f"the chain without deviations has no {measure}: {reasons.get(0, missing)}"
+        )
+    if len(good) < 2:
         raise SimulationError(f"fewer than two chains have a value of {measure}")
     good.setflags(write=False)
     failed = len(found) - len(good)
     table = simulated.table
     overlaps = None if table is None else table._overlaps[0, : chain.beads + 1]
-    missing = f"{measure} is not complete at the end of the run"
     reason = next(iter(simulated.reasons), missing) if failed else ""
     return Distribution(
         chain, deviations, str(measure), float(nominal), good, failed, outside, reason,

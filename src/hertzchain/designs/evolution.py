@@ -23,9 +23,9 @@ STALLED, MIN_GAIN, MIN_STEP = 20, 1e-5, 1e-6
 class Strategy:
     """Mean, step and covariance of the distribution of trials."""
 
-    def __init__(self, start: Array, sigma: float, population: int) -> None:
+    def __init__(self, start: Array, population: int) -> None:
         n = self.n = len(start)
-        self.mean, self.sigma = start.copy(), sigma
+        self.mean, self.sigma = start.copy(), SIGMA
         self.population, half = population, population // 2
         weights = math.log(half + 0.5) - np.log(np.arange(1, half + 1))
         self.weights = weights / weights.sum()
@@ -78,12 +78,12 @@ def reflected(points: Array) -> Array:
 
 
 def evolve(
-    trials: Trials, start: Array, end: float, rng: np.random.Generator, *, sigma: float = SIGMA,
+    trials: Trials, start: Array, end: float, rng: np.random.Generator, *,
     population: int | None = None,
 ) -> Outcome | None:  # fmt: skip
     """One run from a start, until it stalls or a part of the budget is used; its best trial."""
     size = population or 2 * (4 + int(3.0 * math.log(len(start))))
-    strategy, best = Strategy(start, sigma, size), None
+    strategy, best = Strategy(start, size), None
     bests: list[float] = []
     while trials.used < end:
         steps, points = strategy.ask(rng)

@@ -13,8 +13,8 @@ from .comparison import (
     better_if_yielding,
     compared,
     equal_balls,
+    objective_if_yielding,
     references_in_words,
-    value_if_yielding,
 )
 from .measures import Measure
 
@@ -83,7 +83,7 @@ def _better_if_yielding(result: DesignResult) -> dict[str, Any] | None:
     return {
         "runner_up": place + 1,
         "value": result.objective_of(found),
-        "value_with_yielding_contacts": value_if_yielding(result, found),
+        "value_with_yielding_contacts": objective_if_yielding(result, found),
     } | _beads(found.chain)
 
 

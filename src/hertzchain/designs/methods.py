@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -35,7 +35,7 @@ from .genetic import MAX_ENUMERATED, enumerate_all, search
 from .problem import Design
 from .quasi_newton import quasi_newton
 from .scanning import scan
-from .search_budget import Spent
+from .search_budget import Spent, simulations_within
 from .size_space import SizeSpace
 from .trials import Outcome, Trials
 
@@ -47,8 +47,6 @@ MAX_VARIABLES: Final = {"hybrid": 500, "evolution": 500, "gradient": 2000}
 # Ratio of the limits of radii from which, and number of variables up to which, an evolution
 # strategy is better than descents alone.
 WIDE, MOST_EVOLVED = 2.25, 30
-# A time budget is regarded as this many simulations per second where a number is needed.
-RUNS_PER_SECOND: Final = 1500
 MIDDLE: Final = 0.5
 # A smooth objective is not searched further if this many descents have the best score.
 AGREEING, AGREE = 4, 1e-9
@@ -193,7 +191,7 @@ def polish(trials: Trials, point: Array, end: float) -> Outcome | None:
 def _evolved(trials: Trials, end: float) -> list[Outcome]:
     """Runs of the evolution strategy, whose population follows from the budget; their best."""
     rng, size = np.random.default_rng([trials.seed, 1]), trials.problem.space.size
-    total = min(trials.budget.runs, RUNS_PER_SECOND * trials.budget.seconds)
+    total = simulations_within(trials.budget, trials.problem.chain, trials.problem.until)
     share = max(0.0, (end - trials.used) * total)
     if trials.draws is not None:
         share /= len(trials.draws)
@@ -274,13 +272,9 @@ def _robust(trials: Trials, method: str, end: float) -> Found:
 
 def _search_without_scatter(trials: Trials, method: str, end: float) -> tuple[Trials, Found]:
     """Search with a part of the budget without the scatter; the trials, and their ends."""
-    import dataclasses
-
-    problem = dataclasses.replace(trials.problem, scatter=None)
-    object.__setattr__(problem, "objectives", trials.problem.objectives)
-    object.__setattr__(problem, "requirements", trials.problem.requirements)
+    problem = trials.problem._with(scatter=None)
     genetic = method == "genetic"
-    nominal = dataclasses.replace(
+    nominal = replace(
         trials, problem=problem, best=[], history=[], kept=CHOICES if genetic else trials.kept
     )
     nominal.clock = trials.clock

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import hashlib
 import math
@@ -68,8 +69,9 @@ class Design:
     Raises
     ------
     InputError
-        If the chain does not have a measure, variables leave nothing to vary or overlap, or
-        constraints exclude each other.
+        If the chain does not have a measure, variables leave nothing to vary or overlap,
+        constraints exclude each other, or large and small values of a measure are both bad but
+        its CVaR is the mean of one end.
 
     Examples
     --------
@@ -93,6 +95,8 @@ class Design:
     space: Space = field(init=False)
     # Measures of all objectives, which a part of a Pareto problem keeps.
     reported: tuple[Measure, ...] = field(init=False)
+    # 1 for measures of which large values are bad, and -1 if small ones are.
+    bad_sides: dict[Measure, int] = field(init=False)
 
     def __post_init__(self) -> None:
         require_chain("Design", self.chain)
@@ -107,6 +111,7 @@ class Design:
         object.__setattr__(self, "scatter", scatter_from(self.scatter))
         if self.scatter is not None:
             self.scatter._check(chain)
+        object.__setattr__(self, "bad_sides", self._bad_sides())
         if self.until is not None:
             until = number("until", self.until, unit=chain._unit("s"), above=0.0)
             object.__setattr__(self, "until", until)
@@ -114,6 +119,23 @@ class Design:
         self._check_end()
         self._check_prices()
         self._check_model()
+
+    def _bad_sides(self) -> dict[Measure, int]:
+        sides: dict[Measure, set[int]] = {measure: set() for measure in self.measures}
+        for objective in self.objectives:
+            if objective.targets is None:
+                for measure, weight in zip(objective.measures, objective.weights, strict=True):
+                    sides[measure] |= {int(np.sign(weight))} - {0}
+        for each in self.requirements:
+            sides[each.measure].add(each.sign)
+        for measure, found in sides.items():
+            if len(found) > 1 and self.scatter and self.scatter.tail and not measure.of_chain:
+                raise InputError(
+                    f"large and small values of {measure} are both bad here, but "
+                    f"{self.scatter.statistic} is the mean of one end: give a limit in one "
+                    "direction, or a scatter with measure 'mean'"
+                )
+        return {measure: min(found, default=1) for measure, found in sides.items()}
 
     def _check_impact(self) -> None:
         """Raise `InputError` if a simulation would begin with beads that only move apart."""
@@ -224,17 +246,17 @@ class Design:
 
     def _with_limit(self, requirement: Requirement, first: int) -> Design:
         """One objective of a Pareto front, with a limit on the other."""
-        found = self._only(first)
-        object.__setattr__(found, "requirements", (*self.requirements, requirement))
-        return found
+        return self._only(first)._with(requirements=(*self.requirements, requirement))
 
     def _only(self, index: int) -> Design:
         """The problem with one objective of a Pareto front."""
-        return self._with_objective(self.objectives[index])
+        return self._with(objectives=(self.objectives[index],))
 
-    def _with_objective(self, objective: Objective) -> Design:
-        found = dataclasses.replace(self)
-        object.__setattr__(found, "objectives", (objective,))
+    def _with(self, **parts: Any) -> Design:
+        """The problem with other objectives, requirements or scatter."""
+        found = copy.copy(self)
+        for name, part in parts.items():
+            object.__setattr__(found, name, part)
         return found
 
     @property

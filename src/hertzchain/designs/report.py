@@ -15,14 +15,15 @@ from .comparison import (
     better_if_yielding,
     compared,
     has_yielding_value,
+    objective_if_yielding,
     references_in_words,
-    value_if_yielding,
 )
 from .measures import Measure, in_words
 from .methods import SEEDED
+from .requirements import TOLERANCE
 from .size_space import SizeSpace
 from .start_rows import ARRIVES
-from .verified import Verified, excess_with_scatter, met
+from .verified import FRESH, Verified, excess_with_scatter, met
 
 if TYPE_CHECKING:
     from .result import DesignResult
@@ -51,7 +52,9 @@ def summary(result: DesignResult) -> str:
     lines += [_requirement(result, i) for i in range(len(problem.requirements))]
     lines += [f"  bound: {bound}" for bound in result.bounds]
     sampled = [each for each in problem.measures if f"mean of {each}" in result.verified.scattered]
-    lines += [f"  with scatter, 400 new samples: {_scattered(result, each)}" for each in sampled]
+    lines += [
+        f"  with scatter, {FRESH} new samples: {_scattered(result, each)}" for each in sampled
+    ]
     if result.parts:
         lines.append("parts, without the arriving ball:" if _arrives(result) else "parts:")
         lines += [f"  {count} x {name}" for count, name in result.parts]
@@ -219,7 +222,7 @@ def _no_better(result: DesignResult) -> list[str]:
 
 
 def _shown_if_yielding(result: DesignResult, found: Verified) -> str:
-    return result._shown(value_if_yielding(result, found)).strip()
+    return result._shown(objective_if_yielding(result, found)).strip()
 
 
 def _first_upper(text: str) -> str:
@@ -299,7 +302,7 @@ def _requirement(result: DesignResult, index: int) -> str:
     text = f"  {each}: {each.shown(value)}{_counted(result, each.measure)}"
     if name in result.verified.yielding and not each.measure.of_chain:
         text += f" ({each.shown(result.verified.yielding[name])} with contacts that yield)"
-    return text if each.excess(value) <= 1e-6 else f"{text}, NOT met"
+    return text if each.excess(value) <= TOLERANCE else f"{text}, NOT met"
 
 
 def _sizes(result: DesignResult) -> list[str]:

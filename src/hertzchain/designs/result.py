@@ -342,22 +342,6 @@ class DesignResult:
         check_choice("kind of plot", kind, designs.KINDS)
         return designs.KINDS[kind](self, ax=ax)
 
-    def plot_all(self) -> Figure:
-        """Plot the chain, forces, history and sensitivity in one figure.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
-        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
-        >>> found = hc.design(problem, budget=200)
-        >>> len(found.plot_all().axes)
-        4
-        """
-        from ..plotting.designs import plot_design
-
-        return plot_design(self)
-
     @property
     def discrete(self) -> bool:
         """Whether balls or their order vary."""

@@ -140,12 +140,21 @@ class Scatter:
 
     def _worst(self, values: Array, sign: float) -> Any:
         """Indices of the samples that count, for values of which large (sign 1) are bad."""
-        order = np.argsort(sign * values, kind="stable")
-        return order[len(values) - self._counted(len(values)) :]
+        return worst(values, sign, self.tail)
 
     def _counted(self, samples: int) -> int:
         """Number of the samples that count."""
-        return max(1, round(self.tail * samples)) if self.tail else samples
+        return _counted(samples, self.tail)
+
+
+def worst(values: Array, sign: float, tail: float) -> Any:
+    """Indices of the worst part of samples, of which large (sign 1) are bad; all without a tail."""
+    order = np.argsort(sign * values, kind="stable")
+    return order[len(values) - _counted(len(values), tail) :]
+
+
+def _counted(samples: int, tail: float) -> int:
+    return max(1, round(tail * samples)) if tail else samples
 
 
 def scatter_from(given: object) -> Scatter | None:

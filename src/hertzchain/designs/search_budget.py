@@ -7,7 +7,9 @@ import time
 from dataclasses import dataclass
 from typing import Any, Final
 
+from ..chain.chain import Chain
 from ..errors import InputError
+from ..simulation.ensemble_input import is_covered
 from ..validation.numbers import has_unit, number, whole_number
 
 DEFAULT: Final = 20_000
@@ -33,11 +35,12 @@ class Budget:
         return max(runs / self.runs, seconds / self.seconds)
 
 
-def simulations_within(limit: Budget, beads: int, *, elastic: bool) -> float:
+def simulations_within(limit: Budget, chain: Chain, until: float | None) -> float:
     """Number of simulations that a budget surely permits, also on a slow computer."""
     if math.isfinite(limit.runs):
         return limit.runs
-    each = SLOWEST * (1.0 + (beads / MANY_BEADS) ** 2) * (1.0 if elastic else LOSSY)
+    together = is_covered(chain, until)
+    each = SLOWEST * (1.0 + (chain.beads / MANY_BEADS) ** 2) * (1.0 if together else LOSSY)
     return limit.seconds / each
 
 

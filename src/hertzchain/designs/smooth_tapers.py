@@ -73,7 +73,6 @@ class Promise:
     x: Array
     value: float
     error: float
-    evaluations: int
 
 
 class Law:
@@ -85,7 +84,6 @@ class Law:
         self.problem, self.space, self.quantity = problem, space, measure.key
         self.bead = measure.index(problem.chain.beads) + 1
         self.sign = float(np.sign(problem.objective.weights[0]))
-        self.evaluations = 0
 
     def chain(self, x: Array) -> Chain:
         """The chain at a point, which may be slightly outside the limits."""
@@ -93,7 +91,6 @@ class Law:
 
     def objective(self, x: Array) -> tuple[float, Array]:
         """Logarithm of the value, with its sign, and its derivatives."""
-        self.evaluations += 1
         chain = self.chain(x)
         value, logarithmic = local_rate_gradient(chain, self.quantity, bead=self.bead)
         slope = self.space.pull(np.clip(x, 0.0, 1.0), {"radii": logarithmic / chain.radii})
@@ -101,7 +98,6 @@ class Law:
 
     def estimates(self, x: Array) -> Array:
         """Estimated errors of the velocities that the objective depends on; 1 if unknown."""
-        self.evaluations += 1
         chain, last = self.problem.chain, max(self.bead, 2)
         error: Array | None
         if chain.features or not isinstance(chain.exponents, float):
@@ -157,7 +153,6 @@ def promise(problem: Design) -> Promise:
     levels = [k for k in COARSE if k < final] + [None]
     chains: list[Chain] = []
     best: Promise | None = None
-    evaluations = 0
     with ignore_warnings(ModelRangeWarning):
         for level in levels:
             space = problem.space if level is None else (
@@ -166,11 +161,10 @@ def promise(problem: Design) -> Promise:
             law = Law(problem, space)
             starts = [space.point(chain) for chain in chains] or _tapers(space)
             found = [climb(law, start, coarse=level is not None) for start in starts]
-            evaluations += law.evaluations
             best = min(found, key=lambda each: (law.room(each.x) < -1e-3, each.value))
             chains = [law.chain(best.x)]
         assert best is not None
-        return Promise(best.x, float(np.exp(law.sign * best.value)), best.error, evaluations)
+        return Promise(best.x, float(np.exp(law.sign * best.value)), best.error)
 
 
 def _tapers(space: SizeSpace) -> list[Array]:
@@ -228,4 +222,4 @@ def climb(law: Law, start: Array, *, coarse: bool) -> Promise:
             box *= 0.3
             if box < 1e-3:
                 break
-    return Promise(x, value, float(law.estimates(x).max()), law.evaluations)
+    return Promise(x, value, float(law.estimates(x).max()))

@@ -109,19 +109,8 @@ class Trials:
         self.limits = [self.position[each.measure] for each in self.problem.requirements]
         scatter, beads = self.problem.scatter, self.problem.chain.beads
         self.draws = None if scatter is None else scatter._draws(self.seed, beads)
-        self.bad = self._bad_directions()
+        self.bad = np.array([self.problem.bad_sides[each] for each in self.measures], float)
         self.exact = exact_gradients.covered(self.problem)
-
-    def _bad_directions(self) -> Array:
-        """For the CVaR of each measure, 1 if large values are bad and -1 if small ones are."""
-        found = np.ones(len(self.measures))
-        for each, where in zip(self.problem.requirements, self.limits, strict=True):
-            found[where] = each.sign
-        objective = self.problem.objective
-        for weight, where in zip(objective.weights, self.terms, strict=True):
-            if objective.targets is None and weight:
-                found[where] = np.sign(weight)
-        return found
 
     @property
     def used(self) -> float:

@@ -32,6 +32,7 @@ from .measures import (
 )
 from .problem import Design
 from .requirements import TOLERANCE, violation
+from .scatter import worst
 from .yielding import NOT_YIELDING
 
 RTOL: Final = 1e-11
@@ -235,7 +236,7 @@ def _later_peak(chain: Chain, peak: float, end: float) -> list[str]:
 
 
 def _scattered(problem: Design, chain: Chain, seed: int) -> dict[str, float]:
-    """Mean, CVaR and worst of the objective with new samples."""
+    """Mean, CVaR and worst of all measures of the motion with new samples."""
     scatter = problem.scatter
     draws = scatter._draws(seed + 1_000_003, chain.beads, FRESH)
     try:
@@ -246,23 +247,11 @@ def _scattered(problem: Design, chain: Chain, seed: int) -> dict[str, float]:
     measures = [m for m in problem.measures if not m.of_chain]
     columns = measured(chains, measures, until=problem.until).values
     for measure, values in zip(measures, columns.T, strict=True):
-        sign = _bad_sign(problem, measure)
-        ordered = np.sort(sign * values)
-        tail = ordered[int(0.9 * len(ordered)) :]
-        found |= {
-            f"mean of {measure}": float(values.mean()),
-            f"CVaR90 of {measure}": sign * float(tail.mean()),
-            f"worst of {measure}": sign * float(ordered[-1]),
-            f"{scatter.statistic} of {measure}": float(values[scatter._worst(values, sign)].mean()),
-        }
+        sign = problem.bad_sides[measure]
+        for name, tail in (("mean", 0.0), ("CVaR90", 0.1), (scatter.statistic, scatter.tail)):
+            found[f"{name} of {measure}"] = float(values[worst(values, sign, tail)].mean())
+        found[f"worst of {measure}"] = sign * float((sign * values).max())
     return found
-
-
-def _bad_sign(problem: Design, measure: Measure) -> float:
-    objective = problem.objective
-    if objective.targets is None and measure in objective.measures:
-        return float(np.sign(objective.weights[objective.measures.index(measure)])) or 1.0
-    return next((float(r.sign) for r in problem.requirements if r.measure == measure), 1.0)
 
 
 def met(problem: Design, values: dict[str, float]) -> bool:

@@ -195,7 +195,7 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         own = objective is result.problem.objective
         found = (
             result.changes if own
-            else changes(result.problem._with_objective(objective), result.chain, 0.01)
+            else changes(result.problem._with(objectives=(objective,)), result.chain, 0.01)
         )  # fmt: skip
         _shade_arriving(result, axes)
         both = bars_of_changes(axes, *found)

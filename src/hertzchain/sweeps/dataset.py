@@ -61,15 +61,16 @@ def _empty_array(variable: Variable) -> Any:
 
 def variables_of(plan: Plan) -> dict[str, Variable]:
     """Arrays of the dataset of a sweep, by name."""
-    return _by_batch(plan) | _coordinates(plan)
+    return batch_variables(plan) | _coordinates(plan)
 
 
 def bytes_of(plan: Plan) -> int:
     """Number of bytes of all results of a sweep, without text and coordinates."""
-    return sum(variable.size for variable in _by_batch(plan).values())
+    return sum(variable.size for variable in batch_variables(plan).values())
 
 
-def _by_batch(plan: Plan) -> dict[str, Variable]:
+def batch_variables(plan: Plan) -> dict[str, Variable]:
+    """Arrays of which each batch writes a part, by name."""
     found = {name: _kept(plan, name) for name in plan.variables}
     if plan.may_be_outside_range:
         label = {"long_name": "1 where the method is used outside its range"}

@@ -23,6 +23,7 @@ from ..validation.objects import Progress, callback, check_bool, check_list, che
 from .dataset import (
     MemoryStore,
     attributes_of,
+    batch_variables,
     bytes_of,
     columns_of,
     variables_of,
@@ -214,8 +215,8 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     check_plan(plan, _heading(specification))
     each = time_per_point(spec)
     seconds = each.seconds * plan.points / count
-    # Each batch has a file of each variable, of its status and of its digest.
-    files = FILES_OF_METADATA + plan.batches * (len(plan.variables) + 2)
+    # Each batch has a file of each variable and of its digest; one of reasons is rare.
+    files = FILES_OF_METADATA + plan.batches * len(batch_variables(plan))
     return Estimate(plan.points, plan.batches, bytes_of(plan), seconds, each.unfinished, files)
 
 

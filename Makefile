@@ -2,6 +2,10 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
+# Tests and figures start hundreds of processes, each of which would compile all modules again where
+# the environment asks Python not to write bytecode.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: reproduce test static-checks compile pytest test-long style benchmark benchmark-app docs calibrate universal constraints clean
 
 # The kernels that it needs are compiled in two processes.

@@ -747,6 +747,7 @@ def test_command_line_tells_how_far_a_run_can_be_predicted(run, tmp_path):
     assert "--horizon require saved times" in err
 
 
+@pytest.mark.long
 def test_simulate_says_that_small_differences_may_change_a_late_peak(run):
     taper = ("simulate", "--taper", "forward-exponential", "--wall", "same", "--rate")
     code, out, _ = run(*taper, 0.1, "--beads", 40)
@@ -963,6 +964,7 @@ def test_sensitivity_lists_the_most_influential_beads_first(run):
     assert sorted(every) == list(range(1, 41))
 
 
+@pytest.mark.long
 def test_sensitivity_lists_simulated_changes(run, tmp_path):
     # The change for one ball is far from linear: +0.28% and -0.11%, where the derivative is 0.19.
     diameters = 1e-3 * np.array([6.35, 5.0, 4.0, 8.0, 3.0, 8.0, 6.35, 5.0, 3.0])

@@ -164,7 +164,7 @@ def assert_rest_is_right(found, whole):
     xr.testing.assert_equal(found.coords.to_dataset(), whole.coords.to_dataset())
 
 
-@pytest.mark.parametrize("seeds", trials(30, 800))
+@pytest.mark.parametrize("seeds", trials(15, 800))
 def test_a_damaged_store_is_rejected_or_its_rest_is_right(damaged_store, seeds):
     folder, whole = damaged_store
     for seed in seeds:
@@ -216,7 +216,7 @@ def streamed_run(tmp_path_factory):
     return stored, stored.load()
 
 
-@pytest.mark.parametrize("seeds", trials(30, 1200))
+@pytest.mark.parametrize("seeds", trials(15, 1200))
 def test_a_damaged_stream_is_rejected_or_its_rest_is_right(streamed_run, seeds):
     stored, whole = streamed_run
     folder = Damaged(stored.folder)
@@ -256,7 +256,7 @@ def state_file(tmp_path_factory):
     return folder, state
 
 
-@pytest.mark.parametrize("seeds", trials(300, 3000))
+@pytest.mark.parametrize("seeds", trials(150, 3000))
 def test_a_damaged_state_is_rejected(state_file, seeds):
     path, state = state_file
     folder = Damaged(path)
@@ -298,7 +298,7 @@ def tampered(state, rng):
     return State(state.chain, arrays)
 
 
-@pytest.mark.parametrize("seeds", trials(300, 3000))
+@pytest.mark.parametrize("seeds", trials(150, 3000))
 def test_a_state_with_impossible_values_never_reaches_compiled_code(state_file, seeds, tmp_path):
     plain = hc.Chain.uniform(6)
     stuck = plain.replace(loss=hc.UnloadingRatio(0.3), left_wall=hc.Wall(), gravity=0.01)

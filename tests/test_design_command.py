@@ -142,6 +142,7 @@ def test_another_version_does_not_use_the_same_store(tmp_path):
         hc.design(problem(), budget=90, store=tmp_path / "store")
 
 
+@pytest.mark.long
 def test_searches_with_other_options_have_their_own_journals(file, tmp_path, run):
     options = ([], ["--seed", "3"], ["--budget", "150"], ["--method", "evolution"], ["--seed", "3"])
     found = [json.loads(run(file, "--json", *each).stdout) for each in options]
@@ -153,6 +154,7 @@ def test_searches_with_other_options_have_their_own_journals(file, tmp_path, run
     ]
 
 
+@pytest.mark.long
 def test_an_edited_problem_has_a_folder_of_its_own(file, tmp_path, run):
     first = json.loads(run(file, "--json").stdout)
     (journal,) = (tmp_path / "problem.design").rglob("*.journal")
@@ -438,6 +440,7 @@ def test_a_budget_below_one_trial_is_explained(options, least, told):
     assert hc.design(problem(**options), budget=least, points=4).runs <= least
 
 
+@pytest.mark.long
 def test_no_search_exceeds_its_budget():
     """Each trial chain is counted where it is simulated."""
     damped = WALLED.replace(loss=hc.Dashpot(0.1))
@@ -656,6 +659,7 @@ def test_vertical_rows_can_be_compared_by_the_largest_force_in_the_run():
     assert found.value == pytest.approx(wall_peak(rows[best], 3e-4), rel=1e-6)
 
 
+@pytest.mark.long
 def test_a_search_without_any_result_does_not_block_a_corrected_file(file, tmp_path, run):
     # The peak on a wall that no pulse reaches within this time is not known.
     file.write_text(PROBLEM.replace("seed = 2", "seed = 2\nuntil = 1.0"))

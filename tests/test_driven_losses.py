@@ -82,6 +82,7 @@ def velocity_by_lsoda(beads, at, strength, alpha):
     return -peak.fun
 
 
+@pytest.mark.long
 def test_a_sticking_pulse_is_the_same_at_every_tolerance():
     expected = velocity_by_lsoda(60, 41, 1e-3, 0.5)
     chain = hc.Chain.uniform(60).replace(loss=hc.VelocityPower(1e-3, 0.5))

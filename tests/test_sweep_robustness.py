@@ -150,6 +150,7 @@ def half_a_result(folder, batch):
     os.kill(os.getpid(), signal.SIGKILL)
 
 
+@pytest.mark.long
 def test_a_worker_killed_while_it_writes_is_noticed(specification, undisturbed, tmp_path):
     class Elsewhere(ProcessPoolExecutor):
         def submit(self, _, *arguments):
@@ -238,6 +239,7 @@ def without_disk(function, *arguments):
     return function(*arguments)
 
 
+@pytest.mark.long
 def test_a_disk_that_fills_while_a_process_writes_is_reported(specification, tmp_path):
     class Elsewhere(ProcessPoolExecutor):
         def submit(self, *arguments):
@@ -294,7 +296,10 @@ def test_two_batches_are_submitted_per_worker(specification):
         assert len(waiting) == min(expected, 32)
 
 
-@pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("sign", [
+    signal.SIGKILL, *(pytest.param(each, marks=pytest.mark.long)
+                      for each in (signal.SIGTERM, signal.SIGINT)),
+])  # fmt: skip
 def test_no_worker_outlives_its_sweep(specification, undisturbed, tmp_path, sign):
     import psutil
 
@@ -305,9 +310,9 @@ def test_no_worker_outlives_its_sweep(specification, undisturbed, tmp_path, sign
         workers = [psutil.Process(pid) for pid in workers_of(process.pid)]
         time.sleep(0.005)
     process.send_signal(sign)
-    _, told = process.communicate(timeout=20)
+    _, told = process.communicate(timeout=60)
     assert "Traceback" not in told
-    _, alive = psutil.wait_procs(workers, timeout=10)
+    _, alive = psutil.wait_procs(workers, timeout=60)
     assert alive == []
     hc.sweep(specification, store)
     assert contents(store) == undisturbed
@@ -817,6 +822,7 @@ def cluster(tmp_path):
             process.wait()
 
 
+@pytest.mark.long
 def test_a_dask_worker_that_is_killed_costs_nothing(
     cluster, specification, undisturbed, tmp_path, monkeypatch
 ):

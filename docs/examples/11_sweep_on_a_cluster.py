@@ -50,7 +50,8 @@ print(f"{int((merged.status == 0).sum())} points are missing")
 
 # %%
 # The same call as on a single machine resumes the merged store and computes only what is missing.
-# In the corner with a small step, the largest force occurs in a later collision with the wall.
+# At the largest rates and the stiffest walls, the map has a small jump: there, the largest force
+# occurs in a later collision with the wall.
 
 complete = hc.sweep(specification, folder / "merged.zarr")
 single = hc.sweep(specification)

@@ -62,7 +62,8 @@ axes.legend()
 # Answer
 # ------
 #
-# A small loss in each contact adds up, because the pulse passes every contact twice.
+# A small loss in each contact adds up along the row, and the pulse passes every contact twice: on
+# the way to the wall and on the way back.
 
 print(f"restitution 0.97, 20 balls: {budget.energy['lost'][peak] / impact:.0%} is lost on the way "
       f"to the wall, and {budget.energy['lost'][-1] / impact:.0%} in total")

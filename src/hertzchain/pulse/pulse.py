@@ -75,8 +75,8 @@ class Pulse(Columns):
         the residence time may be negative; among several strikers it is not defined.
     velocity_error : ndarray, shape (N,), or None
         Estimated relative error of each velocity, if the method estimates it; 0 for bead 1, and
-        NaN where the error is unknown.  It exceeds about 97% of the errors of random chains, but
-        errors in one chain are correlated.
+        NaN where the error is unknown.  It exceeds 96% or more of the errors in each class of
+        random chains, but errors in one chain are correlated.
     velocity_spread, arrival_spread : ndarray, shape (N,), or None
     peak_force_spread : ndarray, shape (N - 1,), or None
         Standard deviations of ln v, ln t and ln F over random chains, by `disorder`.  Other

@@ -68,8 +68,8 @@ def find_waves(self: Trajectory, *, threshold: float = 0.01, min_contacts: int =
 
     Examples
     --------
-    A striker of four times the mass generates a train of waves, each about half as strong as the
-    previous one:
+    A striker of four times the mass generates a train of waves, each with about 40% of the force
+    of the previous one:
 
     >>> import hertzchain as hc
     >>> import numpy as np

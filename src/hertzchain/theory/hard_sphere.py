@@ -44,8 +44,7 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
         Velocity, momentum and energy.  The elastic loss per bead is that of the BCA; it is
         too small, especially in forward tapers.  The loss due to restitution is too large:
         in the exponent, it is 1.2 to 3.4 times that of a chain with a loss law of the same e
-        (see `bca`); for small losses in equal beads,
-        `attenuation` is exact.
+        (see `bca`); for small losses in equal beads, `attenuation` is exact.
 
     Raises
     ------
@@ -77,7 +76,7 @@ def hard_sphere_energy_ratio(chain: Chain, *, restitution: float = 1.0) -> float
 
     .. math::
 
-        \frac{K_N}{K_1} = \prod_{k=1}^{N-1}
+        \frac{E_N}{E_1} = \prod_{k=1}^{N-1}
         \frac{(1+e)^2\, m_k m_{k+1}}{(m_k + m_{k+1})^2}
 
     For given first and last mass, it is largest if the masses form a geometric sequence.
@@ -123,7 +122,7 @@ def exponential_energy_ratio(q: float, beads: int, *, restitution: float = 1.0) 
 
     .. math::
 
-        \frac{K_N}{K_1} =
+        \frac{E_N}{E_1} =
         \left\{\frac{(1+e)^2 (1-q)^3}{[1 + (1-q)^3]^2}\right\}^{N-1}
 
     This definition of q is that of the literature on tapered chains; the paper's forward

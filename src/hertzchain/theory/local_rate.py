@@ -104,15 +104,16 @@ def local_rate(chain: Chain) -> Pulse:
     Warns
     -----
     ModelRangeWarning
-        If a rate is outside the tables, or the estimated velocity error exceeds 0.5%.
+        If a rate is outside the tables, or the estimated velocity error exceeds 0.5% (1% with a
+        loss).
 
     Notes
     -----
     All columns include the effect of a loss, which is derived in "Losses in the local-rate law".
-    The estimated error was calibrated to exceed 95% or more of the errors in each class of random
-    chains; it is not an upper bound.  Errors within one chain are correlated: in a taper
-    of constant rate, most beads may exceed the estimate, by up to four times.  Where it exceeds
-    0.5%, use `propagate`.
+    The estimated error exceeds 96% or more of the errors in each class of random chains for the
+    exponent 3/2; it is not an upper bound.  Errors within one chain are correlated: in a taper
+    of constant rate, most beads may exceed the estimate, by up to four times.  Where a
+    warning is issued, use `propagate`, or `simulate` with a loss.
 
     Examples
     --------
@@ -205,11 +206,11 @@ def local_rate_gradient(
     .. math:: Q_k, \qquad \frac{\partial \ln Q_k}{\partial \ln R_j}, \quad j = 1..N
 
     The derivatives of the law are computed by the adjoint method, to rounding errors.  They
-    differ from those of the simulated pulse by 0.1 to 1% of the largest one in tapers with rates
+    differ from those of the simulated pulse by up to 0.6% of the largest one in tapers with rates
     above -0.03, also if radii scatter by 0.3%, and by up to 2% in steeper forward tapers; see
-    `gradient` for derivatives of the simulation.
-    They depend only on the chain up to seven beads ahead of the bead, or up to bead 11.  The units
-    are kept fixed when :math:`R_1` is varied: the impact velocity is 1 and masses are :math:`R^3`.
+    `gradient` for derivatives of the simulation.  They depend only on the chain up to seven beads
+    ahead of the bead, or up to bead 11.  The units are kept fixed when :math:`R_1` is
+    varied: the impact velocity is 1 and masses are :math:`R^3`.
 
     Parameters
     ----------

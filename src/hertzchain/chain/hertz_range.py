@@ -84,7 +84,8 @@ class HertzRange:
     Attributes
     ----------
     overlap_ratio : ndarray, shape (N + 1,)
-        Overlap of spheres of the materials under the force of each contact over effective radius.
+        Overlap of two spheres of the materials under the force of the contact, divided by the
+        effective radius.
     yield_ratio : ndarray, shape (N + 1,)
         Largest pressure over the pressure at first yield; NaN if no yield strength of the two
         materials is known, or if the law of the contact describes yield itself.

@@ -53,8 +53,8 @@ def reproduce(
 
     The command writes report.html, verdict.json, summary.md and figures/ to a folder, and exits
     with code 3 if anything is outside its tolerance.  In a folder that it wrote before, it
-    replaces the report and the figures of the parts, and keeps all other figures.  It never
-    replaces files that it did not write, or that were changed afterwards.
+    replaces the report and the figures of the computed parts, and keeps all other figures.  It
+    never replaces files that it did not write, or that were changed afterwards.
 
     \b
     Examples:

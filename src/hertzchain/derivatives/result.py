@@ -73,7 +73,7 @@ class Gradient(Frozen):
     def error(self) -> float:
         """Estimated relative error of the derivatives, in units of the largest of an array.
 
-        It is five times the difference to a second gradient, with a tenth of the tolerance and a
+        It is five times the difference from a second gradient, with a tenth of the tolerance and a
         wider window, which is computed when the attribute is first read.  With damping, it is
         at least an estimate that follows from the tolerance.  Of central differences, it is the
         change if their step is twice as large.
@@ -89,10 +89,11 @@ class Gradient(Frozen):
         return self.gradient[name]
 
     def relative(self, name: str = "radii") -> Array:
-        r"""Logarithmic derivatives :math:`\partial \ln Q/\partial \ln x`, without dimension.
+        r"""Logarithmic derivatives :math:`\partial \ln Q/\partial \ln x` of the quantity.
 
-        They state by how many percent the quantity changes if a parameter grows by 1%.  Compare
-        these if you ask which bead matters most: absolute derivatives favour small beads.
+        They state by how many percent the quantity Q changes if the parameter x of a bead or
+        contact grows by 1%.  Compare these if you ask which bead matters most: absolute
+        derivatives favour small beads.
 
         Parameters
         ----------

@@ -52,7 +52,7 @@ class Distribution(Frozen):
     failed : int
         Number of chains without a value, which are not among the ``values``.
     outside_range : int
-        Number of random chains of materials that have left the range of Hertz's law in the whole
+        Number of random chains of materials that left the range of Hertz's law at any time of the
         run (`RunTable.outside_range`).
     reason : str
         Why the first of the failed chains has no value; empty if none failed.

@@ -5,8 +5,8 @@ method          search
 ==============  ===================================================================================
 ``law``         splines by the local-rate law, then descent with gradients of the simulation
 ``scan``        one variable: a grid, and refinement of all local optima
-``hybrid``      evolution strategy and descent from many starts with equal budgets; the best one is
-                polished by descent
+``hybrid``      evolution strategy and descent from many starts with equal budgets; the best result
+                is polished by descent
 ``gradient``    descent from many starts
 ``evolution``   evolution strategy
 ``enumerate``   all choices of balls, or all orders

@@ -48,9 +48,8 @@ class DesignResult:
     references : mapping of str to Verified
         Chains to compare with, by name: the best ``"chain of equal sizes"``, ``"chain with equal
         varying sizes"`` or ``"fast change to equal sizes"`` (if other sizes are given) and
-        ``"taper"``; the best ``"row of equal
-        balls"``, or ``"equal balls in the places that vary"``, and the ``"given row"``; or the
-        ``"given order"``.
+        ``"taper"``; the best ``"row of equal balls"``, or ``"equal balls in the places that
+        vary"``, and the ``"given row"``; or the ``"given order"``.
     compared : mapping of str to int
         Number of chains of which each reference is the best.
     bounds : tuple of Bound
@@ -278,14 +277,14 @@ class DesignResult:
 
     @cached_property
     def sensitivity(self) -> Array:
-        r"""Derivatives :math:`\partial \ln V/\partial \ln R_k` of the objective, shape (N,)."""
+        r"""Derivatives :math:`\partial \ln V/\partial \ln R_k` of the objective V, shape (N,)."""
         from .sensitivity import sensitivity
 
         return sensitivity(self.problem, self.chain)
 
     @cached_property
     def changes(self) -> tuple[Array, Array]:
-        """Relative changes of the objective if one radius grows, or shrinks, by 1%: two (N,).
+        """Relative changes of the objective if one radius grows, or shrinks, by 1%, each (N,).
 
         They are simulated.  Where several maxima of a force are equal, as at many designs, both
         may be positive, and the derivatives in `sensitivity` hold only for much smaller changes.

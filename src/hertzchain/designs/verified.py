@@ -85,7 +85,7 @@ class Verified:
 
     @property
     def outside_range(self) -> bool:
-        """Whether a contact has left the range of Hertz's law in the whole run."""
+        """Whether a contact left the range of Hertz's law at any time of the run."""
         return self.hertz_range is not None and bool(self.hertz_range.violations)
 
 

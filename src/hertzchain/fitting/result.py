@@ -123,9 +123,9 @@ class FitResult(Estimates):
     def bic(self, inflation: float | None = None) -> float:
         r"""Bayesian information criterion :math:`\chi^2/s + k \ln(n/s)`, priors included.
 
-        G. Schwarz, Ann. Stat. 6, 461 (1978), doi:10.1214/aos/1176344136; s is the number of samples
-        per independent sample.  Samples next to jumps of the force, which are not used, contribute
-        1 each, their expectation.
+        G. Schwarz, Ann. Stat. 6, 461 (1978), doi:10.1214/aos/1176344136, for k parameters and n
+        samples; s is the number of samples per independent sample.  Samples next to jumps of the
+        force, which are not used, contribute 1 each, their expectation.
 
         Parameters
         ----------
@@ -270,7 +270,7 @@ class FitResult(Estimates):
 
     @property
     def meaningless(self) -> bool:
-        """Whether values are not given: implausible ones, those of misread data or of noise."""
+        """Whether values are not given: they are implausible, or of misread data or of noise."""
         return self.misread or bool(self.implausible) or not self.goodness.explains
 
     def to_dataset(self) -> xr.Dataset:

@@ -2,7 +2,7 @@
 
 ====================  =========================================================
 `report.html`         a self-contained page with tables, figures, errata and method
-`verdict.json`        all results as JSON; ``schema_version`` is increased by changes
+`verdict.json`        all results as JSON; ``schema_version`` increases with changes
 `summary.md`          a short summary
 `figures/`            each figure as SVG and PNG, and its data as CSV
 `.hertzchain.json`    checksums of these files, which show whether a file was changed

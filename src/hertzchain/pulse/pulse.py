@@ -59,9 +59,9 @@ class Pulse(Columns):
     method : str
         The method that computed it, such as ``"simulation"`` or ``"BCA"``.
     velocity : ndarray, shape (N,)
-        First local maximum :math:`v_k` of each bead's velocity [scaled, or m/s].  For bead 1, the
-        striker, it is the impact velocity; for the last bead, the velocity with which it leaves
-        the chain.
+        First local maximum :math:`v_k` of each bead's velocity [scaled, or m/s].  For bead 1, which
+        moves first, it is the impact velocity; for the last bead, the velocity with which it
+        leaves the chain.
     peak_time : ndarray, shape (N,), or None
         Time of that maximum [scaled, or s].
     arrival : ndarray, shape (N,), or None
@@ -79,8 +79,7 @@ class Pulse(Columns):
         random chains, but errors in one chain are correlated.
     velocity_spread, arrival_spread : ndarray, shape (N,), or None
     peak_force_spread : ndarray, shape (N - 1,), or None
-        Standard deviations of ln v, ln t and ln F over random chains, by `disorder`.  Other
-        columns have other ones.
+        Standard deviations of ln v, ln t and ln F over random chains, by `disorder`.
     notes : dict of str
         For each quantity with missing values, where it is NaN and why; also where a quantity has
         another meaning than usual.  A column without a note has no NaN.  The note ``"warning"`` has
@@ -149,7 +148,11 @@ class Pulse(Columns):
 
     @property
     def peak_force(self) -> Array | None:
-        """Largest force F = r_k d^p of contact k [scaled, or N], shape (N - 1,)."""
+        """Force of contact k at its largest overlap, F = r_k d^p [scaled, or N], shape (N - 1,).
+
+        If the contact yields, it is the force of its loading curve.  With damping, the force of
+        the contact is largest shortly before this time, and slightly larger.
+        """
         found: Array | None = derive(self, QUANTITIES["peak_force"])
         return found
 

@@ -34,8 +34,8 @@ class PulseTable(Columns):
     Chains may differ in length: N is the length of the longest, and rows of shorter chains are
     filled with NaN.  Rows of chains whose pulse could not be followed are NaN throughout.
 
-    Its columns are the quantities of `hertzchain.pulse.quantities.QUANTITIES` [scaled], with shape
-    (C, N), or (C, N - 1) for quantities per contact.
+    Its columns are the quantities of `hertzchain.pulse.quantities.QUANTITIES` [scaled, or SI], with
+    shape (C, N), or (C, N - 1) for quantities per contact.
 
     Attributes
     ----------
@@ -53,9 +53,9 @@ class PulseTable(Columns):
     reasons : mapping
         Why a chain failed, by its index; empty if none did.
     chains : tuple of Chain
-        The chains, if they are in SI units, as are radii and columns then, or if the masses,
-        stiffness, exponents or impact velocities of some do not follow from the radii; None for a
-        row of radii.  Otherwise empty.
+        The chains, with None for a row of radii, if they are in SI units (then so are radii and
+        columns) or if the masses, stiffness, exponents or impact velocities of some do not follow
+        from the radii.  Otherwise empty.
 
     Examples
     --------

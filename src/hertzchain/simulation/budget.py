@@ -65,12 +65,12 @@ class Budget:
     times : ndarray, shape (T,)
         Saved times [scaled, or s].
     energy : dict of ndarray, shape (T,)
-        Energy by location: the kinetic energy of the beads of three parts, ``"leading pulse"``,
+        Energy by location: three parts of the kinetic energy of the beads, ``"leading pulse"``,
         ``"lagging"`` and ``"scattered back"``; the energy stored in ``"contacts"`` and in
         ``"walls"`` (in their contacts); and ``"lost"`` [scaled, or J].
     momentum : dict of ndarray, shape (T,)
-        Momentum by location: the same three parts of the beads, ``"left wall"`` and
-        ``"right wall"`` [scaled, or kg m/s].
+        Momentum by location: the same three parts, ``"left wall"`` and ``"right wall"``
+        [scaled, or kg m/s].
     energy_given, momentum_given : dict of ndarray, shape (T,)
         Energy and momentum by origin: ``"start"``, ``"gravity"``, ``"drive"``, ``"held ends"``.
 

@@ -53,7 +53,7 @@ class Run(Trajectory):
     times : ndarray, shape (T,)
         Saved times [scaled, or s].
     positions : ndarray, shape (T, N)
-        Displacements :math:`x_k` of the beads from where they touched [scaled, or m].
+        Displacements :math:`x_k` from where neighbours touch, or are a gap apart [scaled, or m].
     velocities : ndarray, shape (T, N)
         Velocities [scaled, or m/s].
     status : str
@@ -208,7 +208,7 @@ class Run(Trajectory):
         )  # fmt: skip
 
     def budget(self) -> Budget:
-        """Energy and momentum at every saved time, by location and by source.
+        """Energy and momentum at every saved time, by location and by origin.
 
         Raises
         ------

@@ -62,7 +62,7 @@ class RunTable(Frozen):
         tolerance, as `WallForce.sensitive`; `hertzchain.Run.horizon` of the chain estimates how
         long it is predictable.
     outside_range : ndarray of bool, shape (C,)
-        Whether a chain of materials has left the range of Hertz's law in the whole run.
+        Whether a chain of materials left the range of Hertz's law at any time of the run.
 
     Examples
     --------

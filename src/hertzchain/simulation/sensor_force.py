@@ -54,13 +54,13 @@ class SensorForce:
         Largest force and its time.  Waves that follow the first one, or return from a wall, may
         exceed it later.
     error : float
-        Bound of the error of both maxima [scaled, or N], because they are interpolated between
-        saved times.  In elastic chains, by polynomials of degree 5 for the overlaps, and the bound
-        is usually negligible.  With losses or a drive, by a spline through the saved forces; the
-        bound then assumes that the force may have a jump or a corner.  If it has none, as with
-        `Restitution`, the error is about a hundredth of the bound.  Saved times that do not show
-        the largest overlaps of both contacts are too few: the bound then includes the force at
-        these overlaps.
+        Bound of the error of both maxima [scaled, or N], which are interpolated between saved
+        times.  In elastic chains, the overlaps are interpolated by polynomials of degree 5, and
+        the bound is usually negligible.  With losses or a drive, the forces are interpolated by a
+        spline; the bound then assumes that the force may have a jump or a corner.  If it has none,
+        as with `Restitution`, the error is about a hundredth of the bound.  Saved times that do not
+        show the largest overlaps of both contacts are too few: the bound then includes the force
+        at these overlaps.
     units : str
         ``"scaled"`` or ``"SI"``.
     reached : bool

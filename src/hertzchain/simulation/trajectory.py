@@ -89,8 +89,8 @@ class Trajectory(ShortDir):
 
         Contact numbers are those of `forces`.  Maxima are located within the steps.  With fixed
         steps, those of waves after the leading pulse are interpolated between the saved times,
-        if about four are saved during a contact, or else the largest at these times.  The value of
-        a wall is the overlap :math:`(F/k)^{1/p}` of its largest force :math:`F` without losses.
+        if about four are saved during a contact, or else are the largest at these times.  The value
+        of a wall is the overlap :math:`(F/k)^{1/p}` of an elastic contact at its largest force F.
 
         Examples
         --------
@@ -264,7 +264,7 @@ class Trajectory(ShortDir):
         return k
 
     def position(self, bead: int | str) -> Array:
-        """Displacement of one bead from where the beads touched, as `velocity` [scaled, or m].
+        """Displacement of one bead, as in `positions`, shape (T,) [scaled, or m].
 
         Parameters
         ----------

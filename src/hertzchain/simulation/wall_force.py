@@ -44,10 +44,10 @@ class WallForce:
     force exceeds it (`hertzchain.simulation.wall_bound`).  Otherwise it is an estimate: the
     impact has ended, and the motion towards the wall has not been able to exceed the peak for half
     a transit of the pulse since then, but the beads can return, and a later impact may be
-    stronger.  Between two walls the pulse returns repeatedly,
-    and the peak of a run without ``until`` is usually that of its first passage.  In a
-    precompressed chain without losses, contacts do not open, waves may add up at any later time,
-    and the peak usually remains incomplete: use ``largest_so_far``.
+    stronger.  Between two walls the pulse returns repeatedly, and the peak of a run without
+    ``until`` is usually that of its first passage.  In a precompressed chain without losses,
+    contacts do not open, waves may add up at any later time, and the peak usually remains
+    incomplete: use ``largest_so_far``.
 
     Attributes
     ----------

@@ -38,7 +38,7 @@ class Axis:
     ----------
     path : tuple of str
         Its place in the specification: ``("rate",)`` is a key of ``[chain]``,
-        ``("loss", "restitution")`` a key of ``[chain.loss]``, ``("radii", "5")`` the radius of
+        ``("loss", "coefficient")`` a key of ``[chain.loss]``, ``("radii", "5")`` the radius of
         bead 5, ``("method", "rtol")`` an option of the simulation.
     entry : mapping or sequence
         Values as specified: a list, or ``{"linspace": [first, last, number]}``, or the same with

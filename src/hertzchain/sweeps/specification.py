@@ -13,7 +13,7 @@
 
     [sweep]
     methods = ["propagate", "local-rate"]
-    keep = ["momentum"]           # quantities of the pulse, the right wall or the whole run
+    keep = ["momentum"]           # quantities of the pulse, right wall, sensors or run
     at = "last"                   # or "every" bead, or a list of beads
     errors = ["velocity"]         # of the other methods relative to the first
 

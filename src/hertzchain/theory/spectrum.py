@@ -60,9 +60,9 @@ class Spectrum(BandStructure):
         0: it belongs to the translation of the whole chain.
     modes : ndarray, shape (N, M)
         Displacements of the beads; ``modes[:, j]`` belongs to eigenvalue j, normalised so that
-        :math:`\sum_k m_k |x_k|^2 = 1` and the bead with most energy is real and positive.  The
-        modes of a chain without loss are real; otherwise they are complex, because beads need
-        not move in phase.
+        :math:`\sum_k m_k |x_k|^2 = 1` and the displacement of the bead with
+        the most energy is real and positive.  The modes of a chain without loss are real;
+        otherwise they are complex, because beads need not move in phase.
     contacts : LinearContacts
         Masses, springs and dampers.
 

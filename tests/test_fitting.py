@@ -419,8 +419,8 @@ def test_a_gap_beyond_the_sizes_that_were_tried_is_marked():
 
 
 @pytest.mark.parametrize(("ball", "change"), [
-    (3, 0.02), (12, -0.03), pytest.param(7, 0.05, marks=pytest.mark.long),
-    pytest.param(7, -0.03, marks=pytest.mark.long),
+    (12, -0.03), *(pytest.param(*each, marks=pytest.mark.long)
+                   for each in ((3, 0.02), (7, 0.05), (7, -0.03))),
 ])  # fmt: skip
 def test_odd_balls_between_and_beside_sensors_are_found(ball, change):
     """Extrapolated from 0.2%, these changes had the wrong size, sign or place."""
@@ -463,6 +463,7 @@ def test_hidden_gap_is_found_and_measured():
     assert abs(found.values["gap[8-9]"] - 0.3e-6) < 3.0 * found.errors["gap[8-9]"] < 0.05e-6
 
 
+@pytest.mark.long
 def test_a_search_for_a_gap_needs_few_simulations():
     chain, nominal = (bench(LAW, beads=14, gap=gap, behind=9) for gap in (3e-7, 0.0))
     data = measured(chain, np.random.default_rng(2), balls=(5, 10), duration=300e-6)
@@ -955,6 +956,7 @@ def test_the_steps_of_a_gaussian_posterior_are_estimated(count):
     assert steps_needed(count) == pytest.approx(needed, rel=0.4)
 
 
+@pytest.mark.long
 def test_command_reports_a_model_that_does_not_describe_the_data(tmp_path, command):
     _, chain = hc.example_experiment()
     data, plain = chain.parent / "fast.csv", tmp_path / "plain.toml"

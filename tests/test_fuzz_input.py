@@ -261,7 +261,7 @@ SLOW = ("verify", "animate", "sweep", "stream", "merge_sweeps", "StoredRun", "pl
 OTHERS = (IndexError, hc.SimulationError)
 
 
-@counts(2000, 40_000)
+@counts(1000, 40_000)
 def test_arguments_of_public_functions(number, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     rng = random.Random(5)

@@ -69,8 +69,9 @@ READ = {
 
 
 # Between two walls no peak is ever complete.
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
-@pytest.mark.parametrize("exponent", [1.5, pytest.param(2.0, marks=pytest.mark.long)])
+@pytest.mark.parametrize("exponent", [1.5, 2.0])
 def test_derivatives_of_the_steps_in_long_double(recorded, exponent):
     found = hc.gradients(apart(exponent), [*READ], to="masses", until=25.0, rtol=1e-6)
     check_derivatives(recorded, found)
@@ -520,6 +521,7 @@ def released_sum(change, weights):
     return states @ weights, w, out
 
 
+@pytest.mark.long
 def test_the_release_of_a_contact_has_the_derivatives_of_its_differences():
     from hertzchain.kernels import adjoint_layout as layout
     from hertzchain.kernels import adjoint_release as kernel

@@ -103,6 +103,7 @@ def test_a_legend_is_inside_the_axes_if_there_is_room():
     assert (25.4 * axes.figure.get_size_inches()).round(1).tolist() == [86.0, 61.9]
 
 
+@pytest.mark.long
 def test_panels_of_a_given_figure_keep_their_size_and_their_neighbours():
     figure, panels = plt.subplots(1, 2, figsize=(9.0, 4.0), layout="constrained")
     for axes, quantity in zip(panels, ("momentum", "velocity"), strict=True):

@@ -394,7 +394,7 @@ def test_the_range_of_rates_is_narrower_for_small_exponents():
         hc.local_rate(chain)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(
     rates=st.lists(st.floats(-0.08, 0.3), min_size=12, max_size=40),
     quantity=st.sampled_from(DIFFERENTIABLE),

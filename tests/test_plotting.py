@@ -267,7 +267,9 @@ def animated(run, tmp_path, monkeypatch, **options):
     return positions, texts, frames[0][1]
 
 
-@pytest.mark.parametrize("gap", ["0 mm", "1 mm", "20 um"])
+@pytest.mark.parametrize(
+    "gap", ["0 mm", *(pytest.param(each, marks=pytest.mark.long) for each in ("1 mm", "20 um"))]
+)
 def test_animated_bodies_never_pass_through_each_other(gap, tmp_path, monkeypatch):
     balls = hc.Chain.from_materials("10 mm", "steel-52100", beads=5, gaps=gap)
     chain = balls.struck_by(velocity="0.1 m/s", gap=gap).replace(

@@ -298,6 +298,7 @@ LAST_ROW = """            values="positive after the strikers", estimate=True,
 """
 
 
+@pytest.mark.long
 def test_the_recipe_for_a_quantity_needs_one_row(run_copy):
     change, run = run_copy
     section = RECIPES.read_text("utf-8").split("## Add a quantity\n")[1].split("\n## ")[0]

@@ -102,9 +102,17 @@ def test_lossless_runs_go_back_where_they_came_from(changes):
     np.testing.assert_allclose(back.positions[0], equilibrium(chain).positions, atol=2e-8)
 
 
-def test_chains_with_losses_or_drives_cannot_be_reversed():
-    state = hc.simulate(SHORT.replace(loss=hc.Dashpot(0.1)), until=1.0).state
-    with pytest.raises(hc.InputError, match="a chain with .*loss cannot be reversed"):
+@pytest.mark.parametrize(
+    ("changes", "cause"),
+    [
+        ({"loss": hc.Dashpot(0.1)}, "losses"),
+        ({"right_wall": hc.Wall(loss=hc.Restitution(0.5))}, "losses"),
+        ({"velocities": None, "drive": hc.StepDrive(1.0)}, "a drive"),
+    ],
+)
+def test_chains_with_losses_or_drives_cannot_be_reversed(changes, cause):
+    state = hc.simulate(SHORT.replace(**changes), until=1.0).state
+    with pytest.raises(hc.InputError, match=f"a chain with {cause} cannot be reversed"):
         state.reversed()
 
 

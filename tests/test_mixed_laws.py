@@ -498,6 +498,12 @@ def test_shapes_at_walls_and_invalid_ones():
     modulus = contact_modulus(hc.material("ptfe"), hc.material("brass"))
     assert shaped.wall_stiffness[1] == hc.Cone(60.0).stiffness(modulus)
     np.testing.assert_array_equal(shaped.contact_exponents, [1.5] * 6 + [2.0])
+    given = chain.replace(
+        right_wall=Wall(stiffness=shaped.wall_stiffness[1], exponent=2.0, material="brass")
+    )
+    overlaps = np.full(7, 1e-6)
+    expected = hc.hertz_range(given, overlaps).yield_ratio
+    np.testing.assert_array_equal(hc.hertz_range(shaped, overlaps).yield_ratio, expected)
     for shapes, said in (
         ({0: hc.Cone(60.0)}, "has no left_wall"),
         ({6: hc.CrossedCylinders()}, "need a radius where they are not at"),

@@ -273,7 +273,7 @@ def with_contacts(self: C, shapes: Shape | Mapping[int, Shape]) -> C:
         solid = self.materials[bead]
         modulus = contact_modulus(solid, material_of_wall(wall, solid))
         changes[name] = dataclasses.replace(
-            wall, stiffness=shape.stiffness(modulus), material=None, exponent=shape.exponent
+            wall, stiffness=shape.stiffness(modulus), exponent=shape.exponent
         )
     if np.any(self.stiffness != stiffness) or np.any(self.contact_exponents[1:-1] != exponents):
         changes |= {"stiffness": stiffness, "exponent": exponents}

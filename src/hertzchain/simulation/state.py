@@ -151,10 +151,11 @@ class State:
         >>> bool(abs(back.velocities[0, 0] + 1.0) < 1e-10)
         True
         """
-        for name in ("loss", "drive"):
-            if name in self.chain.features:
+        present = {"losses": not self.chain.lossless, "a drive": self.chain.drive is not None}
+        for name, irreversible in present.items():
+            if irreversible:
                 raise InputError(
-                    f"a run of a chain with {name} cannot be reversed: use a chain without it"
+                    f"a run of a chain with {name} cannot be reversed: use a chain without {name}"
                 )
         return new_state(self.chain, self.arrays["y"][: self.chain.beads], -self.velocities)
 

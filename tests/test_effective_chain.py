@@ -42,6 +42,21 @@ def test_where_the_small_beads_are_not_light():
     assert effective.spacing(velocity[25])[25] / spacing > 1.02
 
 
+def test_light_beads_are_those_of_little_mass():
+
+    def alternating(large, small):
+        radii, materials = zip(large, small, large, strict=True)
+        return hc.Chain.from_materials(radii, materials, velocity=0.1)
+
+    light, heavy = (hc.material(name).density for name in ("ptfe", "tungsten-carbide"))
+    share = heavy / light * (2.2 / 5.0) ** 3
+    assert share > 0.5
+    with pytest.warns(hc.ModelRangeWarning, match=f"beads 1 and 3 have {share:.3g} times the mass"):
+        hc.effective_chain(alternating((5e-3, "ptfe"), (2.2e-3, "tungsten-carbide")))
+    # Radii in a ratio of 0.6 alone would be too large.
+    hc.effective_chain(alternating((5e-3, "tungsten-carbide"), (3e-3, "ptfe")))
+
+
 def test_bca_of_decorated_chains_is_that_of_plain_ones():
     chain = decorated(np.ones(42), 0.4)
     effective = hc.effective_chain(chain)

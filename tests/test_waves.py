@@ -333,6 +333,13 @@ def test_a_rigid_wall_sends_all_the_energy_back_through_each_contact():
     np.testing.assert_allclose(flux.left[15:36], flux.right[15:36], rtol=1e-4)
 
 
+@pytest.mark.parametrize("wall", [None, hc.Wall.rigid()])
+def test_the_flux_of_waves_between_saved_times_is_rejected(wall):
+    run = hc.simulate(hc.Chain.uniform(30).replace(right_wall=wall), until=60.0, times=60)
+    with pytest.raises(hc.InputError, match="the strongest wave has .* saved times"):
+        run.energy_flux()
+
+
 def test_in_strong_disorder_the_flux_is_recommended():
     chain = hc.Chain.from_radii(np.random.default_rng(1).uniform(0.5, 1.5, 60))
     waves = hc.simulate(chain, until=150.0, times=4000).waves()
@@ -377,6 +384,7 @@ def test_a_run_in_which_nothing_moves_has_no_waves():
     assert len(run.waves()) == 0
     assert run.waves().to_dataframe().empty
     assert run.energy_flux().right.tolist() == [0.0] * 4
+    assert "to the left 0 at" in repr(run.energy_flux())
     with pytest.raises(hc.SimulationError, match="no wave towards contact 4 passes contact 2"):
         run.reflection(2, 4)
 

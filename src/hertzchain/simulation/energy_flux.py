@@ -24,9 +24,9 @@ from .wave_events import (
     ContactCurves,
     check_saved_times,
     events_at,
-    largest_force_of,
     require_resolved,
     sign_change,
+    static_forces_of,
 )
 
 if TYPE_CHECKING:
@@ -112,8 +112,10 @@ def energy_flux_of(self: Trajectory) -> EnergyFlux:
     '0.497 to the right, 0.497 to the left'
     """
     check_saved_times(self)
-    strongest = int(np.argmax(np.max(self.forces[:, 1:-1], axis=0))) + 1
-    for event in events_at(self, strongest, 0.99 * largest_force_of(self)):
+    # Walls are excluded: no energy passes them, and their forces are larger.
+    dynamic = np.max(self.forces - static_forces_of(self), axis=0)[1:-1]
+    strongest = int(np.argmax(dynamic)) + 1
+    for event in events_at(self, strongest, 0.99 * max(0.0, float(dynamic.max()))):
         require_resolved(self, event, "the strongest wave")
     flows = [_to_and_fro(ContactCurves(self, k)) for k in range(1, self.chain.beads)]
     right, left = np.array(flows).T
@@ -128,4 +130,4 @@ def _to_and_fro(curves: ContactCurves) -> tuple[float, float]:
     # The power of an open contact between two waves is zero, which is not a change of sign.
     edges = np.sort(np.concatenate((times[[0, -1]], turning, times[power == 0.0])))
     pieces = np.diff(curves.power_curve.antiderivative()(edges))
-    return float(pieces[pieces > 0.0].sum()), float(-pieces[pieces < 0.0].sum())
+    return float(pieces[pieces > 0.0].sum()), abs(float(pieces[pieces < 0.0].sum()))

@@ -36,7 +36,7 @@ from ..validation.objects import check_list
 from .decoration import SMALL, small_beads
 from .solitary_wave import solitary_wave
 
-# Largest mass of the small beads between two large ones, over that of the smaller large bead,
+# Largest mass of the small beads between two large ones, over that of the lighter large bead,
 # for which the spacing is accurate to about 0.2%: one small bead of half the radius.
 MAX_LOAD: Final = 0.125
 
@@ -253,7 +253,7 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
     -----
     ModelRangeWarning
         If the small beads between two large ones have more than one eighth of the mass of
-        the smaller large bead.
+        the lighter large bead.
 
     Examples
     --------
@@ -321,13 +321,15 @@ def _check_small(chain: Chain, index: NDArray[Any]) -> None:
             "of them; include it in large"
         )
     cell = np.repeat(np.arange(len(between)), between)
-    load = np.bincount(cell, weights=ratio**3, minlength=len(between))
+    masses = chain.masses
+    lighter = np.minimum(masses[index[:-1]], masses[index[1:]])
+    load = np.bincount(cell, weights=masses[small], minlength=len(between)) / lighter
     worst = int(np.argmax(load))
     if load[worst] > MAX_LOAD * (1.0 + 1e-9):
         warn_user(
             f"the small beads between beads {index[worst] + 1} and {index[worst + 1] + 1} have "
-            f"{load[worst]:.3g} times the mass of a large bead; the effective chain is accurate to "
-            f"0.2% only up to {MAX_LOAD:g} (one small bead of half the radius), because heavier "
-            "beads do not follow their neighbours immediately",
+            f"{load[worst]:.3g} times the mass of the lighter of the two; the effective chain is "
+            f"accurate to 0.2% only up to {MAX_LOAD:g} (one small bead of half the radius), "
+            "because heavier beads do not follow their neighbours immediately",
             ModelRangeWarning,
         )

@@ -33,6 +33,14 @@ def test_hard_spheres_take_no_time():
     assert pulse.method == "hard sphere"
 
 
+@pytest.mark.parametrize("theory", [hc.bca, hc.hard_sphere])
+def test_alternating_masses_are_outside_the_range_of_single_collisions(theory):
+    chain = hc.Chain.dimer(0.55, beads=60)
+    with pytest.warns(hc.ModelRangeWarning, match="masses that grow and fall"):
+        pulse = theory(chain)
+    assert pulse.velocity[-1] < 0.5 * hc.propagate(chain).velocity[-1]
+
+
 def test_published_ratio_of_exponential_chains():
     assert exponential_energy_ratio(0.05, 20) == pytest.approx(0.893718, abs=5e-7)
     chain = hc.Chain.from_radii(0.9 ** np.arange(15))

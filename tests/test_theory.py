@@ -111,6 +111,13 @@ def test_printed_formulas_by_hand():
     assert printed_velocity("backward-linear", 0.3, k)[0] == pytest.approx(2 / 3 / 10**1.5)
     fl = 0.68 * (1 - 10 / 101) ** 1.5
     assert printed_velocity("forward-linear", 0.01, k)[0] == pytest.approx(fl, rel=1e-13)
+    for taper, rate, beads in (
+        ("forward-linear", 0.5, [2.0, 4.0]),
+        ("backward-exponential", 1.5, [2.0, 3.0]),
+        ("backward-linear", 0.1, [0.0]),
+    ):
+        with pytest.raises(hc.InputError, match=f"{taper} taper|bead must be .* at least 1"):
+            printed_velocity(taper, rate, np.array(beads))
 
 
 def test_modified_bca_by_coefficients():

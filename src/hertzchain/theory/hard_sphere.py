@@ -10,6 +10,7 @@ Collisions are instantaneous; residence times, overlaps and forces are not defin
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 
@@ -20,11 +21,14 @@ from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number, whole_number
+from .alternating_masses import warn_if_alternating
 from .decoration import warn_if_decorated
+
+THEORY: Final = "the hard-sphere theory"
 
 
 @checked_arguments("hard_sphere")
-@for_any_units("the hard-sphere theory", supported=("masses", "stiffness", "gaps"))
+@for_any_units(THEORY, supported=("masses", "stiffness", "gaps"))
 def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     r"""Leading pulse of hard spheres that collide one pair after the other.
 
@@ -54,7 +58,8 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     Warns
     -----
     ModelRangeWarning
-        If there are small beads between large ones (see `effective_chain`).
+        If there are small beads between large ones (see `effective_chain`), or if masses grow and
+        fall from bead to bead (see `bca`).
 
     Examples
     --------
@@ -66,7 +71,8 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     velocity = collision_cascade(chain.masses, e)
     method = "hard sphere" if e == 1.0 else f"hard sphere, e = {e:g}"
     pulse = Pulse(chain=chain, method=method, velocity=velocity, restitution=e)
-    warn_if_decorated(chain, "the hard-sphere theory")
+    if not warn_if_decorated(chain, THEORY):
+        warn_if_alternating(chain, THEORY)
     return pulse
 
 
@@ -110,7 +116,7 @@ def hard_sphere_energy_ratio(chain: Chain, *, restitution: float = 1.0) -> float
     0.893718
     """
     covered = ("SI units", "masses", "stiffness", "gaps")
-    require_supported(chain, "the hard-sphere theory", supported=covered)
+    require_supported(chain, THEORY, supported=covered)
     m, e = chain.masses, number("restitution", restitution, unit=FRACTION, above=0.0, most=1.0)
     mass_ratio = m[1:] / m[:-1]
     return float(np.prod((1.0 + e) ** 2 * mass_ratio / (1.0 + mass_ratio) ** 2))

@@ -15,6 +15,7 @@ sets of constants are available:
 from __future__ import annotations
 
 import functools
+import math
 import tomllib
 from dataclasses import dataclass
 from importlib import resources
@@ -23,7 +24,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.tapers import PAPER_TAPERS, rate_symbol
+from ..chain.tapers import PAPER_TAPERS, check_taper, rate_symbol
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units
@@ -32,7 +33,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import bounded_numbers, number
 from ..validation.objects import check_choice
 from .alternating_masses import MAX_LOSS, losses
-from .bca import bca
+from .bca import bca, exponential_rates
 from .decoration import small_beads
 from .strikers import other_method
 
@@ -326,6 +327,12 @@ def printed_velocity(taper: str, rate: float, k: Array) -> Array:
     ndarray
         Velocities [scaled].
 
+    Raises
+    ------
+    InputError
+        If the taper is unknown, a bead number is below 1, or the rate is impossible for the
+        largest of them.
+
     Examples
     --------
     >>> import hertzchain as hc
@@ -334,13 +341,13 @@ def printed_velocity(taper: str, rate: float, k: Array) -> Array:
     array([0.083333])
     """
     check_choice("taper", taper, PAPER_TAPERS)
-    rate, k = number("rate", rate, above=0.0), bounded_numbers("bead", k)
+    k = bounded_numbers("bead", k, least=1.0)
+    rate = check_taper(taper, number("rate", rate), math.ceil(k.max(initial=2.0)))
     if taper == "backward-linear":
         return PRINTED_RATIO[taper] * k**-1.5
     if taper == "forward-linear":
         return np.asarray(PRINTED_RATIO[taper] * (1.0 - k / (1.0 + 1.0 / rate)) ** 1.5)
-    q = rate if taper == "backward-exponential" else -rate
-    unmodified = (0.5 * (1.0 + (1.0 - q) ** -3)) ** (1.0 - k)
+    unmodified = np.exp((k - 1.0) * exponential_rates(taper, rate)["velocity"])
     return PRINTED_EXPONENTIAL[taper].velocity(unmodified, rate, k)
 
 

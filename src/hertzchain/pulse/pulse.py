@@ -150,8 +150,8 @@ class Pulse(Columns):
     def peak_force(self) -> Array | None:
         """Force of contact k at its largest overlap, F = r_k d^p [scaled, or N], shape (N - 1,).
 
-        If the contact yields, it is the force of its loading curve.  With damping, the force of
-        the contact is largest shortly before this time, and slightly larger.
+        If the contact yields, it is the force of its loading curve.  It does not include the force
+        of a damping law, with which the largest force is larger and earlier: see `Run.forces`.
         """
         found: Array | None = derive(self, QUANTITIES["peak_force"])
         return found

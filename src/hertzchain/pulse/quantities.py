@@ -61,7 +61,7 @@ class Quantity:
     >>> import hertzchain as hc
     >>> from hertzchain.pulse.quantities import QUANTITIES
     >>> QUANTITIES["peak_force"].description
-    'largest force on the next bead'
+    'largest force on the next bead, without damping forces'
     """
 
     name: str
@@ -202,7 +202,7 @@ QUANTITIES: Final = _by_name(
             unit="m", scale="length", label="largest overlap $d_k$", per="contact",
         ),
         Quantity(
-            "peak_force", "F", "largest force on the next bead",
+            "peak_force", "F", "largest force on the next bead, without damping forces",
             unit="N", scale="force", label="largest force $F_k$", per="contact", scored=True,
             inputs=("loading_force", "peak_overlap"), formula=lambda force, d: force(d),
         ),

@@ -68,8 +68,8 @@ class LeadingPulse:
         :math:`\tau_k` [scaled, or s].
     rear : ndarray, shape (N,)
         Time :math:`e_k` at which the pulse has left contact k; k = N is the contact with the
-        right wall [scaled, or s].  Infinite where the pulse had not left the contact when the run
-        stopped, and at a free end.
+        right wall [scaled, or s].  Infinite where the crest had not passed the contact when the run
+        stopped, and at a free end; it may be later than the end of the run.
     momentum, kinetic_energy : ndarray, shape (N - 1,)
         Momentum and kinetic energy of the leading pulse when its crest is at contact k
         [scaled, or kg m/s and J].

@@ -124,7 +124,7 @@ def test_no_negative_speeds_among_strikers(count, as_strikers):
     assert pulse.notes["residence"].startswith(f"beads 1 to {count}: they move from the start")
     assert np.isnan(fronts.times[: count - 1]).all()
     assert (np.diff(fronts.times[count - 1 :]) > 0.0).all()
-    with pytest.raises(hc.SimulationError, match="no width of the pulse at bead 2: it is one of"):
+    with pytest.raises(hc.SimulationError, match="bead 2: it has no residence .* move from"):
         run.pulse_width(2)
 
 

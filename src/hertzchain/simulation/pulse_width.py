@@ -9,7 +9,7 @@ import numpy as np
 from ..chain.bead_names import bead_number
 from ..errors import InputWarning, SimulationError, warn_user
 from ..validation.numbers import whole_number
-from .run_pulse import residence_of
+from .run_pulse import pulse_of, residence_of
 from .trajectory import Trajectory
 from .velocity_peaks import VelocityPeaks, peaks_from, velocity_peaks_of
 from .wave_events import times_to_save
@@ -69,9 +69,9 @@ def pulse_width_of(self: Trajectory, bead: int | str) -> float:
         )
     residence = residence_of(self.chain, self._crossings)[k - 1]
     if np.isnan(residence):
+        notes = pulse_of(self.chain, self._peaks, self._crossings, tails=False).notes
         raise SimulationError(
-            f"no width of the pulse at bead {k}: it is one of several beads that move from the "
-            "start, on which a pulse has no residence time"
+            f"no width of the pulse at bead {k}: it has no residence time ({notes['residence']})"
         )
     width = _leading_width(self, k, velocity_peaks_of(self, k)) / residence
     if not np.isfinite(width):

@@ -182,9 +182,10 @@ class Trajectory(ShortDir):
     @property
     def beads_passed(self) -> int:
         """Number of beads that the pulse has passed, without strikers."""
-        # A bead is passed if its velocity peak and both of its contacts are recorded; a struck bead
-        # is passed from the start.
-        found = 1 + int(np.count_nonzero((self._peaks[0, 1:] != 0) & (self._crossings[0] > 0)))
+        # A bead is passed if its velocity peak and the contact behind it are recorded.  That of a
+        # struck bead 1, at time 0, has a velocity from the start.
+        found = int(self._peaks[1, 0] != 0.0)
+        found += int(np.count_nonzero((self._peaks[0, 1:] != 0) & (self._crossings[0] > 0)))
         return max(0, found - self.chain.strikers)
 
     @property

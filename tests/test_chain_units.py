@@ -48,6 +48,15 @@ def test_si_values_agree_with_the_simulation():
         assert pulse.compare(run).worst(name) < 1e-7, name
 
 
+def test_a_single_bead_without_material_has_no_unit_of_length():
+    bead = hc.Chain(
+        [5e-3], units="SI", masses=[4e-3], stiffness=[], velocities=[1.0],
+        right_wall=hc.Wall(stiffness=1e9),
+    )  # fmt: skip
+    with pytest.raises(hc.InputError, match="single bead requires its material"):
+        hc.Scales.of(bead)
+
+
 def test_two_materials_are_converted_for_the_theories_that_support_them():
     materials = ["steel-316", "ptfe"]
     chain = hc.Chain.periodic([9.5e-3] * 2, cells=10, materials=materials, velocity=1e-3)

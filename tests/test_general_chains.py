@@ -145,6 +145,21 @@ def test_a_falling_bead_falls_freely():
     np.testing.assert_allclose(run.positions[:, 1], [0.25, 0.25 * 1.9**2], rtol=1e-13)
 
 
+@pytest.mark.parametrize(
+    ("build", "place"),
+    [
+        (lambda gap: hc.Chain.uniform(3).replace(gaps=[0.0, gap]), "gap of contact 2"),
+        (lambda gap: hc.Chain.uniform(3).struck_by(gap=gap), "gap"),
+        (lambda gap: hc.Chain.uniform(3).replace(right_wall=hc.Wall(gap=gap)), "gap to a wall"),
+    ],
+)
+def test_the_rounding_of_gaps_is_limited(build, place):
+    with pytest.raises(hc.InputError, match=f"^{place} must be .*at most 1e.08, got 1e.10; larger"):
+        build(1e10)
+    pulses = [hc.simulate(build(gap), times=0).pulse().velocity for gap in (10.0, 1e8)]
+    np.testing.assert_allclose(*pulses, rtol=1.5e-6)
+
+
 def test_beads_with_gaps_meet_when_they_must():
     chain = hc.Chain.uniform(3).replace(gaps=[2.0, 5.0])
     run = hc.simulate(chain, times=[1.99, 2.0 + 2.9433 + 3.0])

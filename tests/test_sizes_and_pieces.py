@@ -52,6 +52,7 @@ def test_diameters_are_twice_the_radii():
         ({"rate": 0.1, "ratio": 2.0}, "a rate or sizes"),
         ({"taper": "forward-linear", "ratio": 2.0}, "choose from linear, exponential"),
         ({"ratio": 1e-3}, "less than a factor of 2; use more beads"),
+        ({"ratio": 0.4**3}, "shrink by a factor of 2.5 from bead to bead"),
         ({"ratio": -1.0}, "ratio of the last to the first radius must be above 0"),
         ({"first": "1 mm", "last": 2.0}, "sizes with a unit .* give materials"),
         ({"first": 1.0, "first_diameter": 2.0, "last": 2.0}, "or its diameter, not both"),
@@ -99,6 +100,8 @@ def test_a_scaled_piece_is_in_units_of_its_own_first_bead():
     ):
         _ = chain.replace(gravity=0.1)[20:]
     assert hc.Chain.uniform(9).replace(gravity=0.1)[4:].gravity == 0.1
+    larger_first = hc.Chain.uniform(5).with_defects({1: 1.2}).replace(gravity=0.1)
+    assert larger_first[1:].radii.tolist() == [1.0] * 4
 
 
 def test_a_reversed_chain_hands_the_impact_on_from_the_other_end():

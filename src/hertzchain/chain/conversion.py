@@ -52,6 +52,11 @@ def scales_of(chain: Chain, velocity: float | None = None) -> Scales:
         own = chain.materials[unit]
         stiffness = float(sphere_stiffness(radius, radius, contact_modulus(own, own)))
     else:
+        if chain.beads == 1:
+            raise InputError(
+                "the unit of length of a single bead requires its material: use "
+                "Chain.from_materials, or give Scales(radius, mass, velocity, length)"
+            )
         # That of the next contact, as if its beads were of one material.
         ratio = hertz_stiffness(1.0, chain.radii[min(unit + 1, chain.beads - 1)] / radius)
         stiffness = float(chain.stiffness[min(unit, chain.beads - 2)] / ratio)

@@ -210,8 +210,7 @@ class ChainFields(Frozen):
         self._set("velocities", _read_only(values))
         gaps = np.zeros(self.beads - 1)
         if "gaps" in self.given:
-            unit = self._unit("m")
-            gaps = per_bead_array("gap", self.gaps, self.beads - 1, "contact", unit=unit, least=0.0)
+            gaps = input_checks.checked_gaps(self.gaps, self.beads - 1, self._unit("m"))
         self._set("gaps", _read_only(gaps))
         gravity = number("gravity", self.gravity, unit=self._unit("m/s**2"))
         self._set("gravity", gravity)

@@ -22,6 +22,13 @@ MAX_EXPONENT: Final = 50.0
 # impact must be representable.
 MIN_VELOCITY: Final = 1e-100
 MAX_VELOCITY: Final = 1e100
+# Largest gap, scaled or in m: at larger distances the rounding of positions is noticeable in the
+# overlaps of an impact, whose unit is 1.
+MAX_GAP: Final = 1e8
+GAP_HINT: Final = (
+    "larger distances are rounded too coarsely for the overlaps of an impact; let the impact begin "
+    "at a smaller gap"
+)
 # SI radii above this value [m], and limits from it on, cause a warning, because they are probably
 # in millimetres; so do limits above this multiple of the largest bead.
 LARGE_RADIUS: Final = 1.0
@@ -158,6 +165,14 @@ def warn_large_radius(radii: Array) -> None:
             "1000",
             InputWarning,
         )
+
+
+def checked_gaps(gaps: ArrayLike, contacts: int, unit: str | None) -> Array:
+    """Check the gaps between neighbouring beads."""
+    values = per_bead_array("gap", gaps, contacts, "contact", unit=unit, least=0.0)
+    if (c := int(np.argmax(np.append(values, 0.0)))) < contacts:
+        number(f"gap of contact {c + 1}", values.item(c), most=MAX_GAP, hint=GAP_HINT)
+    return values
 
 
 def warn_large_gap(gaps: Array, of_walls: Sequence[float], radii: Array) -> None:

@@ -197,7 +197,7 @@ def _rescaled(chain: C, changes: dict[str, Any]) -> C:
     """Replace the beads; scaled radii in units of another first one, if no other unit changes."""
     radii = changes["radii"]
     first = float(radii[changes.get("strikers", chain.strikers)])
-    if chain.units == "scaled" and first != chain.radii[chain.strikers]:
+    if chain.units == "scaled" and first not in (1.0, chain.radii[chain.strikers]):
         left, right = (
             changes.get(f"{end}_wall", getattr(chain, f"{end}_wall")) for end in ("left", "right")
         )

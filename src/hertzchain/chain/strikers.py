@@ -17,7 +17,7 @@ from ..representation import measure
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from .fields import ChainFields
-from .input_checks import MAX_VELOCITY, checked_beads
+from .input_checks import GAP_HINT, MAX_GAP, MAX_VELOCITY, checked_beads
 from .materials import Material, MaterialLike
 from .materials import material as material_named
 from .striker_properties import SPHERE, UNKNOWN_STIFFNESS, StrikerProperties, face_stiffness
@@ -113,7 +113,7 @@ def struck_by(
     own, radius, mass, drawn = _striker(self, radius, mass, material)
     speed = number("velocity of the strikers", velocity, unit=self._unit("m/s"), least=0.0,
                    most=MAX_VELOCITY, hint="positive velocities are towards the chain")  # fmt: skip
-    distance = number("gap", gap, unit=self._unit("m"), least=0.0)
+    distance = number("gap", gap, unit=self._unit("m"), least=0.0, most=MAX_GAP, hint=GAP_HINT)
     # A sphere has the mass of its radius, which is then not given.
     with np.errstate(over="ignore"):
         times = (drawn / self.radii.max()) ** 3 if mass is None else mass / self.masses.max()

@@ -188,7 +188,7 @@ def taper_between(shape: str, beads: int, first: float, last: float) -> tuple[st
         if not rate < 1.0:
             raise InputError(
                 f"radii from {first:g} to {last:g} in {beads} beads shrink by a factor of "
-                f"{step:.3g} from bead to bead, but a forward-exponential taper shrinks by less "
-                "than a factor of 2; use more beads, or Chain.from_radii for any radii"
+                f"{1.0 / step:.3g} from bead to bead, but a forward-exponential taper shrinks by "
+                "less than a factor of 2; use more beads, or Chain.from_radii for any radii"
             )
     return name, rate, tapered_radii(name, rate, beads)

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Final
 
 from ..errors import InputError, short_repr
 from ..validation.keywords import checked_arguments, checked_fields
 from ..validation.numbers import is_word, number
 from .description import length_in_words
-from .input_checks import checked_wall_exponent
+from .input_checks import GAP_HINT, MAX_GAP, checked_wall_exponent
 from .laws import Loss
 from .materials import RIGID, Material, MaterialLike, material
 from .parts import Part
 from .scales import scale
-
-# Largest gap [scaled, or m].
-MAX_GAP: Final = 1e9
 
 
 def material_of_wall(wall: Wall | None, bead: Material) -> Material:
@@ -104,8 +100,7 @@ class Wall(Part):
         if self.material is not None:
             object.__setattr__(self, "material", material(self.material))
         gap = number("gap to a wall", self.gap, unit="m", least=0.0, most=MAX_GAP,
-                     hint="the rounding of larger distances exceeds the overlaps of an impact; let "
-                     "the impact begin at a smaller gap")  # fmt: skip
+                     hint=GAP_HINT)  # fmt: skip
         object.__setattr__(self, "gap", gap)
         if self.loss is not None and not isinstance(self.loss, Loss):
             raise InputError(

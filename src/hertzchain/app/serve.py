@@ -16,7 +16,6 @@ from .connection import Connection
 from .server import App
 from .warm_up import WarmUp
 
-DEFAULT_PORT: Final = 8765
 # Ports that are tried after the requested one.
 MORE_PORTS: Final = 20
 

@@ -102,10 +102,6 @@ class Record:
                 found[there] = np.maximum(found[there], part)
         return np.where(equation.stiffness > 0.0, found, 0.0)
 
-    def in_contact(self, contact: int, stage: int = 0) -> Array:
-        """Number kept for a contact's overlap at a stage of each step."""
-        return np.concatenate([block.kept[:, stage, contact] for block in self.blocks])
-
 
 def load_rows(equation: Equation) -> Array:
     """Rows of the kernels with the parameters of a chain and its state at time 0."""

@@ -7,7 +7,7 @@ import logging
 import re
 import textwrap
 import weakref
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from importlib import resources
 from types import MappingProxyType
@@ -226,12 +226,6 @@ def signed(value: float, digits: str = "g") -> str:
 def with_micro(unit: str) -> str:
     """A unit with the micro sign, such as µs for us."""
     return unit.replace("u", "µ", 1) if unit in ("us", "um") else unit
-
-
-def differ_much(values: Iterable[float]) -> bool:
-    """Whether positive values differ by so much that small ones are not visible beside large."""
-    present = [each for each in values if each > 0.0]
-    return bool(present) and max(present) > MUCH * min(present)
 
 
 def label_log_axis(axis: Axis) -> None:

@@ -60,8 +60,9 @@ def decorated(
     Raises
     ------
     InputError
-        If the small beads are not smaller than the large ones, or if masses, gaps or velocities
-        of this chain are set per bead.
+        If the small beads are not smaller than the large ones, or if masses, stiffness,
+        gaps, velocities, exponents or losses are set per bead or contact, or there are strikers:
+        modify the beads first.
 
     Examples
     --------
@@ -102,8 +103,9 @@ def with_defects(self: C, radii: Mapping[int, float], *, material: MaterialLike 
     Raises
     ------
     InputError
-        If a bead does not exist, a radius is not positive, or masses, gaps or velocities of this
-        chain are set per bead.
+        If a bead does not exist, a radius is not positive, masses, stiffness, gaps, velocities,
+        exponents or losses are set per bead or contact, or there are strikers: modify the beads
+        first.
 
     Examples
     --------

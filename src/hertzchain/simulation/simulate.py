@@ -107,7 +107,7 @@ def simulate(
         that exceeds the drift is repeated with shorter steps.  ``run.energy_drift`` is the drift
         found.
     max_steps : int, optional
-        Step limit; by default 2000 per bead, and at least a million.
+        Step limit; by default 2000 per bead, and at least a million (10^12 with fixed steps).
     check : bool
         Whether to raise an error if the run fails; otherwise check ``run.status``.
     progress : callable, optional

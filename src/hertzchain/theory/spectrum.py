@@ -345,7 +345,8 @@ def spectrum(chain: Chain) -> Spectrum:
     ------
     InputError
         If a contact carries no static force, or its loss law cannot be linearised:
-        `UnloadingRatio`, `WaltonBraun`, and `VelocityPower` with alpha < 1.
+        `UnloadingRatio`, `WaltonBraun`, `ElasticPlastic` beyond yield, and `VelocityPower` with
+        alpha < 1.
 
     Warns
     -----

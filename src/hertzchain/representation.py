@@ -99,7 +99,7 @@ def counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
-def length_in_words(beads: int, strikers: int) -> str:
+def size_in_words(beads: int, strikers: int) -> str:
     """``20 beads``, or ``20 beads and 1 striker`` for 21 beads with the striker."""
     words = counted(beads - strikers, "bead")
     return f"{words} and {counted(strikers, 'striker')}" if strikers else words

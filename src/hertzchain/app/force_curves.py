@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..chain.bead_names import bead_label
+from ..chain.bead_names import Side, bead_label
 from ..chain.chain import Chain
 from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..collision import Array, compression_time
@@ -17,7 +17,6 @@ from ..recorded_warnings import record_warnings
 from ..simulation.run import Run
 from ..simulation.sensor_force import SHOWN
 from ..simulation.simulate import simulate
-from ..simulation.wall_force import Side
 from ..simulation.yielding import peak_with_yielding_contacts, pressures_below_yield
 
 # Intervals in the shortest contact, and the smallest number that needs no warning.  A light bead

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from typing import Final
+from typing import Final, Literal
 
 from ..errors import InputError, short_repr
 from ..representation import counted
 from ..validation.numbers import whole_number
 from .chain import Chain
 
+Side = Literal["left", "right"]
 NAME: Final = re.compile(r"(ball|bead) +([0-9]{1,9})")
 AT_NAME: Final = re.compile(r"@ *((?:ball|bead) +[0-9]{1,9})(?![0-9])", re.IGNORECASE)
 
@@ -28,6 +29,12 @@ def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: boo
     return numbered_bead(chain, found[1], int(found[2]))
 
 
+def walls_of(chain: Chain) -> dict[Side, int]:
+    """Walls of a chain, with the numbers that they have among the beads: 0 and N + 1."""
+    numbers: dict[Side, int] = {"left": 0, "right": chain.beads + 1}
+    return {side: number for side, number in numbers.items() if f"{side} wall" in chain.features}
+
+
 def wall_number(chain: Chain, name: object) -> int | None:
     """Number of a wall, 0 or N + 1, from its name; `None` for anything but the name of a wall.
 
@@ -36,12 +43,11 @@ def wall_number(chain: Chain, name: object) -> int | None:
     words = " ".join(name.lower().split()) if isinstance(name, str) else ""
     if words not in ("wall", "left wall", "right wall"):
         return None
-    numbers = {"left wall": 0, "right wall": chain.beads + 1}
-    present = [each for each in numbers if each in chain.features]
+    present = {f"{side} wall": number for side, number in walls_of(chain).items()}
     if words == "wall" and len(present) == 1:
-        return numbers[present[0]]
+        return next(iter(present.values()))
     if words in present:
-        return numbers[words]
+        return present[words]
     if words == "wall" and present:
         raise InputError("the chain has two walls: give 'right wall' or 'left wall'")
     side = "left" if words == "left wall" else "right"

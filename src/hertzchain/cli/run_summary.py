@@ -13,10 +13,11 @@ from .output import show_table
 from .wording import on_command_line
 
 if TYPE_CHECKING:
+    from ..chain.bead_names import Side
     from ..chain.chain import Chain
     from ..simulation.run import Run
     from ..simulation.sensor_force import SensorForce
-    from ..simulation.wall_force import Side, WallForce
+    from ..simulation.wall_force import WallForce
 
 
 def run_as_dict(
@@ -149,7 +150,7 @@ def _impact(chain: Chain) -> str:
 
 
 def _walls(run: Run) -> list[WallForce]:
-    from ..simulation.wall_force import walls_of
+    from ..chain.bead_names import walls_of
 
     return [run.wall_force(side) for side in walls_of(run.chain)]
 

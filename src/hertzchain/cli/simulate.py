@@ -57,7 +57,9 @@ USUAL_TIMES: Final = 400
 @click.option("--step", metavar="TIME", help="Step of the symplectic method.")
 @click.option("--drift", type=Fraction(), help="Largest energy drift of the symplectic method.")
 @click.option(
-    "--max-steps", type=int, help="Step limit.  [default: 2000 per bead, at least a million]"
+    "--max-steps",
+    type=int,
+    help="Step limit.  [default: 2000 per bead, at least a million; 10^12 with fixed steps]",
 )
 @click.option(
     "--out",
@@ -228,7 +230,7 @@ def _beads(chain: Chain, sensors: tuple[str, ...], forces: Path | None) -> list[
 
 def _places(chain: Chain, beads: list[int]) -> list[int | str]:
     """Sensors and walls of a chain, for a table of forces."""
-    from ..simulation.wall_force import walls_of
+    from ..chain.bead_names import walls_of
 
     return [*beads, *(f"{side} wall" for side in walls_of(chain))]
 
@@ -272,11 +274,11 @@ def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str,
 
 def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], *, forces: bool) -> Axes:
     """Plot forces in sensors and on walls; or else velocities, of one run as a map."""
+    from ..chain.bead_names import walls_of
     from ..plotting.labels import with_losses
     from ..plotting.pulses import plot_pulses
     from ..plotting.runs import plot_forces_of_runs
     from ..plotting.style import literal
-    from ..simulation.wall_force import walls_of
 
     labels = with_losses({name: run.chain for name, run in runs.items()})
     runs = {labels[name]: run for name, run in runs.items()}

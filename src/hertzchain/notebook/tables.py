@@ -8,7 +8,7 @@ from ..collision import Array
 from ..pulse.free_end import split_free_ends
 from ..pulse.pulse_table import PulseTable
 from ..pulse.quantities import QUANTITIES
-from ..simulation.ensemble_columns import RUN_QUANTITIES
+from ..simulation.ensemble_columns import TABLE_QUANTITIES
 from ..simulation.run_table import RunTable
 from .drawing import (
     COLOURS,
@@ -73,7 +73,9 @@ def run_table_html(runs: RunTable) -> str:
         known = values[np.isfinite(values)]
         where = "" if values.ndim == 1 else ", all places"
         if len(known):
-            rows.append((f"{name}{where}", *_summary(known, RUN_QUANTITIES[name].unit, runs.units)))
+            rows.append(
+                (f"{name}{where}", *_summary(known, TABLE_QUANTITIES[name].unit, runs.units))
+            )
         else:
             rows.append((name, "none", "", ""))
     shown = {
@@ -85,7 +87,7 @@ def run_table_html(runs: RunTable) -> str:
     first = next((name for name, values in runs.columns.items() if values.ndim == 1), "")
     if first and np.isfinite(runs[first]).sum() > 1:
         values = np.sort(runs[first][np.isfinite(runs[first])])
-        factor, unit = axis_unit(values, RUN_QUANTITIES[first].unit, runs.units)
+        factor, unit = axis_unit(values, TABLE_QUANTITIES[first].unit, runs.units)
         part = 100.0 * (np.arange(len(values)) + 0.5) / len(values)
         label = f"{first}{unit}"
         parts.insert(0, chart([Curve(part, factor * values)], "share of chains below [%]", label))

@@ -11,14 +11,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from ..chain.bead_names import bead_label, bead_number, wall_number
+from ..chain.bead_names import bead_label, bead_number, wall_number, walls_of
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import RUN_QUANTITIES
 from ..simulation.run import Run
 from ..simulation.sensor_force import sensor_maxima
-from ..simulation.wall_force import WallForce, walls_of
+from ..simulation.wall_force import WallForce
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice, check_list, text

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..chain.chain import Chain
 from ..collision import Array, hertz_stiffness
 from ..errors import InputError, SimulationError, short_repr
-from ..representation import length_in_words
+from ..representation import size_in_words
 from ..validation.keywords import checked_methods
 from .columns import Columns, with_columns
 from .pulse import Pulse
@@ -292,10 +292,10 @@ class PulseTable(Columns):
     def _longest(self) -> str:
         """Number of beads and strikers of the longest chain in words."""
         if not len(self):
-            return length_in_words(0, 0)
+            return size_in_words(0, 0)
         row = int(np.argmax(self.beads))
         chain = self.chains[row] if self.chains else None
-        return length_in_words(int(self.beads[row]), 0 if chain is None else chain.strikers)
+        return size_in_words(int(self.beads[row]), 0 if chain is None else chain.strikers)
 
     def _repr_html_(self) -> str:
         from ..notebook.tables import pulse_table_html

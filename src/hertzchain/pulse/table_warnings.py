@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from ..chain.hertz_range import hertz_range
+from ..chain.hertz_ratios import exceeds_limits
 from ..errors import IncompleteWarning, ModelRangeWarning, warn_user
 from .pulse_table import PulseTable
 
@@ -31,13 +34,16 @@ def warn_exceeded(chains: int, rows: Sequence[int], violation: str) -> None:
 
 def warn_outside_hertz_once(table: PulseTable) -> None:
     """Warn once if chains in SI units have exceeded the limits of Hertz's law."""
-    exceeded = {}
+    exceeded = []
     for row, chain in enumerate(table.chains):
         if chain is None or chain.units != "SI" or chain.materials is None:
             continue
         if row not in table.reasons:
             overlaps = table.peak_overlap[row, : chain.beads - 1]
-            if violations := hertz_range(chain, overlaps).violations:
-                exceeded[row] = violations[0]
+            if exceeds_limits(chain, np.pad(overlaps, 1)):
+                exceeded.append(row)
     if exceeded:
-        warn_exceeded(len(table), [*exceeded], next(iter(exceeded.values())))
+        chain = table.chains[exceeded[0]]
+        assert chain is not None
+        overlaps = table.peak_overlap[exceeded[0], : chain.beads - 1]
+        warn_exceeded(len(table), exceeded, hertz_range(chain, overlaps).violations[0])

@@ -42,7 +42,7 @@ from .wall_bound import RIGHT
 PULSE_QUANTITIES: Final = {
     name: each for name, each in QUANTITIES.items() if not each.estimate
 }  # fmt: skip
-RUN_QUANTITIES: Final[dict[str, Quantity]] = {
+TABLE_QUANTITIES: Final[dict[str, Quantity]] = {
     **PULSE_QUANTITIES, **WALL_QUANTITIES, **SENSOR_QUANTITIES, **FINAL_QUANTITIES,
     **LARGEST_QUANTITIES,
 }  # fmt: skip
@@ -405,7 +405,7 @@ def empty_columns(keep: Sequence[str], count: int, beads: int, sensors: int) -> 
 
 def shape_of(name: str, count: int, beads: int, sensors: int) -> tuple[int, ...]:
     """Shape of a column for ``count`` chains."""
-    per = RUN_QUANTITIES[name].per
+    per = TABLE_QUANTITIES[name].per
     if per == "sensor":
         return count, sensors
     if per in ("wall", "run"):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
+from ..chain.bead_names import Side
 from ..errors import IncompleteWarning, InputError, SimulationError, warn_user
 from ..pulse.pulse import Pulse
 from ..representation import short
@@ -26,7 +27,7 @@ from .run_pulse import pulse_of
 from .sensor_force import sensor_force_of
 from .trajectory import Trajectory
 from .velocity_peaks import velocity_peaks_of
-from .wall_force import SIDES, Side, WallForce, incomplete_peak, later_ends, wall_force_of
+from .wall_force import SIDES, WallForce, incomplete_peak, later_ends, wall_force_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -18,11 +18,11 @@ from ..collision import Array
 from ..frozen import Frozen
 from ..pulse.quantities import WALL_QUANTITIES
 from ..pulse.quantity_names import column_name
-from ..representation import length_in_words, short
+from ..representation import short, size_in_words
 from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
-from .ensemble_columns import RUN_QUANTITIES
+from .ensemble_columns import TABLE_QUANTITIES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -118,7 +118,7 @@ class RunTable(Frozen):
     def _longest(self) -> str:
         """Number of beads and strikers of the longest chain in words."""
         lengths = [(each.beads, each.strikers) for each in self.chains if each is not None]
-        return length_in_words(*max(lengths, default=(0, 0)))
+        return size_in_words(*max(lengths, default=(0, 0)))
 
     @property
     def units(self) -> str:
@@ -222,7 +222,7 @@ class RunTable(Frozen):
         variables: dict[str, tuple[Any, ...]] = {}
         coordinates: dict[str, Any] = {"chain": np.arange(len(self))}
         for name, values in self.columns.items():
-            quantity, dimensions = RUN_QUANTITIES[name], ["chain"]
+            quantity, dimensions = TABLE_QUANTITIES[name], ["chain"]
             if values.ndim == 2:
                 labels = np.arange(1, values.shape[1] + 1)
                 place = str(quantity.per) if quantity.per != "run" else "bead"
@@ -269,7 +269,7 @@ class RunTable(Frozen):
                 continue
             numbers = (
                 self.sensors
-                if RUN_QUANTITIES[name].per == "sensor"
+                if TABLE_QUANTITIES[name].per == "sensor"
                 else range(1, values.shape[1] + 1)
             )
             found |= {f"{name}_{k}": values[:, i] for i, k in enumerate(numbers)}

@@ -23,7 +23,7 @@ from ..validation.memory import check_memory
 from ..validation.numbers import number, whole_number, worker_count
 from ..validation.objects import Progress, callback, check_bool, check_choice, check_list
 from .ensemble_columns import (
-    RUN_QUANTITIES,
+    TABLE_QUANTITIES,
     Outcome,
     Request,
     by_kernel,
@@ -194,7 +194,9 @@ def _checked_names(keep: str | Iterable[str]) -> tuple[str, ...]:
     if not names:
         raise InputError("keep must have at least one quantity, such as 'velocity', got none")
     columns = map(column_name, names)
-    return tuple(dict.fromkeys(check_choice("quantity", name, RUN_QUANTITIES) for name in columns))
+    return tuple(
+        dict.fromkeys(check_choice("quantity", name, TABLE_QUANTITIES) for name in columns)
+    )
 
 
 def _checked_sensors(sensors: Iterable[int | str], given: Sequence[object]) -> tuple[int, ...]:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final
 
+from ..chain.bead_names import Side
 from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels.wall_rule import HELD
@@ -18,7 +19,6 @@ from .wall_bound import motion_can_escape
 if TYPE_CHECKING:
     import pandas as pd
 
-Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = ("left", "right")
 # Fraction of the force that may follow, below which the pulse has not reached a wall.
 NEGLIGIBLE: Final = 1e-6
@@ -251,12 +251,6 @@ def wall_force_of(
         impulse=float(impulses[i]),
         units=chain.units,
     )
-
-
-def walls_of(chain: Chain) -> dict[Side, int]:
-    """Walls of a chain, with the numbers that they have among the beads: 0 and N + 1."""
-    numbers: dict[Side, int] = {"left": 0, "right": chain.beads + 1}
-    return {side: number for side, number in numbers.items() if f"{side} wall" in chain.features}
 
 
 def _reason(

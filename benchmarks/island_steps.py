@@ -22,7 +22,7 @@ from rich.console import Console
 from rich.table import Table
 
 import hertzchain as hc
-from hertzchain.kernels import active_beads, error_scale, full_chain, state_layout
+from hertzchain.kernels import active_beads, full_chain, limits, state_layout
 from hertzchain.simulation.kernel_input import kernel_chain
 from hertzchain.simulation.simulate import DEFAULT_RTOL
 from hertzchain.simulation.state import State, contacts_of
@@ -85,7 +85,7 @@ def steps_alone(
     y[beads : 2 * beads] = arrays["y"][chain.beads :][first:end]
     y[2 * beads :] = arrays["y"][2 * chain.beads :]
     # In the whole chain, errors of slow beads are relative to the fastest bead in contact.
-    slow = error_scale.SLOW * fastest / max(float(np.abs(y[beads : 2 * beads]).max()), 1e-300)
+    slow = limits.SLOW * fastest / max(float(np.abs(y[beads : 2 * beads]).max()), 1e-300)
     rtol = min(DEFAULT_RTOL * max(1.0, slow), 1e-6)
     clock, counts = np.zeros(state_layout.CLOCK_SIZE), np.zeros(state_layout.COUNTS_SIZE, np.int64)
     clock[state_layout.STEP] = arrays["clock"][state_layout.STEP]

@@ -45,7 +45,7 @@ def test_shifts_are_the_defects_of_the_method(sign, q):
     at_stages = np.array([force(entries, c * H) for c in (0.0, *rkn8.C)])
     for stage, (c, weights) in enumerate(zip(rkn8.C, rkn8.A, strict=True), 1):
         exact = H**2 * np.dot(weights, at_stages[:stage]) - motion(entries, c * H)[0]
-        assert entries[layout.KINK_SHIFT + stage * layout.MOST_KINKS] == pytest.approx(
+        assert entries[layout.KINK_SHIFT + stage * layout.MAX_KINKS] == pytest.approx(
             exact, abs=1e-12
         )
     position, velocity = motion(entries, H)

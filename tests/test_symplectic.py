@@ -134,3 +134,21 @@ def test_invalid_requests(changes, options, said):
 
 def test_all_methods_have_a_cost():
     assert COSTS.keys() <= SPLITTINGS.keys()
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
+@pytest.mark.parametrize("method", ["adaptive", "symplectic"])
+def test_first_contacts_with_negligible_impulses_are_ignored(method):
+    """Bead 6 touches the wall before the pulse arrives, and rebounds with twice its momentum."""
+    chain = hc.Chain.uniform(6).replace(
+        gaps=[0.0, 0.0, 0.0, 0.0, 0.01], right_wall=hc.Wall(stiffness=1e6)
+    )
+    found = [
+        hc.simulate(
+            chain.replace(velocities=[1.0, 0.0, 0.0, 0.0, 0.0, speed]), until=30.0, method=method
+        ).wall_force()
+        for speed in (1e-7, 1e-11)
+    ]
+    assert found[0].first_contact_impulse == pytest.approx(2e-7, rel=1e-6)
+    assert found[1].first_contact_impulse > 1.0
+    assert [wall.sensitive for wall in found] == [True, False]

@@ -32,7 +32,7 @@ PARTS: Final = (
 
 
 def check_part(name: str, part: object, *, scaled: bool, exponent: float) -> None:
-    """Check the type of a wall, loss or drive, and the units of its numbers."""
+    """Check the type of a wall or drive, and the units of its numbers."""
     kind, allowed, advice = next(row[1:] for row in PARTS if row[0] == name)
     if not isinstance(part, kind):
         raise InputError(f"{name} must be {allowed} or None, got {short_repr(part)}; {advice}")

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..collision import Array
+from ..kernels.limits import MIN_ROUGH_PUSH
 from ..representation import measure
-from ..simulation.ensemble_input import LEAST_PART
 from .backward_pass import Dependence, Place, Slopes, place_of_event
 from .gauges import (
     LOWEST,
@@ -325,7 +325,7 @@ class Reader:
         """Number of steps until the end of the first contact with a wall."""
         equation = self._equation
         total = np.cumsum(impulse(self.record, contacts))
-        least = LEAST_PART * float(np.abs(equation.masses * equation.velocities).sum())
+        least = MIN_ROUGH_PUSH * float(np.abs(equation.masses * equation.velocities).sum())
         forces = stage_forces(self.record, contacts)
         ended = np.flatnonzero((total[:-1] > least) & (forces[1:, 0] == 0.0))
         if not len(ended):

@@ -17,7 +17,8 @@ from ..chain.laws.velocity_power import VelocityPower
 from ..chain.laws.viscoelastic import Viscoelastic
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
-from ..simulation.ensemble_input import FIRST_PART, ROUNDING
+from ..kernels.limits import ROUNDING
+from ..simulation.ensemble_input import FIRST_PART
 from ..simulation.kernel_input import static_closing
 from ..simulation.time_scales import transit_times
 
@@ -157,7 +158,7 @@ def has_gradient(chain: Chain) -> bool:
 
 
 def _check(chain: Chain) -> None:
-    from ..kernels.adjoint_layout import MOST_BEADS
+    from ..kernels.adjoint_layout import MAX_BEADS
 
     require_chain(METHOD, chain)
     if chain.drive is not None:
@@ -172,9 +173,9 @@ def _check(chain: Chain) -> None:
                 "closing speed, jumps or depends on the past; use Viscoelastic, Restitution or "
                 "Dashpot"
             )
-    if chain.beads > MOST_BEADS:
+    if chain.beads > MAX_BEADS:
         raise InputError(
-            f"gradient supports chains of at most {MOST_BEADS} beads, got {chain.beads}; shorten "
+            f"gradient supports chains of at most {MAX_BEADS} beads, got {chain.beads}; shorten "
             "the chain"
         )
 

@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..collision import Array
-from ..simulation.sensor_force import FALL, MIN_HEIGHT
+from ..kernels.limits import FALL, MIN_HEIGHT
 from .backward_pass import Place, place_of
 from .equation import Equation
 from .record import Record, load_rows, room_for

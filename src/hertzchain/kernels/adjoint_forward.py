@@ -55,15 +55,13 @@ from .adjoint_layout import (
     X,
 )
 from .adjoint_step import compiled, entry_point, error_of, try_step
-from .error_scale import ROUNDED, ROUNDING
+from .limits import REACHED, ROUNDED, ROUNDING
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE
 
 # Smallest step; factor by which a step is shortened if a contact may have closed unnoticed.
 MIN_STEP, HALF = 1e-280, 0.5
 # Motion advances by at most this number of beads per step.
 REACH = 9
-# The pulse has not reached a bead whose speed is less than this fraction of the speeds nearby.
-REACHED = 1e-11
 
 
 @compiled

@@ -36,7 +36,7 @@ ROW = 4096 + 40
 STAGE_A, ZX, ZV, END_OF_DAMPED_ROWS = range(STAGE_V + 12 * ROW, STAGE_V + 60 * ROW, 12 * ROW)
 # A step uses up to this number of entries in addition to the beads.
 SPACE = 40
-MOST_BEADS = ROW - SPACE
+MAX_BEADS = ROW - SPACE
 
 STAGES = 9
 # Numbers kept in a step with damping: overlaps and closing speeds at twelve stages, the contacts

@@ -43,9 +43,10 @@ from .adjoint_layout import (
 )
 from .compilation import CONTRACTED, internal
 from .elastic_forces import LEAST
+from .limits import NEIGHBOURS, SLOW
 from .powers import power
 from .rkn8_stages import Rows, step_on
-from .rkn8_step import NEIGHBOURS, SLOW, SMALLEST
+from .rkn8_step import MIN_SCALE
 
 entry_point = njit(**CONTRACTED)
 compiled = internal(**CONTRACTED)
@@ -158,7 +159,7 @@ def error_of(w, low, high, h, rtol, hertz):
         w[WORK + i] = a if w[F0 + i] != 0.0 else 0.0
     for i in range(NEIGHBOURS):
         w[SPEED + low + i] = w[own + high + i] = 0.0
-    least = SLOW * largest(w, WORK, low, high) + SMALLEST
+    least = SLOW * largest(w, WORK, low, high) + MIN_SCALE
     for i in range(low, high + NEIGHBOURS + 1):
         a, b, c = w[SPEED + i], w[SPEED + i + 1], w[SPEED + i + 2]
         a = a if a > b else b

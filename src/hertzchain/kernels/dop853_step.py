@@ -12,9 +12,10 @@ import numpy as np
 from .compilation import compiled
 from .dop853 import E3, E5, STAGES, STEP_STAGES, A, D
 from .driving import wall_motion
-from .error_scale import AT_REST, ROUNDING, general_scale
+from .error_scale import AT_REST, general_scale
 from .forces import copy, derivative
 from .interpolant import COEFFICIENTS
+from .limits import ROUNDING
 
 # Times of the stages, as fractions of the step.
 C = A.sum(axis=1)

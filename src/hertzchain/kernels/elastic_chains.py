@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from .compilation import OPTIONS, compiled, entry_point, internal
-from .elastic_events import FALL, record_events, record_fall, record_largest
+from .elastic_events import record_events, record_fall, record_largest
 from .elastic_forces import closing_of, force_of, overlap_of
 from .elastic_kinks import drop_kinks, find_kinks, impulse_defect, pass_step
 from .elastic_layout import (
@@ -116,6 +116,7 @@ from .elastic_walls import (
     restart,
     start_watch,
 )
+from .limits import FALL
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE, STAGES, impulse_of, spread, take_step
 from .state_layout import STRIKER_PEAK_TIME
 

@@ -46,22 +46,19 @@ from .elastic_layout import (
     V,
     X,
 )
-from .error_scale import ROUNDED, ROUNDING
 from .hermite import curvature, hermite, slope, third, value
+from .limits import FALL, MIN_HEIGHT, REACHED, ROUNDED, ROUNDING
 
 inlined = internal(forceinline=True, **OPTIONS)
 
-# The pulse has not reached a bead whose speed is less than this fraction, or this many tolerances,
-# of the speeds nearby; an overlap less than this fraction of the positions is ignored.
-REACHED, TOLERANCES = 1e-11, 10.0
+# The pulse has not reached a bead whose speed is less than `REACHED`, or this many tolerances, of
+# the speeds nearby; an overlap less than `REACHED` times the positions is ignored.
+TOLERANCES = 10.0
 # Parts of a step that are searched for the first event; iterations in one part.
 PARTS, ITERATIONS = 8, 60
 CLOSE = 1e-14
 # A force is largest if its rate is less than this fraction of it per step.
 FLAT = 1e-12
-# The force of a sensor has passed a maximum when it has decreased by this fraction of it; maxima
-# less than this fraction of the largest one are ignored.
-FALL, MIN_HEIGHT = 0.1, 0.01
 AT_A_WALL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 

@@ -54,7 +54,7 @@ from .elastic_layout import (
     LANES,
     LENGTH,
     LINE,
-    MOST_KINKS,
+    MAX_KINKS,
     SCALE,
     STIFFNESS,
     H,
@@ -239,13 +239,13 @@ def set_shifts(kinks, count):
         f6 = A6[0] * p0 + A6[1] * p1 + A6[2] * p2 + A6[3] * p3 + A6[4] * p4 + A6[5] * p5
         f7 = A7[0] * p0 + A7[1] * p1 + A7[2] * p2 + A7[3] * p3 + A7[4] * p4 + A7[5] * p5
         f7 += A7[6] * p6
-        kinks[KINK_SHIFT + 1 * MOST_KINKS + n] = hh * f1 - (s1 - start - C1 * rate)
-        kinks[KINK_SHIFT + 2 * MOST_KINKS + n] = hh * f2 - (s2 - start - C2 * rate)
-        kinks[KINK_SHIFT + 3 * MOST_KINKS + n] = hh * f3 - (s3 - start - C3 * rate)
-        kinks[KINK_SHIFT + 4 * MOST_KINKS + n] = hh * f4 - (s4 - start - C4 * rate)
-        kinks[KINK_SHIFT + 5 * MOST_KINKS + n] = hh * f5 - (s5 - start - C5 * rate)
-        kinks[KINK_SHIFT + 6 * MOST_KINKS + n] = hh * f6 - (s6 - start - C6 * rate)
-        kinks[KINK_SHIFT + 7 * MOST_KINKS + n] = hh * f7 - (s7 - start - rate)
+        kinks[KINK_SHIFT + 1 * MAX_KINKS + n] = hh * f1 - (s1 - start - C1 * rate)
+        kinks[KINK_SHIFT + 2 * MAX_KINKS + n] = hh * f2 - (s2 - start - C2 * rate)
+        kinks[KINK_SHIFT + 3 * MAX_KINKS + n] = hh * f3 - (s3 - start - C3 * rate)
+        kinks[KINK_SHIFT + 4 * MAX_KINKS + n] = hh * f4 - (s4 - start - C4 * rate)
+        kinks[KINK_SHIFT + 5 * MAX_KINKS + n] = hh * f5 - (s5 - start - C5 * rate)
+        kinks[KINK_SHIFT + 6 * MAX_KINKS + n] = hh * f6 - (s6 - start - C6 * rate)
+        kinks[KINK_SHIFT + 7 * MAX_KINKS + n] = hh * f7 - (s7 - start - rate)
         x = B0 * p0 + B2 * p2 + B3 * p3 + B4 * p4 + B5 * p5 + B6 * p6
         v = V0 * (p0 + p7) + V2 * (p2 + p6) + V3 * (p3 + p5) + V4 * p4
         kinks[KINK_SHIFT_X + n] = hh * x - (s7 - start - rate)
@@ -257,7 +257,7 @@ def set_shifts(kinks, count):
 @inlined
 def copy_kink(kinks, n, to):
     """Copy a kink without its defects; both places are entries of row 0."""
-    for row in range(0, KINK_SHIFT, MOST_KINKS):
+    for row in range(0, KINK_SHIFT, MAX_KINKS):
         kinks[row + to] = kinks[row + n]
 
 
@@ -283,7 +283,7 @@ def keep_found(kinks, found, count, rtol):
     """Keep the kinks worth subtracting of the contacts found; return the number of all kinks."""
     predict(kinks, found, rtol)
     for n in range(found):
-        if kinks[FOUND + KINK_SIGN + n] != 0.0 and count < MOST_KINKS:
+        if kinks[FOUND + KINK_SIGN + n] != 0.0 and count < MAX_KINKS:
             copy_kink(kinks, FOUND + n, count)
             count += 1
     return count
@@ -298,7 +298,7 @@ def find_kinks(w, beads, rtol, which, state, kinks, count):
             if w[FLAG + at] > 0.0:
                 describe(w, beads, at, kinks, found)
                 found += 1
-                if found == MOST_KINKS:
+                if found == MAX_KINKS:
                     count, found = keep_found(kinks, found, count, rtol), 0
         count = keep_found(kinks, found, count, rtol)
     set_shifts(kinks, count)

@@ -17,7 +17,7 @@ ROW = LINE * (4096 + 5)
  EXPONENT, BODY, INVERSE_MASS, H, PEAKED, CROSSED, FLAG, SPEED, NEAR, SCALE, NOISE, WORK,
  DEFECT, KEPT_X, KEPT_V, KEPT_F0, END_OF_ROWS) = range(0, 34 * ROW, ROW)  # fmt: skip
 # A step uses up to seven entries per lane in addition to the beads.
-MOST_BEADS = ROW // LANES - 7
+MAX_BEADS = ROW // LANES - 7
 
 # Rows of a chain as given: (ROWS, N + 1).  Beads have the first N entries; contacts are numbered
 # with the walls.  Overlaps at rest are the initial ones, negative across a gap; `STATIC_*` are
@@ -59,7 +59,7 @@ GAUGE_ROWS = MAXIMUM_0 + 2 * KEPT_MAXIMA
 # in the rows, sign of the time, time since closing or until opening, length of the step,
 # coefficients, inverse masses of both beads, and the defects of stages 1 to 7 (row 0 is unused), of
 # the end of the step and of its error.
-MOST_KINKS = 8 * LINE
+MAX_KINKS = 8 * LINE
 (
     KINK_AT,
     KINK_SIGN,
@@ -75,7 +75,7 @@ MOST_KINKS = 8 * LINE
     KINK_SHIFT_V,
     KINK_ERROR,
     FOUND,
-) = range(0, 20 * MOST_KINKS, MOST_KINKS)
+) = range(0, 20 * MAX_KINKS, MAX_KINKS)
 # The same rows, without defects, of contacts that may have a kink, and then: distance to go until
 # the contact opens or closes and the derivatives of this distance by other forces, acceleration by
 # a unit of the contact's own force, stiffness, largest time to the kink, and unit of errors of the
@@ -90,7 +90,7 @@ MOST_KINKS = 8 * LINE
     FOUND_REACH,
     FOUND_UNIT,
     KINK_ROWS,
-) = range(FOUND + KINK_SHIFT, FOUND + KINK_SHIFT + 9 * MOST_KINKS, MOST_KINKS)
+) = range(FOUND + KINK_SHIFT, FOUND + KINK_SHIFT + 9 * MAX_KINKS, MAX_KINKS)
 
 # Entries of `signal`: set the first one to stop; the second counts chains that have ended.
 STOP, DONE = 0, 1

@@ -8,20 +8,12 @@ from __future__ import annotations
 from .active_beads import unresolved_speed
 from .compilation import compiled, reduced
 from .driving import PUSH, drive_at, rounding_of_drive
+from .limits import NEIGHBOURS, SLOW
 
-# Number of beads on either side whose speeds determine the unit of the error of a bead, and lower
-# bound of the unit as a fraction of the speed of the fastest bead in contact, used behind a pulse.
-NEIGHBOURS = 3
-SLOW = 1e-4
 # Lower bound of the unit as a multiple of `unresolved_speed`.
 FAINT = 100.0
 # Errors of slower beads are ignored: the front has not reached them, and numbers may underflow.
 AT_REST = 1e-290
-# Relative rounding error of a force, as amplified by the error estimates of DOP853.
-ROUNDING = 5e-15
-# Speeds below this fraction of the change that the contact forces on a bead cause in a step are not
-# taken for the pulse: static forces cancel except for rounding.
-ROUNDED = 1e-11
 
 
 @compiled

@@ -13,11 +13,11 @@ from .contact_law import LOADED, force, law_of
 from .contact_modes import sharpest_turn
 from .dop853 import STEP_STAGES
 from .driving import NOTHING
-from .error_scale import ROUNDED
 from .forces import copy
 from .implicit import FINEST, closes_throughout, first_rest
 from .interpolant import difference, polynomial, slope, state_within, value
 from .leading_pulse import note_leading_pulse, rise_of
+from .limits import REACHED, ROUNDED
 from .nystrom import SHARPER
 from .state_layout import (
     CROSSING_TIME,
@@ -38,10 +38,7 @@ from .stepping import first_row, forces_within, interpolate, is_implicit, on_pos
 from .stiff_law import closes_in, force_within
 from .wall_events import record_walls, wall_may_peak
 
-# The pulse has not reached a bead that is slower than this fraction of the speeds around it.  Ahead
-# of the pulse, rounding errors may have maxima.
-REACHED = 1e-11
-# The same limit in tolerances where all beads move simultaneously and velocities below the
+# The limit `REACHED` in tolerances where all beads move simultaneously and velocities below the
 # tolerance may have any sign: under static forces, but not more than `MOST`, and in implicit steps,
 # whose contacts may all be stiff.
 TOLERANCES, MOST, STIFF_TOLERANCES = 100.0, 1e-4, 1e3

@@ -6,11 +6,11 @@ The functions do not depend on the splitting method (`hertzchain.kernels.symplec
 from __future__ import annotations
 
 from .compilation import CONTRACTED, compiled, internal
-from .error_scale import ROUNDED
-from .events import REACHED, store_crossing
+from .events import store_crossing
 from .forces import copy
 from .hermite import curvature, slope, value
 from .leading_pulse import note_leading_pulse, rise_of
+from .limits import NEIGHBOURS, REACHED, ROUNDED, SLOW
 from .state_layout import (
     CROSSING_TIME,
     FIRST_END,
@@ -29,9 +29,6 @@ from .state_layout import (
     WALL_PEAK_TIME,
 )
 
-# Motion is compared with the speeds of this many beads on either side, and with this fraction of
-# the largest speed.
-NEIGHBOURS, SLOW = 3, 1e-4
 BISECTIONS = 48
 
 inlined = internal(forceinline=True, **CONTRACTED)
@@ -67,12 +64,13 @@ def inflection(c):
 
 
 @inlined
-def watch_wall(side, time, h, force, given, passed, x, v, a, spring, ends, walls):
+def watch_wall(side, time, h, force, given, least, passed, x, v, a, spring, ends, walls):
     """Record the largest force on a wall, the number of touches, and the ends of contacts.
 
-    ``given`` is the impulse on the wall so far.  The position, velocity and acceleration of the
-    adjacent bead are positive away from the wall; ``ends`` has these values and the force at the
-    end of the previous step.  ``passed`` states whether the crest has passed.
+    ``given`` is the impulse on the wall so far, and ``least`` that from which on it is the impulse
+    of a first contact.  The position, velocity and acceleration of the adjacent bead are positive
+    away from the wall; ``ends`` has these values and the force at the end of the previous step.
+    ``passed`` states whether the crest has passed.
     """
     stiffness, closed_by, exponent = spring
     if stiffness > 0.0:
@@ -90,7 +88,7 @@ def watch_wall(side, time, h, force, given, passed, x, v, a, spring, ends, walls
         elif force == 0.0 and walls[TOUCHING, side] > 0.0:
             walls[LAST_END, side], walls[LAST_IMPULSE, side] = time, given
         walls[TOUCHING, side] = 1.0 if force > 0.0 else 0.0
-        if force == 0.0 and given != 0.0 and v > 0.0 and walls[FIRST_END, side] == 0.0:
+        if force == 0.0 and abs(given) > least and v > 0.0 and walls[FIRST_END, side] == 0.0:
             walls[FIRST_IMPULSE, side], walls[FIRST_END, side] = given, time
         if side == 1 and passed and v > 0.0 and walls[TURNED_BACK, 1] == 0.0:
             walls[TURNED_BACK, 1] = time

@@ -73,7 +73,7 @@ from .state_layout import (
     TIME,
     UNRESOLVED,
 )
-from .stepping import begin, change_of_step, first_row, is_implicit, take_step
+from .stepping import SHRINKAGE, begin, change_of_step, first_row, is_implicit, take_step
 from .wall_events import count_touches, record_wall_ends
 
 # Status codes that `advance` returns.
@@ -192,7 +192,7 @@ def advance_window(
         counts[EVALUATIONS] += evaluations
         change = change_of_step(error, implicit)
         if not error <= 1.0:
-            clock[STEP] = h * (change if error > 1.0 else 0.2)
+            clock[STEP] = h * (change if error > 1.0 else SHRINKAGE)
             if not clock[STEP] > MIN_STEP:
                 return STEP_TOO_SMALL, tried
             continue

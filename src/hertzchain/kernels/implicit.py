@@ -15,8 +15,9 @@ from .compilation import compiled
 from .contact_law import LOADED, force, law_of, signed_power
 from .dop853 import STEP_STAGES
 from .driving import PUSH, drive_at, wall_motion
-from .error_scale import ROUNDING, general_scale
+from .error_scale import general_scale
 from .forces import DRIVEN, LEFT_IMPULSE, LOST, PUSHED, RIGHT_IMPULSE, copy
+from .limits import ROUNDING
 from .radau import (
     BEFORE_LAST,
     BETWEEN,

@@ -19,7 +19,7 @@ from .contact_law import HERTZ, force, law_of
 from .dop853 import STEP_STAGES
 from .dop853_step import in_groups
 from .driving import MOVING_WALL, NOTHING, PUSH, drive_at, wall_motion
-from .error_scale import AT_REST, ROUNDING, general_scale, velocity_scale
+from .error_scale import AT_REST, general_scale, velocity_scale
 from .forces import (
     DRIVEN,
     LEFT_IMPULSE,
@@ -29,6 +29,7 @@ from .forces import (
     copy,
     loading_curve,
 )
+from .limits import ROUNDING
 from .nystrom_interpolant import find_coefficients
 from .powers import powers
 from .rkn8 import B_POSITION, B_VELOCITY, E_VELOCITY, A, C

@@ -30,7 +30,7 @@ from .elastic_layout import (
     KINK_SHIFT_V,
     KINK_SHIFT_X,
     LANES,
-    MOST_KINKS,
+    MAX_KINKS,
     NEAR,
     NEW_V,
     NEW_X,
@@ -45,6 +45,7 @@ from .elastic_layout import (
     V,
     X,
 )
+from .limits import NEIGHBOURS, SLOW
 from .rkn8_stages import V0, V2, V3, V4, Rows, step_on
 
 compiled = internal(**CONTRACTED)
@@ -54,11 +55,8 @@ summing = internal(forceinline=True, **(CONTRACTED | {"fastmath": True}))
 STAGES = 9
 # Safety factor, and bounds of the change of the step.
 SAFETY, SHRINKAGE, GROWTH = 0.8, 0.1, 4.0
-# Speeds below this fraction of that of the fastest bead in contact are not resolved; smallest
-# scale.
-SLOW, SMALLEST = 1e-4, 1e-290
-# The unit of the error of a bead is the largest speed of the beads up to this distance.
-NEIGHBOURS = 3
+# Smallest scale.
+MIN_SCALE = 1e-290
 
 
 @inlined
@@ -76,7 +74,7 @@ def press_at_stage(w, low, high, stage, hertz, gauges):  # noqa: ARG001
     places, pushes, kinks, count = gauges
     if stage > 2:
         keep(w, places, pushes, stage - 1)
-    shift(w, TRIAL, kinks, count, KINK_SHIFT + stage * MOST_KINKS)
+    shift(w, TRIAL, kinks, count, KINK_SHIFT + stage * MAX_KINKS)
     if hertz:
         # The compiler does not use vectors if the number of lanes is a constant.
         for i in range(pushes.shape[2]):
@@ -179,7 +177,7 @@ def estimate(w, beads, rtol, lane):
         a, b, c = w[NEAR + i], w[NEAR + 4 * LANES + i], w[SPEED + 3 * LANES + i]
         a = a if a > b else b
         a = a if a > c else c
-        b, c = SLOW * w[SCALE + i] + SMALLEST, w[NOISE + i] * w[H + i] / rtol
+        b, c = SLOW * w[SCALE + i] + MIN_SCALE, w[NOISE + i] * w[H + i] / rtol
         a = a if a > b else b
         a = a if a > c else c
         w[SCALE + i] = a

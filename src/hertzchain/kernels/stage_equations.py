@@ -13,8 +13,9 @@ import numpy as np
 from .compilation import compiled
 from .contact_law import LOADED
 from .driving import MOVING_WALL, PUSH, drive_at, wall_motion
-from .error_scale import ROUNDING, general_scale
+from .error_scale import general_scale
 from .forces import force_on
+from .limits import ROUNDING
 from .stiff_law import linearise, overlap_of
 
 # Newton's method ends when an iteration changes velocities by less than this fraction of the

@@ -33,12 +33,14 @@ from .full_chain import (
     TIME_REACHED,
     nothing_can_happen,
 )
+from .limits import MIN_PUSH
 from .powers import powers
 from .state_layout import (
     CROSSING_TIME,
     CROSSINGS,
     EVALUATIONS,
     FRAMES,
+    MOMENTUM_UNIT,
     PEAKS,
     SINCE_CROSSING,
     STEP,
@@ -173,7 +175,7 @@ def kick_twice_and_drift(x, v, f, inverse_mass, outside, kick, next_kick, drift)
 
 @contracted
 def take_steps(
-    number, h, time, y, kicks, drifts, gradients, springs, rows, ends, walls, passed
+    number, h, time, y, kicks, drifts, gradients, springs, rows, ends, walls, passed, least_push
 ):  # fmt: skip
     """Take steps of the method; on entry and on return, ``rows.forces`` belong to the positions."""
     x, v, f, slopes, accelerations = (
@@ -211,12 +213,13 @@ def take_steps(
         first = (f[0] - f[1]) * im[0] + outside[0]
         last = (f[beads - 1] - f[beads]) * im[beads - 1] + outside[beads - 1]
         watch_wall(
-            0, time, h, f[0], left, passed, x[1], v[0] + kick * first, first,
+            0, time, h, f[0], left, least_push, passed, x[1], v[0] + kick * first, first,
             (stiffness[0], closed_by[0], exponents[0]), ends, walls,
         )  # fmt: skip
         watch_wall(
-            1, time, h, f[beads], right, passed, -x[beads], -v[beads - 1] - kick * last,
-            -last, (stiffness[beads], closed_by[beads], exponents[beads]), ends, walls,
+            1, time, h, f[beads], right, least_push, passed, -x[beads],
+            -v[beads - 1] - kick * last, -last,
+            (stiffness[beads], closed_by[beads], exponents[beads]), ends, walls,
         )  # fmt: skip
         if n == number - 1:
             kick_and_drift(x, v, f, im, outside, kick, 0.0)
@@ -311,7 +314,7 @@ def advance(
             accelerations_of(springs, rows, rows.before[2])
         ended = take_steps(
             number, h, time, y, kicks, drifts, gradients, springs, rows, ends, walls,
-            crossings[CROSSING_TIME, -1] != 0.0,
+            crossings[CROSSING_TIME, -1] != 0.0, MIN_PUSH * clock[MOMENTUM_UNIT],
         )  # fmt: skip
         counts[EVALUATIONS] += number * (per_step - 1)
         if single:

@@ -8,6 +8,7 @@ from .dop853 import STEP_STAGES
 from .driving import wall_motion
 from .forces import ACCUMULATORS, LEFT_IMPULSE, overlap_and_closing
 from .interpolant import attainable, attainable_slope, slope, state_within, value
+from .limits import MIN_PUSH
 from .state_layout import (
     CROSSING_TIME,
     FIRST_END,
@@ -26,10 +27,6 @@ from .stepping import first_row, forces_within, on_positions
 SECTIONS, GOLDEN = 40, 0.6180339887498949
 # Relative error of the slope of an interpolated impulse at the largest tolerance.
 SLOPE = 1e-5
-# A first contact with a wall has an impulse of at least this fraction of the sum of all momenta.
-# Weaker contacts are ignored: the foot of a pulse presses the last bead against a very stiff wall
-# so weakly that the errors of the steps decide whether the contact opens briefly.
-LEAST_PART = 1e-9
 
 
 @compiled
@@ -159,7 +156,7 @@ def record_wall_ends(time, y, rates, setup, segment, momentum, crossings, walls)
         walls[TURNED_BACK, 1] = time
     for side in range(2):
         i, c = 2 * beads + LEFT_IMPULSE + side, side * beads
-        pushed = abs(y[i]) > LEAST_PART * momentum and rates[i] == 0.0 and setup.stiffness[c] > 0.0
+        pushed = abs(y[i]) > MIN_PUSH * momentum and rates[i] == 0.0 and setup.stiffness[c] > 0.0
         if not pushed or walls[FIRST_END, side] != 0.0:
             continue
         wall = wall_motion(time, setup, segment)

@@ -8,9 +8,9 @@ from __future__ import annotations
 # Time for which the bound must have been below the peak, and number of checks, per transit.
 HELD, CHECKS = 0.5, 16
 # Maximum length of a run in transits, twice as long if motion can escape from the wall, or in
-# rebounds of the whole chain, but not more than MOST_TRANSITS.  Impacts on soft walls and of heavy
+# rebounds of the whole chain, but not more than TRANSIT_LIMIT.  Impacts on soft walls and of heavy
 # strikers end after up to 1.3 rebounds, those of heavy balls between soft ones after 16 transits.
-MAX_TRANSITS, MAX_REBOUNDS, MOST_TRANSITS = 10, 2.0, 500
+MAX_TRANSITS, MAX_REBOUNDS, TRANSIT_LIMIT = 10, 2.0, 500
 # Relative rounding of the bound; fraction of the peak to which the force of a contact that carries
 # a static force, and therefore need not open, falls when it releases the wall.
 ROUNDING, RELEASED = 1e-9, 1e-3
@@ -22,7 +22,7 @@ def longest_watch(transit: float, rebounds: float, can_escape: bool) -> float:
     The argument ``rebounds`` is the time of `MAX_REBOUNDS`.
     """
     transits = 2 * MAX_TRANSITS if can_escape else MAX_TRANSITS
-    return min(max((transits - 1) * transit, rebounds), (MOST_TRANSITS - 1) * transit)
+    return min(max((transits - 1) * transit, rebounds), (TRANSIT_LIMIT - 1) * transit)
 
 
 def time_between_checks(elapsed: float, transit: float, checks: int) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from .change_of_sign import first_change_of
 from .compilation import compiled
 from .hermite import hermite, slope, value
+from .limits import REACHED
 from .wide_window_rows import (
     ARRIVAL,
     BEADS,
@@ -37,10 +38,6 @@ from .wide_window_rows import (
     WAITING,
     force,
 )
-
-# The pulse has not reached a bead that is slower than this fraction of the speeds around it.  Ahead
-# of the pulse, rounding errors may have maxima.
-REACHED = 1e-11
 
 
 @compiled

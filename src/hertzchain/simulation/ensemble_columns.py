@@ -19,6 +19,7 @@ from ..chain.chain import Chain
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..errors import InputError
+from ..kernels.limits import MIN_HEIGHT
 from ..pulse.quantities import (
     FINAL_QUANTITIES,
     LARGEST_QUANTITIES,
@@ -34,7 +35,7 @@ from .run import Run
 from .run_end import Status
 from .run_message import FAILURES, end_message, follows_first_contact, is_sensitive
 from .run_pulse import pulse_of, times_between
-from .sensor_force import MANY_TIMES, MIN_HEIGHT, sensor_maxima
+from .sensor_force import MANY_TIMES, sensor_maxima
 from .simulate import MAX_RTOL, MIN_RTOL, default_step_limit, simulate, simulate_to_peak
 from .wall_bound import RIGHT
 

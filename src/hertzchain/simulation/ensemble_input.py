@@ -12,16 +12,14 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import HERTZ_EXPONENT, Array, compression_time
 from ..frozen import once
+from ..kernels.limits import MIN_ROUGH_PUSH, ROUNDING
 from ..kernels.wall_rule import MAX_REBOUNDS
 from .kernel_input import static_closing
 from .time_scales import rebound_in_series, transit_times
 from .wall_bound import RIGHT, motion_can_escape, wall_targets
 
-# First step as a fraction of the time in which the pulse passes the first contact; smallest impulse
-# of a first contact with the wall as a fraction of the initial momentum.
-FIRST_PART, LEAST_PART = 1e-3, 1e-6
-# Relative rounding error of static forces, as in `hertzchain.kernels.error_scale`.
-ROUNDING: Final = 5e-15
+# First step as a fraction of the time in which the pulse passes the first contact.
+FIRST_PART: Final = 1e-3
 # The kernel ignores overlaps below an absolute limit; overlaps of the pulse must be far above it.
 MIN_OVERLAP, MAX_OVERLAP = 1e-15, 1e15
 MAX_EXPONENT: Final = 16.0
@@ -38,11 +36,11 @@ def is_covered(chain: Chain, until: float | None) -> bool:
 @once
 def _suits(chain: Chain) -> bool:
     """Whether the elastic kernel integrates a chain without gravity."""
-    from ..kernels.elastic_layout import MOST_BEADS
+    from ..kernels.elastic_layout import MAX_BEADS
 
     if chain.drive is not None or not chain.velocities[0] > 0.0 or not chain.lossless:
         return False
-    if chain.beads > (MAX_BEADS_WITHOUT_WALL if chain.right_wall is None else MOST_BEADS):
+    if chain.beads > (MAX_BEADS_WITHOUT_WALL if chain.right_wall is None else MAX_BEADS):
         return False
     p = float(chain.contact_exponents.max())
     return p <= MAX_EXPONENT and MIN_OVERLAP < _first_overlap(chain, p) < MAX_OVERLAP
@@ -112,7 +110,7 @@ def kernel_input(
     )  # fmt: skip
     first = numbers[:, layout.FIRST_STEP]
     first[:] = FIRST_PART * np.where(first > 0.0, np.minimum(first, times), times)
-    numbers[:, layout.LEAST_PUSH] = LEAST_PART * (np.abs(speeds) / masses).sum(axis=1)
+    numbers[:, layout.LEAST_PUSH] = MIN_ROUGH_PUSH * (np.abs(speeds) / masses).sum(axis=1)
     numbers[:, layout.UNTIL] = math.inf if until is None else until
     numbers[:, layout.BY_ITSELF] = until is None
     if walled:

@@ -11,6 +11,7 @@ import numpy as np
 from ..chain.bead_names import bead_number, wall_number
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, warn_user
+from ..kernels.limits import FALL, MIN_HEIGHT
 from ..representation import measure, short
 from ..validation.keywords import checked_methods
 from .force_table import force_dataframe
@@ -20,9 +21,6 @@ from .trajectory import Trajectory
 if TYPE_CHECKING:
     import pandas as pd
 
-# The first maximum is above this fraction of the largest force, and the force falls by the second
-# fraction of the maximum before it rises again; both are counted from the force at rest.
-MIN_HEIGHT, FALL = 0.01, 0.1
 # Number of saved times that suffices for sensors in contacts with losses.
 MANY_TIMES = 4000
 # Warn if the error of the largest force exceeds this fraction of it.

@@ -90,7 +90,8 @@ class WallForce:
         Impulse on the wall until ``complete_since``; NaN if this is `None`.
     first_contact_end, first_contact_impulse : float or None
         End of the first contact, and its impulse; `None` before that.  Pushes by less than 1e-9
-        of the momentum are ignored.  With a very stiff wall, many short contacts follow.
+        of the momentum are ignored, and by less than 1e-6 with the larger tolerances of
+        `simulate_many` and `gradient`.  With a very stiff wall, many short contacts follow.
     impulse : float
         Impulse of the whole run.  It exceeds that of the impact if further beads arrive later,
         as in forward tapers.

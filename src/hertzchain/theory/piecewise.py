@@ -28,7 +28,7 @@ from .strikers import other_method
 
 METHOD: Final = "the piecewise local-rate law"
 # A rate that is farther than this outside those of the neighbouring contacts is a jump.
-SMALLEST_JUMP: Final = 0.03
+MIN_JUMP: Final = 0.03
 # Fewest contacts between two jumps, and contacts on each side that determine the rates of a jump.
 MIN_DISTANCE, NEIGHBOURS = 8, 25
 # Weights of these rates, per contact; those after a step to smaller beads decrease more slowly.
@@ -129,7 +129,7 @@ def piecewise_local_rate(chain: Chain) -> Pulse:
 
 def find_jumps(rates: Array) -> list[Jump]:
     """Jumps of a chain, with the rates on both sides of each."""
-    flagged = [k for k in range(len(rates)) if _outside(rates, k) > SMALLEST_JUMP]
+    flagged = [k for k in range(len(rates)) if _outside(rates, k) > MIN_JUMP]
     found: list[Jump] = []
     for k in flagged:
         if found and found[-1].odd and k == found[-1].contact + 1:

@@ -17,7 +17,7 @@ from ..materials import FIRST_YIELD
 from .base import ContactArrays, ContactsAtRest, Loss, parameter
 
 # Steps of Newton's method; up to 6 except near the point of yield, where it has a double root.
-MOST_STEPS: Final = 60
+MAX_STEPS: Final = 60
 # Relative rounding error of a force.
 ROUNDING: Final = 1e-13
 
@@ -239,7 +239,7 @@ def _descended(step: Callable[[Array], Array], above: Array) -> Array:
 
     The values then decrease monotonically until their changes are rounding errors.
     """
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         below = above - step(above)
         if not (below < above).any():
             break

@@ -778,6 +778,7 @@ def command(folder, *arguments, **variables):
     )  # fmt: skip
 
 
+@pytest.mark.long
 def test_no_environment_brings_a_traceback(tmp_path):
     (tmp_path / "chain.toml").write_text(STEEL_TOML)
     (tmp_path / "matplotlibrc").write_text("text.usetex: True\n")

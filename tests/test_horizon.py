@@ -198,6 +198,7 @@ def test_a_resumed_run_has_the_horizon_of_the_whole():
     assert rest.horizon().time == pytest.approx(whole.horizon().time, rel=0.03)
 
 
+@pytest.mark.long
 def test_a_run_in_si_units_has_the_same_horizon():
     ratios = []
     for velocity in (0.05, 0.08, 0.09, 0.1, 0.12, 0.15, 0.2, 0.3):

@@ -31,6 +31,7 @@ def recipes():
             yield pytest.param(diffs, blocks, id=title, marks=marks)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("diffs", "blocks"), [*recipes()])
 def test_recipes_work(diffs, blocks, tmp_path):
     # With modification times, so that what is compiled stays valid.

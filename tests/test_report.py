@@ -140,6 +140,7 @@ def figure_files(folder):
     return {path.name: path.read_bytes() for path in (folder / "figures").iterdir()}
 
 
+@pytest.mark.long
 def test_figures_drawn_in_processes_are_the_same(tmp_path):
     parts = ["figure1", "figure3", "figure6", "figure9", "figure13", "errata"]
     result = reproduce(parts)

@@ -416,6 +416,7 @@ print(int(peak.split()[1]) / 1024)
 """
 
 
+@pytest.mark.long
 def test_memory_does_not_grow_with_the_run(tmp_path):
     """Almost half a GB of states is written with less memory."""
     arguments = [os.fspath(tmp_path), "120", "20000"]

@@ -505,6 +505,7 @@ print(int(peak.split()[1]) / 1024)
 """
 
 
+@pytest.mark.long
 def test_memory_does_not_grow_with_what_is_not_kept():
     done = subprocess.run(
         [sys.executable, "-c", MEMORY], capture_output=True, text=True, check=True
@@ -582,6 +583,7 @@ def test_exports_hold_the_numbers(tmp_path, ending):
     assert failed.reason.str.contains("reach zero").all()
 
 
+@pytest.mark.long
 def test_exports_need_memory_for_a_part_alone(tmp_path, monkeypatch):
     rates = {"linspace": [0.001, 0.05, 3000]}
     hc.sweep({"chain": {"taper": "forward-exponential", "beads": 100}, "axes": {"rate": rates},

@@ -61,6 +61,7 @@ def test_the_drift_is_what_was_requested(name, drift):
     assert run.method in SPLITTINGS
 
 
+@pytest.mark.long
 def test_the_drift_of_verlet_does_not_grow():
     chain, drifts = CHAINS["walls"], []
     assert (

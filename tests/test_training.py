@@ -341,6 +341,7 @@ def test_products_that_were_put_in_are_found():
     assert fraction_missed(fitted, unfitted, rates, states) < 0.1
 
 
+@pytest.mark.long
 def test_products_at_both_ends_are_found_from_derivatives():
     random = np.random.default_rng(8)
     put_in, unfitted, rates, states = products_put_in(random, same=False)

@@ -190,6 +190,7 @@ def never_exceeded(seed):
     return wall.complete
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_complete_peaks_behind_soft_beads_are_never_exceeded():
     assert sum(never_exceeded(seed) for seed in range(24)) >= 12
@@ -201,6 +202,7 @@ def test_complete_peaks_behind_many_soft_beads_are_never_exceeded():
     assert sum(never_exceeded(seed) for seed in range(24, 400)) >= 180
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_the_largest_force_behind_a_rubber_bead_follows_much_later():
     """The second arrival exceeds the first one; compared with SciPy."""

@@ -70,6 +70,7 @@ def test_one_processor_compiles_in_this_process(monkeypatch):
     assert len(done) == len(STAGES)
 
 
+@pytest.mark.long
 def test_a_script_without_a_guard(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(

@@ -3,12 +3,15 @@
 import re
 import warnings
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy_row import BEFORE, FACTOR, LOSS_TIME, RADIUS, SPACING, VELOCITY, chain, forces
 
 import hertzchain as hc
+from hertzchain.fitting.advice import level_advice
+from hertzchain.fitting.sensor_comparison import level_notes
 from hertzchain.traces.missing_rows import gap_notes, gaps_between
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
@@ -511,6 +514,18 @@ def test_the_level_before_the_pulse_does_not_change_a_comparison():
     assert "a fit needs 'offset[ball 5]'" in volts
     assert "before the pulse, wall is at 4 N, the simulation at 0 N" in newtons
     assert not any("before the pulse" in each for each in plain.notes)
+
+
+@pytest.mark.parametrize(("zero", "noted"), [(0.0, False), (3.0, True)])
+def test_zeros_of_rounded_samples_are_checked_with_the_error_of_rounding(zero, noted):
+    times, static = 1e-6 * np.arange(600), 10.3
+    model = static + 60.0 * np.exp(-(((times - 400e-6) / 20e-6) ** 2))
+    noise = 0.02 * np.random.default_rng(1).standard_normal(len(times))
+    data = hc.Traces.from_arrays(times, {"wall [N]": np.round(model + zero + noise)}, coupling="DC")
+    fitted = SimpleNamespace(predicted=[[model]], traces=data, model=SimpleNamespace(names=()))
+    # Without noise, all 300 samples before the pulse are rounded to 10 N.
+    for notes in (level_notes(data.shots[0], [model]), level_advice(fitted)):
+        assert bool(notes) == noted
 
 
 def test_a_run_with_few_saved_times_is_not_compared():

@@ -5,19 +5,18 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ..representation import listed
-from ..traces.noise import independent_samples
+from ..traces.amplitudes import CERTAIN, error_of_level, level_of_model
 from ..traces.traces import Traces
 from .names import Name
 from .parameters import expanded
 
 if TYPE_CHECKING:
     from .result import FitResult
-
-# Means before the pulse are reported beyond this number of standard errors.
-CERTAIN: Final = 5.0
 
 
 def advice_to_free(names: Sequence[Name], traces: Traces) -> str:
@@ -39,13 +38,16 @@ def level_advice(result: FitResult) -> tuple[str, ...]:
     several = len(result.traces.shots) > 1
     for (shot, signal), model in zip(result.traces, flat, strict=True):
         name = Name("offset", signal.name, str(shot + 1) if several else "")
-        if not signal.before or {name, replace(name, shot="")} & {*result.model.names}:
+        expected = level_of_model(signal, model)
+        if not np.isfinite(expected) or {name, replace(name, shot="")} & {*result.model.names}:
             continue
-        error = signal.sigma / independent_samples(signal.quiet_values) ** 0.5
-        if abs(signal.level - model[0]) > CERTAIN * error:
+        error = error_of_level(signal)
+        if abs(signal.level - expected) > CERTAIN * error:
+            # The foot of the simulated pulse is not zero, but cannot be measured.
+            shown = expected if abs(expected) > error else 0.0
             found.setdefault(signal.name, []).append((name, (
                 f"before the pulse{f' of shot {name.shot}' if several else ''}, {signal.name} is "
-                f"at {signal.level:.3g} {signal.unit}, the model at {model[0]:.3g} {signal.unit}"
+                f"at {signal.level:.3g} {signal.unit}, the model at {shown:.3g} {signal.unit}"
             )))  # fmt: skip
     return tuple(
         f"{notes[0][1]}: check its zero, or "

@@ -13,8 +13,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..representation import measure
 from ..simulation.run import Run
-from ..traces.amplitudes import extreme, level_of
-from ..traces.noise import independent_samples
+from ..traces.amplitudes import CERTAIN, error_of_level, extreme, level_of, level_of_model
 from ..traces.signals import Shot, Signal
 from .misread_columns import POLARITY, PREFIXES, TOLERANCE
 from .shown_values import shown_difference, shown_part
@@ -39,8 +38,6 @@ MILLISECONDS, SECONDS = 0.01, 10.0
 RESOLVED, TOO_LONG = 3.0, 30.0
 # Least number of saved times within the half width of a simulated pulse, for its peak to 1%.
 LEAST_TIMES: Final = 5.0
-# Levels before the pulse that differ by more than this number of standard errors are noted.
-CERTAIN: Final = 5.0
 # A gap between samples, as a part of the width of a pulse, in which its crest may be higher than
 # its ends by 1%.
 SHORT: Final = 0.14
@@ -376,14 +373,10 @@ def level_notes(shot: Shot, signals: Sequence[Array]) -> list[str]:
     """Notes on sensors whose level before the pulse is not that of the simulation."""
     notes = []
     for signal, model in zip(shot.signals, signals, strict=True):
-        if not signal.before:
+        expected = level_of_model(signal, model)
+        if not np.isfinite(expected):
             continue
-        error = signal.sigma / independent_samples(signal.quiet_values) ** 0.5
-        # The level of both signals contains the foot of their pulse.
-        quiet = (signal.valid & np.isfinite(model))[: signal.before]
-        if not quiet.any():
-            continue
-        expected = float(model[: signal.before][quiet].mean())
+        error = error_of_level(signal)
         if not signal.calibrated:
             # The scale is not accurate enough to compare the static force.
             scale, static = scale_of(signal, model), float(model[np.isfinite(model)][0])

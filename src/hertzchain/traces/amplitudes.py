@@ -8,15 +8,40 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from .noise import independent_samples
 from .signals import Signal
 
 # A signal has arrived at this fraction of its largest value.
 ARRIVED: Final = 0.5
+# Levels, and static forces in them, are seen beyond this number of standard errors.
+CERTAIN: Final = 5.0
 
 
 def level_of(signal: Signal) -> float:
     """Level of a signal before the pulse; 0 if it is not known."""
     return signal.level if np.isfinite(signal.level) else 0.0
+
+
+def error_of_level(signal: Signal) -> float:
+    """Standard error of the level before the pulse.
+
+    The mean of rounded samples has an additional error of up to the first term of the Fourier
+    series in B. Widrow and I. Kollar, Quantization Noise, Cambridge, 2008.
+    """
+    error = float(signal.sigma / independent_samples(signal.quiet_values) ** 0.5)
+    if signal.step == 0.0:
+        return error
+    smoothing = math.exp(-2.0 * (math.pi * signal.noise / signal.step) ** 2)
+    return math.hypot(error, signal.step / math.pi * smoothing)
+
+
+def level_of_model(signal: Signal, model: Array) -> float:
+    """Mean of a simulated signal at the samples before the pulse, with the foot of the pulse.
+
+    It is NaN without such samples.
+    """
+    quiet = (signal.valid & np.isfinite(model))[: signal.before]
+    return float(model[: signal.before][quiet].mean()) if quiet.any() else math.nan
 
 
 def from_level(signal: Signal) -> Array:

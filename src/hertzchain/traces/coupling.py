@@ -7,21 +7,16 @@ precompressed chain.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Final
 
 import numpy as np
 
 from ..chain.chain import Chain
 from ..errors import InputError
 from ..representation import listed
-from .noise import independent_samples
+from .amplitudes import CERTAIN, error_of_level
 from .places import Place
 from .signals import Signal
 from .traces import Traces, with_couplings
-
-# A static force matters if it exceeds this multiple of the noise, and can be seen in a level if it
-# exceeds this multiple of the error of the level.
-NOTICED: Final = 5.0
 
 # Ratio of the signal of a sensor in a shot to the force.
 Gain = Callable[[int, Signal], float]
@@ -44,24 +39,14 @@ def _shows_no_static_force(signal: Signal, expected: float) -> bool:
     if not np.isfinite(signal.level):
         return False
     if signal.calibrated:
-        noticed = abs(expected) > NOTICED * signal.sigma
+        noticed = abs(expected) > CERTAIN * signal.sigma
         return noticed and abs(signal.level) < 0.5 * abs(expected)
     return not _can_be_seen(signal, expected) or abs(signal.level) < 0.5 * abs(expected)
 
 
 def _can_be_seen(signal: Signal, expected: float) -> bool:
-    """Whether a level before the pulse exceeds its error; false for one that is not known.
-
-    The mean of rounded samples has an additional error of up to the first term of the Fourier
-    series in B. Widrow and I. Kollar, Quantization Noise, Cambridge, 2008.
-    """
-    if not len(signal.quiet_values):
-        return False
-    error = signal.sigma / independent_samples(signal.quiet_values) ** 0.5
-    if signal.step > 0.0:
-        smoothing = float(np.exp(-2.0 * (np.pi * signal.noise / signal.step) ** 2))
-        error = float(np.hypot(error, signal.step / np.pi * smoothing))
-    return abs(expected) > NOTICED * error
+    """Whether a level before the pulse exceeds its error; false for one that is not known."""
+    return len(signal.quiet_values) > 0 and abs(expected) > CERTAIN * error_of_level(signal)
 
 
 def static_force(place: Place, chain: Chain) -> float:

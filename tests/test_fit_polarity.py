@@ -106,6 +106,7 @@ def test_an_inverted_velocity_sensor_that_sees_the_reflected_wave_is_recognised(
     data = hc.Traces.from_arrays(1e-6 * np.arange(len(signal)), {"ball 8 velocity [V]": signal})
     result = hc.fit(data, row, free=["time_offset", "gain[ball 8 velocity]"])
     assert result.values["gain[ball 8 velocity]"] == pytest.approx(-3.0, rel=1e-3)
+    assert result.rows()[1][1].endswith(" V s/m")
     assert result.values["time_offset"] == pytest.approx(60e-6, abs=1e-7)
 
 

@@ -104,6 +104,10 @@ def test_gains_of_sensors_in_volts_are_assumed():
     assert assumed.sigmas == pytest.approx(newtons.sigmas * [1.0, 0.01], rel=1e-6)
     with pytest.raises(hc.InputError, match=r"gain\[wall\] is not known: give it a prior in V/N"):
         hc.forecast(row(), ["wall [V]"], **given)
+    names = {"ball 2 velocity [V]": "gain[ball 2 velocity]", "wall [V]": "gain"}
+    for (sensor, name), unit in zip(names.items(), ("V s/m", "V/N"), strict=True):
+        with pytest.raises(hc.InputError, match=f"is not known: give it a prior in {unit}, or"):
+            hc.forecast(row(), [sensor], **given | {"free": ["stiffness", name]})
 
 
 def test_constants_that_are_taken_as_exact_are_those_of_fits():

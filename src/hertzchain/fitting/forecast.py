@@ -231,7 +231,8 @@ def forecast(
         ``free``, ``prior``, ``start`` and ``coupling``; arguments replace them.
     sensors : sequence of str
         Places of the sensors, such as ``"ball 7"``, ``"wall"`` and ``"ball 3 velocity"``.  A sensor
-        without calibration is ``"ball 7 [V]"``; a prior or ``start`` gives its gain in V/N.
+        without calibration is ``"ball 7 [V]"``; a prior or ``start`` gives its gain in V/N, or,
+        for a velocity, in V s/m.
     noise : float, str or mapping
         Standard deviation of a sample of all sensors, or by name, in N, m/s or V, or with a unit.
     interval : float or str
@@ -379,11 +380,12 @@ def _place(text: object, chain: Chain) -> tuple[Place, str]:
 
 def _check_gains(parameters: Sequence[Parameter], traces: Traces, start: Collection[str]) -> None:
     """Raise `InputError` if neither a prior nor a start gives the gain of a sensor in V."""
-    volts = {each.name for _, each in traces if not each.calibrated}
+    volts = {item for _, each in traces if not each.calibrated for item in ("", each.name)}
     for each in parameters:
         known = each.prior is not None or str(each) in start
         if each.name.key == "gain" and not known and each.name.item in volts:
+            unit = unit_of_parameter(each, traces)
             raise InputError(
-                f"{each} is not known: give it a prior in V/N, or a start such as "
-                f"{{{str(each)!r}: 0.01}}"
+                f"{each} is not known: give it a prior{f' in {unit}' * bool(unit)}, or a start "
+                f"such as {{{str(each)!r}: 0.01}}"
             )

@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..representation import measure
 from ..simulation.run import Run
 from ..traces.amplitudes import CERTAIN, error_of_level, extreme, level_of, level_of_model
+from ..traces.headers import GAIN_UNITS
 from ..traces.signals import Shot, Signal
 from .misread_columns import POLARITY, PREFIXES, TOLERANCE
 from .shown_values import shown_difference, shown_part
@@ -105,7 +106,7 @@ class SensorComparison:
     @property
     def scaling(self) -> str:
         """Factor of the simulation with its unit."""
-        return f"{self.scale:.4g} {'V/N' if self.quantity == 'force' else 'V s/m'}"
+        return f"{self.scale:.4g} {GAIN_UNITS[self.quantity]}"
 
     @property
     def cells(self) -> tuple[str, ...]:

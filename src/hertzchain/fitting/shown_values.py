@@ -9,6 +9,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..representation import with_error
+from ..traces.headers import GAIN_UNITS
 from ..traces.traces import Traces
 from .parameters import Parameter, kind_and_value
 
@@ -45,12 +46,11 @@ def unit_of_parameter(parameter: Parameter, traces: Traces) -> str:
     """Unit of a parameter; gains and offsets have that of their signals, if it is one."""
     name = parameter.name
     signals = [signal for _, signal in traces if not name.item or signal.name == name.item]
-    if name.key == "gain" and not all(signal.calibrated for signal in signals):
-        return "V/N"
-    units = {signal.unit for signal in signals}
-    if name.key == "offset" and len(units) == 1:
-        return units.pop()
-    return parameter.kind.unit
+    if name.key == "gain":
+        units = {GAIN_UNITS[each.place.quantity] for each in signals if not each.calibrated}
+    else:
+        units = {each.unit for each in signals} if name.key == "offset" else set()
+    return units.pop() if len(units) == 1 else parameter.kind.unit
 
 
 def shown_diameter(

@@ -111,7 +111,7 @@ def with_gains(
             continue
         for index, signal in model.traces:
             of_shot = each.name.shot in ("", str(index + 1))
-            if of_shot and signal.name == each.name.item and not signal.calibrated:
+            if of_shot and each.name.item in ("", signal.name) and not signal.calibrated:
                 found[each.name] = _ratio(model, values, index, signal)
                 break
     return found

@@ -15,6 +15,7 @@ from .places import Place, place_named
 UNIT: Final = re.compile(r"\s*[\[(][^\[(]*$")
 VOLTS = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6}
 UNITS = {"force": "N", "velocity": "m/s"}
+GAIN_UNITS = {"force": "V/N", "velocity": "V s/m"}
 
 
 def header_of(text: str, named: str | None = None) -> tuple[Place, str, float]:

@@ -17,11 +17,13 @@ from hertzchain.fitting.goodness import goodness_of
 from hertzchain.fitting.parameters import default_names
 from hertzchain.fitting.settings import Settings
 from hertzchain.traces.noise import (
+    autocorrelation,
     correlation_of_rounding,
     independent_samples,
     noise_before_rounding,
     noise_of,
     onset,
+    unbiased_first_lag,
 )
 
 
@@ -52,6 +54,14 @@ def test_correlations_of_short_records_are_not_too_small(samples, rho):
     assert 0.9 < ratio_of_errors(noise, (1.0 + rho) / (1.0 - rho)) < 1.15
 
 
+@pytest.mark.parametrize("rho", [0.3, 0.9])
+def test_the_mean_does_not_bias_the_correlation_of_successive_samples(rho):
+    noise = first_order(np.random.default_rng(2), rho, (4000, 50))
+    # Without a correction, the bias is -(1 + 4 rho)/50, and its own error of second order.
+    mean = np.mean([unbiased_first_lag(autocorrelation(each)[1], 50) for each in noise])
+    assert mean == pytest.approx(rho, abs=0.3 * (1.0 + 4.0 * rho) / 50)
+
+
 @pytest.mark.parametrize("cutoff", [0.2, 0.5])
 def test_correlations_of_smooth_noise_are_found(cutoff):
     filtered = butter(2, cutoff)
@@ -60,6 +70,9 @@ def test_correlations_of_smooth_noise_are_found(cutoff):
     noise = lfilter(*filtered, white)[:, 500:]
     length = response.sum() ** 2 / (response @ response)
     assert 0.9 < ratio_of_errors(noise, length) < 1.15
+    # In short records, the bias of the coefficients is not amplified.
+    found = np.median([correlation_length(each[:100]) for each in noise])
+    assert 0.9 * length < found < 1.2 * length
 
 
 def test_errors_of_fits_include_the_correlation_of_the_noise():

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from ..traces.noise import MIN_INDEPENDENT, SIGNIFICANT
+from ..traces.noise import MIN_INDEPENDENT, SIGNIFICANT, autocorrelation, unbiased_first_lag
 
 # Correlations are summed up to this lag, and while they are significant.
 MAX_LAG: Final = 200
@@ -17,21 +17,10 @@ MIN_CORRELATED, MAX_FIRST_LAG = 8, 0.999
 MAX_ORDER: Final = 4
 
 
-def autocorrelation(residuals: Array, lags: int = MAX_LAG) -> Array:
-    """Autocorrelation of residuals from lag 0."""
-    centred = residuals - residuals.mean()
-    size = float(centred @ centred)
-    count = min(lags, len(residuals) - 1)
-    if size == 0.0:
-        return np.ones(1)
-    full = np.correlate(centred, centred, "full")[len(centred) - 1 :]
-    return np.asarray(full[: count + 1] / size)
-
-
 def first_lag(values: Array) -> float:
-    """Correlation of successive samples, corrected for their mean (Kendall 1954)."""
-    rho = float(autocorrelation(values, 1)[-1])
-    return min(rho + (1.0 + 4.0 * rho) / len(values), MAX_FIRST_LAG)
+    """Correlation of successive samples, corrected for their mean."""
+    rho = float(autocorrelation(values)[:2][-1])
+    return min(unbiased_first_lag(rho, len(values)), MAX_FIRST_LAG)
 
 
 def correlation_length(residuals: Array) -> float:
@@ -44,7 +33,7 @@ def correlation_length(residuals: Array) -> float:
     count = len(residuals)
     if count < MIN_CORRELATED:
         return 1.0
-    rho = autocorrelation(residuals)
+    rho = autocorrelation(residuals)[: MAX_LAG + 1]
     significant = rho[1:] > SIGNIFICANT / count**0.5
     if not significant[:1].all():
         return 1.0
@@ -58,8 +47,8 @@ def _of_autoregression(rho: Array, count: int) -> float:
 
     With the coefficients a and the relative variance v of the innovations, this is the spectral
     density at zero frequency, :math:`v/(1 - \\sum a)^2`; the coefficients follow from the recursion
-    of Levinson and Durbin.  Their sum is corrected for the mean as in the first order (M. G.
-    Kendall, Biometrika 41, 403 (1954), doi:10.1093/biomet/41.3-4.403).
+    of Levinson and Durbin.  Only a coefficient of first order is corrected for the mean: the sum of
+    several can have less than half of its bias, and the density of smooth noise amplifies errors.
     """
     coefficients, variance = np.zeros(0), 1.0
     best, found = np.inf, 1.0
@@ -71,9 +60,9 @@ def _of_autoregression(rho: Array, count: int) -> float:
             break
         bic = count * np.log(variance) + order * np.log(count)
         if bic < best:
-            total = float(coefficients.sum())
-            total = min(total + (1.0 + 3.0 * total) / count, MAX_FIRST_LAG)
+            total = min(float(coefficients.sum()), MAX_FIRST_LAG)
             best, found = bic, variance / (1.0 - total) ** 2
             if order == 1:  # with the corrected coefficient, the variance changes, too
+                total = min(unbiased_first_lag(last, count), MAX_FIRST_LAG)
                 found = (1.0 + total) / (1.0 - total)
     return found

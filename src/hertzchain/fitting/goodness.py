@@ -10,10 +10,16 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from ..traces.noise import MIN_INDEPENDENT, SIGNIFICANT, independent_samples, level_runs
+from ..traces.noise import (
+    MIN_INDEPENDENT,
+    SIGNIFICANT,
+    autocorrelation,
+    independent_samples,
+    level_runs,
+)
 from ..traces.signals import Signal
 from ..traces.traces import Traces
-from .autocorrelation import MIN_CORRELATED, autocorrelation, correlation_length, first_lag
+from .autocorrelation import MIN_CORRELATED, correlation_length, first_lag
 
 # The model describes the data if chi-squared exceeds its expectation by fewer standard deviations,
 # and if the correlation of successive residuals is smaller, in standard deviations.
@@ -373,4 +379,4 @@ def _has_white_noise(signal: Signal) -> bool:
     quiet = signal.quiet_values if signal.quiet else np.zeros(0)
     if not len(quiet) or np.ptp(quiet) == 0.0 or signal.coarse:
         return False
-    return float(autocorrelation(quiet, 1)[-1]) < SIGNIFICANT / len(quiet) ** 0.5
+    return float(autocorrelation(quiet)[1]) < SIGNIFICANT / len(quiet) ** 0.5

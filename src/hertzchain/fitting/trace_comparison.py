@@ -171,7 +171,7 @@ class TraceComparison:
         >>> traces, chain = hc.example_experiment()
         >>> run = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201)
         >>> print(run.compare(traces).summary().splitlines()[0])
-        data from 0 s to 639 us, 100% of the record; time offset 78.81 +- 0.60 us, by least squares
+        data from 0 s to 639 us, 100% of the record; time offset 78.81 +- 0.44 us, by least squares
         """
         begin, end = self.interval
         how = "given" if self.time_offset_given else "by least squares"

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 
-from ..fitting.autocorrelation import autocorrelation
 from ..fitting.shown_values import SHOWN
+from ..traces.noise import autocorrelation
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice
 from .colours import COLOURS, curve_colour, grey
@@ -197,7 +197,7 @@ def plot_fit_residuals(result: FitResult) -> Figure:
             colour = curve_colour(left, i)
             left.hist(np.clip(seen, -5.0, 5.0), residual_bins(steps[i]), density=True,
                       histtype="step", color=colour)  # fmt: skip
-            rho = autocorrelation(seen, 40)
+            rho = autocorrelation(seen)[:41]
             right.plot(np.arange(1, len(rho)), rho[1:], color=colour, linewidth=1.0, label=label)
         grid = np.linspace(-5.0, 5.0, 201)
         left.plot(grid, np.exp(-0.5 * grid**2) / np.sqrt(2.0 * np.pi), "--", color=grey(left),

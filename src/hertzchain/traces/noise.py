@@ -159,29 +159,42 @@ def counted_once(values: Array, part: float) -> Array:
     return np.repeat(1.0 + part * (lengths - 1.0), lengths)
 
 
+def autocorrelation(values: Array) -> Array:
+    """Autocorrelation of values from lag 0; only lag 0 if they are all equal."""
+    centred = values - values.mean()
+    size = float(centred @ centred)
+    if size == 0.0:
+        return np.ones(1)
+    return np.asarray(np.correlate(centred, centred, "full")[len(values) - 1 :] / size)
+
+
+def unbiased_first_lag(rho: float, count: int) -> float:
+    """Autocorrelation of lag 1, corrected for the mean of first-order noise.
+
+    The bias is that of M. G. Kendall, Biometrika 41, 403 (1954), doi:10.1093/biomet/41.3-4.403, for
+    sums over n - 1 and n samples that are not divided by these numbers.
+    """
+    return rho + (1.0 + 4.0 * rho) / count
+
+
 def independent_samples(quiet: Array) -> float:
     """Number of independent samples of a quiet part: the variance of one over that of the mean.
 
     This is the larger of two estimates, because each is too small for some noise: that of
     first-order noise if a filter makes the noise smooth, that from all lags if the noise drifts.
     """
-    count, centred = len(quiet), quiet - quiet.mean()
-    size = float(centred @ centred)
-    if count < MIN_QUIET or size == 0.0:
+    count = len(quiet)
+    if count < MIN_QUIET or np.ptp(quiet) == 0.0:
         return max(float(count), MIN_INDEPENDENT)
-    rho = np.correlate(centred, centred, "full")[count - 1 :] / size
+    rho = autocorrelation(quiet)
     if rho[1] < SIGNIFICANT / count**0.5:
         return float(count)
     return max(_from_first_lag(float(rho[1]), count), _from_all_lags(rho), MIN_INDEPENDENT)
 
 
 def _from_first_lag(rho: float, count: int) -> float:
-    """Independent samples of first-order noise, n (1 - rho)/(1 + rho).
-
-    The estimate of rho is corrected for the mean (M. G. Kendall, Biometrika 41, 403 (1954),
-    doi:10.1093/biomet/41.3-4.403).
-    """
-    rho = min(rho + (1.0 + 3.0 * rho) / count, 1.0)
+    """Independent samples of first-order noise, n (1 - rho)/(1 + rho)."""
+    rho = min(unbiased_first_lag(rho, count), 1.0)
     return count * (1.0 - rho) / (1.0 + rho)
 
 

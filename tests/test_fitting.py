@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from synthetic_traces import bench, measured
+from synthetic_traces import bench, measured, recorded, signals
 
 import hertzchain as hc
 from hertzchain.fitting import least_squares
@@ -324,6 +324,23 @@ def test_noise_that_hides_the_law_is_reported():
     assert set(compared.undecided) == {"restitution", "viscoelastic"}
     assert compared.statement.startswith("the data cannot decide between")
     assert len(compared.further_shots) == 4
+
+
+def test_a_further_shot_decides_no_better_if_noise_is_sampled_twice():
+    chain = bench(hc.Viscoelastic(0.2e-6), velocity=0.2)
+    times, seen = signals(chain, 500e-6, 54.2e-6, spacing=0.5e-6)
+    noise = np.random.default_rng(2).standard_normal(seen.shape)
+    twice = seen + 2.0 * noise[np.arange(len(seen)) // 2]
+    once, both = (
+        hc.compare_losses(
+            recorded(times[::step], twice[::step], np.random.default_rng(3), noise=0.0), chain,
+            laws=["viscoelastic", "restitution"], free=["stiffness", "time_offset"],
+        )
+        for step in (2, 1)
+    )  # fmt: skip
+    assert max(both.further_shots) == pytest.approx(max(once.further_shots), rel=0.01)
+    expected = max(once.further_shots.values())
+    assert max(both.further_shots.values()) == pytest.approx(expected, rel=0.3)
 
 
 def test_samples_next_to_jumps_are_found():

@@ -72,8 +72,8 @@ class LossComparison:
     fits : tuple of LossFit
         In the order of their BIC.
     further_shots : dict
-        Expected difference in chi-squared of the two best laws in one more shot, for several
-        velocities of this shot within the limits of Hertz's law [m/s]; empty if the data decide.
+        Expected difference in BIC of the two best laws in one more shot, for several velocities of
+        this shot within the limits of Hertz's law [m/s]; empty if the data decide.
     """
 
     fits: tuple[LossFit, ...]
@@ -155,8 +155,8 @@ class LossComparison:
                 f"{max(self.further_shots):.2g} m/s; reduce the noise"
             )
         return (
-            f"{text}; one more shot at {speed:.2g} m/s would change chi2 between the first two by "
-            f"about {difference:.0f}"
+            f"{text}; one more shot at {speed:.2g} m/s would change the difference in BIC of the "
+            f"first two by about {difference:.0f}"
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -209,10 +209,11 @@ def compare_losses(
 ) -> LossComparison:
     r"""Fit all loss laws to the same data and compare them by their BIC.
 
-    .. math:: \mathrm{BIC} = \chi^2 + k \ln n
+    .. math:: \mathrm{BIC} = \chi^2/s + k \ln(n/s)
 
-    with the number k of parameters and the effective number n of samples
-    (`FitResult.bic`).  If the best law describes the data, differences above 10 decide.
+    with the number k of parameters, the number n of samples and the number s of samples per
+    independent one in the best fit (`FitResult.bic`).  If the best law describes the data,
+    differences above 10 decide.
 
     Parameters
     ----------
@@ -299,7 +300,7 @@ def rejected_law(comparison: LossComparison, chain: Chain) -> str:
 
 
 def _further_shots(comparison: LossComparison) -> dict[float, float]:
-    """Expected difference in chi-squared of the two best laws, for shots of some velocities."""
+    """Expected difference in BIC of the two best laws, for shots of some velocities."""
     pair = [each.result for each in comparison.fits[:2]]
     found = {}
     first = pair[0]
@@ -315,7 +316,7 @@ def _further_shots(comparison: LossComparison) -> dict[float, float]:
             signals = [_signals(each, factor) for each in pair if each is not None]
         except (SimulationError, InputError):
             continue
-        found[factor * speed] = _difference(*signals)
+        found[factor * speed] = _difference(*signals) / first.goodness.inflation
     return found
 
 
@@ -323,8 +324,11 @@ def _struck(chain: Chain, factor: float) -> Chain:
     return chain.replace(velocities=factor * chain.velocities)
 
 
-def _signals(result: FitResult, factor: float) -> tuple[Array, Array, Array]:
-    """Signals over noise of the first shot at another velocity, and their time derivatives."""
+def _signals(result: FitResult, factor: float) -> tuple[Array, ...]:
+    """Signals over noise of the first shot at another velocity, and their time derivatives.
+
+    These are those of the samples that a fit uses; equal samples count once.
+    """
     model = result.model
     chain = result.chains[0]
     struck = _struck(chain, factor)
@@ -335,14 +339,14 @@ def _signals(result: FitResult, factor: float) -> tuple[Array, Array, Array]:
     times = stretch * (shot.times - offset)
     run = model.simulator.signals(struck, float(times[-1]))
     names = [place.name for place in model.simulator.places]
-    columns = []
+    parts = []
     for signal in shot.signals:
-        gain = model.gain(0, signal, values)
-        column = gain * run.columns[:, names.index(signal.name)] / signal.sigma
-        columns.append(np.interp(times, run.spacing * np.arange(len(column)), column))
-    whole = np.concatenate(columns)
-    slope = np.concatenate([np.gradient(each, times) for each in columns])
-    return whole, slope, np.tile(times, len(columns)) * slope
+        column = model.gain(0, signal, values) * run.columns[:, names.index(signal.name)]
+        seen = np.interp(times, run.spacing * np.arange(len(column)), column)
+        slope = np.gradient(seen, times)
+        scale = signal.sigma * signal.counted**0.5
+        parts.append(np.array([seen, slope, times * slope])[:, signal.valid] / scale)
+    return tuple(np.concatenate(parts, axis=1))
 
 
 def _difference(first: tuple[Array, ...], second: tuple[Array, ...]) -> float:

@@ -8,8 +8,9 @@ from scipy_row import FREE, TRUTH, chain, forces, recorded, traces
 
 import hertzchain as hc
 from hertzchain.fitting.chain_parameters import with_sizes
-from hertzchain.fitting.fitted_file import readable_chain
+from hertzchain.fitting.fitted_file import fitted_toml, readable_chain
 from hertzchain.fitting.names import parse_name
+from hertzchain.fitting.parameters import free_parameters
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 STEEL = "steel-52100"
@@ -131,6 +132,19 @@ def test_the_file_of_several_shots_has_the_values_of_each(tmp_path):
     assert again.values["struck_by.velocity@2"] == pytest.approx(
         result.values["struck_by.velocity@2"], rel=1e-4
     )
+
+
+@pytest.mark.parametrize("first", ["stiffness@1", "stiffness"])
+def test_the_stiffness_of_each_shot_is_relative_to_that_of_the_file(first):
+    shot = traces().shots[0]
+    both = hc.Traces((shot, shot))
+    priors = {first: (1.0, 0.1), "stiffness@2": (1.0, 0.1)}
+    parameters = free_parameters(both, (chain(), chain()), [*priors], priors, {})
+    values = {first: 0.8, "stiffness@2": 1.2}
+    text = fitted_toml(chain(), [(first, "0.8")], "", parameters, values, both)
+    settings = tomllib.loads(text)["fit"]
+    assert settings["prior"] == {name: pytest.approx([1.25, 0.125]) for name in priors}
+    assert settings["start"]["stiffness@2"] == pytest.approx(1.5)
 
 
 def test_the_file_keeps_an_ac_coupling():

@@ -7,6 +7,7 @@ import math
 import textwrap
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -22,6 +23,7 @@ from ..store.chain_as_toml import chain_as_toml
 from ..store.chain_files import chain_from
 from ..store.toml_files import toml_key, toml_text
 from ..traces.traces import Traces
+from .names import Name
 from .parameters import Parameter
 
 # Digits of numbers: errors of fits are much larger than the rounding.
@@ -61,21 +63,27 @@ def _settings(
     coupled = {signal.name: "AC" for _, signal in traces if signal.coupling == "AC"}
     if coupled:
         yield f"coupling = {toml_text(coupled)}"
-    priors = {
-        str(each): [_shown(each, x) for x in each.prior]
-        for each in parameters if each.prior is not None
-    }  # fmt: skip
-    for name, prior in priors.items():
-        if name.startswith("stiffness"):  # a factor, which is 1 in this file
-            priors[name] = [x / values[name] for x in prior]
-    if priors:
+    units = {str(each): _unit_in_file(each.name, values) for each in parameters}
+    known = [each for each in parameters if each.prior is not None]
+    if known:
         yield from ("", "[fit.prior]")
-        yield from (f"{toml_key(name)} = {_text(prior)}" for name, prior in priors.items())
+        for each in known:
+            prior = [_shown(each, x / units[str(each)]) for x in each.prior or ()]
+            yield f"{toml_key(str(each))} = {_text(prior)}"
     start = [each for each in parameters if not each.of_chain or each.shot]
     if start:
         yield from ("", "[fit.start]")
         for each in start:
-            yield f"{toml_key(str(each))} = {_text(_shown(each, values[str(each)]))}"
+            value = values[str(each)] / units[str(each)]
+            yield f"{toml_key(str(each))} = {_text(_shown(each, value))}"
+
+
+def _unit_in_file(name: Name, values: Mapping[str, float]) -> float:
+    """Factor of a stiffness in the chain of the file, that of the first shot; otherwise 1."""
+    if name.key != "stiffness":
+        return 1.0
+    common = values.get(str(replace(name, shot="")), 1.0)
+    return values.get(str(replace(name, shot="1")), common)
 
 
 def _free(names: Sequence[str]) -> Iterator[str]:

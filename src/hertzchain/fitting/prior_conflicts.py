@@ -15,7 +15,10 @@ from .parameters import Parameter
 from .shown_values import shown_value
 
 # A parameter contradicts its prior beyond this number of standard deviations; several contradict
-# theirs together if the sum of squares is less probable than the same deviation of one.
+# theirs together if the sum of squares is less probable than the same deviation of one.  Both tests
+# are conservative: a fit follows its priors, so that the variance of a deviation from a prior s is
+# 1 - (error/s)^2 and not 1.  If this is small, so is a deviation, and errors of a nonlinear fit or
+# of its noise would cause false alarms if one was divided by the other.
 CONTRADICTS: Final = 3.0
 # Larger numbers of standard deviations are not stated, because they have no meaning.
 MANY: Final = 100.0

@@ -380,6 +380,11 @@ class FitResult(Estimates):
     ) -> Posterior:
         """Sample the posterior with emcee, as a check of the errors; requires the extra ``fit``.
 
+        The density of a parameter without a prior is constant within its bounds: of stiffness,
+        moduli, densities, radii, masses, velocities and gains in their logarithm, of others of the
+        chain, such as times of losses and gaps, in units of the motion, which depend on the former.
+        Priors multiply it.
+
         Parameters
         ----------
         steps : int

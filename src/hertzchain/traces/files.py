@@ -71,8 +71,8 @@ def load_traces(
         name, read each file with its own ``sensors`` and use `Traces.merge`.
     noise : float or mapping, optional
         Standard deviation of the noise of all sensors, or by name, in N, m/s or V or with a
-        unit, such as ``"3 mV"``.  By default it is estimated from the samples before the pulse
-        arrives at the first sensor.
+        unit, such as ``"3 mV"``.  By default it is estimated for each sensor from the samples
+        before its own pulse arrives.
     coupling : {"AC", "DC"} or mapping, optional
         Whether the signals of all sensors, or by name, contain the static force of a precompressed
         chain (``"DC"``) or not (``"AC"``, also for piezoelectric sensors).  By default, this is

@@ -165,6 +165,21 @@ def test_slow_residuals_of_a_wrong_model_do_not_excuse_themselves(rho):
     assert found == pytest.approx(known, rel=0.15)
 
 
+def test_the_mean_before_the_pulse_makes_the_noise_less_certain():
+    times = 1e-6 * np.arange(200)
+    noise = np.random.default_rng(5).standard_normal((400, 200))
+    squares, errors = [], []
+    for own in noise:
+        traces = hc.Traces.from_arrays(times, {"wall [N]": own + 1000.0 * (times > 29.5e-6)})
+        ((_, signal),) = traces
+        good = goodness_of(traces, own / signal.noise, np.ones(200, bool), 0)
+        squares.append(signal.noise**2)
+        errors.append(good.noise_error)
+    # The variance of n samples about their mean has n - 1 degrees of freedom.
+    assert np.median(errors) == pytest.approx((2.0 / (signal.before - 1)) ** 0.5, rel=1e-6)
+    assert np.std(squares) / np.mean(squares) == pytest.approx(np.median(errors), rel=0.15)
+
+
 @pytest.mark.parametrize(
     ("rho", "samples", "before"), [(0.0, 60, 30), (0.8, 60, 30), (0.5, 200, 30), (0.5, 1000, 60)]
 )

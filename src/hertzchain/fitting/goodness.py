@@ -61,8 +61,8 @@ class Goodness:
         real sensors are correlated.
     skipped : int
         Number of valid samples that are not used, because they are next to a jump of the force.
-    freedom : int
-        Counted samples minus free parameters.
+    parameters : int
+        Number of free parameters, also of those with a prior.
     uncertainty : float
         Standard deviation of `ratio`: chi-squared scatters, and the noise may have been estimated
         from a few samples.
@@ -85,7 +85,7 @@ class Goodness:
     samples: int
     effective_samples: float
     skipped: int
-    freedom: int
+    parameters: int
     uncertainty: float
     correlation: float
     noise_error: float = 0.0
@@ -96,6 +96,11 @@ class Goodness:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "counted", self.counted or float(self.samples))
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom: counted samples minus free parameters."""
+        return round(self.counted) - self.parameters
 
     @property
     def ratio(self) -> float:
@@ -120,8 +125,7 @@ class Goodness:
     @property
     def explains(self) -> bool:
         """Whether the model explains more of the data than noise would."""
-        parameters = self.counted - self.freedom
-        return self.explained > EXPLAINED + 2.0 * parameters
+        return self.explained > EXPLAINED + 2.0 * self.parameters
 
     @property
     def only_noise(self) -> bool:
@@ -151,7 +155,7 @@ class Goodness:
     @property
     def noise_uncertain(self) -> bool:
         """Whether only the uncertainty of the noise makes the residuals consistent with it."""
-        known = 2.0 / max(self.effective_samples - (self.counted - self.freedom), 1.0)
+        known = 2.0 / max(self.effective_samples - self.parameters, 1.0)
         far = abs(self.ratio - 1.0) > UNLIKELY * known**0.5
         return self._consistent and self.noise_error > 0.0 and bool(far)
 
@@ -305,7 +309,6 @@ def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) 
     parts = _parts(traces, residuals, used)
     residuals = residuals[used]
     chi2, counted = float(residuals @ residuals), sum(part.counted for part in parts)
-    freedom = round(counted) - parameters
     # The noise of each signal has a separate error.
     noise = sum((part.counted / counted * _noise_error(part)) ** 2 for part in parts)
     independent: dict[str, float] = {}
@@ -314,8 +317,8 @@ def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) 
         independent[name] = independent.get(name, 0.0) + _independent_noise(part)
     variance = 2.0 / max(sum(independent.values()) - parameters, 1.0) + noise
     return Goodness(
-        chi2, len(residuals), sum(part.independent for part in parts), int(np.sum(~used)), freedom,
-        float(variance**0.5), _correlation(parts), float(noise**0.5), counted,
+        chi2, len(residuals), sum(part.independent for part in parts), int(np.sum(~used)),
+        parameters, float(variance**0.5), _correlation(parts), float(noise**0.5), counted,
         all(part.signal.noiseless for part in parts), independent=independent,
     )  # fmt: skip
 
@@ -324,8 +327,8 @@ def _noise_error(part: _Part) -> float:
     """Relative standard deviation of the variance of a sample, if its noise was estimated."""
     if not part.signal.quiet or not part.signal.noise:
         return 0.0
-    # Errors of rounding are known, but they make the noise less certain.
-    return float((2.0 / _independent_before(part)) ** 0.5)
+    # Errors of rounding are known, but they make the noise less certain; so does the mean.
+    return float((2.0 / (_independent_before(part) - 1.0)) ** 0.5)
 
 
 def _independent_before(part: _Part) -> float:

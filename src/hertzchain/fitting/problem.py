@@ -72,7 +72,7 @@ class Problem:
 
     @property
     def expected(self) -> float:
-        """Expected sum of the squared residuals of data with the standard deviations `sigma`."""
+        """Expected sum of the squared residuals of data and priors at the true values."""
         pairs = [signal for _, signal in self.model.traces]
         priors = sum(each.prior is not None for each in self.model.parameters)
         return priors + float(sum(np.sum(1.0 / each.counted) for each in pairs))

@@ -201,7 +201,7 @@ def _free(
 
 def _tested(*, laws: bool, defects: bool) -> list[str]:
     """Causes of residuals that the command tests, so that its advice omits them."""
-    from ..fitting.diagnosis import DEFECTS, LAWS
+    from ..fitting.advice import DEFECTS, LAWS
 
     return [*([LAWS] if laws else []), *([DEFECTS] if defects else [])]
 

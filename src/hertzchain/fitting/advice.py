@@ -1,22 +1,28 @@
-"""Advice to free parameters, also if levels before the pulse are not those of the model."""
+"""Advice to free parameters, to check zeros of sensors, and to consider further causes."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from ..representation import listed
 from ..traces.amplitudes import CERTAIN, error_of_level, level_of_model
 from ..traces.traces import Traces
-from .names import Name
+from .names import ENDS, Name
 from .parameters import expanded
+from .sensor_effects import groups_of_effects
 
 if TYPE_CHECKING:
     from .result import FitResult
+
+# Causes that other functions test.
+DEFECTS, LAWS = "gaps and odd balls (scan_defects)", "other loss laws (compare_losses)"
+# Effects of single sensors in words; others have the names of their parameters.
+EFFECTS: Final = {"offset": "offsets", "gain": "gains", "delay": "delays"}
 
 
 def advice_to_free(names: Sequence[Name], traces: Traces) -> str:
@@ -54,3 +60,33 @@ def level_advice(result: FitResult) -> tuple[str, ...]:
         f"{advice_to_free([name for name, _ in notes], result.traces)}"
         for notes in found.values()
     )
+
+
+def considered(result: FitResult, tested: Collection[str] = ()) -> str:
+    """Advice to consider the causes that no fit tests, without those that were tested otherwise."""
+    chain, free = result.chain, {name.key for name in result.model.names}
+    walls = [end for end in ENDS if getattr(chain, end) is not None]
+    bodies = ["striker"] * (chain.strikers > 0) + ["balls"] + ["wall"] * bool(walls)
+    causes = [cause for cause in (DEFECTS, LAWS) if cause not in tested]
+    if any(f"{end}.exponent" not in free for end in walls):
+        causes.append("the exponent of the wall")
+    first = "".join(f"{cause}, " for cause in causes) + "and " * bool(causes)
+    return f"Consider {first}the sizes and materials of {listed(bodies)}"
+
+
+def nothing_explains(result: FitResult, tried: Iterable[str]) -> str:
+    """Advice if no cause explains the residuals; ``tried`` has those of other fits in words."""
+    places = [signal.place for signal in result.traces.shots[0].signals]
+    several = len(places) > 1
+    tested = dict.fromkeys(name.key for names in groups_of_effects(result) for name in names)
+    of_sensors = [words for key, words in EFFECTS.items() if key in tested]
+    columns = ["signs", "units"] + ["order"] * several
+    columns += ["places"] * any(place.body in ("ball", "bead") for place in places)
+    causes = [
+        f"{listed(of_sensors)} of the sensor{'s, alone and in pairs' if several else ''}"
+        if of_sensors else "",
+        f"{listed(columns)} of the column{'s' * several}", "the unit of the times",
+        *(key for key in tested if key not in EFFECTS), *tried,
+    ]  # fmt: skip
+    shown = ", ".join(each for each in causes if each)
+    return f"none of the effects tested explains the residuals ({shown}). {considered(result)}"

@@ -18,7 +18,7 @@ from ..chain.chain import Chain
 from ..chain.modifications import with_one_loss
 from ..errors import InputError, SimulationError
 from ..representation import listed
-from .advice import advice_to_free, level_advice
+from .advice import advice_to_free, considered, level_advice, nothing_explains
 from .chain_parameters import known_names, loss_parameters
 from .loss_laws import typical_law
 from .misread_columns import misread_columns
@@ -54,19 +54,6 @@ LOSS: Final = "viscoelastic"
 CERTAIN: Final = 5.0
 # Columns may be wrong if a parameter is further from its prior, in standard deviations.
 FAR_FROM_PRIOR: Final = 10.0
-# Causes that are advised, the first two of which other functions test.
-DEFECTS, LAWS = "gaps and odd balls (scan_defects), ", "other loss laws (compare_losses), "
-OTHERS: Final = (
-    f"{DEFECTS}{LAWS}the exponent of the wall, and the sizes and materials of striker, balls and "
-    "wall"
-)
-NOTHING_EXPLAINS: Final = (
-    "none of the effects tested explains the residuals (offsets, gains and delays of the sensors, "
-    "alone and in pairs, signs, units, order and places of the columns, the unit of the times, "
-    "lag, highpass, crosstalk, a loss, the exponent, the stiffness of the walls, the moduli of "
-    "several materials, the mass of balls with sensors, one ball more or fewer). "
-    f"Consider {OTHERS}"
-)
 UNITS: Final = (
     "check the units of the times and of the sensors, the materials and the velocity of the chain, "
     "and whether the record contains the first pulse; hertzchain compare shows data and simulation"
@@ -101,15 +88,14 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
         return replace(result, advice=(UNITS,))
     if not causes and (noise := signal_noise_advice(result)):
         return replace(result, advice=(*level_advice(result), noise))
-    for further in (
-        _places, _effects, _shots, _losses, _exponent, _walls, _moduli, _masses, _beads, _pairs,
-    ):  # fmt: skip
+    tried: dict[str, None] = {}
+    for further, words in FURTHER.items():
         if not any(cause.result.describes for cause in causes):
-            causes += further(result, start, refit)
+            causes += further(result, start, _noting(refit, words, tried))
     good = [cause for cause in causes if _removed(result, cause.result) > MOST]
     levels = level_advice(result)
     if not good:
-        return replace(result, advice=(*levels, NOTHING_EXPLAINS))
+        return replace(result, advice=(*levels, nothing_explains(result, tried)))
     best = min(good, key=lambda each: (
         not each.result.describes, each.added if each.result.describes else each.result.chi2
     ))  # fmt: skip
@@ -119,11 +105,19 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
 
 
 def without_tested(result: FitResult, *tested: str) -> FitResult:
-    """A result whose advice omits causes that were tested, such as `DEFECTS`."""
-    advice = result.advice
-    for cause in tested:
-        advice = tuple(each.replace(cause, "") for each in advice)
-    return replace(result, advice=advice)
+    """A result whose advice omits causes that were tested, such as `advice.DEFECTS`."""
+    usual, left = considered(result), considered(result, tested)
+    return replace(result, advice=tuple(each.replace(usual, left) for each in result.advice))
+
+
+def _noting(refit: Refit, words: str, tried: dict[str, None]) -> Refit:
+    """A function that fits, and notes in words what was tried."""
+
+    def noting(problem: Problem, start: Mapping[str, float], starts: int) -> FitResult:
+        tried[words] = None
+        return refit(problem, start, starts)
+
+    return noting
 
 
 def _with_other_columns(
@@ -202,7 +196,7 @@ def _sentence(result: FitResult, cause: Cause) -> str:
         return f"{text}, and the model describes the data: {cause.advice}"
     return (
         f"{text}, by {_removed(result, cause.result):.0%} of its excess: {cause.advice}. The model "
-        f"still does not describe the data. Consider {OTHERS}"
+        f"still does not describe the data. {considered(result)}"
     )
 
 
@@ -417,3 +411,18 @@ def _beyond(times: float, fixed: Mapping[str, float], found: FitResult) -> list[
     values, errors = found.values, found.errors
     return [name for name, value in fixed.items()
             if abs(values[name] - value) > times * errors[name]]  # fmt: skip
+
+
+# Causes that are tried one after the other, with words for those that other functions do not name.
+FURTHER: Final[Mapping[Callable[[FitResult, Mapping[str, float], Refit], Iterator[Cause]], str]] = {
+    _places: "",
+    _effects: "",
+    _shots: "another velocity or time offset in each shot",
+    _losses: "the loss",
+    _exponent: "the exponent",
+    _walls: "the stiffness of the walls",
+    _moduli: "the moduli of several materials",
+    _masses: "the mass of balls with sensors",
+    _beads: "one ball more or fewer",
+    _pairs: "",
+}

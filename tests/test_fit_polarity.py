@@ -5,6 +5,10 @@ import pytest
 from scipy_row import FREE, TRUTH, chain, recorded
 
 import hertzchain as hc
+from hertzchain.fitting.misread_columns import misread_columns
+from hertzchain.fitting.model import make_model
+from hertzchain.fitting.parameters import free_parameters
+from hertzchain.fitting.simulations import Simulator
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 GAINS = {"ball 5": -0.0213, "ball 10": 0.0197, "wall": 1.0}
@@ -94,6 +98,21 @@ def test_the_start_of_a_gain_does_not_depend_on_a_constant_level():
     result = hc.fit(traces(level=0.6), chain(), free=free)
     assert result.describes
     assert result.values["gain[ball 5]"] == pytest.approx(GAINS["ball 5"], rel=0.01)
+
+
+def test_larger_reflected_waves_do_not_suggest_an_inverted_velocity():
+    row = chain(loss=None)
+    run = hc.simulate(row, times=np.arange(0.0, 6e-4, 1e-6))
+    signal = np.pad(run.velocity(9), (60, 0))
+    signal += 1e-4 * np.random.default_rng(2).standard_normal(len(signal))
+    larger = np.where(signal < 0.0, 1.3 * signal, signal)
+    assert -larger.min() > larger.max()
+    for values, words in ((larger, []), (-signal, ["the opposite sign of ball 8 velocity"])):
+        times = 1e-6 * np.arange(len(values))
+        data = hc.Traces.from_arrays(times, {"ball 8 velocity [m/s]": values})
+        parameters = free_parameters(data, [row], ["time_offset"], {}, {"time_offset": 60e-6})
+        model = make_model(data, [row], parameters, Simulator([data.shots[0].signals[0].place]))
+        assert [each.what for each in misread_columns(model)] == words
 
 
 def test_an_inverted_velocity_sensor_that_sees_the_reflected_wave_is_recognised():

@@ -10,12 +10,11 @@ import numpy as np
 
 from ..collision import Array
 from ..representation import listed, measure
-from ..traces.amplitudes import extreme, level_of
+from ..traces.amplitudes import ARRIVED, extreme, level_of
 from ..traces.signals import Shot, Signal
-from .sensor_comparison import ABOVE_NOISE, HALF, reached, saturated_samples
+from .misread_columns import SAME_TIME
+from .sensor_comparison import ABOVE_NOISE, reached, saturated_samples
 
-# Arrivals that differ by less than this number of samples have no order.
-SAME_TIME: Final = 3
 # Part of the simulated peak that must be in the record for a comparison of peaks.
 IN_RECORD: Final = 0.1
 
@@ -27,7 +26,7 @@ def order_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
     for signal, column in zip(shot.signals, columns, strict=True):
         ok = signal.valid | saturated_samples(signal)
         pairs = (shot.times[ok], (signal.values - level_of(signal))[ok]), (grid, column - column[0])
-        seen, own = (reached(each, values, HALF * extreme(values)) for each, values in pairs)
+        seen, own = (reached(each, values, ARRIVED * extreme(values)) for each, values in pairs)
         if has_pulse(signal):
             arrivals.append((signal, seen, own))
     for (one, seen, own), (two, seen_later, own_later) in itertools.combinations(arrivals, 2):
@@ -74,7 +73,7 @@ def outside_notes(
     for signal, column in zip(shot.signals, columns, strict=True):
         own = column - column[0]
         begin = float(shot.times[0]) - time_offset
-        if own.any() and reached(grid, own, HALF * extreme(own)) < begin:
+        if own.any() and reached(grid, own, ARRIVED * extreme(own)) < begin:
             early.append(signal.name)
         elif signal.name in outside and has_pulse(signal):
             missing.append(signal.name)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..collision import Array
 from ..representation import listed
-from ..traces.amplitudes import ARRIVED, extreme, from_level
+from ..traces.amplitudes import ARRIVED, from_level, ratio_of_amplitudes
 from ..traces.signals import Shot, Signal
 from ..traces.traces import Traces
 from .model import Model
@@ -35,13 +35,19 @@ class Misread:
     whole: bool = False
 
 
+def prefix_of(ratio: float) -> float | None:
+    """Prefix of a unit whose omission explains a ratio of either sign, if there is one."""
+    near = (each for each in PREFIXES if 1.0 / TOLERANCE < abs(ratio) / each < TOLERANCE)
+    return next(near, None)
+
+
 def misread_columns(model: Model) -> Iterator[Misread]:
     """Traces with signs, units or an order that agree better with the nominal chain."""
     start = {each.name: each.start for each in model.parameters}
     predicted = model.predict_shot(0, start)
     signals = model.traces.shots[0].signals
     ratios = {
-        signal.name: extreme(from_level(signal)) / extreme(own - own[0])
+        signal.name: ratio_of_amplitudes(from_level(signal), own - own[0])
         for signal, own in zip(signals, predicted, strict=True)
         if np.ptp(own) > 0.0
     }
@@ -65,10 +71,7 @@ def _signs(traces: Traces, ratios: Mapping[str, float]) -> Iterator[Misread]:
 
 def _units(traces: Traces, ratios: Mapping[str, float]) -> Iterator[Misread]:
     for prefix in PREFIXES:
-        wrong = [
-            name for name, ratio in ratios.items()
-            if 1.0 / TOLERANCE < abs(ratio) / prefix < TOLERANCE
-        ]  # fmt: skip
+        wrong = [name for name, ratio in ratios.items() if prefix_of(ratio) == prefix]
         if len(wrong) > 1:
             yield Misread(
                 f"the values of {listed(wrong)} multiplied by {1.0 / prefix:g}",
@@ -78,13 +81,12 @@ def _units(traces: Traces, ratios: Mapping[str, float]) -> Iterator[Misread]:
             )
             return
     for name, ratio in ratios.items():
-        for prefix in PREFIXES:
-            if 1.0 / TOLERANCE < abs(ratio) / prefix < TOLERANCE:
-                yield Misread(
-                    f"the values of {name} multiplied by {1.0 / prefix:g}",
-                    "check the unit in the header of this column",
-                    _scaled(traces, {name: 1.0 / prefix}),
-                )
+        if (found := prefix_of(ratio)) is not None:
+            yield Misread(
+                f"the values of {name} multiplied by {1.0 / found:g}",
+                "check the unit in the header of this column",
+                _scaled(traces, {name: 1.0 / found}),
+            )
 
 
 def _order(model: Model, predicted: list[Array]) -> Iterator[Misread]:

@@ -8,13 +8,13 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from ..traces.amplitudes import extreme, level_of
+from ..traces.amplitudes import ARRIVED, extreme, level_of
 from ..traces.signals import Shot
 from ..traces.traces import Traces
 from .arrival_notes import has_pulse
 from .misread_columns import Misread
 from .model import Model
-from .sensor_comparison import HALF, check_durations, half_width, reached, saturated_samples
+from .sensor_comparison import check_durations, half_width, reached, saturated_samples
 from .simulations import passing_time
 
 # The ratios of pulse durations and of the times between sensors agree within the first factor, and
@@ -38,7 +38,7 @@ def time_factor(shot: Shot, columns: Sequence[Array], grid: Array) -> float | No
             return None
         found.append(half_width(shot.times[ok], seen) / max(half_width(grid, own), grid[1]))
         arrivals.append([
-            reached(times, values, HALF * extreme(values))
+            reached(times, values, ARRIVED * extreme(values))
             for times, values in ((shot.times[ok], seen), (grid, own))
         ])  # fmt: skip
     if len(arrivals) < 2:

@@ -13,14 +13,19 @@ from ..collision import Array
 from ..errors import InputError
 from ..representation import measure
 from ..simulation.run import Run
-from ..traces.amplitudes import CERTAIN, error_of_level, extreme, level_of, level_of_model
+from ..traces.amplitudes import (
+    ARRIVED,
+    CERTAIN,
+    error_of_level,
+    extreme,
+    level_of,
+    level_of_model,
+)
 from ..traces.headers import GAIN_UNITS
 from ..traces.signals import Shot, Signal
-from .misread_columns import POLARITY, PREFIXES, TOLERANCE
+from .misread_columns import POLARITY, prefix_of
 from .shown_values import shown_difference, shown_part
 
-# A signal has arrived at this fraction of its peak, where its width is measured, too.
-HALF: Final = 0.5
 # A simulated signal that is still rising at the end of the run below this fraction of the measured
 # peak, or of the largest value anywhere in the run, shows that the pulse has not arrived.
 ARRIVING: Final = 0.1
@@ -177,8 +182,8 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
     width = half_width(times[covered], simulated)
     missing = not saturated and crest_is_missing(times[covered], seen[covered] / peaks[0], width)
     # A signal without a crest and its model are compared at the same height.
-    half = HALF * abs(peaks[0 if saturated or missing else 1])
-    levels = HALF * peaks[0], float(np.copysign(half, peaks[1]))
+    half = ARRIVED * abs(peaks[0 if saturated or missing else 1])
+    levels = ARRIVED * peaks[0], float(np.copysign(half, peaks[1]))
     return SensorComparison(
         signal.name, signal.unit, signal.place.quantity, *peaks,
         reached(times[present], measured, levels[0], SHORT * width),
@@ -202,7 +207,7 @@ def crest_is_missing(times: Array, height: Array, width: float) -> bool:
         ends, length = (before, before + 1), lengths[before]
         near = (times >= times[ends[0]] - length) & (times <= times[ends[1]] + length)
         top = int(np.argmax(np.where(near, height, -np.inf)))
-        if top in ends and height[top] > HALF:
+        if top in ends and height[top] > ARRIVED:
             return True
     return False
 
@@ -234,7 +239,7 @@ def half_width(times: Array, values: Array) -> float:
     """Time during which a signal exceeds half of its peak, around the peak."""
     height = values / extreme(values)
     peak = int(np.argmax(height))
-    below = np.flatnonzero(height < HALF)
+    below = np.flatnonzero(height < ARRIVED)
     before, after = below[below < peak], below[below > peak]
     first = int(before[-1]) if len(before) else 0
     last = int(after[0]) if len(after) else len(times) - 1
@@ -303,7 +308,7 @@ def check_durations(shot: Shot, columns: Sequence[Array], grid: Array) -> None:
         width = half_width(grid, own)
         lasting = half_width(shot.times[signal.valid], seen) / max(width, spacing)
         unresolved = width < RESOLVED * spacing and lasting > TOO_LONG
-        if unresolved or any(1.0 / TOLERANCE < lasting / each < TOLERANCE for each in PREFIXES):
+        if unresolved or prefix_of(lasting):
             least = "at least " if unresolved else ""
             raise InputError(
                 f"the measured pulse of {signal.name} lasts {least}{lasting:.3g} times as long as "
@@ -361,7 +366,7 @@ def unit_notes(sensors: Sequence[SensorComparison], outside: Collection[str]) ->
         problem = f"the measured peak of {each.name} is {ratio:.3g} times the simulated one"
         if ratio < 0.0:
             notes.append(f"{problem}: {POLARITY}")
-        elif any(1.0 / TOLERANCE < ratio / prefix < TOLERANCE for prefix in PREFIXES):
+        elif prefix_of(ratio):
             notes.append(f"{problem}: check the unit in the header of this column")
         elif ratio > 1.0 or not each.lower_bound:
             notes.append(

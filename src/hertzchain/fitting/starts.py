@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from ..traces.amplitudes import first_sign, level_of
+from ..traces.amplitudes import first_sign, level_of, ratio_of_amplitudes
 from ..traces.signals import Signal
 from .model import Model
 from .names import Name
@@ -125,8 +125,7 @@ def _ratio(model: Model, values: dict[Name, float], shot: int, signal: Signal) -
     own, seen = own - own[0], (signal.values - level_of(signal))[signal.valid]
     if not own.any():
         return first_sign(seen)
-    size = np.abs(seen).max() / np.abs(own).max()
-    return float(first_sign(seen) * first_sign(own) * size)
+    return ratio_of_amplitudes(seen, own)
 
 
 def further_starts(

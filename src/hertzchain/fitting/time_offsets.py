@@ -16,8 +16,8 @@ from ..collision import Array
 from ..traces.amplitudes import extreme, level_of, polarity_of
 from ..traces.signals import Shot, Signal
 from .autocorrelation import correlation_length
-from .misread_columns import PREFIXES, TOLERANCE
-from .sensor_comparison import ABOVE_NOISE, scaled
+from .misread_columns import prefix_of
+from .sensor_comparison import ABOVE_NOISE, half_width, scaled
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -66,6 +66,11 @@ class Pair:
         """Sum of the squares of all samples."""
         return float(self.seen @ self.seen)
 
+    @property
+    def width(self) -> float:
+        """Number of saved times at which the simulated signal exceeds half of its peak."""
+        return half_width(np.arange(float(len(self.own))), self.own)
+
     def rest(self, inside: Array, product: Array, size: Array) -> Array:
         """Sums of squared differences, from those of the samples, products and simulated values."""
         nothing = NOTHING * float(self.own @ self.own)
@@ -86,7 +91,7 @@ def best_offset(
     """
     pairs = _pairs(shot, columns)
     found, other, _ = _coarse(pairs, shot.times, spacing)
-    reach = max(RANGE * min(_width(pair.own) for pair in pairs) * spacing, 2.0 * spacing)
+    reach = max(RANGE * min(pair.width for pair in pairs), 2.0) * spacing
     return _refined(pairs, found, reach, spacing), other
 
 
@@ -146,8 +151,8 @@ def _pair(shot: Shot, signal: Signal, column: Array) -> Pair:
     ratio = abs(extreme(seen)) / max(abs(extreme(own)), np.finfo(float).tiny)
     if signal.calibrated:
         # A peak of another size may be in a wrong unit, or incomplete.
-        wrong = [unit for unit in PREFIXES if 1.0 / TOLERANCE < ratio / unit < TOLERANCE]
-        ends = (wrong[0], wrong[0]) if wrong else (min(1.0, ratio), max(1.0, ratio))
+        wrong = prefix_of(ratio)
+        ends = (wrong, wrong) if wrong else (min(1.0, ratio), max(1.0, ratio))
         if abs(extreme(seen)) < ABOVE_NOISE * signal.sigma:
             ends = 1.0, 1.0
         scales = ends[0] / FREE, ends[1] * FREE
@@ -155,16 +160,6 @@ def _pair(shot: Shot, signal: Signal, column: Array) -> Pair:
         scales = ratio / FREE, ratio * CUT
     signed = signal.place.quantity == "velocity" and not signal.calibrated
     return Pair(shot.times[signal.valid], seen, own, scales, signed)
-
-
-def _width(own: Array) -> int:
-    """Number of saved times at which a signal exceeds half of its peak, around the peak."""
-    size = np.abs(own)
-    below = np.flatnonzero(size < 0.5 * size.max())
-    peak = int(np.argmax(size))
-    after, before = below[below > peak], below[below < peak]
-    first = int(before[-1]) if len(before) else 0
-    return (int(after[0]) if len(after) else len(own)) - first
 
 
 def _coarse(
@@ -199,7 +194,7 @@ def _coarse(
         reached |= counts[last] > counts[first]
     cost = np.where(reached, rest - covered + len(pairs), np.inf)
     offsets, best = times[0] + spacing * lags, int(np.argmin(cost))
-    near = APART * max(_width(pair.own) for pair in pairs)
+    near = APART * max(pair.width for pair in pairs)
     cost_there = np.where(np.abs(lags - lags[best]) > near, cost, np.inf)
     second = int(np.argmin(cost_there))
     ratio = float(np.sqrt(cost_there[second] / max(cost[best], np.finfo(float).tiny)))

@@ -11,7 +11,7 @@ from ..collision import Array
 from .noise import independent_samples
 from .signals import Signal
 
-# A signal has arrived at this fraction of its largest value.
+# A signal has arrived at this fraction of its largest value, where its width is measured, too.
 ARRIVED: Final = 0.5
 # Levels, and static forces in them, are seen beyond this number of standard errors.
 CERTAIN: Final = 5.0
@@ -58,6 +58,11 @@ def first_sign(values: Array) -> float:
     """Sign of the first value beyond half of the largest; waves that return may have another."""
     size = np.abs(values)
     return math.copysign(1.0, values[np.argmax(size > ARRIVED * size.max())])
+
+
+def ratio_of_amplitudes(seen: Array, own: Array) -> float:
+    """Ratio of the largest values of two signals, with that of their first signs."""
+    return first_sign(seen) * first_sign(own) * abs(extreme(seen) / extreme(own))
 
 
 def extreme(values: Array) -> float:

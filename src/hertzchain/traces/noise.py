@@ -72,7 +72,7 @@ def onset(values: Array) -> int:
     """
     level, size = base_level(values), float(np.ptp(values))
     # The median of the differences is determined by the noise even if there is a pulse.
-    noise = float(np.median(np.abs(np.diff(values[: MIN_QUIET + 1])))) / (0.6745 * 2.0**0.5)
+    noise = robust_sigma(np.diff(values[: MIN_QUIET + 1]), 0.0) / 2.0**0.5
     threshold = min(max(ONSET * size, ONSET_IN_NOISE * noise), CERTAIN * size)
     for part in runs(np.abs(values - level) > threshold):
         if part.stop - part.start >= IN_A_ROW and not _is_slow_noise(values, part, size):
@@ -85,7 +85,7 @@ def _is_slow_noise(values: Array, part: slice, size: float) -> bool:
     before = values[: max(part.start, 2 * MIN_QUIET)]
     level = float(np.median(before))
     # The median is determined by the noise even if a pulse has begun.
-    noise = float(np.median(np.abs(before - level))) / 0.6745
+    noise = robust_sigma(before, level)
     independent = independent_samples(before)
     noise *= (independent / (independent - 1.0)) ** 0.5 * (1.0 + (2.0 / independent) ** 0.5)
     height = float(np.abs(values[part] - level).max())
@@ -98,12 +98,13 @@ def noise_of(quiet: Array) -> float:
     return float(np.std(quiet) * (independent / (independent - 1.0)) ** 0.5)
 
 
-def is_still(quiet: Array, least: float) -> bool:
-    """Whether most samples of a quiet part are nearer to each other than noise makes them.
+def robust_sigma(values: Array, centre: float | None = None) -> float:
+    """Standard deviation of normal values from their median distance to their median, or a centre.
 
-    The first rise of the pulse may be above the others, if there is no noise.
+    A few values that are far from the others hardly change it.
     """
-    return float(np.median(np.abs(quiet - np.median(quiet)))) / 0.6745 < least
+    middle = np.median(values) if centre is None else centre
+    return float(np.median(np.abs(values - middle))) / 0.6745
 
 
 def noise_before_rounding(quiet: Array, step: float) -> float:

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from .noise import robust_sigma
 from .notes import FAR_IN_NOISE
 from .signals import Shot, Signal
 from .traces import make_shot
@@ -39,8 +40,7 @@ def _noise_without_spikes(signal: Signal) -> float:
     quiet = signal.quiet_values
     if not signal.quiet or not len(quiet):
         return signal.sigma
-    median = float(np.median(np.abs(quiet - np.median(quiet)))) / 0.6745
-    return min(max(median, signal.step), signal.sigma)
+    return min(max(robust_sigma(quiet), signal.step), signal.sigma)
 
 
 def without_spikes(shot: Shot, widths: Sequence[float]) -> Shot:

@@ -24,10 +24,10 @@ from .noise import (
     check_names_of_noise,
     clipped_part,
     digitiser_step,
-    is_still,
     noise_before_rounding,
     noise_of,
     printed_step,
+    robust_sigma,
     saturated,
 )
 from .notes import trace_notes
@@ -365,8 +365,8 @@ def _signal(
         used = len(before)
         known = _estimated_noise(place, before, step, first)
         least = ACCURACY * float(np.abs(values[present] - level).max())
-        if known < least or (step <= least and is_still(before, least)):
-            # This noise is known, not estimated.
+        if known < least or (step <= least and robust_sigma(before) < least):
+            # This noise is known, not estimated; only the first rise of the pulse may be larger.
             known, used, noiseless = least, 0, step <= least
     for each in (values, valid):
         each.setflags(write=False)

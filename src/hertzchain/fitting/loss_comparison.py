@@ -19,6 +19,7 @@ from ..representation import listed, short
 from ..traces.files import load_traces
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.objects import Progress, callback, check_list
+from .chain_parameters import loss_parameters
 from .fit import ChainLike, TracesLike, fit_with
 from .loss_laws import typical_law
 from .names import Name, parse_name
@@ -260,8 +261,7 @@ def compare_losses(
     for done, each in enumerate(wanted, start=1):
         law = typical_law(each, chains[0])
         lossy = [with_one_loss(one, law) for one in chains]
-        own = [f"loss.{name}" for name, about in law.parameters().items()
-               if not about.boolean and getattr(law, name) is not None]  # fmt: skip
+        own = [f"loss.{name}" for name in loss_parameters(lossy[0])]
         known = {n: v for n, v in settings.priors.items() if "loss" not in n or n in own}
         given = {n: v for n, v in settings.start.items() if "loss" not in n or n in own}
         try:
@@ -338,10 +338,9 @@ def _signals(result: FitResult, factor: float) -> tuple[Array, ...]:
     offset = values.get(Name("time_offset"), values.get(Name("time_offset", shot="1"), 0.0))
     times = stretch * (shot.times - offset)
     run = model.simulator.signals(struck, float(times[-1]))
-    names = [place.name for place in model.simulator.places]
     parts = []
     for signal in shot.signals:
-        column = model.gain(0, signal, values) * run.columns[:, names.index(signal.name)]
+        column = model.gain(0, signal, values) * model.simulator.column(run, signal)
         seen = np.interp(times, run.spacing * np.arange(len(column)), column)
         slope = np.gradient(seen, times)
         scale = signal.sigma * signal.counted**0.5

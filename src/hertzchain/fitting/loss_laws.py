@@ -26,11 +26,12 @@ def typical_law(given: str | Loss, chain: Chain) -> Loss:
         raise unknown_name_error("law", given, LAWS)
     kind = LAWS[given]
     scales = units_of(chain).scales
-    values = dict(TYPICAL.get(kind, {}))
-    for name in ("alpha", "time", "gamma", "yield_overlap"):
-        if name in values and name != "alpha":
-            unit = {"time": "time", "yield_overlap": "length"}.get(
-                name, f"force/velocity^{values.get('alpha', 1.0)}"
-            )
-            values[name] *= scales.unit(unit)
-    return kind(**values)
+    values = TYPICAL.get(kind, {})
+    units = {
+        "time": "time", "yield_overlap": "length",
+        "gamma": f"force/velocity^{values.get('alpha', 1.0)}",
+    }  # fmt: skip
+    return kind(**{
+        name: value * scales.unit(units[name]) if name in units else value
+        for name, value in values.items()
+    })  # fmt: skip

@@ -11,8 +11,8 @@ import numpy as np
 from ..collision import Array
 from ..representation import listed
 from ..traces.amplitudes import ARRIVED, from_level, ratio_of_amplitudes
-from ..traces.signals import Shot, Signal
-from ..traces.traces import Traces
+from ..traces.signals import Signal
+from ..traces.traces import Traces, mapped
 from .model import Model
 
 # Ratios of amplitudes that suggest another prefix of a unit, and their tolerance (a factor).
@@ -123,26 +123,21 @@ def inversion_notes(gains: Mapping[str, float]) -> tuple[str, ...]:
 
 
 def _scaled(traces: Traces, factors: Mapping[str, float]) -> Traces:
-    def scaled(signal: Signal) -> Signal:
+    def scaled(_: int, signal: Signal) -> Signal:
         factor = factors.get(signal.name, 1.0)
         return replace(
             signal, values=factor * signal.values, noise=abs(factor) * signal.noise,
             step=abs(factor) * signal.step, level=factor * signal.level,
         )  # fmt: skip
 
-    return Traces(tuple(
-        Shot(shot.times, tuple(scaled(signal) for signal in shot.signals)) for shot in traces.shots
-    ))  # fmt: skip
+    return mapped(traces, scaled)
 
 
 def _exchanged(traces: Traces, columns: Mapping[str, str]) -> Traces:
     """Traces in which places get the samples of other columns."""
-    shots = []
-    for shot in traces.shots:
-        known = {signal.name: signal for signal in shot.signals}
-        shots.append(Shot(shot.times, tuple(
-            replace(known[columns.get(each.name, each.name)], place=each.place)
-            if columns.get(each.name, each.name) in known else each
-            for each in shot.signals
-        )))  # fmt: skip
-    return Traces(tuple(shots))
+
+    def exchanged(shot: int, signal: Signal) -> Signal:
+        known = {each.name: each for each in traces.shots[shot].signals}
+        return replace(known.get(columns.get(signal.name, ""), signal), place=signal.place)
+
+    return mapped(traces, exchanged)

@@ -8,8 +8,7 @@ from typing import Final
 
 from ..errors import InputError
 from ..traces.places import Place, check_places, place_named
-from ..traces.signals import Shot
-from ..traces.traces import Traces
+from ..traces.traces import mapped
 from .misread_times import nominal_pulses
 from .model import Model, make_model
 from .simulations import Simulator
@@ -62,12 +61,9 @@ def _neighbours(signals: dict[str, Place], model: Model) -> Iterator[tuple[str, 
 
 def _with_place(model: Model, name: str, place: Place, simulator: Simulator) -> Model:
     """The model with another place of a sensor, which the names of parameters follow."""
-    traces = Traces(tuple(
-        Shot(shot.times, tuple(
-            replace(each, place=place) if each.name == name else each for each in shot.signals
-        ))
-        for shot in model.traces.shots
-    ))  # fmt: skip
+    traces = mapped(
+        model.traces, lambda _, each: replace(each, place=place) if each.name == name else each
+    )
     parameters = [
         replace(each, name=replace(each.name, item=place.name)) if each.name.item == name else each
         for each in model.parameters

@@ -98,6 +98,5 @@ def nominal_pulses(model: Model, index: int = 0) -> tuple[Shot, list[Array], Arr
     if not np.isfinite(duration):
         duration = float(shot.times[-1] - shot.times[0])
     run = model.simulator.signals(chain, duration)
-    places = [place.name for place in model.simulator.places]
-    columns = [run.columns[:, places.index(signal.name)] for signal in shot.signals]
+    columns = [model.simulator.column(run, signal) for signal in shot.signals]
     return shot, columns, run.spacing * np.arange(len(run.columns))

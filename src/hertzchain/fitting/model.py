@@ -191,11 +191,10 @@ class Model:
         data = self.traces.shots[shot]
         times = data.times - given.get(Name("time_offset"), 0.0)
         run = self.simulator.signals(self.chain(shot, values), float(times[-1]))
-        places = [place.name for place in self.simulator.places]
         found = []
         for signal in data.signals:
             sensor = self._sensor(signal.name, given)
-            column = sensor.gain * run.columns[:, places.index(signal.name)]
+            column = sensor.gain * self.simulator.column(run, signal)
             least_jump = least * signal.sigma
             found.append(next_to_jumps(times - sensor.delay, column, run.spacing, least_jump))
         return found
@@ -207,8 +206,7 @@ class Model:
         if key not in self._sampled:
             while len(self._sampled) >= KEPT:
                 del self._sampled[next(iter(self._sampled))]
-            places = [place.name for place in self.simulator.places]
-            column = run.columns[:, places.index(signal.name)]
+            column = self.simulator.column(run, signal)
             if signal.coupling == "AC":
                 column = column - column[0]
             column = filtered(column, run.spacing, sensor)

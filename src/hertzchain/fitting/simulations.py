@@ -17,6 +17,7 @@ from ..recorded_warnings import ignore_warnings, record_warnings
 from ..simulation.simulate import simulate
 from ..simulation.time_scales import transit_times
 from ..traces.places import Place
+from ..traces.signals import Signal
 from .chain_parameters import JUMPING
 from .symmetry import Units, similarity_key, units_of
 
@@ -102,6 +103,10 @@ class Simulator:
         if len(self._kept) > KEPT:
             self._kept.popitem(last=False)
         return found.scaled_to(key, units)
+
+    def column(self, run: Signals, signal: Signal) -> Array:
+        """Simulated signal at the place of a measured one."""
+        return run.columns[:, [place.name for place in self.places].index(signal.name)]
 
     def count_one(self, _: int = 0) -> None:
         """Count and report a simulation of this simulator, or of one at other places."""

@@ -88,11 +88,10 @@ def _shapes(
     model: Model, values: dict[Name, float], shot: int, duration: float
 ) -> tuple[float, list[Array]]:
     """Simulated signals of the sensors of a shot, without the sensor model."""
-    _, spacing, columns = model.simulator.signals(model.chain(shot, values), duration)
-    places = [place.name for place in model.simulator.places]
+    run = model.simulator.signals(model.chain(shot, values), duration)
     signals = model.traces.shots[shot].signals
-    found = [columns[:, places.index(signal.name)] for signal in signals]
-    return spacing, [
+    found = [model.simulator.column(run, signal) for signal in signals]
+    return run.spacing, [
         column - column[0] if signal.coupling == "AC" else column
         for signal, column in zip(signals, found, strict=True)
     ]

@@ -7,6 +7,7 @@ precompressed chain.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from ..representation import listed
 from .amplitudes import CERTAIN, error_of_level
 from .places import Place
 from .signals import Signal
-from .traces import Traces, with_couplings
+from .traces import Traces, mapped
 
 # Ratio of the signal of a sensor in a shot to the force.
 Gain = Callable[[int, Signal], float]
@@ -25,13 +26,14 @@ Gain = Callable[[int, Signal], float]
 def resolved_coupling(traces: Traces, chains: Sequence[Chain], gain: Gain) -> Traces:
     """Traces in which all sensors have a coupling: by default, that which their level shows."""
 
-    def choose(shot: int, signal: Signal) -> str:
+    def resolved(shot: int, signal: Signal) -> Signal:
+        if signal.coupling:
+            return signal
         static = static_force(signal.place, chains[shot])
-        if signal.coupling or not static:
-            return signal.coupling or "DC"
-        return "AC" if _shows_no_static_force(signal, gain(shot, signal) * static) else "DC"
+        hidden = static and _shows_no_static_force(signal, gain(shot, signal) * static)
+        return replace(signal, coupling="AC" if hidden else "DC")
 
-    return with_couplings(traces, choose)
+    return mapped(traces, resolved)
 
 
 def _shows_no_static_force(signal: Signal, expected: float) -> bool:

@@ -401,14 +401,14 @@ def with_coupling(traces: Traces, coupling: Any) -> Traces:
         given = dict.fromkeys(traces.names, coupling)
     for name, value in given.items():
         check_choice(f"coupling of {name}", value, COUPLINGS)
-    return with_couplings(traces, lambda _, signal: str(given.get(signal.name, signal.coupling)))
+    return mapped(
+        traces, lambda _, each: replace(each, coupling=given.get(each.name, each.coupling))
+    )
 
 
-def with_couplings(traces: Traces, choose: Callable[[int, Signal], str]) -> Traces:
-    """Traces with the coupling of each sensor that a function of shot and signal returns."""
+def mapped(traces: Traces, change: Callable[[int, Signal], Signal]) -> Traces:
+    """Traces with the signals that a function of shot and signal returns."""
     return Traces(tuple(
-        Shot(shot.times, tuple(
-            replace(signal, coupling=choose(index, signal)) for signal in shot.signals
-        ))
+        Shot(shot.times, tuple(change(index, signal) for signal in shot.signals))
         for index, shot in enumerate(traces.shots)
     ))  # fmt: skip

@@ -297,6 +297,17 @@ def test_correlation_of_rounding_errors(part):
     assert correlation_of_rounding(part, 1.0) == pytest.approx(expected, abs=0.01)
 
 
+@pytest.mark.parametrize("part", [0.15, 0.3, 0.5])
+def test_noise_of_rounded_samples_is_not_the_beginning_of_a_pulse(part):
+    times = 1e-6 * np.arange(600)
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        # 40 steps high; within half a step of zero until 240 us.
+        steps = 40.0 * np.exp(-(((times - 300e-6) / 25e-6) ** 2))
+        steps += part * rng.standard_normal(len(times)) + rng.uniform(-0.5, 0.5)
+        assert onset(1.5 * np.round(steps)) > 240
+
+
 def drawn(seed, part, step=0.4):
     """Rounded traces with noise of a part of a step, the true gains, and a measured velocity."""
     rng = np.random.default_rng(seed)

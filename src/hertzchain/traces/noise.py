@@ -20,9 +20,9 @@ MIN_INDEPENDENT: Final = 2.0
 FIRST: Final = 7
 # Number of successive samples that must differ from the first ones when a signal has begun.
 IN_A_ROW: Final = 3
-# Least difference: this fraction of the range and this multiple of the noise, or the last fraction
-# of the range.
-ONSET, ONSET_IN_NOISE, CERTAIN = 0.02, 5.0, 0.3
+# Least difference: this fraction of the range, and these multiples of the noise and of the step of
+# rounded samples, or the last fraction of the range.
+ONSET, ONSET_IN_NOISE, ONSET_IN_STEPS, CERTAIN = 0.02, 5.0, 1.5, 0.3
 # Least number of samples with the same extreme value that may be saturated, and the relative
 # difference of samples that are regarded as equal.
 MIN_FLAT, EQUAL = 3, 1e-7
@@ -73,7 +73,9 @@ def onset(values: Array) -> int:
     level, size = base_level(values), float(np.ptp(values))
     # The median of the differences is determined by the noise even if there is a pulse.
     noise = robust_sigma(np.diff(values[: MIN_QUIET + 1]), 0.0) / 2.0**0.5
-    threshold = min(max(ONSET * size, ONSET_IN_NOISE * noise), CERTAIN * size)
+    # It is not if most samples are rounded to the same value and others to the next one.
+    least = max(ONSET_IN_NOISE * noise, ONSET_IN_STEPS * digitiser_step(values))
+    threshold = min(max(ONSET * size, least), CERTAIN * size)
     for part in runs(np.abs(values - level) > threshold):
         if part.stop - part.start >= IN_A_ROW and not _is_slow_noise(values, part, size):
             return part.start

@@ -63,16 +63,18 @@ EACH = [f"{name}@*" if name in ("struck_by.velocity", "time_offset") else name f
 @pytest.mark.parametrize(
     ("change", "free", "name", "true"),
     [
-        (lambda c: c | {B: c[B] + 0.3}, [], "offset[ball 10]@2", 0.3),
-        # The common offset is that of the first shot.
-        (lambda c: c | {B: c[B] + 0.3}, ["offset[ball 10]"], "offset[ball 10]@2", 0.3),
-        # Those of the first shot are free alone.
-        (lambda c: c | {B: c[B] + 0.3}, ["offset[*]@1"], "offset[ball 10]@2", 0.3),
         (lambda c: c | {B: 1.1 * c[B]}, [], "gain[ball 10]@2", 1.1),
-        (lambda c: c | {B: np.roll(c[B], 5)}, [], "delay[ball 10]@2", 5e6 * SPACING),
+        *(pytest.param(*each, marks=pytest.mark.long) for each in [
+            (lambda c: c | {B: c[B] + 0.3}, [], "offset[ball 10]@2", 0.3),
+            # The common offset is that of the first shot.
+            (lambda c: c | {B: c[B] + 0.3}, ["offset[ball 10]"], "offset[ball 10]@2", 0.3),
+            # Those of the first shot are free alone.
+            (lambda c: c | {B: c[B] + 0.3}, ["offset[*]@1"], "offset[ball 10]@2", 0.3),
+            (lambda c: c | {B: np.roll(c[B], 5)}, [], "delay[ball 10]@2", 5e6 * SPACING),
+        ]),
     ],
-    ids=["offset", "common offset", "offsets of the first shot", "gain", "delay"],
-)
+    ids=["gain", "offset", "common offset", "offsets of the first shot", "delay"],
+)  # fmt: skip
 def test_an_effect_of_one_shot_is_named(change, free, name, true):
     result = two_shots(change, [*EACH, *free])
     assert not result.describes
@@ -87,6 +89,7 @@ def test_an_effect_of_one_shot_is_named(change, free, name, true):
         assert abs(found.values[key] - TRUTH[key]) < 3.5 * found.errors[key]
 
 
+@pytest.mark.long
 def test_offsets_of_all_sensors_in_one_shot_are_named():
     def change(columns):
         return columns | {A: columns[A] + 0.6, WALL: columns[WALL] - 0.4}
@@ -98,6 +101,7 @@ def test_offsets_of_all_sensors_in_one_shot_are_named():
     assert "add 'offset[ball 5]@2' and 'offset[wall]@2' to the free parameters" in advice
 
 
+@pytest.mark.long
 def test_different_offsets_of_one_sensor_in_each_shot_are_named():
     result = two_shots(
         lambda c: c | {B: c[B] + 0.3}, EACH, lambda c: c | {B: c[B] - 0.3}
@@ -120,7 +124,11 @@ def test_levels_of_single_shots_are_named():
 
 
 @pytest.mark.parametrize(
-    ("options", "name"), [({"before": BEFORE + 5}, "time_offset"), ({"velocity": 0.26}, "struck")]
+    ("options", "name"),
+    [
+        ({"before": BEFORE + 5}, "time_offset"),
+        pytest.param({"velocity": 0.26}, "struck", marks=pytest.mark.long),
+    ],
 )
 def test_common_parameters_that_differ_between_shots_are_named(options, name):
     name = next(each for each in FREE if each.startswith(name))
@@ -152,10 +160,15 @@ def test_chi2_is_stated_for_each_sensor():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda c: c | {A: c[B], B: c[A]}, "the columns of ball 5 and ball 10 exchanged"),
+        pytest.param(
+            lambda c: c | {A: c[B], B: c[A]}, "the columns of ball 5 and ball 10 exchanged",
+            marks=pytest.mark.long,
+        ),
         (lambda c: c | {A: c[WALL], B: c[A], WALL: c[B]},
          "the columns of ball 5, ball 10 and wall in the order in which the pulse arrives"),
-        (lambda c: c | {A: -c[A]}, "the opposite sign of ball 5"),
+        pytest.param(
+            lambda c: c | {A: -c[A]}, "the opposite sign of ball 5", marks=pytest.mark.long
+        ),
         (lambda c: c | {A: -c[A], WALL: -c[WALL]}, "the opposite sign of ball 5 and wall"),
         (lambda c: c | {A: 1e-3 * c[A]}, "the values of ball 5 multiplied by 1000"),
         (lambda c: c | {WALL: 1e3 * c[WALL]}, "the values of wall multiplied by 0.001"),
@@ -177,7 +190,7 @@ def test_another_exponent_is_named_rather_than_a_lag():
     assert "lag" not in advice
 
 
-@pytest.mark.parametrize("gap", [0.1e-6, 0.5e-6])
+@pytest.mark.parametrize("gap", [pytest.param(0.1e-6, marks=pytest.mark.long), 0.5e-6])
 def test_no_effect_of_sensors_is_named_for_a_gap(gap):
     result = fitted(gap=gap)
     (advice,) = result.advice
@@ -216,6 +229,7 @@ def test_causes_that_the_chain_or_the_fit_excludes_are_not_listed():
     assert advice.endswith("and the sizes and materials of striker and balls")
 
 
+@pytest.mark.long
 def test_levels_before_the_pulse_are_named_even_if_there_is_another_cause():
     result = fitted(lambda columns: columns | {A: columns[A] + 0.1}, gap=0.5e-6)
     level, other = result.advice
@@ -254,7 +268,9 @@ def test_a_missing_or_fixed_loss_is_named(loss):
     assert np.abs(deviations).max() < 3.5
 
 
-@pytest.mark.parametrize(("change", "words"), [(-1, "one ball more"), (1, "one ball fewer")])
+@pytest.mark.parametrize(("change", "words"), [
+    (-1, "one ball more"), pytest.param(1, "one ball fewer", marks=pytest.mark.long),
+])  # fmt: skip
 def test_a_wrong_number_of_balls_is_named(change, words):
     row = hc.Chain.from_materials(RADIUS, "steel-52100", beads=BALLS + change)
     wrong = row.struck_by(velocity=0.26).replace(
@@ -291,6 +307,7 @@ def test_the_advised_lag_is_that_of_another_fit():
     assert f"loss.time moves by {shift:.1f} sigma" in advice
 
 
+@pytest.mark.long
 def test_sensors_with_several_effects_are_not_described():
     def drifting(columns):
         part = np.linspace(0.0, 1.0, len(columns[WALL]))
@@ -341,7 +358,7 @@ def test_the_delay_of_one_sensor_is_named(name, column):
     refitted(late, [f"delay[{name}]"])
 
 
-@pytest.mark.parametrize("heavier", [1.15, 0.9])
+@pytest.mark.parametrize("heavier", [pytest.param(1.15, marks=pytest.mark.long), 0.9])
 def test_another_mass_of_the_balls_with_sensors_is_named(heavier):
     (advice,) = fitted(heavier=heavier).advice
     assert "with another mass of the balls with sensors, mass[5,10] = " in advice

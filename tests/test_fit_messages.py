@@ -167,6 +167,7 @@ def test_the_overlap_at_which_a_stiffness_is_defined_is_stated():
     assert abs(result.values["stiffness"] - expected) < 4.0 * result.errors["stiffness"] < 0.01
 
 
+@pytest.mark.long
 def test_a_wall_that_does_not_follow_the_exponent_is_stated(good):
     own = chain(right_wall=hc.Wall(2e10, exponent=1.5))
     free = ["exponent", "time_offset"]
@@ -227,6 +228,7 @@ def written(path, **options):
     return path / "data.csv", path / "row.toml"
 
 
+@pytest.mark.long
 def test_the_exit_code_is_that_of_the_fit_with_a_gap(run, tmp_path):
     files = written(tmp_path, gap=0.4e-6)
     free = [part for name in FREE for part in ("--free", name)]
@@ -248,7 +250,7 @@ def test_the_exit_code_is_that_of_the_fit_with_a_gap(run, tmp_path):
     assert hc.load_chain(tmp_path / "fitted.toml").gaps[8] == pytest.approx(1e-6 * value, rel=1e-3)
 
 
-@pytest.mark.parametrize("defects", [False, True])
+@pytest.mark.parametrize("defects", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_defects_that_were_searched_are_not_advised(defects, tmp_path, monkeypatch):
     nothing = SimpleNamespace(
         names=(), sizes=(), improvements=(), found=False, summary=lambda: "no defect"

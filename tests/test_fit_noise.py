@@ -75,6 +75,7 @@ def test_correlations_of_smooth_noise_are_found(cutoff):
     assert 0.9 * length < found < 1.2 * length
 
 
+@pytest.mark.long
 def test_errors_of_fits_include_the_correlation_of_the_noise():
     """Pulls of the true values in 20 records of 100 samples have unit variance."""
     rng, spacing = np.random.default_rng(7), 4e-6
@@ -327,10 +328,8 @@ def drawn(seed, part, step=0.4):
     return data, truth, {"struck_by.velocity": (gate, sigma), "gain[*]": (1.0, 0.03)}
 
 
-@pytest.mark.parametrize(
-    "part",
-    [pytest.param(0.05, marks=pytest.mark.long), 0.25, pytest.param(0.55, marks=pytest.mark.long)],
-)
+@pytest.mark.long
+@pytest.mark.parametrize("part", [0.05, 0.25, 0.55])
 def test_errors_and_chi_squared_of_8_bits_are_right_with_priors(part):
     scores, ratios = [], []
     for seed in range(12):

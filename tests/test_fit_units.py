@@ -94,6 +94,7 @@ def test_values_from_noise_are_not_printed(slow):
     assert all("no pulse above their noise" in each for each in result.warnings)
 
 
+@pytest.mark.long
 def test_two_errors_of_one_sensor_are_named():
     name = "ball 10 [N]"
     data = traces(change=lambda c: c | {name: 1.05 * c[name] + 0.5})
@@ -133,6 +134,7 @@ def test_a_chi_squared_is_clearly_larger_beyond_three_standard_deviations(indepe
     assert clearly_larger(ratios, dict.fromkeys(ratios, independent)) == found
 
 
+@pytest.mark.long
 def test_the_fit_with_the_best_law_is_printed_first(tmp_path, run):
     elastic = chain(loss=None)
     files = saved(tmp_path, recorded()[1])

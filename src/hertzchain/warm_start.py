@@ -79,6 +79,7 @@ FIRST: Final = (
     Stage("walls", lambda chain: _walled(chain, None), general=True),
     Stage("losses", lambda chain: _walled(chain, Dashpot(0.1)), general=True),
     Stage("heterogeneous chains", _uneven),
+    Stage("ensembles of pulses", lambda chain: propagate_many([chain] * 4)),
 )
 STAGES: Final = (
     *FIRST,
@@ -88,7 +89,6 @@ STAGES: Final = (
         lambda chain: _walled(chain, VelocityPower(0.2, alpha=0.2)),
         general=True,
     ),
-    Stage("ensembles of pulses", lambda chain: propagate_many([chain] * 4)),
     Stage("pulses of other exponents", _other_exponents),
     Stage("ensembles of whole chains", _ensembles),
     Stage("fixed steps", _fixed_steps),

@@ -66,7 +66,7 @@ benchmark-app: .venv/installed-test
 
 # Fit the constants of the modified BCA to the simulation.
 calibrate: .venv/installed
-	$(BIN)/hertzchain calibrate --output src/hertzchain/theory/calibrated.toml
+	$(BIN)/hertzchain calibrate --out src/hertzchain/theory/calibrated.toml
 
 # Determine the universal functions of the local-rate law from simulations.
 universal: .venv/installed

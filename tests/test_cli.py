@@ -270,11 +270,11 @@ def test_cite(run):
         (["calibrate", "--taper", "forward-exponential", "--rates", "0.1"], "at least 3 different"),
         (["calibrate", "--window", "5-80"], "must look like 5:60"),
         (["calibrate", "--window", "5:100"], "the last one is a free end"),
-        (["calibrate", "--output", "constants.json"], "must end in .toml"),
-        (["calibrate", "--output", "nowhere/constants.toml"], "the folder nowhere does not exist"),
+        (["calibrate", "--out", "constants.json"], "must end in .toml"),
+        (["calibrate", "--out", "nowhere/constants.toml"], "the folder nowhere does not exist"),
         (["scoreboard", "--quantity", "speed"], "unknown quantity 'speed'"),
-        (["scoreboard", "--first-bead", "98", "--figure", "s.png"], "a whole number from 2 to 97"),
-        (["scoreboard", "--figure", "s.gif"], "must end in .png"),
+        (["scoreboard", "--first-bead", "98", "--plot", "s.png"], "a whole number from 2 to 97"),
+        (["scoreboard", "--plot", "s.gif"], "must end in .png"),
         (["simulate", "--stream", "long"], "--stream requires --until"),
         (["simulate", "--stream", "long", "--until", "-1"], "until must be above 0, got -1"),
         (["simulate", "--stream", "long", "--until", "9", "--times", "1"], "--times 1 is too few"),
@@ -340,7 +340,7 @@ def test_calibrate_compares_with_the_paper(run):
 
 
 def test_calibrate_writes_what_make_calibrate_keeps(run, tmp_path):
-    code, out, _ = run("calibrate", "--output", tmp_path / "constants.toml", "--json")
+    code, out, _ = run("calibrate", "--out", tmp_path / "constants.toml", "--json")
     assert code == 0
     document = json.loads(out)
     assert document["schema_version"] == 1
@@ -356,7 +356,7 @@ def test_warm_up_as_json_has_the_version_of_all_documents(run, monkeypatch):
 
 
 def test_scoreboard(run, tmp_path):
-    code, out, err = run("scoreboard", "--figure", tmp_path / "board.svg")
+    code, out, err = run("scoreboard", "--plot", tmp_path / "board.svg")
     assert (code, err) == (0, "")
     (row,) = (line.split() for line in out.splitlines() if "waist" in line)
     # The modified BCA does not support it, the law does.

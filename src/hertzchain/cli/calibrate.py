@@ -36,14 +36,14 @@ if TYPE_CHECKING:
     "--beads", type=int, default=100, show_default=True, help="Number of beads in each chain."
 )
 @click.option(
-    "--output",
+    "--out",
     type=click.Path(path_type=Path),
     metavar="FILE",
     help="Also write the constants to FILE (.toml).",
 )
 @json_option()
 def calibrate(
-    tapers: tuple[str, ...], rates: str | None, window: str, beads: int, output: Path | None,
+    tapers: tuple[str, ...], rates: str | None, window: str, beads: int, out: Path | None,
     as_json: bool,
 ) -> None:  # fmt: skip
     """Fit the constants of the modified BCA, as in the paper.
@@ -63,7 +63,7 @@ def calibrate(
 
     for taper in tapers:
         check_choice("taper", taper, PAPER_TAPERS)
-    check_writable(output, "--output", (".toml",))
+    check_writable(out, "--out", (".toml",))
     chosen = tuple(dict.fromkeys(tapers)) or PAPER_TAPERS
     if rates is not None and len(chosen) != 1:
         raise click.UsageError("--rates requires exactly one --taper")
@@ -80,8 +80,8 @@ def calibrate(
             )
             for taper in chosen
         ]
-    if output is not None:
-        write_bytes(output, calibration.calibrated_toml(found).encode())
+    if out is not None:
+        write_bytes(out, calibration.calibrated_toml(found).encode())
     if as_json:
         show_json({"calibrations": [result.as_dict() for result in found]})
         return

@@ -278,18 +278,18 @@ def json_option(purpose: str = "Print everything as JSON.") -> Callable[[Command
     return click.option("--json", "as_json", is_flag=True, help=purpose)
 
 
-def figure_option(purpose: str, name: str = "plot") -> Callable[[Command], Command]:
+def figure_option(purpose: str) -> Callable[[Command], Command]:
     """Add the options ``--plot FILE`` and ``--width``; FILE is checked before the command runs."""
 
     def decorate(command: Command) -> Command:
         @click.option(
-            f"--{name}", type=click.Path(path_type=Path), metavar="FILE",
+            "--plot", type=click.Path(path_type=Path), metavar="FILE",
             help=purpose.replace("FILE", "FILE (.png, .svg or .pdf)"),
         )  # fmt: skip
-        @with_width(name)
+        @with_width("plot")
         @functools.wraps(command)
         def with_option(*arguments: Any, **options: Any) -> Any:
-            check_writable(options[name], f"--{name}", PICTURES)
+            check_writable(options["plot"], "--plot", PICTURES)
             return command(*arguments, **options)
 
         return with_option

@@ -32,10 +32,10 @@ if TYPE_CHECKING:
 )
 @click.option("--rms", is_flag=True, help="Show the root mean square instead of the worst error.")
 @click.option("--all", "every_chain", is_flag=True, help="Show one row per chain, not per family.")
-@figure_option("Also plot the table to FILE.", name="figure")
+@figure_option("Also plot the table to FILE.")
 @json_option("Print all quantities, from beads 2 and 10 on, as JSON.")
 def scoreboard(
-    quantity: str, first_bead: int, rms: bool, every_chain: bool, figure: Path | None,
+    quantity: str, first_bead: int, rms: bool, every_chain: bool, plot: Path | None,
     as_json: bool,
 ) -> None:  # fmt: skip
     """Compare every theory with the simulation on many tapers.
@@ -46,7 +46,7 @@ def scoreboard(
     \b
     Examples:
       hertzchain scoreboard
-      hertzchain scoreboard --quantity arrival --first-bead 2 --figure arrival.png
+      hertzchain scoreboard --quantity arrival --first-bead 2 --plot arrival.png
     """
     from ..evaluation import evaluate
     from ..evaluation.scoreboard import QUANTITIES as SCORED
@@ -58,10 +58,10 @@ def scoreboard(
     what: dict[str, Any] = {"quantity": quantity, "first_bead": first_bead}
     what["statistic"] = "rms" if rms else "worst"
     board.table(**what)  # checks the first bead before anything is written
-    if figure is not None:
+    if plot is not None:
         from ..plotting.scoreboard import plot_scoreboard
 
-        save_figure(plot_scoreboard(board, **what), figure)
+        save_figure(plot_scoreboard(board, **what), plot)
     if as_json:
         show_json(board.as_dict())
     else:

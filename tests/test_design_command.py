@@ -833,6 +833,20 @@ def test_a_dry_run_skips_balls_without_the_properties_of_the_law(tmp_path):
     assert found.trial > 0.0
 
 
+def test_a_dry_run_needs_no_row_of_equal_balls(tmp_path):
+    """The stock has too few balls of each size for one."""
+    chain = hc.Chain.from_materials("3 mm", "steel-304", beads=5, velocity=0.1)
+    (tmp_path / "stock.csv").write_text(
+        "diameter [mm],material,count\n6,steel-304,3\n8,steel-304,3\n"
+    )
+    balls = hc.vary.balls(tmp_path / "stock.csv", beads="2:")
+    given = hc.Design(chain.replace(right_wall=hc.Wall()), minimise="wall_force.peak", vary=[balls])
+    found = dry_run(given, budget=50)
+    # All rows of four balls but those of four equal ones.
+    assert (found.choices, found.compared) == (2**4 - 2, 0)
+    assert found.trial > 0.0
+
+
 def test_progress_of_an_enumeration_has_the_number_of_choices():
     balls = hc.vary.balls(materials="steel-304", diameters=["5 mm", "6 mm"], beads="2:")
     chain = hc.Chain.from_materials("3 mm", "steel-304", beads=4, velocity=0.1)

@@ -311,5 +311,5 @@ def test_impacts_on_soft_walls_end_within_the_documented_time(chain, stiffness):
 
 @pytest.mark.parametrize("gap", [1e300, 2e8])
 def test_gaps_beyond_the_resolution_of_positions_are_rejected(gap):
-    with pytest.raises(hc.InputError, match="gap to a wall must be .* 1e.08, got .*smaller gap"):
+    with pytest.raises(hc.InputError, match="gap to a wall must be .* 1e.08, got .*too coarsely"):
         hc.Wall(gap=gap)

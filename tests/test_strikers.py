@@ -246,3 +246,14 @@ def test_the_material_of_a_striker_is_not_counted_among_those_of_the_beads():
     struck = beads.struck_by(material="brass", velocity=0.1)
     assert struck.description == "4 ptfe beads, diameter 5 mm, and 1 striker (brass)"
     assert beads.struck_by(velocity=0.1).description.endswith("and 1 striker")
+
+
+def test_a_flat_face_can_be_given_as_text():
+    """Specifications of sweeps have no infinite numbers."""
+    balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=4)
+    given = {"mass": "50 g", "velocity": "0.1 m/s"}
+    assert balls.struck_by(radius="inf mm", **given) == balls.struck_by(
+        radius=float("inf"), **given
+    )
+    with pytest.raises(hc.InputError, match="must be .*finite, got 'inf m/s'"):
+        balls.struck_by(mass="50 g", radius="inf mm", velocity="inf m/s")

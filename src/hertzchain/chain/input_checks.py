@@ -26,8 +26,8 @@ MAX_VELOCITY: Final = 1e100
 # overlaps of an impact, whose unit is 1.
 MAX_GAP: Final = 1e8
 GAP_HINT: Final = (
-    "larger distances are rounded too coarsely for the overlaps of an impact; let the impact begin "
-    "at a smaller gap"
+    "a gap is a free distance (precompression presses bodies together), and larger distances are "
+    "rounded too coarsely for the overlaps of an impact"
 )
 # SI radii above this value [m], and limits from it on, cause a warning, because they are probably
 # in millimetres; so do limits above this multiple of the largest bead.

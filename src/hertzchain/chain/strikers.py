@@ -15,7 +15,7 @@ from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, InputWarning, warn_user
 from ..representation import measure
 from ..validation.keywords import checked_arguments
-from ..validation.numbers import number, whole_number
+from ..validation.numbers import number, plain_magnitude, whole_number
 from .fields import ChainFields
 from .input_checks import GAP_HINT, MAX_GAP, MAX_VELOCITY, checked_beads
 from .materials import Material, MaterialLike
@@ -188,11 +188,12 @@ def _striker(
     sphere = 0.0 if mass is None else float(np.cbrt(mass / _sphere_mass(chain, 1.0, own)))
     if radius is None:
         return own, sphere, None, sphere
-    if isinstance(radius, float) and radius == math.inf:
+    unit = chain._unit("m")
+    if plain_magnitude("radius of a striker", radius, unit) == math.inf:
         if mass is None:
             raise InputError("a flat striker (radius = inf) has no default mass; give mass")
         return own, math.inf, mass, sphere
-    radius = number("radius of a striker", radius, unit=chain._unit("m"), above=0.0)
+    radius = number("radius of a striker", radius, unit=unit, above=0.0)
     return own, radius, mass, radius
 
 

@@ -67,7 +67,12 @@ def objective_if_yielding(result: DesignResult, found: Verified) -> float:
 
 
 def better_if_yielding(result: DesignResult) -> int | None:
-    """Index of the best runner-up with contacts that yield, if it is better than the design."""
+    """Index of the best runner-up with contacts that yield, if it is better than the design.
+
+    With a scatter, runners-up are worse by its statistic, which is not that of these values.
+    """
+    if result.problem.scatter is not None:
+        return None
     values = {
         i: result._sign * objective_if_yielding(result, each)
         for i, each in enumerate(result.runners_up)

@@ -82,6 +82,10 @@ def estimate(
     """Evaluate the given chain, and time some of the chains to compare with."""
     groups = reference_points(problem)
     points: list[Any] = [*itertools.chain(*groups.values())]
+    compared = len(points)
+    # A stock may have too few balls of each kind for rows of equal balls.
+    if not points and isinstance(problem.space, BallSpace):
+        points = [problem.space.first]
     # The longest chains, because good ones are seldom short.
     # Those that cannot be built, such as balls without the yield strength of a law, are rejected.
     chains = map(trials.chain_of, points)
@@ -102,7 +106,7 @@ def estimate(
     else:
         size = counted(space.size, "variable")
     return Estimate(
-        method, size, len(points), budget, problem.evaluate(problem.chain).values,
+        method, size, compared, budget, problem.evaluate(problem.chain).values,
         each, trials.samples, choices, impossible,
     )  # fmt: skip
 

@@ -93,6 +93,7 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
     best, median = result.spread
     document = {
         "objective": str(problem.objective),
+        "statistic": None if problem.scatter is None else problem.scatter.statistic,
         "value": result.value,
         "unit": result.unit,
         "values": dict(result.values),

@@ -514,6 +514,12 @@ def test_lists_have_units_and_a_panel_without_curves_is_hidden(page, tmp_path):
     page.tab.keyboard.press("Tab")
     page.settle()
     assert chain_of(page.document()).radii == pytest.approx([5e-3, 8e-3, 3e-3])
+    # Another number of beads needs other controls, and the list remains.
+    page.tab.fill(radii, "5 mm, 8 mm, 3 mm, 2 mm")
+    page.tab.keyboard.press("Enter")
+    page.settle()
+    assert len(chain_of(page.document()).radii) == 4
+    assert page.tab.input_value(radii) == "5 mm, 8 mm, 3 mm, 2 mm"
 
 
 def test_percentages_and_fractions_of_inches_can_be_entered(page):

@@ -76,7 +76,7 @@ export class Controls {
     return new Set(Object.entries(this.about.schema.forms).flat(2));
   }
 
-  /** Show a document; elements are rebuilt only if other controls are needed. @param {Document} document */
+  /** Show a document; elements are rebuilt if other controls are needed. @param {Document} document */
   show(document) {
     this.document = document;
     const shape = this.shapeOf(document);
@@ -84,7 +84,7 @@ export class Controls {
     for (const update of this.updates) update();
   }
 
-  /** The keys of a document without its numbers. @param {any} item @returns {string} */
+  /** Keys of a document without numbers. @param {any} item @returns {string} */
   shapeOf(item) {
     return JSON.stringify(item, (name, value) => typeof value === "number" || (typeof value === "string" && /^[-+.\d]/.test(value)) ? 0 : value);
   }
@@ -328,7 +328,7 @@ export class Controls {
     return make("div", { className: "row", title: key.description }, make("label", { for: id }, label), make("span", { className: "value" }, clear, box, unit), slider);
   }
 
-  /** A list or one value. @param {Path} place @param {any} key @param {string} label */
+  /** A list or a value. @param {Path} place @param {any} key @param {string} label */
   listField(place, key, label) {
     const box = make("input", { type: "text", id: `c-${place.join(".")}`, placeholder: key.default ?? (key.per ? `one per ${key.per}` : ""), spellcheck: false });
     const own = (/** @type {any} */ each) => typeof each === "number" ? valued(each, this.unitOf(key)) : each;
@@ -336,7 +336,7 @@ export class Controls {
     box.onchange = () => { const given = listOf(box.value, key); this.put(place, Array.isArray(given) ? given.map(own) : own(given)); };
     this.updates.push(() => {
       const value = at(this.document, place);
-      if (document.activeElement !== box) box.title = box.value = listed(value).map(key.kind === "number" ? shown : String).join(", ");
+      if (document.activeElement !== box || !box.value) box.title = box.value = listed(value).map(key.kind === "number" ? shown : String).join(", ");
     });
     return make("div", { className: "row wide", title: key.description }, make("label", { for: box.id }, label), box);
   }

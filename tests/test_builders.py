@@ -206,7 +206,10 @@ BALLS = Chain.from_materials(5e-3, "brass", beads=3)
         (lambda: Chain.uniform(3).struck_by(radius=math.inf), "has no default mass; give mass"),
         (lambda: Chain.uniform(3).struck_by(count=0), "count of strikers .* got 0"),
         (lambda: Chain.uniform(3).struck_by(mass=-1.0), "mass of a striker must be above 0"),
-        (lambda: Chain.uniform(3).struck_by(gap=-1.0), "gap must be at least 0, got -1"),
+        (
+            lambda: Chain.uniform(3).struck_by(gap=-1.0),
+            "gap must be at least 0 .*, got -1; a gap is a free",
+        ),
         (lambda: DIMER.struck_by(mass=1.0), "give stiffness"),
         (lambda: BALLS.struck_by(mass=1.0, radius=math.inf, count=2), "give stiffness"),
     ],

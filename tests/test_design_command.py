@@ -506,7 +506,8 @@ def test_a_budget_of_time_is_kept_by_slow_chains(method):
 @pytest.mark.parametrize(("budget", "method"), [("1 s", "genetic"), ("1 h", "enumerate")])
 def test_a_budget_of_time_permits_an_enumeration_if_there_are_few_choices(budget, method):
     limit = budget_from(budget)
-    assert method_for(orders(), "auto", simulations_within(limit, 9, elastic=True)) == method
+    given = orders()
+    assert method_for(given, "auto", simulations_within(limit, given.chain, None)) == method
 
 
 def test_a_search_with_a_budget_of_time_resumes(tmp_path):

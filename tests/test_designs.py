@@ -849,7 +849,7 @@ def test_splines_reproduce_constants_and_straight_lines():
 def test_the_evolution_strategy_finds_the_minimum_of_an_ellipsoid():
     rng, centre = np.random.default_rng(5), np.linspace(0.3, 0.7, 8)
     weights = 10.0 ** np.arange(8.0)[::-1]
-    strategy = Strategy(np.full(8, 0.5), 0.3, 16)
+    strategy = Strategy(np.full(8, 0.5), 16)
     for _ in range(600):
         steps, points = strategy.ask(rng)
         strategy.tell(steps, np.argsort(((points - centre) ** 2 * weights).sum(axis=1)))

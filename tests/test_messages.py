@@ -13,6 +13,10 @@ BALLS = hc.Chain.from_materials(4e-3, "steel-52100", beads=6, velocity=0.1)
         (lambda: hc.material("teflon"), "did you mean 'ptfe'"),
         (lambda: hc.material("steal"), "did you mean 'steel-52100' or 'steel-304' or 'steel-316'"),
         (
+            lambda: hc.material("AISI 52100"),
+            "unknown material 'AISI 52100'; did you mean 'steel-52100'",
+        ),
+        (
             lambda: hc.chain_from_toml('[chain]\ndiameter = "5 mm"'),
             "'diameter': .*did you mean 'diameters' or 'first_diameter'",
         ),

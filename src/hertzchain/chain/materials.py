@@ -40,8 +40,8 @@ OTHER_NAMES: Final = {
     "teflon": "'ptfe'", "stainless": "'steel-304' or 'steel-316'",
     "stainless steel": "'steel-304' or 'steel-316'", "bearing steel": "'steel-52100'",
     "chrome steel": "'steel-52100'", "100cr6": "'steel-52100'", "aluminum": "'aluminium'",
-    "ss304": "'steel-304'", "304": "'steel-304'", "304l": "'steel-304'", "aisi 304": "'steel-304'",
-    "ss316": "'steel-316'", "316": "'steel-316'", "316l": "'steel-316'", "aisi 316": "'steel-316'",
+    "ss304": "'steel-304'", "304": "'steel-304'", "304l": "'steel-304'",
+    "ss316": "'steel-316'", "316": "'steel-316'", "316l": "'steel-316'",
     "52100": "'steel-52100'",
     "plexiglass": "'acrylic'", "pmma": "'acrylic'", "wc": "'tungsten-carbide'",
 }  # fmt: skip
@@ -189,8 +189,9 @@ def material(name: MaterialLike) -> Material:
         lower = name.lower()
         if name in known or lower in known:
             return known[name if name in known else lower]
-        if (meant := OTHER_NAMES.get(lower.replace("-", " "))) is not None:
-            raise InputError(f"unknown material {lower!r}; did you mean {meant}?")
+        other = lower.replace("-", " ").removeprefix("aisi").strip()
+        if (meant := OTHER_NAMES.get(other)) is not None:
+            raise InputError(f"unknown material {name!r}; did you mean {meant}?")
     unknown, question, meant = str(unknown_name_error("material", name, known)).partition("; did")
     if isinstance(name, str) and len(alike := _same_kind(name, known)) > 1:
         question, meant = "; did", f" you mean {' or '.join(map(repr, alike))}?"

@@ -51,7 +51,9 @@ def _plain(given: Any, place: str, depth: int) -> Any:
         return int(given)
     if isinstance(given, float):
         if not math.isfinite(given):
-            hint = "; write 'inf mm' for a flat face in SI units" if place.endswith(".radius") else ""
+            hint = (
+                "; write 'inf mm' for a flat face in SI units" if place.endswith(".radius") else ""
+            )
             raise InputError(f"{place} is {given:g}: it must be finite{hint}".strip())
         return float(given)
     if isinstance(given, str):

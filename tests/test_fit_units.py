@@ -2,12 +2,14 @@
 
 import json
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy_row import SPACING, chain, recorded, traces
+from scipy_row import BALLS, SPACING, chain, recorded, traces
 
 import hertzchain as hc
+from hertzchain.cli.fit import _laws
 from hertzchain.fitting.misread_times import time_factor
 from hertzchain.fitting.result_text import clearly_larger
 
@@ -147,6 +149,38 @@ def test_the_fit_with_the_best_law_is_printed_first(tmp_path, run):
     assert found.returncode == 0
     document = json.loads(run(*options, "--json").stdout)
     assert document["fit_with_best_law"]["describes"]
+
+
+@pytest.mark.parametrize(("laws", "loss", "compared"), [
+    ("restitution", hc.Viscoelastic(1e-6), ["restitution", "viscoelastic"]),
+    ("dashpot,viscoelastic", hc.Viscoelastic(1e-6), ["dashpot", "viscoelastic"]),
+    ("dashpot", None, ["dashpot", "elastic"]),
+    ("dashpot", [hc.Viscoelastic(1e-6 * k) for k in range(1, BALLS + 1)], ["dashpot"]),
+])  # fmt: skip
+def test_the_law_of_the_chain_file_is_added_to_those_named(laws, loss, compared, monkeypatch):
+    class Stopped(Exception):
+        """Ends the command before fits, with the names of the laws."""
+
+    def compare(*_, laws, **__):
+        raise Stopped([each if isinstance(each, str) else each.name for each in laws])
+
+    monkeypatch.setattr(hc, "compare_losses", compare)
+    result = SimpleNamespace(traces=None, chain=chain(loss=loss))
+    with pytest.raises(Stopped) as caught:
+        _laws(result, {}, laws, "chain.toml", {})
+    assert caught.value.args[0] == compared
+
+
+@pytest.mark.long
+def test_the_law_of_the_chain_file_is_compared_with_those_named(tmp_path, run):
+    """Both laws describe the noisy data; that of the chain file is kept."""
+    names = ["--free", "stiffness", "--free", "loss.time", "--free", "time_offset"]
+    files = saved(tmp_path, {"wall [N]": recorded(noise=20.0)[1]["wall [N]"]})
+    found = run("fit", *files, *names, "--starts", 1, "--laws", "restitution")
+    assert found.returncode == 0
+    assert any(line.startswith("  loss.time") for line in found.stdout.splitlines()[1:4])
+    assert "viscoelastic, the law of the chain file, is compared, too" in found.stdout
+    assert "reject" not in found.stdout
 
 
 @pytest.mark.parametrize(("wall", "fastest"), [("steel-52100", 0.5), ("steel-304", 0.0)])

@@ -132,8 +132,10 @@ def test_a_large_chi_squared_never_counts_as_a_description(example, uncertainty,
 
 def test_a_very_large_chi_squared_has_no_error(example):
     good = Goodness(52_058_000.0, 2160, 2160.0, 0, 4, 0.17, 0.2, noise_error=0.1)
-    verdict = dataclasses.replace(example, goodness=good).verdict
-    assert "independent samples), 24146 times the expectation, far more" in verdict
+    result = dataclasses.replace(example, goodness=good)
+    assert "independent samples), 24146 times the expectation, far more" in result.verdict
+    statement = LossComparison((LossFit("dashpot", result),)).statement
+    assert "none of the laws compared describes the data; dashpot comes closest" in statement
 
 
 def test_laws_are_not_compared_if_the_noise_is_too_uncertain(example):

@@ -50,7 +50,9 @@ if TYPE_CHECKING:
     "--starts", type=int, default=4, show_default=True, help="Largest number of starting points."
 )
 @click.option(
-    "--laws", metavar="NAMES", help="Compare loss laws: all, or names separated by commas."
+    "--laws",
+    metavar="NAMES",
+    help="Compare loss laws with that of the chain file: all, or names separated by commas.",
 )
 @click.option(
     "--defects",
@@ -158,19 +160,22 @@ def _laws(
     """Compare loss laws; returns the fit with the best one if the data reject that of the chain."""
     import hertzchain
 
-    from ..fitting.loss_comparison import rejected_law
+    from ..fitting.loss_comparison import DEFAULT_LAWS, law_of, rejected_law
 
-    names = None if laws == "all" else names_from(laws)
+    names = list(DEFAULT_LAWS) if laws == "all" else names_from(laws) or []
+    own = law_of(result.chain)
+    more = [own] if own is not None and own.name not in names else []
     with progress_bar("laws fitted") as progress:
         compared = hertzchain.compare_losses(
-            result.traces, chain, laws=names, progress=progress, **settings
+            result.traces, chain, laws=[*names, *more], progress=progress, **settings
         )
     document["comparison"] = compared.as_dict()
     lines = [compared.summary()]
-    if own := rejected_law(compared, result.chain):
+    lines += [f"{each.name}, the law of the chain file, is compared, too" for each in more]
+    if rejected := rejected_law(compared, result.chain):
         lines.append(
             f"the fit above is that with {compared.fits[0].law}, because the data reject the law "
-            f"of the chain file, {own}"
+            f"of the chain file, {rejected}"
         )
         result = compared.best
         document["fit_with_best_law"] = result.as_dict()

@@ -135,8 +135,8 @@ class LossComparison:
             )
         if not self.best.describes:
             return (
-                f"none of the laws describes the data; {first.law} comes closest; check the "
-                "residuals and the warnings of its fit before the laws are compared"
+                f"none of the laws compared describes the data; {first.law} comes closest; check "
+                "the residuals and the warnings of its fit before the laws are compared"
             )
         if len(self.undecided) == 1:
             if len(self.fits) == 1 or self.fits[1].result is None:
@@ -291,12 +291,19 @@ def _ranked(fits: Sequence[LossFit]) -> tuple[LossFit, ...]:
     return tuple(sorted(known, key=lambda each: each.bic))
 
 
+def law_of(chain: Chain) -> Loss | None:
+    """The loss law of all contacts of a chain; `None` if contacts have several."""
+    if isinstance(chain.loss, tuple | MaterialPairs):
+        return None
+    return chain.loss or Elastic()
+
+
 def rejected_law(comparison: LossComparison, chain: Chain) -> str:
     """Name of the law of a chain if it has one, and only another one describes the data."""
-    if isinstance(chain.loss, tuple | MaterialPairs) or not comparison.best.describes:
+    own = law_of(chain)
+    if own is None or not comparison.best.describes or own.name in comparison.undecided:
         return ""
-    own = (chain.loss or Elastic()).name
-    return "" if own in comparison.undecided else own
+    return own.name
 
 
 def _further_shots(comparison: LossComparison) -> dict[float, float]:

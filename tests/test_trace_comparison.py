@@ -11,7 +11,10 @@ from scipy_row import BEFORE, FACTOR, LOSS_TIME, RADIUS, SPACING, VELOCITY, chai
 
 import hertzchain as hc
 from hertzchain.fitting.advice import level_advice
+from hertzchain.fitting.model import make_model
+from hertzchain.fitting.names import Name
 from hertzchain.fitting.sensor_comparison import level_notes
+from hertzchain.fitting.simulations import Simulator
 from hertzchain.traces.missing_rows import gap_notes, gaps_between
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
@@ -516,16 +519,59 @@ def test_the_level_before_the_pulse_does_not_change_a_comparison():
     assert not any("before the pulse" in each for each in plain.notes)
 
 
+def fitted_to(data, model):
+    """A fit as far as the advice on levels depends on it."""
+    names = SimpleNamespace(names=())
+    rest = [[float(model[0])]]
+    return SimpleNamespace(predicted=[[model]], at_rest=rest, traces=data, model=names)
+
+
 @pytest.mark.parametrize(("zero", "noted"), [(0.0, False), (3.0, True)])
 def test_zeros_of_rounded_samples_are_checked_with_the_error_of_rounding(zero, noted):
     times, static = 1e-6 * np.arange(600), 10.3
     model = static + 60.0 * np.exp(-(((times - 400e-6) / 20e-6) ** 2))
     noise = 0.02 * np.random.default_rng(1).standard_normal(len(times))
     data = hc.Traces.from_arrays(times, {"wall [N]": np.round(model + zero + noise)}, coupling="DC")
-    fitted = SimpleNamespace(predicted=[[model]], traces=data, model=SimpleNamespace(names=()))
+    fitted = fitted_to(data, model)
     # Without noise, all 300 samples before the pulse are rounded to 10 N.
-    for notes in (level_notes(data.shots[0], [model]), level_advice(fitted)):
+    for notes in (level_notes(data.shots[0], [model], [model]), level_advice(fitted)):
         assert bool(notes) == noted
+
+
+@pytest.mark.parametrize(("zero", "noted"), [(0.0, False), (3.0, True)])
+def test_an_early_simulated_pulse_does_not_cast_doubt_on_zeros(zero, noted):
+    times, static = 1e-6 * np.arange(600), 10.0
+    measured, model = (
+        static + 60.0 * np.exp(-(((times - at) / 20e-6) ** 2)) for at in (400e-6, 200e-6)
+    )
+    noise = 0.02 * np.random.default_rng(1).standard_normal(len(times))
+    data = hc.Traces.from_arrays(times, {"wall [N]": measured + zero + noise}, coupling="DC")
+    for notes in (
+        level_notes(data.shots[0], [model], [model]),
+        level_advice(fitted_to(data, model)),
+    ):
+        assert bool(notes) == noted
+
+
+def test_zeros_are_not_doubted_if_the_unit_of_the_times_is_wrong():
+    shot = traces(("ball 5", "wall")).shots[0]
+    columns = {f"{signal.name} [N]": signal.values for signal in shot.signals}
+    with pytest.warns(hc.InputWarning, match="check the unit of the times"):
+        found = simulated(7e-4).compare(hc.Traces.from_arrays(0.6 * shot.times, columns))
+    assert not any("before the pulse" in each for each in found.notes)
+
+
+@pytest.mark.parametrize("coupling", ["AC", "DC"])
+def test_the_level_of_a_model_at_rest_contains_the_static_force(coupling):
+    pressed = chain(precompression=3.0, held_by="force")
+    times = SPACING * np.arange(500)
+    column = np.random.default_rng(0).standard_normal(len(times))
+    data = hc.Traces.from_arrays(times, {"ball 5 [N]": column}, noise=1.0, coupling=coupling)
+    names = [Name("time_offset"), Name("gain", "ball 5"), Name("offset", "ball 5"), Name("delay")]
+    model = make_model(data, [pressed], [], Simulator([data.shots[0].signals[0].place]))
+    values = dict(zip(names, (-50e-6, 1.1, 0.2, -5e-6), strict=True))
+    expected = 0.2 + (1.1 * 3.0 if coupling == "DC" else 0.0)
+    assert model.at_rest(0, values) == pytest.approx([expected], rel=1e-9)
 
 
 def test_a_run_with_few_saved_times_is_not_compared():

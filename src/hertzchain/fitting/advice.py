@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..representation import listed
-from ..traces.amplitudes import CERTAIN, error_of_level, level_of_model
+from ..traces.amplitudes import CERTAIN, error_of_level, level_differs, level_of_model
 from ..traces.traces import Traces
 from .names import ENDS, Name
 from .parameters import expanded
@@ -41,14 +41,15 @@ def level_advice(result: FitResult) -> tuple[str, ...]:
     """Notes on sensors whose mean before the pulse is not that of the model."""
     found: dict[str, list[tuple[Name, str]]] = {}
     flat = itertools.chain.from_iterable(result.predicted)
+    at_rest = itertools.chain.from_iterable(result.at_rest)
     several = len(result.traces.shots) > 1
-    for (shot, signal), model in zip(result.traces, flat, strict=True):
+    for (shot, signal), model, rest in zip(result.traces, flat, at_rest, strict=True):
         name = Name("offset", signal.name, str(shot + 1) if several else "")
         expected = level_of_model(signal, model)
         if not np.isfinite(expected) or {name, replace(name, shot="")} & {*result.model.names}:
             continue
         error = error_of_level(signal)
-        if abs(signal.level - expected) > CERTAIN * error:
+        if level_differs(signal, model, rest, CERTAIN * error):
             # The foot of the simulated pulse is not zero, but cannot be measured.
             shown = expected if abs(expected) > error else 0.0
             found.setdefault(signal.name, []).append((name, (

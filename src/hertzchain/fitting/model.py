@@ -173,8 +173,17 @@ class Model:
     def predict_shot(self, shot: int, values: Values) -> list[Array]:
         """Signals of one shot at all its times."""
         given = self._of_shot(shot, values)
+        times = self.traces.shots[shot].times - given.get(Name("time_offset"), 0.0)
+        return self._signals_at(times, shot, values)
+
+    def at_rest(self, shot: int, values: Values) -> list[float]:
+        """Signals of one shot before any pulse arrives."""
+        return [float(each[0]) for each in self._signals_at(np.array([-np.inf]), shot, values)]
+
+    def _signals_at(self, times: Array, shot: int, values: Values) -> list[Array]:
+        """Signals of one shot at times after the impact."""
+        given = self._of_shot(shot, values)
         data = self.traces.shots[shot]
-        times = data.times - given.get(Name("time_offset"), 0.0)
         sensors = [self._sensor(signal.name, given) for signal in data.signals]
         last = float(times[-1]) - min(0.0, *(each.delay for each in sensors))
         run = self.simulator.signals(self.chain(shot, values), max(last, 1e-9))

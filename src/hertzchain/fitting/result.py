@@ -159,6 +159,12 @@ class FitResult(Estimates):
         """Fitted signals of each shot and sensor, at all times."""
         return self.model.predict(self.model.values(self.variables))
 
+    @property
+    def at_rest(self) -> list[list[float]]:
+        """Fitted signals of each shot and sensor before any pulse arrives."""
+        values = self.model.values(self.variables)
+        return [self.model.at_rest(shot, values) for shot in range(len(self.chains))]
+
     @cached_property
     def constants(self) -> tuple[FixedConstant, ...]:
         """Constants of the chain, gains and sampling interval that are taken as exact."""

@@ -18,6 +18,7 @@ from ..traces.amplitudes import (
     CERTAIN,
     error_of_level,
     extreme,
+    level_differs,
     level_of,
     level_of_model,
 )
@@ -375,25 +376,25 @@ def unit_notes(sensors: Sequence[SensorComparison], outside: Collection[str]) ->
     return notes
 
 
-def level_notes(shot: Shot, signals: Sequence[Array]) -> list[str]:
+def level_notes(shot: Shot, signals: Sequence[Array], columns: Sequence[Array]) -> list[str]:
     """Notes on sensors whose level before the pulse is not that of the simulation."""
     notes = []
-    for signal, model in zip(shot.signals, signals, strict=True):
+    for signal, model, column in zip(shot.signals, signals, columns, strict=True):
         expected = level_of_model(signal, model)
         if not np.isfinite(expected):
             continue
         error = error_of_level(signal)
         if not signal.calibrated:
             # The scale is not accurate enough to compare the static force.
-            scale, static = scale_of(signal, model), float(model[np.isfinite(model)][0])
+            scale, static = scale_of(signal, model), float(column[0])
             allowed = CERTAIN * error + 0.5 * abs(scale * static)
-            if abs(signal.level - scale * expected) > allowed:
+            if level_differs(signal, scale * model, scale * static, allowed):
                 notes.append(
                     f"before the pulse, {signal.name} is at {signal.level:.3g} {signal.unit}, to "
                     f"which the simulation is shifted; a fit needs 'offset[{signal.name}]'"
                 )
             continue
-        if abs(signal.level - expected) > CERTAIN * error:
+        if level_differs(signal, model, float(column[0]), CERTAIN * error):
             # The foot of the simulated pulse is not zero, but cannot be measured.
             shown = expected if abs(expected) > error else 0.0
             notes.append(

@@ -300,7 +300,7 @@ def compare_traces(
         *suspicious,
         *gap_notes(gaps),
         *inversion_notes({each.name: each.scale for each in found.sensors}),
-        *level_notes(shot, signals),
+        *level_notes(shot, signals, columns),
         *missing_notes(found.sensors),
         *pulse_notes(run, shot, columns, inside, float(shot.times[-1]) - time_offset),
         *coupling_notes(traces, [run.chain], gain),

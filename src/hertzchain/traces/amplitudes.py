@@ -44,6 +44,16 @@ def level_of_model(signal: Signal, model: Array) -> float:
     return float(model[: signal.before][quiet].mean()) if quiet.any() else math.nan
 
 
+def level_differs(signal: Signal, model: Array, at_rest: float, allowed: float) -> bool:
+    """Whether the level before the pulse is neither that of a model nor that of the model at rest.
+
+    A signal at the level of the model at rest has the right zero: the pulse of the model is early.
+    """
+    return all(
+        abs(signal.level - each) > allowed for each in (level_of_model(signal, model), at_rest)
+    )
+
+
 def from_level(signal: Signal) -> Array:
     """Samples from the level before the pulse; 0 where they are missing."""
     return np.where(np.isfinite(signal.values), signal.values - level_of(signal), 0.0)

@@ -71,14 +71,18 @@ def _gradients(chain: Chain) -> object:
     ]
 
 
-# Functions that a page or a notebook needs first, in this order.
-FIRST: Final = (
+# Functions that the page of the app needs, in this order.
+INTERACTIVE: Final = (
     Stage("the simulation of the pulse", propagate),
     Stage("the local-rate law", local_rate),
     Stage("the simulation of all beads", _all_beads),
     Stage("walls", lambda chain: _walled(chain, None), general=True),
     Stage("losses", lambda chain: _walled(chain, Dashpot(0.1)), general=True),
     Stage("heterogeneous chains", _uneven),
+)
+# Those that are usually needed first, including the reproduction of the paper.
+FIRST: Final = (
+    *INTERACTIVE,
     Stage("ensembles of pulses", lambda chain: propagate_many([chain] * 4)),
 )
 STAGES: Final = (

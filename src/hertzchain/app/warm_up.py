@@ -55,9 +55,9 @@ class WarmUp:
 
     def _known(self) -> tuple[Stage, ...]:
         if self._stages is None:
-            from ..warm_start import FIRST
+            from ..warm_start import INTERACTIVE
 
-            self._stages = FIRST
+            self._stages = INTERACTIVE
         return self._stages
 
     def wait(self, part: str, *, general: bool, stop: Callable[[], bool]) -> None:

@@ -154,7 +154,7 @@ def test_a_falling_bead_falls_freely():
     ],
 )
 def test_the_rounding_of_gaps_is_limited(build, place):
-    with pytest.raises(hc.InputError, match=f"^{place} must be .*at most 1e.08, got 1e.10; larger"):
+    with pytest.raises(hc.InputError, match=f"^{place} must be .*at most 1e.08, got 1e.10; a gap"):
         build(1e10)
     pulses = [hc.simulate(build(gap), times=0).pulse().velocity for gap in (10.0, 1e8)]
     np.testing.assert_allclose(*pulses, rtol=1.5e-6)

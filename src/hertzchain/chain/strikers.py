@@ -189,7 +189,8 @@ def _striker(
     if radius is None:
         return own, sphere, None, sphere
     unit = chain._unit("m")
-    if plain_magnitude("radius of a striker", radius, unit) == math.inf:
+    plain = plain_magnitude("radius of a striker", radius, unit)
+    if isinstance(plain, float) and plain == math.inf:
         if mass is None:
             raise InputError("a flat striker (radius = inf) has no default mass; give mass")
         return own, math.inf, mass, sphere

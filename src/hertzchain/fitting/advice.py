@@ -49,7 +49,7 @@ def level_advice(result: FitResult) -> tuple[str, ...]:
         if not np.isfinite(expected) or {name, replace(name, shot="")} & {*result.model.names}:
             continue
         error = error_of_level(signal)
-        if level_differs(signal, model, rest, CERTAIN * error):
+        if level_differs(signal, expected, rest, CERTAIN * error):
             # The foot of the simulated pulse is not zero, but cannot be measured.
             shown = expected if abs(expected) > error else 0.0
             found.setdefault(signal.name, []).append((name, (

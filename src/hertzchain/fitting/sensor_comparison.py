@@ -388,13 +388,13 @@ def level_notes(shot: Shot, signals: Sequence[Array], columns: Sequence[Array]) 
             # The scale is not accurate enough to compare the static force.
             scale, static = scale_of(signal, model), float(column[0])
             allowed = CERTAIN * error + 0.5 * abs(scale * static)
-            if level_differs(signal, scale * model, scale * static, allowed):
+            if level_differs(signal, scale * expected, scale * static, allowed):
                 notes.append(
                     f"before the pulse, {signal.name} is at {signal.level:.3g} {signal.unit}, to "
                     f"which the simulation is shifted; a fit needs 'offset[{signal.name}]'"
                 )
             continue
-        if level_differs(signal, model, float(column[0]), CERTAIN * error):
+        if level_differs(signal, expected, float(column[0]), CERTAIN * error):
             # The foot of the simulated pulse is not zero, but cannot be measured.
             shown = expected if abs(expected) > error else 0.0
             notes.append(

@@ -44,14 +44,12 @@ def level_of_model(signal: Signal, model: Array) -> float:
     return float(model[: signal.before][quiet].mean()) if quiet.any() else math.nan
 
 
-def level_differs(signal: Signal, model: Array, at_rest: float, allowed: float) -> bool:
+def level_differs(signal: Signal, expected: float, at_rest: float, allowed: float) -> bool:
     """Whether the level before the pulse is neither that of a model nor that of the model at rest.
 
     A signal at the level of the model at rest has the right zero: the pulse of the model is early.
     """
-    return all(
-        abs(signal.level - each) > allowed for each in (level_of_model(signal, model), at_rest)
-    )
+    return all(abs(signal.level - each) > allowed for each in (expected, at_rest))
 
 
 def from_level(signal: Signal) -> Array:

@@ -347,7 +347,7 @@ BAD = [
     ({"title": "\ud800"}, "title: .* is not valid text"),
     ({"chain": FORWARD | {"rate": float("nan")}}, "chain: rate is nan: it must be finite"),
     ({"chain": {"taper": "uniform", "beads": 5, "struck_by": {"mass": 2.0, "radius": math.inf}}},
-     "chain: struck_by.radius is inf: it must be finite; write 'inf mm' for a flat"),
+     "chain: struck_by.radius is inf: it must be finite; infinite lengths are text"),
     ({"chain": FORWARD | {"loss": {"gamma": {1, 2}}}}, "chain: loss.gamma is {1, 2}, which"),
     ({"materials": {"m": {"young": None}}}, "materials: m.young is None, which"),
 ]  # fmt: skip

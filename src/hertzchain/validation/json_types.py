@@ -51,9 +51,7 @@ def _plain(given: Any, place: str, depth: int) -> Any:
         return int(given)
     if isinstance(given, float):
         if not math.isfinite(given):
-            hint = (
-                "; write 'inf mm' for a flat face in SI units" if place.endswith(".radius") else ""
-            )
+            hint = "; infinite lengths are text, such as 'inf mm'" if math.isinf(given) else ""
             raise InputError(f"{place} is {given:g}: it must be finite{hint}".strip())
         return float(given)
     if isinstance(given, str):

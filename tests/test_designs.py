@@ -1477,35 +1477,31 @@ def test_limits_below_zero_cannot_be_met():
     assert "wall_force.peak is never negative" in "".join(found.notes)
 
 
-def test_scattered_chains_without_a_value_have_a_reason(monkeypatch):
+def without_value(monkeypatch, row):
+    """Let one chain of a distribution, the first of which has no deviations, have no value."""
     module = importlib.import_module("hertzchain.designs.distribution")
     simulate_all = module.measured
 
     def incomplete(*arguments, **options):
         found = simulate_all(*arguments, **options)
         values = found.values.copy()
-        values[3] = np.nan
+        values[row] = np.nan
         return found._replace(values=values)
 
+    monkeypatch.setattr(module, "measured", incomplete)
+
+
+def test_scattered_chains_without_a_value_have_a_reason(monkeypatch):
     found = hc.distribution(WALLED, "wall_force.peak", hc.Scatter(radius=0.01, samples=20))
     assert (found.failed, found.reason) == (0, "")
-    monkeypatch.setattr(module, "measured", incomplete)
+    without_value(monkeypatch, 3)
     found = hc.distribution(WALLED, "wall_force.peak", hc.Scatter(radius=0.01, samples=20))
     assert found.failed == 1
     assert found.reason == "wall_force.peak is not complete at the end of the run"
 
 
 def test_a_distribution_needs_a_value_of_the_chain_itself(monkeypatch):
-    module = importlib.import_module("hertzchain.designs.distribution")
-    simulate_all = module.measured
-
-    def incomplete(*arguments, **options):
-        found = simulate_all(*arguments, **options)
-        values = found.values.copy()
-        values[0] = np.nan
-        return found._replace(values=values)
-
-    monkeypatch.setattr(module, "measured", incomplete)
+    without_value(monkeypatch, 0)
     said = r"the chain without deviations has no wall_force\.peak: .* is not complete"
     with pytest.raises(hc.SimulationError, match=said):
         hc.distribution(WALLED, "wall_force.peak", hc.Scatter(radius=0.01, samples=20))

@@ -292,6 +292,22 @@ def test_lag_that_is_not_modelled_is_seen_or_warned_of(traces):
     assert "lag of the sensors" in ideal.summary()
 
 
+def test_the_limit_of_a_lag_is_that_of_fits_with_this_lag(traces):
+    free = ["stiffness", "exponent", "loss.time", "time_offset"]
+    chain = bench(LAW)
+    ideal = hc.fit(traces, chain, free=free)
+    lag = next(each for each in ideal.effects if each.name == "lag")
+    assert f"a lag of the sensors up to {1e6 * lag.limit:.2g} us" in ideal.summary()
+    best, there = (
+        hc.fit(traces, chain, free=[*free, "lag"], priors={"lag": prior}, start={"lag": lag.limit})
+        for prior in ((0.0, 1.0), (lag.limit, 1e-5 * lag.limit))
+    )
+    assert there.chi2 - min(best.chi2, ideal.chi2) == pytest.approx(4.0, abs=0.7)
+    moved = (there.values[lag.moved] - ideal.values[lag.moved]) / ideal.errors[lag.moved]
+    # The limit is found with the derivatives without a lag.
+    assert lag.shift == pytest.approx(abs(moved), rel=0.1)
+
+
 def test_a_lag_is_mentioned_only_if_it_matters(traces):
     free = ["stiffness", "loss.time", "time_offset"]
     four = hc.fit(traces, bench(LAW), free=free)

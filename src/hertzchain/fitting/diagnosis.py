@@ -20,6 +20,7 @@ from ..errors import InputError, SimulationError
 from ..representation import listed
 from .advice import advice_to_free, considered, level_advice, nothing_explains
 from .chain_parameters import known_names, loss_parameters
+from .effect_limits import limited
 from .loss_laws import typical_law
 from .misread_columns import misread_columns
 from .misread_places import best_other_place
@@ -142,7 +143,7 @@ def _with_effect(result: FitResult, refit: Refit) -> FitResult:
     elif (single := _clearest_of_one_sensor(result)) is not None:
         cause = _tried(result, (single,), refit, least=CERTAIN)
     if cause is None or not cause.result.converged:
-        return result
+        return limited(result)
     text = f"with {cause.what}, chi2 falls from {result.chi2:.0f} to {cause.result.chi2:.0f}"
     shifts = {
         str(each): abs(cause.result.values[str(each)] - result.values[str(each)])

@@ -21,10 +21,12 @@ from .sensors import SENSOR_KINDS
 EFFECTS: Final = ("lag", "highpass", "crosstalk")
 # An effect is reported as present if it would reduce chi-squared by more than this.
 PRESENT: Final = 16.0
-# It is reported as possible if two standard deviations of the effect beyond its value would shift a
-# parameter by more than this number of standard deviations of the parameter.  Without a sign of the
-# effect, the error of the parameter would be twice as large if the effect were free.
-MOVES: Final = 2.0 * 3.0**0.5
+# Deviations of the largest effect that is not excluded.
+DEVIATIONS: Final = 2.0
+# It is reported as possible if the largest effect that is not excluded would shift a parameter by
+# more than this number of standard deviations of the parameter.  Without a sign of the effect, the
+# error of the parameter would be twice as large if the effect were free.
+MOVES: Final = DEVIATIONS * 3.0**0.5
 FACTORS: Final = {"lag": (1e6, "us"), "highpass": (1.0, "/s"), "crosstalk": (100.0, "%")}
 
 
@@ -40,17 +42,22 @@ class Effect:
         Value and standard deviation of the effect if it were free.
     improvement : float
         Expected reduction of chi-squared.
+    limit : float
+        Largest size that the data do not exclude, at two standard deviations: chi-squared is then
+        larger by four than at the best value.  If it matters, it is determined by fits with the
+        effect fixed, because the influence of a small lag grows with its square; otherwise it is
+        that of the linearised fit.
     moved : str
-        The parameter that it would shift most.
+        The parameter that an effect of this size would shift most.
     shift : float
-        Shift of this parameter by two standard deviations of the effect beyond its value, in
-        standard deviations of the parameter.
+        This shift, in standard deviations of the parameter.
     """
 
     name: str
     value: float
     error: float
     improvement: float
+    limit: float
     moved: str
     shift: float
 
@@ -63,7 +70,6 @@ class Effect:
     def note(self) -> str:
         """A sentence; empty if the effect is excluded or hardly matters to the parameters."""
         factor, unit = FACTORS[self.name]
-        value, error = factor * self.value, factor * self.error
         if self.present:
             return (
                 f"the residuals show a {self.name}, which moves {self.moved}: add {self.name!r} to "
@@ -71,11 +77,10 @@ class Effect:
             )
         if self.shift < MOVES:
             return ""
-        most = abs(value) + 2.0 * error
         return (
-            f"a {self.name} of the sensors up to {most:.2g} {unit} cannot be excluded and would "
-            f"move {self.moved} by {self.shift:.1f} sigma: free {self.name!r}, with a prior from "
-            "the data sheet"
+            f"a {self.name} of the sensors up to {factor * self.limit:.2g} {unit} cannot be "
+            f"excluded and would move {self.moved} by {self.shift:.1f} sigma: free "
+            f"{self.name!r}, with a prior from the data sheet"
         )
 
 
@@ -90,10 +95,10 @@ def effects_of(
         neighbours = any(len(shot.signals) > 1 for shot in model.traces.shots)
         if key in included or (key == "crosstalk" and not neighbours):
             continue
-        extended = derivative(problem, values, Name(key), residuals)
+        column = derivative(problem, values, Name(key), residuals)
         # There is no crosstalk between sensors in different units.
-        if extended.any():
-            found.append(_effect(key, extended, model, jacobian, residuals))
+        if column.any():
+            found.append(_effect(key, column, model, jacobian, residuals))
     return tuple(found)
 
 
@@ -102,18 +107,28 @@ def derivative(
 ) -> Array:
     """Derivative of all residuals with respect to an effect that the fit does not include."""
     kind = SENSOR_KINDS[name.key]
-    step, ideal = kind.step * kind.typical, 1.0 if name.key == "gain" else 0.0
-    # The value of one shot differs from the common one, if that is free.
-    neutral = values.get(replace(name, shot=""), ideal)
-    model = problem.model
-    more = Model(
-        model.traces, model.chains, (*model.parameters, Parameter(name, kind, neutral)),
-        model.simulator, model.reference,
-    )  # fmt: skip
-    shifted = Problem(more).predicted({**values, name: neutral + step})
+    step = kind.step * kind.typical
+    more = extended(problem, values, name)
+    neutral = more.model.parameters[-1].start
+    shifted = more.predicted({**values, name: neutral + step})
     change = (shifted - problem.predicted(values)) / problem.scale / step
     priors = np.zeros(len(residuals) - len(problem.data))
     return np.concatenate((np.where(problem.skipped, 0.0, change), priors))
+
+
+def extended(problem: Problem, values: Mapping[Name, float], name: Name) -> Problem:
+    """The problem with an effect of the sensors as its last parameter, from a neutral value."""
+    ideal = 1.0 if name.key == "gain" else 0.0
+    # The value of one shot differs from the common one, if that is free.
+    neutral = values.get(replace(name, shot=""), ideal)
+    model = problem.model
+    more = Problem(Model(
+        model.traces, model.chains,
+        (*model.parameters, Parameter(name, SENSOR_KINDS[name.key], neutral)),
+        model.simulator, model.reference,
+    ))  # fmt: skip
+    more.correlated, more.skipped, more.smooth = problem.correlated, problem.skipped, problem.smooth
+    return more
 
 
 def _effect(key: str, column: Array, model: Model, jacobian: Array, residuals: Array) -> Effect:
@@ -125,12 +140,17 @@ def _effect(key: str, column: Array, model: Model, jacobian: Array, residuals: A
     value = -float(rest @ residuals) * error**2
     if SENSOR_KINDS[key].lower == 0.0:
         value = max(value, 0.0)
+    limit = abs(value) + DEVIATIONS * error
+    moved, shift = most_shifted(model, inverse, limit * response)
+    return Effect(key, value, error, (value / error) ** 2, limit, moved, shift)
+
+
+def most_shifted(model: Model, inverse: Array, change: Array) -> tuple[str, float]:
+    """The parameter of the chain that a change shifts most, in standard deviations."""
     spread = np.sqrt(np.sum(inverse**2, axis=1))
     # A parameter that does not affect the data cannot be shifted.
     spread[spread == 0.0] = np.inf
-    shifts = (abs(value) + 2.0 * error) * np.abs(response) / spread
+    shifts = np.abs(change) / spread
     chain = [i for i, each in enumerate(model.parameters) if each.of_chain] or [0]
     worst = chain[int(np.argmax(shifts[chain]))]
-    return Effect(
-        key, value, error, (value / error) ** 2, str(model.parameters[worst]), float(shifts[worst])
-    )
+    return str(model.parameters[worst]), float(shifts[worst])

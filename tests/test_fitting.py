@@ -361,6 +361,16 @@ def test_a_further_shot_decides_no_better_if_noise_is_sampled_twice():
     assert max(both.further_shots.values()) == pytest.approx(expected, rel=0.3)
 
 
+def test_laws_are_checked_before_the_first_fit(traces):
+    done = []
+    with pytest.raises(hc.InputError, match="viscous"):
+        hc.compare_losses(
+            traces, bench(LAW), laws=["viscoelastic", "viscous"], free=["stiffness", "loss.time"],
+            progress=lambda *now: done.append(now),
+        )  # fmt: skip
+    assert not done
+
+
 def test_samples_next_to_jumps_are_found():
     spacing = 0.125e-6
     grid = spacing * np.arange(3000)

@@ -258,8 +258,8 @@ def compare_losses(
     )
     kept = [name for name in names if "loss." not in parse_name(name).key]
     fits = []
-    for done, each in enumerate(wanted, start=1):
-        law = typical_law(each, chains[0])
+    # Names are checked before the first fit, which may take long.
+    for done, law in enumerate([typical_law(each, chains[0]) for each in wanted], start=1):
         lossy = [with_one_loss(one, law) for one in chains]
         own = [f"loss.{name}" for name in loss_parameters(lossy[0])]
         known = {n: v for n, v in settings.priors.items() if "loss" not in n or n in own}

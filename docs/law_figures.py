@@ -49,7 +49,8 @@ def strikers() -> Figure:
         wave = hc.solitary_wave()
         momentum, energy = wave.momentum_constant, wave.energy_constant
         particle = momentum**2 / (2.0 * energy)
-        for i, mass in enumerate((2.0, 4.0, 8.0), start=3):
+        # The mass of both panels has the same colour.
+        for i, mass in ((3, 2.0), (2, 4.0), (4, 8.0)):
             train = hc.striker_train(mass)
             number = np.arange(1, len(train) + 1)
             first = momentum / (2.0 * energy) * 2.0 * mass / (mass + particle)

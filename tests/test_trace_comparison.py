@@ -438,9 +438,28 @@ def test_records_that_begin_after_the_first_pulse_say_that_later_ones_are_compar
     run = simulated(7e-4)
     words = f"first pulse arrives at {name} before the record begins, and later pulses"
     with pytest.warns(hc.InputWarning, match=words):
-        compared = run.compare(from_later(2.8e-4, [name]))
+        compared = run.compare(from_later(3e-4, [name]))
     assert compared.time_offset == pytest.approx(0.0, abs=20e-6)
     assert "the simulated pulse of" not in str(compared)
+
+
+@pytest.mark.parametrize(
+    ("part", "noted"), [(0.001, False), (0.05, True), (0.5, True), (1.0, True)]
+)
+def test_a_record_that_begins_during_a_pulse_says_so(part, noted):
+    crest = int(np.argmax(forces()["ball 5"]))
+    first = int(np.argmax(forces()["ball 5"] >= part * forces()["ball 5"][: crest + 1].max()))
+    rng, seen = np.random.default_rng(6), {}
+    for name in ("ball 5", "ball 10"):
+        own = forces()[name][first:]
+        seen[f"{name} [N]"] = own + NOISE * rng.standard_normal(len(own))
+    data = hc.Traces.from_arrays(SPACING * np.arange(len(own)), seen, noise=NOISE)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hc.InputWarning)
+        notes = simulated(7e-4).compare(data).notes
+    words = "the record begins during the first simulated pulse of ball 5, so the level"
+    assert any(each.startswith(words) for each in notes) == noted
+    assert not any("before the record begins" in each for each in notes)
 
 
 def test_a_reflected_pulse_in_another_order_is_noted():

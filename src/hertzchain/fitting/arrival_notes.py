@@ -17,6 +17,8 @@ from .sensor_comparison import ABOVE_NOISE, reached, saturated_samples
 
 # Part of the simulated peak that must be in the record for a comparison of peaks.
 IN_RECORD: Final = 0.1
+# Parts of the simulated peak at which the pulse begins and ends; losses leave a tail behind it.
+FOOT, TAIL = 0.01, 0.05
 
 
 def order_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
@@ -69,11 +71,14 @@ def outside_notes(
     shot: Shot, columns: Sequence[Array], grid: Array, time_offset: float, outside: Sequence[str]
 ) -> list[str]:
     """Notes on simulated first pulses that arrive before the record begins, or after it ends."""
-    early, missing = [], []
+    early, cut, missing = [], [], []
+    begin = float(shot.times[0]) - time_offset
     for signal, column in zip(shot.signals, columns, strict=True):
         own = column - column[0]
-        begin = float(shot.times[0]) - time_offset
-        if own.any() and reached(grid, own, ARRIVED * extreme(own)) < begin:
+        foot, crest, end = _first_pulse(own, grid)
+        if foot < begin < end:
+            cut.append(signal.name)
+        if crest < begin:
             early.append(signal.name)
         elif signal.name in outside and has_pulse(signal):
             missing.append(signal.name)
@@ -84,11 +89,31 @@ def outside_notes(
             "later pulses, such as reflected ones, are compared; if the record contains the first "
             "pulse, give time_offset"
         )
+    if cut:
+        notes.append(
+            f"the record begins during the first simulated pulse of {listed(cut)}, so the level "
+            "before the pulse is not known, and the measured peak and arrival are not reliable: "
+            "begin the record earlier, or give time_offset if the simulation is early"
+        )
     if missing:
         notes.append(
             f"the simulated pulse of {listed(missing)} is not in the record; check the time offset"
         )
     return notes
+
+
+def _first_pulse(values: Array, grid: Array) -> tuple[float, float, float]:
+    """Foot, crest and end of the first pulse of a simulated signal; infinite without a pulse."""
+    if not values.any():
+        return np.inf, np.inf, np.inf
+    height = values / extreme(values)
+    first = int(np.argmax(height >= ARRIVED))
+    falls, ends = (
+        first + int(np.argmax(np.append(height[first:], 0.0) < part)) for part in (ARRIVED, TAIL)
+    )
+    crest = float(grid[first + int(np.argmax(height[first:falls]))])
+    end = float(grid[ends]) if ends < len(grid) else np.inf
+    return reached(grid, values, FOOT * extreme(values)), crest, end
 
 
 def other_offset_notes(

@@ -25,6 +25,25 @@ CHAINS = {
 }
 
 
+@pytest.mark.parametrize("step", [0.9, 1.0, 1.1])
+def test_a_run_whose_energy_grows_fails(step):
+    box = CHAINS["walls"]
+    with pytest.raises(hc.SimulationError, match="the energy has more than doubled at t = "):
+        hc.simulate(box, until=200.0, method="verlet", step=step, times=201)
+    run = hc.simulate(box, until=200.0, method="verlet", step=step, times=201, check=False)
+    assert run.status == "unstable steps"
+    assert not run.success
+
+
+def test_a_given_step_that_is_too_long_for_accurate_results_warns():
+    box = CHAINS["walls"]
+    with pytest.warns(hc.InputWarning, match=r"with step = 0\.5, the energy has drifted by \d"):
+        run = hc.simulate(box, until=100.0, method="verlet", step=0.5)
+    energy = 0.5 * (run.velocities**2).sum(axis=1)
+    assert run.success
+    assert energy.max() < 0.6
+
+
 @pytest.mark.parametrize("name", CHAINS)
 def test_runs_agree_with_an_independent_integration(name):
     chain, times = CHAINS[name], np.linspace(0.0, 30.0, 31)

@@ -7,8 +7,8 @@
   `sensors`;
 - errors: `uncertainty`, `weights` and `autocorrelation` of samples, `goodness`,
   `weak_directions`, `posterior`, and the `forecast` for a planned experiment;
-- systematic errors: `systematics`, `sensor_effects`, `signal_noise`, `constants` that are taken as
-  exact;
+- systematic errors: `systematics` with `effect_limits`, `sensor_effects`, `signal_noise`, and
+  `constants` that are taken as exact;
 - fits that mean less than they seem to: `diagnosis` with its `advice`, `plausibility`,
   `prior_conflicts`, `unused_parameters`;
 - the result: `result`, `result_text`, `result_document`, `shown_values`, `fitted_file`;

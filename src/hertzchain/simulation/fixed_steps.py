@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..errors import InputError
+from ..errors import InputError, InputWarning, warn_user
 from ..validation.numbers import number
 from ..validation.objects import check_choice
 from .kernel_input import static_closing
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 DEFAULT_DRIFT: Final = 1e-5
 MIN_DRIFT, MAX_DRIFT = 1e-11, 1e-2
+# Drift at which a run with a given step ends: relative to the largest energy, which has doubled.
+UNSTABLE: Final = 0.5
 
 
 @dataclass(frozen=True)
@@ -52,16 +54,33 @@ COSTS: Final = {
 
 @dataclass(frozen=True)
 class FixedSteps:
-    """A splitting method, its step [scaled, or s], and the largest drift that is accepted."""
+    """A splitting method, its step [scaled, or s], and the largest drift that is accepted.
+
+    A run that exceeds this drift is repeated with shorter steps, unless the step was ``given``.
+    """
 
     name: str
     step: float
-    drift: float = math.inf
+    drift: float = UNSTABLE
+    given: bool = False
+
+    def exceeded(self, drift: float) -> bool:
+        """Whether a drift is too large; it is NaN if the energy overflows."""
+        return not drift <= self.drift
 
     def shorter(self, excess: float) -> FixedSteps:
         """Steps for a run whose drift exceeded the request by this factor."""
         change = max(0.5, 0.85 * excess ** (-1.0 / COSTS[self.name].order))
-        return FixedSteps(self.name, self.step * change, self.drift)
+        return replace(self, step=self.step * change)
+
+    def warn(self, drift: float) -> None:
+        """Warn about a given step that causes a large drift."""
+        if self.given and MAX_DRIFT < drift <= self.drift:
+            warn_user(
+                f"with step = {self.step:g}, the energy has drifted by {drift:.1%}, and the run is "
+                "not accurate: give a shorter step, or drift instead of step",
+                InputWarning,
+            )
 
 
 def require_fixed_steps(chain: Chain) -> None:
@@ -139,7 +158,7 @@ def plan(
                 f"step = {step:g}{unit} is unstable: in the stiffest contact of this chain, steps "
                 f"must be below {limit:.4g}{unit}; try {0.02 * limit:.2g}{unit}"
             )
-        return FixedSteps(name, step)
+        return FixedSteps(name, step, given=True)
     drift = number("drift", drift, least=MIN_DRIFT, most=MAX_DRIFT)
     steps = {name: COSTS[name].step(drift, periods) for name in names}
     cheapest = min(steps, key=lambda name: COSTS[name].price / steps[name])

@@ -61,8 +61,8 @@ class Run(Trajectory):
         Reason for the end of the run.  With ``until`` it is ``"time reached"``.  Without, it is
         ``"pulse left"`` (see `closed_contacts`); for a chain with a right wall, ``"wall force
         complete"`` or, after the longest such run, ``"transit limit"``; and ``"nothing more
-        happens"`` if all beads are in free flight earlier.  ``"step limit"``, ``"step too small"``
-        and ``"underflow"`` are failures, which `simulate` raises as errors by default.
+        happens"`` if all beads are in free flight earlier.  ``"step limit"``, ``"step too small"``,
+        ``"unstable steps"`` and ``"underflow"`` are failures, which `simulate` raises by default.
     end_time : float
         Time at which the simulation stopped [scaled, or s].
     energy_drift : float

@@ -22,7 +22,7 @@ from .wall_watch import FEW_CHECKS, WallWatch
 
 Status = Literal[
     "pulse left", "time reached", "wall force complete", "transit limit", "nothing more happens",
-    "step limit", "step too small", "underflow",
+    "step limit", "step too small", "unstable steps", "underflow",
 ]  # fmt: skip
 # Of runs that end by themselves although contacts may still act.
 NATURAL_ENDS: Final[tuple[Status, ...]] = ("pulse left", "wall force complete")
@@ -129,7 +129,8 @@ class RunEnd:
         approaches, complete = np.full((5, 2), np.nan), np.zeros(2, bool)
         if self.watch is None:
             return approaches, complete
-        reaching = self.watch.reaches(forces)
+        with np.errstate(over="ignore", invalid="ignore"):  # with unstable steps
+            reaching = self.watch.reaches(forces)
         for target, found in zip(self.watch.targets, reaching, strict=True):
             force = self.watch.force_on(target, forces)
             last = self.watch.last if self.watch.started else math.nan

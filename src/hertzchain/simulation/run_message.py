@@ -14,7 +14,7 @@ from .run_end import Status
 from .time_scales import fall_time, transit_times
 from .wall_bound import LEFT, RIGHT, motion_can_escape
 
-FAILURES: Final = ("step limit", "step too small", "underflow")
+FAILURES: Final = ("step limit", "step too small", "unstable steps", "underflow")
 
 # Features that can make the motion of a chain stiff, and what to try instead.
 MILDER: Final = {
@@ -65,6 +65,10 @@ def end_message(
         "underflow": f"the motion became too small to represent {at}; {so_far}; use {milder}",
         "step too small": (
             f"the step size fell below the resolution of t {at}; {so_far}; use {milder}"
+        ),
+        "unstable steps": (
+            f"the energy has more than doubled {at}, because the steps are too long; give a "
+            "shorter step, or drift instead of step"
         ),
     }[status]
 

@@ -174,12 +174,14 @@ def simulate(
     if until is None and not isinstance(times, int | np.integer):
         until = float(frames.times[-1])
     run = _integrate(chain, start, until, frames, rtol, limit, progress, fixed)
-    while fixed is not None and run.energy_drift > fixed.drift:
+    while fixed is not None and not fixed.given and fixed.exceeded(run.energy_drift):
         fixed = fixed.shorter(run.energy_drift / fixed.drift)
         frames = _Frames(chain, start.time, until, times)
         run = _integrate(chain, start, until, frames, rtol, limit, progress, fixed)
     if check and not run.success:
         raise SimulationError(run.message)
+    if fixed is not None:
+        fixed.warn(run.energy_drift)
     if chain.materials is not None:
         warn_outside_hertz(chain, run.largest_overlaps)
     return run
@@ -310,7 +312,7 @@ class _Integration:
     @property
     def drifts(self) -> bool:
         """Whether energy has drifted more than accepted; shorter steps are then needed."""
-        return self.fixed is not None and self.energy_drift > self.fixed.drift
+        return self.fixed is not None and self.fixed.exceeded(self.energy_drift)
 
     @property
     def energy_drift(self) -> float:
@@ -367,12 +369,11 @@ def _integrate(
         elif code == kernel.LAST_STEP and goal[0] == until:
             before_end = going.state.copy()
         elif going.drifts:
-            break
+            status = "unstable steps"
         elif code == kernel.RUNNING and counts[state_layout.STEPS] - first >= max_steps:
             status = "step limit"
         if code in (kernel.RUNNING, kernel.STEP_TOO_SMALL, kernel.PULSE_LOST) and going.underflows:
             status = "underflow"
-    status = status or "step limit"
     return _run(going, before_end or going.state.copy(), status, end.assess(going.forces))
 
 

@@ -1,3 +1,4 @@
+import statistics
 import tomllib
 
 import numpy as np
@@ -14,6 +15,19 @@ def test_the_stored_constants_are_what_calibration_finds(taper):
     found, stored = calibrate(taper).correction, calibrated_corrections()[taper]
     for name, value in vars(found).items():
         assert getattr(stored, name) == pytest.approx(value, rel=1e-5)
+
+
+def test_chains_are_the_samples_of_a_ratio():
+    alone = [calibrate("backward-linear", rates=[rate], beads=40, window=(5, 30))
+             for rate in (0.2, 0.5, 0.8)]  # fmt: skip
+    together = calibrate("backward-linear", rates=[0.2, 0.5, 0.8], beads=40, window=(5, 30))
+    ratios = [each.correction.ratio for each in alone]
+    assert together.standard_errors["ratio"] == pytest.approx(
+        statistics.stdev(ratios) / 3**0.5, rel=1e-6
+    )
+    assert np.isnan(alone[0].standard_errors["ratio"])
+    assert alone[0].as_dict()["constants"]["ratio"]["standard_error"] is None
+    assert "# +- unknown" in calibrated_toml(alone[:1])
 
 
 def test_the_paper_found_about_the_same():

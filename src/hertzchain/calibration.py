@@ -26,6 +26,7 @@ from .theory.modified_bca import (
     RatioCorrection,
     printed_correction,
 )
+from .validation.json_types import finite
 from .validation.keywords import checked_arguments, checked_methods
 from .validation.numbers import whole_number
 from .validation.objects import Progress, callback, check_choice, check_list
@@ -62,7 +63,7 @@ class Calibration:
     correction : RatioCorrection or PowerLawCorrection
         The fitted correction, as accepted by `modified_bca`.
     standard_errors : dict of str to float
-        Standard error of each constant, by name.
+        Standard error of each constant, by name; NaN for one chain, whose error is not known.
     residuals : ndarray, shape (rates, beads in the window)
         Relative errors of the corrected velocity, compared with the simulation.
 
@@ -139,7 +140,7 @@ class Calibration:
         >>> list(result.as_dict()["constants"]["ratio"])
         ['value', 'standard_error', 'printed']
         """
-        return {
+        document: dict[str, Any] = {
             "taper": self.taper,
             "rates": list(self.rates),
             "window": list(self.window),
@@ -156,6 +157,8 @@ class Calibration:
             "rms_error": self.rms_error,
             "worst_error_by_rate": list(self.worst_by_rate),
         }
+        found: dict[str, Any] = finite(document)
+        return found
 
 
 @checked_arguments("calibrate")
@@ -253,8 +256,9 @@ def fit_line(x: Array, y: Array) -> tuple[Array, Array]:
 
 def _fit_ratio(ratios: Array) -> tuple[RatioCorrection, dict[str, float]]:
     # Differences between beads are systematic; only chains are independent samples.
-    error = float(np.std(ratios) / np.sqrt(len(ratios)))
-    return RatioCorrection(float(np.mean(ratios))), {"ratio": error}
+    means = ratios.mean(axis=1)
+    error = np.std(means, ddof=1) / np.sqrt(len(means)) if len(means) > 1 else np.nan
+    return RatioCorrection(float(np.mean(means))), {"ratio": float(error)}
 
 
 def _fit_power_laws(
@@ -311,11 +315,16 @@ def calibrated_toml(calibrations: Sequence[Calibration]) -> str:
             f"{result.beads}",
         ]
         for name, error in result.standard_errors.items():
-            lines.append(f"{name} = {result.constants[name]:.6g}  # +- {error:.2g}")
+            lines.append(f"{name} = {result.constants[name]:.6g}  # +- {error_text(error)}")
         lines.append(
             f"# velocity error: largest {result.worst_error:.1%}, rms {result.rms_error:.1%}"
         )
     return "\n".join(lines) + "\n"
+
+
+def error_text(error: float) -> str:
+    """A standard error with two digits."""
+    return "unknown" if np.isnan(error) else f"{error:.2g}"
 
 
 def _joined(rates: Sequence[float]) -> str:

@@ -93,6 +93,7 @@ def _show_calibration(result: Calibration) -> None:
     from rich import box
     from rich.table import Table
 
+    from ..calibration import error_text
     from ..chain.tapers import rate_symbol
 
     first, last = result.window
@@ -102,7 +103,7 @@ def _show_calibration(result: Calibration) -> None:
         table.add_column(heading, justify="right")
     for name, value in result.constants.items():
         error, printed = result.standard_errors[name], result.printed[name]
-        table.add_row(name, f"{value:.6g}", f"{error:.2g}", f"{printed:.3g}")
+        table.add_row(name, f"{value:.6g}", error_text(error), f"{printed:.3g}")
     show_table(table)
     click.echo(
         f"relative error of velocity: worst {result.worst_error:.2%}, rms {result.rms_error:.2%}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..calibration import Calibration
+from ..calibration import Calibration, error_text
 from ..theory.effective_chain import EffectiveChain
 from ..theory.solitary_wave import SolitaryWave
 from .drawing import (
@@ -58,7 +58,7 @@ def calibration_html(found: Calibration) -> str:
         Curve(bead, np.median(size, axis=0), "median", COLOURS[1]),
     ]
     rows = [
-        (name, f"{value:.5g}", f"{found.standard_errors[name]:.2g}", f"{found.printed[name]:g}")
+        (name, f"{value:.5g}", error_text(found.standard_errors[name]), f"{found.printed[name]:g}")
         for name, value in found.constants.items()
     ]
     shown = {

@@ -81,10 +81,10 @@ print(f"largest error of local_rate: {law.compare(reference).worst('velocity'):.
 print(f"largest error of bca:        {hc.bca(rough).compare(reference).worst('velocity'):.1%}")
 
 # %%
-# ``propagate`` and the theories describe the pulse in a row of elastic balls.  With a wall, a loss,
-# a gap or a drive, they raise an error that names the unsupported feature.  ``simulate``, and
-# ``simulate_many``, ``stream``, ``sweep``, ``design`` and ``fit``, which are based on it, support
-# these chains:
+# ``propagate`` and the theories describe the pulse in a row of elastic balls.  With a wall, a gap
+# or a drive, they raise an error that names the unsupported feature.  Of these methods, only
+# ``local_rate`` supports losses, and not by all laws.  ``simulate``, and ``simulate_many``,
+# ``stream``, ``sweep``, ``design`` and ``fit``, which are based on it, support all of these chains:
 
 try:
     hc.propagate(chain.replace(right_wall=hc.Wall()))

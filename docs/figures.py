@@ -15,14 +15,14 @@ from paper_figures import PAPER_FIGURES
 
 import hertzchain as hc
 from hertzchain.evaluation.evaluate import scoreboard
-from hertzchain.paper.figures import draw_figure, figure_chains, reproduce_figure
+from hertzchain.paper.figures import draw_figure, reproduce_figure
 from hertzchain.paper.listed_errata import errata_chains
 from hertzchain.paper.reproduction import integrate_chains
 from hertzchain.paper.velocity_formulas import draw_formula_errors
 from hertzchain.plotting.colours import COLOURS
 from hertzchain.plotting.pulses import plot_pulses
 from hertzchain.plotting.scoreboard import plot_scoreboard
-from hertzchain.plotting.style import figure_style, mark_horizon
+from hertzchain.plotting.style import figure_bytes, figure_style, mark_horizon
 from hertzchain.plotting.sweeps import plot_sweep
 
 
@@ -157,7 +157,7 @@ def moments() -> Figure:
 
 def figure12() -> Figure:
     """Figure 12 of the paper, recomputed."""
-    return draw_figure(reproduce_figure("figure12", integrate_chains(figure_chains("figure12"))))
+    return draw_figure(reproduce_figure("figure12"))
 
 
 def formula_errors() -> Figure:
@@ -333,8 +333,7 @@ def draw_all(folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     for name, draw in FIGURES.items():
         canvas = draw()
-        # Without a date, two builds give identical files.
-        canvas.savefig(folder / f"{name}.svg", metadata={"Date": None})
+        (folder / f"{name}.svg").write_bytes(figure_bytes(canvas, "svg"))
         plt.close(canvas)
 
 

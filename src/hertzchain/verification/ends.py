@@ -70,7 +70,7 @@ def _single_beads() -> Iterator[Case]:
         )  # fmt: skip
     yield Case(
         "beads on a wall", "duration over (m^2/(R E*^2 v))^(1/5)", 2.87, 5e-3,
-        "Johnson, Eq. 11.24; 2.8683 truncated", _duration, "recalled",
+        "Johnson, Eq. 11.24; 2.8683, rounded", _duration, "recalled",
     )  # fmt: skip
     for bead, name in enumerate(("light", "heavy")):
         yield Case(

@@ -154,6 +154,13 @@ def test_a_chain_at_rest_is_rejected():
             method(still)
 
 
+def test_a_striker_that_moves_backwards_is_not_at_rest():
+    backwards = STEEL.replace(velocities=np.append(-0.1, np.zeros(29)))
+    for method in (hc.local_rate, hc.propagate):
+        with pytest.raises(InputError, match="this one moves backwards .*: give it a velocity > 0"):
+            method(backwards)
+
+
 def test_the_limits_of_hertz_are_checked_where_the_user_called():
     fast = hc.Chain.from_materials(5e-3, "steel-304", beads=10, velocity=5.0)
     for call in (lambda: hc.propagate(fast), lambda: hc.bca(fast)):

@@ -93,3 +93,14 @@ def require_same_units(method: str, chains: Sequence[object]) -> None:
             f"{in_si} of {len(chains)} chains are in SI units and the others are scaled: call "
             f"{method} separately for each kind, so that a table has one set of units"
         )
+
+
+def require_struck(method: str, chain: Chain) -> None:
+    """Raise an error for a chain whose first bead does not move forwards."""
+    velocity = chain.velocities[0]
+    if not velocity > 0.0:
+        raise InputError(
+            f"{method} needs a chain whose first bead is struck, but this one "
+            f"{'moves backwards' if velocity < 0.0 else 'is at rest'} ({chain.description}): "
+            "give it a velocity > 0"
+        )

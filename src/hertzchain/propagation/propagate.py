@@ -16,7 +16,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..chain.chain import Chain
-from ..chain.feature_support import require_chain, require_same_units, require_supported
+from ..chain.feature_support import (
+    require_chain,
+    require_same_units,
+    require_struck,
+    require_supported,
+)
 from ..chain.hertz_range import warn_outside_hertz
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, SimulationError, short_repr
@@ -200,12 +205,7 @@ def _require_supported(method: str, chain: Chain) -> None:
             f"{moving[-1] + 1} has velocity {chain.velocities[moving[-1]]:g}; use simulate "
             f"(chain: {chain.description})"
         )
-    if not chain.velocities[0] > 0.0:
-        raise InputError(
-            f"{method} needs a chain whose first bead is struck, but this one "
-            f"{'moves backwards' if len(moving) else 'is at rest'} ({chain.description}): give it "
-            "a velocity > 0"
-        )
+    require_struck(method, chain)
 
 
 def rows_of(chains: Iterable[Chain | ArrayLike] | ArrayLike) -> list[Chain | ArrayLike]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.conversion import ROUNDING
-from ..chain.feature_support import Alternative, require_chain, require_supported
+from ..chain.feature_support import Alternative, require_chain, require_struck, require_supported
 from ..chain.hertz_range import warn_outside_hertz
 from ..chain.scales import Scales
 from ..errors import InputError, ModelRangeWarning
@@ -82,11 +82,7 @@ def scaled_chain(
     require_supported(
         chain, method, supported=(*supported, *UNIT_FEATURES), alternative=alternative
     )
-    if not chain.velocities[0] > 0.0:
-        raise InputError(
-            f"{method} needs a chain whose first bead is struck, but this one is at rest "
-            f"({chain.description}): give it a velocity"
-        )
+    require_struck(method, chain)
     scaled = Scales.of(chain).to_scaled(chain)
     # Messages describe the chain as it was given.
     scaled._set("_described_as", chain.description)

@@ -2,6 +2,7 @@ import io
 import json
 import multiprocessing
 import os
+import pickle
 import re
 import threading
 import time
@@ -10,9 +11,10 @@ from html.parser import HTMLParser
 import matplotlib.pyplot as plt
 import pytest
 
+from hertzchain.evaluation.evaluate import scoreboard
 from hertzchain.paper.drawings import Drawing, drawing_pool, drawn
 from hertzchain.paper.mathml import plain, typeset
-from hertzchain.paper.report import write_report, write_reserved
+from hertzchain.paper.report import _draw_scoreboard, write_report, write_reserved
 from hertzchain.paper.report_folder import reserved
 from hertzchain.paper.reproduction import reproduce
 from hertzchain.plotting.style import figure_bytes, figure_style, svg_and_png
@@ -189,6 +191,11 @@ def test_processes_draw_beside_this_one():
     with drawing_pool(2) as pool:
         assert pool is None
     assert all(HERE in svg for _, (svg, _) in drawn(drawings, None))
+
+
+def test_a_process_receives_a_scoreboard_unchanged():
+    drawing = Drawing(_draw_scoreboard, scoreboard(theories=["hard-sphere"]))
+    assert pickle.loads(pickle.dumps(drawing)).files() == drawing.files()
 
 
 def test_svg_is_that_of_savefig_and_png_has_its_size():

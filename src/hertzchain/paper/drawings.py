@@ -28,7 +28,6 @@ class Drawing:
 
     function: Callable[[Any], Figure]
     argument: Any
-    movable: bool = True
 
     def files(self) -> tuple[bytes, bytes]:
         """The figure as SVG and PNG."""
@@ -92,9 +91,8 @@ class _Beside:
 
     def fill(self, waiting: list[str]) -> None:
         """Move figures from the end of a list to the processes, but not the last."""
-        movable = [name for name in waiting if self._drawings[name].movable]
-        while len(self._running) < self._most and len(movable) > 1:
-            name = movable.pop()
+        while len(self._running) < self._most and len(waiting) > 1:
+            name = waiting[-1]
             try:
                 assert self._pool is not None
                 self._running[name] = self._pool.submit(self._drawings[name].files)
@@ -102,7 +100,7 @@ class _Beside:
                 # The processes have ended.
                 self._most = 0
             else:
-                waiting.remove(name)
+                waiting.pop()
 
     def completed(self, *, wait: bool = False) -> Iterator[tuple[str, tuple[bytes, bytes]]]:
         """Figures that are complete; with ``wait``, all."""

@@ -181,8 +181,7 @@ def _write_figures(
     drawings: dict[str, Drawing] = {}
     board = reproduction.scoreboard
     if board is not None:
-        # The cases of a scoreboard are functions, which cannot be sent to another process.
-        drawings["scoreboard"] = Drawing(_draw_scoreboard, board, movable=False)
+        drawings["scoreboard"] = Drawing(_draw_scoreboard, board)
         (folder / "scoreboard.csv").write_text(board.to_dataframe().to_csv(index=False), "utf-8")
     if reproduction.all_errata:
         drawings["errata"] = Drawing(draw_formula_errors, reproduction.pulses)

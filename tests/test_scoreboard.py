@@ -62,6 +62,27 @@ def test_errors_of_a_theory_that_is_wrong_by_known_amounts():
     assert board.worst("arrival", first_bead=2) == 0.0
 
 
+def test_coverage_is_that_of_all_groups_by_default():
+    cases = [case_of(np.ones(20)), case_of(np.ones(24), "b", "other", "rough")]
+    exact = [hc.bca(case.chain) for case in cases]
+
+    def theory(chain):
+        # The error is 10% at each bead; the estimate covers it only in the shorter chain.
+        pulse = off_by(1.1)(chain)
+        estimate = 0.2 if chain.beads == 20 else 0.05
+        return dataclasses.replace(pulse, velocity_error=np.full(chain.beads, estimate))
+
+    board = evaluate(cases, exact, {"known": theory, "bca": hc.bca})
+    # Beads 2..17 and 2..21.
+    assert board.coverage("known")[0] == pytest.approx(16 / 36)
+    assert board.coverage("known", "smooth") == pytest.approx((1.0, 2.0))
+    assert board.coverage("known", "rough") == pytest.approx((0.0, 0.5))
+    with pytest.raises(hc.InputError, match="bca does not .* on the chains of smooth and rough$"):
+        board.coverage("bca")
+    with pytest.raises(hc.InputError, match="does not estimate its error on the chains of rough$"):
+        board.coverage("bca", "rough")
+
+
 def test_a_family_gathers_its_chains():
     cases = [case_of(np.ones(20), "a"), case_of(np.ones(24), "b")]
     exact = [hc.bca(case.chain) for case in cases]

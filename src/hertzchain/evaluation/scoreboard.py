@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES as TABLE
-from ..representation import counted
+from ..representation import counted, listed
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
@@ -148,7 +148,7 @@ class Scoreboard:
         theory : str
             Name of a theory that estimates its error.
         *groups : str
-            Groups of chains, keys of ``rows("group")``.
+            Groups of chains, keys of ``rows("group")``; by default, all.
 
         Returns
         -------
@@ -171,6 +171,7 @@ class Scoreboard:
         """
         check_choice("theory", theory, self.theories)
         rows = self.rows("group")
+        groups = groups or tuple(rows)
         for group in groups:
             check_choice("group", group, tuple(rows))
         t = self.theories.index(theory)
@@ -179,7 +180,9 @@ class Scoreboard:
         true = np.abs(self.errors["velocity"][t, chosen, 1:])
         counted = np.isfinite(true) & np.isfinite(estimated)
         if not counted.any():
-            raise InputError(f"{theory} does not estimate its error on chains of {groups}")
+            raise InputError(
+                f"{theory} does not estimate its error on the chains of {listed(groups)}"
+            )
         estimated, true = estimated[counted], true[counted]
         with np.errstate(divide="ignore"):
             return float(np.mean(true <= estimated)), float(np.median(estimated / true))

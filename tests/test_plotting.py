@@ -459,6 +459,19 @@ def test_scaled_and_si_pulses_do_not_share_an_axis():
     )
 
 
+def test_plots_over_time_need_saved_times(tmp_path):
+    run = hc.simulate(hc.Chain.uniform(5), until=1.0, times=[1.0])
+    for draw, what in (
+        (run.plot, "a map"),
+        (lambda: run.plot_forces([2]), "a plot"),
+        (run.budget().plot, "a stacked plot"),
+        (lambda: hc.animate(run, tmp_path / "beads.gif"), "an animation"),
+    ):
+        needed = f"^{what} needs at least 2 saved times, but the run has 1; give simulate times,"
+        with pytest.raises(hc.InputError, match=needed):
+            draw()
+
+
 def test_residuals_are_relative_differences_from_the_first_pulse():
     chain = hc.Chain.tapered("backward-exponential", 0.05, beads=30)
     exact, theory = hc.propagate(chain), hc.bca(chain)

@@ -309,3 +309,9 @@ def test_families_of_unseen_tapers():
     assert step(k, 1.3).tolist() == [1.0, 1.3]
     assert scatter(k, 0.0, seed=1).tolist() == [1.0, 1.0]
     assert is_smooth(random_smooth(np.arange(1.0, 101.0), seed=7))
+
+
+def test_a_scoreboard_is_not_plotted_into_a_number():
+    board = scoreboard(theories=["hard-sphere"])
+    with pytest.raises(hc.InputError, match=r"ax must be .*Axes.*, got 3"):
+        plot_scoreboard(board, ax=3)

@@ -28,7 +28,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback, check_type, file_path
 from .chains import body_collection
-from .colours import grey
+from .colours import COLOURS, grey
 from .runs import check_times, wall_curve
 from .style import figure_style, set_title, time_axis
 from .titles import chain_title
@@ -39,9 +39,9 @@ if TYPE_CHECKING:
 KINDS: Final = (".gif", ".mp4")
 # Dots per inch of the frames, which are 8 inches wide.
 RESOLUTION: Final = 100
-# Colour map of velocities, and colour (red, green, blue) of the marker of the time.
-COLOURS: Final = "RdBu_r"
-MARKER: Final = (213, 94, 0)
+# Colour map of velocities, and colour of the marker of the time.
+COLOUR_MAP: Final = "RdBu_r"
+MARKER: Final = COLOURS[2]
 # Length of the largest motion, and limit of the overlaps, in radii.
 MOTION: Final = 2.0
 MAX_OVERLAP: Final = 0.2
@@ -101,7 +101,7 @@ def animate(
     b'GIF'
     """
     check_type("run", run, Run, "simulate makes one")
-    check_times(run)
+    check_times(run.times, "an animation")
     target = file_path("animation", path)
     frames = whole_number("frames", frames, least=2)
     seconds = number("seconds", seconds, above=0.0)
@@ -118,18 +118,18 @@ def animate(
     if not target.parent.is_dir():
         raise InputError(f"{target} cannot be written: the folder {target.parent} does not exist")
     chosen = np.unique(np.linspace(0, len(run.times) - 1, frames).round().astype(int))
-    pictures = []
-    for picture in _pictures(run, chosen, magnify):
-        pictures.append(picture)
+    drawn = []
+    for frame in _frames(run, chosen, magnify):
+        drawn.append(frame)
         if progress is not None:
-            progress(len(pictures), len(chosen))
+            progress(len(drawn), len(chosen))
     write = _gif if target.suffix == ".gif" else _mp4
-    write_bytes(target, write(pictures, seconds))
+    write_bytes(target, write(drawn, seconds))
     return target
 
 
-def _pictures(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]:
-    """One picture for each chosen time."""
+def _frames(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]:
+    """One frame for each chosen time."""
     from PIL import Image
 
     factor = magnify or _magnification(run)
@@ -232,7 +232,7 @@ def _draw_beads(
     chain, widths = run.chain, half_widths(run.chain)
     fastest = float(np.abs(run.velocities).max())
     places = np.column_stack([centres[0], 0.0 * centres[0]])
-    beads = body_collection(chain, 1.0, places, axes, cmap=COLOURS)
+    beads = body_collection(chain, 1.0, places, axes, cmap=COLOUR_MAP)
     beads.set_clim(-fastest, fastest)
     largest = float(half_heights(chain).max())
     ends = [float((centres - widths).min()), float((centres + widths).max())]
@@ -272,41 +272,41 @@ def _draw_force(axes: Axes, run: Run, unit: float, label: str) -> Any:
     axes.set_xlim(unit * run.times[0], unit * run.times[-1])
     axes.set_xlabel(label)
     axes.set_ylabel(what + newton)
-    return axes.axvline(unit * run.times[0], color=np.divide(MARKER, 255.0), linewidth=1.2)
+    return axes.axvline(unit * run.times[0], color=MARKER, linewidth=1.2)
 
 
-def _gif(pictures: list[Image], seconds: float) -> bytes:
-    from PIL import Image
+def _gif(frames: list[Image], seconds: float) -> bytes:
+    from PIL import Image, ImageColor
 
     content = io.BytesIO()
     # One palette for all frames, so that unchanged pixels do not flicker and compress well: greys
     # for lines and letters, and the colours of velocities.
     greys = np.repeat(np.linspace(0, 255, 8).astype(np.uint8), 3)
-    colours = (255.0 * colormaps[COLOURS](np.linspace(0.0, 1.0, 41))[:, :3]).astype(np.uint8)
+    colours = (255.0 * colormaps[COLOUR_MAP](np.linspace(0.0, 1.0, 41))[:, :3]).astype(np.uint8)
     palette = Image.new("P", (1, 1))
-    palette.putpalette([*greys.tolist(), *colours.ravel().tolist(), *MARKER])
-    reduced = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
+    palette.putpalette([*greys.tolist(), *colours.ravel().tolist(), *ImageColor.getrgb(MARKER)])
+    reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     reduced[0].save(
         content, format="GIF", save_all=True, append_images=reduced[1:], loop=0, optimize=True,
-        duration=max(20, round(1000.0 * seconds / len(pictures))),
+        duration=max(20, round(1000.0 * seconds / len(frames))),
     )  # fmt: skip
     return content.getvalue()
 
 
-def _mp4(pictures: list[Image], seconds: float) -> bytes:
+def _mp4(frames: list[Image], seconds: float) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "animation.mp4"
-        width, height = pictures[0].size
+        width, height = frames[0].size
         figure = plt.figure(figsize=(width / RESOLUTION, height / RESOLUTION), dpi=RESOLUTION)
-        shown = figure.figimage(np.asarray(pictures[0]))
+        shown = figure.figimage(np.asarray(frames[0]))
         writer = FFMpegWriter(
-            fps=max(1, round(len(pictures) / seconds)),
+            fps=max(1, round(len(frames) / seconds)),
             extra_args=["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"],
         )
         try:
             with writer.saving(figure, str(file), RESOLUTION):
-                for picture in pictures:
-                    shown.set_data(np.asarray(picture))
+                for frame in frames:
+                    shown.set_data(np.asarray(frame))
                     writer.grab_frame()
         finally:
             plt.close(figure)

@@ -10,13 +10,13 @@ from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-from ..errors import InputError
 from ..simulation.budget import BALANCED, COLOURS, Balanced, Budget
 from ..simulation.horizon import Horizon
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_type
 from .colours import grey
 from .legends import figure_of, place_legend
+from .runs import check_times
 from .style import (
     figure_style,
     get_axes,
@@ -30,7 +30,7 @@ from .widths import NARROW
 
 # Hatching of locations, besides their colours.
 HATCHES: Final = {"scattered back": "//", "left wall": "\\\\", "lost": ".."}
-TICK: Final = {"energy": ("energy", "J"), "momentum": ("momentum", "N s")}
+UNITS: Final = {"energy": "J", "momentum": "N s"}
 
 
 @checked_arguments("plot_budget")
@@ -73,8 +73,7 @@ def plot_budget(
     legend = check_bool("legend", legend)
     if horizon is not None:
         check_type("horizon", horizon, Horizon, "run.horizon() is one")
-    if len(budget.times) < 2:
-        raise InputError("a stacked plot needs at least 2 saved times, the run has 1")
+    check_times(budget.times, "a stacked plot")
     there = budget.energy if of == "energy" else budget.momentum
     given = budget.energy_given if of == "energy" else budget.momentum_given
     shown = {name: values for name, values in there.items() if np.abs(values).max() > 0.0}
@@ -101,13 +100,12 @@ def plot_budget(
                 axes.text(0.015, height, text, transform=axes.transAxes,
                           fontsize=rcParams["legend.fontsize"],
                           va="top" if height > 0.5 else "bottom")  # fmt: skip
-        quantity, unit = TICK[of]
-        axes.set_ylabel(quantity)
+        axes.set_ylabel(of)
         if budget.chain.units == "SI":
             # The energy of an impact may be a few microjoules; a prefix avoids many zeros.
             scale, prefix = _prefix(float(np.abs([above, below]).max()))
             axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: signed(value / scale)))
-            axes.set_ylabel(f"{quantity} [{prefix}{unit}]")
+            axes.set_ylabel(f"{of} [{prefix}{UNITS[of]}]")
         axes.set_xlabel(label)
         set_title(axes, chain_title(budget.chain))
         axes.margins(x=0.0)

@@ -98,11 +98,7 @@ def plot_run(
     >>> hc.plotting.plot_run(hc.simulate(hc.Chain.uniform(9))).get_xlabel()
     'time $t$'
     """
-    if len(run.times) < 2:
-        raise InputError(
-            f"a map needs at least 2 saved times, but the run has {len(run.times)}; give simulate "
-            "times, such as times=400"
-        )
+    check_times(run.times, "a map")
     check_choice("quantity of a map", quantity, ("velocity", "force"))
     values = run.forces if quantity == "force" else run.velocities
     if check_bool("relative", relative):
@@ -206,7 +202,7 @@ def plot_forces(
     >>> [text.get_text() for text in axes.get_legend().get_texts()]
     ['bead 5', 'bead 10', 'right wall']
     """
-    check_times(run)
+    check_times(run.times, "a plot")
     legend = check_bool("legend", legend)
     name = "" if isinstance(label, str) and not label else text("label", label)
     if isinstance(beads, int | np.integer | str):
@@ -396,7 +392,10 @@ def _with_points(
     return np.insert(times, at, [*new]), np.insert(values, at, [*new.values()])
 
 
-def check_times(run: Run) -> None:
-    """Require at least two saved times."""
-    if len(run.times) < 2:
-        raise InputError(f"a plot needs at least 2 saved times, the run has {len(run.times)}")
+def check_times(times: Array, what: str) -> None:
+    """Require at least two saved times for a plot."""
+    if len(times) < 2:
+        raise InputError(
+            f"{what} needs at least 2 saved times, but the run has {len(times)}; give simulate "
+            "times, such as times=400"
+        )

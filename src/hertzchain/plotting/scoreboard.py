@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
@@ -13,7 +12,7 @@ from ..evaluation.cases import GROUPS
 from ..evaluation.scoreboard import Scoreboard, Statistic
 from ..validation.keywords import checked_arguments
 from .colours import curve_colour, grey
-from .style import MARKERS, figure_style
+from .style import MARKERS, figure_style, get_axes
 from .sweep_labels import METHODS
 from .widths import NARROW, figure_size
 
@@ -64,8 +63,9 @@ def plot_scoreboard(
     outside = board.outside()
     heights, headings = _scoreboard_rows(board)
     with figure_style():
-        size = figure_size(8.0, 0.19 * max(heights) + 1.1)
-        axes = ax if ax is not None else plt.subplots(figsize=size)[1]
+        size = 8.0, 0.19 * max(heights) + 1.1
+        axes = get_axes(ax, size)
+        narrow = figure_size(*size)[0] < NARROW
         shared = _equal_theories(errors, outside)
         for t, theories in enumerate(shared):
             theory, style = theories[0], board.theories.index(theories[0])
@@ -79,7 +79,7 @@ def plot_scoreboard(
                     color=curve_colour(axes, style),
                     markerfacecolor="none",
                     markeredgewidth=1.2,
-                    markersize=4.0 if size[0] < NARROW else 6.0,
+                    markersize=4.0 if narrow else 6.0,
                     alpha=strength,
                     label=None if warned else ", ".join(METHODS.get(t, t) for t in theories),
                 )
@@ -87,7 +87,7 @@ def plot_scoreboard(
             axes.plot([], [], "o", color="0.7", markerfacecolor="none", markersize=6.0,
                       label="pale: outside the range")  # fmt: skip
         axes.set_xscale("log")
-        axes.xaxis.set_major_locator(LogLocator(numticks=3 if size[0] < NARROW else 6))
+        axes.xaxis.set_major_locator(LogLocator(numticks=3 if narrow else 6))
         axes.xaxis.set_minor_locator(LogLocator(numticks=20))
         axes.xaxis.set_major_formatter(lambda percent, _: f"{percent:g}%")
         axes.xaxis.set_minor_formatter(NullFormatter())
@@ -99,13 +99,13 @@ def plot_scoreboard(
         for height, text in headings:
             axes.text(-0.01, height, text, transform=axes.get_yaxis_transform(), ha="right",
                       va="center", fontweight="bold", fontsize="small")  # fmt: skip
-        line = "\n" if size[0] < NARROW else " "
+        line = "\n" if narrow else " "
         axes.set_xlabel(
             f"{WORDS[statistic]} error{line}of {quantity.replace('_', ' ')}, "
             f"$k = {first_bead} \\dots {board.last_bead}$"
         )
         if ax is None:
-            axes.figure.legend(loc="outside upper left", ncols=2 if size[0] < NARROW else 3)
+            axes.figure.legend(loc="outside upper left", ncols=2 if narrow else 3)
         else:
             axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=3)
     return axes

@@ -6,7 +6,6 @@ import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
@@ -21,11 +20,11 @@ from ..sweeps.kept import variable_name
 from ..units import PERCENT
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
-from ..validation.objects import check_bool, check_choice, check_list, check_type
+from ..validation.objects import check_bool, check_choice, check_list
 from .colours import curve_colour, grey, signed_map
 from .legends import place_legend
 from .pulses import label_free_end
-from .style import MARKERS, figure_style, label_log_axis, literal, set_title
+from .style import MARKERS, figure_style, get_axes, label_log_axis, literal, set_title
 from .sweep_axes import edges_of, free_end, places_of, set_axis
 from .sweep_labels import ERRORS, coordinate_text, quantity_label, short_value
 from .widths import NARROW, figure_size
@@ -122,8 +121,6 @@ def plot_sweep(
     log, legend = check_bool("log", log), check_bool("legend", legend)
     given = [] if levels is None else check_list("levels", levels, "numbers")
     levels = [number("level", level) for level in given]
-    if ax is not None:
-        check_type("ax", ax, Axes)
     check_sweep(dataset)
     drawn = _selected(dataset, quantity, at)
     along = [name for name in drawn.dims if name != "approach"]
@@ -135,7 +132,7 @@ def plot_sweep(
     levels = [factor * level for level in levels]
     by = "approach" if len(along) == 1 else None if levels else _short_axis(drawn)
     with figure_style():
-        axes = ax if ax is not None else plt.subplots()[1]
+        axes = get_axes(ax)
         if by is not None:
             outside = _outside(dataset, drawn, at).rename(_outside_label(dataset))
             _curves(drawn, outside, axes, by=by, log=log)
@@ -222,7 +219,7 @@ def _flags(dataset: xr.Dataset, name: str, at: Mapping[str, Any]) -> xr.DataArra
 def _outside(dataset: xr.Dataset, drawn: xr.DataArray, at: Mapping[str, Any]) -> xr.DataArray:
     """Whether a theory was outside its range, for each plotted value."""
     if "outside_range" not in dataset or "approach" not in drawn.coords:
-        return drawn.isnull() & False
+        return drawn.copy(data=np.zeros(drawn.shape, dtype=bool))
     return _flags(dataset, "outside_range", at).astype(bool).broadcast_like(drawn)
 
 

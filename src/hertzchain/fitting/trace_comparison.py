@@ -228,14 +228,14 @@ class TraceComparison:
         >>> len(run.compare(traces).plot().axes)
         8
         """
-        from ..plotting.fits import plot_comparison, plot_sensor
+        from ..plotting.fits import plot_sensor, plot_trace_comparison
 
         if sensor is not None:
             return plot_sensor(self, sensor, legend=legend, ax=ax)
         if ax is not None:
             names = [signal.name for signal in self.traces.shots[0].signals]
             raise InputError(f"ax takes one sensor; give it, such as {names[0]!r}")
-        return plot_comparison(self)
+        return plot_trace_comparison(self)
 
     def __str__(self) -> str:
         return self.summary()

@@ -62,15 +62,14 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     """
     require_chain("plot_chain", chain, beads=1)
     factor, unit = _unit_of_length(chain)
-    low, high = factor * np.array(ends_of(chain))
-    largest = factor * half_heights(chain).max()
+    length, largest = factor * length_of(chain), factor * half_heights(chain).max()
     with figure_style():
         tall = 1.15 * largest
-        axes = get_axes(ax) if ax is not None else _own_axes(chain, (high - low) / largest)
+        axes = get_axes(ax) if ax is not None else _own_axes(chain, length / largest)
         draw_beads(chain, factor, axes)
         draw_walls(chain, factor, tall, axes)
         axes.set_aspect("equal")
-        axes.set_xlim(low - 0.7 * largest, high + 0.7 * largest)
+        axes.set_xlim(-0.7 * largest, length + 0.7 * largest)
         axes.set_ylim(-tall, tall)
         mark_strikers(chain, factor, axes)
         axes.set_xlabel(f"position [{unit}]")
@@ -120,9 +119,11 @@ def mark_strikers(chain: Chain, factor: float, axes: Axes) -> None:
 
 def draw_walls(chain: Chain, factor: float, tall: float, axes: Axes) -> None:
     """Draw the walls of a chain; their thickness is half the radius of the largest bead."""
-    low, high = factor * np.array(ends_of(chain))
     thick = 0.5 * factor * half_heights(chain).max()
-    for wall, at, side in ((chain.left_wall, low, -1.0), (chain.right_wall, high, 1.0)):
+    for wall, at, side in (
+        (chain.left_wall, 0.0, -1.0),
+        (chain.right_wall, factor * length_of(chain), 1.0),
+    ):
         if wall is not None:
             # Gaps have units of displacement: in scaled variables they are much smaller than beads.
             edge = at + side * (factor * wall.gap if chain.units == "SI" else 0.0)
@@ -130,9 +131,9 @@ def draw_walls(chain: Chain, factor: float, tall: float, axes: Axes) -> None:
                                hatch="///", edgecolor="black", linewidth=0.0, zorder=0)  # fmt: skip
 
 
-def ends_of(chain: Chain) -> tuple[float, float]:
-    """Positions of both ends of a chain, from the left one."""
-    return 0.0, float(body_centres(chain)[-1] + half_widths(chain)[-1])
+def length_of(chain: Chain) -> float:
+    """Length of the touching beads of a chain; its left end is drawn at 0."""
+    return float(body_centres(chain)[-1] + half_widths(chain)[-1])
 
 
 def material_colour(name: str | None) -> str:

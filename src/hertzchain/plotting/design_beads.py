@@ -16,7 +16,7 @@ from ..chain.drawn_bodies import body_centres, flat_bodies, half_heights, known_
 from ..collision import Array
 from ..designs.comparison import shown_chains
 from ..designs.verified import Verified, violated
-from .chains import draw_beads, ends_of, material_legend
+from .chains import draw_beads, length_of, material_legend
 from .colours import grey
 from .legends import POINTS_PER_INCH, figure_of
 from .style import figure_style, get_axes
@@ -44,7 +44,7 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             chain = each.chain
             draw_beads(chain, factor, axes, height=row * height)
             if chain.right_wall is not None:
-                end = factor * ends_of(chain)[1]
+                end = factor * length_of(chain)
                 largest = factor * half_heights(chain).max()
                 axes.plot([end] * 2, [row * height - largest, row * height + largest],
                           color=grey(axes), linewidth=3.0)  # fmt: skip
@@ -71,7 +71,7 @@ def height_of_beads(result: DesignResult, width: float) -> float:
     """Height [inch] of both rows of beads in axes of a width [inch]."""
     chains = [each.chain for each in shown_chains(result).values()]
     largest = max(float(half_heights(chain).max()) for chain in chains)
-    length = max(ends_of(chain)[1] for chain in chains)
+    length = max(length_of(chain) for chain in chains)
     return width * (DISTANCE + 2.0) * largest / length
 
 

@@ -310,7 +310,7 @@ def plot_sensor(
     return upper
 
 
-def plot_comparison(comparison: TraceComparison) -> Figure:
+def plot_trace_comparison(comparison: TraceComparison) -> Figure:
     """Plot data and simulation and, below them, their difference over the noise, by sensor."""
     count = len(comparison.sensors)
     columns, size = sensor_grid(count)

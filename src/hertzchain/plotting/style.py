@@ -261,7 +261,7 @@ def mark_horizon(axes: Axes, horizon: Horizon | None, factor: float) -> None:
 def label_right_ends(axes: Axes, labels: Sequence[tuple[float, float, str, str]]) -> None:
     """Label curves at their right ends, moved apart where labels would overlap."""
     to_axes = axes.transData + axes.transAxes.inverted()
-    ends = sorted((*to_axes.transform((x, y)), text, colour) for x, y, text, colour in labels)
+    ends = [(*to_axes.transform((x, y)), text, colour) for x, y, text, colour in labels]
     ends.sort(key=lambda end: end[1])
     spacing = 0.052
     heights = np.array([end[1] for end in ends])

@@ -125,6 +125,7 @@ class PulseTable(Columns):
         if name == "loading_force":
             stiffness, p = self.stiffness, self._contact_exponents
             return lambda overlaps: stiffness * overlaps**p
+        # One per contact, for quantities such as that of the guide "Extending".
         if name == "exponents":
             return self._contact_exponents
         return getattr(self, name)

@@ -25,7 +25,7 @@ class Quantity:
         Its name everywhere: attribute of `Pulse`, variable of datasets, column of files, option of
         commands.
     symbol : str
-        The paper's symbol, in plain text.
+        Symbol in plain text, that of the paper if it has one.
     description : str
         Meaning of the quantity, as a noun phrase.
     unit : str
@@ -49,7 +49,8 @@ class Quantity:
         Allowed values, where they are given: ``"positive"``, ``"positive after the strikers"``,
         ``"nonzero"`` or ``"finite"``.
     estimate : bool
-        Whether it is an error estimate of a theory, which is not compared.
+        Whether only some theories give it, as an estimated error or a spread over random chains;
+        it is not compared.
     scored : bool
         Whether the scoreboard evaluates theories by it.
     attribute : str

@@ -29,8 +29,6 @@ from .batch import ARRIVAL, COLUMNS, PEAK_OVERLAP, PEAK_TIME, RESIDENCE, VELOCIT
 # Number of beads that are integrated; last bead that the free end does not influence; number of
 # beads on which the columns must be geometric series.
 HEAD, SETTLED, REPEATED = 240, 200, 60
-# Minimum number of beads of a chain that is continued.
-LONG: Final = 600
 # Tolerance of the integration, and largest relative deviation from a geometric series.
 RTOL, REPEATING = 1e-10, 1e-9
 # Largest deviation of the logarithms of masses or stiffness from a geometric series.
@@ -45,8 +43,6 @@ def continue_series(batch: Batch, index: int, rtol: float, follow: Follow) -> Ar
     ``follow`` integrates a batch of one chain to `RTOL`.
     """
     beads = int(batch.beads[index])
-    if beads < LONG:
-        return None
     begin = int(batch.first[index])
     masses, stiffness = batch.masses[begin : begin + beads], batch.stiffness[begin:][: beads - 1]
     growth = _factor(masses), _factor(stiffness)

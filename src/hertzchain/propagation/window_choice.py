@@ -2,12 +2,13 @@
 
 The kernels `hertzchain.kernels.narrow_window` and `hertzchain.kernels.wide_window` integrate the
 beads in the window and move it along with the pulse.  The computing time is proportional to the
-width of the window.  For each chain, the following windows are tried in turn:
+width of the window.  A taper is a chain of spheres whose radii only grow or only shrink, at a
+monotonic rate.  For each chain, the following windows are tried in turn:
 
-1. a *narrow* window, if the radii never shrink.  Contacts behind the pulse open, and the beads
-   behind them no longer influence it; the kernel checks this;
-2. a *wide* window, if the chain is a taper: its radii only grow or only shrink, and their rate
-   is monotonic.  In forward tapers, beads behind the pulse push it for longer;
+1. a *narrow* window, if the chain is a taper whose radii never shrink.  Contacts behind the pulse
+   open, and the beads behind them no longer influence it; the kernel checks this;
+2. a *wide* window, if the chain is a taper.  In forward tapers, beads behind the pulse push it for
+   longer;
 3. two wider windows, one of them with smaller steps, if the radii grow and shrink by at most
    `MAX_RATE_IN_WINDOW`.  The results must agree;
 4. increasingly wide windows, until two results agree (`hertzchain.propagation.heterogeneous`),
@@ -39,7 +40,7 @@ from .batch import (
     PulseData,
     difference,
 )  # fmt: skip
-from .geometric_series import LONG, RTOL, continue_series
+from .geometric_series import RTOL, continue_series
 from .heterogeneous import follow_heterogeneous
 
 
@@ -66,6 +67,8 @@ SHRINKING, TURNING, KINK = -1e-4, 1e-6, 0.35
 SPHERES, EVEN_STIFFNESS = 1e-9, 0.05
 # Range of exponents that the window of few beads supports, and mark of all others.
 LOWEST_EXPONENT, HIGHEST_EXPONENT, OTHER = 1.15, 3.0, 0.0
+# Minimum number of beads of a chain that is continued by geometric series.
+LONG: Final = 600
 # Mark of a chain that need not be integrated.
 DONE: Final = 100.0
 # Index of a single chain of a batch.

@@ -39,7 +39,7 @@ CITATIONS: Final = (
     "  Phys. Rev. E 80, 051302 (2009), arXiv:0909.2627.",
     "Loss laws:\n"
     "  Viscoelastic: G. Kuwabara, K. Kono, Jpn. J. Appl. Phys. 26, 1230 (1987),\n"
-    "  doi:10.1143/JJAP.26.1230; N. V. Brilliantov, F. Spahn, J.-M. Hertzsch, T. Poschel,\n"
+    "  doi:10.1143/JJAP.26.1230; N. V. Brilliantov, F. Spahn, J.-M. Hertzsch, T. Poeschel,\n"
     "  Phys. Rev. E 53, 5382 (1996), doi:10.1103/PhysRevE.53.5382.\n"
     "  Restitution: Y. Tsuji, T. Tanaka, T. Ishida, Powder Technol. 71, 239 (1992),\n"
     "  doi:10.1016/0032-5910(92)88030-L.\n"

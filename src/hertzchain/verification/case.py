@@ -17,6 +17,10 @@ ORIGINS: Final[dict[Origin, str]] = {
     "recalled": "published, recalled from memory without access to the full text",
     "abstract": "stated in the abstract, without access to the full text",
 }
+# Source of values that other code computed.
+TWO_INTEGRATIONS: Final = "two integrations"
+# Largest contact force of the pulse that an impact with velocity 1 creates in equal beads.
+PULSE_FORCE: Final = 0.6395542321
 
 
 @dataclass(frozen=True)

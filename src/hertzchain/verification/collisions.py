@@ -14,7 +14,7 @@ from ..chain.laws.unloading_ratio import UnloadingRatio
 from ..chain.laws.viscoelastic import Viscoelastic
 from ..chain.laws.walton_braun import WaltonBraun
 from ..simulation.simulate import simulate
-from .case import Case
+from .case import TWO_INTEGRATIONS, Case
 
 TSUJI = "Tsuji et al., Powder Technol. 71, 239 (1992)"
 SERIES = "Schwager, Poeschel, PRE 57, 650 (1998)"
@@ -43,7 +43,7 @@ def _any_speed() -> Iterator[Case]:
             )  # fmt: skip
     for p in (2.0, 3.0):
         for pulls in (True, False):
-            name = f"the same, e = 0.7, p = {p:g}{'' if pulls else ', no attraction'}"
+            name = f"Hertz damping, e = 0.7, p = {p:g}{'' if pulls else ', no attraction'}"
             yield Case(
                 "restitution", name, 0.7, 1e-8, "damped oscillator in d^((p + 1)/2)",
                 partial(_restitution, Restitution(0.7, attractive=pulls), 0.3, p),
@@ -68,7 +68,7 @@ def _viscoelastic() -> Iterator[Case]:
         )  # fmt: skip
     for b, e in ((0.1, 0.892147587291), (0.2, 0.797550062040)):
         yield Case(
-            "viscoelastic restitution", f"attractive, B = {b:g}", e, 1e-9, "two integrations",
+            "viscoelastic restitution", f"attractive, B = {b:g}", e, 1e-9, TWO_INTEGRATIONS,
             partial(_kuwabara, b, True), "computed",
         )  # fmt: skip
     for b, error in ((0.01, 1e-7), (0.1, 5e-5)):
@@ -80,7 +80,7 @@ def _viscoelastic() -> Iterator[Case]:
     known = {0.1: 0.892858875507, 0.5: 0.595251501135, 1.0: 0.393930603230, 2.0: 0.211646054604}
     for b, e in known.items():
         yield Case(
-            "viscoelastic restitution", f"no attraction, B = {b:g}", e, 1e-9, "two integrations",
+            "viscoelastic restitution", f"no attraction, B = {b:g}", e, 1e-9, TWO_INTEGRATIONS,
             partial(_kuwabara, b, False), "computed",
         )  # fmt: skip
 

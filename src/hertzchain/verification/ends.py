@@ -13,9 +13,8 @@ from ..chain.materials import RIGID, Material
 from ..chain.walls import Wall
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
-from .case import Case, shared
+from .case import PULSE_FORCE, TWO_INTEGRATIONS, Case, shared
 
-TWO_INTEGRATIONS = "two integrations"
 JOHNSON = "Johnson, Contact Mechanics (1985), Eq. 11.22"
 STEEL = Material("steel", density=7810.0, young=210e9, poisson=0.3)
 BRASS = Material("brass", density=8500.0, young=100e9, poisson=0.35)
@@ -91,7 +90,7 @@ def _on(stiffness: float) -> Run:
 
 def _wall_ratio(stiffness: float) -> float:
     """Largest force on a wall over that of the incident pulse."""
-    return _on(stiffness).wall_force().peak / 0.6395542321
+    return _on(stiffness).wall_force().peak / PULSE_FORCE
 
 
 @shared

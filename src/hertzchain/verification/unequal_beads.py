@@ -11,7 +11,7 @@ from ..chain.chain import Chain
 from ..simulation.simulate import simulate
 from ..theory.effective_chain import effective_chain
 from ..theory.solitary_wave import solitary_wave
-from .case import Case
+from .case import TWO_INTEGRATIONS, Case
 
 JAYAPRAKASH = "Jayaprakash et al., PRE 83, 036606 (2011): anti-resonances"
 
@@ -27,7 +27,7 @@ def cases() -> Iterator[Case]:
                                    (0.1224, 0.9935, 6e-5)):  # fmt: skip
         yield Case(
             "dimers", f"velocity 61 over 21, mass ratio {ratio:g}", kept, tolerance,
-            "two integrations", partial(_kept, ratio, 21, 61), "computed",
+            TWO_INTEGRATIONS, partial(_kept, ratio, 21, 61), "computed",
         )  # fmt: skip
     yield Case(
         "dimers", "time per cell over the effective chain's", 1.0, 2.5e-4,

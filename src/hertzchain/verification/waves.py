@@ -21,13 +21,12 @@ from ..theory.bca import bca
 from ..theory.long_wave import QUOTED_COEFFICIENTS, sen_manciu_coefficients
 from ..theory.solitary_wave import SolitaryWave, solitary_wave
 from ..theory.spectrum import spectrum
-from .case import Case, shared
+from .case import PULSE_FORCE, TWO_INTEGRATIONS, Case, shared
 
-TWO_INTEGRATIONS = "two integrations"
 ROSAS = "Rosas, Lindenberg, PRE 69, 037601 (2004)"
 HERBOLD = "Herbold, Nesterenko, PRE 75, 021304 (2007)"
-# Time from bead to bead and force of the wave created by an impact with velocity one.
-PERIOD, FORCE = 1.18975557698, 0.6395542321
+# Time from bead to bead of the wave created by an impact with velocity one.
+PERIOD = 1.18975557698
 
 
 def cases() -> list[Case]:
@@ -286,7 +285,7 @@ def _head_on() -> float:
     velocities = np.zeros(80)
     velocities[[0, -1]] = 1.0, -1.0
     run = simulate(Chain.uniform(80).replace(velocities=velocities), until=70.0, times=0)
-    return float(run.largest_overlaps[40]) ** 1.5 / FORCE
+    return float(run.largest_overlaps[40]) ** 1.5 / PULSE_FORCE
 
 
 @shared

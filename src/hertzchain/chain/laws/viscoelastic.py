@@ -20,7 +20,7 @@ class Viscoelastic(Loss, name="viscoelastic"):
     .. math:: F = k\left(d^{\,p} + p\,A\,d^{\,p-1} d'\right)
 
     For spheres (p = 3/2): G. Kuwabara, K. Kono, Jpn. J. Appl. Phys. 26, 1230 (1987),
-    doi:10.1143/JJAP.26.1230; N. V. Brilliantov, F. Spahn, J.-M. Hertzsch, T. Poschel,
+    doi:10.1143/JJAP.26.1230; N. V. Brilliantov, F. Spahn, J.-M. Hertzsch, T. Poeschel,
     Phys. Rev. E 53, 5382 (1996), doi:10.1103/PhysRevE.53.5382.  Restitution falls as
     :math:`1 - e \propto A v^{1/5}`.  The law is of first order in A over the duration of a
     contact; `hertzchain.simulate` warns if A exceeds that of all contacts.

@@ -26,9 +26,7 @@ def recipes():
         diffs = re.findall(r"^```diff\n(.*?)^```$", text, re.M | re.S)
         blocks = re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S)
         if diffs:
-            # An integrator is compiled.
-            marks = [pytest.mark.long] if title == "Add an integrator" else []
-            yield pytest.param(diffs, blocks, id=title, marks=marks)
+            yield pytest.param(diffs, blocks, id=title)
 
 
 @pytest.mark.long

@@ -19,6 +19,7 @@ from ..chain.tapers import rate_symbol
 from ..collision import Array
 from ..plotting.style import figure_style, label_log_axis, label_right_ends
 from ..pulse.pulse import Pulse
+from ..pulse.quantities import QUANTITIES
 from ..representation import short
 from ..theory.bca import bca, forward_linear_momentum_slope
 from ..theory.modified_bca import modified_bca, printed_velocity
@@ -37,12 +38,7 @@ LONG: Final = 30
 # With its printed constants, the modified BCA does not describe the simulation; see the errata.
 RECALIBRATED: Final = "modified BCA (recalibrated)"
 
-LABELS: Final[dict[FigureQuantity, str]] = {
-    "velocity": "velocity $v_k$",
-    "momentum": "momentum $P_k$",
-    "energy": "kinetic energy $E_k$",
-    "ratio": "$v_k$ of the BCA / $v_k$ of the simulation",
-}
+RATIO_LABEL: Final = "$v_k$ of the BCA / $v_k$ of the simulation"
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,7 +229,8 @@ def draw_figure(figure: Figure) -> MatplotlibFigure:
         if layout.lines is not None:
             layout.lines(axes)
         axes.set_xlabel("bead $k$")
-        axes.set_ylabel(LABELS[published.quantity])
+        ratio = published.quantity == "ratio"
+        axes.set_ylabel(RATIO_LABEL if ratio else QUANTITIES[published.quantity].label)
         axes.set_xlim(right=LAST_BEAD * (1.06 if layout.xscale == "log" else 1.01))
         if layout.yscale == "log":
             label_log_axis(axes.yaxis)

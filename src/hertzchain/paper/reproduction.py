@@ -229,14 +229,15 @@ def _reproduction_html(found: Reproduction) -> str:
 
 def checked_parts(only: Collection[str] | None) -> set[str]:
     """Check that all requested parts of a reproduction exist."""
-    parts = set(items() if only is None else only)
+    known = part_names()
+    parts = set(known if only is None else only)
     if isinstance(only, str) or not parts:
         raise InputError(
-            f"parts must be a list of at least one of {', '.join(items())}; got {only!r}"
+            f"parts must be a list of at least one of {', '.join(known)}; got {only!r}"
         )
     for part in parts:
-        if part not in items():
-            raise unknown_name_error("table or figure", part, items())
+        if part not in known:
+            raise unknown_name_error("part of the reproduction", part, known)
     return parts
 
 
@@ -345,6 +346,6 @@ def _best_theory(board: Scoreboard) -> str:
     )
 
 
-def items() -> tuple[str, ...]:
+def part_names() -> tuple[str, ...]:
     """Names of all parts that can be reproduced, in the order of the paper."""
     return (*published_tables(), *published_figures(), "errata", "scoreboard", "verification")

@@ -37,39 +37,40 @@ def velocity_formulas(taper: str) -> dict[str, Formula]:
     """Velocity formula of the paper for a taper: as printed, corrected and recalibrated."""
     calibrated = calibrated_corrections()[taper]
 
-    def printed(pulse: Pulse) -> Array:
-        assert pulse.chain.rate is not None
-        return printed_velocity(taper, pulse.chain.rate, pulse.bead.astype(float))
-
-    formulas: dict[str, Formula] = {PRINTED: printed}
+    formulas: dict[str, Formula] = {
+        PRINTED: lambda p: printed_velocity(taper, _rate(p), p.bead.astype(float))
+    }
     if taper == "backward-linear":
         ratio = published_ratio(taper).value
         formulas[WITH_PREFACTOR] = lambda p: (
-            ratio * backward_linear_prefactor(p.chain.rate or 0.0) * p.bead**-1.5
+            ratio * backward_linear_prefactor(_rate(p)) * p.bead**-1.5
         )
         formulas[EXACT_PRODUCT] = lambda p: ratio * bca(p.chain).velocity
     elif taper == "forward-linear":
         ratio = published_ratio(taper).value
         formulas["with the exponent -3/2 of Eq. (22)"] = lambda p: (
-            ratio * (1.0 - p.bead / (1.0 + 1.0 / (p.chain.rate or 0.0))) ** -1.5
+            ratio * (1.0 - p.bead / (1.0 + 1.0 / _rate(p))) ** -1.5
         )
         formulas[EXACT_PRODUCT] = lambda p: ratio * bca(p.chain).velocity
     else:
         exchanged = _exchanged(taper)
         formulas[CONSTANTS_SWAPPED] = lambda p: exchanged.velocity(
-            bca(p.chain).velocity, p.chain.rate, p.bead
+            bca(p.chain).velocity, _rate(p), p.bead
         )
-    formulas[CALIBRATED] = lambda p: calibrated.velocity(
-        bca(p.chain).velocity, p.chain.rate, p.bead
-    )
+    formulas[CALIBRATED] = lambda p: calibrated.velocity(bca(p.chain).velocity, _rate(p), p.bead)
     return formulas
+
+
+def _rate(pulse: Pulse) -> float:
+    """Tapering parameter of the chain of a pulse."""
+    rate = pulse.chain.rate
+    assert rate is not None
+    return rate
 
 
 def _exchanged(taper: str) -> PowerLawCorrection:
     """Corrected constants: (c0, x) of the other taper, with negative x for the backward taper."""
-    other: str = (
-        "forward-exponential" if taper == "backward-exponential" else "backward-exponential"
-    )
+    other = "forward-exponential" if taper == "backward-exponential" else "backward-exponential"
     pair, own = published_correction(other), published_correction(taper)
     x = -pair.x if taper == "backward-exponential" else pair.x
     return PowerLawCorrection(c0=pair.c0, x=x, d0=own.d0, y=own.y)

@@ -10,8 +10,7 @@ SMOOTH = ("sines", "spline", "sigmoids", "power", "gauss", "chirp", "ramps", "no
 SCATTERS = (0.001, 0.003, 0.01, 0.02)
 ALTERNATING = (0.99, 0.97, 0.9)
 HIGHEST, LONGEST = 0.3, 25.0
-# Changes of a taper that are so small that a warning is just missing, and how many chains have
-# each of them.
+# Changes of a taper that are so small that a warning is just missing.
 CHANGES = (
     "none", "one odd bead", "one step", "kink", "scatter", "alternating", "decorated",
     "step at the end", "cluster of odd beads",

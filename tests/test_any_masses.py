@@ -3,6 +3,7 @@
 import numba
 import numpy as np
 import pytest
+from pulse_errors import COLUMNS
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -11,7 +12,6 @@ from hertzchain.kernels.powers import power
 from hertzchain.propagation import geometric_series, window_choice
 from hertzchain.propagation.batch import Batch
 
-COLUMNS = ("velocity", "peak_time", "arrival", "peak_overlap")
 RANDOM = np.random.default_rng(3)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy_reference
 from numba import njit
+from pulse_errors import COLUMNS, largest_error
 from scipy.optimize import brentq
 
 import hertzchain as hc
@@ -14,7 +15,6 @@ from hertzchain.propagation import heterogeneous
 from hertzchain.propagation.batch import Batch
 from hertzchain.threads import COUNT
 
-COLUMNS = ("velocity", "peak_time", "arrival", "peak_overlap")
 RADII = np.array([1, 0.3, 3, 0.5, 1, 2, 0.4, 0.6, 1, 0.3, 1, 1, 3, 0.3, 0.3, 1])
 
 
@@ -34,10 +34,6 @@ def follow(chains, behind=100, tolerance=1e-9, grading=1.1, work=10**9):
         wide_window.new_scratch(),
     )  # fmt: skip
     return columns, status
-
-
-def largest_error(pulse, exact):
-    return max(pulse.compare(exact).worst(name, first_bead=1) for name in COLUMNS)
 
 
 # The kernel.

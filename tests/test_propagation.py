@@ -8,17 +8,10 @@ import scipy_reference
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from interruption import interrupted
+from pulse_errors import COLUMNS, largest_error
 
 import hertzchain as hc
 from hertzchain.propagation import propagate
-
-COLUMNS = ("velocity", "peak_time", "arrival", "peak_overlap")
-
-
-def largest_error(pulse, exact, columns=COLUMNS):
-    """Largest relative error of all beads from the second on."""
-    errors = [pulse.compare(exact).worst(name, first_bead=1) for name in columns]
-    return max(errors)
 
 
 def full(chain):

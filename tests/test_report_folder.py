@@ -174,6 +174,6 @@ def test_a_process_killed_while_it_moves_files_leaves_a_folder_that_can_be_used(
 @pytest.mark.parametrize("content", ["", "{}", '{"files": []}', '{"files": {}, "parts": 3}'])
 def test_a_damaged_manifest_is_named(tmp_path, content):
     (tmp_path / MANIFEST).write_text(content)
-    with pytest.raises(hc.InputError, match="is damaged"):
+    with pytest.raises(hc.InputError, match="is damaged, so it is unknown"):
         write_report(reproduce(["table3"]), tmp_path)
     assert list(files(tmp_path)) == [MANIFEST]

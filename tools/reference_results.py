@@ -1,4 +1,4 @@
-"""Compute results of all methods on a set of chains, and compare two versions bit for bit.
+"""Compute results of the most used methods on some chains, and compare two versions bit by bit.
 
 Save the results before a change that must not alter any of them, and compare afterwards:
 

@@ -16,17 +16,28 @@ plt.style.use("hertzchain.figures")
 # %%
 # Follow the pulse along 121 beads for 300 mass ratios.  All contacts have the same stiffness.
 
+
+def velocities(ratios):
+    """Velocities of the heavy beads for several mass ratios."""
+    chains = [hc.Chain.dimer(ratio, beads=121) for ratio in ratios]
+    return hc.propagate_many(chains, rtol=1e-10).velocity[:, ::2]
+
+
+def decays(ratios):
+    """Decay per cell, from heavy bead 41 to heavy bead 111, for several mass ratios."""
+    heavy = velocities(ratios)
+    return np.log(heavy[:, 20] / heavy[:, 55]) / 35
+
+
 ratios = np.geomspace(0.03, 0.99, 300)
-table = hc.propagate_many([hc.Chain.dimer(ratio, beads=121) for ratio in ratios], rtol=1e-10)
-heavy = table.velocity[:, ::2]
-decay = np.log(heavy[:, 20] / heavy[:, 55]) / 35
+decay = decays(ratios)
 
 # %%
-# The decay per cell, from heavy bead 41 to heavy bead 111, has sharp minima.  There, the light bead
-# makes a whole number of oscillations between its neighbours while the pulse passes, and it keeps
-# no energy.  These mass ratios are called *antiresonances* (K. R. Jayaprakash, Y. Starosvetsky,
-# A. F. Vakakis, Phys. Rev. E 83, 036606, 2011); those of the maxima are the *resonances*, at which
-# the light beads take most energy from the pulse.
+# The decay per cell has sharp minima.  There, the light bead makes a whole number of oscillations
+# between its neighbours while the pulse passes, and it keeps no energy.  These mass ratios are
+# called *antiresonances* (K. R. Jayaprakash, Y. Starosvetsky, A. F. Vakakis, Phys. Rev. E 83,
+# 036606, 2011); those of the maxima are the *resonances*, at which the light beads take most energy
+# from the pulse.
 
 inner = slice(1, -1)
 down = (decay[inner] < decay[:-2]) & (decay[inner] < decay[2:]) & (decay[inner] < 1e-3)
@@ -36,14 +47,6 @@ passing, stopping = ratios[inner][down], ratios[inner][up]
 # %%
 # The grid of 300 ratios does not hit the minima, which are narrow.  Refine each of them between its
 # two neighbours, five times with 21 ratios that surround the best one more closely.
-
-
-def decays(some):
-    """Decay per cell for several mass ratios."""
-    pulses = hc.propagate_many([hc.Chain.dimer(ratio, beads=121) for ratio in some], rtol=1e-10)
-    crests = pulses.velocity[:, ::2]
-    return np.log(crests[:, 20] / crests[:, 55]) / 35
-
 
 lowest = []
 for i, ratio in enumerate(passing):
@@ -86,7 +89,8 @@ print("with a decay per cell of          ", ", ".join(f"{x:.0e}" for x in lowest
 print("and decays most at                ", ", ".join(f"{x:.3f}" for x in stopping[::-1]))
 worst = ratios[decay.argmax()]
 print(f"at {worst:.3f}, the velocity decreases by {1 - np.exp(-decay.max()):.1%} per cell")
-weakened = heavy[decay.argmax()] / heavy[decay.argmax(), 0]
+heavy = velocities([worst])[0]
+weakened = heavy / heavy[0]
 for cell in (1, 5, 10, 20, 40):
     cells = "cell" if cell == 1 else "cells"
     print(f"  after {cell} {cells}: {weakened[cell]:.2f} of the velocity of the struck bead")

@@ -40,7 +40,7 @@ def _walled(chain: Chain, loss: object) -> object:
     return simulate(chain.replace(right_wall=Wall(), loss=loss), rtol=1e-6)
 
 
-def _uneven(chain: Chain) -> object:
+def _heterogeneous(chain: Chain) -> object:
     return propagate(Chain.from_radii([*chain.radii, 2.0 * chain.radii[0], *chain.radii]))
 
 
@@ -78,7 +78,7 @@ INTERACTIVE: Final = (
     Stage("the simulation of all beads", _all_beads),
     Stage("walls", lambda chain: _walled(chain, None), general=True),
     Stage("losses", lambda chain: _walled(chain, Dashpot(0.1)), general=True),
-    Stage("heterogeneous chains", _uneven),
+    Stage("heterogeneous chains", _heterogeneous),
 )
 # Those that are usually needed first, including the reproduction of the paper.
 FIRST: Final = (
@@ -181,7 +181,7 @@ PROGRAM: Final = (
 
 
 def _compile_beside(groups: Sequence[Sequence[int]], count: Callable[[], None]) -> None:
-    """Compile each group of stages in a process of its own."""
+    """Compile each group of stages in a separate process."""
     running: list[subprocess.Popen[str]] = []
     try:
         for group in groups:

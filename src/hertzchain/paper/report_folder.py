@@ -52,7 +52,7 @@ def read_manifest(out: Path) -> Manifest:
         return Manifest()
     except (ValueError, TypeError, KeyError, AttributeError):
         raise InputError(
-            f"{os.fspath(out / MANIFEST)!r} is damaged, therefore it is unknown which files of the "
+            f"{os.fspath(out / MANIFEST)!r} is damaged, so it is unknown which files of the "
             f"folder may be replaced; {HINT}"
         ) from None
 

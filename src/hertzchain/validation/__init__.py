@@ -1,1 +1,1 @@
-"""Argument checks: numbers and arrays (`numbers`), all other objects (`objects`)."""
+"""Checks of arguments: keywords, numbers, objects and memory; conversion to JSON types."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -75,30 +76,47 @@ class Conversation:
         self.documents = {"A": document, "B": None}
         self.send = send
         self.latest = Latest()
+        self.closing = threading.Event()
         self.pool = ThreadPoolExecutor(2, "hertzchain-explore")
 
     def receive(self, content: Mapping[str, Any]) -> None:
         """Answer a message; results are computed in a thread."""
-        kind, body = content.get("type"), content.get("body")
+        number, kind, body = (content.get(name) for name in ("id", "type", "body"))
         if kind == "state" and isinstance(body, Mapping):
             self.documents = {"A": body.get("A"), "B": body.get("B")}
-            self.send({"id": content.get("id"), "done": True}, [])
-        elif kind in ("results", "read", "export"):
-            self.pool.submit(self._answer, content.get("id"), kind, body)
+            self.send({"id": number, "done": True}, [])
+        elif kind == "results":
+            try:
+                wanted = Request.of(body)
+            except InputError as error:
+                self.send({"id": number, "done": True, "error": str(error)}, [])
+                return
+            # Registered before a thread is free, so that older requests that occupy it stop.
+            out_of_date = self.latest.begin(wanted.session, wanted.slot, wanted.number)
+            self.pool.submit(
+                self._answer, number, kind, wanted, lambda: out_of_date() or self.closing.is_set()
+            )
+        elif kind in ("read", "export"):
+            self.pool.submit(self._answer, number, kind, body, self.closing.is_set)
 
-    def _answer(self, number: Any, kind: str, body: Any) -> None:
+    def close(self) -> None:
+        """Stop all simulations."""
+        self.closing.set()
+        self.pool.shutdown(wait=False, cancel_futures=True)
+
+    def _answer(self, number: Any, kind: str, body: Any, stop: Callable[[], bool]) -> None:
         last: dict[str, Any] = {"id": number, "done": True}
         buffers: list[bytes] = []
         try:
+            if stop():
+                raise Cancelled
             if kind == "results":
-                wanted = Request.of(body)
-                stop = self.latest.begin(wanted.session, wanted.slot, wanted.number)
-                for part in results(wanted, stop):
+                for part in results(body, stop):
                     self.send({"id": number}, [part.pack()])
             elif kind == "read":
                 last["document"] = document_of_toml(body)
             else:
-                file = export(body, lambda: False)
+                file = export(body, stop)
                 last |= {"name": file.name, "media_type": file.media_type}
                 buffers = [file.content]
         except (InputError, SimulationError) as error:
@@ -129,10 +147,15 @@ def _widget_class() -> Any:
 
         def __init__(self, document: object, height: int) -> None:
             stored = {"kind": "notebook", "about": finite(about(document))}
-            super().__init__(page=embedded_page(stored).decode(), height=height)
             first = stored["about"]["document"]
             self.conversation = Conversation(first, self._send_message)
+            super().__init__(page=embedded_page(stored).decode(), height=height)
             self.on_msg(lambda _, content, __: self.conversation.receive(content))
+
+        def close(self) -> None:
+            """Stop all simulations and remove the page."""
+            self.conversation.close()
+            super().close()
 
         def _send_message(self, content: Mapping[str, Any], buffers: list[bytes]) -> None:
             self.send({"content": dict(content)}, buffers)

@@ -332,6 +332,33 @@ def test_two_chains_are_computed_and_compared(page):
     assert page.document("B") is None
 
 
+def test_each_lane_changes_its_own_chain(page):
+    chain = "materials=steel-52100&radius=5mm&beads=8&taper=uniform&velocity=1m/s"
+    page.tab = page.new_tab(page.origin + f"#{chain}&right_wall.gap=0.1mm")
+    page.tab.click("#compare")
+    page.settle()
+    first = page.document("A")
+    assert page.document("B") == first
+    page.tab.click("#tab-A")
+    x, y, r = page.tab.evaluate("hertzchain.placeOf('B', 8)")
+    page.tab.mouse.move(x + r + 7, y)
+    page.tab.mouse.down()
+    page.tab.mouse.move(x + r + 17, y)
+    page.tab.mouse.up()
+    page.settle()
+    assert page.document("A") == first
+    assert float(page.document("B")["chain"]["right_wall"]["gap"].split()[0]) > 0.2
+    page.tab.click("#tab-A")
+    page.tab.focus("#lane-B")
+    # The controls behind the lanes can be reached while those of chain A are shown.
+    assert page.tab.evaluate("hertzchain.state.active") == "A"
+    page.tab.keyboard.press("End")
+    page.tab.keyboard.press("ArrowUp")
+    page.settle()
+    assert page.document("A") == first
+    assert [each["bead"] for each in page.document("B")["chain"]["with_defects"]] == [8]
+
+
 def open_file(page, path):
     """Open a chain file, which the server reads first."""
     with page.tab.expect_response("**/api/chain"):
@@ -874,12 +901,16 @@ def test_invalid_input_is_explained_next_to_its_control(page):
     assert page.tab.text_content("#problem") == str(error.value) == page.status()
     row = page.tab.locator(".row:has([id='c-chain.rate']) + #problem")
     assert row.count() == 1
-    assert page.tab.get_attribute("[id='c-chain.rate']", "aria-invalid") == "true"
+    rate = page.tab.locator("[id='c-chain.rate']")
+    assert rate.get_attribute("aria-invalid") == "true"
+    assert rate.get_attribute("aria-errormessage") == "problem"
     assert page.tab.evaluate("document.body.classList.contains('stale')")
     assert np.array_equal(page.array("run", "times"), before)
     page.tab.fill("[id='c-chain.rate']", "0.06")
     page.settle()
     assert not page.tab.locator("#problem").is_visible()
+    assert not rate.get_attribute("aria-invalid")
+    assert not rate.get_attribute("aria-describedby")
     check_numbers(page)
 
 
@@ -1002,6 +1033,36 @@ def test_everything_is_reachable_by_keyboard(page):
               "bead", "sensor", "map-of", "quantity", "log", "errors", "budget-of",
               "lane-A"}  # fmt: skip
     assert needed <= reached
+
+
+def test_letters_typed_in_a_list_choose_an_entry(page):
+    sensors = page.tab.evaluate("hertzchain.state.view.sensors")
+    page.tab.focus("#quantity")
+    for letter in "sf?":
+        page.tab.keyboard.press(letter)
+    assert page.tab.evaluate("hertzchain.state.view.sensors") == sensors
+    assert page.tab.evaluate("hertzchain.state.view.camera") == "whole"
+    assert not page.tab.locator("#help").is_visible()
+    page.tab.fill("[id='c-chain.beads']", "25")
+    page.settle()
+    page.tab.focus("#quantity")
+    page.tab.keyboard.press("Control+z")
+    page.settle()
+    assert page.document()["chain"]["beads"] == 40
+
+
+def test_the_address_is_updated_after_skipping_to_the_chain(page):
+    page.tab.focus(".skip")
+    page.tab.keyboard.press("Enter")
+    assert page.tab.evaluate("location.hash") == "#lane-A"
+    page.tab.fill("[id='c-chain.beads']", "25")
+    page.settle()
+    assert "beads=25" in page.tab.evaluate("location.hash")
+
+
+def test_the_time_that_is_shown_is_not_announced(page):
+    announced = page.tab.get_by_role("status")
+    assert [each.get_attribute("id") for each in announced.all()] == ["status"]
 
 
 def test_motion_is_reduced_if_the_system_says_so(browser, running, page):

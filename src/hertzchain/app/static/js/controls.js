@@ -406,7 +406,7 @@ export class Controls {
     const row = control?.closest(".row");
     if (control && row) {
       control.setAttribute("aria-invalid", "true");
-      control.setAttribute("aria-describedby", "problem");
+      control.setAttribute("aria-errormessage", "problem");
       row.after(text);
     } else this.host.append(text);
   }

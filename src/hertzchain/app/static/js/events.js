@@ -55,7 +55,7 @@ export function listen(app) {
 
 /** @param {KeyboardEvent} event @param {App} app */
 function keys(event, app) {
-  const target = /** @type {HTMLElement} */ (event.target), typing = target.matches("input:not([type=range]):not([type=checkbox]), textarea");
+  const target = /** @type {HTMLElement} */ (event.target), typing = target.matches("input:not([type=range]):not([type=checkbox])");
   if (document.querySelector("dialog[open]")) return;
   if ((event.ctrlKey || event.metaKey) && !typing && event.key.toLowerCase() === "z") {
     event.preventDefault();
@@ -63,8 +63,9 @@ function keys(event, app) {
     else app.undo();
     return;
   }
-  if (event.ctrlKey || event.metaKey || event.altKey || typing) return;
+  if (event.ctrlKey || event.metaKey || event.altKey || typing || target.matches("select")) return;
   const onStage = target.matches(".lane");
+  if (onStage && /^(Arrow|Home|End)/.test(event.key)) app.activate(/** @type {any} */ (target.id.slice(-1)));
   const { bead, camera } = app.state.view, beads = app.beads();
   /** @type {Record<string, () => void>} */
   const actions = {
@@ -77,7 +78,7 @@ function keys(event, app) {
       ArrowDown: () => app.resize(bead, app.radiusOf(bead) / 1.05, false),
     } : {}),
   };
-  if (event.key === " " && target.matches("button, summary, select, input")) return;
+  if (event.key === " " && target.matches("button, summary, input")) return;
   const action = actions[event.key];
   if (!action) return;
   event.preventDefault();

@@ -42,7 +42,7 @@ const moved = { A: false, B: false };
 const controls = new Controls($("controls-body"), about, change);
 const views = new Views(about, {
   bead: (bead) => select(Math.max(1, Math.min(own().beads.header?.beads ?? 1, bead))),
-  time: (time) => goToTime(time),
+  time: goToTime,
   hide: (name) => view({ hidden: state.view.hidden.includes(name) ? state.view.hidden.filter((each) => each !== name) : [...state.view.hidden, name] }),
 });
 const map = new SpaceTime($("map"), (bead, time) => { select(bead); goToTime(time); });
@@ -50,8 +50,8 @@ const map = new SpaceTime($("map"), (bead, time) => { select(bead); goToTime(tim
 const stageOf = (slot) => new Stage($(`stage-${slot}`), {
   select: (bead) => { activate(slot); select(bead); },
   sensor: toggleSensor,
-  resize: (bead, radius, moving) => resize(bead, radius, moving),
-  wall: (gap, moving) => moveWall(gap, moving),
+  resize,
+  wall: (gap, moving) => { activate(slot); moveWall(gap, moving); },
 });
 const stages = { A: stageOf("A"), B: stageOf("B") };
 /** @param {Slot} slot */
@@ -282,7 +282,7 @@ function placeOf(slot) {
 function tick(now) {
   awake = false;
   if (playing && last) u += (Math.min(100, now - last) / 1000 / DURATION) * state.view.speed;
-  if (u >= 1) u = u >= 1.06 ? 0 : u;
+  if (u >= 1.06) u = 0;
   last = playing ? now : 0;
   draw();
   if (waiting.length) {
@@ -383,7 +383,7 @@ function goToTime(time) {
 function keepAddress() {
   host.state({ A: state.A, B: state.B });
   // A link that was pasted into the address in the meantime is not overwritten.
-  if (stored || location.hash !== written) return;
+  if (stored || (location.hash !== written && fromLink(location.hash))) return;
   const hash = toLink(state);
   if (hash !== written) window.history.replaceState(null, "", hash);
   written = location.hash;

@@ -111,7 +111,7 @@ export class Stage {
     if (bead < 0 && !this.atWall(x)) return;
     this.canvas.setPointerCapture(event.pointerId);
     if (bead < 0) {
-      this.drag = { wall: true, x, gap: this.wallGap, moved: false };
+      this.drag = { wall: true, x, gap: this.wallGap };
       return;
     }
     const reach = Math.max(4, Math.hypot(x - this.px(this.centres[bead]), y - this.middle));
@@ -128,8 +128,8 @@ export class Stage {
       return;
     }
     if (drag.wall) {
-      drag.moved = true;
-      this.on.wall(Math.max(0, drag.gap + (x - drag.x) / this.look.scale), true);
+      drag.to = Math.max(0, drag.gap + (x - drag.x) / this.look.scale);
+      this.on.wall(drag.to, true);
       return;
     }
     if (!drag.moved && Math.hypot(x - drag.x, y - drag.y) < 3) return;
@@ -144,7 +144,7 @@ export class Stage {
     const drag = this.drag;
     this.drag = null;
     if (!drag) return;
-    if (drag.wall) { if (drag.moved) this.on.wall(this.wallGap, false); }
+    if (drag.wall) { if (drag.to >= 0) this.on.wall(drag.to, false); }
     else if (drag.moved) this.on.resize(drag.bead + 1, NaN, false);
     else this.on.sensor();
   }

@@ -18,7 +18,7 @@ STEEL = {
     "chain": {"taper": "forward-exponential", "rate": 0.03, "beads": 20, "radius": "9.3 mm",
               "materials": "steel-52100", "velocity": "0.02 m/s"}
 }  # fmt: skip
-KINDS = {"f8": "<f8", "f4": "<f4", "i2": "<i2", "i8": "<i8"}
+KINDS = {"f8": "<f8", "f4": "<f4", "i2": "<i2"}
 
 
 def unpacked(raw):

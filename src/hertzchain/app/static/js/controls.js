@@ -4,7 +4,7 @@ import { FACTORS, SHOWN, STEPS, entered, metres, parsed, plain, positionOf, rang
 import { at, changed, listed } from "./state.js";
 
 /** @typedef {import("./state.js").Document} Document */
-/** @typedef {(document: Document, moving: boolean, path: string) => void} Change */
+/** @typedef {(document: Document, moving: boolean) => void} Change */
 /** @typedef {(string | number)[]} Path */
 
 /** @param {string} id @returns {any} */
@@ -138,7 +138,7 @@ export class Controls {
     const begin = this.about.begin.forms[form];
     const dropped = this.keysOfForms;
     const kept = Object.fromEntries(Object.entries(chain).filter(([name]) => !dropped.has(name) && !(form === "mass_ratio" && ["materials", "velocity", "units"].includes(name))));
-    this.change({ ...this.document, chain: { ...(si ? resized(begin, si) : begin), ...(si && form === "taper" ? { radius: "5 mm" } : {}), ...kept } }, false, "form");
+    this.change({ ...this.document, chain: { ...(si ? resized(begin, si) : begin), ...(si && form === "taper" ? { radius: "5 mm" } : {}), ...kept } }, false);
   }
 
   /** A table of the schema: on or off, or several. @param {string} name */
@@ -232,7 +232,7 @@ export class Controls {
   /** @param {Path} path @param {any} value @param {boolean} [moving] */
   put(path, value, moving = false) {
     this.last = path.join(".");
-    this.change(changed(this.document, path, value), moving, this.last);
+    this.change(changed(this.document, path, value), moving);
   }
 
   /** @param {Path} path @param {any} key @param {string} [label] @returns {HTMLElement} */
@@ -262,7 +262,7 @@ export class Controls {
       chain[name] = chosen === "forward-linear" ? +(0.65 / (beads - 1)).toPrecision(2) : chosen.endsWith("linear") ? 0.2 : 0.05;
     }
     this.last = place.join(".");
-    this.change({ ...this.document, chain }, false, this.last);
+    this.change({ ...this.document, chain }, false);
   }
 
   /** @param {string} id @param {string} label @param {[string, string][]} choices @param {() => string} read
@@ -370,7 +370,7 @@ export class Controls {
       chain = resized(chain, false);
       for (const name of Object.keys(chain)) if (this.isTable(name) || (typeof chain[name] === "string" && /^[\d.].*[^%]$/.test(chain[name]))) delete chain[name];
     }
-    this.change({ ...this.document, chain }, false, this.last);
+    this.change({ ...this.document, chain }, false);
   }
 
   /** Whether a key is a table with quantities that have units. @param {string} name */

@@ -4,7 +4,7 @@
 
 const VERSION = 1;
 /** @type {Record<string, any>} */
-const KINDS = { f8: Float64Array, f4: Float32Array, i2: Int16Array, i8: BigInt64Array };
+const KINDS = { f8: Float64Array, f4: Float32Array, i2: Int16Array };
 
 /** The arrays are views of the buffer. @param {ArrayBuffer} buffer @param {number} [start]
  * @returns {Part} */

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from ..chain.bead_names import walls_of
 from ..chain.chain import Chain
 from ..errors import InputError, SimulationError
 from ..propagation.propagate import propagate
@@ -92,7 +93,7 @@ def _python(given: Mapping[str, Any], _: Stop) -> Export:
     exact = "hc.propagate(chain)" if _supported(chain) else "run.pulse()"
     lines += [f"pulse = {exact}", "print(run)", "print(pulse)"]
     lines += ["print(pulse.to_dataframe().to_string())"]
-    lines += ["print(run.wall_force())"] if chain.right_wall is not None else []
+    lines += [f"print(run.wall_force({side!r}))" for side in walls_of(chain)]
     lines += [f"print(run.sensor_force({k}))" for k in _sensors(chain, given.get("sensors"))]
     lines += [""]
     return Export("chain.py", "text/x-python", "\n".join(lines).encode())
@@ -110,13 +111,14 @@ def _supported(chain: Chain) -> bool:
 def _csv(given: Mapping[str, Any], stop: Stop) -> Export:
     """All pulses, one row per bead, with all digits."""
     chain = chain_of(given.get("document"))
-    pulses, _ = _pulses(chain, stop)
-    unit = {each: f" [{QUANTITIES[each].unit}]" if not chain.scaled else "" for each in QUANTITIES}
+    pulses = _pulses(chain, stop)
+    units = {name: each.unit_in(chain.units) for name, each in QUANTITIES.items()}
     head = ["bead", "radius [m]" if not chain.scaled else "radius"]
     columns: list[Any] = [range(1, chain.beads + 1), chain.face_radii]
     for name, pulse in pulses.items():
         for quantity, values in pulse.columns().items():
-            head.append(f"{quantity} ({name}){unit[quantity]}")
+            unit = "" if units[quantity] == "1" else f" [{units[quantity]}]"
+            head.append(f"{quantity} ({name}){unit}")
             columns.append(np.concatenate([values, [np.nan] * (chain.beads - len(values))]))
     rows = (
         ",".join("" if value != value else repr(value) for value in row)
@@ -126,16 +128,15 @@ def _csv(given: Mapping[str, Any], stop: Stop) -> Export:
     return Export("pulse.csv", "text/csv; charset=utf-8", text.encode())
 
 
-def _pulses(chain: Chain, stop: Stop) -> tuple[dict[str, Pulse], Run | None]:
+def _pulses(chain: Chain, stop: Stop) -> dict[str, Pulse]:
     """The simulated pulse and those of all theories that support the chain."""
-    simulated, run = _simulated(chain, stop)
-    found = {"simulation": simulated}
+    found = {"simulation": _simulated(chain, stop)[0]}
     for name, theory in THEORIES.items():
         try:
             found[name] = theory(chain)
         except InputError:
             continue
-    return found, run
+    return found
 
 
 def _simulated(chain: Chain, stop: Stop) -> tuple[Pulse, Run | None]:
@@ -164,15 +165,16 @@ def _figure(given: Mapping[str, Any], stop: Stop) -> Export:
     form = check_choice("format", given.get("format", "svg"), FORMATS)
     quantity = check_choice("quantity", given.get("quantity", "velocity"), QUANTITIES)
     chain = chain_of(given.get("document"))
-    pulses, run = (
-        _pulses(chain, stop) if kind in ("pulse", "map", "forces", "budget") else ({}, None)
-    )
-    if kind in ("map", "forces", "budget") and run is None:
-        run = _run(chain, pulses["simulation"], stop)
+    curves: dict[str, Pulse] = {}
+    run: Run | None = None
+    if kind == "pulse":
+        curves = _shown_curves(given, quantity, chain, _pulses(chain, stop), stop)
+    elif kind != "chain":
+        simulated, run = _simulated(chain, stop)
+        run = run or _run(chain, simulated, stop)
     if kind == "forces" and run is not None:
         places = _places(chain, given.get("sensors"))
         run, _ = run_for_forces(run, places, RTOL, limited(stop))
-    curves = _shown_curves(given, quantity, chain, pulses, stop) if kind == "pulse" else {}
     with _figures:
         content = _draw(kind, form, quantity, chain, curves, run, given)
     return Export(f"{kind}.{form}", FORMATS[form], content)

@@ -127,7 +127,7 @@ def _coarse(run: Run, resolution: float) -> str:
 
 
 def beads_of(chain: Chain, balls: Places) -> list[int]:
-    """Beads with a sensor, from numbers that do not count the strikers; others are left out."""
+    """Beads with a sensor, from numbers that do not count the strikers; others are omitted."""
     return [k for k in (ball + chain.strikers for ball in balls) if 1 <= k <= chain.beads]
 
 
@@ -192,5 +192,5 @@ def _wall_peaks(run: Run, side: Side, progress: Callable[..., None] | None) -> d
             yielding = first
     return {
         "first": first, "time": time, "largest": largest, "largest_time": largest_time,
-        "impulse": wall.impulse, "yielding": yielding, "shown": shown,
+        "yielding": yielding, "shown": shown,
     }  # fmt: skip

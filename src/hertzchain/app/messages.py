@@ -21,7 +21,7 @@ MAX_INT16: Final = 32767
 
 @dataclass(frozen=True)
 class Part:
-    """One message: 4 bytes length, 4 bytes version, the header, and the arrays."""
+    """A message: length of the header and version (4 bytes each), the header, and the arrays."""
 
     header: Mapping[str, Any]
     arrays: Mapping[str, np.ndarray[Any, Any]] = field(default_factory=dict)

@@ -69,6 +69,7 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
         chain = chain_of(request.document)
         table = _Theories(chain)
         table.add([name for name in THEORIES if name not in COMPILED])
+        table.add_effective_chain()
     before = warnings_on_the_page(warned)
     yield Part(
         {"part": "beads", **identity, **_description(chain), "theories": table.header,
@@ -76,12 +77,12 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
         _bead_arrays(chain) | table.arrays,
     )  # fmt: skip
     began = time.perf_counter()
-    with record_warnings() as warned:
+    with record_warnings():
         exact, refusal = _propagated(chain)
         compiled = _Theories(chain)
         compiled.add(COMPILED)
     if exact is not None:
-        yield _pulse_part(request, exact, compiled, warned, began)
+        yield _pulse_part(request, exact, compiled, began)
     if exact is not None and not request.run:
         return
     began = time.perf_counter()
@@ -93,7 +94,7 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
         if exact is None:
             pulse = pulse_of(run)
             note = refusal if pulse is None else ""
-            yield _pulse_part(request, pulse, compiled, [], began, note)
+            yield _pulse_part(request, pulse, compiled, began, note)
         if request.run:
             found = _not_repeated(before, warnings_on_the_page(warned))
             found += [] if request.draft else _unfinished_impact(run, whole)
@@ -114,12 +115,10 @@ def _not_repeated(before: list[str], found: list[str]) -> list[str]:
 
 
 def _description(chain: Chain) -> dict[str, Any]:
-    p = chain.exponents
     walls = ("left wall", "right wall")
     return {
         "description": chain_in_words(chain), "beads": chain.beads, "units": chain.units,
         "features": list(chain.features), "strikers": chain.strikers,
-        "exponent": p if isinstance(p, float) else None,
         "walls": [name.removesuffix(" wall") for name in walls if name in chain.features],
         "kinds": [[name, _sizes(chain, beads)] for name, beads in _kinds(chain).items()],
     }  # fmt: skip
@@ -146,7 +145,7 @@ def _bead_arrays(chain: Chain) -> dict[str, Array]:
         kinds[beads] = number
     return {"radii": chain.face_radii, "masses": chain.masses, "centres": body_centres(chain),
             "widths": half_widths(chain), "heights": half_heights(chain),
-            "start": chain.velocities, "kinds": kinds}  # fmt: skip
+            "kinds": kinds}  # fmt: skip
 
 
 class _Theories:
@@ -168,10 +167,8 @@ class _Theories:
                     continue
             self.header[name] = {"note": sentences(warnings_on_the_page(warned))}
             self.arrays |= pulse_arrays(name, pulse)
-        if COMPILED[0] not in names:
-            self._add_effective_chain()
 
-    def _add_effective_chain(self) -> None:
+    def add_effective_chain(self) -> None:
         """Evaluate the large beads of a decorated chain; nothing for other chains."""
         with record_warnings() as warned:
             try:
@@ -199,9 +196,8 @@ def _propagated(chain: Chain) -> tuple[Pulse | None, str]:
 
 
 def _pulse_part(
-    request: Request, exact: Pulse | None, compiled: _Theories, warned: list[Warning],
-    began: float, note: str = "",
-) -> Part:  # fmt: skip
+    request: Request, exact: Pulse | None, compiled: _Theories, began: float, note: str = ""
+) -> Part:
     arrays, unordered = dict(compiled.arrays), ""
     if exact is not None:
         arrays |= pulse_arrays("exact", exact)
@@ -210,8 +206,7 @@ def _pulse_part(
     header = {
         "part": "pulse", **request.identity, "theories": compiled.header,
         "method": exact.method if exact is not None else None, "note": note,
-        "table_note": unordered,
-        "warnings": warnings_on_the_page(warned), "seconds": time.perf_counter() - began,
+        "table_note": unordered, "seconds": time.perf_counter() - began,
     }  # fmt: skip
     return Part(header, arrays)
 
@@ -303,11 +298,8 @@ def _run_part(
     arrays |= _pressures(whole)
     modes = "" if request.draft else _add_spectrum(chain, arrays)
     header = {
-        "part": "run", **request.identity, "status": run.status, "message": _end(run),
-        "success": run.success, "rtol": run.rtol, "steps": run.steps,
-        "peaks": peaks, "energy_drift": run.energy_drift, "momentum_drift": run.momentum_drift,
-        "beads_passed": run.beads_passed, "spectrum": modes,
-        "warnings": warnings,
+        "part": "run", **request.identity, "message": _end(run), "success": run.success,
+        "peaks": peaks, "energy_drift": run.energy_drift, "spectrum": modes, "warnings": warnings,
         "seconds": {"simulate": took, "pack": time.perf_counter() - began},
     }  # fmt: skip
     return Part(header, arrays)
@@ -368,5 +360,5 @@ def _add_spectrum(chain: Chain, arrays: dict[str, Any]) -> str:
         modes = spectrum(chain)
     except InputError as error:
         return str(error)
-    arrays |= {"modes.frequency": modes.frequencies, "modes.decay": modes.decay_rates}
+    arrays["modes.frequency"] = modes.frequencies
     return ""

@@ -179,6 +179,58 @@ def test_messages_are_clear_sentences(run, tmp_path, monkeypatch, arguments, sai
     assert said in err
 
 
+BEADS = '[chain]\ntaper = "uniform"\nbeads = 6\n'
+DRIVEN = BEADS + 'drive = {kind = "step", amplitude = 0.3}\n'
+STEEL_BEADS = BEADS + 'materials = "steel-52100"\nradius = "5 mm"\n'
+AT_REST = STEEL_BEADS + 'velocity = "0 m/s"\n'
+RETREATING = STEEL_BEADS + 'velocity = "-1 m/s"\n'
+
+
+@pytest.mark.parametrize(
+    ("chain", "options", "said"),
+    [
+        (DRIVEN, ("simulate",), "so nothing ends the run; give --until or a right_wall\n"),
+        (DRIVEN, ("pulse", "--method", "simulate"),
+         "so nothing ends the run; use hertzchain simulate --until\n"),
+        (AT_REST, ("simulate",), "; give it a velocity, a striker or a drive, or --until\n"),
+        (AT_REST, ("pulse", "--method", "simulate"),
+         "is not struck; give it a velocity, a striker or a drive\n"),
+        (AT_REST, ("pulse", "--speed", "1 m/s"),
+         "the file has a drive, no moving bead, or beads with different velocities"),
+        (RETREATING, ("simulate",), "; give a positive velocity, or --until\n"),
+    ],
+)  # fmt: skip
+def test_advice_is_about_options_that_the_command_has(run, tmp_path, chain, options, said):
+    command, *more = options
+    file = tmp_path / "chain.toml"
+    file.write_text(chain, "utf-8")
+    code, out, err = run(command, file, *more)
+    assert (code, out) == (2, "")
+    assert said in err
+
+
+def test_keys_of_chain_files_are_named_where_a_chain_file_is_given(run):
+    for command in (("compare", "data.csv", "chain.toml"), ("forecast", "chain.toml")):
+        _, _, err = run(*command, "--beads", 5)
+        assert "No such option '--beads'; in a chain FILE, write beads = ... in [chain]\n" in err
+    for command in ("plot", "export"):
+        code, _, err = run("sweep", command, "a.zarr", "b.csv", "--beads", 5)
+        assert code == 2
+        assert "No such option '--beads'" in err
+        assert "chain FILE" not in err
+
+
+@pytest.mark.filterwarnings("default")
+def test_unfinished_runs_name_the_option_that_sets_their_end(run, tmp_path):
+    file = tmp_path / "soft.toml"
+    wall = "left_wall = {}\nright_wall = {stiffness = 1e-3}\n"
+    file.write_text(BEADS + wall, "utf-8")
+    code, _, err = run("simulate", file, "--until", 10)
+    assert code == 0
+    assert "(without --until, a run ends by itself, at t = " in err
+    assert "because a run without --until lasts no longer" in run("simulate", file)[1]
+
+
 def test_messages_of_functions_are_clear_sentences():
     chain = hc.Chain.uniform(5)
     for call, said in (

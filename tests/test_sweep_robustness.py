@@ -498,9 +498,10 @@ def test_shards_merge_into_the_same_bytes(specification, undisturbed, tmp_path, 
     shards = [tmp_path / f"{i}" for i in (1, 2, 3)]
     for i, shard in enumerate(shards[:2], start=1):
         run("sweep", specification, "--store", shard, "--shard", f"{i}/3")
-    partly = run("sweep", "merge", tmp_path / "all", *shards[:2])
+    partly = run("sweep", "merge", tmp_path / "all", *shards[:2], "--json")
     assert partly.returncode == 1
     assert "lacks" in partly.stderr
+    assert f"lacks {json.loads(partly.stdout)['missing']} points" in partly.stderr
     hc.sweep(specification, shards[2], shard=(3, 3))
     _, missing = hc.merge_sweeps(shards, tmp_path / "all")
     assert missing == 0

@@ -15,10 +15,6 @@ if TYPE_CHECKING:
     from ..chain.walls import Wall
 
 BOOLEANS: Final = {"true": True, "false": False}
-MANY_VELOCITIES: Final = (
-    "replaces the velocity of the impact, but the file has a drive or beads with different "
-    "velocities: change them in the file"
-)
 
 
 def at_speed(chain: Chain, speed: str) -> Chain:
@@ -29,7 +25,10 @@ def at_speed(chain: Chain, speed: str) -> Chain:
 
     moving = chain.velocities != 0.0
     if chain.drive is not None or not moving.any() or np.ptp(chain.velocities[moving]) > 0.0:
-        raise click.UsageError(f"--speed {MANY_VELOCITIES}")
+        raise click.UsageError(
+            "--speed replaces the velocity of the impact, but the file has a drive, no moving "
+            "bead, or beads with different velocities: change them in the file"
+        )
     if not chain.scaled:
         require_unit_of_speed(speed)
     value = number("--speed", as_typed(speed), unit=chain._unit("m/s"), above=0.0)

@@ -98,7 +98,7 @@ def _explained(
     other = NAMES_OF_ARGUMENTS.get(name)
     if any(other in param.opts for param in command.params):
         return click.UsageError(f"No such option '{error.option_name}'; use {other}", ctx)
-    if not any(param.name in ("files", "file") for param in command.params):
+    if not any(param.name in ("files", "file", "chain") for param in command.params):
         return error
     from ..store.chain_schema import KEYS
 

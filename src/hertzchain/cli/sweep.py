@@ -157,17 +157,17 @@ def status(store: Path, skip_damaged: bool, as_json: bool) -> int:
 
 @sweep.command()
 @click.argument("store", type=click.Path(path_type=Path))
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("target", type=click.Path(path_type=Path), metavar="FILE")
 @_skip_damaged
-def export(store: Path, file: Path, skip_damaged: bool) -> None:
+def export(store: Path, target: Path, skip_damaged: bool) -> None:
     """Write a store as one FILE: .csv, .parquet or .nc (netCDF-4)."""
     import hertzchain
 
     from ..store.sweep_export import ENDINGS, export_sweep
     from ..store.sweep_store import SweepStore
 
-    check_writable(file, "FILE", ENDINGS)
-    export_sweep(hertzchain.open_sweep(store, skip_damaged=skip_damaged), file)
+    check_writable(target, "FILE", ENDINGS)
+    export_sweep(hertzchain.open_sweep(store, skip_damaged=skip_damaged), target)
     counts = SweepStore(store, skip_damaged=skip_damaged).counts()
     if counts["missing"]:
         click.echo(
@@ -175,14 +175,15 @@ def export(store: Path, file: Path, skip_damaged: bool) -> None:
             "specification again with this store",
             err=True,
         )
-    click.echo(file)
+    click.echo(target)
 
 
 @sweep.command()
 @click.argument("into", type=click.Path(path_type=Path))
 @click.argument("stores", type=click.Path(path_type=Path), nargs=-1, required=True)
 @_skip_damaged
-def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool) -> int:
+@json_option("Print the outcome as JSON.")
+def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool, as_json: bool) -> int:
     """Join the STORES of all shards into the store INTO."""
     import hertzchain
 
@@ -195,12 +196,12 @@ def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool) -> int:
             "this store",
             err=True,
         )
-    return _show_outcome(SweepStore(into), None, as_json=False)
+    return _show_outcome(SweepStore(into), None, as_json)
 
 
 @sweep.command()
 @click.argument("store", type=click.Path(path_type=Path))
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("target", type=click.Path(path_type=Path), metavar="FILE")
 @click.option("--quantity", metavar="NAME", help="Quantity to plot.  [default: the first kept]")
 @click.option(
     "--at",
@@ -217,10 +218,10 @@ def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool) -> int:
 )
 @click.option("--log", is_flag=True, help="Use a logarithmic scale for the quantity.")
 @_skip_damaged
-@with_width("file")
+@with_width("target")
 def plot(
-    store: Path, file: Path, quantity: str | None, at: tuple[str, ...], level: tuple[float, ...],
-    log: bool, skip_damaged: bool,
+    store: Path, target: Path, quantity: str | None, at: tuple[str, ...],
+    level: tuple[float, ...], log: bool, skip_damaged: bool,
 ) -> None:  # fmt: skip
     """Plot a store to FILE (.png, .svg or .pdf): curves over one axis, a map over two.
 
@@ -231,12 +232,12 @@ def plot(
 
     from ..plotting.sweeps import plot_sweep
 
-    check_writable(file, "FILE", PICTURES)
+    check_writable(target, "FILE", PICTURES)
     chosen = dict(map(_place, at))
     found = hertzchain.open_sweep(store, skip_damaged=skip_damaged)
     axes = plot_sweep(found, quantity, log=log, levels=list(level) or None, **chosen)
-    save_figure(axes, file)
-    click.echo(file)
+    save_figure(axes, target)
+    click.echo(target)
 
 
 def _pool(scheduler: str | None, processes: bool, workers: int | None) -> Any:

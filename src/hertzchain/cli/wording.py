@@ -23,12 +23,9 @@ WORDINGS: Final = (
     (r"\buse largest_so_far\b", "use the largest force so far"),
     (r"\bsimulate with until='([^']*)'", r"add --until '\1'"),
     (r"\buntil='([^']*)'", r"--until '\1'"),
-    (r"; give (.*), or until$", r"; give \1, or --until"),
-    (r"\band give until$", "and give --until"),
     # In a specification of a sweep, it is the key method.max_steps.
     (r"(?<![-.'])\bmax_steps\b", "--max-steps"),
     (r"\bgive load_traces sensors=\{'([^']*)': '([^']*)'\}", r"add --sensor '\1=\2'"),
-    (r"\bgive sensors to load_traces\b", "add --sensor"),
     (r"\bgive (the )?noise\b", "give --noise"),
     (r"\(scan_defects\)", "(--defects)"),
     (r"\(compare_losses\)", "(--laws all)"),
@@ -48,6 +45,11 @@ BY_OPTION: Final = {
         (r"^beads must be selected", "--only must select beads"),
     ),
     "contact": ((r"^contact must be", "--transfer must be"),),
+    "until": (
+        (r"\bgive until\b", "give --until"),
+        (r"(; give .*), or until$", r"\1, or --until"),
+        (r"\bwithout until\b", "without --until"),
+    ),
     "drift": (
         (
             r"^step and drift require method .*",
@@ -55,6 +57,8 @@ BY_OPTION: Final = {
         ),
     ),
     "methods": (
+        (r", or until$", ""),
+        (r"\bgive until\b.*", "use hertzchain simulate --until"),
         (r"\buse simulate, or bca\(.*restitution=e\)", "use --method simulate"),
         (r"\buse propagate or simulate\b", "use --method propagate or --method simulate"),
         (r"\buse simulate\b", "use --method simulate"),

@@ -213,6 +213,16 @@ def test_a_line_of_modes_does_not_cross_the_gap():
     assert pieces[0] > pieces[1] == 1
 
 
+def test_materials_have_a_legend_only_where_each_bead_is_drawn():
+    for cells, drawn in ((5, True), (150, False)):
+        dimer = hc.Chain.periodic([9e-3, 4e-3], cells=cells, materials=["steel-316", "ptfe"])
+        root, _ = parsed(dimer)
+        words = [each.text for each in root.iter("span")] + [
+            each.tail for each in root.iter("span")
+        ]
+        assert ("ptfe" in words) == bool(root.findall(".//circle")) == drawn
+
+
 def test_limits_of_hertz_are_a_table():
     fast = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.45)
     found = hc.hertz_range(fast)
@@ -378,6 +388,12 @@ def test_a_distribution_names_percentiles_that_it_does_not_determine():
         )
         said = "10 chains do not determine the percentiles 5% and 95%; at least 20 do."
         assert (said in found._repr_html_()) == few
+
+
+def test_one_chain_exceeds_the_limits():
+    found = hc.distribution(hc.Chain.uniform(5), "velocity@last", hc.Scatter(0.01, samples=20))
+    for count, said in ((1, "1 chain exceeds the limits"), (2, "2 chains exceed the limits")):
+        assert said in parsed(replace(found, outside_range=count))[1]
 
 
 @pytest.mark.parametrize("units", UNITS)

@@ -21,7 +21,18 @@ from ..chain.materials import RIGID, Material
 from ..chain.scales import Scales
 from ..chain.walls import Wall
 from ..collision import Array
-from .drawing import COLOURS, WIDTH, engineering, legend, note, numbers, page, svg, table
+from .drawing import (
+    COLOURS,
+    WIDTH,
+    engineering,
+    legend,
+    note,
+    numbers,
+    page,
+    sentence,
+    svg,
+    table,
+)
 
 # Beads beyond which the outline of the chain is drawn instead of circles.
 MAX_CIRCLES: Final = 240
@@ -34,12 +45,17 @@ def chain_html(chain: Chain) -> str:
     """Figure and numbers of a chain."""
     parts = [_drawing(chain)]
     kinds = [*dict.fromkeys(each.name for each in chain.materials or ())]
-    if 1 < len(kinds) <= len(COLOURS):
+    if 1 < len(kinds) <= len(COLOURS) and chain.beads <= MAX_CIRCLES:
         parts.append(legend(zip(kinds, COLOURS, strict=False)))
     parts.append(numbers(_numbers(chain)))
     if chain.units == "scaled":
-        first = "the first" if chain.radii[chain.strikers] == 1.0 else "a"
-        parts.append(note(f"Scaled variables: in units of {first} radius and the impact."))
+        first = "the first radius" if chain.radii[chain.strikers] == 1.0 else "a radius"
+        parts.append(
+            note(
+                f"Scaled variables: lengths are in units of {first}, velocities in units of that "
+                "of the impact."
+            )
+        )
     return page("Chain", chain.description, *parts)
 
 
@@ -128,7 +144,7 @@ def _shapes(chain: Chain, centres: Array, sizes: tuple[Array, Array], middle: fl
 
 
 def _outline(centres: Array, radii: Array, middle: float) -> str:
-    """The radii along the chain, as a band; the largest and smallest of each column."""
+    """The radii along the chain, as a band: the largest of each column."""
     columns = np.array_split(np.arange(len(centres)), min(len(centres), 300))
     x = [float(centres[column].mean()) for column in columns]
     r = [float(radii[column].max()) for column in columns]
@@ -197,8 +213,8 @@ def hertz_range_html(found: HertzRange) -> str:
         else [name, "unknown", "-", f"{limit:g}", UNKNOWN_YIELD]
         for name, value, place, limit in rows
     ]
-    sentences = [*found.violations, *([ESTIMATED] if found.estimated else [])]
-    notes = [note(f"{text[0].upper()}{text[1:]}.") for text in sentences]
+    texts = [*found.violations, *([ESTIMATED] if found.estimated else [])]
+    notes = [note(sentence(text)) for text in texts]
     return page(
         "HertzRange", f"{len(found.overlap_ratio)} contacts, numbered from the left wall (0)",
         table(("ratio", "largest", "at", "limit", ""), cells), *notes,

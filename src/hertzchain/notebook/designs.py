@@ -11,7 +11,7 @@ from ..designs.distribution import Distribution
 from ..designs.report import front_in_words, search_in_words
 from ..designs.result import DesignResult
 from ..representation import counted
-from .drawing import Curve, axis_unit, chart, engineering, note, numbers, page, table
+from .drawing import Curve, axis_unit, chart, engineering, note, numbers, page, sentence, table
 
 PERCENTILES: Final = (5, 50, 95)
 
@@ -36,7 +36,7 @@ def design_html(result: DesignResult) -> str:
     parts = [numbers(found)]
     if result.parts:
         parts.append(table(["count", "ball"], [[str(n), name] for n, name in result.parts]))
-    parts += [note(f"{each[:1].upper()}{each[1:]}.") for each in result.notes]
+    parts += [note(sentence(each)) for each in result.notes]
     return page("DesignResult", str(problem.objective), *parts)
 
 
@@ -58,8 +58,10 @@ def distribution_html(found: Distribution) -> str:
     few = found._few_values_note(PERCENTILES)
     notes = [note(f"{few}.")] if few else []
     if found.outside_range:
-        notes += [note(f"{found.outside_range} chains exceed the limits of Hertz's law.")]
+        exceed = "exceeds" if found.outside_range == 1 else "exceed"
+        chains = counted(found.outside_range, "chain")
+        notes += [note(f"{chains} {exceed} the limits of Hertz's law.")]
     if yielding := found._yielding_note:
-        notes.append(note(f"{yielding[:1].upper()}{yielding[1:]}."))
+        notes.append(note(sentence(yielding)))
     about = f"{found.quantity} of {len(found.values)} random chains: {found.chain.description}"
     return page("Distribution", about, figure, numbers(words), *notes)

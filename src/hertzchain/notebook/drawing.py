@@ -73,6 +73,11 @@ def note(text: str) -> str:
     return f'<div style="opacity:0.75;font-size:12px;margin-top:4px">{escape(text)}</div>'
 
 
+def sentence(text: str) -> str:
+    """A text with a capital letter and a full stop; nothing if it is empty."""
+    return f"{text[:1].upper()}{text[1:]}." if text else ""
+
+
 def numbers(values: Mapping[str, str]) -> str:
     """Numbers in rows, each below its name."""
     items = "".join(

@@ -27,6 +27,7 @@ from .drawing import (
     note,
     numbers,
     page,
+    sentence,
     table,
 )
 
@@ -151,4 +152,4 @@ def _figures(shot: Shot, models: Sequence[Array | None]) -> list[str]:
 
 
 def _notes(texts: Iterable[str]) -> list[str]:
-    return [note(f"{text[0].upper()}{text[1:]}.") for text in texts if text]
+    return [note(sentence(text)) for text in texts if text]

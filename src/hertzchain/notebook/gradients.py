@@ -7,7 +7,7 @@ import numpy as np
 from ..collision import Array
 from ..derivatives.result import Gradient
 from ..representation import measure
-from .drawing import COLOURS, Curve, chart, legend, note, numbers, page, table
+from .drawing import COLOURS, Curve, chart, legend, note, numbers, page, sentence, table
 
 
 def gradient_html(found: Gradient) -> str:
@@ -32,7 +32,7 @@ def gradient_html(found: Gradient) -> str:
     rows = [_row(name, values, found.units[name]) for name, values in found.gradient.items()]
     parts.append(table(("parameter", "largest derivative", "at"), rows))
     if found.status != "complete":
-        parts.append(note(f"{found.status[:1].upper()}{found.status[1:]}."))
+        parts.append(note(sentence(found.status)))
     return page("Gradient", found.quantity, *parts)
 
 

@@ -37,7 +37,7 @@ def pulse_html(pulse: Pulse) -> str:
     factor, unit = axis_unit(pulse.velocity, "m/s", units)
     known = pulse.velocity[np.isfinite(pulse.velocity) & (pulse.velocity > 0.0)]
     log = bool(len(known)) and float(known.max()) > LOG_RANGE * float(known.min())
-    # The last bead at a free end is no part of the curve.
+    # The last bead at a free end is not part of the curve.
     end = len(pulse.velocity) - ends_free(pulse, "velocity")
     marks = [Mark(float(beads), factor * pulse.velocity[-1], "")] if end < beads else []
     curves = [Curve(pulse.bead[:end].astype(float), factor * pulse.velocity[:end], "mean")]

@@ -25,6 +25,7 @@ from .drawing import (
     note,
     numbers,
     page,
+    sentence,
     table,
 )
 
@@ -50,7 +51,7 @@ def run_html(run: Run) -> str:
     else:
         parts.append(note("No times were saved, so there are no curves to draw."))
     if run.prediction:
-        parts.append(note(f"{run.prediction[0].upper()}{run.prediction[1:]}."))
+        parts.append(note(sentence(run.prediction)))
     if not run.success:
         parts.append(note(f"The run failed: {run.message}."))
     return page("Run", run.chain.description, *parts)
@@ -139,10 +140,10 @@ def wall_force_html(wall: WallForce) -> str:
     if not complete:
         parts.append(note(f"The run ended too early: {wall.reason}."))
     else:
-        sentences = [wall._later] if ended else [wall._later, wall.reason]
-        parts.extend(note(f"{each[:1].upper()}{each[1:]}.") for each in sentences)
+        reasons = [wall._later] if ended else [wall._later, wall.reason]
+        parts.extend(note(sentence(each)) for each in reasons)
     if wall._caution:
-        parts.append(note(f"{wall._caution[:1].upper()}{wall._caution[1:]}."))
+        parts.append(note(sentence(wall._caution)))
     return page("WallForce", f"{wall.side} wall", *parts)
 
 
@@ -150,10 +151,10 @@ def horizon_html(horizon: Horizon) -> str:
     """Estimated error of the velocities over time."""
     factor, second = axis_unit(horizon.times, "s", horizon.chain.units)
     curve = Curve(factor * horizon.times, 100.0 * horizon.error)
-    message = f"{horizon.message[:1].upper()}{horizon.message[1:]}."
     return page(
         "Horizon", horizon.chain.description,
-        chart([curve], f"time{second}", "estimated error [%]", log=True), note(message),
+        chart([curve], f"time{second}", "estimated error [%]", log=True),
+        note(sentence(horizon.message)),
     )  # fmt: skip
 
 

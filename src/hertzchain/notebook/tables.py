@@ -44,7 +44,7 @@ def pulse_table_html(pulses: PulseTable) -> str:
         Curve(place + 1.0, factor * high, "5% to 95%", COLOURS[5], base=factor * low),
         Curve(place + 1.0, factor * middle, "median", COLOURS[0]),
     ]
-    # The last beads of free ends are no part of the curve.
+    # The last beads of free ends are not part of the curve.
     curves += [
         Curve(np.full(2, float(k)), factor * end[[0, 2]], "", COLOURS[5]) for k, end in ends.items()
     ]

@@ -24,6 +24,7 @@ from .drawing import (
     note,
     numbers,
     page,
+    sentence,
     table,
 )
 
@@ -209,4 +210,4 @@ def _per_contact(values: Array, unit: str, name: str, units: str) -> str:
 
 def _notes(notes: object) -> list[str]:
     reasons = dict.fromkeys(notes.values()) if isinstance(notes, dict) else {}
-    return [note(f"{reason[0].upper()}{reason[1:]}.") for reason in reasons if reason]
+    return [note(sentence(reason)) for reason in reasons if reason]

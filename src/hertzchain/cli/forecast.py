@@ -8,7 +8,6 @@ from typing import Any
 
 import click
 
-from .exit_codes import DONE
 from .fit_options import also_free_option, free_option, prior_option, priors_from
 from .options import StrictCommand, json_option, noise_from, seconds_from
 from .output import show_json
@@ -50,7 +49,7 @@ def forecast(
     chain: Path, sensors: tuple[str, ...], noises: tuple[str, ...], interval: str,
     free: tuple[str, ...], also_free: tuple[str, ...], priors: tuple[str, ...], until: str | None,
     as_json: bool,
-) -> int:  # fmt: skip
+) -> None:  # fmt: skip
     """Forecast the errors of a fit before you measure.
 
     CHAIN is a chain file with assumed values; its table [fit] names free parameters and priors.
@@ -80,7 +79,6 @@ def forecast(
         show_json(plan.as_dict())
     else:
         click.echo(on_command_line(plan.summary()))
-    return DONE
 
 
 def _usual(

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from .exit_codes import OUTSIDE_TOLERANCE
+from .exit_codes import DONE, OUTSIDE_TOLERANCE
 from .options import StrictCommand, json_option, names_from, window_from
 from .output import show_json
 from .progress import progress_bar
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
     type=click.Path(path_type=Path),
     default=Path("reproduction"),
     show_default=True,
-    metavar="DIR",
+    metavar="FOLDER",
     help="Folder for the report, figures and data.",
 )
 @click.option(
@@ -46,7 +45,7 @@ if TYPE_CHECKING:
 @json_option("Print verdict.json.")
 def reproduce(
     only: str | None, out: Path, window_exponential: str, window_linear: str, as_json: bool
-) -> None:
+) -> int:
     """Recompute every table and figure of the paper.
 
     The results are compared with the numbers printed in the paper.
@@ -87,8 +86,7 @@ def reproduce(
         click.echo(f"Report: {page}")
     if replaced:
         click.echo(replaced, err=True)
-    if not result.within_tolerance:
-        sys.exit(OUTSIDE_TOLERANCE)
+    return DONE if result.within_tolerance else OUTSIDE_TOLERANCE
 
 
 def _show_reproduction(result: Reproduction) -> None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Literal
 
 import click
 
-from .exit_codes import OUTSIDE_TOLERANCE
+from .exit_codes import DONE, OUTSIDE_TOLERANCE
 from .options import StrictCommand, json_option, names_from
 from .output import show_json, show_table
 from .progress import progress_bar
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     "--only", metavar="NAMES", help="Groups of cases, separated by commas: walls, dimers, ..."
 )
 @json_option()
-def verify(only: str | None, as_json: bool) -> None:
+def verify(only: str | None, as_json: bool) -> int:
     """Compare computed with exact and published values.
 
     The sources are listed below the table, with the origin of each value: derived,
@@ -43,8 +42,7 @@ def verify(only: str | None, as_json: bool) -> None:
         show_json(as_dict(verdicts))
     else:
         _show_verdicts(verdicts)
-    if not all(verdict.agrees for verdict in verdicts):
-        sys.exit(OUTSIDE_TOLERANCE)
+    return DONE if all(verdict.agrees for verdict in verdicts) else OUTSIDE_TOLERANCE
 
 
 def _show_verdicts(verdicts: list[Verdict]) -> None:

@@ -26,15 +26,16 @@ from .wording import on_command_line
     "--method",
     metavar="NAME",
     help="Method of search: law, scan, hybrid, gradient or evolution for sizes; "
-    "enumerate or genetic for balls and their order.  [default: chosen by problem]",
+    "enumerate or genetic for balls and their order.  [default: that of FILE, or chosen "
+    "by problem]",
 )
-@click.option("--seed", type=int, help="Seed of the random numbers.  [default: 0]")
+@click.option("--seed", type=int, help="Seed of the random numbers.  [default: that of FILE, or 0]")
 @click.option(
     "--store",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
     help="Folder of the journals of trials, one for each problem, method, budget and seed.  "
-    "[default: the name of FILE with .design]",
+    "[default: the name of FILE with .design, in the working folder]",
 )
 @click.option("--threads", type=int, help="Number of threads.  [default: one per processor]")
 @click.option(

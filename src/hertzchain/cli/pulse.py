@@ -41,7 +41,7 @@ def _methods() -> tuple[str, ...]:
 
 
 def _method_help() -> str:
-    return f"Repeatable: {', '.join(_methods())}."
+    return f"Method; repeatable: {', '.join(_methods())}."
 
 
 @click.command(cls=StrictCommand)

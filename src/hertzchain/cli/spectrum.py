@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     help="With --plot or --csv, plot or print the force in this contact per harmonic force on "
     "bead 1, instead of the bands; contact k is between beads k and k + 1.",
 )  # fmt: skip
-@json_option()
+@json_option("Print modes, bands and gaps as JSON.")
 @click.option(
     "--csv",
     "as_csv",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .options import StrictCommand, check_writable
+from .options import StrictCommand, bead_from, check_writable
 
 
 @click.command(cls=StrictCommand)
@@ -87,7 +87,7 @@ def _save(file: Path | None, other: Path | None, sensors: tuple[str, ...], page:
 
     document = document_of_file(file)
     compared = None if other is None else document_of_file(other)
-    beads = [int(each) if each.strip().isdecimal() else each for each in sensors]
+    beads = [bead_from(each) for each in sensors]
     names = {"A": file.name} | ({} if other is None else {"B": other.name})
     write_page(document, compared, beads, page, names)
     click.echo(f"{page} written: open it in a browser")

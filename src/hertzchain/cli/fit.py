@@ -259,7 +259,7 @@ def _other_kind(scan: DefectScan, fit: FitResult | None, best: FitResult) -> str
     """A line on a kind of defect that is not the best one."""
     from ..fitting.defect_scan import FOUND, WORDS
 
-    what = f"{WORDS[scan.kind][0].removesuffix(' at each of').removesuffix(' of each of')}"
+    what = WORDS[scan.kind][0].removesuffix(" at each of").removesuffix(" of each of")
     if fit is None:
         return f"{what}, of {scan.names[0]} to {scan.names[-1]}, explains no more than noise would"
     name, other = fit.names[-1], best.names[-1]

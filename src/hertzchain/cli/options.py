@@ -175,6 +175,11 @@ def _require_unit(option: str, text: str) -> None:
         )
 
 
+def bead_from(text: str) -> int | str:
+    """The number of a bead; any other text is left to the parser of names."""
+    return int(text) if text.strip().isdecimal() else text
+
+
 def window_from(option: str, text: str) -> tuple[int, int]:
     """Parse ``FIRST:LAST``, the first and last bead of a window."""
     try:

@@ -52,15 +52,15 @@ def progress_bar(
         announce_compilation(lambda line: bar.update(task, description=line.partition(", ")[0]))
 
         def update(done: int, total: int) -> None:
-            told = pace.text(done, total) if pace else ""
+            text = pace.text(done, total) if pace else ""
             if not counted:
                 bar.update(task, description=f"{what}: {done}")
             elif done < total:
-                bar.update(task, description=what, completed=done, total=total, pace=told)
+                bar.update(task, description=what, completed=done, total=total, pace=text)
             else:
                 # Further work may follow; the clock of a bar that is full would stop.
                 bar.tasks[0].total = None
-                bar.update(task, description=f"{what}: {done}, finishing", pace=told)
+                bar.update(task, description=f"{what}: {done}, finishing", pace=text)
 
         try:
             yield update
@@ -128,7 +128,7 @@ class _Lines:
     def __call__(self, done: int, total: int) -> None:
         now = time.monotonic()
         self.done, self.total = done, total
-        told = self.pace.text(done, total) if self.pace else ""
+        text = self.pace.text(done, total) if self.pace else ""
         # After a first line, the last one states the total.
         complete = self.counted and done >= total
         due = now - self.begun >= self.interval or (complete and self.latest >= 0)
@@ -136,7 +136,7 @@ class _Lines:
         if not due or done == self.latest:
             return
         of = f" of {total}" if self.counted else ""
-        click.echo(f"{self.what}: {done}{of}" + (f", {told}" if told else ""), err=True)
+        click.echo(f"{self.what}: {done}{of}" + (f", {text}" if text else ""), err=True)
         self.begun, self.latest = now, done
         self.interval = min(2.0 * self.interval, LONGEST_INTERVAL)
 

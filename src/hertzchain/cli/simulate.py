@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import Fraction, StrictCommand, check_writable, figure_option, json_option, time_from
+from .options import (
+    Fraction,
+    StrictCommand,
+    bead_from,
+    check_writable,
+    figure_option,
+    json_option,
+    time_from,
+)
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .run_summary import run_as_dict, show_run
@@ -52,10 +60,16 @@ USUAL_TIMES: Final = 400
     type=click.Choice(["adaptive", "symplectic", "verlet", "forward-4"]),
     default="adaptive",
     show_default=True,
-    help="Method; symplectic takes fixed steps, for long runs of elastic chains.",
+    help="Method: adaptive, or fixed steps for long runs of elastic chains; symplectic chooses the "
+    "faster of verlet and forward-4.",
 )
-@click.option("--step", metavar="TIME", help="Step of the symplectic method.")
-@click.option("--drift", type=Fraction(), help="Largest energy drift of the symplectic method.")
+@click.option("--step", metavar="TIME", help="Step of the methods with fixed steps.")
+@click.option(
+    "--drift",
+    type=Fraction(),
+    help="Largest energy drift with fixed steps, instead of --step.  "
+    "[default: 1e-5 without --step]",
+)
 @click.option(
     "--max-steps",
     type=int,
@@ -221,8 +235,7 @@ def _beads(chain: Chain, sensors: tuple[str, ...], forces: Path | None) -> list[
     from ..chain.bead_names import bead_number, wall_number
 
     inside = [each for each in sensors if wall_number(chain, each) is None]
-    places = [int(each) if each.strip().isdecimal() else each for each in inside]
-    beads = [bead_number(chain, each, "--sensor", walls=True) for each in places]
+    beads = [bead_number(chain, bead_from(each), "--sensor", walls=True) for each in inside]
     if forces is not None and not _places(chain, beads):
         raise click.UsageError("--forces requires a force: add --sensor BEAD or --wall MATERIAL")
     return beads

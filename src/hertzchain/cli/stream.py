@@ -38,14 +38,14 @@ def stream_into(
     from ..store import results
     from ..store.streaming import stream
 
-    moments = _saved_times(until, times)
+    saved_times = _saved_times(until, times)
     try:
         with progress_bar("times saved") as progress:
-            stored = stream(chain, folder, times=moments, progress=progress, **steps)
+            stored = stream(chain, folder, times=saved_times, progress=progress, **steps)
     except KeyboardInterrupt:
         click.echo(f"saved times are in {folder}; run the same command again to resume", err=True)
         raise
-    files, end = len(stored.files), float(moments[-1])
+    files, end = len(stored.files), float(saved_times[-1])
     if as_json:
         document = results.document_of(chain)
         document |= {"folder": str(folder), "files": files, "saved_times": times, "end_time": end}
@@ -65,11 +65,9 @@ def _saved_times(until: float | None, times: int) -> Array:
     """The requested number of evenly spaced times from 0."""
     import numpy as np
 
-    from ..validation.numbers import number
-
     if until is None:
         raise click.UsageError("--stream requires --until, the stop time")
     try:
-        return np.linspace(0.0, number("until", until, above=0.0), times)
+        return np.linspace(0.0, until, times)
     except MemoryError:
         raise click.UsageError(f"--times {times} do not fit in memory; save fewer") from None

@@ -758,6 +758,12 @@ def test_files_of_designs_and_fits_show_their_chain(tmp_path):
         document_of_toml(text + "[desing]\n")
 
 
+def test_ball_grades_of_the_slider_exist():
+    balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=4)
+    for grade in about()["ranges"]["grade"][0]:
+        assert balls.with_scatter(1, grade=grade).radii.std() > 0.0
+
+
 def test_chains_in_words_name_strikers():
     plain = hc.Chain.uniform(10)
     assert chain_in_words(plain) == "uniform, 10 beads"

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from .. import __version__
 from ..chain.materials import catalogue
+from ..chain.random_radii import BALL_GRADES
 from ..chain.tapers import TAPERS
 from ..pulse.quantities import QUANTITIES
 from ..store.chain_schema import chain_schema
@@ -44,7 +45,7 @@ RANGES: Final = {
     "beads": (2, 200), "cells": (1, 100), "exponent": (1.1, 4), "rate": (0.001, 0.3),
     "mass_ratio": (0.01, 1), "ratio": (0.05, 1.2), "relative": (0, 0.3), "seed": (0, 50),
     "count": (1, 8), "between": (1, 4), "strikers": (0, 5), "cycles": (0.5, 20),
-    "grade": (3, 200),
+    "grade": (min(BALL_GRADES), max(BALL_GRADES)),
 }  # fmt: skip
 # Values with which forms of chains and new tables begin where the schema has no default: those of
 # scaled chains, and in SI units by name or dimension.

@@ -361,6 +361,37 @@ def test_excess_over_a_static_force_is_what_counts():
     assert 0.95 * np.sqrt(1.5) < slope < np.sqrt(1.5)
 
 
+@pytest.mark.parametrize(
+    ("ratio", "drive"),
+    [
+        # Smaller beads reflect a compression as a rarefaction; every second half of a burst is one.
+        (1.0 / 1.3, hc.SineBurst(0.01, 0.02, cycles=0.5, window="none")),
+        (1.3, hc.SineBurst(0.01, 0.05, cycles=2)),
+    ],
+)
+def test_reflection_rejects_rarefactions_and_names_the_flux(ratio, drive):
+    """The flux agrees with the acoustic impedances, sqrt(K m) with K as R^(1/3) and m as R^3."""
+    chain = interface(ratio).replace(precompression=1.0, held_by="force", velocities=np.zeros(120))
+    run = hc.simulate(chain.replace(drive=drive), until=110.0, times=1200)
+    with pytest.raises(hc.SimulationError, match="rarefactions, which reflection") as refused:
+        run.reflection(30, 80)
+    assert "flux.left[29] / flux.right[29]" in str(refused.value)
+    flux, impedance = run.energy_flux(), ratio ** (5.0 / 3.0)
+    acoustic = ((1.0 - impedance) / (1.0 + impedance)) ** 2
+    # The linearised chain reflects 4% more at a frequency of 0.05 than in the limit of long waves.
+    assert flux.left[29] / flux.right[29] == pytest.approx(acoustic, rel=0.05)
+
+
+def test_reflection_of_strong_waves_in_a_weakly_compressed_chain():
+    """Rarefactions have almost no energy there, and the coefficients are those without force."""
+    found = [
+        hc.simulate(chain, until=140.0, times=1500).reflection(50, 75)
+        for chain in (interface(2.0), interface(2.0).replace(precompression=1e-6, held_by="force"))
+    ]
+    free, pressed = (each.reflected_energy for each in found)
+    assert pressed == pytest.approx(free, rel=5e-3)
+
+
 def test_tables_and_pictures():
     chain = hc.Chain.uniform(30).replace(right_wall=hc.Wall())
     waves = hc.simulate(chain, until=60.0, times=600).waves()

@@ -96,12 +96,17 @@ class EnergyFlux:
 def energy_flux_of(self: Trajectory) -> EnergyFlux:
     """Energy that passed each contact, to the right and to the left.
 
-    Use it for strongly disordered chains, in which waves last for a few contacts only.
+    Use it for strongly disordered chains, in which waves last for a few contacts only, and for
+    precompressed chains, in which rarefactions carry energy, too.
 
     Raises
     ------
     InputError
         If fewer than 8 times were saved during the passage of the strongest wave.
+
+    See Also
+    --------
+    Run.reflection : Coefficients of single waves of compression, and the waves themselves.
 
     Examples
     --------

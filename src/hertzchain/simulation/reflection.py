@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 # Events above this fraction of the largest force at their contact are counted; below this fraction
 # of the largest force of the run, forces are those of rounding errors.
 THRESHOLD, ROUNDING = 1e-3, 1e-9
-# Waves below this fraction of the incident energy need not be resolved, and counting does not end
-# when they enter from outside.
+# Waves below this fraction of the incident energy need not be resolved, counting does not end when
+# they enter from outside, and rarefactions with less energy than this are neglected.
 WEAK: Final = 0.01
 # Fraction of the incident energy that may be missing, still be between the contacts, or enter from
 # outside before the incident wave has left; fraction of the momentum that may be missing.
@@ -235,13 +235,18 @@ def reflection_of(
         of one of the waves.
     SimulationError
         If no wave towards ``after`` passes the contact ``before``, or another wave enters
-        before it has passed.
+        before it has passed.  Also if rarefactions, which are not counted, carry more than 1% of
+        the incident energy through one of the contacts, as in precompressed chains.
 
     Warns
     -----
     InputWarning
         If more than 5% of the incident energy is missing from the balance, because of other
         waves, or is still between the contacts; if ``missing_momentum`` exceeds 5%.
+
+    See Also
+    --------
+    Run.energy_flux : Energy of all waves, for precompressed or strongly disordered chains.
 
     Examples
     --------
@@ -295,6 +300,7 @@ def reflection_of(
             key=abs,
         ),
     )  # fmt: skip
+    _check_rarefactions(self, found)
     _check_count(self, found)
     _warn_of_balance(found)
     return found
@@ -361,6 +367,29 @@ def _energy_between(run: Trajectory, first: int, second: int, times: Array) -> A
 
 def _time(chain: Chain, time: float) -> str:
     return f"t = {measure(time, 's', chain.units, 6)}"
+
+
+def _check_rarefactions(run: Trajectory, found: Reflection) -> None:
+    """Raise an error if waves below the static force, which are not counted, have much energy."""
+    shares = {}
+    for contact in (found.before, found.after):
+        curves = ContactCurves(run, contact)
+        during = (curves.times >= found.incident.begin) & (curves.times <= found.until)
+        # Without a static force, a negative force is that of a loss that pulls.
+        below = during & (curves.force < 0.0) & (static_forces_of(run)[contact] > 0.0)
+        energy = np.trapezoid(np.where(below, np.abs(curves.power), 0.0), curves.times)
+        shares[contact] = float(energy) / found.incident.energy
+    contact, share = max(shares.items(), key=lambda each: each[1])
+    if share > WEAK:
+        there, back = ("right", "left") if found.after > found.before else ("left", "right")
+        raise SimulationError(
+            f"no coefficients: rarefactions, which reflection does not count, carry {share:.2g} "
+            f"times the energy of the first wave through contact {contact}; use flux = "
+            f"run.energy_flux(): flux.{back}[{found.before - 1}] / "
+            f"flux.{there}[{found.before - 1}] is the reflected fraction if the reflected wave "
+            f"arrives at contact {found.before} after the incident one has passed, and the run "
+            "ends before waves return from the ends"
+        )
 
 
 def _check_count(run: Trajectory, found: Reflection) -> None:

@@ -846,6 +846,20 @@ def test_a_dry_run_states_what_the_estimate_does_not_contain(run, tmp_path):
     assert "without starting and compiling" in out
 
 
+def test_a_dry_run_shows_the_names_of_axes_that_differ_in_the_results(run, tmp_path):
+    file = tmp_path / "sweep.toml"
+    file.write_text(
+        '[chain]\nradii = "5 mm"\nbeads = 5\nmaterials = "brass"\n[chain.struck_by]\n'
+        'radius = "5 mm"\n[axes]\n"struck_by.velocity" = ["1 mm/s", "2 mm/s"]\n'
+        '"struck_by.mass" = ["4 g", "5 g"]\n[sweep]\nkeep = ["velocity"]\n'
+    )
+    out = run("sweep", file, "--dry-run")[1]
+    assert "axis struck_by.velocity: called chain_struck_by_velocity in results" in out
+    assert "axis struck_by.mass" not in out
+    shown = json.loads(run("sweep", file, "--dry-run", "--json")[1])
+    assert hertzchain.sweep(file).sizes.keys() >= set(shown["renamed"].values())
+
+
 @pytest.mark.parametrize(
     ("seconds", "text"),
     [(0.5, "0.5 s"), (300.0, "5 min"), (5000.0, "1 h 23 min"), (400 * 3600.0, "17 days"),
@@ -856,7 +870,7 @@ def test_long_estimates_are_in_days_or_years(run, tmp_path, monkeypatch, seconds
 
     (tmp_path / "sweep.toml").write_text('[chain]\ntaper = "uniform"\n[axes]\nbeads = [20, 40]\n')
     for unfinished, words in ((False, "about"), (True, "more than")):
-        found = Estimate(2, 1, 320, seconds, unfinished, 13)
+        found = Estimate(2, 1, 320, seconds, unfinished, 13, {})
         monkeypatch.setattr(
             "hertzchain.sweeps.sweep.estimate", lambda *_, _found=found, **__: _found
         )

@@ -281,7 +281,7 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
         show_json({
             "points": found.points, "batches": found.batches,
             "bytes_on_disk": found.bytes_on_disk, "files": found.files, "seconds": found.seconds,
-            "unfinished": found.unfinished,
+            "unfinished": found.unfinished, "renamed": found.renamed,
         })  # fmt: skip
         return
     from rich.filesize import decimal
@@ -290,6 +290,8 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
 
     batches = "1 batch" if found.batches == 1 else f"{found.batches} batches"
     click.echo(f"{counted(found.points, 'point')} in {batches}")
+    for axis, name in found.renamed.items():
+        click.echo(f"axis {axis}: called {name} in results, where another value has its name")
     click.echo(f"at most {decimal(found.bytes_on_disk)} of values on disk, and metadata, in about "
                f"{found.files} files")  # fmt: skip
     about = "more than" if found.unfinished else "about"

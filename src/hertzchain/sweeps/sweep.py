@@ -62,6 +62,8 @@ class Estimate:
         Whether a timed point took so long that it was not finished: ``seconds`` is a lower bound.
     files : int
         Approximate number of files on disk.
+    renamed : dict
+        Name in the dataset of each axis whose own name is taken there.
     """
 
     points: int
@@ -70,6 +72,7 @@ class Estimate:
     seconds: float
     unfinished: bool
     files: int
+    renamed: dict[str, str]
 
 
 @checked_arguments("sweep")
@@ -217,7 +220,11 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     seconds = each.seconds * plan.points / count
     # Each batch has a file of each variable and of its digest; one of reasons is rare.
     files = FILES_OF_METADATA + plan.batches * len(batch_variables(plan))
-    return Estimate(plan.points, plan.batches, bytes_of(plan), seconds, each.unfinished, files)
+    names = zip(spec.axes, plan.names, strict=True)
+    renamed = {axis.long_name: name for axis, name in names if name != axis.name}
+    return Estimate(
+        plan.points, plan.batches, bytes_of(plan), seconds, each.unfinished, files, renamed
+    )
 
 
 @checked_arguments("merge_sweeps")

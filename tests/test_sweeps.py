@@ -24,6 +24,7 @@ from hertzchain.sweeps.sweep import differences, estimate
 
 FORWARD = {"taper": "forward-exponential", "beads": 40}
 RATES = [0.02, 0.05, 0.08]
+BALLS = {"radii": "5 mm", "beads": 4, "materials": "brass", "velocity": "2 cm/s"}
 
 
 def swept(chain, axes, **settings):
@@ -378,6 +379,22 @@ def test_too_many_combinations_are_rejected_before_their_values_are_made(monkeyp
     with pytest.raises(hc.InputError, match="zip needs axes of the same length"):
         read_specification({"chain": dict(FORWARD), "axes": axes, "sweep": {"combine": "zip"}})
     assert len(made) == 2
+
+
+@pytest.mark.parametrize("name", ["struck_by.velocity", "struck_by.1.mass"])
+@pytest.mark.parametrize("chain", [BALLS, hc.Chain.from_materials("5 mm", "brass", beads=4)])
+def test_an_axis_does_not_add_a_striker(name, chain):
+    plan = {"chain": chain, "axes": {name: [0.1, 0.2]}}
+    said = f"axes.{name}: .chain. has no striker: add a table 'struck_by', or vary 'velocity'"
+    with pytest.raises(hc.InputError, match=said):
+        hc.sweep(plan)
+    # Axes may provide the properties of a striker that [chain] has, or the whole striker.
+    row = {"radii": "5 mm", "beads": 4, "materials": "brass"}
+    struck, axes = row | {"struck_by": {}}, {"struck_by.velocity": [0.1, 0.2]}
+    whole = {"struck_by": [{"velocity": 0.1}, {"velocity": 0.2}]}
+    for table, given in ((struck, axes), (row, whole)):
+        plan = Plan(read_specification({"chain": table, "axes": given}))
+        assert plan.chain((1,)).velocities.tolist() == [0.2, 0.0, 0.0, 0.0, 0.0]
 
 
 def test_names_of_keys_in_a_list_of_strikers_need_its_number():
@@ -856,9 +873,6 @@ def test_workers_of_an_estimate_are_checked():
             estimate(given, workers=workers)
 
 
-BALLS = {"radii": "5 mm", "beads": 4, "materials": "brass", "velocity": "2 cm/s"}
-
-
 def test_values_with_a_unit_are_those_in_si():
     """Text in a list and a list with one unit give one specification; the chains are the same."""
     in_mm = (["4 mm", "5 mm"], {"list": [4, 5], "unit": "mm"}, {"list": ["4 mm", "5.0 mm"]})
@@ -957,7 +971,8 @@ def test_units_in_a_specification():
     for path, values in (("gravity", ["1 m/s^2"]), ("method.until", ["2 ms"]),
                          ("struck_by.mass", ["5 g"]), ("right_wall.stiffness", ["7 N/um^1.5"]),
                          ("drive.amplitude", ["5 um"]), ("drive.amplitude", ["5 mN"])):  # fmt: skip
-        chain = BALLS | {"drive": {"kind": "step", "rise": 1.0, "of": "displacement"}}
+        drive = {"kind": "step", "rise": 1.0, "of": "displacement"}
+        chain = BALLS | {"drive": drive, "struck_by": {"velocity": "2 cm/s"}}
         spec = read_specification({"chain": chain, "axes": {path: values},
                                    "sweep": {"methods": "simulate"}})  # fmt: skip
         assert isinstance(spec.axes[0].values[0], float)

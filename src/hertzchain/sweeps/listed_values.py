@@ -52,12 +52,18 @@ def with_lists(table: Mapping[str, Any], axes: Sequence[Axis]) -> dict[str, Any]
     return found
 
 
-def missing_lists(table: Mapping[str, Any], axes: Sequence[Axis]) -> list[str]:
-    """Find axes of single values for which [chain] and the other axes have no list."""
+def missing_parts(table: Mapping[str, Any], axes: Sequence[Axis]) -> list[str]:
+    """Find axes of strikers and of single values that [chain] and the other axes lack."""
     whole = {axis.path[0] for axis in axes if len(axis.path) == 1}
     problems = []
     for axis in axes:
         key = axis.path[0]
+        if key == "struck_by" and key not in (whole | table.keys()):
+            problems.append(
+                f"axes.{axis.long_name}: [chain] has no striker: add a table 'struck_by', or vary "
+                "'velocity', the velocity of bead 1"
+            )
+            continue
         if key in whole or key not in _keys([axis]) or isinstance(table.get(key), list):
             continue
         has = f"one value of {key}, {table[key]!r}, for all" if key in table else f"no list {key}"

@@ -56,7 +56,7 @@ from .axes import (
 )
 from .kept import OF_RUNS, SWEEP_QUANTITIES, sensor_of, unknown_quantity, variable_name
 from .listed_points import columns_of_points
-from .listed_values import chain_as_document, missing_lists, with_lists
+from .listed_values import chain_as_document, missing_parts, with_lists
 from .methods import METHODS, OPTIONS_OF, check_option
 
 # Names that the dataset uses itself; an axis of such a name gets its full path as name.
@@ -264,7 +264,7 @@ class _Reader:
         if self.inlined is not None:
             chain = chain_as_document(self.inlined, axes)["chain"]
         chain = with_lists(chain, axes)
-        self.problems += [] if self.problems else missing_lists(chain, axes)
+        self.problems += [] if self.problems else missing_parts(chain, axes)
         methods = self._names(settings, "methods")
         keep = self._names(settings, "keep")
         errors = self._names(settings, "errors")

@@ -967,6 +967,19 @@ def test_units_of_an_axis_are_kept_in_a_store(tmp_path):
     hc.sweep(plan, tmp_path / "store.zarr")  # the same specification resumes
 
 
+def test_a_store_has_the_attributes_of_a_sweep_in_memory(tmp_path):
+    """Attributes that only the store needs are neither shown nor exported."""
+    plan = {"chain": dict(FORWARD), "axes": {"rate": [0.02, 0.05]}}
+    plain, stored = hc.sweep(plan), hc.sweep(plan, tmp_path / "store.zarr")
+    export_sweep(stored, tmp_path / "sweep.nc")
+    with xr.open_dataset(tmp_path / "sweep.nc", engine="h5netcdf") as exported:
+        for found in (stored, exported):
+            assert {key: found.attrs[key] for key in plain.attrs} == plain.attrs
+            assert found.attrs.keys() - plain.attrs.keys() == {"schema"}
+            for name, values in plain.variables.items():
+                assert found[name].attrs.keys() - {"_FillValue"} == values.attrs.keys()
+
+
 def test_units_in_a_specification():
     for path, values in (("gravity", ["1 m/s^2"]), ("method.until", ["2 ms"]),
                          ("struck_by.mass", ["5 g"]), ("right_wall.stiffness", ["7 N/um^1.5"]),

@@ -126,9 +126,7 @@ def _write_netcdf(dataset: xr.Dataset, file: Path) -> None:
         for name, values in dataset.variables.items()
         if values.dtype.kind == "T"
     }
-    plain = dataset.assign(texts) if texts else dataset
-    plain.attrs = {key: value for key, value in dataset.attrs.items() if key != "arrays"}
-    plain.to_netcdf(file, engine="h5netcdf")
+    dataset.assign(texts).to_netcdf(file, engine="h5netcdf")
 
 
 def tables_of(dataset: xr.Dataset) -> Iterator[pd.DataFrame]:

@@ -32,6 +32,8 @@ MARKER: Final = "schema"
 STATUS: Final = "status"
 # Attributes of the group: digests of the files that belong to no batch; digest of the attributes.
 FILES, SEAL = "files", "seal"
+# Attributes of the group, its arrays in order, and of an array that each batch writes a part of.
+ARRAYS, BY_BATCH = "arrays", "by_batch"
 GROUP_FILE: Final = "zarr.json"
 # Its keys (zarr itself does not miss the format), and one that zarr may add.
 GROUP_KEYS: Final = {"attributes", "node_type", "zarr_format"}
@@ -93,7 +95,7 @@ def create_store(
         target.parent.mkdir(parents=True, exist_ok=True)
         _remove_unfinished(beside)
         group = zarr.create_group(
-            beside, attributes={MARKER: SCHEMA, "arrays": list(variables), **attributes}
+            beside, attributes={MARKER: SCHEMA, ARRAYS: list(variables), **attributes}
         )
         for name, variable in variables.items():
             _create_array(group, name, variable)
@@ -198,7 +200,7 @@ def _create_array(group: Any, name: str, variable: Variable) -> None:
         compressors=ZstdCodec(checksum=True),
         config={"write_empty_chunks": True},
         dimension_names=variable.dimensions,
-        attributes={**variable.attributes, **({"by_batch": 1} if by_batch else {})},
+        attributes={**variable.attributes, **({BY_BATCH: 1} if by_batch else {})},
     )
     if variable.values is not None:
         array[...] = variable.values

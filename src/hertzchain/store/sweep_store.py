@@ -27,6 +27,8 @@ from .batch_files import DIGEST, TEMPORARY, BatchFiles
 from .damage import DamagedFileError
 from .file_lock import lock
 from .sweep_layout import (
+    ARRAYS,
+    BY_BATCH,
     FILES,
     RESTORE,
     SEAL,
@@ -89,8 +91,8 @@ class SweepStore:
             self._skip_damaged()
 
     def _batch_files(self, group: Any) -> BatchFiles:
-        names: list[str] = self.attributes["arrays"]
-        by_batch = [name for name in names if group[name].attrs.get("by_batch")]
+        names: list[str] = self.attributes[ARRAYS]
+        by_batch = [name for name in names if group[name].attrs.get(BY_BATCH)]
         arrays = {name: group[name] for name in by_batch if name != STATUS}
         arrays[STATUS] = status = group[STATUS]
         sweep = hashlib.sha256(f"{self._version}\0{self.specification}".encode()).hexdigest()
@@ -105,7 +107,7 @@ class SweepStore:
         # Every batch has a chunk of each array except `reason`, since reasons are rare.
         return {
             key: group[key].with_config({"write_empty_chunks": key != "reason"})
-            for key in self.attributes["arrays"]
+            for key in self.attributes[ARRAYS]
         }
 
     def _checked_store(self) -> Any:
@@ -240,7 +242,10 @@ class SweepStore:
         )
         coordinates = [name for name in self.arrays if name not in self.files.arrays]
         found = plain_text(found.set_coords(coordinates))
-        found.attrs = {key: text for key, text in found.attrs.items() if key not in (FILES, SEAL)}
+        internal = (ARRAYS, FILES, SEAL)
+        found.attrs = {key: text for key, text in found.attrs.items() if key not in internal}
+        for variable in found.data_vars.values():
+            variable.attrs.pop(BY_BATCH, None)
         # In the order in which the variables were created, not in the order of the folder.
         return found[[name for name in self.arrays if name in found.data_vars]]
 

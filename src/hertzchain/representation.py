@@ -6,7 +6,7 @@ import math
 import re
 import textwrap
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 MAX_LINES: Final = 3
 MAX_WIDTH: Final = 100
@@ -24,18 +24,34 @@ KEPT_TOGETHER: Final = re.compile(
 
 
 def short(name: str, about: str, *facts: str) -> str:
-    """``Name(about: fact; fact)`` on at most three lines; facts that are empty are omitted."""
-    told = "; ".join(fact for fact in facts if fact)
-    return wrapped(f"{name}({': '.join(part for part in (about, told) if part)})")
+    """``Name(about: fact; fact)`` on at most three lines, without empty facts.
+
+    Facts at the end that have no room are replaced by an ellipsis.
+    """
+    told = [fact for fact in facts if fact]
+    for count in range(len(told), 0, -1):
+        lines = _lines(_joined(name, about, told[:count] + ["..."] * (count < len(told))))
+        if len(lines) <= MAX_LINES:
+            return "\n".join(lines)
+    return wrapped(_joined(name, about, told))
+
+
+def _joined(name: str, about: str, facts: Sequence[str]) -> str:
+    return f"{name}({': '.join(part for part in (about, '; '.join(facts)) if part)})"
 
 
 def wrapped(text: str) -> str:
     """Text on at most three lines, the rest replaced by an ellipsis."""
+    return "\n".join(_lines(text, max_lines=MAX_LINES, placeholder=" ...)"))
+
+
+def _lines(text: str, **limits: Any) -> list[str]:
+    """Lines of a text; numbers are kept together with their units."""
     lines = textwrap.wrap(
         KEPT_TOGETHER.sub(NO_BREAK, text), MAX_WIDTH, subsequent_indent="    ",
-        max_lines=MAX_LINES, placeholder=" ...)", break_on_hyphens=False,
+        break_on_hyphens=False, **limits,
     )  # fmt: skip
-    return "\n".join(lines).replace(NO_BREAK, " ")
+    return [line.replace(NO_BREAK, " ") for line in lines]
 
 
 def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:

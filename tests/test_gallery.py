@@ -32,6 +32,15 @@ def test_a_notebook_begins_with_a_question_and_ends_with_an_answer(path):
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_code_of_a_notebook_fits_into_its_box(path):
+    """Wider lines are cut off at the right edge of the page; text is wrapped."""
+    text = path.read_text("utf-8")
+    first = ast.parse(text).body[0].end_lineno
+    lines = enumerate(text.splitlines(), start=1)
+    assert not [n for n, line in lines if n > first and line[:1] != "#" and len(line) > 95]
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_links_of_a_notebook_lead_to_pages(path):
     for target in re.findall(r":doc:`(/[\w/-]+)`", path.read_text("utf-8")):
         assert (DOCS / f"{target[1:]}.md").exists()

@@ -71,7 +71,8 @@ left.legend()
 
 import warnings
 
-rough = hc.Chain.from_radii(chain.radii * np.exp(0.05 * np.random.default_rng(1).normal(size=100)))
+factors = np.exp(0.05 * np.random.default_rng(1).normal(size=100))
+rough = hc.Chain.from_radii(chain.radii * factors)
 reference = hc.propagate(rough)
 with warnings.catch_warnings(record=True) as raised:
     warnings.simplefilter("always")

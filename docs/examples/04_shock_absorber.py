@@ -58,9 +58,8 @@ random_forces = peak_forces([row(radii) for radii in randomly])
 # There are 756 756 orders.  :obj:`~hertzchain.design` searches among them with a genetic algorithm
 # and completes the search by exchanges of two balls.  The striker keeps its place.
 
-problem = hc.Design(
-    row(orders["from large to small"]), minimise="wall_force.peak", vary=[hc.vary.order(beads="2:")]
-)
+start = row(orders["from large to small"])
+problem = hc.Design(start, minimise="wall_force.peak", vary=[hc.vary.order(beads="2:")])
 found = hc.design(problem, budget=8000, seed=1)
 best = found.chain.radii[1:]
 
@@ -107,8 +106,8 @@ table = np.where(np.isnan(table), table.T, table)
 shown = axes.pcolormesh(numbers, numbers, table, shading="nearest", cmap="viridis_r")
 i, j = pairs[increase.argmin()]
 for across, up in ((i + 1, j + 1), (j + 1, i + 1)):
-    axes.plot(across, up, "o", markersize=11, markerfacecolor="none", markeredgecolor="#D55E00",
-              markeredgewidth=2.5)
+    axes.plot(across, up, "o", markersize=11, markerfacecolor="none",
+              markeredgecolor="#D55E00", markeredgewidth=2.5)
 axes.set_aspect("equal")
 axes.set_xticks(numbers[::2])
 axes.set_yticks(numbers[::2])
@@ -142,13 +141,12 @@ grade_100, one_percent = peak_forces(lots), peak_forces(rough)
 for name, force in simple.items():
     print(f"{name:28} {force:6.2f} N")
 print(f"{'best of 2000 random orders':28} {random_forces.min():6.2f} N")
-print(
-    f"{'design':28} {found.value:6.2f} N, at least {increase.min():.2f}% less than its neighbours"
-)
-print(f"with balls of grade 100      {grade_100.min():.4f} to {grade_100.max():.4f} N in 100 lots")
-print(
-    f"with deviations of 1%        {one_percent.min():.2f} to {one_percent.max():.2f} N in 100 lots"
-)
+least = increase.min()
+print(f"{'design':28} {found.value:6.2f} N, at least {least:.2f}% less than its neighbours")
+smallest, largest = grade_100.min(), grade_100.max()
+print(f"with balls of grade 100      {smallest:.4f} to {largest:.4f} N in 100 lots")
+smallest, largest = one_percent.min(), one_percent.max()
+print(f"with deviations of 1%        {smallest:.2f} to {largest:.2f} N in 100 lots")
 print("order of the diameters, from the striker to the wall:")
 print(textwrap.fill(", ".join(f"{2e3 * radius:g}" for radius in best) + " mm", 72))
 fifty = np.full(50, 2e-3)

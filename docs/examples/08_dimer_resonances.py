@@ -79,18 +79,20 @@ for axes, ratio, title in zip(
     run = hc.simulate(hc.Chain.dimer(ratio, beads=61), until=60.0, times=1200)
     run.plot("force", ax=axes)
     axes.set_title(f"mass ratio {ratio:.3f}: the pulse {title}")
+panels[1].set_ylabel("")
 
 # %%
 # Answer
 # ------
 
-print("the pulse passes at mass ratios   ", ", ".join(f"{x:.4f}" for x in passing[::-1]))
-print("with a decay per cell of          ", ", ".join(f"{x:.0e}" for x in lowest[::-1]))
-print("and decays most at                ", ", ".join(f"{x:.3f}" for x in stopping[::-1]))
-worst = ratios[decay.argmax()]
-print(f"at {worst:.3f}, the velocity decreases by {1 - np.exp(-decay.max()):.1%} per cell")
+print("the pulse passes at mass ratios  ", ", ".join(f"{x:.4f}" for x in passing[::-1]))
+print("with a decay per cell of         ", ", ".join(f"{x:.0e}" for x in lowest[::-1]))
+print("and decays most at               ", ", ".join(f"{x:.3f}" for x in stopping[::-1]))
+worst, decrease = ratios[decay.argmax()], 1 - np.exp(-decay.max())
+print(f"at {worst:.3f}, the velocity decreases by {decrease:.1%} per cell")
 heavy = velocities([worst])[0]
 weakened = heavy / heavy[0]
 for cell in (1, 5, 10, 20, 40):
     cells = "cell" if cell == 1 else "cells"
-    print(f"  after {cell} {cells}: {weakened[cell]:.2f} of the velocity of the struck bead")
+    left = weakened[cell]
+    print(f"  after {cell} {cells}: {left:.2f} of the velocity of the struck bead")

@@ -93,8 +93,9 @@ for axes in (top, bottom):
 # Answer
 # ------
 
-print(f"balls of grade 100 change the peak force by {spread[100]:.2%} (one standard deviation)")
-print(f"a scatter of 5% in radius lowers its median by {1 - np.median(forces[4]) / nominal:.0%}")
+lowered = 1 - np.median(forces[4]) / nominal
+print(f"balls of grade 100 change the peak force by {spread[100]:.2%} (standard deviation)")
+print(f"a scatter of 5% in radius lowers its median by {lowered:.0%}")
 print(f"the peak overlap is only {overlap:.1f} µm; a gap of 1 µm delays the peak by "
       f"{later[4]:.1f} µs")
 crossing = (gaps[-1] - gaps[-2]) / (later[-1] - later[-2])

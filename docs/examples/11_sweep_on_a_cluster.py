@@ -21,9 +21,10 @@ folder = Path(tempfile.mkdtemp())
 # %%
 # The specification is a TOML file or a mapping.  Every combination of the axes is a point.
 
+taper = hc.Chain.tapered("forward-exponential", 0.01, beads=10)
 specification = {
     "title": "Forward tapers in front of a wall",
-    "chain": hc.Chain.tapered("forward-exponential", 0.01, beads=10).replace(right_wall=hc.Wall()),
+    "chain": taper.replace(right_wall=hc.Wall()),
     "axes": {
         "rate": {"linspace": [0.0025, 0.08, 32]},
         "right_wall.stiffness": {"geomspace": [0.05, 50.0, 31]},

@@ -68,8 +68,8 @@ left.set_xlabel("time $t$")
 left.set_ylabel("10 × difference over largest velocity")
 early = run.times < 150
 right.pcolormesh(
-    run.times[early], np.arange(1, 41), run.velocities[early].T, cmap="RdBu_r", vmin=-1, vmax=1,
-    shading="nearest", rasterized=True,
+    run.times[early], np.arange(1, 41), run.velocities[early].T,
+    cmap="RdBu_r", vmin=-1, vmax=1, shading="nearest", rasterized=True,
 )
 right.set_title("Velocities at the beginning")
 right.set_xlabel("time $t$")
@@ -82,5 +82,6 @@ right.set_ylabel("bead $k$")
 # Runs can be stopped and continued at any time without a difference.  After the horizon, single
 # velocities are no longer meaningful, but the conserved quantities and averages are.
 
-print(f"predictable within {found.within:.0%} until t = {found.time:.0f}, of {run.times[-1]:.0f}")
+end = run.times[-1]
+print(f"predictable within {found.within:.0%} until t = {found.time:.0f}, of {end:.0f}")
 print(f"drift of the energy at the end: {run.energy_drift:.0e}")

@@ -74,7 +74,7 @@ axes.legend()
 
 
 def participation(run):
-    """Number of beads that share the kinetic energy of the pulse, at the crests of inner beads."""
+    """Number of beads that share the kinetic energy, at the crests of inner beads."""
     energy = 0.5 * run.chain.masses * run.velocities**2
     crests = np.searchsorted(run.times, run.pulse().peak_time)
     near = [energy[crests[k], k - 3 : k + 4] for k in range(3, run.chain.beads - 3)]

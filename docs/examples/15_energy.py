@@ -65,6 +65,7 @@ axes.legend()
 # A small loss in each contact adds up along the row, and the pulse passes every contact twice: on
 # the way to the wall and on the way back.
 
-print(f"restitution 0.97, 20 balls: {budget.energy['lost'][peak] / impact:.0%} is lost on the way "
-      f"to the wall, and {budget.energy['lost'][-1] / impact:.0%} in total")
+parts = budget.energy["lost"] / impact
+print(f"restitution 0.97, 20 balls: {parts[peak]:.0%} is lost on the way to the wall, "
+      f"and {parts[-1]:.0%} in total")
 print(f"restitution 0.9: {lost[5][5]:.0%} is lost with 5 balls, and {lost[20][5]:.0%} with 20")

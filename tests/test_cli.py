@@ -120,6 +120,16 @@ def test_figures_have_the_width_of_a_journal(run, tmp_path):
     assert (code, err.count("add --plot FILE")) == (2, 1)
 
 
+def test_simulate_states_that_nothing_moves(run, tmp_path):
+    (tmp_path / "crystal.toml").write_text(
+        '[chain]\nradii = "5 mm"\nbeads = 10\nmaterials = "steel-52100"\n'
+        'precompression = "20 N"\nheld_by = "force"\n'
+    )
+    code, out, _ = run("simulate", tmp_path / "crystal.toml", "--until", "1ms")
+    assert code == 0
+    assert "nothing moves, because bead 1 is not struck; give it a velocity" in out
+
+
 def test_simulate(run, tmp_path):
     code, out, err = run(
         "simulate", "--beads", 10, "--until", 5, "--out", tmp_path / "run.csv",

@@ -353,6 +353,41 @@ def test_weak_pulses_of_compressed_chains_are_not_lost():
     assert found[1] == pytest.approx(found[0], rel=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("parts", "moves"),
+    [
+        ({}, False),
+        ({"precompression": 1.0, "held_by": "force"}, False),
+        ({"precompression": 1.0, "left_wall": hc.Wall(), "held_by": "force"}, False),
+        ({"gravity": 0.1, "right_wall": hc.Wall()}, False),
+        ({"gravity": 0.1}, True),
+        ({"gravity": 0.1, "right_wall": hc.Wall(gap=0.5)}, True),
+        ({"drive": hc.SineBurst(0.1, 0.1)}, True),
+        ({"velocities": [-1.0, 0.0, 0.0]}, True),
+    ],
+)
+def test_a_run_in_which_nothing_moves_says_so(parts, moves):
+    chain = hc.Chain.uniform(3).replace(**({"velocities": np.zeros(3)} | parts))
+    run = hc.simulate(chain, until=5.0)
+    assert (np.abs(run.velocities).max() > 1e-3) == moves
+    said = "nothing moves, because bead 1 is not struck; give it a velocity, a striker or a drive"
+    assert (said in run.message) != moves
+
+
+def test_a_striker_that_falls_onto_a_column_moves():
+    column = hc.Chain.from_materials(
+        "5 mm",
+        "steel-52100",
+        beads=3,
+        velocity=0,
+        gravity=9.81,
+        right_wall=hc.Wall.of("steel-52100"),
+    )
+    run = hc.simulate(column.struck_by(velocity=0, gap="5 mm"), until="33 ms")
+    assert "nothing moves" not in run.message
+    assert "nothing moves" in hc.simulate(column, until="33 ms").message
+
+
 def test_no_pulse_where_no_contact_was_reached():
     chain = hc.Chain.uniform(3).replace(gaps=[2.0, 0.0])
     with pytest.raises(hc.SimulationError, match=r"stopped as requested at t = 1,.*no contact was"):

@@ -11,7 +11,7 @@ from ..collision import Array
 from ..kernels import state_layout
 from ..representation import counted, measure
 from .run_end import Status
-from .time_scales import fall_time, transit_times
+from .time_scales import fall_time, is_static, transit_times
 from .wall_bound import LEFT, RIGHT, motion_can_escape
 
 FAILURES: Final = ("step limit", "step too small", "unstable steps", "underflow")
@@ -28,6 +28,8 @@ MILDER: Final = {
     "masses": "less unequal masses",
     "stiffness": "less unequal stiffness",
 }
+
+NOT_STRUCK: Final = "bead 1 is not struck; give it a velocity, a striker or a drive"
 
 # Ratio of the times in which a pulse passes two contacts, beyond which more steps hardly help.
 WIDE_RANGE: Final = 1e9
@@ -60,7 +62,8 @@ def end_message(
             "wall is not complete"
         ),
         "nothing more happens": f"all beads are in free flight and separating {at}; {so_far}",
-        "time reached": f"stopped as requested {at}; {so_far}",
+        "time reached": f"stopped as requested {at}; "
+        + (f"nothing moves, because {NOT_STRUCK}" if is_static(chain) else so_far),
         "step limit": f"stopped by the step limit {at}; {so_far}; {_more_steps(chain, milder)}",
         "underflow": f"the motion became too small to represent {at}; {so_far}; use {milder}",
         "step too small": (

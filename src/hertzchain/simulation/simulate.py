@@ -27,6 +27,7 @@ from .fixed_steps import FixedLoop, FixedSteps, fixed_steps
 from .kernel_input import kernel_chain
 from .run import Run
 from .run_end import RunEnd, Status
+from .run_message import NOT_STRUCK
 from .saved_times import check_memory_for, checked_times
 from .slow_run import slow_run_notice
 from .state import State, contacts_of, first_state
@@ -431,7 +432,7 @@ def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin:
             "positive velocity, or until"
         )
     if chain.drive is None and not (chain.velocities[0] > 0.0 or fall_height(chain) > 0.0):
-        raise InputError("bead 1 is not struck; give it a velocity, a striker or a drive, or until")
+        raise InputError(f"{NOT_STRUCK}, or until")
     if chain.drive is not None and chain.right_wall is None:
         raise InputError(
             "this chain is driven and its right end is free, so nothing ends the run; give "

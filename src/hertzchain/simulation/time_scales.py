@@ -18,6 +18,8 @@ from .drive_pieces import drive_pieces
 MIN_CONTACT_TIME: Final = 1e-280
 # Time [s] and transits beyond which the unit of the end of a run is probably wrong.
 LONG_TIME: Final = 0.5
+# Largest net force on a bead in equilibrium, over the largest force: that of rounding errors.
+UNBALANCED: Final = 1e-9
 MANY_TRANSITS: Final = 1e3
 
 
@@ -46,6 +48,17 @@ def closing_speed(chain: Chain) -> float:
 def impact_momentum(chain: Chain) -> float:
     """Momentum of the beads that move towards the right end at time 0."""
     return float(chain.masses @ np.maximum(chain.velocities, 0.0))
+
+
+def is_static(chain: Chain) -> bool:
+    """Whether the chain is at rest in equilibrium, so that nothing ever moves."""
+    if chain.drive is not None or chain.velocities.any():
+        return False
+    state = chain.static_state
+    contacts = np.where(chain.contact_stiffness > 0.0, state.forces, 0.0)
+    net = state.body_forces - np.diff(contacts)
+    largest = max(float(np.abs(each).max()) for each in (state.body_forces, contacts))
+    return bool(np.abs(net).max() <= UNBALANCED * largest)
 
 
 def fall_height(chain: Chain) -> float:

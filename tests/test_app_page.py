@@ -549,6 +549,26 @@ def test_lists_have_units_and_a_panel_without_curves_is_hidden(page, tmp_path):
     assert page.tab.input_value(radii) == "5 mm, 8 mm, 3 mm, 2 mm"
 
 
+def test_a_decimal_comma_is_explained_and_its_text_remains(page):
+    row = "diameters=10+mm&beads=3&materials=steel-52100"
+    page.tab = page.new_tab(f"{page.origin}#{row}&velocity=0.1+m/s")
+    for control, text, advice in (
+        ("diameters", "10,5 mm", "write 10.5 mm with a decimal point, or 10 mm, 5 mm for two"),
+        ("velocity", "0,05", "write 0.05 with a decimal point"),
+    ):
+        box = page.tab.locator(f"[id='c-chain.{control}']")
+        box.fill(text)
+        box.press("Enter")
+        page.settle()
+        assert page.document()["chain"][control] == box.input_value() == text
+        problem = page.tab.text_content("#problem")
+        assert problem.startswith(f"{control} must be a number, or text with a unit")
+        assert advice in problem
+        page.tab.click("#undo")
+        page.settle()
+        assert not page.tab.is_visible("#problem")
+
+
 def test_percentages_and_fractions_of_inches_can_be_entered(page):
     page.tab.fill("[id='c-chain.rate']", "4%")
     page.tab.keyboard.press("Tab")

@@ -67,6 +67,8 @@ _QUANTITY: Final = re.compile(
 )
 # Sizes of balls such as "3/16 in", "1 1/2 in" and "1-1/2 in".
 _FRACTION_OF_INCH: Final = re.compile(r"\s*(?:(\d+)[\s-]+)?(\d+)\s*/\s*(\d+)\s*(in)\s*")
+# Two whole numbers with a comma between them, and a unit: "10,5 mm".
+_DECIMAL_COMMA: Final = re.compile(r"(?<![\d.])(\d+),(\d+)(?![\d.])\s*([A-Za-zµμ%][^\s,;]*)?")
 PERCENT: Final = "%"
 
 
@@ -162,6 +164,16 @@ def quantity(text: str) -> tuple[str, str] | None:
         return str(value), inches[4]
     found = _QUANTITY.fullmatch(text)
     return None if found is None or _is_number(text) else (found[1], found[2])
+
+
+def comma_advice(value: object, *, several: bool = False) -> str:
+    """End of a message about text such as "10,5 mm", which in a list may mean two values."""
+    found = _DECIMAL_COMMA.search(value) if isinstance(value, str) else None
+    if found is None:
+        return ""
+    unit = f" {found[3]}" if found[3] else ""
+    two = f", or {found[1]}{unit}, {found[2]}{unit} for two values" if several else ""
+    return f"; write {found[1]}.{found[2]}{unit} with a decimal point{two}"
 
 
 def _is_number(text: str) -> bool:

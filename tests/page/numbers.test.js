@@ -57,6 +57,7 @@ test("values with units keep their decimal digits", () => {
   assert.deepEqual(parsed(0.25, ""), { number: 0.25, unit: "" });
   assert.deepEqual(parsed(undefined, "mm"), { number: null, unit: "mm" });
   assert.equal(parsed("inf", "mm").number, Infinity);
+  for (const text of ["0,05", "10,5 mm"]) assert.deepEqual(parsed(text, "mm"), { number: null, unit: "mm" });
   assert.equal(valued(9.3, "mm"), "9.3 mm");
   assert.equal(valued(0.1, "m/s"), "0.1 m/s");
   assert.equal(valued(0.1, ""), 0.1);

@@ -17,6 +17,8 @@ WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "choose the loss elastic-plastic with a yield overlap"),
     (r",? or until\b", ""),
+    # Names of tables in chain files.
+    (r" of \[chain[.\w]*\]", ""),
     # The page shows the results of these functions.
     (r"; use (?:simulate|propagate|bca|effective_chain)\b[^;]*?(?=$| \(chain: )", ""),
 )  # fmt: skip

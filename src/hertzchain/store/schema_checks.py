@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..errors import short_repr, similar_names, unknown_name_error
-from ..units import UNITS, quantity
+from ..units import UNITS, comma_advice, quantity
 from ..validation.numbers import whole_hint
 from .chain_schema import KEYS, SECTIONS, TABLES
 from .schema_keys import Key, Section
@@ -187,7 +187,7 @@ def problems_of(key: Key, value: Any, what: str) -> Iterator[str]:
                 return
             yield from _problem_of_one(key, item, f"value {place} of {what}")
     elif key.one_for_all:
-        yield from _problem_of_one(key, value, what)
+        yield from _problem_of_one(key, value, what, several=True)
     else:
         yield f"{what} must be a list, got {short_repr(value)}"
 
@@ -203,7 +203,7 @@ _TYPES: Final[Mapping[str, tuple[tuple[type, ...], str]]] = MappingProxyType(
 )
 
 
-def _problem_of_one(key: Key, value: Any, what: str) -> Iterator[str]:
+def _problem_of_one(key: Key, value: Any, what: str, *, several: bool = False) -> Iterator[str]:
     if key.kind == "law":
         yield from _check_tables(value, SECTIONS["chain.loss"], complete=True, place=what)
     elif key.kind in _TYPES:
@@ -229,6 +229,7 @@ def _problem_of_one(key: Key, value: Any, what: str) -> Iterator[str]:
         with_unit = " or a percentage such as '5%'" if key.fraction else with_unit
         quoted = isinstance(value, str) and value.strip().lower() in ("inf", "infinity")
         hint = "; write inf without quotation marks" if quoted else ""
+        hint = hint or comma_advice(value, several=several)
         yield f"{what} must be a number{with_unit}, got {short_repr(value)}{hint}"
 
 

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from ..collision import Array
 from ..errors import InputError, real_number, short_repr
-from ..units import PERCENT, converted, quantity
+from ..units import PERCENT, comma_advice, converted, quantity
 
 # Largest index of a NumPy array.
 MAX_INDEX: Final = 2**63 - 1
@@ -68,7 +68,8 @@ def plain_magnitude(what: str, value: Any, unit: str | None, depth: int = 0) -> 
             _reject_bare_number(what, value, unit)
             if unit == FRACTION:
                 raise InputError(
-                    f"{what} must be a number or a percentage such as '5%', got {short_repr(value)}"
+                    f"{what} must be a number or a percentage such as '5%', got "
+                    f"{short_repr(value)}{comma_advice(value)}"
                 )
             return value
         if found[1] == PERCENT and unit in (None, SCALED):
@@ -161,10 +162,11 @@ def number(
 ) -> float:
     """Check that a value is a finite number within its bounds."""
     plain = plain_magnitude(what, value, unit)
-    if isinstance(plain, str) and unit not in (None, "", SCALED):
+    if isinstance(plain, str):
+        no_unit = unit in (None, "", SCALED)
+        with_unit = "" if no_unit else f", or text with a unit such as '5 {_usual(unit)}'"
         raise InputError(
-            f"{what} must be a number, or text with a unit such as '5 {_usual(unit)}', got "
-            f"{short_repr(value)}"
+            f"{what} must be a number{with_unit}, got {short_repr(value)}{comma_advice(value)}"
         )
     given = plain if type(plain) is float else real_number(what, plain)
     if above < given < below and least <= given <= most and math.isfinite(given):

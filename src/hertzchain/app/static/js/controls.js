@@ -414,6 +414,8 @@ export class Controls {
 
 /** @param {string} text @param {any} key */
 export function listOf(text, key) {
+  // The server explains a comma that may be a decimal comma.
+  if (key.kind === "number" && /(?<![\d.])\d+,\d+(?![\d.])/.test(text)) return text;
   const items = text.split(/[,;\n]+/).map((each) => each.trim()).filter(Boolean)
     .map((each) => (key.kind === "number" ? entered(each) : each));
   if (!items.length) return undefined;

@@ -79,7 +79,7 @@ export function parsed(value, unit) {
   const text = typeof value === "string" ? value.trim() : "";
   const inches = /^(?:(\d+)[\s-]+)?(\d+)\s*\/\s*([1-9]\d*)\s*in$/.exec(text);
   if (inches) return { number: +(inches[1] ?? 0) + +inches[2] / +inches[3], unit: "in" };
-  const found = /^([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)$/.exec(text);
+  const found = /^([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^,]*)$/.exec(text);
   if (found) return { number: Number(found[1]), unit: found[2] || unit };
   return { number: text === "inf" ? Infinity : null, unit };
 }

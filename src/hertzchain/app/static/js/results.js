@@ -132,13 +132,7 @@ export class Results {
   front(time) {
     const arrival = this.exact("arrival");
     if (!arrival) return 0;
-    let low = 0, high = arrival.length - 1;
-    while (low < high) {
-      const half = (low + high + 1) >> 1;
-      if (arrival[half] <= time) low = half;
-      else high = half - 1;
-    }
-    const next = arrival[low + 1];
+    const low = Math.max(0, arrival.findLastIndex((/** @type {number} */ each) => each <= time)), next = arrival[low + 1];
     return next > time ? low + (time - arrival[low]) / (next - arrival[low]) : low;
   }
 }

@@ -86,13 +86,8 @@ export class Stage {
 
   /** Bead at a place, or -1; and whether it is at the rim. @param {number} x @param {number} y */
   hit(x, y) {
-    const place = x / this.look.scale + this.look.x;
-    let low = 0, high = this.radii.length - 1;
-    while (low < high) {
-      const half = (low + high) >> 1;
-      if (this.centres[half] + this.radii[half] < place) low = half + 1;
-      else high = half;
-    }
+    const place = x / this.look.scale + this.look.x, right = this.centres.findIndex((each, k) => each + this.radii[k] >= place);
+    const low = right < 0 ? this.radii.length - 1 : right;
     const distance = Math.hypot(x - this.px(this.centres[low]), y - this.middle);
     const r = this.radii[low] * this.look.scale;
     if (distance > Math.max(r, 8) + RIM) return { bead: -1, rim: false };

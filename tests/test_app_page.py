@@ -661,8 +661,23 @@ def test_both_chains_have_sensors_and_values_at_the_same_balls(page):
         [changes[-1], np.abs(changes).max()], rel=1e-3
     )
     assert tab.get_attribute("#sensor", "aria-pressed") == "true"
-    tab.click("#tab-B")
-    tab.wait_for_selector("#sensor[aria-pressed=true]")
+    # Chains have the same letters, and differences the same sign, whichever chain is chosen.
+    for slot, other in (("A", "B"), ("B", "A")):
+        tab.click(f"#tab-{slot}")
+        tab.wait_for_selector("#sensor[aria-pressed=true]")
+        words = tab.get_attribute("#chart-error svg", "aria-label").replace("\N{MINUS SIGN}", "-")
+        assert "(B − A) / A".replace("\N{MINUS SIGN}", "-") in words
+        assert float(re.search(r"largest ([-.\d]+)", words)[1]) == pytest.approx(
+            np.abs(changes).max(), rel=1e-3
+        )
+        assert float(re.search(r"end ([-.\d]+)", words)[1]) == pytest.approx(changes[-1], rel=1e-3)
+        curves = tab.locator("#legend-pulse button").all_inner_texts()
+        assert curves[:2] == [f"{slot}, simulation", f"{other}, simulation"]
+        assert all(each.startswith(f"{slot}, ") for each in curves[2:])
+        forces = tab.locator("#legend-force .key").all_inner_texts()
+        assert [each[:3] for each in forces] == [f"{slot}, ", f"{other}, "]
+        for heading in ("#h-map", "#h-budget", "#table-details h2"):
+            assert tab.text_content(heading).endswith(f", chain {slot}")
     assert tab.input_value("#bead") == "4"
     # A sensor stays in its ball if strikers are added.
     tab.evaluate("hertzchain.state.B.chain.struck_by = {count: 2}")

@@ -618,17 +618,19 @@ def test_the_figure_of_the_pulse_shows_the_curves_of_the_page(client):
         stored = {"view": {"hidden": hidden, "log": False}}
         given = {"figure": "pulse", "format": "svg", "view": stored, **more}
         found = texts_of(exported(client, TAPER, "figure", **given))
-        names = ("simulation", "other chain", "BCA", "hard sphere", "two thirds BCA",
+        names = ("simulation", "BCA", "hard sphere", "two thirds BCA",
                  "modified BCA", "modified BCA, as printed", "local rate")  # fmt: skip
-        return {name for name in names if name in found}
+        letters = ("", "A, ", "B, ")
+        return {each + name for each in letters for name in names if each + name in found}
 
     usual = {"simulation", "BCA", "modified BCA", "local rate"}
     assert legend(HIDDEN) == usual
     assert legend([*HIDDEN, "exact"]) == usual - {"simulation"}
     assert legend([]) == usual | {"hard sphere", "two thirds BCA", "modified BCA, as printed"}
-    assert legend(HIDDEN, other={"chain": {"taper": "uniform", "beads": 9}}) == usual | {
-        "other chain"
-    }
+    second = {"other": {"chain": {"taper": "uniform", "beads": 9}}}
+    for slot, other in (("A", "B"), ("B", "A")):
+        expected = {f"{slot}, {name}" for name in usual} | {f"{other}, simulation"}
+        assert legend(HIDDEN, slot=slot, **second) == expected
     decorated = {"chain": {"taper": "uniform", "beads": 9, "decorated": {"ratio": 0.4}}}
     for hidden, shown in ((HIDDEN, True), ([*HIDDEN, "effective-chain"], False)):
         given = {"figure": "pulse", "format": "svg", "view": {"view": {"hidden": hidden}}}
@@ -646,8 +648,8 @@ def test_the_figure_of_the_pulse_has_the_same_balls_above_each_other():
     row = hc.Chain.uniform(9)
     chains = row, row.struck_by(radius=1.4)
     for own, other in (chains, chains[::-1]):
-        curves = {"simulation": hc.propagate(own), "other chain": hc.propagate(other)}
-        axes = _pulse_axes("velocity", own, curves, {})
+        curves = {"A, simulation": hc.propagate(own), "B, simulation": hc.propagate(other)}
+        axes = _pulse_axes("velocity", own, curves, {}, ("A, ", "B, "))
         lines = [line for line in axes.lines if len(line.get_xdata()) > 1]
         for line, chain in zip(lines, (own, other), strict=True):
             ball_3 = np.flatnonzero(line.get_xdata() == 3 + own.strikers)
@@ -696,6 +698,12 @@ def test_a_saved_page_contains_everything(client):
     saved = json.loads(re.search(r'id="embedded">(.*?)</script>', page)[1])
     assert saved["about"]["document"] == TAPER
     assert 'from "./' not in page
+    # A page that is saved while chain B is shown has the same chains A and B.
+    stored = {"view": {"errors": "difference"}, "B": WALL}
+    page = exported(client, TAPER, "page", other=WALL, slot="B", view=stored).decode()
+    saved = json.loads(re.search(r'id="embedded">(.*?)</script>', page)[1])
+    assert saved["about"]["document"] == WALL
+    assert saved["view"] == {"view": {"errors": "difference"}, "B": TAPER}
 
 
 def stored_in(file):

@@ -26,7 +26,7 @@ from ..validation.objects import check_choice
 from .documents import chain_of, document_as_toml
 from .force_curves import beads_of, run_for_forces
 from .messages import Part
-from .requests import Request
+from .requests import SLOTS, Request
 from .results import Stop, limited, motion, results
 from .saved_page import saved_page
 from .wording import title, without_advice
@@ -41,7 +41,7 @@ FORMATS: Final[Mapping[str, str]] = {
 }
 FIGURES: Final = ("chain", "pulse", "map", "forces", "budget")
 EFFECTIVE: Final = "effective-chain"
-OTHER: Final = "other chain"
+SIMULATION: Final = "simulation"
 FRAMES: Final = 400
 RTOL: Final = 1e-9
 # A figure ends a little after the time at which the peak on the wall is known to be complete.
@@ -130,7 +130,7 @@ def _csv(given: Mapping[str, Any], stop: Stop) -> Export:
 
 def _pulses(chain: Chain, stop: Stop) -> dict[str, Pulse]:
     """The simulated pulse and those of all theories that support the chain."""
-    found = {"simulation": _simulated(chain, stop)[0]}
+    found = {SIMULATION: _simulated(chain, stop)[0]}
     for name, theory in THEORIES.items():
         try:
             found[name] = theory(chain)
@@ -195,22 +195,30 @@ def _shown_curves(
 ) -> dict[str, Pulse]:
     """The curves that the page shows, by the names in its legend."""
     hidden = _view(given).get("hidden", [])
-    found = {title(name): each for name, each in pulses.items() if _key(name) not in hidden}
-    if given.get("other") is not None and "other" not in hidden:
+    own, their = _letters(given)
+    found = {own + title(name): each for name, each in pulses.items() if _key(name) not in hidden}
+    if their and "other" not in hidden:
         other = chain_of(given["other"])
         if other.units == chain.units:
-            simulated = _simulated(other, stop)[0]
-            first = {name: found.pop(name) for name in ("simulation",) if name in found}
-            found = first | {OTHER: simulated} | found
+            first = {name: found.pop(name) for name in (own + SIMULATION,) if name in found}
+            found = first | {their + SIMULATION: _simulated(other, stop)[0]} | found
     found = {name: each for name, each in found.items() if each.column(quantity) is not None}
     if not found:
         raise InputError("the view of the leading pulse shows no curve; show one to save a figure")
     return found
 
 
+def _letters(given: Mapping[str, Any]) -> tuple[str, str]:
+    """Beginnings of the names of curves of the chain and of the other one, as in `views.js`."""
+    if given.get("other") is None:
+        return "", ""
+    own = check_choice("slot", given.get("slot", "A"), SLOTS)
+    return f"{own}, ", "B, " if own == "A" else "A, "
+
+
 def _key(name: str) -> str:
     """Name of a pulse among the hidden curves of the page."""
-    return "exact" if name == "simulation" else name
+    return "exact" if name == SIMULATION else name
 
 
 def _draw(
@@ -230,7 +238,7 @@ def _draw(
         if kind == "chain":
             axes = plotting.plot_chain(chain)
         elif kind == "pulse":
-            axes = _pulse_axes(quantity, chain, curves, view)
+            axes = _pulse_axes(quantity, chain, curves, view, _letters(given))
         else:
             assert run is not None
             forces = view.get("map") == "forces"
@@ -247,7 +255,11 @@ def _draw(
 
 
 def _pulse_axes(
-    quantity: str, chain: Chain, curves: Mapping[str, Pulse], view: Mapping[str, Any]
+    quantity: str,
+    chain: Chain,
+    curves: Mapping[str, Pulse],
+    view: Mapping[str, Any],
+    letters: tuple[str, str] = ("", ""),
 ) -> Axes:
     """The curves of the leading pulse, and the large beads of a decorated chain."""
     from .. import plotting
@@ -256,12 +268,15 @@ def _pulse_axes(
     axes = plotting.plot_pulses(
         [*curves.values()], quantity, labels=[*curves], log=bool(view.get("log")), legend=False
     )
-    if OTHER in curves:
-        _shift(axes, OTHER, chain.strikers - curves[OTHER].chain.strikers)
+    own, their = letters
+    if their and (other := curves.get(their + SIMULATION)):
+        _shift(axes, their + SIMULATION, chain.strikers - other.chain.strikers)
     if EFFECTIVE not in view.get("hidden", []) and quantity in ("velocity", "arrival"):
         with suppress(InputError):
             effective = effective_chain(chain).bca()
-            axes.plot(effective.bead, getattr(effective, quantity), "k--", label=title(EFFECTIVE))
+            axes.plot(
+                effective.bead, getattr(effective, quantity), "k--", label=own + title(EFFECTIVE)
+            )
     place_legend(axes, own=True)
     return axes
 
@@ -291,7 +306,15 @@ def _sensors(chain: Chain, sensors: Any) -> list[int]:
 
 
 def _page(given: Mapping[str, Any], stop: Stop) -> Export:
-    """A page that contains its results and needs no server."""
+    """A page that contains its results and needs no server; its chains keep their letters."""
+    if _letters(given)[0] == "B, ":
+        stored = {**(given.get("view") or {}), "B": given.get("document")}
+        given = {
+            **given,
+            "document": given["other"],
+            "other": given.get("document"),
+            "view": stored,
+        }
     return Export("chain.html", "text/html; charset=utf-8", page_with_results(given, stop))
 
 

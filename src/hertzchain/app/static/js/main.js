@@ -123,6 +123,7 @@ function showAll() {
     $(`tab-${slot}`).setAttribute("aria-pressed", String(slot === state.active));
     $(`lane-${slot}`).classList.toggle("active", slot === state.active && state.B !== null);
   }
+  for (const each of document.querySelectorAll(".own")) each.textContent = state.B ? `, chain ${state.active}` : "";
   controls.show(/** @type {any} */ (state[state.active]));
   showView();
   showHistory();
@@ -324,7 +325,7 @@ function draw() {
     map.paint(found.motion, /** @type {any} */ (state.view.map), state.view.scale);
     dirty.map = false;
   }
-  const axis = found.motion ? views.timeAxis(found) : { factor: 1, label: "" };
+  const axis = found.motion ? views.timeAxis(found) : { factor: 1, unit: "", label: "" };
   map.draw(time, state.view.bead, axis);
   if (dirty.pulse) {
     views.drawPulse(state, found, other());
@@ -449,7 +450,7 @@ function start() {
     request: () => {
       const other = state.B && state[state.active === "A" ? "B" : "A"];
       return {
-        sensors: state.view.sensors, quantity: state.view.quantity, clock: state.view.clock, frames: 320,
+        slot: state.active, sensors: state.view.sensors, quantity: state.view.quantity, clock: state.view.clock, frames: 320,
         until: own().run.header?.peaks.right?.first ? undefined : own().motion?.times.at(-1), other, view: { view: state.view, B: other },
       };
     },

@@ -105,15 +105,9 @@ export function timeAt(times, u) {
 
 /** Place of a time in the animation, 0 .. 1. @param {ArrayLike<number>} times @param {number} time */
 export function placeAt(times, time) {
-  let low = 0, high = times.length - 1;
-  if (!(time > times[0])) return 0;
-  if (time >= times[high]) return 1;
-  while (high - low > 1) {
-    const half = (low + high) >> 1;
-    if (times[half] <= time) low = half;
-    else high = half;
-  }
-  return (low + (time - times[low]) / (times[high] - times[low])) / (times.length - 1);
+  const next = Array.prototype.findIndex.call(times, (each) => each >= time), before = next - 1;
+  if (next < 1) return next < 0 ? 1 : 0;
+  return (before + (time - times[before]) / (times[next] - times[before])) / (times.length - 1);
 }
 
 /** A length in metres as text with three digits, as after a drag. @param {number} length */

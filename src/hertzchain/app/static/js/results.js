@@ -24,33 +24,21 @@ export function unpack(buffer, start = 0) {
 
 /** Splits a stream of bytes into messages, each preceded by its length. */
 export class Splitter {
-  constructor() {
-    /** @type {Uint8Array[]} */
-    this.chunks = [];
-    this.size = 0;
-    this.needed = 4;
-  }
+  rest = new Uint8Array(0);
 
   /** @param {Uint8Array} chunk @returns {Part[]} */
   add(chunk) {
-    this.chunks.push(chunk);
-    this.size += chunk.length;
-    /** @type {Part[]} */
-    const found = [];
-    if (this.size < this.needed) return found;
-    let bytes = new Uint8Array(this.size), at = 0;
-    for (const each of this.chunks) {
-      bytes.set(each, at);
-      at += each.length;
-    }
+    const bytes = new Uint8Array(this.rest.length + chunk.length), view = new DataView(bytes.buffer), found = [];
+    bytes.set(this.rest);
+    bytes.set(chunk, this.rest.length);
+    let at = 0;
     for (;;) {
-      this.needed = bytes.length < 4 ? 4 : 4 + new DataView(bytes.buffer, bytes.byteOffset).getUint32(0, true);
-      if (bytes.length < this.needed) break;
-      found.push(unpack(bytes.slice(4, this.needed).buffer));
-      bytes = bytes.subarray(this.needed);
+      const end = at + 4 + (at + 4 > bytes.length ? 0 : view.getUint32(at, true));
+      if (end > bytes.length) break;
+      found.push(unpack(bytes.slice(at + 4, end).buffer));
+      at = end;
     }
-    this.chunks = [bytes];
-    this.size = bytes.length;
+    this.rest = bytes.subarray(at);
     return found;
   }
 }

@@ -159,25 +159,12 @@ export function fromLink(hash) {
       continue;
     }
     const root = Object.hasOwn(tables, words[0]) && words[0] !== "a" ? words.shift() ?? "a" : "a";
-    if (!words.length || words.some((each) => FORBIDDEN.includes(each) || each === "")) continue;
-    put(tables[root], words, content);
+    if (!words.length || words.some((each) => FORBIDDEN.includes(each) || each === "") || words.slice(1).some((each) => +each > 2000)) continue;
+    tables[root] = changed(tables[root], words.map((each) => /^(0|[1-9]\d*)$/.test(each) ? +each : each), content);
   }
   const documentOf = (/** @type {string} */ chain, /** @type {string} */ own) => Object.keys(tables[chain]).length
     ? { chain: tables[chain], ...(Object.keys(tables[own]).length ? { materials: tables[own] } : {}) } : null;
   const first = documentOf("a", "own");
   if (!first) return null;
   return { A: first, B: documentOf("b", "b-own"), active: "A", view };
-}
-
-/** @param {any} table @param {string[]} words @param {any} content */
-function put(table, words, content) {
-  words.forEach((word, i) => {
-    const name = Array.isArray(table) ? Number(word) : word;
-    if (Array.isArray(table) && !(Number(name) >= 0 && Number(name) <= 2000)) return;
-    if (i === words.length - 1) table[name] = content;
-    else {
-      if (typeof table[name] !== "object" || table[name] === null) table[name] = /^\d+$/.test(words[i + 1]) ? [] : {};
-      table = table[name];
-    }
-  });
 }

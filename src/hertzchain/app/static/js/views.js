@@ -22,6 +22,10 @@ function largest(values) {
   return most;
 }
 
+const SIMULATION = "simulation", RELATIVE = "(B − A) / A";
+/** Beginnings of the names of curves: letters of the active and of the other chain of a comparison. @param {State} state */
+const letters = ({ active, B }) => !B ? ["", ""] : active === "A" ? ["A, ", "B, "] : ["B, ", "A, "];
+
 const BEADS = { xLabel: "bead k", counted: true };
 
 export class Views {
@@ -38,12 +42,6 @@ export class Views {
     this.modes = new Chart($("chart-modes"), () => {});
   }
 
-  /** @param {string} quantity @param {Results} results @param {number} most @returns {[number, string]} */
-  unit(quantity, results, most) {
-    const info = this.about.quantities[quantity];
-    return results.si && info.unit !== "1" ? prefixed(most, info.unit) : [1, ""];
-  }
-
   /** Leading pulse and errors. @param {State} state @param {Results} own @param {Results | null} other */
   drawPulse(state, own, other) {
     if (!own.ready) return;
@@ -52,17 +50,17 @@ export class Views {
     const shown = names.filter((name) => own.theory(name, quantity) && !hidden.includes(name));
     const compared = theirs(own, other, quantity);
     const all = [exact, compared, ...shown.map((name) => own.theory(name, quantity))].filter(Boolean);
-    const [factor, unit] = this.unit(quantity, own, Math.max(...all.map(largest), 0));
+    const [factor, unit] = own.si && info.unit !== "1" ? prefixed(Math.max(...all.map(largest), 0), info.unit) : [1, ""], [mine, their] = letters(state);
     /** @type {Series[]} */
-    const series = shown.map((name) => line(name, title(name), own.theory(name, quantity), factor));
-    if (compared && !hidden.includes("other")) series.unshift(line("other", "other chain", compared, factor));
-    if (exact && !hidden.includes("exact")) series.unshift(line("exact", "simulation", exact, factor));
+    const series = shown.map((name) => line(name, mine + title(name), own.theory(name, quantity), factor));
+    if (compared && !hidden.includes("other")) series.unshift(line("other", their + SIMULATION, compared, factor));
+    if (exact && !hidden.includes("exact")) series.unshift(line("exact", mine + SIMULATION, exact, factor));
     for (const each of series) each.apart = each.name === "other" ? jumps(other, other?.exact(quantity)) : jumps(own, each.y);
     const label = inUnit(info.description, unit);
     const message = series.length ? "" : this.reason(own);
     this.pulse.draw(series, { xLabel: info.per === "contact" ? "contact k" : series.some((each) => each.apart) ? "bead k (dot: free end)" : "bead k", counted: true, yLabel: label, log: state.view.log, message },
       `${label} along the chain: ${summary(series)}`);
-    this.legend(own, other, quantity, hidden);
+    this.legend(own, other, state);
     this.drawErrors(state, own, other, shown);
     for (const [name, { note }] of own.theories) for (const each of document.querySelectorAll(`.plot .${name}`)) each.classList.toggle("pale", !!note);
   }
@@ -82,10 +80,10 @@ export class Views {
     if (state.view.errors === "difference") {
       const late = [own, other].find((each) => each && !each.pulse.header);
       if (!other || late) replace($("legend-error"), []);
-      const compared = exact && theirs(own, other, quantity);
-      const series = compared ? [difference("other", "other chain", compared, exact)] : [];
+      const compared = exact && theirs(own, other, quantity), [a, b] = state.active === "A" ? [exact, compared] : [compared, exact];
+      const series = compared ? [difference("other", RELATIVE, b, a)] : [];
       const message = compared ? "" : !other ? "Choose Compare to add a second chain." : late ? whyBlank(late) : other.si === own.si ? "No value" : "Chains in SI units and in scaled variables cannot be compared.";
-      this.error.draw(series, { ...BEADS, yLabel: "other chain relative to this one", percent: true, message }, `Difference of the chains: ${summary(series)}`);
+      this.error.draw(series, { ...BEADS, yLabel: `${quantity.replaceAll("_", " ")}: ${RELATIVE}`, percent: true, message }, `Difference of the chains: ${summary(series)}`);
       return;
     }
     const known = jumps(own, exact) ? exact.slice(0, -1) : exact;
@@ -99,8 +97,9 @@ export class Views {
   }
 
   /** Buttons that show and hide curves, and notes.
-   * @param {Results} own @param {Results | null} other @param {string} quantity @param {string[]} hidden */
-  legend(own, other, quantity, hidden) {
+   * @param {Results} own @param {Results | null} other @param {State} state */
+  legend(own, other, state) {
+    const { quantity, hidden } = state.view, [mine, their] = letters(state);
     // Theories do not describe the last bead of a free end.
     const exact = own.exact(quantity), free = ends(own, exact);
     const entry = (/** @type {string} */ name, /** @type {string} */ text, /** @type {string} */ note) => {
@@ -108,14 +107,14 @@ export class Views {
       button.dataset.curve = name;
       return button;
     };
-    const entries = own.pulse.header && own.exact(quantity) ? [entry("exact", "simulation", own.pulse.header.method ?? "")] : [];
-    if (theirs(own, other, quantity)) entries.push(entry("other", "other chain", other?.beads.header.description));
+    const entries = own.pulse.header && exact ? [entry("exact", mine + SIMULATION, own.pulse.header.method ?? "")] : [];
+    if (theirs(own, other, quantity)) entries.push(entry("other", their + SIMULATION, other?.beads.header.description));
     /** @type {Map<string, string[]>} */
     const reasons = new Map();
     for (const [name, each] of own.theories) {
       if (own.theory(name, quantity)) {
         const error = exact ? worst(own.theory(name, quantity), exact, free) : NaN;
-        entries.push(entry(name, title(name) + (error >= 0 ? ` ${percent(error, 2)}` : ""), each.note || `largest error from bead 2 on${free ? ", without the last bead" : ""}`));
+        entries.push(entry(name, mine + title(name) + (error >= 0 ? ` ${percent(error, 2)}` : ""), each.note || `largest error from bead 2 on${free ? ", without the last bead" : ""}`));
         if (each.note) reasons.set(each.note, [...(reasons.get(each.note) ?? []), title(name)]);
       } else {
         const reason = each.refusal ?? `has no ${this.about.quantities[quantity].description}`;
@@ -142,7 +141,7 @@ export class Views {
     const axis = this.timeAxis(own), x = times(motion.times, axis.factor);
     this.factor = axis.factor;
     this.drawBudget(state, own, x, axis.label);
-    this.drawForces(state.view.forces, own, other, axis);
+    this.drawForces(state, own, other, axis);
     this.drawNumbers(state, own, other);
     this.drawModes(own);
   }
@@ -176,14 +175,15 @@ export class Views {
     replace($("legend-budget"), names.map((name) => make("span", { className: "key" }, make("i", { className: `swatch part ${name.replaceAll(" ", "-")}` }), name)));
   }
 
-  /** Forces of both chains at their times. @param {string} scale @param {Results} own @param {Results | null} other @param {any} axis */
-  drawForces(scale, own, other, axis) {
+  /** Forces of both chains at their times. @param {State} state @param {Results} own @param {Results | null} other @param {any} axis */
+  drawForces(state, own, other, axis) {
+    const scale = state.view.forces, [mine, their] = letters(state);
     const traces = forcesOf(own), all = [...traces, ...(other?.motion && other.si === own.si ? forcesOf(other) : [])], most = Math.max(...all.flatMap(({ shown }) => shown.map(([, force]) => force)), 0), [factor, unit] = own.si ? prefixed(most, "N") : [1, ""];
     // Curves on a logarithmic axis end at a part of the largest force.
     const scaled = (/** @type {number[]} */ y) => scale === "log" ? y.map((each) => Math.max(each, 1e-4 * most) * factor) : times(y, scale === "each" ? 1 / (largest(y) || 1) : factor);
     const series = all.map((each, i) => {
       const x = [...each.times], y = [...each.values];
-      const [faint, label] = i < traces.length ? ["", each.label] : [" faint", `other chain, ${each.label}`];
+      const [faint, label] = i < traces.length ? ["", mine + each.label] : [" faint", their + each.label];
       /** @type {any} */
       let last;
       const notes = each.shown.map(([what, force, time]) => {
@@ -343,8 +343,7 @@ function summary(series) {
 /** Show the time, and its place on the slider. @param {number | undefined} time @param {any} axis
  * @param {number} u @param {boolean} playing */
 export function showClock(time, axis, u, playing) {
-  const unit = /\[(.*)\]/.exec(axis.label)?.[1];
-  const text = time === undefined ? "" : `t = ${(time * axis.factor).toPrecision(4)}${unit ? ` ${unit}` : ""}`;
+  const text = time === undefined ? "" : `t = ${(time * axis.factor).toPrecision(4)} ${axis.unit}`.trim();
   if ($("clockface").textContent !== text) $("clockface").textContent = text;
   const slider = $("time");
   if (document.activeElement !== slider || playing) slider.value = String(Math.round(1000 * u));

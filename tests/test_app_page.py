@@ -359,6 +359,26 @@ def test_each_lane_changes_its_own_chain(page):
     assert [each["bead"] for each in page.document("B")["chain"]["with_defects"]] == [8]
 
 
+def test_both_chains_are_drawn_at_the_same_scale(page):
+    chains = ("radii=5+mm&beads=30&materials=steel-52100", "radii=2+mm&beads=6&materials=brass")
+    second = "&".join(f"b.{each}" for each in chains[1].split("&"))
+
+    def radius(slot):
+        return page.tab.evaluate(f"hertzchain.placeOf('{slot}', 1)[2]")
+
+    page.tab = page.new_tab(f"{page.origin}#{chains[0]}&{second}")
+    small = radius("B")
+    assert radius("A") == pytest.approx(2.5 * small)
+    # Alone, the small chain has the height of the view.
+    page.tab.click("#tab-B")
+    page.tab.click("#compare")
+    page.settle()
+    assert radius("A") > 3 * small
+    # Scaled and SI units have no common scale.
+    page.tab = page.new_tab(f"{page.origin}#{chains[0]}&b.taper=uniform&b.beads=6")
+    assert radius("B") > 3 * small
+
+
 def open_file(page, path):
     """Open a chain file, which the server reads first."""
     with page.tab.expect_response("**/api/chain"):

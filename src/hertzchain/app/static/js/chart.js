@@ -22,6 +22,12 @@ export function svg(name, attributes = {}, text) {
 }
 
 export class Chart {
+  x = [0, 1];
+  y = [0, 1];
+  log = false;
+  /** @type {number | null} */
+  at = null;
+
   /** @param {HTMLElement} host @param {(x: number) => void} pick */
   constructor(host, pick) {
     this.host = host;
@@ -34,11 +40,6 @@ export class Chart {
     this.message.className = "nothing";
     host.append(this.svg, this.message);
     this.W = this.H = 1;
-    this.x = [0, 1];
-    this.y = [0, 1];
-    this.log = false;
-    /** @type {number | null} */
-    this.at = null;
     const picked = (/** @type {PointerEvent} */ event) => {
       if (event.buttons & 1) pick(this.x[0] + ((event.offsetX - LEFT) / (this.W - LEFT - RIGHT)) * (this.x[1] - this.x[0]));
     };

@@ -18,13 +18,8 @@ export const STEPS = [];
 /** Read the colours of the theme, and compute the scale of colours. */
 export function readColours() {
   const style = getComputedStyle(document.documentElement);
-  const probe = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
-  if (!probe) return;
-  const rgb = (/** @type {string} */ colour) => {
-    probe.fillStyle = colour;
-    probe.fillRect(0, 0, 1, 1);
-    return probe.getImageData(0, 0, 1, 1).data;
-  };
+  // Computed colours are rgb(r, g, b).
+  const rgb = (/** @type {string} */ colour) => (colour.match(/\d+/g) ?? []).map(Number);
   const resolver = document.createElement("i");
   // Colours carry meaning, also in forced colours.
   resolver.style.setProperty("forced-color-adjust", "none");

@@ -48,20 +48,21 @@ export function resized(chain, si) {
 }
 
 export class Controls {
+  /** @type {Document} */
+  document = { chain: {} };
+  /** @type {Set<string>} */
+  opened = new Set();
+  shape = "";
+  /** @type {(() => void)[]} */
+  updates = [];
+  last = "";
+
   /** @param {HTMLElement} host @param {any} about @param {Change} change */
   constructor(host, about, change) {
     this.host = host;
     this.about = about;
     this.schema = about.schema.sections;
     this.change = change;
-    /** @type {Document} */
-    this.document = { chain: {} };
-    /** @type {Set<string>} */
-    this.opened = new Set();
-    this.shape = "";
-    /** @type {(() => void)[]} */
-    this.updates = [];
-    this.last = "";
   }
 
   get chain() {

@@ -14,17 +14,18 @@ let numbers = 0;
 const session = Array.from(crypto.getRandomValues(new Uint8Array(12)), (each) => each.toString(36)).join("").slice(0, 24);
 
 export class Link {
+  /** @type {Sent | null} */
+  current = null;
+  /** @type {any} */
+  waiting = null;
+  timer = 0;
+  retry = 0;
+  lastMap = 0;
+
   /** @param {string} slot @param {Handlers} on */
   constructor(slot, on) {
     this.slot = slot;
     this.on = on;
-    /** @type {Sent | null} */
-    this.current = null;
-    /** @type {any} */
-    this.waiting = null;
-    this.timer = 0;
-    this.retry = 0;
-    this.lastMap = 0;
   }
 
   get busy() {

@@ -312,8 +312,10 @@ function wakeLater() {
 function draw() {
   const found = own(), time = found.motion ? timeAt(found.motion.times, u) : 0;
   if (dirty.pulse || dirty.times) showTitles();
+  const alike = state.B && results.A.ready && results.B.ready && results.A.si === results.B.si;
   for (const slot of SLOTS) {
     if (!state[slot] || !results[slot].ready) continue;
+    stages[slot].most = alike ? Math.min(stages.A.room.whole, stages.B.room.whole) : Infinity;
     const { motion } = results[slot], place = placeOf(slot);
     stages[slot].bead = beadIn(slot);
     stages[slot].draw(place * ((motion?.count ?? 1) - 1), results[slot].front(motion ? timeAt(motion.times, place) : 0));

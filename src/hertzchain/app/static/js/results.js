@@ -46,18 +46,16 @@ export class Splitter {
 const START = () => ({ header: /** @type {any} */ (null), arrays: /** @type {Map<string, any>} */ (new Map()) });
 
 export class Results {
-  constructor() {
-    this.beads = START();
-    this.pulse = START();
-    this.run = START();
-    /** @type {import("./stage.js").Motion | null} */
-    this.motion = null;
-    /** Why there is no newer result. */
-    this.problem = "";
-    /** @type {string[]} */
-    this.pending = [];
-    this.settled = false;
-  }
+  beads = START();
+  pulse = START();
+  run = START();
+  /** @type {import("./stage.js").Motion | null} */
+  motion = null;
+  /** Why there is no newer result. */
+  problem = "";
+  /** @type {string[]} */
+  pending = [];
+  settled = false;
 
   /** Take a message; returns its kind. @param {Part} part @returns {string} */
   take(part) {

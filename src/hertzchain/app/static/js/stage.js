@@ -2,6 +2,7 @@
 
 import { COLOURS, KINDS, STEPS, penOf, stepOf } from "./colour.js";
 import { fixed } from "./host.js";
+import { prefixed, short, ticks } from "./numbers.js";
 
 /** @typedef {{count: number, beads: number, times: Float64Array, velocities: Int16Array, speeds: Float64Array,
  *   forces: Int16Array, strengths: Float64Array}} Motion */
@@ -23,31 +24,35 @@ function circle(pen, x, y, r, h = r) {
 }
 
 export class Stage {
+  /** @type {string[]} */
+  walls = [];
+  strikers = 0;
+  kinds = new Int16Array(0);
+  /** Numbers of the colours of the materials, if there are several. @type {number[]} */
+  colours = [];
+  long = 1;
+  largest = 1;
+  /** @type {Motion | null} */
+  motion = null;
+  bead = 0;
+  /** @type {number[]} */
+  sensors = [];
+  camera = "whole";
+  scale = "bead";
+  wallGap = 0;
+  si = false;
+  /** Largest scale of the whole chain: that of the other chain of a comparison. */
+  most = Infinity;
+  look = { x: 0, scale: 1 };
+  /** @type {any} */
+  drag = null;
+
   /** @param {HTMLCanvasElement} canvas @param {Handlers} on */
   constructor(canvas, on) {
     this.canvas = canvas;
     this.on = on;
     /** Half widths and heights; faces of plates are infinite. @type {Float64Array} */
     this.radii = this.heights = this.faces = this.centres = new Float64Array(0);
-    /** @type {string[]} */
-    this.walls = [];
-    this.strikers = 0;
-    this.kinds = new Int16Array(0);
-    /** Numbers of the colours of the materials, if there are several. @type {number[]} */
-    this.colours = [];
-    this.long = 1;
-    this.largest = 1;
-    /** @type {Motion | null} */
-    this.motion = null;
-    this.bead = 0;
-    /** @type {number[]} */
-    this.sensors = [];
-    this.camera = "whole";
-    this.scale = "bead";
-    this.wallGap = 0;
-    this.look = { x: 0, scale: 1 };
-    /** @type {any} */
-    this.drag = null;
     canvas.onpointerdown = (event) => this.down(event);
     canvas.onpointermove = (event) => this.move(event);
     canvas.onpointerup = () => this.up();
@@ -63,7 +68,8 @@ export class Stage {
     this.kinds = arrays.get("kinds");
     this.walls = header.walls;
     this.strikers = header.strikers;
-    this.wallGap = header.units === "SI" ? wallGap : 0;
+    this.si = header.units === "SI";
+    this.wallGap = this.si ? wallGap : 0;
     const last = this.radii.length - 1;
     this.long = this.centres[last] + this.radii[last] + this.wallGap;
     this.largest = Math.max(...this.heights);
@@ -144,6 +150,12 @@ export class Stage {
     else this.on.sensor();
   }
 
+  /** Space at the left and right of the chain, and the scale at which all of it is seen. */
+  get room() {
+    const W = this.canvas.clientWidth, left = this.walls.includes("left") ? 16 : 8, right = this.walls.includes("right") ? 22 : 8;
+    return { left, right, whole: Math.min((W - left - right) / this.long, (0.26 * this.canvas.clientHeight) / this.largest) };
+  }
+
   /** Where the camera looks. @param {number} front bead, counted from 0, with a fraction */
   aim(front) {
     if (this.drag && !this.drag.wall) {
@@ -151,8 +163,7 @@ export class Stage {
       return;
     }
     const W = this.canvas.clientWidth, H = this.canvas.clientHeight;
-    const left = this.walls.includes("left") ? 16 : 8, right = this.walls.includes("right") ? 22 : 8;
-    const whole = Math.min((W - left - right) / this.long, (0.26 * H) / this.largest);
+    const { left, right, whole: own } = this.room, whole = Math.min(own, this.most);
     if (this.camera !== "follow") {
       const spare = W - left - right - this.long * whole;
       this.look = { scale: whole, x: -(left + spare / 2) / whole };
@@ -197,6 +208,12 @@ export class Stage {
     pen.font = "11px system-ui, sans-serif";
     pen.textAlign = "left";
     pen.fillText(this.scale === "bead" ? "velocity, relative to the largest of each bead" : "velocity, relative to the largest of all", 0, 10);
+    if (this.si) {
+      const size = ticks(0, 60 / this.look.scale, 3)[1], wide = size * this.look.scale, [factor, unit] = prefixed(size, "m");
+      pen.fillRect(W - wide, 5, wide, 2);
+      pen.textAlign = "right";
+      pen.fillText(`${short(size * factor)} ${unit}`, W - wide - 5, 10);
+    }
     if (!this.motion) return;
     for (const sign of [1, -1]) {
       pen.beginPath();
@@ -231,14 +248,11 @@ export class Stage {
       pen.strokeStyle = COLOURS.card;
       pen.lineWidth = 1;
       pen.beginPath();
-      for (let at = -half; at < half; at += 7) {
-        pen.moveTo(x, y + at + 7);
-        pen.lineTo(x + 10, y + at);
+      for (let at = y - half; at + 7 < y + half; at += 7) {
+        pen.moveTo(x, at + 7);
+        pen.lineTo(x + 10, at);
       }
-      pen.save();
-      pen.clip(new Path2D(`M${x} ${y - half}h10v${2 * half}h-10z`));
       pen.stroke();
-      pen.restore();
     }
   }
 

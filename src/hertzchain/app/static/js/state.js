@@ -60,13 +60,11 @@ export function withRadius(document, bead, radius) {
 
 /** Undo and redo of documents; changes of one drag are one step. */
 export class History {
-  constructor() {
-    /** @type {string[]} */
-    this.past = [];
-    /** @type {string[]} */
-    this.future = [];
-    this.open = false;
-  }
+  /** @type {string[]} */
+  past = [];
+  /** @type {string[]} */
+  future = [];
+  open = false;
 
   /** Note a state before it changes. @param {string} before @param {boolean} dragging */
   note(before, dragging) {

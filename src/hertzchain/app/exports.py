@@ -6,6 +6,8 @@ import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -92,7 +94,7 @@ def _python(given: Mapping[str, Any], _: Stop) -> Export:
     lines += [f"run = hc.simulate(chain, {until}rtol=1e-9)"]
     exact = "hc.propagate(chain)" if _supported(chain) else "run.pulse()"
     lines += [f"pulse = {exact}", "print(run)", "print(pulse)"]
-    lines += ["print(pulse.to_dataframe().to_string())"]
+    lines += ['print(pulse.to_dataframe().to_string(float_format="{:.7g}".format))']
     lines += [f"print(run.wall_force({side!r}))" for side in walls_of(chain)]
     lines += [f"print(run.sensor_force({k}))" for k in _sensors(chain, given.get("sensors"))]
     lines += [""]
@@ -126,6 +128,21 @@ def _csv(given: Mapping[str, Any], stop: Stop) -> Export:
     )
     text = "\n".join([",".join(head), *rows, ""])
     return Export("pulse.csv", "text/csv; charset=utf-8", text.encode())
+
+
+def _forces(given: Mapping[str, Any], stop: Stop) -> Export:
+    """Forces on walls and in sensors at the times of the figure, as `load_traces` reads them."""
+    chain = chain_of(given.get("document"))
+    sensors = _sensors(chain, given.get("sensors"))
+    places = [*sensors, *walls_of(chain).values()]
+    if not places:
+        raise InputError("the chain has no wall and no sensor; add one to save forces")
+    exact, run = _simulated(chain, stop)
+    run, _ = run_for_forces(run or _run(chain, exact, stop), places, RTOL, limited(stop))
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "forces.csv"
+        run.save_forces(path, [*sensors, *(f"{side} wall" for side in walls_of(chain))])
+        return Export(path.name, "text/csv; charset=utf-8", path.read_bytes())
 
 
 def _pulses(chain: Chain, stop: Stop) -> dict[str, Pulse]:
@@ -293,9 +310,7 @@ def _shift(axes: Axes, label: str, beads: int) -> None:
 
 def _places(chain: Chain, sensors: Any) -> list[int]:
     """Beads with a sensor and walls, as `plot_forces` numbers them; at least one."""
-    places = _sensors(chain, sensors)
-    places += [0] if chain.left_wall is not None else []
-    places += [chain.beads + 1] if chain.right_wall is not None else []
+    places = [*_sensors(chain, sensors), *walls_of(chain).values()]
     return places or [chain.beads // 2]
 
 
@@ -349,5 +364,6 @@ EXPORTS: Final[Mapping[str, Callable[[Mapping[str, Any], Stop], Export]]] = {
     "toml": _toml,
     "python": _python,
     "csv": _csv,
+    "forces": _forces,
     "page": _page,
 }

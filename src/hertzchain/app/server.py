@@ -113,9 +113,9 @@ class App:
         try:
             file = await work
         except (InputError, SimulationError) as error:
-            return JSONResponse({"error": str(error)}, status_code=422)
+            raise RejectedError(422, str(error)) from None
         except Cancelled:
-            return JSONResponse({"error": "the server is closing"}, status_code=503)
+            raise RejectedError(503, "the server is closing") from None
         disposition = f'attachment; filename="{file.name}"'
         return Response(
             file.content, media_type=file.media_type, headers={"content-disposition": disposition}

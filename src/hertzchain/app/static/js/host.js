@@ -19,8 +19,10 @@ export const fixed = stored?.kind === "saved";
 
 /** @param {string} path @param {string} type @param {string} body */
 async function post(path, type, body) {
-  return fetch(path, { method: "POST", headers: { "content-type": type }, body })
+  const answer = await fetch(path, { method: "POST", headers: { "content-type": type }, body })
     .catch(() => { throw new OfflineError("The server does not answer. Is `hertzchain app` still running? Trying again …"); });
+  if (!answer.ok) throw new Error(await answer.text());
+  return answer;
 }
 
 /** @type {Host} */
@@ -32,8 +34,7 @@ const server = {
   },
   async results(body, received) {
     const answer = await post("/api/results", "application/json", JSON.stringify(body));
-    if (!answer.ok || !answer.body) throw new Error(await answer.text());
-    const reader = answer.body.getReader(), splitter = new Splitter();
+    const reader = /** @type {any} */ (answer.body).getReader(), splitter = new Splitter();
     for (;;) {
       const { done, value } = await reader.read().catch(() => { throw new OfflineError("The server has stopped. Trying again …"); });
       if (done) return;
@@ -41,14 +42,12 @@ const server = {
     }
   },
   async read(text) {
-    const answer = await post("/api/chain", "application/toml", text);
-    const reply = answer.ok ? await answer.json() : { error: await answer.text() };
-    if (reply.error) throw new Error(reply.error);
-    return reply.document;
+    const { document, error } = await (await post("/api/chain", "application/toml", text)).json();
+    if (error) throw new Error(error);
+    return document;
   },
   async save(body) {
     const answer = await post("/api/export", "application/json", JSON.stringify(body));
-    if (!answer.ok) throw new Error((await answer.json().catch(() => null))?.error ?? "The file could not be made.");
     return { name: /filename="([^"]+)"/.exec(answer.headers.get("content-disposition") ?? "")?.[1] ?? "chain", blob: await answer.blob() };
   },
   state() {},

@@ -895,7 +895,7 @@ def test_the_comparison_has_the_peaks_if_contacts_yield_and_the_warnings_of_both
     found = {label.partition(" [")[0]: numbers for label, *numbers in rows}
     assert list(found)[1:7] == [
         "sensor in bead 8, first maximum", "sensor in bead 8, time of first maximum",
-        "sensor in bead 8, largest so far", "sensor in bead 8, time of largest so far",
+        "sensor in bead 8, largest in this run", "sensor in bead 8, time of largest in this run",
         "right wall, peak", "right wall, time of peak",
     ]  # fmt: skip
     peaks = [page_peaks(tab, slot)["right"] for slot in "AB"]
@@ -903,7 +903,7 @@ def test_the_comparison_has_the_peaks_if_contacts_yield_and_the_warnings_of_both
     a, b = (each["yielding"] for each in peaks)
     assert found["right wall, peak if contacts yield"][2] == f"{b / a:.4g}"
     legend = tab.text_content("#legend-force")
-    assert "; the largest so far" in legend
+    assert "; the largest in this run" in legend
     assert "peak if contacts yield" in legend
     # The warnings are drawn in the frame after the last message.
     for slot in "AB":
@@ -938,13 +938,22 @@ def test_the_table_has_the_pressure_of_each_contact(page):
     tab.click("#table-details summary")
     tab.wait_for_selector("#table th:has-text('pressure / yield')")
     head, *rows = [each.split("\t") for each in tab.locator("#table tr").all_inner_texts()]
-    shown = [float(each[head.index("pressure / yield")]) for each in rows]
+    columns = dict(zip(head, zip(*rows, strict=True), strict=True))
+    shown = [float(each) for each in columns["pressure / yield, contact k"]]
     chain = hc.Chain.from_materials(
         diameters=["6 mm", "4 mm", "5 mm"], materials="steel-52100", velocity="0.2 m/s",
         right_wall=hc.Wall.of("steel-52100"),
     )  # fmt: skip
     overlaps = hc.simulate(chain, times=0, check=False).largest_overlaps
     assert shown == pytest.approx(hc.hertz_range(chain, overlaps).yield_ratio[1:], rel=1e-3)
+    # Units have prefixes; the last contact is that with the wall.
+    assert columns["radius [mm]"] == ("3", "2", "2.5")
+    assert [float(each) for each in columns["mass [mg]"]] == pytest.approx(1e6 * chain.masses)
+    wall = hc.simulate(chain, rtol=1e-9).wall_force().peak
+    forces = [*hc.simulate(chain, rtol=1e-9).pulse().peak_force, wall]
+    assert [float(each) for each in columns["peak force, contact k [N]"]] == pytest.approx(
+        forces, rel=1e-6
+    )
 
 
 def test_invalid_input_is_explained_next_to_its_control(page):

@@ -45,8 +45,12 @@ test("ticks of logarithmic axes are powers of ten, or round values within one de
 });
 
 test("prefixes make the largest value readable", () => {
-  assert.deepEqual(prefixed(0.0007, "s"), [1e3, "ms"]);
-  assert.deepEqual(prefixed(0.9, "m/s"), [1, "m/s"]);
+  assert.deepEqual(prefixed(0.0007, "s"), [1e6, "µs"]);
+  assert.deepEqual(prefixed(870, "N"), [1, "N"]);
+  assert.deepEqual(prefixed(1e-3, "s"), [1e3, "ms"]);
+  assert.deepEqual(prefixed(4e-3, "g"), [1e3, "mg"]);
+  assert.deepEqual(prefixed(2.5, "1"), [1, ""]);
+  assert.deepEqual(prefixed(1.9, "m/s"), [1, "m/s"]);
   assert.deepEqual(prefixed(12000, "N"), [1e-3, "kN"]);
   assert.deepEqual(prefixed(12000, "kg m/s"), [1, "kg m/s"]);
   assert.deepEqual(prefixed(0, "N"), [1, "N"]);

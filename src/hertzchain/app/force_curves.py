@@ -145,6 +145,13 @@ def force_at(run: Run, place: int) -> Array:
     return run.forces[:, 0 if place == 0 else -1]
 
 
+def _largest_in_words(chain: Chain, draft: bool) -> str:
+    """Name of the largest force of a run; that of a draft is not final."""
+    static = {"precompression", "gravity"}.intersection(chain.features)
+    words = "largest so far" if draft else "largest in this run"
+    return f"{words} (with the static force)" if static else words
+
+
 def peaks_at(
     forces: Run, whole: Run, place: int, progress: Callable[..., None] | None
 ) -> dict[str, Any]:
@@ -156,13 +163,13 @@ def peaks_at(
             "label": f"sensor in {label}",
             "ball": f"sensor in {f'ball {ball}' if ball > 0 else label}",
         }
-        return {**names, **_sensor_peaks(forces, place)}
+        return {**names, **_sensor_peaks(forces, place, progress is None)}
     side: Side = "left" if place == 0 else "right"
     found = _wall_peaks(whole, side, progress)
     return {"name": f"wall-{side}", "label": f"{side} wall", **found}
 
 
-def _sensor_peaks(run: Run, bead: int) -> dict[str, Any]:
+def _sensor_peaks(run: Run, bead: int, draft: bool) -> dict[str, Any]:
     """The first maximum of the force in a sensor, and the largest force."""
     force = run.sensor_force(bead)
     first, time = force.first_maximum, force.first_maximum_time
@@ -170,18 +177,20 @@ def _sensor_peaks(run: Run, bead: int) -> dict[str, Any]:
     shown = [] if math.isnan(first) else [["first maximum", first, time]]
     return {
         "first": first, "time": time, "largest": largest, "largest_time": largest_time,
-        "shown": [*shown, ["largest so far", largest, largest_time]],
+        "shown": [*shown, [_largest_in_words(run.chain, draft), largest, largest_time]],
     }  # fmt: skip
 
 
 def _wall_peaks(run: Run, side: Side, progress: Callable[..., None] | None) -> dict[str, Any]:
-    """The peak on a wall or the largest force so far; with ``progress``, also if contacts yield."""
+    """The peak on a wall or the largest force; with ``progress``, also that if contacts yield."""
     # This property does not issue the warning of `wall_force`.
     wall = run._wall_force(side)
-    # A peak that a later impact may exceed is shown as the largest force so far.
-    first, time = (wall.peak, wall.peak_time) if wall.proven else (None, wall.peak_time)
+    # A peak that a later impact may exceed is shown as the largest force of the run.
+    known = wall.proven and not math.isnan(wall.peak)
+    first, time = wall.peak if known else None, wall.peak_time
     largest, largest_time = wall.largest_so_far, wall.largest_so_far_time
-    shown = [["largest so far", largest, largest_time] if first is None else ["peak", first, time]]
+    words = _largest_in_words(run.chain, progress is None)
+    shown = [[words, largest, largest_time] if first is None else ["peak", first, time]]
     yielding = None
     if side == "right" and first is not None and progress is not None:
         yielding = peak_with_yielding_contacts(run, progress)

@@ -97,7 +97,7 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
             yield _pulse_part(request, pulse, compiled, began, note)
         if request.run:
             found = _not_repeated(before, warnings_on_the_page(warned))
-            found += [] if request.draft else _unfinished_impact(run, whole)
+            found += [] if request.draft else map(on_the_page, _unfinished_impact(run, whole))
             forces = run
             if not request.draft:
                 places = [*places_of(chain, request.sensors).values()]
@@ -359,6 +359,6 @@ def _add_spectrum(chain: Chain, arrays: dict[str, Any]) -> str:
     try:
         modes = spectrum(chain)
     except InputError as error:
-        return str(error)
+        return on_the_page(error).rstrip(".")
     arrays["modes.frequency"] = modes.frequencies
     return ""

@@ -17,10 +17,12 @@ WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "choose the loss elastic-plastic with a yield overlap"),
     (r",? or until\b", ""),
+    (r"(?<=\d )u(?=[JNms]\b)", "µ"),
     # Names of tables in chain files.
     (r" of \[chain[.\w]*\]", ""),
-    # The page shows the results of these functions.
-    (r"; use (?:simulate|propagate|bca|effective_chain)\b[^;]*?(?=$| \(chain: )", ""),
+    # The page describes the chain, and shows the results of these functions.
+    (r" \(chain: .*\)$", ""),
+    (r"; use (?:simulate|propagate|bca|effective_chain)\b[^;]*$", ""),
 )  # fmt: skip
 
 

@@ -104,7 +104,7 @@ export class Chart {
 
   /** @param {Axes} axes */
   drawAxes(axes) {
-    const items = [], right = this.W - RIGHT, bottom = this.H - BOTTOM, rows = Math.max(2, (bottom - TOP) / 38);
+    const items = [], right = this.W - RIGHT, bottom = this.H - BOTTOM, rows = Math.max(2, (bottom - TOP) / 28);
     const marks = this.log ? powers(this.y[0], this.y[1], rows) : ticks(this.y[0], this.y[1], rows);
     for (const y of marks) {
       const at = Math.round(this.py(y)) + 0.5;

@@ -27,11 +27,7 @@ async function post(path, type, body) {
 
 /** @type {Host} */
 const server = {
-  async about() {
-    const answer = await fetch("/api/about");
-    if (!answer.ok) throw new Error(await answer.text());
-    return answer.json();
-  },
+  about: async () => (await fetch("/api/about")).json(),
   async results(body, received) {
     const answer = await post("/api/results", "application/json", JSON.stringify(body));
     const reader = /** @type {any} */ (answer.body).getReader(), splitter = new Splitter();

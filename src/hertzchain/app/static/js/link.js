@@ -11,7 +11,7 @@ const BETWEEN_MAPS = 120;
 /** @typedef {{part: (part: import("./results.js").Part, sent: Sent) => void, offline: (message: string) => void}} Handlers */
 
 let numbers = 0;
-const session = Array.from(crypto.getRandomValues(new Uint8Array(12)), (each) => each.toString(36)).join("").slice(0, 24);
+const session = String(Math.random());
 
 export class Link {
   /** @type {Sent | null} */

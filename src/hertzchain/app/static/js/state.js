@@ -68,7 +68,7 @@ export class History {
 
   /** Note a state before it changes. @param {string} before @param {boolean} dragging */
   note(before, dragging) {
-    if (!this.open && this.past[this.past.length - 1] !== before) this.past.push(before);
+    if (!this.open && this.past.at(-1) !== before) this.past.push(before);
     if (this.past.length > 200) this.past.shift();
     this.open = dragging;
     this.future = [];

@@ -18,7 +18,7 @@ const times = (values, factor) => factor === 1 ? values : Float64Array.from(valu
 /** @param {ArrayLike<number>} values */
 function largest(values) {
   let most = 0;
-  for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most) most = Math.abs(values[i]);
+  for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most && Number.isFinite(values[i])) most = Math.abs(values[i]);
   return most;
 }
 
@@ -50,7 +50,7 @@ export class Views {
     const shown = names.filter((name) => own.theory(name, quantity) && !hidden.includes(name));
     const compared = theirs(own, other, quantity);
     const all = [exact, compared, ...shown.map((name) => own.theory(name, quantity))].filter(Boolean);
-    const [factor, unit] = own.si && info.unit !== "1" ? prefixed(Math.max(...all.map(largest), 0), info.unit) : [1, ""], [mine, their] = letters(state);
+    const [factor, unit] = own.si ? prefixed(Math.max(...all.map(largest), 0), info.unit) : [1, ""], [mine, their] = letters(state);
     /** @type {Series[]} */
     const series = shown.map((name) => line(name, mine + title(name), own.theory(name, quantity), factor));
     if (compared && !hidden.includes("other")) series.unshift(line("other", their + SIMULATION, compared, factor));
@@ -118,8 +118,7 @@ export class Views {
         if (each.note) reasons.set(each.note, [...(reasons.get(each.note) ?? []), title(name)]);
       } else {
         const reason = each.refusal ?? `has no ${this.about.quantities[quantity].description}`;
-        const brief = reason.replace(/ \(chain: .*\)$/, "");
-        reasons.set(brief, [...(reasons.get(brief) ?? []), title(name)]);
+        reasons.set(reason, [...(reasons.get(reason) ?? []), title(name)]);
       }
     }
     const off = (/** @type {HTMLElement} */ each) => Number(each.getAttribute("aria-pressed") === "false");
@@ -230,7 +229,7 @@ export class Views {
     if (own.run.header.draft && !frequencies && !message) return;
     const [factor, unit] = frequencies && own.si ? prefixed(largest(frequencies), "Hz") : [1, ""];
     const series = frequencies ? [{ name: "modes", label: "modes", x: range(frequencies.length), y: times(frequencies, factor), points: true }] : [];
-    this.modes.draw(series, { xLabel: "mode", counted: true, yLabel: inUnit("frequency", unit), message: frequencies ? "" : `No spectrum: ${message}.`.replace(/\.\.$/, ".") }, frequencies ? `Spectrum: ${summary(series)}` : "No spectrum");
+    this.modes.draw(series, { xLabel: "mode", counted: true, yLabel: inUnit("frequency", unit), message: frequencies ? "" : `No spectrum: ${message}.` }, frequencies ? `Spectrum: ${summary(series)}` : "No spectrum");
   }
 
   /** @param {number} bead @param {number} time */
@@ -245,13 +244,17 @@ export class Views {
   drawTable(state, own) {
     if (!own.ready) return;
     const { quantity } = state.view, info = this.about.quantities[quantity];
-    const of = (/** @type {string} */ name, /** @type {string} */ unit) => inUnit(name.replace("_", " "), own.si && unit !== "1" ? unit : "");
-    const columns = /** @type {[string, any][]} */ ([[of("radius", "m"), own.beads.arrays.get("radii")], [of("mass", "kg"), own.beads.arrays.get("masses")],
-      ...["velocity", "arrival", "residence", "peak_force"].map((name) => [of(name, this.about.quantities[name].unit), own.exact(name)]),
-      ["pressure / yield", own.run.arrays.get("yield_ratio")], ...own.theories.map(([name]) => [of(`${quantity}, ${title(name)}`, info.unit), own.theory(name, quantity)])]).filter(([, values]) => values);
+    const column = (/** @type {string} */ name, /** @type {any} */ values, unit = "1") => {
+      const [factor, shown] = own.si && values ? prefixed(largest(values), unit) : [1, ""];
+      return { head: inUnit(name.replace("_", " "), shown), values: values && times(values, factor) };
+    };
+    // Contact N is that with the right wall.
+    const force = own.exact("peak_force"), { arrays } = own.beads, columns = [column("radius", arrays.get("radii"), "m"), column("mass", times(arrays.get("masses"), own.si ? 1e3 : 1), "g"),
+      ...["velocity", "arrival", "residence"].map((name) => column(name, own.exact(name), this.about.quantities[name].unit)),
+      column("peak force, contact k", force && [...force, own.run.header?.peaks.right?.first ?? NaN], "N"), column("pressure / yield, contact k", own.run.arrays.get("yield_ratio")), ...own.theories.map(([name]) => column(`${quantity}, ${title(name)}`, own.theory(name, quantity), info.unit))].filter(({ values }) => values);
     const rows = Array.from({ length: own.beads.header.beads }, (_, k) => [String(k + 1),
-      ...columns.map(([, values]) => (k < values.length && Number.isFinite(values[k]) ? String(+values[k].toPrecision(7)) : ""))]);
-    $("table").replaceChildren(table(["bead", ...columns.map(([name]) => name)], rows, state.view.bead - 1), own.pulse.header?.table_note ?? "");
+      ...columns.map(({ values }) => (k < values.length && Number.isFinite(values[k]) ? String(+values[k].toPrecision(7)) : ""))]);
+    $("table").replaceChildren(table(["bead", ...columns.map(({ head }) => head)], rows, state.view.bead - 1), own.pulse.header?.table_note ?? "");
   }
 }
 

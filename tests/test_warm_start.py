@@ -38,7 +38,10 @@ hc.design(hc.Design(chain, minimise="velocity@5", vary=[hc.vary.radii(0.5, 2.0)]
 mixed = chain.replace(right_wall=hc.Wall(stiffness=1.0), exponent=[1.5] * 4 + [2.0] * 4)
 hc.simulate(mixed, until=2.0)
 hc.simulate(chain.replace(loss=[None] * 4 + [hc.Dashpot(0.2)] * 4), until=2.0)
-hc.simulate(chain), hc.simulate(chain, method="symplectic", until=2.0)
+hc.simulate(chain)
+for each in (chain, chain.replace(right_wall=hc.Wall()), mixed):
+    for method in ("verlet", "forward-4"):
+        hc.simulate(each, method=method, until=2.0)
 hc.simulate_many([chain, chain], keep=["peak_force"])
 print(sorted(set(found)))
 """

@@ -848,7 +848,7 @@ def test_points_are_ticked_by_whole_numbers():
     ({"bead": 3, "rate": 0.02, "approach": "bca"}, "velocity has no remaining axis to plot along"),
     ({"levels": 3}, "levels must be a list of numbers, got 3"),
     ({"levels": ["a"]}, "level must be a number, got 'a'"),
-    ({"ax": 3}, "ax must be an Axes, got 3"),
+    ({"bead": 3, "ax": 3}, "ax must be an Axes, got 3"),
 ])  # fmt: skip
 def test_sweeps_that_cannot_be_plotted_are_rejected(chosen, said):
     found = swept(FORWARD, {"rate": RATES}, methods=["propagate", "bca"])

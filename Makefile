@@ -12,7 +12,7 @@ unexport PYTHONDONTWRITEBYTECODE
 reproduce: .venv/compiled
 	$(BIN)/hertzchain reproduce
 
-# Kernels are compiled before the tests, because both processes of pytest would compile them.  The
+# Kernels are compiled before the tests, because each process of pytest would compile them.  The
 # two targets of a line run side by side.
 test: .venv/installed-test
 	$(MAKE) --no-print-directory -j2 static-checks compile
@@ -31,8 +31,10 @@ compile: .venv/installed-test
 # waiting for each other.
 pytest docs test-long: export OPENBLAS_NUM_THREADS := 1
 
+# Browsers and other processes, for which tests wait, take a third of the time: three processes for
+# two cores.
 pytest: .venv/installed-test
-	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder
+	$(BIN)/pytest -q -n 3 --dist loadfile --no-loadscope-reorder
 
 # Tests that take minutes: hundreds of random chains compared with SciPy and with each other,
 # thousands of corrupted files, sweeps that are killed thirty times.

@@ -435,6 +435,12 @@ def test_gradient_is_that_of_the_value_where_radii_alternate(
         check_gradient(hc.Chain.from_radii(radii), quantity, bead, varied)
 
 
+@pytest.mark.parametrize("exponent", [1.5, 1.7, 2.0])
+def test_kernels_are_compiled_for_one_kind_of_tables(exponent):
+    tables = universal_functions(exponent).arrays
+    assert all(each.flags.c_contiguous for each in tables if isinstance(each, np.ndarray))
+
+
 def test_derivatives_within_alternating_beads_are_those_of_the_simulation():
     radii = np.resize([1.0, 0.9], 40)
     logs, step, bead = np.log(radii), 2e-4, 30

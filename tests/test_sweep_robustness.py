@@ -100,6 +100,7 @@ def kill_and_resume(specification, store, undisturbed, *, kills, seed):
     assert contents(store) == undisturbed
 
 
+@pytest.mark.long
 def test_killed_sweeps_end_with_the_same_bytes(specification, undisturbed, tmp_path):
     kill_and_resume(specification, tmp_path / "sweep", undisturbed, kills=2, seed=1)
 

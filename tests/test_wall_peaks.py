@@ -398,6 +398,7 @@ def test_complete_peaks_between_two_walls_are_often_exceeded():
     assert 1.5 < max(ratios) < 3.0
 
 
+@pytest.mark.long
 def test_no_peak_of_random_chains_is_missed():
     assert sum(misses_nothing(random_chain(seed)) for seed in range(48)) <= 1
 

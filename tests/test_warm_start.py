@@ -27,7 +27,9 @@ chain = hc.Chain.tapered("forward-exponential", 0.03, beads=9)
 steel = hc.Chain.from_materials([0.01, 0.008, 0.012], "steel-52100", velocity=0.1)
 other = hc.Chain.from_radii([1, 2, 1.5], exponent=2.2)
 hc.propagate(chain), hc.propagate_many([chain] * 5), hc.propagate(steel), hc.propagate(other)
-hc.local_rate(chain), hc.local_rate_gradient(chain, "velocity", bead=2)
+for exponent in (1.5, 1.7, 2.0):
+    other_law = hc.Chain.from_radii(chain.radii, exponent=exponent)
+    hc.local_rate(other_law), hc.local_rate_gradient(other_law, "velocity", bead=2)
 for loss in (None, hc.Dashpot(0.2), hc.Viscoelastic(0.1), hc.Restitution(0.8), hc.WaltonBraun(0.6)):
     walled = chain.replace(right_wall=hc.Wall(), loss=loss)
     hc.simulate(walled, rtol=1e-6, until=2.0)

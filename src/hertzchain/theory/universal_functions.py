@@ -200,7 +200,9 @@ def assemble(
     pieces = cubic_pieces(knots, np.moveaxis(coefficients, 2, 0))
     # From (powers, intervals, stages, states).
     anchors = np.einsum("pist->sipt", spline.c).reshape(len(STAGES), len(nodes) - 1, -1)
-    slow = nodes, np.ascontiguousarray(anchors), knots, _side_by_side(pieces)
+    # The kernels are compiled once, for contiguous arrays.
+    nodes, anchors = np.ascontiguousarray(nodes), np.ascontiguousarray(anchors)
+    slow = nodes, anchors, knots, _side_by_side(pieces)
     return UniversalFunctions(exponent, *slow, fast_tables(exponent, slow, **fast), error)
 
 

@@ -68,8 +68,9 @@ def ball_table() -> str:
 
 def _sections() -> Iterator[str]:
     for name, section in chain_schema()["sections"].items():
-        brackets = f"[[{name}]]" if section["repeated"] else f"[{name}]"
-        yield from (f"## `{brackets}`", "", f"{_capitalised(section['description'])}.", "")
+        yield from (f"## `[{name}]`", "", f"{_capitalised(section['description'])}.", "")
+        if section["repeated"]:
+            yield from (f"Several tables are written as `[[{name}]]`.", "")
         if section["keys"]:
             yield from _table(section["keys"])
         for value, keys in section.get("variants", {}).items():

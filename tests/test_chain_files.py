@@ -118,6 +118,12 @@ def test_files_and_python_describe_the_same_chain(tmp_path, text, expected):
     assert_same(hc.load_chain(again), expected)
 
 
+def test_one_table_in_a_list_is_the_law_of_all_contacts(tmp_path):
+    law = '[[chain.loss]]\nlaw = "restitution"\ncoefficient = 0.9'
+    text = f'[chain]\ntaper = "uniform"\nbeads = 3\n{law}'
+    assert hc.load_chain(written(tmp_path, text)).loss == hc.Restitution(0.9)
+
+
 @pytest.mark.parametrize(
     "loss",
     [

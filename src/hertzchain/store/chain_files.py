@@ -360,10 +360,10 @@ class _ChainFile:
         return self._drive(entry)
 
     def _losses(self, given: Any) -> Any:
-        """A law, a list with one law per contact, or a mapping from pairs of materials."""
-        if isinstance(given, Mapping) and "between" not in given:
-            return _law(given)
+        """A law of all contacts, a list with one for each, or a mapping from pairs of materials."""
         listed = [given] if isinstance(given, Mapping) else given
+        if len(listed) == 1 and "between" not in listed[0]:
+            return _law(listed[0])
         if not any("between" in each for each in listed):
             return [_law(each) for each in listed]
         return {self._pair("loss", each): _law(each) for each in listed}

@@ -721,6 +721,26 @@ def test_the_page_does_not_advise_to_call_functions():
     )
 
 
+@pytest.mark.parametrize(("make", "words"), [
+    (lambda: hc.Chain.tapered(first="20 mm", last="5 mm", beads=9), "choose a material, such as"),
+    (lambda: hc.Chain.from_materials(diameters="9 mm:5 mm", materials="steel-52100", beads=9),
+     "; for a taper between two sizes, choose to define it by end diameters"),
+    (lambda: hc.Chain.from_materials(
+        diameters="9 mm", materials="steel-52100", beads=9, precompression="9 N"
+     ), "; add a left wall, or held by force for a constant force"),
+    (lambda: hc.modified_bca(hc.Chain.uniform(9).replace(right_wall=hc.Wall())),
+     "the modified BCA does not support a right wall"),
+    (lambda: hc.hard_sphere(hc.Chain.uniform(9).replace(right_wall=hc.Wall())),
+     "the hard-sphere theory does not support a right wall"),
+])  # fmt: skip
+def test_errors_are_in_the_words_of_the_page(make, words):
+    with pytest.raises(hc.InputError) as raised:
+        make()
+    text = on_the_page(raised.value)
+    assert words in text
+    assert not re.search(r"_wall|_by|materials=|_bca|; (use|remove) ", text)
+
+
 def test_a_saved_page_contains_everything(client):
     page = exported(client, TAPER, "page", other=WALL).decode()
     assert not re.findall(r'(?:src|href)="(?!data:|#)', page)

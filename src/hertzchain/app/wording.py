@@ -17,12 +17,19 @@ WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "choose the loss elastic-plastic with a yield overlap"),
     (r",? or until\b", ""),
+    (r"\bgive materials, such as materials='([^']*)'", r"choose a material, such as \1"),
+    (r"\bgive first_diameter and last_diameter", "choose to define it by end diameters"),
+    (r"\bgive (left|right)_wall, or held_by=", r"add a \1 wall, or held_by="),
+    (r"\bheld_by='(\w+)'", r"held by \1"),
+    (r"^modified_bca does", "the modified BCA does"),
+    (r"^effective_chain does", "the effective chain does"),
+    (r"^propagate does", "the simulation of the pulse does"),
     (r"(?<=\d )u(?=[JNms]\b)", "µ"),
     # Names of tables in chain files.
     (r" of \[chain[.\w]*\]", ""),
     # The page describes the chain, and shows the results of these functions.
     (r" \(chain: .*\)$", ""),
-    (r"; use (?:simulate|propagate|bca|effective_chain)\b[^;]*$", ""),
+    (r"; (?:use (?:simulate|propagate|bca|effective_chain)\b|remove it from the chain$)[^;]*$", ""),
 )  # fmt: skip
 
 

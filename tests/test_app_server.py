@@ -701,6 +701,7 @@ def test_messages_are_in_the_words_of_the_page(client):
     headers = [header for header, _ in client.results(fast, 78)]
     warnings = [text for header in headers for text in header.get("warnings", [])]
     assert any("choose the loss elastic-plastic" in text for text in warnings)
+    assert any(", which deforms the beads permanently (limit 1" in text for text in warnings)
     assert not any("ElasticPlastic" in json.dumps(header) for header in headers)
     assert on_the_page("because 2.364 uJ is travelling") == "because 2.364 µJ is travelling"
     assert sentences(["one note.", "", "another", "another"]) == "one note; another"

@@ -17,6 +17,7 @@ WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "choose the loss elastic-plastic with a yield overlap"),
     (r",? or until\b", ""),
+    (r"^(pressure / yield is [^(;]+) \(limit", r"\1, which deforms the beads permanently (limit"),
     (r"\bgive materials, such as materials='([^']*)'", r"choose a material, such as \1"),
     (r"\bgive first_diameter and last_diameter", "choose to define it by end diameters"),
     (r"\bgive (left|right)_wall, or held_by=", r"add a \1 wall, or held_by="),

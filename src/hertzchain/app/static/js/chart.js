@@ -134,7 +134,6 @@ export class Chart {
     for (let i = 0; i < end; i++) {
       const good = Number.isFinite(y[i]) && (!this.log || (y[i] >= this.y[0] && y[i] <= this.y[1]));
       if (good) parts.push(`${on ? "L" : "M"}${this.px(x[i]).toFixed(1)} ${this.py(y[i]).toFixed(1)}`);
-      // Large beads of decorated chains are joined.
       on = good || (on && each.name === "effective-chain");
     }
     if (!base) return svg("path", { class: `line ${each.name}`, d: parts.join("") });

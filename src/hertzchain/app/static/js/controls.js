@@ -177,7 +177,6 @@ export class Controls {
   group(name, title, used, children) {
     const details = make("details", { className: "group", id: `group-${name}` }, make("summary", {}, title, ...(used ? [make("span", { className: "used", title: "used" }, "●")] : [])), ...children);
     details.open = this.opened.has(name) || (used && !this.opened.has(`-${name}`));
-    // "toggle" follows from the line above.
     details.firstElementChild?.addEventListener("click", () => {
       this.opened.delete(details.open ? name : `-${name}`);
       this.opened.add(details.open ? `-${name}` : name);

@@ -36,7 +36,6 @@ export class Link {
   ask(request) {
     this.waiting = request;
     clearTimeout(this.retry);
-    // Drafts are short.
     const patient = this.current?.draft && performance.now() - this.current.sent < PATIENCE;
     if (!patient) this.send();
     else {

@@ -110,7 +110,6 @@ export class Results {
   /** Sentences about the validity of the results. @returns {string[]} */
   get warnings() {
     const note = this.pulse.header?.note, beads = this.beads.header, run = this.run.header;
-    // A run has those of its chain.
     return [...new Set([...((run?.number === beads?.number ? run : beads)?.warnings ?? []), ...(note ? [note] : [])])];
   }
 

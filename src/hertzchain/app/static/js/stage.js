@@ -41,7 +41,7 @@ export class Stage {
   scale = "bead";
   wallGap = 0;
   si = false;
-  /** Largest scale of the whole chain: that of the other chain of a comparison. */
+  /** Scale of the other chain. */
   most = Infinity;
   look = { x: 0, scale: 1 };
   /** @type {any} */
@@ -150,7 +150,7 @@ export class Stage {
     else this.on.sensor();
   }
 
-  /** Space at the left and right of the chain, and the scale at which all of it is seen. */
+  /** Margins, and the scale of the whole chain. */
   get room() {
     const W = this.canvas.clientWidth, left = this.walls.includes("left") ? 16 : 8, right = this.walls.includes("right") ? 22 : 8;
     return { left, right, whole: Math.min((W - left - right) / this.long, (0.26 * this.canvas.clientHeight) / this.largest) };

@@ -23,7 +23,7 @@ function largest(values) {
 }
 
 const SIMULATION = "simulation", RELATIVE = "(B − A) / A";
-/** Beginnings of the names of curves: letters of the active and of the other chain of a comparison. @param {State} state */
+/** Letters before names of curves. @param {State} state */
 const letters = ({ active, B }) => !B ? ["", ""] : active === "A" ? ["A, ", "B, "] : ["B, ", "A, "];
 
 const BEADS = { xLabel: "bead k", counted: true };
@@ -178,7 +178,6 @@ export class Views {
   drawForces(state, own, other, axis) {
     const scale = state.view.forces, [mine, their] = letters(state);
     const traces = forcesOf(own), all = [...traces, ...(other?.motion && other.si === own.si ? forcesOf(other) : [])], most = Math.max(...all.flatMap(({ shown }) => shown.map(([, force]) => force)), 0), [factor, unit] = own.si ? prefixed(most, "N") : [1, ""];
-    // Curves on a logarithmic axis end at a part of the largest force.
     const scaled = (/** @type {number[]} */ y) => scale === "log" ? y.map((each) => Math.max(each, 1e-4 * most) * factor) : times(y, scale === "each" ? 1 / (largest(y) || 1) : factor);
     const series = all.map((each, i) => {
       const x = [...each.times], y = [...each.values];
@@ -190,7 +189,7 @@ export class Views {
         last = time;
         const text = `${what} ${short(force * factor)} ${unit}`;
         if (time === null) return text;
-        // Saved times may be on both sides of a short peak.
+        // A short peak may be between saved times.
         const next = Math.ceil(placeAt(x, time) * (x.length - 1));
         x.splice(next, 0, time);
         y.splice(next, 0, force);
@@ -248,7 +247,6 @@ export class Views {
       const [factor, shown] = own.si && values ? prefixed(largest(values), unit) : [1, ""];
       return { head: inUnit(name.replace("_", " "), shown), values: values && times(values, factor) };
     };
-    // Contact N is that with the right wall.
     const force = own.exact("peak_force"), { arrays } = own.beads, columns = [column("radius", arrays.get("radii"), "m"), column("mass", times(arrays.get("masses"), own.si ? 1e3 : 1), "g"),
       ...["velocity", "arrival", "residence"].map((name) => column(name, own.exact(name), this.about.quantities[name].unit)),
       column("peak force, contact k", force && [...force, own.run.header?.peaks.right?.first ?? NaN], "N"), column("pressure / yield, contact k", own.run.arrays.get("yield_ratio")), ...own.theories.map(([name]) => column(`${quantity}, ${title(name)}`, own.theory(name, quantity), info.unit))].filter(({ values }) => values);

@@ -31,10 +31,8 @@ compile: .venv/installed-test
 # waiting for each other.
 pytest docs test-long: export OPENBLAS_NUM_THREADS := 1
 
-# Browsers and other processes, for which tests wait, take a third of the time: three processes for
-# two cores.
 pytest: .venv/installed-test
-	$(BIN)/pytest -q -n 3 --dist loadfile --no-loadscope-reorder
+	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder
 
 # Tests that take minutes: hundreds of random chains compared with SciPy and with each other,
 # thousands of corrupted files, sweeps that are killed thirty times.

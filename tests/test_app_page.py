@@ -39,6 +39,10 @@ OPEN_ALL = "for (const each of document.querySelectorAll('details')) each.open =
 # Milliseconds to wait for results: the first ones of a chain with new features are compiled.
 COMPILING = 180_000
 SETTLED = "body[data-settled=yes]"
+# The page is drawn at most once per frame.
+NEXT_FRAME = """() => new Promise(
+    (done) => requestAnimationFrame(() => requestAnimationFrame(() => done(null)))
+)"""
 MATERIAL = "[id='c-chain.materials']"
 ARRAY = """([slot, part, name]) => Array.from(hertzchain.results[slot][part].arrays.get(name))"""
 
@@ -151,7 +155,7 @@ def test_errors_are_those_of_the_library(page):
     exact = hc.propagate(chain)
     for quantity in ("velocity", "arrival"):
         page.tab.select_option("#quantity", quantity)
-        page.tab.wait_for_timeout(100)
+        page.tab.evaluate(NEXT_FRAME)
         methods = {"bca": hc.bca, "local-rate": hc.local_rate}
         if quantity == "velocity":
             methods["modified-bca"] = hc.modified_bca
@@ -441,7 +445,7 @@ def test_views_without_results_say_that_they_are_compiled(page):
       A.pulse = B.pulse = { header: null, arrays: new Map() };
     }""")
     page.tab.select_option("#quantity", "momentum")
-    page.tab.wait_for_timeout(100)
+    page.tab.evaluate(NEXT_FRAME)
     reason = "Compiling simulate: once after an installation, about a minute …"
     assert page.tab.text_content("#map-note") == reason
     for name in ("pulse", "error", "budget", "force", "modes"):
@@ -481,7 +485,7 @@ def test_both_chains_are_drawn_at_their_true_times(page, clock):
     ]
     for slot, order in (("A", (0, 1)), ("B", (1, 0))):
         page.tab.click(f"#tab-{slot}")
-        page.tab.wait_for_timeout(100)
+        page.tab.evaluate(NEXT_FRAME)
         tops, ticks = page.tab.evaluate(TOPS)
         places, times = np.transpose(ticks)
         assert len(times) >= 3
@@ -496,7 +500,7 @@ def test_both_chains_are_drawn_at_their_true_times(page, clock):
         # The cursor is at the time of the clock, and both chains are shown at that time.
         page.tab.evaluate("document.getElementById('time').value = 400")
         page.tab.dispatch_event("#time", "input")
-        page.tab.wait_for_timeout(100)
+        page.tab.evaluate(NEXT_FRAME)
         shown = float(page.tab.text_content("#clockface").split()[2])
         cursor = float(page.tab.get_attribute("#chart-force line.cursor", "x1"))
         assert (cursor - start) / slope == pytest.approx(shown, abs=0.5 / slope)
@@ -779,8 +783,8 @@ def test_a_saved_page_has_no_empty_panel_and_no_hint_about_changes(page, tmp_pat
     assert not tab.locator("#h-force").is_visible()
     assert not tab.locator("#errors").is_visible()
     tab = page.tab = page.new_tab(f"file://{tmp_path}/sensor.html")
-    assert tab.locator("#h-force").is_visible()
-    assert tab.locator("#errors").is_visible()
+    tab.locator("#h-force").wait_for()
+    tab.locator("#errors").wait_for()
     x, y, r = tab.evaluate("hertzchain.placeOf('A', 6)")
     tab.mouse.move(x, y - r)
     assert "resize" not in tab.evaluate("document.getElementById('stage-A').style.cursor")

@@ -725,10 +725,10 @@ def test_the_page_does_not_advise_to_call_functions():
 @pytest.mark.parametrize(("make", "words"), [
     (lambda: hc.Chain.tapered(first="20 mm", last="5 mm", beads=9), "choose a material, such as"),
     (lambda: hc.Chain.from_materials(diameters="9 mm:5 mm", materials="steel-52100", beads=9),
-     "; for a taper between two sizes, choose to define it by end diameters"),
+     "; for a taper between two sizes, choose 'end diameters'"),
     (lambda: hc.Chain.from_materials(
         diameters="9 mm", materials="steel-52100", beads=9, precompression="9 N"
-     ), "; add a left wall, or held by force for a constant force"),
+     ), "; add a left wall, or choose 'held by force' for a constant force"),
     (lambda: hc.modified_bca(hc.Chain.uniform(9).replace(right_wall=hc.Wall())),
      "the modified BCA does not support a right wall"),
     (lambda: hc.hard_sphere(hc.Chain.uniform(9).replace(right_wall=hc.Wall())),

@@ -864,7 +864,7 @@ def test_a_dry_run_shows_the_names_of_axes_that_differ_in_the_results(run, tmp_p
         '"struck_by.mass" = ["4 g", "5 g"]\n[sweep]\nkeep = ["velocity"]\n'
     )
     out = run("sweep", file, "--dry-run")[1]
-    assert "axis struck_by.velocity: called chain_struck_by_velocity in results" in out
+    assert "axis struck_by.velocity is called chain_struck_by_velocity in the results" in out
     assert "axis struck_by.mass" not in out
     shown = json.loads(run("sweep", file, "--dry-run", "--json")[1])
     assert hertzchain.sweep(file).sizes.keys() >= set(shown["renamed"].values())

@@ -457,7 +457,7 @@ def test_a_record_that_begins_during_a_pulse_says_so(part, noted):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", hc.InputWarning)
         notes = simulated(7e-4).compare(data).notes
-    words = "the record begins during the first simulated pulse of ball 5, so the level"
+    words = "the record begins during the first simulated pulse at ball 5, so the level"
     assert any(each.startswith(words) for each in notes) == noted
     assert not any("before the record begins" in each for each in notes)
 

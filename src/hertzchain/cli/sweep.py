@@ -291,7 +291,7 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
     batches = "1 batch" if found.batches == 1 else f"{found.batches} batches"
     click.echo(f"{counted(found.points, 'point')} in {batches}")
     for axis, name in found.renamed.items():
-        click.echo(f"axis {axis}: called {name} in results, where another value has its name")
+        click.echo(f"axis {axis} is called {name} in the results, where its own name is taken")
     click.echo(f"at most {decimal(found.bytes_on_disk)} of values on disk, and metadata, in about "
                f"{found.files} files")  # fmt: skip
     about = "more than" if found.unfinished else "about"

@@ -91,7 +91,7 @@ def outside_notes(
         )
     if cut:
         notes.append(
-            f"the record begins during the first simulated pulse of {listed(cut)}, so the level "
+            f"the record begins during the first simulated pulse at {listed(cut)}, so the level "
             "before the pulse is not known, and the measured peak and arrival are not reliable: "
             "begin the record earlier, or give time_offset if the simulation is early"
         )

@@ -52,8 +52,8 @@ def chain_html(chain: Chain) -> str:
         first = "the first radius" if chain.radii[chain.strikers] == 1.0 else "a radius"
         parts.append(
             note(
-                f"Scaled variables: lengths are in units of {first}, velocities in units of that "
-                "of the impact."
+                f"Scaled variables: lengths are in units of {first}, velocities in units of the "
+                "impact velocity."
             )
         )
     return page("Chain", chain.description, *parts)

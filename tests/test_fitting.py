@@ -19,6 +19,7 @@ from hertzchain.fitting import least_squares
 from hertzchain.fitting.autocorrelation import correlation_length
 from hertzchain.fitting.chain_parameters import with_motion, with_sizes
 from hertzchain.fitting.defect_scan import fit_of_defect
+from hertzchain.fitting.effect_limits import _limit as largest_effect
 from hertzchain.fitting.goodness import Goodness, goodness_of
 from hertzchain.fitting.jumps import next_to_jumps
 from hertzchain.fitting.loss_comparison import LossComparison, LossFit
@@ -306,6 +307,13 @@ def test_the_limit_of_a_lag_is_that_of_fits_with_this_lag(traces):
     moved = (there.values[lag.moved] - ideal.values[lag.moved]) / ideal.errors[lag.moved]
     # The limit is found with the derivatives without a lag.
     assert lag.shift == pytest.approx(abs(moved), rel=0.1)
+
+
+@pytest.mark.parametrize("guess", [0.01, 1.0, 1.5, 50.0])
+def test_the_limit_of_an_effect_is_two_standard_deviations_from_the_best_value(guess):
+    # Without a best value other than 0, the fourth power is four at the square root of two.
+    assert largest_effect(lambda size: 7.0 + size**4, guess) == pytest.approx(2**0.5, rel=0.02)
+    assert np.isnan(largest_effect(lambda _size: 7.0, guess))
 
 
 def test_a_lag_is_mentioned_only_if_it_matters(traces):

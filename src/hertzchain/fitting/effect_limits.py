@@ -46,7 +46,8 @@ def _limited(result: FitResult, effect: Effect) -> Effect:
     inverse = np.linalg.pinv(weights[:, None] * result.jacobian, rcond=1e-12)
     values = result.model.values(result.variables)
     problem = extended(result.problem, values, Name(effect.name))
-    unit = math.copysign(SENSOR_KINDS[effect.name].typical, effect.value)
+    typical = SENSOR_KINDS[effect.name].typical
+    unit = math.copysign(typical, effect.value)
     low, high = result.problem.bounds()
 
     def fitted(size: float) -> tuple[float, Array]:
@@ -59,7 +60,9 @@ def _limited(result: FitResult, effect: Effect) -> Effect:
             variables = np.clip(variables - inverse @ residuals, low, high)
         return float(residuals @ residuals), variables
 
-    limit = _limit(lambda size: fitted(size)[0], effect.limit)
+    # In the linearised fit, an effect that a parameter imitates exactly has no limit.
+    guess = effect.limit if np.isfinite(effect.limit) else typical
+    limit = _limit(lambda size: fitted(size)[0], guess)
     if not np.isfinite(limit):
         return effect
     moved, shift = most_shifted(result.model, inverse, fitted(limit)[1] - result.variables)

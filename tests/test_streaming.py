@@ -428,6 +428,15 @@ def test_memory_does_not_grow_with_the_run(tmp_path):
     assert float(done.stdout) < 500
 
 
+@pytest.mark.usefixtures("_small_files")
+def test_a_given_step_that_is_too_long_warns_once(tmp_path):
+    box = hc.Chain.uniform(12).replace(left_wall=hc.Wall(), right_wall=hc.Wall())
+    with pytest.warns(hc.InputWarning, match=r"the energy has drifted by \d") as caught:
+        stored = hc.stream(box, tmp_path / "run", times=TIMES, method="verlet", step=0.5)
+    assert len(stored.files) > 4
+    assert len(caught) == 1
+
+
 def test_a_long_run_out_of_the_range_of_hertz_warns_once(tmp_path, monkeypatch):
     monkeypatch.setattr(streaming, "FILE_SIZE", 10 * 8 * (3 * 6 + 1))
     chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=1.0)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 DEFAULT_DRIFT: Final = 1e-5
 MIN_DRIFT, MAX_DRIFT = 1e-11, 1e-2
-# Drift at which a run with a given step ends: relative to the largest energy, which has doubled.
+# Drift at which a run with a given step ends, relative to the largest energy.
 UNSTABLE: Final = 0.5
 
 

@@ -70,8 +70,8 @@ def end_message(
             f"the step size fell below the resolution of t {at}; {so_far}; use {milder}"
         ),
         "unstable steps": (
-            f"the energy has more than doubled {at}, because the steps are too long; give a "
-            "shorter step, or drift instead of step"
+            f"the energy has changed by more than half {at}, because the steps are too long; give "
+            "a shorter step, or drift instead of step"
         ),
     }[status]
 

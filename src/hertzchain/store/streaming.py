@@ -30,6 +30,7 @@ from ..collision import Array
 from ..errors import (
     DamageWarning,
     InputError,
+    InputWarning,
     ModelRangeWarning,
     StoreError,
     real_number,
@@ -313,10 +314,10 @@ def _resume(
     manifest, state, done = found
     most = max(1, FILE_SIZE // (8 * (3 * chain.beads + 1)))
     count = min(FIRST_TIMES, most)
-    overlaps = np.zeros(chain.beads + 1)
+    overlaps, drift = np.zeros(chain.beads + 1), 0.0
     while done < len(wanted):
         started, chunk = time.monotonic(), wanted[done : done + count]
-        with ignore_warnings(ModelRangeWarning):  # once, at the end
+        with ignore_warnings(ModelRangeWarning, InputWarning):  # once, at the end
             run = simulate(
                 chain, start=state, times=chunk, max_steps=sys.maxsize, **manifest.options
             )
@@ -326,7 +327,7 @@ def _resume(
             manifest = start_again(stored.folder, manifest, now.step)
             state, done, overlaps[:] = None, 0, 0.0
             continue
-        overlaps = np.maximum(overlaps, run.largest_overlaps)
+        overlaps, drift = np.maximum(overlaps, run.largest_overlaps), run.energy_drift
         if done + count < len(wanted):
             # The last step was shortened, so times saved within it are computed again.
             run = _beginning_of(run, int(np.searchsorted(chunk, run.state.time, "right")))
@@ -343,6 +344,8 @@ def _resume(
             progress(done, len(wanted))
         if time.monotonic() - started < SECONDS_PER_FILE:
             count = max(count, min(2 * count, most))
+    if fixed is not None:
+        fixed.warn(drift)
     warn_outside_hertz(chain, overlaps)
 
 

@@ -34,8 +34,8 @@ pytest docs test-long: export OPENBLAS_NUM_THREADS := 1
 pytest: .venv/installed-test
 	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder
 
-# Tests that take minutes: hundreds of random chains compared with SciPy and with each other,
-# thousands of corrupted files, sweeps that are killed thirty times.
+# Slower tests: hundreds of random chains compared with SciPy and with each other, thousands of
+# corrupted files, sweeps that are killed thirty times, special cases of fits, designs and the page.
 test-long: compile
 	$(BIN)/pytest -q -n 2 -m long tests
 

@@ -215,6 +215,7 @@ def test_a_click_makes_a_sensor(page):
     assert f"sensor in bead {after[-1]}" in page.tab.text_content("#legend-force")
 
 
+@pytest.mark.long
 def test_every_table_of_the_schema_can_be_added_and_removed(page):
     groups = page.tab.evaluate("[...document.querySelectorAll('.group')].map(each => each.id)")
     tables = [name.removeprefix("group-") for name in groups][:-2]
@@ -234,6 +235,7 @@ def test_every_table_of_the_schema_can_be_added_and_removed(page):
         assert page.document() == before
 
 
+@pytest.mark.long
 def test_every_law_of_loss_has_its_controls(page):
     page.tab.click("#group-loss summary")
     page.tab.click("#add-loss")
@@ -249,6 +251,7 @@ def test_every_law_of_loss_has_its_controls(page):
             assert "does not support" in page.tab.text_content("#notes-list") or law == "elastic"
 
 
+@pytest.mark.long
 def test_every_drive_and_every_form_has_its_controls(page):
     page.tab.click("#group-drive summary")
     page.tab.click("#add-drive")
@@ -336,6 +339,7 @@ def test_two_chains_are_computed_and_compared(page):
     assert page.document("B") is None
 
 
+@pytest.mark.long
 def test_each_lane_changes_its_own_chain(page):
     chain = "materials=steel-52100&radius=5mm&beads=8&taper=uniform&velocity=1m/s"
     page.tab = page.new_tab(page.origin + f"#{chain}&right_wall.gap=0.1mm")
@@ -363,6 +367,7 @@ def test_each_lane_changes_its_own_chain(page):
     assert [each["bead"] for each in page.document("B")["chain"]["with_defects"]] == [8]
 
 
+@pytest.mark.long
 def test_both_chains_are_drawn_at_the_same_scale(page):
     chains = ("radii=5+mm&beads=30&materials=steel-52100", "radii=2+mm&beads=6&materials=brass")
     second = "&".join(f"b.{each}" for each in chains[1].split("&"))
@@ -407,6 +412,7 @@ def test_a_chain_file_with_a_striker_of_given_mass_can_be_opened(page, tmp_path)
     assert np.array_equal(page.array("beads", "masses"), chain.masses)
 
 
+@pytest.mark.long
 def test_opening_a_chain_removes_an_older_chain_b(page, tmp_path):
     open_example(page, "Shock absorber")
     assert page.document("B") == gallery()[7]["other"]
@@ -436,6 +442,7 @@ def test_opening_a_chain_removes_an_older_chain_b(page, tmp_path):
     check_numbers(page)
 
 
+@pytest.mark.long
 def test_views_without_results_say_that_they_are_compiled(page):
     open_example(page, "Shock absorber")
     page.tab.evaluate("""() => {
@@ -510,6 +517,7 @@ def test_both_chains_are_drawn_at_their_true_times(page, clock):
         assert peak[1:] == [f"{a:.4g}", f"{b:.4g}", f"{b / a:.4g}"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("form", "sizes"), [("first_diameter", (5e-3, 1.5e-3)), ("first", (5e-3, 1.5e-3))]
 )
@@ -573,6 +581,7 @@ def test_lists_have_units_and_a_panel_without_curves_is_hidden(page, tmp_path):
     assert page.tab.input_value(radii) == "5 mm, 8 mm, 3 mm, 2 mm"
 
 
+@pytest.mark.long
 def test_a_decimal_comma_is_explained_and_its_text_remains(page):
     row = "diameters=10+mm&beads=3&materials=steel-52100"
     page.tab = page.new_tab(f"{page.origin}#{row}&velocity=0.1+m/s")
@@ -593,6 +602,7 @@ def test_a_decimal_comma_is_explained_and_its_text_remains(page):
         assert not page.tab.is_visible("#problem")
 
 
+@pytest.mark.long
 def test_percentages_and_fractions_of_inches_can_be_entered(page):
     page.tab.fill("[id='c-chain.rate']", "4%")
     page.tab.keyboard.press("Tab")
@@ -664,6 +674,7 @@ def test_sensors_have_the_names_of_balls(page):
     assert "sensor in bead 8 (ball 7): first maximum" in tab.text_content("#legend-force")
 
 
+@pytest.mark.long
 def test_both_chains_have_sensors_and_values_at_the_same_balls(page):
     second = "b.taper=uniform&b.beads=12&b.struck_by.radius=1.5"
     view = "~sensors=[3]&~bead=3&~errors=difference"
@@ -723,6 +734,7 @@ radius = inf
 """
 
 
+@pytest.mark.long
 def test_a_hammer_is_a_plate_with_one_velocity(page, tmp_path):
     path = tmp_path / "hammer.toml"
     path.write_text(HAMMER.partition("[[")[0])
@@ -775,6 +787,7 @@ def test_the_forces_have_the_width_of_the_page_if_they_are_the_last_of_three(pag
     assert "choose" not in warning
 
 
+@pytest.mark.long
 def test_a_saved_page_has_no_empty_panel_and_no_hint_about_changes(page, tmp_path):
     chain = hc.Chain.uniform(12)
     hc.save_page(chain, tmp_path / "free.html")
@@ -802,6 +815,7 @@ def test_a_saved_page_has_no_empty_panel_and_no_hint_about_changes(page, tmp_pat
     assert not re.search("sensor in the chosen|its radius|undo|Click a bead|Compare ", shown)
 
 
+@pytest.mark.long
 def test_no_empty_panel_of_forces_on_a_phone(browser, running):
     page = Page(browser, running, viewport={"width": 400, "height": 800})
     tab = page.tab
@@ -860,6 +874,7 @@ def test_a_material_has_the_same_colour_in_both_chains(page):
     assert len(set(shown[1].values())) == 3
 
 
+@pytest.mark.long
 def test_small_forces_can_be_seen_next_to_large_ones(page):
     wall = "right_wall.material=rubber&~sensors=[3]"
     row = "#diameters=12+mm&beads=10&materials=steel-52100&velocity=0.3+m/s&"
@@ -890,6 +905,7 @@ def test_the_legend_states_the_force_with_contacts_that_yield(page):
     assert "Pressure / yield is" in tab.text_content("#warnings-count")
 
 
+@pytest.mark.long
 def test_the_comparison_has_the_peaks_if_contacts_yield_and_the_warnings_of_both_chains(page):
     row = "diameters=12+mm&beads=10&materials={}&velocity=2+m/s&right_wall.rigid=true"
     second = "&".join(f"b.{each}" for each in row.format("ptfe").split("&"))

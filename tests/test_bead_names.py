@@ -82,6 +82,7 @@ def test_plots_and_headings_of_sensitivities_name_balls(run, tmp_path):
     assert axes.get_ylabel() == words
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ball", [3, 6])
 @pytest.mark.parametrize("wall", [None, hc.Wall()])
 @pytest.mark.parametrize("loss", [None, hc.Restitution(0.95)])

@@ -60,6 +60,7 @@ def fields(chain):
             if each.name != "given"}  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("builder", "base", "name"), [*cases()])
 def test_keywords_act_or_are_rejected(builder, base, name):
     build = getattr(hc.Chain, builder)

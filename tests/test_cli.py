@@ -201,6 +201,7 @@ def test_an_interrupted_stream_resumes_when_repeated(run, tmp_path, monkeypatch)
     assert document["saved_times"] == 81
 
 
+@pytest.mark.long
 def test_reproduce_a_part(run, tmp_path):
     code, out, err = run("reproduce", "--only", "table3,figure6", "--out", tmp_path)
     assert (code, err) == (0, "")
@@ -415,6 +416,7 @@ def test_theories_are_compared_with_the_simulation_whatever_the_order(run, simul
     assert "BCA against local-rate law, uniform" in shown
 
 
+@pytest.mark.long
 def test_a_closed_pipe_is_no_failure_of_ours():
     script = "from hertzchain.cli import main; main()"
     done = subprocess.run(
@@ -1008,6 +1010,7 @@ def test_sensitivity_lists_simulated_changes(run, tmp_path):
     assert abs(sum(expected)) > 0.1
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_sensitivity_to_larger_and_smaller_beads_at_the_kink_of_a_peak(run, tmp_path):
     # The best order of 8 steel and 7 PTFE balls has three maxima of nearly the same height.
@@ -1100,6 +1103,7 @@ def test_sensitivity_by_the_stiffness_of_a_scaled_chain_keeps_its_wall(run, tmp_
     assert 100.0 * np.array(found["change_if_larger"]) == pytest.approx(found["relative"], abs=5e-3)
 
 
+@pytest.mark.long
 def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_path):
     picture = tmp_path / "scatter.svg"
     command = ("scatter", *BALLS, "--scatter", "0.05%", "--chains", 400, "--plot", picture)

@@ -67,6 +67,7 @@ def everything(tmp_path_factory):
     return {type(item).__name__ + str(place): item for place, item in enumerate(found)}
 
 
+@pytest.mark.long
 def test_no_public_type_is_left_out(everything):
     types = {getattr(hc, name) for name in hc.__all__ if isinstance(getattr(hc, name), type)}
     assert types <= {type(item) for item in everything.values()}
@@ -142,6 +143,7 @@ def test_names_of_any_kind_can_be_shown_and_written(name, tmp_path):
     assert "<img" not in hc.Pulse(chain, name, velocity=np.ones(3))._repr_html_()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [r"$\frac$", "$5 or $6"])
 def test_no_name_is_taken_for_mathematics(name):
     chain = named(name)

@@ -77,6 +77,7 @@ def test_a_design_file_describes_the_problem(file):
     assert options == {"budget": 400, "seed": 2}
 
 
+@pytest.mark.long
 def test_a_search_that_is_cut_off_anywhere_gives_the_same_result(tmp_path):
     whole = hc.design(problem(), budget=200, store=tmp_path / "whole")
     (journal,) = (tmp_path / "whole").rglob("gradient-200-simulations-seed-0.journal")
@@ -93,6 +94,7 @@ def test_a_search_that_is_cut_off_anywhere_gives_the_same_result(tmp_path):
         )  # fmt: skip
 
 
+@pytest.mark.long
 def test_the_result_does_not_depend_on_the_number_of_threads():
     one, two = (hc.design(problem(), budget=300, threads=n) for n in (1, 2))
     assert one.chain.radii.tolist() == two.chain.radii.tolist()
@@ -114,6 +116,7 @@ def test_a_search_that_is_killed_ten_times_gives_the_same_result(file, tmp_path,
         assert again[key] == whole[key]
 
 
+@pytest.mark.long
 def test_a_compilation_is_announced_and_can_be_interrupted(file, tmp_path):
     """The compiler itself cannot be interrupted."""
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONUNBUFFERED": "1"}
@@ -200,6 +203,7 @@ optional = true
 """
 
 
+@pytest.mark.long
 def test_all_points_of_a_front_are_written(file, tmp_path, run):
     file.write_text(BALLS)
     points = json.loads(run(file, "--out", tmp_path / "row.toml", "--json").stdout)["front"]
@@ -426,6 +430,7 @@ def test_invalid_options_are_explained(options, told):
         hc.design(problem(), **options)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("options", "least", "told"),
     [
@@ -493,6 +498,7 @@ def test_a_budget_of_time_ends_an_enumeration():
     assert "give a larger budget, or method 'genetic'" in line
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["auto", "enumerate"])
 def test_a_budget_of_time_is_kept_by_slow_chains(method):
     """A batch of 512 chains with losses takes several seconds."""
@@ -609,6 +615,7 @@ def test_trials_that_cannot_be_simulated_are_rejected_and_counted():
     assert f"note: {found.rejected} trials were rejected, the first one because " in found.summary()
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
 @pytest.mark.parametrize(("until", "said"), [(9.2e-5, "no rejected"), (8.5e-5, "may be better")])
 def test_rejected_trials_are_compared_with_the_design(until, said):
@@ -638,6 +645,7 @@ def test_rejected_trials_are_compared_with_the_design(until, said):
     assert "; omit until, set another one, or use wall_force.largest_so_far" in first
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 def test_vertical_rows_can_be_compared_by_the_largest_force_in_the_run():
     """Beads that fall back to the wall keep its peak from being complete at a given end."""
@@ -762,6 +770,7 @@ def test_an_order_has_the_length_and_mass_of_its_balls():
         assert told is None if reason is None else told.endswith(reason)
 
 
+@pytest.mark.long
 def test_diameters_vary_and_impossible_constraints_are_stated_before_the_search(tmp_path, run):
     file = tmp_path / "sizes.toml"
     text = """

@@ -103,6 +103,7 @@ def all_peaks():
     return found
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_enumeration_and_genetic_search_find_the_best_sequence():
     peaks = all_peaks()
@@ -277,6 +278,7 @@ def soft_row():
     return quietly(problem, chain, np.nan, 0)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_limits_of_hertz_are_those_of_the_whole_run(soft_row):
     chain = soft_row.chain
@@ -357,6 +359,7 @@ def test_the_law_keeps_its_promise():
     assert found.value <= truth * (1 + 1e-6)
 
 
+@pytest.mark.long
 def test_a_scatter_is_summarised_by_the_worst_samples():
     scatter = hc.Scatter(radius=0.02, measure="cvar80", samples=10)
     problem = hc.Design(
@@ -397,6 +400,7 @@ def test_samples_that_exceed_a_limit_are_marked():
     assert "exceed" not in free.summary()
 
 
+@pytest.mark.long
 def test_limits_that_new_samples_violate_are_not_met():
     """The limit is between the CVaR of the samples and that of new ones."""
     chain = hc.Chain.from_materials("4 mm", "steel-52100", beads=3, velocity=0.1)
@@ -477,6 +481,7 @@ def test_the_projectile_can_be_left_out_of_the_scatter_of_a_design():
                   scatter={"radius": 0.01, "beads": "2:9"})  # fmt: skip
 
 
+@pytest.mark.long
 def test_a_front_has_only_designs_that_no_other_one_beats():
     problem = hc.Design(
         hc.Chain.uniform(6), maximise=["velocity@last", "smallest_radius"],
@@ -790,6 +795,7 @@ def test_equal_and_beaten_points_are_not_on_a_front():
     assert undominated(costs) == [3, 1]
 
 
+@pytest.mark.long
 def test_a_curve_of_a_known_chain_is_found_again():
     chain = hc.Chain.from_radii([1.0, 0.8, 0.9, 0.7, 0.6])
     curve = hc.simulate(chain, times=0).pulse().velocity
@@ -887,6 +893,7 @@ def test_the_sensitivity_is_the_exact_gradient():
     assert sensitivity(problem, chain)[1:] == pytest.approx(expected[1:], abs=1e-5)
 
 
+@pytest.mark.long
 def test_the_sensitivity_of_a_limited_force_is_plotted_for_the_shortest_chain():
     """The changes of a length are those of the radii, which nobody needs to see."""
     kinds = hc.vary.balls(materials="steel-52100", diameters=["4 mm", "5 mm", "6.35 mm"])
@@ -1001,6 +1008,7 @@ def test_a_damped_design_needs_few_simulations():
     assert found.value == pytest.approx(wall_peak(found.chain, 40.0), rel=1e-6)
 
 
+@pytest.mark.long
 def test_a_later_and_larger_maximum_is_reported():
     """The first maximum of a velocity may be a small precursor."""
     problem = hc.Design(
@@ -1072,6 +1080,7 @@ def test_forces_that_differ_much_share_axes_and_the_small_one_is_enlarged_below(
     assert len(result.plot("forces", ax=plt.figure().add_subplot()).lines) == 2
 
 
+@pytest.mark.long
 def test_figures_show_both_chains(softest):
     figure = softest.plot()
     assert [axes.get_xlabel() for axes in figure.axes] == [
@@ -1180,6 +1189,7 @@ def test_changes_that_mirror_each_other_are_drawn_once(softest, monkeypatch):
         assert ("+1%" in axes.get_ylabel()) == (bars == 3)
 
 
+@pytest.mark.long
 def test_any_chain_can_be_evaluated(softest):
     taper = hc.Chain.tapered("forward-linear", 0.03, beads=12).replace(right_wall=hc.Wall())
     peak = wall_peak(taper, 40.0)
@@ -1316,6 +1326,7 @@ def test_strict_and_weak_limits_are_the_same():
         )
 
 
+@pytest.mark.long
 def test_a_design_with_all_choices_states_the_search_and_units_of_scatter():
     scatter = hc.Scatter(radius=0.001, samples=4)
     problem = hc.Design(
@@ -1351,6 +1362,7 @@ def test_a_design_without_a_trial_that_meets_the_constraints_is_drawn():
     assert "the one that violates them least has a wall_force.peak of " in heading
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [0, 1])
 def test_gaps_of_balls_can_vary_by_the_usual_method(seed):
     row = hc.Chain.from_materials(
@@ -1413,6 +1425,7 @@ def test_slopes_of_the_largest_force_in_a_sensor_are_exact(wall, loss):
         assert slopes[0, place - 1] == pytest.approx(expected, rel=2e-3, abs=1e-5)
 
 
+@pytest.mark.long
 def test_summaries_list_the_sizes_that_varied():
     chain = hc.Chain.uniform(30).replace(right_wall=hc.Wall())
     vary = [hc.vary.radii(0.5, 1.0, beads="2:4"), hc.vary.gaps(0.0, 0.1, by="common")]

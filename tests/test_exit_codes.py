@@ -117,6 +117,7 @@ def files_of_at_most(size):
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "command",
     [
@@ -139,6 +140,7 @@ def test_a_full_disk_is_a_failure(run, command):
     assert "File too large" in err
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("stdout", ["/dev/full", None])
 def test_results_that_cannot_be_printed_are_a_failure(stdout):
     command = f"{sys.executable} -m hertzchain pulse --beads 4 " + (

@@ -31,6 +31,7 @@ def columns(static, unit="N", gain=1.0):
     return SPACING * np.arange(len(seen)), found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("static", "coupling"), [(0.0, None), (0.0, "AC"), (STATIC, None)])
 def test_static_forces_are_part_of_the_signal_or_not(static, coupling):
     data = hc.Traces.from_arrays(*columns(static), coupling=coupling)
@@ -62,6 +63,7 @@ def test_a_run_is_compared_with_the_dynamic_force():
     assert min(wrong.differences.values()) > 0.5
 
 
+@pytest.mark.long
 def test_the_chain_file_states_the_coupling(tmp_path):
     times, data = columns(0.0)
     file = tmp_path / "data.csv"
@@ -77,6 +79,7 @@ def test_the_chain_file_states_the_coupling(tmp_path):
     assert [s.coupling for _, s in hc.load_traces(file, coupling={"wall": "AC"})] == ["", "", "AC"]
 
 
+@pytest.mark.long
 def test_voltages_are_recognised_by_a_level_of_zero():
     volts = hc.Traces.from_arrays(*columns(0.0, "V", 0.05))
     with_level = hc.Traces.from_arrays(*columns(STATIC, "V", 0.05))
@@ -102,6 +105,7 @@ def small_static(level, noise=0.01):
     return hc.Traces.from_arrays(SPACING * np.arange(len(seen)), found)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 @pytest.mark.parametrize("priors", [{}, {"gain[wall]": (0.05, 0.001)}])
 def test_gains_decide_whether_a_small_level_is_the_static_force(priors):

@@ -32,6 +32,7 @@ def refitted(change, free):
     return result
 
 
+@pytest.mark.long
 def test_offsets_are_named():
     def change(columns):
         return columns | {A: columns[A] + 0.6, WALL: columns[WALL] - 0.4}
@@ -46,6 +47,7 @@ def test_offsets_are_named():
     assert abs(found.values["offset[wall]"] + 0.4) < 3.5 * found.errors["offset[wall]"]
 
 
+@pytest.mark.long
 def test_one_offset_is_named_alone():
     (advice,) = fitted(lambda columns: columns | {B: columns[B] + 0.3}).advice
     assert "add 'offset[ball 10]' to" in advice
@@ -60,18 +62,17 @@ def two_shots(change, free, first=None):
 EACH = [f"{name}@*" if name in ("struck_by.velocity", "time_offset") else name for name in FREE]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("change", "free", "name", "true"),
     [
         (lambda c: c | {B: 1.1 * c[B]}, [], "gain[ball 10]@2", 1.1),
-        *(pytest.param(*each, marks=pytest.mark.long) for each in [
-            (lambda c: c | {B: c[B] + 0.3}, [], "offset[ball 10]@2", 0.3),
-            # The common offset is that of the first shot.
-            (lambda c: c | {B: c[B] + 0.3}, ["offset[ball 10]"], "offset[ball 10]@2", 0.3),
-            # Those of the first shot are free alone.
-            (lambda c: c | {B: c[B] + 0.3}, ["offset[*]@1"], "offset[ball 10]@2", 0.3),
-            (lambda c: c | {B: np.roll(c[B], 5)}, [], "delay[ball 10]@2", 5e6 * SPACING),
-        ]),
+        (lambda c: c | {B: c[B] + 0.3}, [], "offset[ball 10]@2", 0.3),
+        # The common offset is that of the first shot.
+        (lambda c: c | {B: c[B] + 0.3}, ["offset[ball 10]"], "offset[ball 10]@2", 0.3),
+        # Those of the first shot are free alone.
+        (lambda c: c | {B: c[B] + 0.3}, ["offset[*]@1"], "offset[ball 10]@2", 0.3),
+        (lambda c: c | {B: np.roll(c[B], 5)}, [], "delay[ball 10]@2", 5e6 * SPACING),
     ],
     ids=["gain", "offset", "common offset", "offsets of the first shot", "delay"],
 )  # fmt: skip
@@ -123,12 +124,10 @@ def test_levels_of_single_shots_are_named():
     assert other.startswith(NOTHING)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("options", "name"),
-    [
-        ({"before": BEFORE + 5}, "time_offset"),
-        pytest.param({"velocity": 0.26}, "struck", marks=pytest.mark.long),
-    ],
+    [({"before": BEFORE + 5}, "time_offset"), ({"velocity": 0.26}, "struck")],
 )
 def test_common_parameters_that_differ_between_shots_are_named(options, name):
     name = next(each for each in FREE if each.startswith(name))
@@ -139,12 +138,14 @@ def test_common_parameters_that_differ_between_shots_are_named(options, name):
     assert DESCRIBES in advice
 
 
+@pytest.mark.long
 def test_parameters_of_each_shot_are_not_tried_in_common():
     free = [each for each in EACH if each != "loss.time"]
     result = two_shots(None, [*free, "loss.time@*", "exponent@*"])
     assert list(_losses(result, {}, solved)) == list(_exponent(result, {}, solved)) == []
 
 
+@pytest.mark.long
 def test_chi2_is_stated_for_each_sensor():
     result = fitted(lambda columns: columns | {B: columns[B] + 0.3})
     found = result.chi2_per_sample
@@ -182,6 +183,7 @@ def test_misread_columns_are_named(change, words):
     assert DESCRIBES in advice
 
 
+@pytest.mark.long
 def test_another_exponent_is_named_rather_than_a_lag():
     result = fitted(exponent=1.45)
     (advice,) = result.advice
@@ -190,7 +192,8 @@ def test_another_exponent_is_named_rather_than_a_lag():
     assert "lag" not in advice
 
 
-@pytest.mark.parametrize("gap", [pytest.param(0.1e-6, marks=pytest.mark.long), 0.5e-6])
+@pytest.mark.long
+@pytest.mark.parametrize("gap", [0.1e-6, 0.5e-6])
 def test_no_effect_of_sensors_is_named_for_a_gap(gap):
     result = fitted(gap=gap)
     (advice,) = result.advice
@@ -213,6 +216,7 @@ def test_no_effect_of_sensors_is_named_for_a_gap(gap):
     )
 
 
+@pytest.mark.long
 def test_causes_that_the_chain_or_the_fit_excludes_are_not_listed():
     row = chain(right_wall=None)
     gaps = np.where(np.arange(BALLS) == 8, 0.5e-6, 0.0)
@@ -240,6 +244,7 @@ def test_levels_before_the_pulse_are_named_even_if_there_is_another_cause():
     assert other.startswith(NOTHING)
 
 
+@pytest.mark.long
 def test_a_highpass_is_named_and_confirmed():
     data, file = hc.example_experiment()
     free = ["stiffness", "struck_by.velocity", "loss.time", "time_offset", "gain[*]"]
@@ -292,6 +297,7 @@ def after_sensors(lag, rate):
     return found
 
 
+@pytest.mark.long
 def test_the_advised_lag_is_that_of_another_fit():
     data = traces(signals=after_sensors(2e-6, 0.0), noise=0.2)
     result = hc.fit(data, chain(), free=FREE)
@@ -327,6 +333,7 @@ def test_sensors_with_several_effects_are_not_described():
     assert not any("with exponent" in each for each in result.advice)
 
 
+@pytest.mark.long
 def test_a_parameter_near_its_fixed_value_is_not_a_cause():
     good = hc.fit(traces(), chain(), free=FREE)
     assert list(_exponent(good, {}, solved)) == []
@@ -344,6 +351,7 @@ def test_a_good_fit_has_no_advice():
     assert max(result.chi2_per_sample.values()) < 1.3
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("name", "column"), [("ball 10", B), ("wall", WALL)])
 def test_the_delay_of_one_sensor_is_named(name, column):
     def late(columns):
@@ -358,7 +366,8 @@ def test_the_delay_of_one_sensor_is_named(name, column):
     refitted(late, [f"delay[{name}]"])
 
 
-@pytest.mark.parametrize("heavier", [pytest.param(1.15, marks=pytest.mark.long), 0.9])
+@pytest.mark.long
+@pytest.mark.parametrize("heavier", [1.15, 0.9])
 def test_another_mass_of_the_balls_with_sensors_is_named(heavier):
     (advice,) = fitted(heavier=heavier).advice
     assert "with another mass of the balls with sensors, mass[5,10] = " in advice

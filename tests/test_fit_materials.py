@@ -40,6 +40,7 @@ def deviation(data, nominal, name, true):
     return (result.values[name] - true) / result.errors[name]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("wall", [hc.Wall(), hc.Wall.of(STEEL)], ids=["own", "named"])
 def test_a_wall_of_the_same_material_follows_its_modulus(wall, seed):
@@ -48,6 +49,7 @@ def test_a_wall_of_the_same_material_follows_its_modulus(wall, seed):
     assert abs(deviation(data, struck(right_wall=wall), name, TRUE.young)) < 3.0
 
 
+@pytest.mark.long
 def test_a_fitted_chain_has_one_material_for_balls_and_wall(tmp_path):
     name = f"materials[{STEEL}].young"
     data = traces(wall_young=YOUNG)

@@ -57,6 +57,7 @@ def clipped(columns, limit, step=0.0):
     return columns | {"wall [N]": np.minimum(rounded, limit)}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("step", [0.0, 0.0122, 0.05, 0.25])
 @pytest.mark.parametrize("limit", [30, 38, 40, 43, 44, 45, 46, 47, 48, 49, 50, 51])
 def test_every_clipped_crest_is_recognised(limit, step):
@@ -148,6 +149,7 @@ def test_times_in_another_unit_are_suspected():
         hc.fit(data, chain(), free=FREE)
 
 
+@pytest.mark.long
 def test_errors_of_a_model_that_does_not_describe_the_data_have_no_meaning(good):
     assert "The errors above have no meaning" not in good.summary()
     wrong = hc.fit(traces(gap=0.5e-6), chain(), free=FREE)
@@ -155,6 +157,7 @@ def test_errors_of_a_model_that_does_not_describe_the_data_have_no_meaning(good)
     assert wrong.verdict.endswith("The errors above have no meaning")
 
 
+@pytest.mark.long
 def test_the_overlap_at_which_a_stiffness_is_defined_is_stated():
     free = ["stiffness", "exponent", "loss.time", "time_offset"]
     result = hc.fit(traces(exponent=1.45), chain().replace(velocities=[0.25] + [0.0] * BALLS),
@@ -250,7 +253,8 @@ def test_the_exit_code_is_that_of_the_fit_with_a_gap(run, tmp_path):
     assert hc.load_chain(tmp_path / "fitted.toml").gaps[8] == pytest.approx(1e-6 * value, rel=1e-3)
 
 
-@pytest.mark.parametrize("defects", [False, pytest.param(True, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("defects", [False, True])
 def test_defects_that_were_searched_are_not_advised(defects, tmp_path, monkeypatch):
     nothing = SimpleNamespace(
         names=(), sizes=(), improvements=(), found=False, summary=lambda: "no defect"
@@ -327,6 +331,7 @@ def test_unknown_parameters_are_listed_with_the_sensors_of_the_data():
     assert "gain[ball 6]" not in str(error.value)
 
 
+@pytest.mark.long
 def test_relative_changes_of_a_gap_are_relative_to_its_value():
     """Signals with v^-2, k, gap^-2 and gain^2 are the same: one dimension is not determined."""
     volts = {f"{each.name} [V]": 0.05 * each.values for _, each in traces(gap=0.3e-6)}
@@ -337,6 +342,7 @@ def test_relative_changes_of_a_gap_are_relative_to_its_value():
     assert "ratio 0.5 : -1 : -1 : 1;" in str(weak)
 
 
+@pytest.mark.long
 def test_other_loss_laws_are_mentioned_only_if_a_loss_is_fitted(good, run):
     assert good.summary().endswith(good.loss_note)
     assert "others may describe the data equally well: compare_losses compares" in good.loss_note

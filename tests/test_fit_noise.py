@@ -115,6 +115,7 @@ def test_noise_behind_a_low_pass_is_estimated(filtered):
     assert np.median(counts) == pytest.approx(variance / mean, rel=0.3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("rho", "before"), [(0.84, 108), (0.954, 108), (0.954, 500)])
 def test_slow_noise_is_described(rho, before):
     """Residuals are the noise itself, as if the model were true."""
@@ -181,6 +182,7 @@ def test_the_mean_before_the_pulse_makes_the_noise_less_certain():
     assert np.std(squares) / np.mean(squares) == pytest.approx(np.median(errors), rel=0.15)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rho", "samples", "before"), [(0.0, 60, 30), (0.8, 60, 30), (0.5, 200, 30), (0.5, 1000, 60)]
 )
@@ -197,6 +199,7 @@ def test_few_samples_before_the_pulse_do_not_exclude_correlated_noise(rho, sampl
     assert rejected <= 0.05 * 300
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("samples", "before"), [(60, 26), (200, 40), (1000, 100)])
 def test_a_wrong_stiffness_is_found_in_short_records(samples, before):
     true = bench(beads=5, behind=3)
@@ -250,6 +253,7 @@ def rounded(step, seed, noise=0.05):
     return hc.Traces.from_arrays(times, {k: step * np.round(v / step) for k, v in columns.items()})
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("step", [0.5, 1.0])
 def test_errors_account_for_coarse_steps(step):
     squares = []
@@ -277,6 +281,7 @@ def test_coarse_steps_are_part_of_the_noise():
         assert signal.sigma == signal.noise
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("part", "bias"), [(0.05, 0.15), (0.25, 0.05), (0.55, 0.03), (0.9, 0.03)])
 def test_noise_smaller_than_a_step_is_separated_from_rounding(part, bias):
     rng = np.random.default_rng(6)
@@ -408,6 +413,7 @@ def test_the_chain_that_made_noise_free_data_describes_them(simulated):
     assert not any("cannot be excluded" in each for each in result.warnings)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("change", ["loss", "gap", "ball"])
 def test_another_chain_does_not_describe_noise_free_data(change, simulated):
     file, nominal = simulated
@@ -423,6 +429,7 @@ def test_another_chain_does_not_describe_noise_free_data(change, simulated):
     assert result.goodness.ratio > 10.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("digits", [3, 4, 6, 17])
 def test_printed_digits_are_part_of_the_noise(digits, simulated, tmp_path):
     """Samples with a number of significant digits are not on one grid."""

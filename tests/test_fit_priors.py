@@ -94,6 +94,7 @@ def test_several_priors_may_be_contradicted_together():
     assert conflict({"a": 1e9}) == "a is more than 100 standard deviations from its prior"
 
 
+@pytest.mark.long
 def test_the_exit_code_of_a_contradicted_prior_is_that_of_a_bad_fit(run, files):
     where = ("fit", files / "data.csv", files / "row.toml", "--json")
     code, out, _ = run(*where)
@@ -137,6 +138,7 @@ def test_a_modulus_and_the_exponent_cannot_both_be_free():
         hc.fit(traces(), chain(), free=free)
 
 
+@pytest.mark.long
 def test_priors_of_a_file_for_sensors_without_a_signal_are_not_used(tmp_path):
     file = tmp_path / "row.toml"
     prior = '[fit]\nfree = ["time_offset"]\n[fit.prior]\n"gain[{}]" = [0.02, 0.001]\n'

@@ -16,6 +16,7 @@ def with_spike(sample, value):
     return traces(change=change)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("sample", "value"), [(20, 900.0), (20, 4.0), (500, 60.0)])
 def test_a_spike_is_named_and_not_used(sample, value):
     result = hc.fit(with_spike(sample, value), chain(), free=FREE)

@@ -16,6 +16,7 @@ def row(**striker):
     return BALLS.replace(velocities=None).struck_by(velocity=0.3, **striker)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("free", "true", "nominal", "value"),
     [

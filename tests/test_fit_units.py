@@ -24,6 +24,7 @@ def fitted(*, force=1.0, time=1.0, free=MODULUS):
     return hc.fit(hc.Traces.from_arrays(time * times, columns), chain(), free=free, starts=1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("free", [MODULUS, LOOSE], ids=["modulus", "loose"])
 def test_forces_in_kilonewtons_are_recognised(free):
     result = fitted(force=1e-3, free=free)
@@ -73,6 +74,7 @@ def saved(folder, columns):
     return [str(folder / "data.csv"), str(folder / "chain.toml")]
 
 
+@pytest.mark.long
 def test_the_command_exits_with_3_for_wrong_units(tmp_path, run):
     columns = {name: 1e-3 * values for name, values in recorded()[1].items()}
     names = [option for name in LOOSE for option in ("--free", name)]
@@ -81,6 +83,7 @@ def test_the_command_exits_with_3_for_wrong_units(tmp_path, run):
     assert "multiplied by 1000" in found.stdout
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slow", [0.0, 0.8])
 def test_values_from_noise_are_not_printed(slow):
     rng, count = np.random.default_rng(4), 900
@@ -183,6 +186,7 @@ def test_the_law_of_the_chain_file_is_compared_with_those_named(tmp_path, run):
     assert "reject" not in found.stdout
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("wall", "fastest"), [("steel-52100", 0.5), ("steel-304", 0.0)])
 def test_suggested_shots_are_within_the_limits_of_hertz_law(wall, fastest):
     """Balls are below first yield at 0.25 m/s, but not at 1 m/s or on a soft wall."""

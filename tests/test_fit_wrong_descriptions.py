@@ -10,6 +10,7 @@ from scipy_row import FREE, POISSON, RADIUS, TRUTH, VELOCITY, YOUNG, chain, reco
 import hertzchain as hc
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("wrong", "right"), [("ball 4", "ball 5"), ("ball 11", "ball 10")])
 def test_a_sensor_one_ball_away_is_named(wrong, right):
     def renamed(columns):
@@ -25,6 +26,7 @@ def test_a_sensor_one_ball_away_is_named(wrong, right):
     assert "and the model describes the data" in advice
 
 
+@pytest.mark.long
 def test_a_softer_wall_is_named():
     softer = 100e9
     result = hc.fit(traces(wall_young=softer), chain(), free=FREE)
@@ -40,6 +42,7 @@ def test_a_softer_wall_is_named():
     assert abs(value - expected) < 3.5 * error < 0.01 * expected
 
 
+@pytest.mark.long
 def test_the_modulus_of_one_of_two_materials_is_named():
     nominal = hc.material("steel-52100")
     soft = hc.Material("soft", nominal.density, 0.9 * YOUNG, POISSON)
@@ -54,6 +57,7 @@ def test_the_modulus_of_one_of_two_materials_is_named():
     assert "and the model describes the data" in advice
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("factor", "words"), [(2.0, "divided by 2"), (0.5, "multiplied by 2")])
 def test_a_wrong_sampling_interval_is_named_if_the_fit_is_far_from_a_prior(factor, words):
     """Another interval is the same as another stiffness and velocity, except for the prior."""

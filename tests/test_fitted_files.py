@@ -121,6 +121,7 @@ def test_another_fit_can_start_from_the_file(inverted, tmp_path):
     assert again.values["stiffness"] == pytest.approx(truth, abs=4.0 * again.sigmas[0])
 
 
+@pytest.mark.long
 def test_the_file_of_several_shots_has_the_values_of_each(tmp_path):
     both, chain_file = hc.example_experiment("fast", "slow")
     result = hc.fit(both, chain_file)
@@ -147,6 +148,7 @@ def test_the_stiffness_of_each_shot_is_relative_to_that_of_the_file(first):
     assert settings["start"]["stiffness@2"] == pytest.approx(1.5)
 
 
+@pytest.mark.long
 def test_the_file_keeps_an_ac_coupling():
     times, columns = recorded(static=20.0)
     data = hc.Traces.from_arrays(

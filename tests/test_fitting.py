@@ -73,6 +73,7 @@ def test_data_of_another_integrator_are_recovered(example):
     assert example.simulations <= 25
 
 
+@pytest.mark.long
 def test_chi_squared_scatters_as_stated_if_the_noise_is_estimated():
     """Gaussian residuals of four signals, whose noise is estimated from about 60 samples."""
     rng, times = np.random.default_rng(8), 1e-6 * np.arange(500.0)
@@ -278,6 +279,7 @@ def test_large_errors_are_named(traces):
     assert "right_wall.stiffness" in " ".join(result.warnings)
 
 
+@pytest.mark.long
 def test_lag_that_is_not_modelled_is_seen_or_warned_of(traces):
     data, chain = hc.example_experiment()
     free = ["stiffness", "struck_by.velocity", "loss.time", "time_offset", "exponent", "gain[*]",
@@ -293,6 +295,7 @@ def test_lag_that_is_not_modelled_is_seen_or_warned_of(traces):
     assert "lag of the sensors" in ideal.summary()
 
 
+@pytest.mark.long
 def test_the_limit_of_a_lag_is_that_of_fits_with_this_lag(traces):
     free = ["stiffness", "exponent", "loss.time", "time_offset"]
     chain = bench(LAW)
@@ -316,6 +319,7 @@ def test_the_limit_of_an_effect_is_two_standard_deviations_from_the_best_value(g
     assert np.isnan(largest_effect(lambda _size: 7.0, guess))
 
 
+@pytest.mark.long
 def test_a_lag_is_mentioned_only_if_it_matters(traces):
     free = ["stiffness", "loss.time", "time_offset"]
     four = hc.fit(traces, bench(LAW), free=free)
@@ -352,6 +356,7 @@ def test_noise_that_hides_the_law_is_reported():
     assert len(compared.further_shots) == 4
 
 
+@pytest.mark.long
 def test_a_further_shot_decides_no_better_if_noise_is_sampled_twice():
     chain = bench(hc.Viscoelastic(0.2e-6), velocity=0.2)
     times, seen = signals(chain, 500e-6, 54.2e-6, spacing=0.5e-6)
@@ -400,9 +405,8 @@ def test_samples_next_to_jumps_are_found():
     assert not next_to_jumps(times, smooth + 0.005 * (grid > 1e-4), spacing, 0.01).any()
 
 
-@pytest.mark.parametrize("law", [
-    hc.UnloadingRatio(0.05), pytest.param(hc.VelocityPower(25.0, 1.8), marks=pytest.mark.long)
-])  # fmt: skip
+@pytest.mark.long
+@pytest.mark.parametrize("law", [hc.UnloadingRatio(0.05), hc.VelocityPower(25.0, 1.8)])
 def test_errors_of_laws_whose_force_jumps_are_not_too_small(law):
     squares = []
     for seed in range(3):
@@ -459,6 +463,7 @@ def assert_the_best_gap_is_marked(scan):
     plt.close(axes.figure)
 
 
+@pytest.mark.long
 def test_a_gap_beyond_the_sizes_that_were_tried_is_marked():
     scan = hc.scan_defects(hc.fit(*hc.example_experiment()))
     assert "largest gap" not in str(scan)
@@ -586,6 +591,7 @@ def test_odd_bead_is_found():
     )
 
 
+@pytest.mark.long
 def test_random_starts_reach_the_optimum(traces):
     rng = np.random.default_rng(11)
     costs = []
@@ -598,6 +604,7 @@ def test_random_starts_reach_the_optimum(traces):
     assert np.ptp(costs) < 0.01
 
 
+@pytest.mark.long
 def test_a_fit_that_does_not_converge_is_returned(traces, monkeypatch):
     monkeypatch.setattr(least_squares, "MAX_EVALUATIONS", 2)
     result = hc.fit(traces, bench(hc.Viscoelastic(0.1e-6)), free=NINE, priors=KNOWN, starts=1)
@@ -911,6 +918,7 @@ def test_interrupted_sampling_prints_nothing(example, monkeypatch, capsys):
     assert capsys.readouterr() == ("", "")
 
 
+@pytest.mark.long
 def test_progress_of_a_fit_ends_with_it(traces):
     counts = []
     result = hc.fit(
@@ -975,6 +983,7 @@ def test_command_fits_and_reports(tmp_path, command):
     }  # fmt: skip
 
 
+@pytest.mark.long
 def test_an_interrupted_sampling_does_not_lose_the_fit(tmp_path, monkeypatch):
     from click.testing import CliRunner
 
@@ -996,6 +1005,7 @@ def test_an_interrupted_sampling_does_not_lose_the_fit(tmp_path, monkeypatch):
     assert "11 parameters need about 7350 steps, more than --sample 1000" in done.output
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("count", [2, 6])
 def test_the_steps_of_a_gaussian_posterior_are_estimated(count):
     emcee = pytest.importorskip("emcee")

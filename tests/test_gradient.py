@@ -379,6 +379,7 @@ LAWS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 def test_contacts_that_close_again_against_differences_of_simulations(law):
@@ -580,6 +581,7 @@ def top_of(samples):
     return top + (after - before) ** 2 / (8.0 * (2.0 * top - before - after))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("loss", [None, hc.Viscoelastic(0.02)])
 def test_the_largest_velocity_of_the_whole_run_is_that_of_scipy(loss):
     """A later maximum can be larger than the first; reference: SciPy's DOP853 at many times."""
@@ -786,6 +788,7 @@ def differences_by_radii(chain, step):
     return np.subtract(*np.split(speeds, 2)) / (2.0 * step)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rtol", [None, 1e-7])
 def test_errors_are_realistic_also_for_the_last_bead(rtol):
     """Reference: central differences of simulations by another method and at a tight tolerance."""

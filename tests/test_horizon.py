@@ -36,6 +36,7 @@ def test_the_horizon_is_never_later_than_the_true_one(seed, rtol, until):
     assert 0.5 * true < found <= true
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("method", "drift"), [("forward-4", 1e-4), ("verlet", 1e-6)])
 @pytest.mark.parametrize("seed", range(3))
 def test_the_horizon_of_fixed_steps_is_never_later_than_the_true_one(seed, method, drift):
@@ -110,6 +111,7 @@ def test_a_taper_at_one_wall_traps_waves_as_well():
     assert run.horizon().time < 150.0
 
 
+@pytest.mark.long
 def test_a_largest_force_after_the_first_contact_is_called_sensitive():
     """With a tenth of the tolerance, another impact is the strongest."""
     run = hc.simulate(tapered(0.1, 40))
@@ -126,6 +128,7 @@ def test_a_largest_force_after_the_first_contact_is_called_sensitive():
     assert "small changes" in wall._repr_html_()
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 @pytest.mark.parametrize("keep", [["wall_peak_force"], ["wall_duration", "end_time"]])
 def test_tables_flag_sensitive_forces_as_simulate_does(keep):
@@ -140,6 +143,7 @@ def test_tables_flag_sensitive_forces_as_simulate_does(keep):
     assert "small changes" not in words(hc.simulate_many(chains, keep="velocity"))
 
 
+@pytest.mark.long
 # The duration is not computed by the kernel for many chains.
 @pytest.mark.parametrize("keep", ["wall_peak_force", "wall_duration"])
 def test_sweeps_flag_sensitive_forces(keep, tmp_path):

@@ -162,6 +162,7 @@ def test_units_of_mass_length_and_time_are_free(try_chains):
     try_chains(deviation, SAME)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("law", ZERO_LOSSES, ids=repr)
 def test_a_law_that_loses_nothing_changes_nothing(try_chains, law):
     def deviation(case):
@@ -440,6 +441,7 @@ def test_precompression_that_vanishes_is_none(try_chains):
     try_chains(deviation, 1e4, only=("precompression",), without=("gravity",))
 
 
+@pytest.mark.long
 def test_runs_converge_with_their_tolerance(try_chains):
     def deviation(case):
         best = run_of(case)

@@ -69,6 +69,7 @@ def test_pulses_in_a_column_are_not_covered(quantity, beads, log):
     assert axes.bbox.height / axes.figure.dpi > 0.65 * 0.72 * COLUMN
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", [None, "single column", "double column"])
 @pytest.mark.parametrize("residuals", [True, False])
 def test_comparisons_are_not_covered(residuals, width):
@@ -207,6 +208,7 @@ def test_without_a_layout_engine_a_legend_stays_inside_the_figure():
     assert not axes.get_legend().get_window_extent().overlaps(axes.title.get_window_extent())
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", [None, "single column"])
 def test_sweeps_with_many_curves_are_not_covered(width):
     found = hc.sweep({
@@ -218,6 +220,7 @@ def test_sweeps_with_many_curves_are_not_covered(width):
         assert_nothing_is_covered(hc.plot_sweep(found, log=True))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("place", ["left", "right"])
 def test_letters_of_panels_are_above_the_legend(place):
     with hc.figure_style("double column"):

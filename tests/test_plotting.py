@@ -147,6 +147,7 @@ def test_bodies_are_drawn_at_their_places():
     assert colour_at(2.3, 3.7) == colour_at(-0.4, 0.0) == white
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", ["single column", "double column"])
 def test_diameters_of_designs_leave_out_flat_strikers(width):
     balls = hc.vary.balls(materials=["steel-52100"], diameters=["6 mm", "8 mm"])
@@ -308,6 +309,7 @@ def test_gaps_are_magnified_like_displacements(tmp_path, monkeypatch):
     ]  # fmt: skip
 
 
+@pytest.mark.long
 def test_a_driven_wall_moves_in_an_animation(tmp_path, monkeypatch):
     drive = hc.SineBurst("5 um", 5e3, cycles=0.5, of="displacement", window="none")
     balls = hc.Chain.from_materials("10 mm", "steel-52100", beads=3)
@@ -599,6 +601,7 @@ def test_titles_name_strikers_walls_and_losses():
         assert chain_title(chain) == title
 
 
+@pytest.mark.long
 def test_every_sensor_of_a_fit_has_a_legible_crest_with_points_and_line():
     result = hc.fit(*hc.example_experiment())
     figure = result.plot()
@@ -634,6 +637,7 @@ def test_maps_of_correlations_have_no_negative_zeros(monkeypatch):
     assert [text.get_text() for text in axes.texts] == ["1", "0.00", "1"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("value", "shown"),
     [(0.997, ">0.99"), (-0.9951, "<−0.99"), (0.9949, "0.99"), (-0.42, "−0.42"), (1.0, ">0.99")],
@@ -669,6 +673,7 @@ def test_corner_plots_have_medians_errors_and_a_legend():
     assert words == ["samples of the posterior", "value of the fit"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_corner_plots_state_that_there_are_too_few_steps(count):
     samples = 50.0 + np.random.default_rng(0).normal(size=(400, count))
@@ -707,6 +712,7 @@ def test_sensors_in_one_figure_need_one_legend():
         assert panels[0, 1].get_legend() is None
 
 
+@pytest.mark.long
 def test_labels_of_large_corner_plots_grow_with_the_figure():
     sizes = []
     for count in (2, 9):
@@ -847,6 +853,7 @@ def test_runs_in_different_units_have_a_panel_each():
     assert [axes.get_ylabel() for axes in figure.axes] == ["force [N]", "force $F$"]
 
 
+@pytest.mark.long
 def test_all_plots_of_a_run_have_the_same_unit_of_time():
     for run, label, factor in ((long_run(0.1, 8), "time [µs]", 1e6),
                                (long_run(1e-3, 60, 2000), "time [ms]", 1e3)):  # fmt: skip
@@ -914,6 +921,7 @@ def test_pulses_added_to_axes_continue_colours_and_share_the_free_end():
     assert len({named[name].get_marker() for name in ("equal", "taper", "theory")}) == 3
 
 
+@pytest.mark.long
 def test_titles_of_one_chain_only_and_those_of_the_user():
     runs = [hc.simulate(hc.Chain.uniform(n).replace(right_wall=hc.Wall())) for n in (6, 8)]
     axes = runs[0].plot_forces(["wall"])
@@ -965,6 +973,7 @@ def test_ticks_begin_at_bead_1_and_fit_into_small_panels():
         assert all(a.x1 < b.x0 for a, b in itertools.pairwise(boxes))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["pulses", "forces", "budget", "waves", "traces", "sweep"])
 def test_legends_can_be_omitted(kind):
     run = hc.simulate(hc.Chain.uniform(20).replace(right_wall=hc.Wall()), until=50.0)
@@ -1143,6 +1152,7 @@ def contrast(one, other):
     return high / low
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("style", ["default", "dark_background"])
 def test_lines_are_visible_on_the_background_of_the_style(style):
     with plt.style.context(style):
@@ -1158,6 +1168,7 @@ def test_lines_are_visible_on_the_background_of_the_style(style):
             plt.close(figure)
 
 
+@pytest.mark.long
 def test_a_first_curve_is_black_on_white_and_white_on_black():
     pulse = hc.propagate(hc.Chain.uniform(9))
     assert to_hex(pulse.plot().lines[0].get_color()) == "#000000"
@@ -1211,6 +1222,7 @@ def test_maps_of_sweeps_diverge_only_if_both_signs_occur():
     assert (mesh.cmap.name, mesh.norm.vmin) == ("RdBu_r", -mesh.norm.vmax)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
 def test_the_legend_of_a_large_map_explains_legible_markers():
     axes = {"rate": {"linspace": [0.01, 0.1, 50]}, "beads": [*range(5, 55)]}

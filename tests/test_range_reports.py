@@ -252,6 +252,7 @@ def test_no_pressure_is_stated_if_it_is_unknown_or_above_the_limit(run, tmp_path
     assert "pressure" not in out
 
 
+@pytest.mark.long
 def test_fits_state_the_largest_pressure_of_all_shots(run):
     traces, chain_file = hc.example_experiment("fast", "slow")
     folder = chain_file.parent

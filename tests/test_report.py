@@ -125,6 +125,7 @@ def test_the_scoreboard_is_in_page_and_summary(folder):
     assert "–" in cells
 
 
+@pytest.mark.long
 def test_a_scoreboard_alone_is_a_report(tmp_path):
     result = reproduce(["scoreboard"])
     assert result.verdict.startswith("On 13 smooth")
@@ -180,6 +181,7 @@ def test_figures_are_drawn_here_if_processes_die():
     assert all(png.startswith(b"\x89PNG") for _, png in files.values())
 
 
+@pytest.mark.long
 def test_processes_draw_beside_this_one():
     drawings = {str(number): Drawing(draw_where, number) for number in range(30)}
     with local_pool("processes", 1) as pool:
@@ -193,6 +195,7 @@ def test_processes_draw_beside_this_one():
     assert all(HERE in svg for _, (svg, _) in drawn(drawings, None))
 
 
+@pytest.mark.long
 def test_a_process_receives_a_scoreboard_unchanged():
     drawing = Drawing(_draw_scoreboard, scoreboard(theories=["hard-sphere"]))
     assert pickle.loads(pickle.dumps(drawing)).files() == drawing.files()

@@ -61,6 +61,7 @@ def test_a_folder_in_which_a_process_was_killed_before_its_first_report_is_accep
     assert write_report(reproduce(["table3"]), tmp_path).exists()
 
 
+@pytest.mark.long
 def test_figures_of_other_parts_are_kept_and_named(tmp_path):
     write_report(reproduce(["figure6", "figure11", "table3"]), tmp_path)
     before = files(tmp_path)
@@ -83,6 +84,7 @@ def test_figures_of_other_parts_are_kept_and_named(tmp_path):
     assert replaced_report(tmp_path, ["figure6", "figure11", "table3"]) == ""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["report.html", "summary.md", "figures/figure6.svg"])
 def test_a_changed_file_is_not_replaced(tmp_path, name):
     result = reproduce(["figure6"])

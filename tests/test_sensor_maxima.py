@@ -30,6 +30,7 @@ def test_a_late_and_short_maximum_between_saved_times_is_found():
         assert found.error < 5e-3 * exact
 
 
+@pytest.mark.long
 def test_bounds_of_the_error_hold_in_random_rows_with_few_saved_times():
     rng, warned = np.random.default_rng(0), 0
     for _ in range(12):

@@ -38,6 +38,7 @@ def peak_of_scipy(chain, until):
     return top + (left - right) ** 2 / (8.0 * (2.0 * top - left - right))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("count", "status"), [(2, "nothing more happens"), (4, "wall force complete")]
 )
@@ -58,6 +59,7 @@ def test_runs_on_a_soft_wall_wait_for_the_peak(count, status):
     assert wall.impulse_of_impact == pytest.approx(np.trapezoid(force, times), rel=1e-6)
 
 
+@pytest.mark.long
 def test_a_proven_peak_does_not_wait_for_the_end_of_the_impact():
     chain = balls(20)
     with warnings.catch_warnings():
@@ -190,6 +192,7 @@ def test_a_peak_is_not_complete_while_a_drive_pushes():
     assert late.peak > 1.5 * early.largest_so_far > 0.0
 
 
+@pytest.mark.long
 def test_gradients_scatter_and_designs_on_a_soft_wall(run):
     truth = peak_of_scipy(balls(4), 6e-3)
     code, out, err = run("scatter", *RUBBER, "--scatter", "1%", "--chains", "4", "--json")
@@ -245,6 +248,7 @@ def held_chain(seed):
     return hc.Chain.from_radii(radii).replace(gaps=gaps, left_wall=left, right_wall=right)
 
 
+@pytest.mark.long
 def test_runs_of_held_chains_end_alike_by_both_methods():
     """Checks of the walls are not delayed by long steps in free flight."""
     others, different = [], []
@@ -284,6 +288,7 @@ def heavy_striker():
     return hc.Chain.uniform(20).replace(masses=masses)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("stiffness", [1e-4, 1e-2])
 @pytest.mark.parametrize(
     "chain",

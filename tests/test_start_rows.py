@@ -20,6 +20,7 @@ def absorber(start, **more):
     return hc.Design(ABSORBER, minimise="wall_force.peak", vary=[balls], subject_to=LIMITS)
 
 
+@pytest.mark.long
 def test_the_search_begins_with_the_row():
     """Rows near the best one contain it; random rows do not within this budget."""
     exchanged = ("5 mm", "4 mm", "3 mm", "8 mm", "8 mm", "6.35 mm", "5 mm", "3 mm")

@@ -308,6 +308,7 @@ class Killed(BaseException):
     """Nothing catches it, as nothing catches a kill."""
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("_small_files")
 @pytest.mark.parametrize("kill", range(16))
 def test_a_run_killed_between_any_two_files_is_whole_and_resumed(tmp_path, monkeypatch, kill):

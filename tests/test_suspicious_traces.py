@@ -26,6 +26,7 @@ def traces_of(times, samples, **options):
     return hc.Traces.from_arrays(times, dict(zip(NAMES, samples.T, strict=True)), **options)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("noise", [None, 0.1])
 def test_noise_alone_is_neither_described_nor_compared(run, noise):
     times = 1e-6 * np.arange(400)

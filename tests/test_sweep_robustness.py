@@ -191,6 +191,7 @@ class InThisProcess(ProcessPoolExecutor):
         return future
 
 
+@pytest.mark.long
 def test_messages_of_processes_are_too_short_to_be_cut(tmp_path):
     """Up to PIPE_BUF bytes are written to a pipe completely or not at all, also by a kill."""
     import select
@@ -218,6 +219,7 @@ def test_an_error_in_a_process_is_raised_with_its_traceback(specification, tmp_p
     assert files_beside(tmp_path / "sweep") == []
 
 
+@pytest.mark.long
 def test_results_that_a_killed_sweep_has_left_are_removed(specification, tmp_path):
     left, other = tmp_path / ".sweep.abcd_123.results", tmp_path / ".sweep.efgh_456.results"
     # The last belongs to a store that is named sweep.zarr.
@@ -263,6 +265,7 @@ def endless(folder, _):
     return "0.result"
 
 
+@pytest.mark.long
 def test_processes_of_any_pool_stop_with_the_sweep(specification, tmp_path):
     class Elsewhere(ProcessPoolExecutor):
         def submit(self, _, *arguments):
@@ -319,6 +322,7 @@ def test_no_worker_outlives_its_sweep(specification, undisturbed, tmp_path, sign
     assert contents(store) == undisturbed
 
 
+@pytest.mark.long
 def test_a_failing_executor_is_reported(specification, undisturbed, tmp_path):
     class Lost(ThreadPoolExecutor):
         def submit(self, *_):
@@ -334,6 +338,7 @@ def test_a_failing_executor_is_reported(specification, undisturbed, tmp_path):
     assert contents(tmp_path / "sweep") == undisturbed
 
 
+@pytest.mark.long
 def test_an_executor_that_is_shut_down_is_reported(specification, undisturbed, tmp_path):
     with ThreadPoolExecutor(1) as pool:
         pass
@@ -343,6 +348,7 @@ def test_an_executor_that_is_shut_down_is_reported(specification, undisturbed, t
     assert contents(tmp_path / "sweep") == undisturbed
 
 
+@pytest.mark.long
 def test_an_exception_of_progress_ends_a_sweep_that_resumes(specification, undisturbed, tmp_path):
     def bored(done, _):
         if done > 200:
@@ -355,6 +361,7 @@ def test_an_exception_of_progress_ends_a_sweep_that_resumes(specification, undis
     assert contents(tmp_path / "sweep") == undisturbed
 
 
+@pytest.mark.long
 def test_a_store_that_is_removed_during_a_sweep_is_reported(specification, undisturbed, tmp_path):
     store = tmp_path / "sweep"
 
@@ -412,6 +419,7 @@ def test_an_interrupt_is_handled_at_once_in_large_sweeps(tmp_path, size, seconds
     assert time.monotonic() - begun < PROMPT
 
 
+@pytest.mark.long
 def test_a_full_disk_is_reported_and_the_sweep_resumes(specification, undisturbed, tmp_path):
     store = tmp_path / "sweep"
     largest = max(len(content) for content in undisturbed.values())
@@ -437,6 +445,7 @@ def test_a_sweep_that_cannot_fit_is_rejected(specification, tmp_path, monkeypatc
     assert list(tmp_path.glob("sweep*")) == []
 
 
+@pytest.mark.long
 def test_two_sweeps_into_one_store_are_kept_apart(specification, undisturbed, tmp_path):
     store = tmp_path / "sweep"
     process = start(specification, store)
@@ -529,6 +538,7 @@ def test_a_changed_specification_is_rejected_with_the_difference(specification, 
         hc.merge_sweeps([store, tmp_path / "second"], tmp_path / "all")
 
 
+@pytest.mark.long
 def test_foreign_and_damaged_files_are_not_changed(specification, tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.tex").write_text("all I have")
@@ -564,6 +574,7 @@ DAMAGES = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("how", DAMAGES)
 def test_every_damaged_file_is_named(how, tmp_path):
     store = tmp_path / "sweep"
@@ -598,6 +609,7 @@ def invoke(arguments):
     return CliRunner().invoke(sweep, arguments)
 
 
+@pytest.mark.long
 def test_damaged_batches_are_computed_again_on_request(specification, undisturbed, tmp_path):
     store = tmp_path / "sweep"
     hc.sweep(specification, store)
@@ -614,6 +626,7 @@ def test_damaged_batches_are_computed_again_on_request(specification, undisturbe
     assert contents(store) == undisturbed
 
 
+@pytest.mark.long
 def test_the_rest_of_a_damaged_store_is_readable_on_request(tmp_path):
     store, csv, picture = (tmp_path / name for name in ("sweep", "sweep.csv", "sweep.svg"))
     axes = {"rate": [0.01, 0.02, 0.03], "beads": [10, 20]}
@@ -644,6 +657,7 @@ def test_the_rest_of_a_damaged_store_is_readable_on_request(tmp_path):
     xr.testing.assert_equal(hc.open_sweep(tmp_path / "all").load(), rest)
 
 
+@pytest.mark.long
 def test_a_chunk_that_is_damaged_later_is_named_when_it_is_read(specification, tmp_path):
     store = tmp_path / "sweep"
     hc.sweep(specification, store)
@@ -658,6 +672,7 @@ def test_a_chunk_that_is_damaged_later_is_named_when_it_is_read(specification, t
         found.velocity.load()
 
 
+@pytest.mark.long
 def test_batches_of_another_sweep_are_noticed(specification, tmp_path):
     """All files of a batch agree with each other, but they are not of this sweep."""
     store, other = tmp_path / "sweep", tmp_path / "other"
@@ -673,6 +688,7 @@ def test_batches_of_another_sweep_are_noticed(specification, tmp_path):
         hc.open_sweep(store).load()
 
 
+@pytest.mark.long
 def test_files_of_others_are_left_alone(specification, tmp_path):
     store, beside = tmp_path / "sweep", tmp_path / ".sweep.new"
     (beside / "a").mkdir(parents=True)
@@ -689,6 +705,7 @@ def test_files_of_others_are_left_alone(specification, tmp_path):
     assert mine.read_text() == "all I have"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("files", range(9))
 def test_a_store_that_was_not_made_to_its_end_is_made_again(
     specification, undisturbed, tmp_path, files
@@ -752,6 +769,7 @@ def test_data_reach_the_disk_before_what_vouches_for_them(tmp_path, monkeypatch)
     }  # fmt: skip
 
 
+@pytest.mark.long
 def test_a_store_can_be_read_while_it_grows(specification, tmp_path):
     store, seen = tmp_path / "sweep", []
 
@@ -771,6 +789,7 @@ def test_any_executor_gives_the_same_bytes(specification, undisturbed, tmp_path)
     assert contents(tmp_path / "sweep") == undisturbed
 
 
+@pytest.mark.long
 def test_in_memory_is_the_same(specification, tmp_path):
     pairs = {"taper": ["forward-linear", "backward-linear"], "rate": [0.08, 0.05]}
     zipped = {"chain": {"beads": 20}, "axes": pairs, "sweep": {"combine": "zip"}}
@@ -782,6 +801,7 @@ def test_in_memory_is_the_same(specification, tmp_path):
         assert place in told
 
 
+@pytest.mark.long
 def test_a_process_that_writes_half_a_chunk_is_cleaned_up(specification, undisturbed, tmp_path):
     store = tmp_path / "sweep"
     hc.sweep(specification, store, shard=(1, 2))
@@ -878,6 +898,7 @@ def test_options_of_the_command_that_contradict(specification, run):
         assert said in told.stderr
 
 
+@pytest.mark.long
 def test_chunks_are_batches(specification, tmp_path):
     store = tmp_path / "sweep"
     hc.sweep(specification, store)

@@ -624,6 +624,7 @@ def test_a_time_offset_that_is_zero_within_its_error_is_shown_so():
     assert "time offset 0 s, given" in given.summary()
 
 
+@pytest.mark.long
 def test_the_error_of_the_time_offset_is_its_scatter():
     run, rng, found = simulated(7e-4), np.random.default_rng(3), []
     own = {"ball 5 [N]": run.sensor("ball 5"), "wall [N]": run.force(run.chain.beads)}

@@ -232,6 +232,7 @@ def test_many_chains_have_the_same_complete_peaks():
             assert table["wall_peak_force"][0] == pytest.approx(run.wall_force().peak, rel=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("soft", [False, True])
 def test_runs_that_end_at_the_proof_have_the_same_peaks(soft):
     """No larger force follows in longer runs."""
@@ -275,6 +276,7 @@ def test_the_locked_energy_is_the_smallest_kinetic_energy():
         assert locked_energy(masses, limits) == pytest.approx(found.fun, rel=1e-6, abs=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [0, 1, 3, 4, 5, 6, 8, 17, 29, 41, 53, 65])
 def test_the_bound_of_later_forces_never_grows(seed):
     """Its energy only moves away from the wall or is lost, whatever the law of the contacts."""

@@ -32,7 +32,7 @@ from scipy_laws import (
     laws_of,
 )
 
-MOST_SWITCHES = 20_000
+MAX_SWITCHES = 20_000
 
 
 class Units(NamedTuple):
@@ -406,7 +406,7 @@ def wall_peak(chain, end, count=20_001):
 
 def _advance(contacts, t, y, end, rtol, at, saved):
     """Integrate piece by piece to ``end``, where the drive has a kink or the run stops."""
-    for _ in range(MOST_SWITCHES):
+    for _ in range(MAX_SWITCHES):
         margins = contacts.margins(t, y)
         worst = int(np.argmin(margins))
         if margins[worst] < -NOISE:

@@ -31,7 +31,7 @@ RTOL: Final = 1e-9
 # error/estimate of each chain; in the last one, a margin is left to the limit of 6.
 COVERED, MEDIAN, LARGEST_RATIO = 98.0, 6.9, 3.4
 # Percentage below which a class counts much more.
-LEAST_COVERED: Final = 96.0
+MIN_COVERED: Final = 96.0
 # The same of alternating radii, of which there are few chains, all of them similar.
 ALTERNATING_COVERED: Final = 99.0
 # In chains far outside the law, errors are of any size, and the median means nothing.
@@ -154,7 +154,7 @@ def score(beads: Beads, constants: Array) -> float:
     for name, of in zip(beads.names, results(beads, constants), strict=True):
         median = min(of.median, MEDIAN) if name.startswith(OUTSIDE) else of.median
         total += 0.6 * max(0.0, COVERED - of.covered) ** 2
-        least = ALTERNATING_COVERED if name.startswith("alternating") else LEAST_COVERED
+        least = ALTERNATING_COVERED if name.startswith("alternating") else MIN_COVERED
         total += 30.0 * max(0.0, least - of.covered) ** 2
         total += 500.0 * max(0.0, np.log(median / MEDIAN)) ** 2 + 0.15 * np.log(max(median, 2.0))
         total += 20.0 * np.sum(np.maximum(0.0, np.log(of.ratios / LARGEST_RATIO)) ** 2)

@@ -25,7 +25,7 @@ from .bounds import bounds_of, impossible, note_on_impact
 from .dry_run import Estimate, estimate
 from .measures import in_words
 from .methods import SEEDED, Found, method_for, price_of, run_method
-from .pareto import MOST_POINTS, SEARCHES, compared_points, design_front
+from .pareto import MAX_POINTS, SEARCHES, compared_points, design_front
 from .problem import Design
 from .reference_chains import evaluated_references, reference_count
 from .rejections import notes_on_rejections, why_rejected
@@ -116,7 +116,7 @@ def design(
     limit = budget_from(budget)
     seed = whole_number("seed", seed, least=0)
     if points is not None:
-        points = whole_number("points", points, least=2, most=MOST_POINTS)
+        points = whole_number("points", points, least=2, most=MAX_POINTS)
     count = points or SEARCHES
     chosen = _chosen_method(problem, method, limit)
     reason = impossible(problem)

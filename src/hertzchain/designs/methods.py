@@ -46,13 +46,13 @@ METHODS: Final = ("auto", "law", "scan", "hybrid", "gradient", "evolution", "enu
 MAX_VARIABLES: Final = {"hybrid": 500, "evolution": 500, "gradient": 2000}
 # Ratio of the limits of radii from which, and number of variables up to which, an evolution
 # strategy is better than descents alone.
-WIDE, MOST_EVOLVED = 2.25, 30
+WIDE, MAX_EVOLVED = 2.25, 30
 MIDDLE: Final = 0.5
 # A smooth objective is not searched further if this many descents have the best score.
 AGREEING, AGREE = 4, 1e-9
 # With a scatter: part of the budget of the search without it, and starts that are compared; for
 # choices, the part of the budget, and the number of the best ones that are tried with the scatter.
-NOMINAL, MOST_ENDS = 0.5, 20
+NOMINAL, MAX_ENDS = 0.5, 20
 FEW, CHOICES = 0.3, 100
 
 
@@ -131,7 +131,7 @@ def _for_sizes(problem: Design) -> str:
     if not isinstance(space, SizeSpace) or "gaps" in space.fields or not covered(problem):
         return "hybrid"
     few = space.size <= MAX_VARIABLES["hybrid"]
-    close = _largest_range(space) < WIDE or space.size > MOST_EVOLVED
+    close = _largest_range(space) < WIDE or space.size > MAX_EVOLVED
     return "gradient" if few and close else "hybrid"
 
 
@@ -257,7 +257,7 @@ def _robust(trials: Trials, method: str, end: float) -> Found:
         return Found(found.method, search(trials, end, trials.seed, start))
     tops = {each.x.tobytes(): each for each in [*nominal.best[:1], *found.ends]
             if np.isfinite(each.score)}  # fmt: skip
-    ranked = sorted(tops.values(), key=lambda each: each.rank)[:MOST_ENDS]
+    ranked = sorted(tops.values(), key=lambda each: each.rank)[:MAX_ENDS]
     starts = trials.evaluate([each.x for each in ranked]) if ranked else []
     ends: list[Outcome] = []
     for start_at in sorted(starts, key=lambda each: each.rank):

@@ -27,9 +27,9 @@ Finish = Callable[[Trials, Found, tuple[str, ...]], "DesignResult"]
 
 
 # Unless given: number of searches for points of sizes, and largest number of points of choices.
-SEARCHES, MOST_CHOICES = 9, 100
+SEARCHES, MAX_CHOICES = 9, 100
 # Largest number of points that can be given.
-MOST_POINTS: Final = 200
+MAX_POINTS: Final = 200
 
 
 def design_front(
@@ -52,9 +52,9 @@ def design_front(
     best, notes = found[0], list[str]()
     if problem.discrete and trials.memory is not None:
         front = _of_all_trials(trials)
-        shown = _spread(front, points or MOST_CHOICES)
+        shown = _spread(front, points or MAX_CHOICES)
         if len(shown) < len(front):
-            more = min(len(front), MOST_POINTS)
+            more = min(len(front), MAX_POINTS)
             notes = [f"{len(shown)} of the {len(front)} points of the Pareto front are shown, in "
                      f"about equal steps of {second}; points = {more} shows more"]  # fmt: skip
         found = _verified_points(trials, best.method, [each for each, _ in shown], finish)

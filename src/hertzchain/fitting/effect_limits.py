@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 # Gauss-Newton steps of a fit with a fixed effect, and largest number of factors of two between its
 # limit and that of the linearised fit.
-STEPS, MOST_FACTORS = 2, 12
+STEPS, MAX_FACTORS = 2, 12
 # Accuracy of a limit, as a part of it.
 ACCURACY: Final = 0.02
 
@@ -83,7 +83,7 @@ def _limit(chi2: Callable[[float], float], guess: float) -> float:
     least = min(found.values())
     factor = 0.5 if excess(guess) > 0.0 else 2.0
     sizes = [guess]
-    for _ in range(MOST_FACTORS):
+    for _ in range(MAX_FACTORS):
         sizes.append(factor * sizes[-1])
         outside = excess(sizes[-1]) > 0.0
         least = min(found.values())

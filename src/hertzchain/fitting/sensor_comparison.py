@@ -44,7 +44,7 @@ MILLISECONDS, SECONDS = 0.01, 10.0
 # measured one is then too long for the unit of its times if it lasts this many times as long.
 RESOLVED, TOO_LONG = 3.0, 30.0
 # Least number of saved times within the half width of a simulated pulse, for its peak to 1%.
-LEAST_TIMES: Final = 5.0
+MIN_TIMES: Final = 5.0
 # A gap between samples, as a part of the width of a pulse, in which its crest may be higher than
 # its ends by 1%.
 SHORT: Final = 0.14
@@ -273,11 +273,11 @@ def check_resolved(shot: Shot, columns: Sequence[Array]) -> None:
         if np.ptp(column) > 0.0
     }
     name = min(widths, key=lambda each: widths[each], default="")
-    if name and widths[name] < LEAST_TIMES:
-        needed = math.ceil(2.0 * len(columns[0]) * LEAST_TIMES / max(widths[name], 1.0))
+    if name and widths[name] < MIN_TIMES:
+        needed = math.ceil(2.0 * len(columns[0]) * MIN_TIMES / max(widths[name], 1.0))
         raise InputError(
             f"too few saved times to compare: {widths[name]:.0f} are within the half width of the "
-            f"pulse at {name}, but at least {LEAST_TIMES:.0f} are required; give simulate at least "
+            f"pulse at {name}, but at least {MIN_TIMES:.0f} are required; give simulate at least "
             f"times={needed}"
         )
 

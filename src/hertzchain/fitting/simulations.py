@@ -29,7 +29,7 @@ PER_UNIT: Final = 32
 # ... and this many times as many where the force jumps.
 FINER: Final = 2
 # ... and at most this many times as many where later beads are smaller, and pulses shorter.
-MOST_FINER: Final = 8.0
+MAX_FINER: Final = 8.0
 MAX_TIMES: Final = 400_000
 # Ratio of the duration of a run to that of the data; slower chains then need no new run.
 LONGER: Final = 1.12
@@ -155,7 +155,7 @@ def _shortening(chain: Chain) -> float:
     """Ratio of the time in which a pulse passes the first bead to the shortest such time."""
     times = transit_times(chain)
     first = float(times[min(chain.strikers, len(times) - 1)])
-    return min(max(first / float(times.min()), 1.0), MOST_FINER)
+    return min(max(first / float(times.min()), 1.0), MAX_FINER)
 
 
 def range_notes(chain: Chain, duration: float) -> tuple[str, ...]:

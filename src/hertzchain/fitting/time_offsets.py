@@ -36,7 +36,7 @@ MAX_ROUNDS: Final = 8
 # agree almost as well as the best one if the rms differences are larger by less than this factor.
 APART, SIMILAR = 2.0, 1.15
 # Least error of an offset, as a part of the step between samples.
-LEAST_ERROR: Final = 1e-3
+MIN_ERROR: Final = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +139,7 @@ def offset_error(shot: Shot, signals: Sequence[Array]) -> float:
         slope = slope[np.isfinite(slope)]
         noise = max(float(np.mean(rest**2)) * correlation_length(rest), np.finfo(float).tiny)
         information += float(slope @ slope) / noise
-    least = LEAST_ERROR * float(np.median(np.diff(shot.times)))
+    least = MIN_ERROR * float(np.median(np.diff(shot.times)))
     return max(information**-0.5, least) if information > 0.0 else least
 
 

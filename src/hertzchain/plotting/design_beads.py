@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 # Largest number of rows of diameters below beads, and the distance of upright ones in several rows,
 # relative to the size of the font.
-MOST_ROWS, ROOM = 3, 1.3
+MAX_ROWS, ROOM = 3, 1.3
 # Width of a character, relative to the size of the font, and the longest line of a name.
 CHARACTER, MAX_NAME = 0.6, 14
 # Distance of both rows of beads, in radii of the largest one.
@@ -121,7 +121,7 @@ def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
 
 def _rows(centres: Array) -> int:
     """Number of rows of upright texts at places in units of their size; 0 if there are too many."""
-    for rows in range(1, MOST_ROWS + 1):
+    for rows in range(1, MAX_ROWS + 1):
         if (centres[rows:] - centres[:-rows]).min(initial=np.inf) >= (ROOM if rows > 1 else 1.0):
             return rows
     return 0

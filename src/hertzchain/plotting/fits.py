@@ -54,7 +54,7 @@ POINTS: Final = 4000
 DATA, SIMULATION, FIT = "data", "simulation", "fit"
 # Smallest font of numbers in a map, the most letters of one, and the width of a letter relative to
 # the size of the font; the correlation that would be rounded to 1.
-LEAST_NUMBER, MAX_LETTERS, CHARACTER = 4.5, 6, 0.6
+MIN_NUMBER, MAX_LETTERS, CHARACTER = 4.5, 6, 0.6
 ALMOST_ONE: Final = 0.995
 # Width of a handle in a legend, and of the distance to the next one, in letters.
 HANDLE: Final = 6
@@ -66,7 +66,7 @@ CORNER, CAUTION_HEIGHT, CAUTION_LINE = 3, 0.6, 34
 # Powers of ten of values that are shown without a factor in the unit.
 MIN_POWER, MAX_POWER = -3, 4
 # Width of a panel [inches] from which its title has room.
-LEAST_PANEL: Final = 1.2
+MIN_PANEL: Final = 1.2
 
 
 def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) -> Axes:
@@ -248,7 +248,7 @@ def plot_correlations(result: FitResult) -> Figure:
         figure.draw_without_rendering()
         cell = POINTS_PER_INCH * axes.get_window_extent().width / figure.dpi / len(names)
         size = min(7.5, cell / (CHARACTER * MAX_LETTERS))
-        if size >= LEAST_NUMBER:
+        if size >= MIN_NUMBER:
             for i, j in np.argwhere(lower):
                 axes.text(j, i, _correlation_in_words(values[i, j], i == j), ha="center",
                           va="center", fontsize=size,
@@ -348,7 +348,7 @@ def plot_corner(posterior: Posterior) -> Figure:
     factors, names, units = _in_shown_units(posterior)
     side = max(1.7 * count + 0.6, 3.4)
     # Medians that would be wider than a panel are above all of them.
-    listed = count > 1 and figure_size(side, side)[0] < LEAST_PANEL * count
+    listed = count > 1 and figure_size(side, side)[0] < MIN_PANEL * count
     labels = [f"{name}\n[{unit}]" if unit else name
               for name, unit in zip(names, units, strict=True)]  # fmt: skip
     samples, estimates = factors * posterior.samples, factors * posterior.estimates

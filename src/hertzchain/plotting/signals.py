@@ -27,7 +27,7 @@ CLOSE: Final = 3.0
 # Fewest samples of a crest that is shown enlarged.
 CREST: Final = 5
 # Half height of panels of residuals, in standard deviations, and name of the band in the legend.
-LEAST_LIMIT: Final = 4.0
+MIN_LIMIT: Final = 4.0
 BAND: Final = "±2σ of the noise"
 RESIDUAL: Final = "residual\n/ noise"
 # Sensors up to which these are below each other, the widths [inches] of figures of one and of two
@@ -104,7 +104,7 @@ def draw_residuals(axes: Axes, times: Array, residuals: Array, limit: float | No
 def residual_limit(residuals: list[Array]) -> float:
     """Limit of the axes of residuals, which has room for all of them."""
     largest = [float(np.nanmax(np.abs(each), initial=0.0)) for each in residuals]
-    return 1.1 * max(LEAST_LIMIT, *largest)
+    return 1.1 * max(MIN_LIMIT, *largest)
 
 
 def _points_across(axes: Axes) -> float:

@@ -50,7 +50,7 @@ GAPS: Final = (0.1, 0.25, 0.5)
 SMALLEST: Final = 4
 WIDEST: Final = (4.5, 20.5, 100.5, np.inf)
 NEAR, MOST = 0.25, 0.9
-MIN_LEVELS, MOST_COUNTED, ROUNDED = 20, 3, 0.02
+MIN_LEVELS, MAX_COUNTED, ROUNDED = 20, 3, 0.02
 # Trial values, in steps, of a noise that is smaller than a step, and of the level within a step.
 TRIAL_NOISES: Final = np.linspace(0.01, 1.2, 120)
 TRIAL_LEVELS: Final = np.linspace(-0.5, 0.5, 100, endpoint=False)
@@ -226,7 +226,7 @@ def digitiser_step(values: Array) -> float:
         return 0.0
     # Values that are equal except for rounding in binary are one.
     first = np.flatnonzero(np.diff(levels, prepend=-np.inf) > EQUAL * np.abs(levels).max())
-    levels, weights = levels[first], np.minimum(np.add.reduceat(counts, first), MOST_COUNTED)
+    levels, weights = levels[first], np.minimum(np.add.reduceat(counts, first), MAX_COUNTED)
     if len(levels) < 3:
         return 0.0
     gaps = np.sort(np.diff(levels))

@@ -18,9 +18,9 @@ from .traces import make_shot
 # samples next to them, and by more than `FAR_IN_NOISE`.
 IN_SLOPES: Final = 4.0
 # Least half width of the simulated pulse in samples: a shorter one may look like a spike.
-LEAST_WIDTH: Final = 4.0
+MIN_WIDTH: Final = 4.0
 # Number of spikes of a sensor that are named; more of them are not single errors.
-MOST_NAMED: Final = 5
+MAX_NAMED: Final = 5
 
 
 def spikes(signal: Signal) -> Array:
@@ -51,8 +51,8 @@ def without_spikes(shot: Shot, widths: Sequence[float]) -> Shot:
     step = float(np.median(np.diff(shot.times)))
     found = {}
     for signal, width in zip(shot.signals, widths, strict=True):
-        places = spikes(signal) if width > LEAST_WIDTH * step else np.zeros(0, int)
-        if 0 < len(places) <= MOST_NAMED:
+        places = spikes(signal) if width > MIN_WIDTH * step else np.zeros(0, int)
+        if 0 < len(places) <= MAX_NAMED:
             found[signal.name] = places
     if not found:
         return shot

@@ -86,6 +86,19 @@ def test_other_jumps_are_rejected(radii, message):
         hc.piecewise_local_rate(hc.Chain.from_radii(radii))
 
 
+def test_jumps_need_hertz_contacts():
+    chain = hc.Chain.from_radii(np.where(K >= FIRST, 2.0, 1.0), exponent=2.0)
+    with pytest.raises(hc.InputError, match=r"exponent 1\.5\) only, got 2; use propagate"):
+        hc.piecewise_local_rate(chain)
+    with pytest.warns(hc.ModelRangeWarning) as raised:
+        hc.local_rate(chain)
+    assert "piecewise" not in str(raised[0].message)
+    # Without jumps, the law has tables for this exponent.
+    smooth = hc.Chain.from_radii(np.exp(0.01 * K), exponent=2.0)
+    exact = hc.propagate(smooth).velocity
+    np.testing.assert_allclose(hc.piecewise_local_rate(smooth).velocity[1:], exact[1:], rtol=1e-3)
+
+
 def test_fast_changes_next_to_a_jump_are_announced():
     radii = np.where(K >= FIRST, 0.5, 1.0) * np.exp(0.2 * np.sin(K / 10))
     chain = hc.Chain.from_radii(radii)

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.hertz_range import warn_outside_hertz
-from ..collision import Array
+from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units, scaled_chain, unit_of
 from ..pulse.notes import beads_in_words
@@ -392,7 +392,9 @@ def _other_theory(chain: Chain, theory: str) -> str:
     """Another theory for chains that are not smooth, if there is one."""
     if small_beads(chain.radii).any():
         return ", or effective_chain for small beads between large ones"
-    if alternates(chain.masses).mean() > MOSTLY or theory != "local_rate":
+    if chain.exponents != HERTZ_EXPONENT or theory != "local_rate":
+        return ""
+    if alternates(chain.masses).mean() > MOSTLY:
         return ""
     return ", or piecewise_local_rate for steps and odd beads"
 

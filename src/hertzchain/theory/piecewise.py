@@ -1,7 +1,7 @@
 r"""The local-rate law for chains of smooth parts, joined by steps in the radius and odd beads.
 
 The pulse is scattered where the radius jumps.  Behind the jump it settles to that of the next part
-within some twenty beads, multiplied by a factor that depends only on the jump and on the rates on
+within about 20 beads, multiplied by a factor that depends only on the jump and on the rates on
 both sides.  The law describes the parts; a table from simulated pulses describes the jumps.
 """
 
@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..collision import Array
+from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
@@ -79,10 +79,11 @@ def piecewise_local_rate(chain: Chain) -> Pulse:
     Parameters
     ----------
     chain : Chain
-        Spheres of one material.  A jump is a rate that is more than 0.03 outside those of the four
-        neighbouring contacts, by a factor of 0.46 to 2.2 of the radius; two opposite jumps
-        are an odd bead.  The rates at jumps must be from -0.06 to 0.06, and there must be eight
-        contacts before each jump and after it, to the next one or the end.
+        Spheres of one material; with jumps, only Hertz contacts (exponent 1.5).  A jump is a rate
+        that is more than 0.03 outside those of the four neighbouring contacts, by a factor of 0.46
+        to 2.2 of the radius; two opposite jumps are an odd bead.  The rates at jumps must be from
+        -0.06 to 0.06, and there must be eight contacts before each jump and after it, to the next
+        one or the end.
 
     Returns
     -------
@@ -92,8 +93,8 @@ def piecewise_local_rate(chain: Chain) -> Pulse:
     Raises
     ------
     InputError
-        If a jump is too large or too close to another or to an end, or for a chain that
-        `local_rate` does not support.
+        If a jump is too large or too close to another or to an end, if a chain with jumps has
+        another exponent than 1.5, or for a chain that `local_rate` does not support.
 
     Warns
     -----
@@ -121,6 +122,11 @@ def piecewise_local_rate(chain: Chain) -> Pulse:
     if not jumps:
         pulse = smooth_pulse(chain, "piecewise_local_rate")
         return dataclasses.replace(pulse, method=METHOD.removeprefix("the "))
+    if chain.exponents != HERTZ_EXPONENT:
+        raise InputError(
+            f"{METHOD} has the effects of jumps for Hertz contacts (exponent 1.5) only, got "
+            f"{chain.exponents:g}; use propagate"
+        )
     radii = chain.radii * np.exp(-sizes)
     smooth = Chain(radii, chain.exponents)
     smooth._set("_described_as", f"{chain.description}, without its jumps")

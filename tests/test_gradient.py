@@ -5,6 +5,7 @@ import dataclasses
 import math
 import pickle
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -817,3 +818,19 @@ def test_errors_need_no_second_run_until_they_are_read(recorded):
     assert [each.error for each in copies] == [found[0].error] * 2
     failing = hc.gradient(hc.Chain.uniform(10), "pulse.velocity@5", rtol=1e-14)
     assert 0.0 < failing.error < 1e-4
+
+
+def test_a_record_that_would_not_fit_in_memory_is_rejected(monkeypatch):
+    # As on a machine with 300 MB of free memory; a chain of 200 beads needs 16 kB per step.
+    monkeypatch.setattr("psutil.virtual_memory", lambda: SimpleNamespace(available=3e8))
+    chain = hc.Chain.uniform(200).replace(left_wall=hc.Wall(), right_wall=hc.Wall())
+    with pytest.raises(hc.InputError, match=r"GiB of memory, but 0\.3 GiB are free; use a larger"):
+        hc.gradient(chain, "velocity@5", until=1e4)
+
+
+def test_the_constant_of_a_dashpot_has_a_unit():
+    chain = hc.Chain.from_materials("5 mm", "steel-52100", beads=4, velocity=0.1)
+    found = hc.gradient(
+        chain.replace(right_wall=hc.Wall(), loss=hc.Dashpot(0.5)), "velocity@3", to=["loss.gamma"]
+    )
+    assert found.units["loss.gamma"] == "(m/s)/(kg/s)"

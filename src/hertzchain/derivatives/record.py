@@ -19,7 +19,6 @@ from .equation import Equation
 # Numbers in a block of steps, and bounds of its steps.
 BLOCK_SIZE: Final = 2**18
 FEWEST, MOST = 64, 512
-MEMORY_PART: Final = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +182,7 @@ def run(
     # Without a stop, beads in free flight would reach infinity within a block.
     stop = equation.passage if math.isinf(until) and not stop_when_found else until
     while status == layout.BLOCK_FULL:
-        _check_memory(record, size)
+        _check_memory(record, size, numbers)
         positions, velocities = np.zeros((size, beads)), np.zeros((size, beads))
         lengths, windows = np.empty(size), np.empty((size, 2), np.int64)
         kept, candidates = np.zeros((size, numbers, beads + 1)), np.empty((size * len(targets), 2))
@@ -224,14 +223,14 @@ def _failure(limit: bool, most_steps: int, record: Record) -> SimulationError:
     )
 
 
-def _check_memory(record: Record, size: int) -> None:
-    """Raise `InputError` if the next block of steps does not fit in memory."""
-    beads = record.equation.beads
+def _check_memory(record: Record, size: int, numbers: int) -> None:
+    """Raise `InputError` unless all steps, with the next block, would fit in the free memory."""
+    beads, steps = record.equation.beads, record.steps + size
     check_memory(
-        f"the next {size} steps of {beads} beads, from t = {record.time:g} on,",
-        8.0 * size * 10 * beads, "use a larger rtol, an earlier until, or fewer beads",
-        MEMORY_PART,
-    )  # fmt: skip
+        f"the first {steps} steps of {beads} beads, until t = {record.time:g} and a little later,",
+        8.0 * steps * (numbers + 2) * (beads + 1),
+        "use a larger rtol, an earlier until, or fewer beads",
+    )
 
 
 def nothing_can_happen(record: Record) -> bool:

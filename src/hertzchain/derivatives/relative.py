@@ -17,6 +17,7 @@ _PARAMETERS: Final = {
     "radii": "m", "masses": "kg", "gaps": "m", "velocities": "m/s", "young": "Pa", "poisson": "1",
     "density": "kg/m^3", "left_wall.gap": "m", "right_wall.gap": "m", "precompression": "N",
     "gravity": "m/s^2", "loss.time": "s", "loss.coefficient": "1",
+    "loss.gamma": "kg/s",
 }  # fmt: skip
 _FINAL: Final = {"velocity": "m/s", "position": "m"}
 

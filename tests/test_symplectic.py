@@ -46,6 +46,17 @@ def test_a_given_step_that_is_too_long_for_accurate_results_warns():
     assert energy.max() < 0.6
 
 
+@pytest.mark.parametrize(("option", "message"), [
+    ({"step": -1.0}, "step must be above 0"),
+    ({"step": "1 us"}, "step"),
+    ({"drift": 5.0}, "drift must be"),
+])  # fmt: skip
+def test_steps_of_a_chain_at_rest_are_checked(option, message):
+    resting = hc.Chain.uniform(3).replace(velocities=[0.0, 0.0, 0.0])
+    with pytest.raises(hc.InputError, match=message):
+        hc.simulate(resting, until=10.0, times=3, method="verlet", **option)
+
+
 @pytest.mark.parametrize("name", CHAINS)
 def test_runs_agree_with_an_independent_integration(name):
     chain, times = CHAINS[name], np.linspace(0.0, 30.0, 31)

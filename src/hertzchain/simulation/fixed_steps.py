@@ -113,6 +113,7 @@ def fastest_frequency(chain: Chain) -> float:
     resting = (static[there] / k) ** (1.0 / p)
     stored = k * resting ** (p + 1.0) / (p + 1.0)
     largest = ((p + 1.0) * (motion + stored) / k) ** (1.0 / (p + 1.0))
+    # In a compressed chain, beads that move in opposite directions have twice the stiffness.
     squared = p * k * lighter * np.maximum(largest ** (p - 1.0), 2.0 * resting ** (p - 1.0))
     return math.sqrt(float(squared.max()))
 
@@ -142,14 +143,16 @@ def plan(
     """Choose the fastest of some methods, with the given step or the step for a drift."""
     from ..kernels.symplectic import SPLITTINGS
 
+    if step is not None:
+        step = number("step", step, unit=chain._unit("s"), above=0.0)
+    drift = number("drift", drift, least=MIN_DRIFT, most=MAX_DRIFT)
     frequency = fastest_frequency(chain)
     if frequency == 0.0:
-        return FixedSteps(names[0], step or (length or 1.0) / 1000.0)
+        return FixedSteps(names[0], step or (length or 1.0) / 1000.0, given=step is not None)
     if length is None:
         length = 2.0 * float(transit_times(chain).sum())
     periods = max(1.0, frequency * length)
     if step is not None:
-        step = number("step", step, unit=chain._unit("s"), above=0.0)
         name = names[-1]
         limit = SPLITTINGS[name].limit / frequency
         if not step < limit:
@@ -159,7 +162,6 @@ def plan(
                 f"must be below {limit:.4g}{unit}; try {0.02 * limit:.2g}{unit}"
             )
         return FixedSteps(name, step, given=True)
-    drift = number("drift", drift, least=MIN_DRIFT, most=MAX_DRIFT)
     steps = {name: COSTS[name].step(drift, periods) for name in names}
     cheapest = min(steps, key=lambda name: COSTS[name].price / steps[name])
     longest = 0.2 * SPLITTINGS[cheapest].limit

@@ -51,6 +51,15 @@ def test_one_contact_loses_as_much_as_the_formula_states(law):
     assert 2 * ratios[0] - ratios[1] == pytest.approx(1.0, abs=2e-4)
 
 
+def test_a_wall_of_another_exponent_has_no_effect():
+    chain = hc.Chain.uniform(20).replace(loss=hc.Restitution(0.99))
+    walled = chain.replace(right_wall=hc.Wall(stiffness=1.0, exponent=1.0))
+    assert hc.attenuation(walled, 0.7) == hc.attenuation(chain, 0.7)
+    mixed = chain.replace(exponent=[1.5] * 10 + [2.0] * 9, stiffness=1.0)
+    with pytest.raises(hc.InputError, match="one law of loss and one exponent"):
+        hc.attenuation(mixed, 0.7)
+
+
 def test_two_sensors_give_the_relaxation_time():
     """v^(-1/5) grows linearly with A in viscoelastic beads."""
     a = 2e-4

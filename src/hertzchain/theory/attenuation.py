@@ -30,7 +30,7 @@ from .solitary_wave import MAX_SCALE, SolitaryWave, solitary_wave
 
 SUPPORTED: Final = (
     "SI units", "masses", "stiffness", "strikers", "velocities", "gaps", "left wall",
-    "right wall", "drive", "loss", "mixed losses",
+    "right wall", "drive", "loss", "mixed losses", "mixed exponents",
 )  # fmt: skip
 # Decay per bead above which a warning states the error of the first order in the loss.
 MAX_DECAY: Final = 0.01
@@ -218,6 +218,6 @@ def _equal_contacts(chain: Chain) -> ContactGroup:
         if len(which) == len(inner):
             return dataclasses.replace(group, contacts=group.contacts.only(which[:1]))
     raise InputError(
-        f"attenuation requires one law of loss for all contacts of two beads, but the chain "
-        f"({chain.description}) has several; use simulate"
+        "attenuation requires one law of loss and one exponent for all contacts of two beads, but "
+        f"the chain ({chain.description}) has several; use simulate"
     )

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..kernels.forces import DefaultChain, GeneralChain
 
 # Features that the loop for default chains supports; all other chains use the general loop.
-PLAIN_FEATURES: Final = frozenset({"SI units", "masses", "stiffness", "strikers", "velocities"})
+DEFAULT_FEATURES: Final = frozenset({"SI units", "masses", "stiffness", "strikers", "velocities"})
 
 
 @once
@@ -26,7 +26,7 @@ def kernel_chain(chain: Chain) -> DefaultChain | GeneralChain:
     from ..kernels.driving import MOVING_WALL, NOTHING, PUSH
     from ..kernels.forces import DefaultChain, GeneralChain
 
-    if PLAIN_FEATURES.issuperset(chain.features):
+    if DEFAULT_FEATURES.issuperset(chain.features):
         return DefaultChain(1.0 / chain.masses, np.array(chain.stiffness), chain.exponents)
     static = chain.static_state
     drive = NOTHING

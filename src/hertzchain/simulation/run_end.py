@@ -44,7 +44,9 @@ class RunEnd:
         fixed: bool = False,
         at_peak: bool = False,
     ) -> None:
-        self.chain, self.counts, self.default = chain, arrays["counts"], until is None
+        self.chain, self.counts = chain, arrays["counts"]
+        # Whether the run ends without a given time.
+        self.by_itself = until is None
         self.until = math.inf if until is None else until
         self.struck = bool(chain.velocities[0] > 0.0) and chain.drive is None
         # Duration of a fall from rest, after which walls are watched; 0 without one.
@@ -61,9 +63,9 @@ class RunEnd:
         """Time at which the next call ends, and whether it ends earlier if the pulse has left."""
         watch = self.watch
         if watch is None or watch.closed:
-            return self.until, self.default
+            return self.until, self.by_itself
         if watch.started:
-            to_the_wall = not self.default or self.chain.right_wall is not None
+            to_the_wall = not self.by_itself or self.chain.right_wall is not None
             return (min(self.until, watch.due), False) if to_the_wall else (self.until, True)
         if self.chain.drive is not None:
             return min(self.until, self.chain.drive.end), False
@@ -89,11 +91,11 @@ class RunEnd:
             return endings.get(code)
         if code == kernel.PULSE_LOST:
             self.watch.close()
-            return endings[code] if self.default else None
+            return endings[code] if self.by_itself else None
         if code == kernel.PULSE_LEFT:
             if not self.watch.started:
                 self.watch.start_after_pulse()
-            return endings[code] if self.default and self.chain.right_wall is None else None
+            return endings[code] if self.by_itself and self.chain.right_wall is None else None
         if code == kernel.LAST_STEP:
             return self._after_check(self.watch, forces)
         if self.steps == STEPS_PER_LOOK and self.watch.hit:
@@ -111,7 +113,7 @@ class RunEnd:
         if watch.closed or watch.due > self.until:
             return None
         watch.check(forces)
-        if not self.default:
+        if not self.by_itself:
             return None
         if watch.closed:
             return "nothing more happens"

@@ -24,14 +24,14 @@ from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback, check_bool
 from .checked_state import check_start
 from .fixed_steps import FixedLoop, FixedSteps, fixed_steps
+from .frames import Frames
 from .kernel_input import kernel_chain
 from .run import Run
 from .run_end import RunEnd, Status
 from .run_message import NOT_STRUCK
-from .saved_times import check_memory_for, checked_times
 from .slow_run import slow_run_notice
 from .state import State, contacts_of, first_state
-from .time_scales import check_clock, check_length, fall_height, transit_times
+from .time_scales import check_clock, check_length, fall_height
 
 DEFAULT_RTOL: Final = 1e-13
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-6
@@ -68,9 +68,10 @@ def simulate(
 
     This is Eq. (4) of the paper with the contact forces of the loss law (`hertzchain.chain.laws`),
     including those of the walls, and the sum :math:`X_k` of the external forces on bead k: its
-    weight, the drive, and the force that holds an end of the chain.  Steps are adaptive and of
-    order 8: RKN8(6) if forces depend on positions and time only, otherwise DOP853.  The error of a
-    step is measured, bead by bead, relative to the speeds within three beads.  If a force jumps or
+    weight, the drive, and the force that holds an end of the chain.  Steps are adaptive.  The
+    method is RKN8(6), of order 8, if forces depend on positions and time only; otherwise DOP853, of
+    order 8, or, if damping is very strong, the implicit Radau IIA of order 9.  The error of a step
+    is measured, bead by bead, relative to the speeds within three beads.  If a force jumps or
     depends on history, the time of the change is located and the step ends there.
 
     Parameters
@@ -171,13 +172,13 @@ def simulate(
         check_start(chain, start)
     _check_end(chain, until, times, start.time)
     warn_outside_losses(chain)
-    frames = _Frames(chain, start.time, until, times)
+    frames = Frames(chain, start.time, until, times)
     if until is None and not isinstance(times, int | np.integer):
         until = float(frames.times[-1])
     run = _integrate(chain, start, until, frames, rtol, limit, progress, fixed)
     while fixed is not None and not fixed.given and fixed.exceeded(run.energy_drift):
         fixed = fixed.shorter(run.energy_drift / fixed.drift)
-        frames = _Frames(chain, start.time, until, times)
+        frames = Frames(chain, start.time, until, times)
         run = _integrate(chain, start, until, frames, rtol, limit, progress, fixed)
     if check and not run.success:
         raise SimulationError(run.message)
@@ -195,7 +196,7 @@ def simulate_to_peak(
     check_clock(chain)
     _check_end(chain, None, 0, 0.0)
     start = first_state(chain)
-    frames = _Frames(chain, start.time, None, 0)
+    frames = Frames(chain, start.time, None, 0)
     limit = max_steps or default_step_limit(chain.beads)
     run = _integrate(chain, start, None, frames, rtol, limit, progress, None, at_peak=True)
     if not run.success:
@@ -213,52 +214,11 @@ def default_step_limit(beads: int) -> int:
     return max(STEPS_PER_BEAD * beads, MIN_STEP_LIMIT)
 
 
-class _Frames:
-    """Saved times and states.
-
-    If the end is not known, the grid starts too fine.  Whenever it is full, every second time is
-    removed and the spacing is doubled, to keep within the requested memory.
-    """
-
-    def __init__(
-        self, chain: Chain, begin: float, until: float | None, times: int | ArrayLike
-    ) -> None:
-        self.spacing: float | None = None
-        self.begin = begin
-        if not isinstance(times, int | np.integer) or isinstance(times, bool):
-            self.times = checked_times(chain, times, begin, until)
-        elif (count := whole_number("times", times, least=0)) == 1:
-            raise InputError("times must be 0 or at least 2 when it is a number, got 1")
-        else:
-            check_memory_for(chain, count)
-            if until is None and count > 0:
-                self.spacing = 0.5 * float(transit_times(chain).sum()) / count
-                self.times = begin + self.spacing * np.arange(count)
-            else:
-                self.times = np.linspace(begin, until or 0.0, count)
-        self.states, self.forces = np.empty((0, 0)), np.empty((0, 0))
-
-    def allocate(self, length: int, contacts: int) -> None:
-        """Allocate arrays for states with this number of components and contacts."""
-        self.states = np.empty((len(self.times), length))
-        self.forces = np.empty((len(self.times), contacts))
-
-    def thin_out(self, filled: int) -> int:
-        """Remove every second time; return the number of times that are kept."""
-        assert self.spacing is not None
-        kept = (filled + 1) // 2
-        for saved in (self.states, self.forces):
-            saved[:kept] = saved[:filled:2].copy()
-        self.spacing *= 2.0
-        self.times = self.begin + self.spacing * np.arange(len(self.times))
-        return kept
-
-
 class _Integration:
     """A state during a run, the compiled loop that advances it, and its scratch arrays."""
 
     def __init__(
-        self, chain: Chain, start: State, frames: _Frames, rtol: float, fixed: FixedSteps | None
+        self, chain: Chain, start: State, frames: Frames, rtol: float, fixed: FixedSteps | None
     ) -> None:
         from ..kernels import full_chain, state_layout
 
@@ -268,9 +228,9 @@ class _Integration:
         self.clock, self.counts = arrays["clock"], arrays["counts"]
         self.counts[state_layout.FRAMES] = 0
         self.equation = kernel_chain(chain)
-        self.plain = len(arrays["y"]) == 2 * chain.beads
+        self.is_default = len(arrays["y"]) == 2 * chain.beads
         self.contacts = contacts_of(arrays, self.equation)
-        frames.allocate(len(arrays["y"]), 0 if self.plain else chain.beads + 1)
+        frames.allocate(len(arrays["y"]), 0 if self.is_default else chain.beads + 1)
         self.frames, self.rtol, self.fixed = frames, rtol, fixed
         self.loop = None if fixed is None else FixedLoop(chain, fixed)
         if fixed is not None:
@@ -340,7 +300,7 @@ def _integrate(
     chain: Chain,
     start: State,
     until: float | None,
-    frames: _Frames,
+    frames: Frames,
     rtol: float,
     max_steps: int,
     progress: Progress | None,
@@ -351,9 +311,9 @@ def _integrate(
     from ..kernels import state_layout
 
     progress = progress or slow_run_notice()
-    going = _Integration(chain, start, frames, rtol, fixed)
-    kernel, counts = going.kernel, going.counts
-    end = RunEnd(chain, going.state.arrays, until, fixed=fixed is not None, at_peak=at_peak)
+    integration = _Integration(chain, start, frames, rtol, fixed)
+    kernel, counts = integration.kernel, integration.counts
+    end = RunEnd(chain, integration.state.arrays, until, fixed=fixed is not None, at_peak=at_peak)
     first = int(counts[state_layout.STEPS])
     status: Status | None = None
     # A longer run resumes bit for bit from the state before the last, shortened step.
@@ -361,32 +321,36 @@ def _integrate(
     while status is None:
         goal = end.goal() if before_end is None else (end.until, False)
         steps = min(end.steps, max_steps - int(counts[state_layout.STEPS]) + first)
-        code = going.advance(goal, steps, before_end is None)
+        code = integration.advance(goal, steps, before_end is None)
         passed = 1 + int(min(counts[state_layout.PEAKS], counts[state_layout.CROSSINGS]))
         progress(max(0, passed - chain.strikers), chain.beads - chain.strikers)
-        status = end.after(code, kernel, going.forces)
+        status = end.after(code, kernel, integration.forces)
         if code == kernel.FRAMES_FULL:
             counts[state_layout.FRAMES] = frames.thin_out(int(counts[state_layout.FRAMES]))
         elif code == kernel.LAST_STEP and goal[0] == until:
-            before_end = going.state.copy()
-        elif going.drifts:
+            before_end = integration.state.copy()
+        elif integration.drifts:
             status = "unstable steps"
         elif code == kernel.RUNNING and counts[state_layout.STEPS] - first >= max_steps:
             status = "step limit"
-        if code in (kernel.RUNNING, kernel.STEP_TOO_SMALL, kernel.PULSE_LOST) and going.underflows:
+        slow = code in (kernel.RUNNING, kernel.STEP_TOO_SMALL, kernel.PULSE_LOST)
+        if slow and integration.underflows:
             status = "underflow"
-    return _run(going, before_end or going.state.copy(), status, end.assess(going.forces))
+    state = before_end or integration.state.copy()
+    return _run(integration, state, status, end.assess(integration.forces))
 
 
-def _run(going: _Integration, state: State, status: Status, walls: tuple[Array, Array]) -> Run:
+def _run(
+    integration: _Integration, state: State, status: Status, walls: tuple[Array, Array]
+) -> Run:
     from ..kernels import forces, state_layout
 
-    clock, counts = going.clock, going.counts
-    arrays, frames, beads = going.state.arrays, going.frames, state.chain.beads
+    clock, counts = integration.clock, integration.counts
+    arrays, frames, beads = integration.state.arrays, integration.frames, state.chain.beads
     filled = int(counts[state_layout.FRAMES])
     saved = frames.states[:filled]
     accumulators, now = saved[:, 2 * beads :], arrays["y"][2 * beads :]
-    if going.plain:
+    if integration.is_default:
         accumulators, now = np.zeros((filled, forces.ACCUMULATORS)), np.zeros(forces.ACCUMULATORS)
     return Run(
         chain=state.chain,
@@ -395,14 +359,14 @@ def _run(going: _Integration, state: State, status: Status, walls: tuple[Array, 
         velocities=saved[:, beads : 2 * beads],
         status=status,
         end_time=float(clock[state_layout.TIME]),
-        energy_drift=going.energy_drift,
+        energy_drift=integration.energy_drift,
         momentum_drift=_part(clock[state_layout.MOMENTUM_DRIFT], clock[state_layout.MOMENTUM_UNIT]),
         steps=int(counts[state_layout.STEPS]),
         evaluations=int(counts[state_layout.EVALUATIONS]),
-        rtol=going.rtol if going.fixed is None else math.nan,
-        method=going.method,
+        rtol=integration.rtol if integration.fixed is None else math.nan,
+        method=integration.method,
         state=state,
-        _forces=None if going.plain else frames.forces[:filled],
+        _forces=None if integration.is_default else frames.forces[:filled],
         _accumulators=accumulators,
         _peaks=arrays["peaks"],
         _crossings=arrays["crossings"],

@@ -170,9 +170,11 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
     from ..kernels import forces, full_chain, state_layout
 
     beads, equation = chain.beads, kernel_chain(chain)
-    plain = isinstance(equation, forces.DefaultChain)
+    is_default = isinstance(equation, forces.DefaultChain)
     arrays = {
-        "y": np.concatenate([positions, velocities, np.zeros(0 if plain else forces.ACCUMULATORS)]),
+        "y": np.concatenate(
+            [positions, velocities, np.zeros(0 if is_default else forces.ACCUMULATORS)]
+        ),
         "clock": np.zeros(state_layout.CLOCK_SIZE),
         "counts": np.zeros(state_layout.COUNTS_SIZE, np.int64),
         "mode": np.zeros(beads + 1, np.int64),

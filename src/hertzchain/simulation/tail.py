@@ -28,7 +28,7 @@ LEAST: Final = 0.6
 # Tolerance of the simulation without losses.
 RTOL: Final = 1e-9
 # Features with which the pulse of equal beads is a solitary wave.
-PLAIN: Final = {"SI units", "masses", "stiffness", "left wall", "right wall", "loss"}
+SOLITARY_FEATURES: Final = {"SI units", "masses", "stiffness", "left wall", "right wall", "loss"}
 
 
 def tailed(chain: Chain, crossings: Array) -> Array:
@@ -37,7 +37,10 @@ def tailed(chain: Chain, crossings: Array) -> Array:
     if chain.lossless:
         return found
     ratios = _ratios(crossings)
-    equal = np.ptp(chain.masses) == 0.0 == np.ptp(chain.stiffness) and {*chain.features} <= PLAIN
+    equal = (
+        np.ptp(chain.masses) == 0.0 == np.ptp(chain.stiffness)
+        and {*chain.features} <= SOLITARY_FEATURES
+    )
     lowest = LEAST if (np.diff(chain.masses) > 0.0).any() else 1.0
     if not (ratios > TAIL * (1.0 if equal else lowest)).any():
         return found

@@ -16,7 +16,6 @@ from hertzchain.kernels.fast_changes import PAIRS as FAST_PAIRS
 from hertzchain.kernels.fast_changes import STATES
 from hertzchain.theory.exponents import scaled, steady_gain
 from hertzchain.theory.universal_functions import (
-    LAST,
     START,
     WITHIN,
     UniversalFunctions,
@@ -54,6 +53,8 @@ from .training_chains import (
     ramp_rates,
 )  # fmt: skip
 
+# Number of coefficients of higher orders of the last four contacts.
+LAST_COEFFICIENTS: Final = 552
 FULL: Final = Effort(
     4000, DOUBLE_RAMPS, 3, 1500, 3, 3, 4, ((63, 2600, 300, 300, 0),), (400, 900), 1500, 600
 )
@@ -179,7 +180,8 @@ def fast_changes(
         "products of fast changes", lambda: fit(functions(), values, data.long)
     )
     if effort.slopes[1]:
-        measured |= {"last_knots": LAST_KNOTS, "last": np.zeros((len(LAST_KNOTS) + 2, LAST))}
+        nothing = np.zeros((len(LAST_KNOTS) + 2, LAST_COEFFICIENTS))
+        measured |= {"last_knots": LAST_KNOTS, "last": nothing}
         measured["short"] = NONE
         measured["short"] = stored("short chains", lambda: left_by_impact(functions(), shrink))
         ending = stored("chains with changes at the end", lambda: ending_slopes(exponent))

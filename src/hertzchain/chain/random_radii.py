@@ -1,7 +1,7 @@
 """Random deviations of radii, for `Chain.with_scatter` and `hertzchain.Scatter`.
 
-The deviation of a bead multiplies its radius, or adds to it for a ball grade, whatever the units of
-the chain: radii of a scaled chain stay in units of the chain without deviations.
+The deviation of a bead multiplies its radius, or adds to it for a ball grade, regardless of the
+units of the chain: radii of a scaled chain stay in units of the chain without deviations.
 """
 
 from __future__ import annotations

@@ -64,7 +64,7 @@ class Sizes:
         if len(given) != 1:
             raise InputError(
                 "a taper of given sizes needs exactly one of last (or last_diameter), ratio and "
-                f"length beside its first bead, got {len(given)} of them"
+                f"length in addition to its first bead, got {len(given)} of them"
             )
         if last is not None:
             return last

@@ -22,17 +22,17 @@ SAFETY: Final = 5.0
 # `Dashpot`.  Forces that may not pull jump, and differences of such gradients are too small.
 DAMPED_FACTOR: Final = 120.0
 
-Slopes = Mapping[str, Array]
+Derivatives = Mapping[str, Array]
 
 
 @dataclass(eq=False)
 class SecondRun:
     """Gradients of the same quantities at another tolerance, computed when they are needed."""
 
-    compute: Callable[[], Sequence[Slopes]]
+    compute: Callable[[], Sequence[Derivatives]]
 
     @cached_property
-    def slopes(self) -> Sequence[Slopes]:
+    def slopes(self) -> Sequence[Derivatives]:
         """Arrays of the gradients; empty if the run fails."""
         try:
             return self.compute()
@@ -50,7 +50,7 @@ class Accuracy:
     index: int
     count: int
 
-    def relative_error(self, found: Slopes) -> float:
+    def relative_error(self, found: Derivatives) -> float:
         """Estimated error of the derivatives, relative to the largest one of an array."""
         if any(not np.isfinite(values).all() for values in found.values()):
             return math.nan

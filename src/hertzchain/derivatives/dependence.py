@@ -11,6 +11,7 @@ import numpy as np
 from ..collision import Array
 from ..kernels.limits import MIN_ROUGH_PUSH
 from ..representation import measure
+from ..simulation.wall_bound import LEFT, RIGHT
 from .backward_pass import Dependence, Place, Slopes, place_of_event
 from .gauges import (
     LOWEST,
@@ -28,7 +29,7 @@ from .gauges import (
 )
 from .names import Name
 from .record import Record
-from .targets import LEFT, RIGHT, Ending, is_moving
+from .targets import Ending, is_moving
 
 
 @dataclass(eq=False)
@@ -395,8 +396,8 @@ def _combined(value: float, *terms: tuple[Dependence, float]) -> Dependence:
     direct = Slopes.zero(len(terms[0][0].direct.masses))
     places, gauge, last = [], np.zeros(0), 0
     for term, weight in terms:
-        for field in ("masses", "stiffness", "overlaps", "velocities", "body", "damping"):
-            getattr(direct, field)[:] += weight * getattr(term.direct, field)
+        for name, values in vars(direct).items():
+            values += weight * getattr(term.direct, name)
         for place in term.places:
             place.by_position *= weight
             place.by_velocity *= weight

@@ -103,7 +103,7 @@ def _entries(chain: Chain, name: str) -> Array:
     if name not in (*FIELDS, *MATERIAL):
         raise InputError(
             f"{name} has exact derivatives only, which this loss does not permit; use "
-            f"{', '.join((*FIELDS, *MATERIAL))}, or change it in simulations of your own"
+            f"{', '.join((*FIELDS, *MATERIAL))}, or change it in separate simulations"
         )
     return value_of_parameter(chain, name)
 

@@ -1,4 +1,4 @@
-"""The equation of motion of an elastic chain as rows of the adjoint kernels."""
+"""The equation of motion of a chain, elastic or damped, as rows of the adjoint kernels."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def contacts_of(bead: int) -> tuple[int, int]:
 
 
 def stage_forces(record: Record, contacts: tuple[int, ...]) -> Array:
-    """Mean force of some contacts at the stages of each step, shape (steps, 8)."""
+    """Mean force of some contacts at the stages of each step, shape (steps, stages)."""
     equation = record.equation
     total: Any = 0.0
     for c in contacts:
@@ -167,11 +167,10 @@ def force_at(record: Record, target: int, place: Place) -> float:
 
 def first_maximum(record: Record, bead: int) -> int | None:
     """Step of the first maximum of a sensor's force, as `SensorForce` defines it."""
+    from ..kernels.adjoint_layout import GAUGE
+
     contacts = contacts_of(bead)
-    target = next(
-        t for t, row in enumerate(record.targets.astype(int).tolist())
-        if row[0] == 2 and tuple(row[1:]) == contacts
-    )  # fmt: skip
+    target = record.targets.astype(int).tolist().index([GAUGE, *contacts])
     rest = 0.5 * float(record.equation.chain.static_state.forces[list(contacts)].sum())
     excess = stage_forces(record, contacts)[:, 0] - rest
     tops = [(n, top - rest) for n, top in maxima(record, target)]

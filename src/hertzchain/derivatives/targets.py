@@ -10,12 +10,11 @@ import numpy as np
 from ..collision import Array
 from ..kernels.wall_rule import HELD, MAX_REBOUNDS, ROUNDING, has_released, longest_watch
 from ..simulation.time_scales import impact_momentum, rebound_time
-from ..simulation.wall_bound import motion_can_escape, wall_targets
+from ..simulation.wall_bound import LEFT, RIGHT, motion_can_escape, wall_targets
 from .equation import Equation
 from .names import Name
 from .record import Record, nothing_can_happen
 
-LEFT, RIGHT = 0, 1
 SAMPLE: Final = 8
 
 

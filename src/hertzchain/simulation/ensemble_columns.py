@@ -292,7 +292,10 @@ class _KernelResults:
             "final_position": moved + rest,
             "final_velocity": velocities,
             "end_time": self.summary[:, layout.END_TIME],
-        } | energy_parts(kinetic, velocities > 0.0, stored, np.zeros(len(moved)))
+        } | energy_parts(
+            kinetic, velocities > 0.0, stored[:, 1:-1].sum(axis=1), stored[:, 0] + stored[:, -1],
+            np.zeros(len(moved)),
+        )  # fmt: skip
 
     def _overlaps(self, request: Request) -> Array:
         """Largest overlaps by contact: of the whole run, or of the leading pulse and the wall."""
@@ -316,15 +319,15 @@ class _KernelResults:
 
 
 def energy_parts(
-    kinetic: Array, forward: Array, stored: Array, lost: Array
-) -> dict[str, Array]:  # fmt: skip
-    """Parts of the energy at the end of runs: kinetic of beads, stored in contacts 0..N, lost."""
+    kinetic: Array, forward: Array, contacts: Array, walls: Array, lost: Array
+) -> dict[str, Array]:
+    """Fractions of the energy at the end of runs, from the kinetic energy of each bead."""
     parts = {
         "energy_forward": np.where(forward, kinetic, 0.0).sum(axis=-1),
         "energy_backward": np.where(forward, 0.0, kinetic).sum(axis=-1),
-        "energy_in_contacts": stored[..., 1:-1].sum(axis=-1),
-        "energy_in_walls": stored[..., 0] + stored[..., -1],
-        "energy_lost": np.asarray(lost),
+        "energy_in_contacts": contacts,
+        "energy_in_walls": walls,
+        "energy_lost": lost,
     }
     total = np.sum([*parts.values()], axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -389,14 +392,15 @@ def _final_of(run: Run, options: dict[str, Any]) -> dict[str, Any]:
         run.chain, last.times, last.positions, last.velocities, last.forces, last._accumulators,
         np.zeros_like(last.velocities), last.state.start,
     )  # fmt: skip
-    forward, stored = last.velocities[0] > 0.0, np.zeros(run.chain.beads + 1)
-    stored[1], stored[0] = budget.energy["contacts"][0], budget.energy["walls"][0]
     kinetic = 0.5 * run.chain.masses * last.velocities[0] ** 2
     return {
         "final_position": last.positions[0],
         "final_velocity": last.velocities[0],
         "end_time": end,
-    } | energy_parts(kinetic, forward, stored, budget.energy["lost"][0])
+    } | energy_parts(
+        kinetic, last.velocities[0] > 0.0,
+        *(budget.energy[name][0] for name in ("contacts", "walls", "lost")),
+    )  # fmt: skip
 
 
 def empty_columns(keep: Sequence[str], count: int, beads: int, sensors: int) -> dict[str, Array]:

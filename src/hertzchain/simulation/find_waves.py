@@ -4,7 +4,7 @@ Events of neighbouring contacts and of one direction are assigned to each other 
 
 .. math:: \left(\frac{\Delta t}{h} - 1\right)^2 + \ln^2\frac{J_{k\pm1}}{J_k}
 
-is smallest, where :math:`h = 0.66\,J/F` is the time in which a solitary wave of this duration
+is smallest, where :math:`h = 0.668\,J/F` is the time in which a solitary wave of this duration
 passes from contact to contact; pairs for which this cost is 4 or more are not linked.  Here J is
 twice the smaller part of the impulse, before or after the maximum, because near a heavy striker an
 impulse includes all waves that have not separated yet.  A wave ends where it meets another wave or
@@ -18,6 +18,7 @@ from typing import Final
 
 import numpy as np
 
+from ..collision import Array
 from ..errors import InputError, InputWarning, warn_user
 from ..validation.numbers import FRACTION, number, whole_number
 from .trajectory import Trajectory
@@ -32,7 +33,7 @@ from .wave_events import (
 from .waves import DIRECTIONS, Wave, Waves
 
 # Time from contact to contact in durations, in the solitary wave of p = 3/2.
-HOP: Final = 0.66
+HOP: Final = 0.668
 # Limits for linking two events: time relative to the expected time, and cost.
 EARLIEST, LATEST = -0.36, 2.86
 MAX_COST: Final = 4.0
@@ -115,8 +116,8 @@ def _links(here: list[WaveEvent], there: list[WaveEvent]) -> Iterator[tuple[int,
 
     if not (here and there):
         return
-    time, duration, impulse = (np.array(c)[:, np.newaxis] for c in _columns(here))
-    next_time, next_duration, next_impulse = (np.array(c) for c in _columns(there))
+    time, duration, impulse = (each[:, np.newaxis] for each in _columns(here))
+    next_time, next_duration, next_impulse = _columns(there)
     wait = (next_time - time) / (0.5 * HOP * (duration + next_duration))
     # Impulses of opposite signs, of which one is rounding, give NaN and are not linked.
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -127,11 +128,11 @@ def _links(here: list[WaveEvent], there: list[WaveEvent]) -> Iterator[tuple[int,
             yield int(i), int(j)
 
 
-def _columns(events: list[WaveEvent]) -> Iterator[tuple[float, ...]]:
-    crests = (e.impulse_of_crest for e in events)
-    return zip(
-        *((e.time, c / e.amplitude, c) for e, c in zip(events, crests, strict=True)), strict=True
-    )
+def _columns(events: list[WaveEvent]) -> tuple[Array, Array, Array]:
+    """Times, durations and impulses of the crests of events."""
+    impulse = np.array([event.impulse_of_crest for event in events])
+    amplitude = np.array([event.amplitude for event in events])
+    return np.array([event.time for event in events]), impulse / amplitude, impulse
 
 
 def _check_resolved(run: Trajectory, waves: list[Wave]) -> None:

@@ -97,7 +97,7 @@ def simulate_many(
         Step limit of each chain; by default 2000 per bead, and at least a million.
     check_range : bool
         Whether to compare chains of materials with the range of Hertz's law in the whole run.  This
-        takes half as long again; without it, only the leading pulse is compared.
+        increases the time by half; without it, only the leading pulse is compared.
     threads : int, optional
         Number of threads.  The default is one per processor.
     progress : callable, optional
@@ -173,7 +173,7 @@ def simulate_ensemble(
 ) -> RunTable:
     """Simulate chains, with the overlaps of whole runs only if the request needs them.
 
-    They take half as long as the rest of the simulation.
+    Finding these overlaps takes half as long as the rest of the simulation.
     """
     callback("progress", progress)
     real = [each for each in given if isinstance(each, Chain)]

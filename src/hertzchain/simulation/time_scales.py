@@ -18,9 +18,9 @@ from .drive_pieces import drive_pieces
 MIN_CONTACT_TIME: Final = 1e-280
 # Time [s] and transits beyond which the unit of the end of a run is probably wrong.
 LONG_TIME: Final = 0.5
+MANY_TRANSITS: Final = 1e3
 # Largest net force on a bead in equilibrium, over the largest force: that of rounding errors.
 UNBALANCED: Final = 1e-9
-MANY_TRANSITS: Final = 1e3
 
 
 def check_clock(chain: Chain) -> None:

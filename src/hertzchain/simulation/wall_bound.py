@@ -84,7 +84,7 @@ class Approach:
 
 
 def motion_can_escape(chain: Chain, side: int) -> bool:
-    """Whether the beads can move away from a wall for ever, and nothing pushes them towards it."""
+    """Whether the beads can leave a wall permanently, and nothing pushes them towards it."""
     other, towards = (chain.left_wall, 1.0) if side == RIGHT else (chain.right_wall, -1.0)
     piston = side == RIGHT and chain.drive is not None and chain.drive.of == "displacement"
     held = other is not None or piston or chain.precompression > 0.0

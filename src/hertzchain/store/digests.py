@@ -24,7 +24,7 @@ def array_digest(arrays: Mapping[str, Array], about: str = "") -> str:
 
 
 def document_digest(document: Mapping[str, Any]) -> str:
-    """Digest of a document of JSON types, whatever the order of its keys."""
+    """Digest of a document of JSON types, regardless of the order of its keys."""
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
 
 

@@ -59,7 +59,7 @@ def run_as_netcdf(run: Run, chain_file: str, *, records: bool = False) -> bytes:
 
 
 def chain_file_of(chain: Chain) -> str:
-    """The chain as a chain file; empty for the few chains that have none, such as own loss laws."""
+    """The chain as a chain file; empty if there is none, as for custom loss laws."""
     try:
         return chain_as_toml(chain)
     except InputError:

@@ -47,7 +47,7 @@ def load_run(path: str | os.PathLike[str]) -> Run:
     InputError
         If the file is missing, damaged, changed, not a file of `Run.save`, or from another
         version of hertzchain; if a streamed run does not fit in memory; or if its chain cannot be
-        described by a chain file, such as one with a loss law of your own.
+        described by a chain file, such as one with a custom loss law.
 
     Examples
     --------

@@ -95,7 +95,7 @@ class SweepStore:
         by_batch = [name for name in names if group[name].attrs.get(BY_BATCH)]
         arrays = {name: group[name] for name in by_batch if name != STATUS}
         arrays[STATUS] = status = group[STATUS]
-        sweep = hashlib.sha256(f"{self._version}\0{self.specification}".encode()).hexdigest()
+        sweep = hashlib.sha256(f"{self.version}\0{self.specification}".encode()).hexdigest()
         return BatchFiles(self.folder, sweep, arrays, group[DIGEST],
                           grid_of(status.shape, status.chunks))  # fmt: skip
 
@@ -145,7 +145,8 @@ class SweepStore:
         return str(self.attributes.get("specification", "{}"))
 
     @property
-    def _version(self) -> str:
+    def version(self) -> str:
+        """Version of hertzchain that began the sweep."""
         return str(self.attributes.get("hertzchain_version", "of unknown version"))
 
     @property

@@ -159,8 +159,8 @@ class _Files:
     """Processes of this machine read the specification from a file, and write results to files.
 
     A process that is killed while it sends a long message leaves a part of it in the pipe, and
-    `ProcessPoolExecutor` then waits for the rest for ever.  A name is so short that the operating
-    system transfers it as a whole or not at all.
+    `ProcessPoolExecutor` then waits for the rest indefinitely.  A name is so short that the
+    operating system transfers it as a whole or not at all.
     """
 
     def __init__(self, plan: Plan, pool: Executor, store: Path | None) -> None:

@@ -377,11 +377,10 @@ def _check_same(store: SweepStore, text: str, what: str) -> None:
             f"{what} belongs to another specification; move it away or choose another store. "
             "Differences:" + "".join(f"\n  {line}" for line in found)
         )
-    version = store.attributes.get("hertzchain_version", "of unknown version")
-    if version != __version__:
+    if store.version != __version__:
         raise InputError(
-            f"{what} was begun by hertzchain {version}, this is {__version__}: use that version, "
-            "or choose another store"
+            f"{what} was begun by hertzchain {store.version}, this is {__version__}: use that "
+            "version, or choose another store"
         )
 
 

@@ -40,7 +40,7 @@ def linear_stiffness(stiffness: ArrayLike, force: float, exponent: float = HERTZ
     force : float
         Static force F_0 > 0, in the same units.
     exponent : float
-        Exponent p of the contact force, > 1.
+        Exponent p of the contact force, 1 < p <= 50.
 
     Returns
     -------
@@ -167,8 +167,9 @@ def band_edges(*, mass: float = 1.0, other_mass: float, spring: float = 1.0) -> 
     Returns
     -------
     ndarray, shape (4,)
-        Lower and upper edge of the acoustic band, then of the optical band.  Waves do not
-        propagate at frequencies between the bands.
+        Angular frequencies of the lower and upper edge of the acoustic band, then of the optical
+        band (`Spectrum.band_edges` has cycles per unit of time).  Waves do not propagate at
+        frequencies between the bands.
 
     Raises
     ------

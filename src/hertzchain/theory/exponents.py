@@ -92,7 +92,7 @@ def product_gain(exponent: float) -> float:
 def interpolated_tables(folder: Path, exponent: float) -> dict[str, Array]:
     """Tables of an exponent, their places, and the constants of the error."""
     stored, place = _stored(folder / FILE), place_of(exponent)
-    found = {name: np.asarray(chebval(place, stored[name])) for name in AXES if name in stored}
+    found = {name: np.asarray(chebval(place, stored[name])) for name in AXES}
     found["second"] /= product_gain(exponent)
     found["response"] = np.concatenate([found.pop("linear"), found.pop("products")], axis=1)
     shrink = shrink_of(exponent)

@@ -38,12 +38,12 @@ def long_wave_speed_constant(exponent: float = HERTZ_EXPONENT) -> float:
     Parameters
     ----------
     exponent : float
-        Exponent p of the contact force, > 1.
+        Exponent p of the contact force, 1 < p <= 50.
 
     Raises
     ------
     InputError
-        If the exponent is not above 1 and finite.
+        If the exponent is out of range.
 
     Examples
     --------
@@ -73,7 +73,7 @@ def long_wave_velocity(distance: ArrayLike, exponent: float = HERTZ_EXPONENT) ->
     distance : array_like
         Distance :math:`\xi` from the crest [beads].
     exponent : float
-        Exponent p of the contact force, > 1.
+        Exponent p of the contact force, 1 < p <= 50.
 
     Returns
     -------
@@ -83,7 +83,7 @@ def long_wave_velocity(distance: ArrayLike, exponent: float = HERTZ_EXPONENT) ->
     Raises
     ------
     InputError
-        If the exponent is not above 1 and finite.
+        If the exponent is out of range.
 
     Examples
     --------
@@ -203,7 +203,7 @@ def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT
     force_ratio : array_like
         Ratio f of the largest to the static force, at least 1.
     exponent : float
-        Exponent p of the contact force, > 1.
+        Exponent p of the contact force, 1 < p <= 50.
 
     Returns
     -------
@@ -213,7 +213,7 @@ def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT
     Raises
     ------
     InputError
-        If a ratio is below 1 or not finite, or the exponent is not above 1 and finite.
+        If a ratio is below 1 or not finite, or the exponent is out of range.
 
     Examples
     --------

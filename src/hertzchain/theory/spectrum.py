@@ -134,7 +134,8 @@ class Spectrum(BandStructure):
         -------
         ndarray of complex
             Transfer function H, in the shape of ``frequencies`` [scaled, or m/N for a force; no
-            unit for a displacement]; infinite at a resonance without loss.
+            unit for a displacement].  At a resonance without loss, it is infinite under a force,
+            and above 1e15 under a displacement.
 
         Raises
         ------

@@ -28,7 +28,7 @@ def striker_train(mass_ratio: float, velocity: float = 1.0) -> Array:
     .. math::
 
         v_n = f_n(\mu)\, \frac{P_1}{2E_1} \frac{2\mu\, V}{\mu + \mu_e}
-              \left(\frac{\mu - \mu_e}{\mu + \mu_e}\right)^{n-1}, \qquad
+              \left|\frac{\mu - \mu_e}{\mu + \mu_e}\right|^{n-1}, \qquad
         \mu_e = \frac{P_1^2}{2E_1} = 1.304
 
     Without :math:`f_n`, this is the sequence of collisions of the striker with particles that

@@ -65,8 +65,6 @@ FAST_VALUES: Final = (
 # Arguments of the tables of fast changes.
 FAST_ARGUMENTS: Final = ("places", "knots", "last_knots", "bases", "steady")
 NOTHING: Final = np.zeros(0)
-# Number of coefficients of higher orders of the last four contacts.
-LAST: Final = 552
 MIN_BEADS: Final = 9
 
 
@@ -219,9 +217,9 @@ def fast_tables(
     the first contacts on exponential chains, ``end`` (n + 1, 5, 51), and ``end_slopes``,
     the derivatives of those of exponential chains, (n + 1, 5, 3), and ``short`` (n + 1, 33, 24),
     what the impact leaves at the last contacts of short chains.  ``second`` (K + 3, 1890) and
-    ``last`` (L + 3, 792) are coefficients of B-splines, ``alternating`` (B + 1, 18, 36) values at
+    ``last`` (L + 3, 552) are coefficients of B-splines, ``alternating`` (B + 1, 18, 36) values at
     the bases.  Without ``early``, the tables belong to a recursion whose first order is not
-    completed.  Without ``last``, the last contacts have no functions of their own.
+    completed.  Without ``last``, the last contacts have no separate functions.
     """
     from scipy.interpolate import Akima1DInterpolator, CubicHermiteSpline, CubicSpline
 
@@ -337,7 +335,7 @@ def universal_functions(exponent: float) -> UniversalFunctions:
 def functions_of(exponent: float, of: dict[str, Array]) -> UniversalFunctions:
     """Universal functions from interpolated tables."""
     names = "places", "single", "early", "end", "end_slopes", "second"
-    fast = {name: of[name] for name in names if name in of}
+    fast = {name: of[name] for name in names}
     fast |= {"knots": of["fast_knots"]}
     return assemble(
         exponent, of["nodes"], of["values"], of["knots"], of["response"], fast, of["error"]

@@ -376,6 +376,14 @@ def test_numbers_in_texts_of_examples_are_those_of_simulations():
         assert len(found) == len(values), title
         assert found == pytest.approx([100 * value for value in values], abs=0.5), title
 
+    balls = example_chain("Steel balls in front of a wall")
+    taper = {"first_diameter": "20 mm", "last_diameter": "8 mm", "beads": 20}
+    smaller = hc.Chain.tapered(**taper, material="steel-52100", velocity="0.1 m/s")
+    lower = hc.simulate(smaller.replace(right_wall=hc.Wall())).wall_force().peak
+    run = hc.simulate(balls)
+    peak = run.wall_force().peak
+    stated("Steel balls in front of a wall", 1.0 - lower / peak)
+    assert peak / run.pulse().peak_force[10] == pytest.approx(1.9, abs=0.05)
     equal = hc.simulate(example_chain("Equal beads: a solitary wave"))
     stated("Equal beads: a solitary wave", equal.pulse().velocity[30], -equal.velocities[-1, 0])
     forward = hc.simulate(example_chain("Forward-exponential taper"))
@@ -583,7 +591,7 @@ def test_a_run_is_described_by_its_own_warnings_and_units(client):
         hc.simulate(chain_of(pad), until=8e-3, times=0)
     # The folded line of the page shows the first warning.
     assert run["warnings"] == [on_the_page(each.message) for each in issued]
-    assert run["warnings"][0].startswith("pressure / yield")
+    assert run["warnings"][0].startswith("contacts would be dented, and forces would be lower: p")
     assert run["warnings"][1].startswith("overlap / radius")
     # The run for the page ends as that of `simulate` without `until`.
     found = re.match(
@@ -701,7 +709,10 @@ def test_messages_are_in_the_words_of_the_page(client):
     headers = [header for header, _ in client.results(fast, 78)]
     warnings = [text for header in headers for text in header.get("warnings", [])]
     assert any("choose the loss elastic-plastic" in text for text in warnings)
-    assert any(", which deforms the beads permanently (limit 1" in text for text in warnings)
+    dented = "contacts would be dented, and forces would be lower: pressure / yield is "
+    assert any(text.startswith(dented) for text in warnings)
+    polymer = fast["chain"] | {"materials": "ptfe"}
+    assert computed({"chain": polymer})["run"][0]["warnings"][0].startswith("pressure / yield is ")
     assert not any("ElasticPlastic" in json.dumps(header) for header in headers)
     assert on_the_page("because 2.364 uJ is travelling") == "because 2.364 µJ is travelling"
     assert sentences(["one note.", "", "another", "another"]) == "one note; another"

@@ -19,7 +19,7 @@ SETTLED = "body[data-settled=yes]"
 TIMEOUT = 300_000
 # Name, colours, width and height of the window, example of the gallery, and place of the clock.
 PICTURES = (
-    ("taper", "light", 1440, 1150, None, 0.55),
+    ("steel-balls", "light", 1440, 1000, None, 0.5),
     ("striker-and-wall", "dark", 1440, 1120, "Heavy steel striker and a wall", 0.62),
     ("materials", "light", 1440, 1150, "Steel and PTFE shock absorber", 0.4),
     ("shock-absorber", "light", 1440, 1300, "Shock absorber", 0.47),

@@ -15,7 +15,7 @@ from ..pulse.quantities import QUANTITIES
 from ..store.chain_schema import chain_schema
 from ..theory.catalogue import THEORIES
 from ..units import PERCENT, UNITS, converted
-from .documents import DEFAULT, MAX_BEADS, chain_of
+from .documents import MAX_BEADS, chain_of
 
 # Titles of tables of chain files, and of the ways to describe beads; others have their own names.
 TITLES: Final = {
@@ -102,7 +102,7 @@ def _schema() -> dict[str, Any]:
 
 
 def about(document: object = None) -> dict[str, Any]:
-    """Description of the program for the page, with the initial document."""
+    """Description of the program for the page, which begins with a document or an example."""
     return {
         "version": __version__,
         "schema": _schema(),
@@ -121,5 +121,5 @@ def about(document: object = None) -> dict[str, Any]:
         "theories": [*THEORIES, "effective-chain"],
         "gallery": gallery(),
         "max_beads": MAX_BEADS,
-        "document": DEFAULT if document is None else document,
+        "document": gallery()[0]["document"] if document is None else document,
     }  # fmt: skip

@@ -24,7 +24,6 @@ FILE_KEYS: Final = frozenset(
     for key in (*section.keys, *(each for keys in section.variants.values() for each in keys))
     if key.kind == "file"
 )
-DEFAULT: Final = {"chain": {"taper": "backward-exponential", "rate": 0.05, "beads": 40}}
 
 
 def chain_of(document: object) -> Chain:

@@ -37,7 +37,7 @@ def explore(chain: Chain | None = None, *, height: int = 900) -> Any:
     Parameters
     ----------
     chain : Chain, optional
-        Chain to begin with, of at most 2000 beads; by default a backward-exponential taper.
+        Chain to begin with, of at most 2000 beads; by default a row of steel balls.
     height : int
         Height of the output, in pixels from 300 to 4000.
 

@@ -17,7 +17,9 @@ WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "choose the loss elastic-plastic with a yield overlap"),
     (r",? or until\b", ""),
-    (r"^(pressure / yield is [^(;]+) \(limit", r"\1, which deforms the beads permanently (limit"),
+    # Limits of polymers are cautious: exceeding them need not have this effect.
+    (r"^pressure / yield is (?!.*cautious limit)",
+     "contacts would be dented, and forces would be lower: pressure / yield is "),
     (r"\bgive materials, such as materials='([^']*)'", r"choose a material, such as \1"),
     (r"\bgive first_diameter and last_diameter", "choose 'end diameters'"),
     (r"\bgive (left|right)_wall, or held_by=", r"add a \1 wall, or choose held_by="),

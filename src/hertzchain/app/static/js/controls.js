@@ -362,7 +362,7 @@ export class Controls {
         chain = resized(chain, true);
         if ("mass_ratio" in chain) Object.assign(chain, { taper: "uniform" }), delete chain.mass_ratio;
         if ("taper" in chain) chain.radius = "5 mm";
-        chain.velocity = "1 m/s";
+        chain.velocity = "0.1 m/s";
       }
       chain.materials = chosen;
     } else {

@@ -17,10 +17,14 @@ export const stored = embedded ? JSON.parse(embedded.textContent ?? "null") : nu
 /** Whether the chain cannot be changed. */
 export const fixed = stored?.kind === "saved";
 
+/** @returns {never} */
+function offline() {
+  throw new OfflineError("The server does not answer. Is `hertzchain app` still running? Trying again …");
+}
+
 /** @param {string} path @param {string} type @param {string} body */
 async function post(path, type, body) {
-  const answer = await fetch(path, { method: "POST", headers: { "content-type": type }, body })
-    .catch(() => { throw new OfflineError("The server does not answer. Is `hertzchain app` still running? Trying again …"); });
+  const answer = await fetch(path, { method: "POST", headers: { "content-type": type }, body }).catch(offline);
   if (!answer.ok) throw new Error(await answer.text());
   return answer;
 }
@@ -32,7 +36,7 @@ const server = {
     const answer = await post("/api/results", "application/json", JSON.stringify(body));
     const reader = /** @type {any} */ (answer.body).getReader(), splitter = new Splitter();
     for (;;) {
-      const { done, value } = await reader.read().catch(() => { throw new OfflineError("The server has stopped. Trying again …"); });
+      const { done, value } = await reader.read().catch(offline);
       if (done) return;
       splitter.add(value).forEach(received);
     }

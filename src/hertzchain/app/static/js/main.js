@@ -31,7 +31,7 @@ if (!fixed && !linked) {
 }
 const history = new History();
 const results = { A: new Results(), B: new Results() };
-/** Measured times of answers, for the tests and `benchmarks/app.py`. */
+/** For the tests and `benchmarks/app.py`. */
 const answers = /** @type {any[]} */ ([]);
 let u = 0, playing = !matchMedia("(prefers-reduced-motion: reduce)").matches, last = 0, awake = false;
 let settle = 0, asked = 0, draft = false, written = location.hash;
@@ -187,7 +187,7 @@ function resize(bead, radius, moving) {
     request([state.active], false);
     return;
   }
-  if (document.chain.with_scatter) return say("Radii that scatter cannot be dragged; remove the random scatter first.", true);
+  if (document.chain.with_scatter) return say("Remove the random scatter to drag radii.", true);
   if (!si && bead === 1 + own().beads.header.strikers) return say("Bead 1 is the unit of length of a scaled chain; change the others, or choose a material.", true);
   change(withRadius(document, bead, si ? inMillimetres(radius) : +radius.toPrecision(3)), moving);
 }
@@ -195,7 +195,7 @@ function resize(bead, radius, moving) {
 /** @param {number} gap @param {boolean} moving */
 function moveWall(gap, moving) {
   const document = /** @type {any} */ (state[state.active]);
-  if (!own().si) return say("Gaps of a scaled chain are in units of overlaps, too small to be seen; use the control of the wall.", true);
+  if (!own().si) return say("Gaps of a scaled chain are too small to be seen; use the control of the wall.", true);
   change(changed(document, ["chain", "right_wall", "gap"], inMillimetres(gap)), moving);
 }
 

@@ -46,13 +46,13 @@ export function fillDialogs(about, on) {
   for (const close of document.querySelectorAll("dialog .close")) close.addEventListener("click", () => close.closest("dialog")?.close());
 
   $("copy-link").onclick = async () => {
+    share.close();
     try {
       await navigator.clipboard.writeText(on.link());
-      on.say("Link copied. It opens this chain in any running `hertzchain app`.");
+      on.say("Link copied.");
     } catch {
-      on.say("The browser does not allow copying; copy the address of the page.", true);
+      on.say("The browser does not copy; copy the address of the page.", true);
     }
-    share.close();
   };
   $("open-file").onclick = () => $("file").click();
   $("file").onchange = () => {

@@ -151,6 +151,10 @@ def test_the_page_begins_with_steel_balls_and_shows_the_force_on_the_wall(browse
         assert chain_of(page.document()).radii == pytest.approx(chain.radii)
         legend = page.tab.locator("#legend-force")
         assert f"right wall: peak {wall.peak:.4g} N" in legend.inner_text()
+        impulse, duration = 1e3 * wall.impulse_of_impact, 1e6 * wall.duration
+        assert legend.inner_text().endswith(
+            f"impulse of the impact {impulse:.4g} mN s; duration (impulse / peak) {duration:.4g} µs"
+        )
         assert "sensor in bead 10: first maximum" in legend.inner_text()
         # Beads and forces can be seen without scrolling.
         box = legend.bounding_box()
@@ -934,6 +938,7 @@ def test_the_legend_states_the_force_with_contacts_that_yield(page):
 
 
 @pytest.mark.long
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_the_comparison_has_the_peaks_if_contacts_yield_and_the_warnings_of_both_chains(page):
     row = "diameters=12+mm&beads=10&materials={}&velocity=2+m/s&right_wall.rigid=true"
     second = "&".join(f"b.{each}" for each in row.format("ptfe").split("&"))
@@ -941,11 +946,20 @@ def test_the_comparison_has_the_peaks_if_contacts_yield_and_the_warnings_of_both
     tab = page.new_tab(f"{page.origin}#{row.format('steel-316')}&{second}{view}")
     rows = [each.split("\t") for each in tab.locator("#legend-error tr").all_inner_texts()]
     found = {label.partition(" [")[0]: numbers for label, *numbers in rows}
-    assert list(found)[1:7] == [
+    assert list(found)[1:10] == [
         "sensor in bead 8, first maximum", "sensor in bead 8, time of first maximum",
         "sensor in bead 8, largest in this run", "sensor in bead 8, time of largest in this run",
-        "right wall, peak", "right wall, time of peak",
+        "right wall, peak", "right wall, time of peak", "right wall, peak if contacts yield",
+        "right wall, impulse of the impact", "right wall, duration (impulse / peak)",
     ]  # fmt: skip
+    walls = [
+        hc.simulate(chain_of(tab.evaluate(f"hertzchain.state.{slot}")), check=False).wall_force()
+        for slot in "AB"
+    ]
+    for name, of in (("impulse of the impact", "impulse_of_impact"),
+                     ("duration (impulse / peak)", "duration")):  # fmt: skip
+        a, b = (getattr(wall, of) for wall in walls)
+        assert float(found[f"right wall, {name}"][2]) == pytest.approx(b / a, rel=1e-3)
     peaks = [page_peaks(tab, slot)["right"] for slot in "AB"]
     assert all(each["yielding"] < each["first"] for each in peaks)
     a, b = (each["yielding"] for each in peaks)

@@ -102,6 +102,9 @@ def test_the_peak_on_a_wall_is_complete_and_shown(document, clock):
     header, arrays = computed(document, frames=320, clock=clock)["run"]
     peak = header["peaks"]["right"]
     assert (peak["first"], peak["time"]) == (wall.peak, wall.peak_time)
+    assert [each[1:] for each in peak["impact"]] == [
+        [wall.impulse_of_impact, "N s"], [wall.duration, "s"]
+    ]  # fmt: skip
     assert arrays["times"].size == 320
     assert arrays["times"][-1] > wall.peak_time
 
@@ -118,6 +121,7 @@ def test_a_run_that_ends_before_the_impact_on_a_soft_wall_says_so(monkeypatch):
     said = header["warnings"][-1]
     assert said.startswith(f"the run ends at t = {1e3 * arrays['times'][-1]:.4g} ms; the impact")
     assert "has not ended: the wall is still loaded with" in said
+    assert header["peaks"]["right"]["impact"] == []
 
 
 def test_an_impact_without_a_complete_peak_says_so():

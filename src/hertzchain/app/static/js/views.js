@@ -195,6 +195,10 @@ export class Views {
         y.splice(next, 0, force);
         return `${text} at ${short(time * axis.factor)} ${axis.unit}`.trim();
       });
+      for (const [what, value, unit] of each.impact ?? []) {
+        const [factor, shown] = own.si ? prefixed(value, unit) : [1, ""];
+        notes.push(`${what} ${short(value * factor)} ${shown}`.trim());
+      }
       return { name: each.name + faint, label, x: times(x, axis.factor), y: scaled(y), note: `${label}: ${notes.join("; ")}` };
     });
     const message = series.length ? "" : "Click a bead for a sensor, or add a wall.";
@@ -209,7 +213,7 @@ export class Views {
     const found = new Map();
     const chains = state.active === "A" ? [own, other] : [other, own], alike = own.beads.header.strikers === other.beads.header.strikers;
     chains.forEach((chain, i) => {
-      const numbers = forcesOf(chain).flatMap(({ label, ball = label, shown }) => shown.flatMap(([what, force, time]) => [["", force, "N"], ["time of ", time, "s"]].filter(([, value]) => value !== null).map(([of, value, unit]) => [`${alike ? label : ball}, ${of}${what}`, unit, value])));
+      const numbers = forcesOf(chain).flatMap(({ label, ball = label, shown, impact = [] }) => [...shown.flatMap(([what, force, time]) => [[what, force, "N"], [`time of ${what}`, time, "s"]]), ...impact].filter(([, value]) => value !== null).map(([what, value, unit]) => [`${alike ? label : ball}, ${what}`, unit, value]));
       numbers.push(["velocity of the last bead", "m/s", chain.exact("velocity")?.at(-1)], ["arrival there", "s", chain.exact("arrival")?.at(-1)]);
       // The peak without yield is compared with that with yield.
       for (const [label, unit, value] of numbers) found.set(label, Object.assign(found.get(label) ?? [unit, ...chains.map(({ run }) => (/yield/.test(label) && run.header.peaks.right?.yielding) || NaN)], { [i + 1]: value ?? NaN }));
@@ -319,7 +323,7 @@ const ends = (of, y) => y?.length === of?.beads.header?.beads && !of.beads.heade
 const jumps = (of, y) => ends(of, y) && y.at(-1) * y.at(-3) > 1.2 * y.at(-2) ** 2;
 
 /** Forces on sensors and walls with their peaks. @param {Results} results
- * @returns {{shown: [string, number, any][], times: any, values: any, name: string, label: string, ball?: string}[]} */
+ * @returns {{shown: [string, number, any][], impact?: [string, any, string][], times: any, values: any, name: string, label: string, ball?: string}[]} */
 function forcesOf({ run: { header, arrays } }) {
   return Object.entries(header.peaks).map(([name, each]) => ({ ...each, times: arrays.get("forces.times"), values: arrays.get(`force.${name}`) }));
 }

@@ -124,6 +124,17 @@ def check_numbers(page, slot="A"):
     return chain
 
 
+# Marks of the chain and of the map, the forces and the budget, as often as they change.
+WATCH_DRAFTS = """() => {
+  const views = ["#title-A", ".plot:has(#map)", "#chart-force", "#chart-budget"];
+  window.marks = [];
+  new MutationObserver(() => {
+    const marks = views.map((each) => getComputedStyle(document.querySelector(each), "::after").content);
+    if (String(marks) !== String(window.marks.at(-1))) window.marks.push(marks);
+  }).observe(document.body, { attributeFilter: ["class"] });
+}"""  # noqa: E501
+
+
 def drag(page, selector, to):
     box = page.tab.locator(selector).bounding_box()
     middle = box["y"] + box["height"] / 2
@@ -166,12 +177,16 @@ def test_the_page_begins_with_steel_balls_and_shows_the_force_on_the_wall(browse
 
 def test_numbers_after_a_drag_are_those_of_the_library(page):
     before = check_numbers(page)
+    page.tab.evaluate(WATCH_DRAFTS)
     drag(page, slider("rate"), 0.9)
     after = check_numbers(page)
     assert dict(after.taper_parameters)["rate"] > 2 * dict(before.taper_parameters)["rate"]
     parts = page.tab.evaluate("hertzchain.answers.map(a => [a.part, a.draft])")
     assert ["pulse", True] in parts  # drafts were shown during the drag
     assert parts[-1] == ["run", False]
+    # Views of a run that is a draft are marked until the exact one arrives.
+    marks = page.tab.evaluate("marks")
+    assert (marks[0], marks[-1]) == (['"draft"'] * 4, ["none"] * 4)
 
 
 def test_errors_are_those_of_the_library(page):
@@ -774,6 +789,16 @@ def test_a_hammer_is_a_plate_with_one_velocity(page, tmp_path):
     assert r == pytest.approx(0.25 * ball)
     page.tab.keyboard.press("ArrowUp")
     assert page.document()["chain"]["struck_by"][0]["mass"] == "50 g"
+    # The whole plate can be chosen, but has no rim.
+    page.tab.mouse.move(x, y - 0.9 * ball)
+    assert page.tab.evaluate("document.getElementById('stage-A').style.cursor") == "pointer"
+    # Views that follow the pulse have room for the plate.
+    page.tab.select_option("#camera", "follow")
+    page.tab.evaluate(NEXT_FRAME)
+    height = page.tab.locator("#stage-A").bounding_box()["height"]
+    assert page.tab.evaluate("hertzchain.placeOf('A', 2)[2]") <= 0.26 * height + 1.0
+    page.tab.select_option("#camera", "whole")
+    page.tab.evaluate(NEXT_FRAME)
     # A drag changes no radius.
     page.tab.mouse.move(x, y)
     page.tab.mouse.down()

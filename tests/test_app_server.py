@@ -102,9 +102,10 @@ def test_the_peak_on_a_wall_is_complete_and_shown(document, clock):
     header, arrays = computed(document, frames=320, clock=clock)["run"]
     peak = header["peaks"]["right"]
     assert (peak["first"], peak["time"]) == (wall.peak, wall.peak_time)
-    assert [each[1:] for each in peak["impact"]] == [
-        [wall.impulse_of_impact, "N s"], [wall.duration, "s"]
-    ]  # fmt: skip
+    assert peak["impact"] == [
+        ["impulse of the impact", wall.impulse_of_impact, "N s"],
+        ["duration (impulse / peak)", wall.duration, "s"],
+    ]
     assert arrays["times"].size == 320
     assert arrays["times"][-1] > wall.peak_time
 
@@ -266,10 +267,11 @@ def test_drafts_and_endless_drives_have_the_largest_force_so_far():
     assert peak["first"] is None
     assert peak["largest"] > 0.0
     assert peak["shown"][0][0] == "largest so far"
+    assert [each[1] for each in peak["impact"]] == [None, None]
     burst = {"kind": "step", "of": "force", "amplitude": 0.1}
     driven = {"chain": {"taper": "uniform", "beads": 10, "drive": burst, "right_wall": {}}}
     peak = computed(driven, frames=60)["run"][0]["peaks"]["right"]
-    assert peak["first"] is None
+    assert (peak["first"], peak["impact"]) == (None, [])
     assert peak["largest"] > 0.0
     assert peak["shown"][0][0] == "largest in this run"
     held = {"taper": "uniform", "beads": 10, "left_wall": {}, "right_wall": {}}

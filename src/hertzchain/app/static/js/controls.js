@@ -77,7 +77,7 @@ export class Controls {
     return new Set(Object.entries(this.about.schema.forms).flat(2));
   }
 
-  /** Show a document; elements are rebuilt if other controls are needed. @param {Document} document */
+  /** Show a document; elements are rebuilt if other controls are needed. @param {any} document */
   show(document) {
     this.document = document;
     const shape = this.shapeOf(document);
@@ -200,17 +200,12 @@ export class Controls {
   /** A table with values for its required keys. @param {any} section @param {any} table */
   begin(section, table) {
     for (const key of section.keys) {
+      const low = key.least ?? key.above ?? 0, high = key.most ?? key.below ?? low + 1;
       if (!key.required && key.per !== "row" && !["relative", "ratio"].includes(key.name)) continue;
       const { SI, other } = this.about.begin, si = this.si ? SI[key.name] ?? SI[key.dimension] : undefined;
-      table[key.name] = si ?? other[key.name] ?? (key.kind === "boolean" ? false : key.choices?.[0] ?? valued(this.inside(key), this.unitOf(key)));
+      table[key.name] = si ?? other[key.name] ?? (key.kind === "boolean" ? false : key.choices?.[0] ?? valued((low + high) / 2, this.unitOf(key)));
     }
     return table;
-  }
-
-  /** A number that a key allows. @param {any} key */
-  inside(key) {
-    const low = key.least ?? key.above ?? 0, high = key.most ?? key.below ?? low + 1;
-    return low + 0.5 * (high - low);
   }
 
   /** @param {string} key @param {any} section */

@@ -117,14 +117,13 @@ function showHistory() {
 function showAll() {
   document.body.classList.toggle("comparing", state.B !== null);
   $("compare").setAttribute("aria-pressed", String(state.B !== null));
-  $("lane-B").hidden = state.B === null;
-  $("tabs").hidden = state.B === null;
+  $("lane-B").hidden = $("tabs").hidden = state.B === null;
   for (const slot of SLOTS) {
     $(`tab-${slot}`).setAttribute("aria-pressed", String(slot === state.active));
     $(`lane-${slot}`).classList.toggle("active", slot === state.active && state.B !== null);
   }
   for (const each of document.querySelectorAll(".own")) each.textContent = state.B ? `, chain ${state.active}` : "";
-  controls.show(/** @type {any} */ (state[state.active]));
+  controls.show(state[state.active]);
   showView();
   showHistory();
   redraw();
@@ -188,7 +187,7 @@ function resize(bead, radius, moving) {
     return;
   }
   if (document.chain.with_scatter) return say("Remove the random scatter to drag radii.", true);
-  if (!si && bead === 1 + own().beads.header.strikers) return say("Bead 1 is the unit of length of a scaled chain; change the others, or choose a material.", true);
+  if (!si && bead === 1 + own().beads.header.strikers) return say("Bead 1 is the unit of length; change the others, or choose a material.", true);
   change(withRadius(document, bead, si ? inMillimetres(radius) : +radius.toPrecision(3)), moving);
 }
 
@@ -240,7 +239,10 @@ function take(slot, part, sent) {
     if (found.beads.header) stages[slot].chain(found.beads, gapOf(state[slot]));
     stages[slot].motion = found.motion;
   }
-  if (kind === "run") dirty.map = true;
+  if (kind === "run") {
+    dirty.map = true;
+    document.body.classList.toggle("draft", SLOTS.some((each) => state[each] && !results[each].settled));
+  }
   dirty.pulse = dirty.times = dirty.table = true;
   const record = { part: kind, draft: sent.draft, input: sent.input, shown: 0 };
   answers.push(record);
@@ -273,7 +275,7 @@ function wake() {
   requestAnimationFrame(tick);
 }
 
-/** Both chains are shown at the same time. @param {Slot} slot */
+/** The chains have one time. @param {Slot} slot */
 function placeOf(slot) {
   const place = Math.min(1, u), mine = own().motion, { motion, si } = results[slot];
   return mine && motion && slot !== state.active && si === own().si ? placeAt(motion.times, timeAt(mine.times, place)) : place;
@@ -385,7 +387,7 @@ function goToTime(time) {
 
 function keepAddress() {
   host.state({ A: state.A, B: state.B });
-  // A link that was pasted into the address in the meantime is not overwritten.
+  // A link that was pasted in the meantime is not overwritten.
   if (stored || (location.hash !== written && fromLink(location.hash))) return;
   const hash = toLink(state);
   if (hash !== written) window.history.replaceState(null, "", hash);

@@ -65,10 +65,9 @@ export function powers(low, high, count) {
  * @param {number} largest @param {string} unit @returns {[number, string]} */
 export function prefixed(largest, unit) {
   if (unit === "1") return [1, ""];
-  if (!unit || !(largest > 0) || !Number.isFinite(largest)) return [1, unit];
   /** @type {[number, string][]} */
   const prefixes = [[1e-9, "G"], [1e-6, "M"], [1e-3, "k"], [1, ""], [1e3, "m"], [1e6, "µ"], [1e9, "n"]];
-  if (!/^(m|m\/s|s|N|N s|J|Hz|Pa|g)$/.test(unit)) return [1, unit];
+  if (!/^(m|m\/s|s|N|N s|J|Hz|Pa|g)$/.test(unit) || !(largest > 0 && largest < Infinity)) return [1, unit];
   const found = prefixes.find(([factor]) => largest * factor >= 1 - 1e-9) ?? [1e9, "n"];
   return [found[0], found[1] + unit];
 }

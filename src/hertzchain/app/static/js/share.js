@@ -51,7 +51,7 @@ export function fillDialogs(about, on) {
       await navigator.clipboard.writeText(on.link());
       on.say("Link copied.");
     } catch {
-      on.say("The browser does not copy; copy the address of the page.", true);
+      on.say("Copy the address of the page instead.", true);
     }
   };
   $("open-file").onclick = () => $("file").click();

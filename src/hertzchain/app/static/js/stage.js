@@ -28,7 +28,7 @@ export class Stage {
   walls = [];
   strikers = 0;
   kinds = new Int16Array(0);
-  /** Numbers of the colours of the materials, if there are several. @type {number[]} */
+  /** Colours of the materials, if there are several. @type {number[]} */
   colours = [];
   long = 1;
   largest = 1;
@@ -41,7 +41,6 @@ export class Stage {
   scale = "bead";
   wallGap = 0;
   si = false;
-  /** Scale of the other chain. */
   most = Infinity;
   look = { x: 0, scale: 1 };
   /** @type {any} */
@@ -94,10 +93,9 @@ export class Stage {
   hit(x, y) {
     const place = x / this.look.scale + this.look.x, right = this.centres.findIndex((each, k) => each + this.radii[k] >= place);
     const low = right < 0 ? this.radii.length - 1 : right;
-    const distance = Math.hypot(x - this.px(this.centres[low]), y - this.middle);
-    const r = this.radii[low] * this.look.scale;
+    const r = this.radii[low] * this.look.scale, distance = Math.hypot(x - this.px(this.centres[low]), (y - this.middle) * this.radii[low] / this.heights[low]);
     if (distance > Math.max(r, 8) + RIM) return { bead: -1, rim: false };
-    return { bead: low, rim: !fixed && distance > r - Math.min(RIM, 0.35 * r) };
+    return { bead: low, rim: !fixed && this.faces[low] < Infinity && distance > r - Math.min(RIM, 0.35 * r) };
   }
 
   /** @param {number} x */
@@ -171,7 +169,7 @@ export class Stage {
     }
     const k = Math.max(0, Math.min(this.radii.length - 1, Math.floor(front))), next = Math.min(this.radii.length - 1, k + 1);
     const u = Math.max(0, Math.min(1, front - k));
-    const r = this.radii[k] * (1 - u) + this.radii[next] * u, x = this.centres[k] * (1 - u) + this.centres[next] * u;
+    const r = this.heights[k] * (1 - u) + this.heights[next] * u, x = this.centres[k] * (1 - u) + this.centres[next] * u;
     const scale = Math.max(whole, Math.min((0.2 * H) / r, W / (14 * 2 * r)));
     this.look = { scale, x: x - W / 2 / scale };
   }
@@ -317,7 +315,7 @@ export class Stage {
     this.sensors.forEach((ball, n) => {
       const bead = ball + this.strikers;
       if (bead < 1 || bead > this.radii.length) return;
-      const x = this.px(this.centres[bead - 1]), r = Math.max(3, this.radii[bead - 1] * this.look.scale);
+      const x = this.px(this.centres[bead - 1]), r = Math.max(3, this.heights[bead - 1] * this.look.scale);
       pen.fillStyle = COLOURS[`s${n}`];
       pen.beginPath();
       pen.moveTo(x, y + r + 2);
@@ -326,15 +324,15 @@ export class Stage {
       pen.fill();
     });
     if (!this.bead || this.bead > this.radii.length) return;
-    const x = this.px(this.centres[this.bead - 1]), r = this.radii[this.bead - 1] * this.look.scale;
+    const x = this.px(this.centres[this.bead - 1]), r = this.radii[this.bead - 1] * this.look.scale, h = this.heights[this.bead - 1] * this.look.scale;
     pen.strokeStyle = COLOURS.accent;
     pen.lineWidth = 2;
-    circle(pen, x, y, Math.max(r + 1.5, 4.5), (this.heights[this.bead - 1] * r) / this.radii[this.bead - 1] + 1.5);
+    circle(pen, x, y, Math.max(r + 1.5, 4.5), h + 1.5);
     pen.stroke();
     pen.fillStyle = COLOURS.accent;
     pen.font = "600 12px system-ui, sans-serif";
     const below = this.sensors.includes(this.bead - this.strikers) ? 24 : 15, at = Math.max(28, Math.min(W - 28, x));
-    const text = `bead ${this.bead}`, base = Math.min(H - 3, y + Math.max(r, 4) + below);
+    const text = `bead ${this.bead}`, base = Math.min(H - 3, y + Math.max(h, 4) + below);
     pen.strokeStyle = COLOURS.card;
     pen.lineWidth = 4;
     pen.strokeText(text, at, base);

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.animation import FFMpegWriter
 from matplotlib.colors import to_hex, to_rgb
-from PIL import Image
+from PIL import Image, ImageColor
 
 import hertzchain as hc
 from hertzchain.chain.drawn_bodies import body_centres
@@ -15,7 +15,7 @@ from hertzchain.designs.distribution import Distribution
 from hertzchain.plotting import animation
 from hertzchain.plotting.animation import animate
 from hertzchain.plotting.budget import plot_budget
-from hertzchain.plotting.chains import plot_chain
+from hertzchain.plotting.chains import material_colour, plot_chain
 from hertzchain.plotting.colours import COLOURS, signed_map
 from hertzchain.plotting.design_beads import plot_beads
 from hertzchain.plotting.fits import plot_correlations
@@ -217,6 +217,21 @@ def test_an_animation_moves(run, tmp_path):
         assert np.any(np.asarray(pictures.convert("RGB")) != first)
 
 
+def test_animated_beads_of_several_materials_have_rings_and_a_legend(tmp_path):
+    names = ["steel-52100", "brass", "ptfe"]
+    balls = hc.Chain.from_materials("10 mm", names * 2, velocity="1 mm/s", beads=6)
+
+    def pixels(run, name):
+        with Image.open(animate(run, tmp_path / name, frames=2)) as pictures:
+            pictures.seek(1)
+            return {colour for _, colour in pictures.convert("RGB").getcolors(1 << 16)}
+
+    colours = {ImageColor.getrgb(material_colour(each)) for each in names}
+    assert colours <= pixels(hc.simulate(balls, times=4), "several.gif")
+    one = hc.Chain.from_materials("10 mm", "brass", velocity="1 mm/s", beads=6)
+    assert not colours & pixels(hc.simulate(one, times=4), "one.gif")
+
+
 def test_bad_requests(run, tmp_path):
     with pytest.raises(hc.InputError, match=r"end in \.gif or \.mp4"):
         animate(run, tmp_path / "beads.avi")
@@ -248,9 +263,9 @@ def animated(run, tmp_path, monkeypatch, **options):
     frames = []
 
     def recorded(axes, *args):
-        beads, left = drawn(axes, *args)
-        frames.append((beads, axes))
-        return beads, left
+        bodies, left = drawn(axes, *args)
+        frames.append((bodies[0], axes))
+        return bodies, left
 
     drawn = animation._draw_beads
     positions = []

@@ -27,7 +27,7 @@ from ..store.writing import write_bytes
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback, check_type, file_path
-from .chains import body_collection
+from .chains import body_collection, material_colour, material_legend, material_names
 from .colours import COLOURS, grey
 from .runs import check_times, wall_curve
 from .style import figure_style, set_title, time_axis
@@ -44,6 +44,8 @@ COLOUR_MAP: Final = "RdBu_r"
 MARKER: Final = COLOURS[2]
 # Length of the largest motion, and limit of the overlaps, in radii.
 MOTION: Final = 2.0
+# Size of the part of a bead that shows its velocity inside a ring in the colour of its material.
+INNER: Final = 0.75
 MAX_OVERLAP: Final = 0.2
 
 
@@ -60,8 +62,10 @@ def animate(
     """Write an animation of the beads as GIF or MP4.
 
     Displacements, gaps and overlaps are magnified by the same factor, which keeps contacts where
-    they are; the colour of a bead is its velocity.  Below, a trace with a marker at the present
-    time shows the force on the right wall or, without one, the largest contact force.
+    they are; the colour of a bead is its velocity.  If there are several materials, a ring around
+    each bead has the colour of its material in all figures, and a legend names them.  Below, a
+    trace with a marker at the present time shows the force on the right wall or, without one, the
+    largest contact force.
 
     Parameters
     ----------
@@ -123,8 +127,8 @@ def animate(
         drawn.append(frame)
         if progress is not None:
             progress(len(drawn), len(chosen))
-    write = _gif if target.suffix == ".gif" else _mp4
-    write_bytes(target, write(drawn, seconds))
+    gif = target.suffix == ".gif"
+    write_bytes(target, _gif(drawn, seconds, run.chain) if gif else _mp4(drawn, seconds))
     return target
 
 
@@ -143,7 +147,7 @@ def _frames(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]:
             2, figsize=(8.0, 3.0), dpi=RESOLUTION, height_ratios=(1.4, 1.0)
         )
         try:
-            beads, left_wall = _draw_beads(top, run, centres, factor)
+            bodies, left_wall = _draw_beads(top, run, centres, factor)
             marker = _draw_force(below, run, unit, label)
             set_title(top, chain_title(run.chain))
             below.set_title(_scales(run, factor), loc="left", fontsize="small")
@@ -156,8 +160,9 @@ def _frames(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]:
             pixel = np.diff(top.get_xlim())[0] / top.get_window_extent().width
             for i in chosen:
                 at = pixel * np.round(centres[i] / pixel)
-                beads.set_offsets(np.column_stack([at, 0.0 * at]))
-                beads.set_array(run.velocities[i])
+                for each in bodies:
+                    each.set_offsets(np.column_stack([at, 0.0 * at]))
+                bodies[-1].set_array(run.velocities[i])
                 if left_wall is not None:
                     left_wall.set_x(_left_edge(run, factor)[i] - left_wall.get_width())
                 marker.set_xdata([unit * run.times[i]] * 2)
@@ -227,13 +232,22 @@ def _scales(run: Run, factor: float) -> str:
 
 def _draw_beads(
     axes: Axes, run: Run, centres: Array, factor: float
-) -> tuple[PatchCollection, Rectangle | None]:
-    """Draw the beads, and the walls in front of them; returns the beads and the left wall."""
+) -> tuple[list[PatchCollection], Rectangle | None]:
+    """Draw the beads, and the walls in front of them; returns the bodies and the left wall.
+
+    The last ones of the bodies have the colours of velocities, those before have the colours of
+    materials, if there are several.
+    """
     chain, widths = run.chain, half_widths(run.chain)
     fastest = float(np.abs(run.velocities).max())
     places = np.column_stack([centres[0], 0.0 * centres[0]])
-    beads = body_collection(chain, 1.0, places, axes, cmap=COLOUR_MAP)
-    beads.set_clim(-fastest, fastest)
+    faces = [material_colour(name) for name in material_names(chain)]
+    several = len(set(material_names(chain))) > 1
+    bodies = [body_collection(chain, 1.0, places, axes, facecolor=faces)] if several else []
+    size = INNER if several else 1.0
+    bodies.append(body_collection(chain, size, places, axes, cmap=COLOUR_MAP))
+    bodies[-1].set_clim(-fastest, fastest)
+    material_legend([chain], axes, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=6)
     largest = float(half_heights(chain).max())
     ends = [float((centres - widths).min()), float((centres + widths).max())]
     left_wall = None
@@ -248,7 +262,7 @@ def _draw_beads(
     axes.set_ylim(-1.2 * largest, 1.2 * largest)
     axes.set_aspect("equal")
     axes.set_axis_off()
-    return beads, left_wall
+    return bodies, left_wall
 
 
 def _draw_wall(axes: Axes, begin: float, largest: float) -> Rectangle:
@@ -275,16 +289,19 @@ def _draw_force(axes: Axes, run: Run, unit: float, label: str) -> Any:
     return axes.axvline(unit * run.times[0], color=MARKER, linewidth=1.2)
 
 
-def _gif(frames: list[Image], seconds: float) -> bytes:
+def _gif(frames: list[Image], seconds: float, chain: Chain) -> bytes:
     from PIL import Image, ImageColor
 
     content = io.BytesIO()
     # One palette for all frames, so that unchanged pixels do not flicker and compress well: greys
-    # for lines and letters, and the colours of velocities.
+    # for lines and letters, and the colours of velocities and, if there are several, materials.
     greys = np.repeat(np.linspace(0, 255, 8).astype(np.uint8), 3)
     colours = (255.0 * colormaps[COLOUR_MAP](np.linspace(0.0, 1.0, 41))[:, :3]).astype(np.uint8)
+    names = set(material_names(chain))
+    others = [MARKER, *(material_colour(name) for name in names if len(names) > 1)]
+    single = [value for each in others for value in ImageColor.getrgb(each)]
     palette = Image.new("P", (1, 1))
-    palette.putpalette([*greys.tolist(), *colours.ravel().tolist(), *ImageColor.getrgb(MARKER)])
+    palette.putpalette([*greys.tolist(), *colours.ravel().tolist(), *single])
     reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     reduced[0].save(
         content, format="GIF", save_all=True, append_images=reduced[1:], loop=0, optimize=True,

@@ -184,6 +184,7 @@ DRIVEN = BEADS + 'drive = {kind = "step", amplitude = 0.3}\n'
 STEEL_BEADS = BEADS + 'materials = "steel-52100"\nradius = "5 mm"\n'
 AT_REST = STEEL_BEADS + 'velocity = "0 m/s"\n'
 RETREATING = STEEL_BEADS + 'velocity = "-1 m/s"\n'
+FALLING = STEEL_BEADS + 'velocity = "0.1 m/s"\ngravity = "9.81 m/s^2"\nright_wall = {}\n'
 
 
 @pytest.mark.parametrize(
@@ -198,6 +199,9 @@ RETREATING = STEEL_BEADS + 'velocity = "-1 m/s"\n'
         (AT_REST, ("pulse", "--speed", "1 m/s"),
          "the file has a drive, no moving bead, or beads with different velocities"),
         (RETREATING, ("simulate",), "; give a positive velocity, or --until\n"),
+        (FALLING, ("sensitivity",), "under gravity has no natural end; give --until\n"),
+        (FALLING, ("scatter", "--scatter", "1%", "--quantity", "largest_velocity@3"),
+         "such as velocity@3, or give --until\n"),
     ],
 )  # fmt: skip
 def test_advice_is_about_options_that_the_command_has(run, tmp_path, chain, options, said):
@@ -207,6 +211,37 @@ def test_advice_is_about_options_that_the_command_has(run, tmp_path, chain, opti
     code, out, err = run(command, file, *more)
     assert (code, out) == (2, "")
     assert said in err
+
+
+def test_scatter_of_a_driven_chain_needs_the_stop_time(run, tmp_path):
+    file = tmp_path / "driven.toml"
+    file.write_text(DRIVEN, "utf-8")
+    command = ("scatter", file, "--scatter", "1%", "--chains", 3, "--quantity", "sensor.largest@2")
+    code, out, err = run(*command)
+    assert (code, out) == (1, "")
+    assert "nothing ends the run; give --until or a right_wall\n" in err
+    code, out, _ = run(*command, "--until", "20", "--json")
+    assert code == 0
+    largest = hc.simulate(hc.load_chain(file), until=20.0).sensor_force(2).largest_so_far
+    assert json.loads(out)["nominal"] == pytest.approx(largest, rel=1e-7)
+
+
+def test_sensitivities_at_a_stop_time_are_differences_of_runs(run, tmp_path):
+    file = tmp_path / "falling.toml"
+    file.write_text(FALLING, "utf-8")
+    command = ("sensitivity", file, "--to", "velocities", "--until", "0.15 ms", "--json")
+    code, out, _ = run(*command, "--quantity", "sensor.largest@3")
+    found = json.loads(out)
+    chain, step = hc.load_chain(file), 1e-4
+    largest = [
+        hc.simulate(chain.replace(velocities=chain.velocities * factor), until=1.5e-4)
+        .sensor_force(3).largest_so_far
+        for factor in (1.0 - step, 1.0, 1.0 + step)
+    ]  # fmt: skip
+    assert code == 0
+    assert found["value"] == pytest.approx(largest[1], rel=1e-9)
+    slope = (largest[2] - largest[0]) / (2.0 * step * largest[1])
+    assert found["relative"][0] == pytest.approx(slope, rel=1e-5)
 
 
 def test_keys_of_chain_files_are_named_where_a_chain_file_is_given(run):

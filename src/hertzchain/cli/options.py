@@ -278,6 +278,14 @@ quantity_option = click.option(
 )
 
 
+until_option = click.option(
+    "--until",
+    metavar="TIME",
+    help="Stop time of the simulations, such as 60 or, in SI units, 2ms.  [default: when the "
+    "quantity is complete]",
+)
+
+
 def json_option(purpose: str = "Print everything as JSON.") -> Callable[[Command], Command]:
     """Add the option ``--json``."""
     return click.option("--json", "as_json", is_flag=True, help=purpose)

@@ -17,6 +17,8 @@ from .options import (
     json_option,
     measure_from,
     quantity_option,
+    time_from,
+    until_option,
 )
 from .output import save_figure, show_json
 from .progress import progress_bar
@@ -57,12 +59,14 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
     "--seed", type=int, default=1, show_default=True, help="Seed of the random diameters."
 )
 @quantity_option
+@until_option
 @json_option()
 @click.option("--csv", "as_csv", is_flag=True, help="Print the values of all chains as CSV.")
 @figure_option("Plot the distribution to FILE.")
 def scatter(
     options: ChainOptions, relative: str | None, grade: int | None, some: str | None, count: int,
-    seed: int, quantity: str | None, as_json: bool, as_csv: bool, plot: Path | None,
+    seed: int, quantity: str | None, until: str | None, as_json: bool, as_csv: bool,
+    plot: Path | None,
 ) -> int:  # fmt: skip
     """Show how a quantity varies if the sizes of the balls scatter.
 
@@ -91,10 +95,12 @@ def scatter(
     whole_number("--seed", seed, least=0)
     whole_number("--chains", count, least=2, most=10_000)
     chain = chain_from(options)
-    name = str(measure_from(quantity, chain))
+    name, end = str(measure_from(quantity, chain)), time_from("--until", until, chain)
     deviations = hertzchain.Scatter(radius=part, grade=grade, samples=count, beads=some)
     with progress_bar("chains simulated") as progress:
-        found = hertzchain.distribution(chain, name, deviations, seed=seed, progress=progress)
+        found = hertzchain.distribution(
+            chain, name, deviations, until=end, seed=seed, progress=progress
+        )
     if plot is not None:
         save_figure(found.plot(), plot)
     if as_json:

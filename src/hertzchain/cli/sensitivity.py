@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .chain_options import ChainOptions, chain_from, chain_options
-from .options import StrictCommand, figure_option, json_option, measure_from, quantity_option
+from .options import (
+    StrictCommand,
+    figure_option,
+    json_option,
+    measure_from,
+    quantity_option,
+    time_from,
+    until_option,
+)
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 from .pulse_tables import TABLE_ROWS
@@ -36,12 +44,13 @@ BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density")
     show_default=True,
     help="Parameter of each bead or contact that changes.",
 )
+@until_option
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
 @json_option()
 @figure_option("Plot the relative changes to FILE.")
 def sensitivity(
-    options: ChainOptions, quantity: str | None, by: str, every_bead: bool, as_json: bool,
-    plot: Path | None,
+    options: ChainOptions, quantity: str | None, by: str, until: str | None, every_bead: bool,
+    as_json: bool, plot: Path | None,
 ) -> None:  # fmt: skip
     """Show which beads a quantity depends on.
 
@@ -60,6 +69,7 @@ def sensitivity(
 
     from ..designs.exact_gradients import name_of
     from ..designs.sensitivity import changes_of_peak
+    from ..designs.yielding import value_if_yielding
     from ..errors import InputError
 
     chain = chain_from(options)
@@ -67,22 +77,24 @@ def sensitivity(
     name = name_of(measure, chain.beads)
     if name is None:
         raise InputError(f"{measure} has no derivatives; use wall_force.peak or velocity@last")
+    end = time_from("--until", until, chain)
     with progress_bar("chains simulated") as progress:
-        found = hertzchain.gradient(chain, name, to=by, progress=progress)
-        changes = changes_of_peak(chain, found, by, progress)
+        found = hertzchain.gradient(chain, name, to=by, until=end, progress=progress)
+        changes = changes_of_peak(chain, found, by, end, progress)
+    yielding = value_if_yielding(chain, measure, until=end)
     if plot is not None:
         from ..plotting.gradients import plot_gradient
 
         save_figure(plot_gradient(found, by, changes=changes), plot)
     if as_json:
-        show_json(_document(found, measure, by, changes))
+        show_json(_document(found, yielding, by, changes))
     else:
-        click.echo("\n".join(_lines(found, measure, by, changes)))
+        click.echo("\n".join(_lines(found, measure, yielding, by, changes)))
         show_table(_table(chain, found, by, changes, every_bead))
 
 
 def _document(
-    found: Gradient, measure: Measure, by: str, changes: tuple[Array, Array] | None
+    found: Gradient, yielding: float, by: str, changes: tuple[Array, Array] | None
 ) -> dict[str, Any]:  # fmt: skip
     from ..validation.json_types import finite
 
@@ -90,7 +102,7 @@ def _document(
         "quantity": found.quantity,
         "value": found.value,
         "unit": found.unit,
-        "value_with_yielding_contacts": finite(_yielding(found, measure)),
+        "value_with_yielding_contacts": finite(yielding),
         "parameter": by,
         "gradient": finite(found[by].tolist()),
         "gradient_unit": found.units[by],
@@ -104,15 +116,9 @@ def _document(
     return document
 
 
-def _yielding(found: Gradient, measure: Measure) -> float:
-    from ..designs.yielding import value_if_yielding
-
-    assert found._chain is not None
-    return value_if_yielding(found._chain, measure)
-
-
 def _lines(
-    found: Gradient, measure: Measure, by: str, changes: tuple[Array, Array] | None
+    found: Gradient, measure: Measure, yielding: float, by: str,
+    changes: tuple[Array, Array] | None,
 ) -> list[str]:  # fmt: skip
     """The chain, the value, and the method of the derivatives or changes."""
     from ..designs.measures import in_words
@@ -122,7 +128,7 @@ def _lines(
     chain = found._chain
     assert chain is not None
     lines = [chain.description, f"{measure} = {in_words(found.value, found.unit, chain.units)}"]
-    if not isnan(yielding := _yielding(found, measure)):
+    if not isnan(yielding):
         lines[1] += " with elastic contacts, to which all changes refer"
         note = yielding_note("it", measure, found.value, yielding)
         lines.append(f"  {note} (--loss elastic-plastic)")

@@ -9,7 +9,7 @@ from typing import Final
 
 import click
 
-from ..errors import InputError
+from ..errors import InputError, SimulationError
 
 # Python expressions in messages, and what to write on the command line or in a chain file instead.
 WORDINGS: Final = (
@@ -81,11 +81,11 @@ BY_OPTION: Final = {
 
 @contextmanager
 def in_words_of_the_command() -> Iterator[None]:
-    """Change messages of `InputError` while the options of the command are known."""
+    """Change messages of errors while the options of the command are known."""
     try:
         yield
-    except InputError as error:
-        raise InputError(on_command_line(str(error))) from None
+    except (InputError, SimulationError) as error:
+        raise type(error)(on_command_line(str(error))) from None
 
 
 def on_command_line(message: str) -> str:

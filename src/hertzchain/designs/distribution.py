@@ -198,6 +198,7 @@ def distribution(
     quantity: str,
     scatter: Scatter,
     *,
+    until: float | str | None = None,
     seed: int = 1,
     threads: int | None = None,
     progress: Progress | None = None,
@@ -221,6 +222,8 @@ def distribution(
         in a ball, ``"sensor.largest@ball 4"``; all those of `Design` are available.
     scatter : Scatter
         Deviations, with the number of chains, ``samples``.  Its ``measure`` is not used.
+    until : float or str, optional
+        Stop time of the simulations; by default they end when the quantity is complete.
     seed : int
         Seed of the random radii.
     threads : int, optional
@@ -263,18 +266,20 @@ def distribution(
     if deviations is None:
         raise InputError("a distribution needs a scatter, such as Scatter(radius=0.01)")
     measure = measure_of(chain, quantity)
-    if not measure.ends(chain):
+    if until is not None:
+        until = number("until", until, unit=chain._unit("s"), above=0.0)
+    elif not measure.ends(chain):
         raise InputError(
             f"{measure} has no natural end in a chain with a right wall, precompression or "
             "gravity, because waves return; use a quantity of the leading pulse, such as "
-            f"velocity@{measure.bead or 'last'}"
+            f"velocity@{measure.bead or 'last'}, or give until"
         )
     whole_number("seed", seed, least=0)
     chains = [chain, *deviations.sample(chain, seed)]
     with ignore_warnings(ModelRangeWarning):
         # Chains with losses would warn one by one.
         simulated = measured(
-            chains, [measure], threads=threads, progress=progress, check_range=True
+            chains, [measure], until=until, threads=threads, progress=progress, check_range=True
         )
     outside = _outside_range(chains, simulated.table)
     nominal, found = simulated.values[0, 0], simulated.values[1:, 0]
@@ -294,7 +299,7 @@ def distribution(
     reason = next(iter(simulated.reasons), missing) if failed else ""
     return Distribution(
         chain, deviations, str(measure), float(nominal), good, failed, outside, reason,
-        value_if_yielding(chain, measure, overlaps),
+        value_if_yielding(chain, measure, overlaps, until),
     )  # fmt: skip
 
 

@@ -39,7 +39,11 @@ def changes(problem: Design, chain: Chain, part: float) -> tuple[Array, Array]:
 
 
 def changes_of_peak(
-    chain: Chain, found: Gradient, by: str, progress: Progress | None = None
+    chain: Chain,
+    found: Gradient,
+    by: str,
+    until: float | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Array, Array] | None:
     """Simulated relative changes of the peak on the wall if one value grows or shrinks by 1%.
 
@@ -50,7 +54,7 @@ def changes_of_peak(
         return None
 
     def peaks(chains: list[Chain]) -> Array:
-        return measured(chains, [PEAK], rtol=RTOL, progress=progress).values[:, 0]
+        return measured(chains, [PEAK], until=until, rtol=RTOL, progress=progress).values[:, 0]
 
     larger, smaller = np.expm1(_changes_of_logarithm(peaks, chain, by, (1.01, 0.99)))
     return None if np.isnan([larger, smaller]).all() else (larger, smaller)

@@ -18,7 +18,9 @@ from .measures import RANGE, Measure, in_words
 NOT_YIELDING: Final = ("largest_force", *RANGE)
 
 
-def value_if_yielding(chain: Chain, measure: Measure, overlaps: Array | None = None) -> float:
+def value_if_yielding(
+    chain: Chain, measure: Measure, overlaps: Array | None = None, until: float | None = None
+) -> float:
     """Value of a measure with `ElasticPlastic` contacts instead of elastic ones.
 
     NaN if elastic contacts, with these largest overlaps or those of a simulation, do not yield, or
@@ -32,10 +34,10 @@ def value_if_yielding(chain: Chain, measure: Measure, overlaps: Array | None = N
     with ignore_warnings():
         # Those of the elastic chain are shown.
         if overlaps is None:
-            overlaps = tabulate_runs([chain])._overlaps[0, : chain.beads + 1]
+            overlaps = tabulate_runs([chain], until=until)._overlaps[0, : chain.beads + 1]
         if not yields(hertz_range(chain, overlaps)):
             return math.nan
-        return float(measured([dented], [measure]).values[0, 0])
+        return float(measured([dented], [measure], until=until).values[0, 0])
 
 
 def yielding_note(what: str, measure: Measure, elastic: float, yielding: float) -> str:

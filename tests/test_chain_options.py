@@ -81,6 +81,21 @@ def test_strikers_are_beads_like_the_first_one_at_the_speed_of_the_impact(run, f
     np.testing.assert_allclose(found["velocity"], hc.propagate(scaled).velocity, rtol=1e-9)
 
 
+def test_the_speed_of_a_chain_at_rest_is_that_of_its_strikers_or_of_bead_1(run, tmp_path):
+    file, options = tmp_path / "rest.toml", ("--speed", "0.1 m/s")
+    still = FILE.replace("0.1 m/s", "0 m/s")
+    file.write_text(still, "utf-8")
+    wall = {"right_wall": hc.Wall.rigid()}
+    expected = hc.simulate(row().replace(**wall)).wall_force().peak
+    assert wall_peak(run, file, *options, "--wall", "rigid") == pytest.approx(expected)
+    struck = row(None).struck_by(velocity=0.1, count=2).replace(**wall)
+    expected = hc.simulate(struck).wall_force().peak
+    both = (*options, "--wall", "rigid", "--striker", 2)
+    assert wall_peak(run, file, *both) == pytest.approx(expected)
+    file.write_text(still + "[[chain.struck_by]]\nvelocity = 0.0\ncount = 2\n", "utf-8")
+    assert wall_peak(run, file, *options, "--wall", "rigid") == pytest.approx(expected)
+
+
 @pytest.mark.filterwarnings("always::UserWarning")
 def test_simulate_states_the_speed_of_the_impact(run, file):
     out = run("simulate", *BALLS).stdout

@@ -539,7 +539,7 @@ def test_the_speed_of_a_file_can_be_replaced(run, tmp_path):
     file.write_text(chain + '[chain.drive]\nkind = "step"\namplitude = 1.0\nrise = 1e-4\n')
     code, _, err = run("simulate", file, "--until", "1 ms", "--speed", "0.1 m/s")
     assert code == 2
-    assert "the file has a drive" in err
+    assert "has a drive: change the drive in the file, or remove it there\n" in err
 
 
 def test_a_chain_with_a_wall_is_reported_with_units(run, tmp_path):

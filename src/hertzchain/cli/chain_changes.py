@@ -18,16 +18,26 @@ BOOLEANS: Final = {"true": True, "false": False}
 
 
 def at_speed(chain: Chain, speed: str) -> Chain:
-    """The chain of a file with another velocity of the impact."""
+    """The chain of a file with another velocity of the impact.
+
+    In a chain at rest, the strikers or bead 1 get the velocity.
+    """
     import numpy as np
 
     from ..validation.numbers import number
 
-    moving = chain.velocities != 0.0
-    if chain.drive is not None or not moving.any() or np.ptp(chain.velocities[moving]) > 0.0:
+    if chain.drive is not None:
         raise click.UsageError(
-            "--speed replaces the velocity of the impact, but the file has a drive, no moving "
-            "bead, or beads with different velocities: change them in the file"
+            "--speed is the velocity of an impact, but the chain of the file has a drive: change "
+            "the drive in the file, or remove it there"
+        )
+    moving = chain.velocities != 0.0
+    if not moving.any():
+        moving = np.arange(chain.beads) < max(chain.strikers, 1)
+    if np.ptp(chain.velocities[moving]) > 0.0:
+        raise click.UsageError(
+            "--speed replaces the velocity of the impact, but beads of the file have different "
+            "velocities: change them there"
         )
     if not chain.scaled:
         require_unit_of_speed(speed)
@@ -53,11 +63,20 @@ def struck(chain: Chain, count: int) -> Chain:
     whole_number("--striker", count, least=1)
     if chain.strikers:
         raise click.UsageError("--striker adds strikers, but the file has some: change them there")
-    moving = chain.velocities[1:].any() or not chain.velocities[0] > 0.0
-    if chain.drive is not None or moving:
+    if chain.drive is not None:
         raise click.UsageError(
-            "--striker replaces the impact of bead 1, but in the file other beads move, or no bead "
-            "moves: add strikers to the file"
+            "--striker replaces the impact of bead 1, but the chain of the file has a drive: add "
+            "strikers to the file"
+        )
+    if not chain.velocities.any():
+        raise click.UsageError(
+            "--striker requires the velocity of the impact, and no bead of the file moves: add "
+            "--speed"
+        )
+    if chain.velocities[1:].any() or chain.velocities[0] < 0.0:
+        raise click.UsageError(
+            "--striker replaces the impact of bead 1, but in the file other beads move, or bead 1 "
+            "moves away from the chain: add strikers to the file"
         )
     velocity = float(chain.velocities[0])
     return chain.replace(velocities=None).struck_by(velocity=velocity, count=count)

@@ -24,6 +24,21 @@ def test_catalogue_has_common_materials():
     assert wanted <= set(catalogue())
 
 
+def test_the_catalogue_is_a_dictionary_shown_as_a_table():
+    found = catalogue()
+    assert isinstance(found, dict)
+    header, *rows = repr(found).splitlines()
+    assert [row.split()[0] for row in rows] == [*found]
+    assert header.split("  ")[0] == "material"
+    (glass,) = (row.split() for row in rows if row.startswith("glass"))
+    assert glass == ["glass", "2500", "69", "0.2"]
+    html = found._repr_html_()
+    assert html.count("<tr") == len(found) + 1
+    assert ">2034</td>" in html
+    with pytest.raises(InputError, match=r"unknown material 'stel'.* did you mean 'steel-52100'"):
+        found["stel"]
+
+
 @pytest.mark.parametrize("name", catalogue())
 def test_catalogue_numbers_are_possible_and_sourced(name):
     found = hc.material(name)

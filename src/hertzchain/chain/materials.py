@@ -155,11 +155,48 @@ MaterialLike: TypeAlias = Material | str
 Materials: TypeAlias = Sequence[Material] | None
 
 
+class Catalogue(dict[str, Material]):
+    """Materials by name, shown as a table."""
+
+    def __missing__(self, name: str) -> Material:
+        return material(name)
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        """Header and one row per material."""
+        header: tuple[str, ...] = ("material", "density [kg/m^3]", "E [GPa]", "nu", "yields at [MPa]")
+        return [header] + [
+            (name, f"{each.density:g}", f"{each.young / 1e9:g}", f"{each.poisson:g}",
+             "" if each.yield_strength is None else f"{each.yield_strength / 1e6:g}")
+            for name, each in self.items()
+        ]  # fmt: skip
+
+    def __repr__(self) -> str:
+        rows = self._rows()
+        first, *wide = (max(map(len, column)) for column in zip(*rows, strict=True))
+        lines = (
+            "  ".join([f"{name:{first}}", *map(str.rjust, values, wide)]).rstrip()
+            for name, *values in rows
+        )
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        from ..notebook.chains import catalogue_html
+
+        return catalogue_html(self)
+
+
 @cache
-def catalogue() -> dict[str, Material]:
-    """All materials of the catalogue by name."""
+def catalogue() -> Catalogue:
+    """All materials of the catalogue by name, a dictionary that is shown as a table.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> hc.catalogue()["brass"].young
+    101000000000.0
+    """
     document = tomllib.loads((files("hertzchain.chain") / "materials.toml").read_text("utf-8"))
-    return {name: Material(name, **entry) for name, entry in document.items()}
+    return Catalogue({name: Material(name, **entry) for name, entry in document.items()})
 
 
 @checked_arguments("material")

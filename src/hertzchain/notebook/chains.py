@@ -17,7 +17,7 @@ from ..chain.drawn_bodies import (
 )  # fmt: skip
 from ..chain.hertz_range import ESTIMATED, UNKNOWN_YIELD, HertzRange
 from ..chain.hertz_ratios import MAX_OVERLAP_RATIO, MAX_SPEED_RATIO
-from ..chain.materials import RIGID, Material
+from ..chain.materials import RIGID, Catalogue, Material
 from ..chain.scales import Scales
 from ..chain.walls import Wall
 from ..collision import Array
@@ -168,6 +168,12 @@ def material_html(material: Material) -> str:
     source = [note(f"Source: {material.source}.")] if material.source else []
     known = {name: value for name, value in found.items() if value}
     return page("Material", material.name, numbers(known), *source)
+
+
+def catalogue_html(materials: Catalogue) -> str:
+    """A table of materials."""
+    header, *rows = materials._rows()
+    return page("Materials", "", table(header, rows, numeric=True))
 
 
 def wall_html(wall: Wall) -> str:

@@ -337,6 +337,17 @@ def test_one_theory_is_in_the_singular():
     assert "2 theories on" in repr(hc.scoreboard(theories=["bca", "hard-sphere"]))
 
 
+def test_names_that_a_budget_does_not_contain_raise_an_error_with_its_names():
+    budget = hc.simulate(hc.Chain.uniform(5)).budget()
+    names = "choose from leading pulse, lagging, scattered back"
+    said = f"unknown part of a budget 'kinetic': {names}, contacts, walls, lost; the kinetic energy"
+    with pytest.raises(hc.InputError, match=f"^{said} of all beads is Budget.kinetic_energy$"):
+        budget.energy["kinetic"]
+    with pytest.raises(hc.InputError, match=f"'wall': {names}, left wall, right wall; did you"):
+        budget.momentum["wall"]
+    assert "kinetic" not in budget.energy
+
+
 def test_budgets_show_rounding_errors_as_zero():
     """After this collision, bead 1 moves back with a velocity of -2e-14."""
     budget = hc.simulate(hc.Chain.uniform(2)).budget()

@@ -28,6 +28,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..errors import InputError, short_repr, unknown_name_error
 from ..pulse.quantities import QUANTITIES
 from ..representation import measure, short
 from ..validation.keywords import checked_methods
@@ -53,10 +54,22 @@ MOVING: Final = ("leading pulse", "lagging", "scattered back")
 ROUNDING: Final = 1e-12
 
 
+class Parts(dict[str, Array]):
+    """Amounts by location or by origin."""
+
+    def __missing__(self, name: str) -> Array:
+        error = unknown_name_error("part of a budget", name, self)
+        if "kinetic" in short_repr(name):
+            raise InputError(f"{error}; the kinetic energy of all beads is Budget.kinetic_energy")
+        raise error
+
+
 @checked_methods
 @dataclass(frozen=True, eq=False)
 class Budget:
     """Energy and momentum at the saved times of a run; see `hertzchain.simulation.budget`.
+
+    Names that the dictionaries do not contain raise an error that lists those that they contain.
 
     Attributes
     ----------
@@ -297,26 +310,34 @@ def budget_of(
     return Budget(
         chain=chain,
         times=times,
-        energy={name: np.sum(kinetic * part, axis=1) for name, part in parts.items()}
-        | {
-            "contacts": stored[:, 1:-1].sum(axis=1),
-            "walls": stored[:, 0] + stored[:, -1],
-            "lost": lost,
-        },
-        momentum={name: np.sum(momenta * part, axis=1) for name, part in parts.items()}
-        | {"left wall": -from_left, "right wall": to_right},
-        energy_given={
-            "start": np.full(len(times), start[0]),
-            "gravity": moved @ weight,
-            "drive": worked,
-            "held ends": moved @ held,
-        },
-        momentum_given={
-            "start": np.full(len(times), start[1]),
-            "gravity": times * weight.sum(),
-            "drive": pushed,
-            "held ends": times * held.sum(),
-        },
+        energy=Parts(
+            {name: np.sum(kinetic * part, axis=1) for name, part in parts.items()}
+            | {
+                "contacts": stored[:, 1:-1].sum(axis=1),
+                "walls": stored[:, 0] + stored[:, -1],
+                "lost": lost,
+            }
+        ),
+        momentum=Parts(
+            {name: np.sum(momenta * part, axis=1) for name, part in parts.items()}
+            | {"left wall": -from_left, "right wall": to_right}
+        ),
+        energy_given=Parts(
+            {
+                "start": np.full(len(times), start[0]),
+                "gravity": moved @ weight,
+                "drive": worked,
+                "held ends": moved @ held,
+            }
+        ),
+        momentum_given=Parts(
+            {
+                "start": np.full(len(times), start[1]),
+                "gravity": times * weight.sum(),
+                "drive": pushed,
+                "held ends": times * held.sum(),
+            }
+        ),
     )
 
 

@@ -1,15 +1,17 @@
 """Fits to data in wrong units, to records without a pulse, and to two errors of sensors at once."""
 
 import json
+import re
 import warnings
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy_row import BALLS, SPACING, chain, recorded, traces
+from scipy_row import BALLS, FACTOR, LOSS_TIME, SPACING, VELOCITY, chain, recorded, traces
 
 import hertzchain as hc
 from hertzchain.cli.fit import _laws
+from hertzchain.cli.wording import on_command_line
 from hertzchain.fitting.misread_times import time_factor
 from hertzchain.fitting.result_text import clearly_larger
 
@@ -42,6 +44,16 @@ def test_times_with_a_wrong_factor_are_recognised():
     result = fitted(time=10.0, free=LOOSE)
     assert "with all times divided by 10, chi2 falls from" in result.advice[0]
     assert "so the fit is meaningless" in result.summary().splitlines()[1]
+    (advice,) = result.advice
+    assert advice.endswith("interval; traces.with_scaled_times(0.1) corrects them")
+    assert on_command_line(advice).endswith("interval; multiply them by 0.1 in the file")
+    corrected = result.traces.with_scaled_times(0.1)
+    np.testing.assert_allclose(corrected.shots[0].times, recorded()[0], rtol=1e-15)
+    # The values of the fit to the corrected times are stated.
+    truth = {"stiffness": FACTOR, "struck_by.velocity": VELOCITY, "loss.time": 1e6 * LOSS_TIME}
+    for name, value in truth.items():
+        stated = re.search(rf"{re.escape(name)} = ([\d.]+) \+- ([\d.]+)", advice)
+        assert abs(float(stated[1]) - value) < 4.0 * float(stated[2]) < 0.01 * value
 
 
 @pytest.mark.parametrize("factor", [0.1, 0.5, 2.0, 2.5, 10.0])

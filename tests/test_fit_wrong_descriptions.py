@@ -68,9 +68,11 @@ def test_a_wrong_sampling_interval_is_named_if_the_fit_is_far_from_a_prior(facto
     assert result.describes
     assert result.prior_conflict
     (advice,) = result.advice
-    assert advice == (
-        f"with all times {words}, the fit also agrees with the priors: check the unit of the times "
-        "and the sampling interval"
+    velocity = re.escape(f"struck_by.velocity = {VELOCITY:.2f}")
+    assert advice.startswith(f"with all times {words}, the fit also agrees with the priors with ")
+    assert re.search(rf"{velocity}\S* \+- \S+ m/s", advice)
+    assert advice.endswith(
+        f"sampling interval; traces.with_scaled_times({1.0 / factor:g}) corrects them"
     )
 
 

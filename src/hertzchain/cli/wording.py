@@ -27,6 +27,7 @@ WORDINGS: Final = (
     (r"(?<![-.'])\bmax_steps\b", "--max-steps"),
     (r"\bgive load_traces sensors=\{'([^']*)': '([^']*)'\}", r"add --sensor '\1=\2'"),
     (r"\bgive (the )?noise\b", "give --noise"),
+    (r"\btraces\.with_scaled_times\((\S+)\) corrects them", r"multiply them by \1 in the file"),
     (r"\(scan_defects\)", "(--defects)"),
     (r"\(compare_losses\)", "(--laws all)"),
     (r"\bcompare_losses compares", "--laws all compares"),

@@ -71,6 +71,15 @@ class Cause:
     added: int
     # Whether all columns or all times are read wrongly.
     whole: bool = False
+    # Whether the columns or the times are read differently, so that all values are others.
+    misread: bool = False
+
+    @property
+    def values(self) -> str:
+        """The parameters of the fit, if these are not in the description of the cause."""
+        if not self.misread or self.result.meaningless:
+            return ""
+        return f" with {', '.join(f'{name} = {row}' for name, row in self.result.rows())}"
 
 
 def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
@@ -129,8 +138,8 @@ def _with_other_columns(
         return None
     for cause in _columns(result, start, refit):
         if _is_good(cause.result) and not cause.result.prior_conflict:
-            advice = f"with {cause.what}, the fit also agrees with the priors: {cause.advice}"
-            return replace(result, advice=(advice,))
+            agrees = f"the fit also agrees with the priors{cause.values}"
+            return replace(result, advice=(f"with {cause.what}, {agrees}: {cause.advice}",))
     return None
 
 
@@ -190,11 +199,10 @@ def _removed(result: FitResult, other: FitResult) -> float:
 def _sentence(result: FitResult, cause: Cause) -> str:
     text = f"with {cause.what}, chi2 falls from {result.chi2:.0f} to {cause.result.chi2:.0f}"
     if result.describes or result.goodness.undecided:
-        return (
-            f"with {cause.what}, the model describes the data with possible values: {cause.advice}"
-        )
+        possible = cause.values or " with possible values"
+        return f"with {cause.what}, the model describes the data{possible}: {cause.advice}"
     if cause.result.describes:
-        return f"{text}, and the model describes the data: {cause.advice}"
+        return f"{text}, and the model describes the data{cause.values}: {cause.advice}"
     return (
         f"{text}, by {_removed(result, cause.result):.0%} of its excess: {cause.advice}. The model "
         f"still does not describe the data. {considered(result)}"
@@ -207,7 +215,8 @@ def _columns(result: FitResult, start: Mapping[str, float], refit: Refit) -> Ite
     for each in itertools.chain(misread_columns(model), misread_times(model)):
         problem = Problem(replace(model, traces=each.traces))
         try:
-            yield Cause(each.what, each.advice, refit(problem, start, 1), 0, each.whole)
+            found = refit(problem, start, 1)
+            yield Cause(each.what, each.advice, found, 0, each.whole, misread=True)
         except SimulationError:
             continue
 

@@ -10,7 +10,6 @@ import numpy as np
 from ..collision import Array
 from ..traces.amplitudes import ARRIVED, extreme, level_of
 from ..traces.signals import Shot
-from ..traces.traces import Traces
 from .arrival_notes import has_pulse
 from .misread_columns import Misread
 from .model import Model
@@ -85,9 +84,13 @@ def misread_times(model: Model) -> Iterator[Misread]:
     factor = time_factor(*nominal_pulses(model))
     if factor is not None:
         how = f"multiplied by {1.0 / factor:.3g}" if factor < 1.0 else f"divided by {factor:.3g}"
-        shots = (Shot(shot.times / factor, shot.signals) for shot in model.traces.shots)
-        advice = "check the unit of the times and the sampling interval"
-        yield Misread(f"all times {how}", advice, Traces(tuple(shots)), whole=True)
+        correction = float(f"{1.0 / factor:.4g}")
+        advice = (
+            "check the unit of the times and the sampling interval; "
+            f"traces.with_scaled_times({correction:g}) corrects them"
+        )
+        corrected = model.traces.with_scaled_times(correction)
+        yield Misread(f"all times {how}", advice, corrected, whole=True)
 
 
 def nominal_pulses(model: Model, index: int = 0) -> tuple[Shot, list[Array], Array]:

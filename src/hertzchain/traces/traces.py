@@ -14,7 +14,7 @@ from ..collision import Array
 from ..errors import InputError, short_repr, unknown_name_error
 from ..representation import counted, short
 from ..validation.keywords import checked_arguments, checked_fields, checked_methods
-from ..validation.numbers import real_numbers
+from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_choice, check_list, check_type
 from .headers import header_of, positive_noise
 from .noise import (
@@ -174,6 +174,33 @@ class Traces:
                 f"{counted(len(other.shots), 'shot')}; both must have the same shots"
             )
         return Traces(tuple(map(merged_shots, self.shots, other.shots)))
+
+    def with_scaled_times(self, factor: float) -> Traces:
+        """Multiply all times, such as those that are recorded in another unit than they state.
+
+        Parameters
+        ----------
+        factor : float
+            Positive factor, such as 0.001 for milliseconds that were read as seconds.
+
+        Returns
+        -------
+        Traces
+
+        Raises
+        ------
+        InputError
+            If the factor is not positive and finite.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> read = hc.Traces.from_arrays([0.0, 1e-3, 2e-3], {"wall [N]": [0, 5, 1]}, noise=0.1)
+        >>> read.with_scaled_times(0.001)
+        Traces(1 shot, wall: 3 samples, every 1 us; noise 0.1 N)
+        """
+        factor = number("factor", factor, unit="", above=0.0)
+        return Traces(tuple(Shot(factor * shot.times, shot.signals) for shot in self.shots))
 
     def __iter__(self) -> Iterator[tuple[int, Signal]]:
         """Pairs of the index of the shot and the signal."""

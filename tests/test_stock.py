@@ -79,6 +79,31 @@ def test_the_best_design_is_that_of_all_rows_in_stock(drawer, optional):
     assert found.compared == {"row of equal balls": 8 if optional else 1}
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
+def test_a_design_from_too_few_equal_balls_is_compared_with_sorted_ones(tmp_path):
+    file = tmp_path / "drawer.csv"
+    file.write_text("diameter [mm],material,count\n5,steel-304,1\n4,steel-304,2\n6,steel-304,3\n")
+    problem = hc.Design(STEEL, minimise="wall_force.peak", vary=[hc.vary.balls(file)])
+    found = hc.design(problem, budget=500)
+    large, small = [2.0, 2.5, 3.0, 3.0, 3.0], [2.0, 2.0, 2.5, 3.0, 3.0]
+    rows = [row[::step] for row in (large, small) for step in (1, -1)]
+    chains = [
+        hc.Chain.from_materials(1e-3 * np.array([2.0, *row]), "steel-304", velocity=0.1,
+                                right_wall=STEEL.right_wall)
+        for row in rows
+    ]  # fmt: skip
+    peaks = hc.simulate_many(chains, keep=["wall_peak_force"])["wall_peak_force"]
+    (name,) = found.compared
+    assert found.compared == {"row of balls sorted by size": 4}
+    best = rows[int(np.argmin(peaks))]
+    reference = found.references[name]
+    np.testing.assert_allclose(1e3 * reference.chain.radii[1:], best)
+    assert found.objective_of(reference) == pytest.approx(peaks.min(), rel=1e-6)
+    ends = f"{2.0 * best[0]:g} mm to {2.0 * best[-1]:g} mm"
+    assert f"best {name} (of 4 tried), {ends}: " in found.summary()
+    assert f"this design: {found.value / peaks.min():.1%} of this value" in found.summary()
+
+
 def test_a_genetic_search_uses_no_more_balls_than_there_are(drawer):
     problem = hc.Design(STEEL, minimise="wall_force.peak", vary=[hc.vary.balls(drawer)])
     best = hc.design(problem, budget=500)

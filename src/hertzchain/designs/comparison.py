@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from ..representation import counted
 from .ball_space import BallSpace
-from .reference_chains import EQUAL_BALLS, EQUAL_PLACES
+from .reference_chains import EQUAL_BALLS, EQUAL_PLACES, SORTED_BALLS
 from .verified import Verified, met
 
 if TYPE_CHECKING:
@@ -129,10 +129,21 @@ def references_in_words(result: DesignResult) -> dict[str, Verified]:
     def described(name: str) -> str:
         tried = result.compared[name]
         text = f"best {name} (of {tried} tried)" if tried > 1 else name
-        balls = equal_balls(result, name)
+        balls = equal_balls(result, name) or _sorted_balls(result, name)
         return f"{text}, {balls}" if balls else text
 
     return {described(name): found for name, found in result.references.items()}
+
+
+def _sorted_balls(result: DesignResult, name: str) -> str:
+    """The sizes at both ends of the row of sorted balls, such as ``10 mm to 4 mm``; else empty."""
+    space, chain = result.problem.space, result.references[name].chain
+    if name != SORTED_BALLS or not isinstance(space, BallSpace):
+        return ""
+    count = chain.beads - (result.problem.chain.beads - space.size)
+    sizes = chain.radii[space.places[0] :][:count]
+    factor, unit = (2e3, " mm") if chain.units == "SI" else (1.0, "")
+    return " to ".join(f"{factor * sizes[i]:g}{unit}" for i in (0, -1))
 
 
 def equal_balls(result: DesignResult, name: str) -> str:

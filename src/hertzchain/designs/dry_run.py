@@ -83,9 +83,6 @@ def estimate(
     groups = reference_points(problem)
     points: list[Any] = [*itertools.chain(*groups.values())]
     compared = len(points)
-    # A stock may have too few balls of each kind for rows of equal balls.
-    if not points and isinstance(problem.space, BallSpace):
-        points = [problem.space.first]
     # The longest chains, because good ones are seldom short.
     # Those that cannot be built, such as balls without the yield strength of a law, are rejected.
     chains = map(trials.chain_of, points)

@@ -17,6 +17,8 @@ ENDS: Final = 9
 EQUAL_BALLS: Final = "row of equal balls"
 # Of the balls that vary, where others than the arriving one are given.
 EQUAL_PLACES: Final = "equal balls in the places that vary"
+# Of a stock with too few balls of each kind.
+SORTED_BALLS: Final = "row of balls sorted by size"
 EQUAL: Final = "chain of equal sizes"
 EQUAL_VARYING: Final = "chain with equal varying sizes"
 CHANGING: Final = "fast change to equal sizes"
@@ -34,7 +36,8 @@ def reference_points(problem: Design) -> dict[str, list[Any]]:
         if space.order:
             return {"given order": [space.given]}
         start = {} if space.start is None else {GIVEN_ROW: [space.start]}
-        return {**start, _equal_name(space): _equal_balls(space)}
+        equal = {_equal_name(space): rows} if (rows := _equal_balls(space)) else {}
+        return start | (equal or {SORTED_BALLS: _sorted_balls(space)})
     levels = np.linspace(0.0, 1.0, ENDS)
     alike = [space.taper(level, level) for level in levels]
     if (given := _given_size(space)) is not None and not np.isclose(levels, given).any():
@@ -101,6 +104,18 @@ def _equal_balls(space: BallSpace) -> list[Any]:
         for ball in range(len(space.balls)) for length in lengths
     ]  # fmt: skip
     return [row for row in rows if space.in_stock(row)]
+
+
+def _sorted_balls(space: BallSpace) -> list[Any]:
+    """Rows of the largest and of the smallest balls in stock, sorted by size in both directions."""
+    assert space.limits is not None
+    order = sorted(range(len(space.balls)), key=lambda i: space.balls[i].radius)
+    stock = np.repeat(order, [space.limits[i] for i in order])
+    used = min(space.size, len(stock))
+    empty = np.full(space.size - used, len(space.balls))
+    parts = (stock[-used:], stock[:used])
+    rows = [np.concatenate([row, empty]) for part in parts for row in (part[::-1], part)]
+    return list({row.tobytes(): row for row in rows}.values())
 
 
 def _single(space: SizeSpace) -> bool:

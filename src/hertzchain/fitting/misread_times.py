@@ -11,9 +11,10 @@ from ..collision import Array
 from ..traces.amplitudes import ARRIVED, extreme, level_of
 from ..traces.signals import Shot
 from .arrival_notes import has_pulse
+from .crossings import half_width, reached
 from .misread_columns import Misread
 from .model import Model
-from .sensor_comparison import check_durations, half_width, reached, saturated_samples
+from .sensor_comparison import check_durations, saturated_samples
 from .simulations import passing_time
 
 # The ratios of pulse durations and of the times between sensors agree within the first factor, and

@@ -24,6 +24,7 @@ from ..traces.amplitudes import (
 )
 from ..traces.headers import GAIN_UNITS
 from ..traces.signals import Shot, Signal
+from .crossings import arrival_error, half_width, reached
 from .misread_columns import POLARITY, prefix_of
 from .shown_values import shown_difference, shown_part
 
@@ -71,6 +72,9 @@ class SensorComparison:
         Peaks, in this unit.
     measured_arrival, simulated_arrival : float
         Arrivals [s]; NaN if samples are missing at the arrival of the measured signal.
+    arrival_error : float
+        Standard error of the measured arrival [s], from the noise and the sampling interval; the
+        simulated one has none, and the error of the time offset is common to all sensors.
     residual : float
         Rms of data minus simulation, relative to the measured peak.
     scale : float
@@ -89,6 +93,7 @@ class SensorComparison:
     simulated_peak: float
     measured_arrival: float
     simulated_arrival: float
+    arrival_error: float
     residual: float
     scale: float
     saturated: bool = False
@@ -185,10 +190,12 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
     # A signal without a crest and its model are compared at the same height.
     half = ARRIVED * abs(peaks[0 if saturated or missing else 1])
     levels = ARRIVED * peaks[0], float(np.copysign(half, peaks[1]))
+    arrival = reached(times[present], measured, levels[0], SHORT * width)
+    known = not (saturated or missing) and np.isfinite(arrival)
+    error = arrival_error(times[covered], simulated, peaks[0], signal.sigma) if known else np.nan
     return SensorComparison(
         signal.name, signal.unit, signal.place.quantity, *peaks,
-        reached(times[present], measured, levels[0], SHORT * width),
-        reached(times[covered], simulated, levels[1]),
+        arrival, reached(times[covered], simulated, levels[1]), error,
         rest / abs(peaks[0]), scale_of(signal, model), saturated, missing,
     )  # fmt: skip
 
@@ -216,35 +223,6 @@ def crest_is_missing(times: Array, height: Array, width: float) -> bool:
 def saturated_samples(signal: Signal) -> Array:
     """Mask of the saturated samples; the others that a fit does not use are missing."""
     return ~signal.valid & np.isfinite(signal.values)
-
-
-def reached(times: Array, values: Array, level: float, longest: float = np.inf) -> float:
-    """Time at which a signal first reaches a level, between samples.
-
-    It is NaN if the signal does not reach the level, or in a gap that is longer than ``longest``
-    and than the usual spacing of the samples.
-    """
-    height = values / level
-    first = int(np.argmax(height >= 1.0))
-    if height[first] < 1.0:
-        return np.nan
-    if first == 0:
-        return float(times[0])
-    pair = slice(first - 1, first + 1)
-    if np.diff(times[pair])[0] > max(longest, 1.5 * float(np.median(np.diff(times)))):
-        return np.nan
-    return float(np.interp(1.0, height[pair], times[pair]))
-
-
-def half_width(times: Array, values: Array) -> float:
-    """Time during which a signal exceeds half of its peak, around the peak."""
-    height = values / extreme(values)
-    peak = int(np.argmax(height))
-    below = np.flatnonzero(height < ARRIVED)
-    before, after = below[below < peak], below[below > peak]
-    first = int(before[-1]) if len(before) else 0
-    last = int(after[0]) if len(after) else len(times) - 1
-    return float(times[last] - times[first])
 
 
 def pulse_widths(columns: Sequence[Array], grid: Array) -> list[float]:

@@ -16,8 +16,9 @@ from ..collision import Array
 from ..traces.amplitudes import extreme, level_of, polarity_of
 from ..traces.signals import Shot, Signal
 from .autocorrelation import correlation_length
+from .crossings import half_width
 from .misread_columns import prefix_of
-from .sensor_comparison import ABOVE_NOISE, half_width, scaled
+from .sensor_comparison import ABOVE_NOISE, scaled
 
 if TYPE_CHECKING:
     from collections.abc import Callable

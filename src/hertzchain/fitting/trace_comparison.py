@@ -158,6 +158,15 @@ class TraceComparison:
         factor, unit = usual_unit(max(abs(self.time_offset), error), "s")
         return f"{with_error(factor * self.time_offset, factor * error)} {unit}"
 
+    @property
+    def _arrival_errors(self) -> list[str]:
+        """A sentence with the standard errors of the measured arrivals, if any is known."""
+        errors = [each.arrival_error for each in self.sensors if np.isfinite(each.arrival_error)]
+        if not errors:
+            return []
+        ends = dict.fromkeys(measure(each, "s", digits=2) for each in (min(errors), max(errors)))
+        return [f"errors of measured arrivals, from noise and sampling: {' to '.join(ends)}"]
+
     def summary(self) -> str:
         """Table of peaks, arrivals and residuals, the compared interval, and notes.
 
@@ -182,6 +191,7 @@ class TraceComparison:
             *(each.row for each in self.sensors),
             "peak: from the level before the pulse; arrival: at half of the peak;",
             "residual: rms of data minus simulation over the measured peak",
+            *self._arrival_errors,
         ]
         factors = [f"{each.name} by {each.scaling}" for each in self.sensors if each.unit == "V"]
         if factors:

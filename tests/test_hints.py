@@ -19,7 +19,7 @@ mass = "50 g"
     ("striker", "hint"),
     [
         ("flat = true", "for a flat face, write radius = inf"),
-        ('radius = "inf"', "got 'inf'; write inf without quotation marks"),
+        ('radius = "Inf"', "got 'Inf'; write inf without quotation marks"),
     ],
 )
 def test_mistakes_about_flat_strikers_are_explained(striker, hint, tmp_path):

@@ -347,11 +347,23 @@ BAD = [
     ({"sweep": {"batch": object()}}, "sweep: batch is <object .* a specification cannot hold"),
     ({"title": "\ud800"}, "title: .* is not valid text"),
     ({"chain": FORWARD | {"rate": float("nan")}}, "chain: rate is nan: it must be finite"),
-    ({"chain": {"taper": "uniform", "beads": 5, "struck_by": {"mass": 2.0, "radius": math.inf}}},
-     "chain: struck_by.radius is inf: it must be finite; infinite lengths are text"),
+    ({"chain": {"taper": "uniform", "beads": 5, "struck_by": {"mass": math.inf}}},
+     "chain: struck_by.mass is inf: it must be finite; infinite lengths are text"),
     ({"chain": FORWARD | {"loss": {"gamma": {1, 2}}}}, "chain: loss.gamma is {1, 2}, which"),
     ({"materials": {"m": {"young": None}}}, "materials: m.young is None, which"),
 ]  # fmt: skip
+
+
+def test_scaled_chains_of_sweeps_have_flat_strikers():
+    striker = {"mass": 4.0, "radius": math.inf}
+    given = {"chain": {"taper": "uniform", "beads": 6, "struck_by": striker}}
+    found = hc.sweep(given | {"axes": {"struck_by.mass": [2.0, 4.0]}})
+    for k, mass in enumerate([2.0, 4.0]):
+        chain = hc.Chain.uniform(6).struck_by(mass=mass, radius=math.inf)
+        assert chain.striker_properties[0].flat
+        np.testing.assert_allclose(
+            found["velocity"][k].squeeze(), hc.propagate(chain).velocity, rtol=1e-6
+        )
 
 
 @pytest.mark.parametrize(("change", "said"), BAD)

@@ -14,6 +14,7 @@ import numpy as np
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, InputWarning, warn_user
 from ..representation import measure
+from ..validation.json_types import FLAT
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, plain_magnitude, whole_number
 from .fields import ChainFields
@@ -189,6 +190,8 @@ def _striker(
     if radius is None:
         return own, sphere, None, sphere
     unit = chain._unit("m")
+    if isinstance(radius, str) and radius == FLAT:
+        radius = math.inf
     plain = plain_magnitude("radius of a striker", radius, unit)
     if isinstance(plain, float) and plain == math.inf:
         if mass is None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import short_repr, similar_names, unknown_name_error
 from ..units import UNITS, comma_advice, quantity
+from ..validation.json_types import FLAT
 from ..validation.numbers import whole_hint
 from .chain_schema import KEYS, SECTIONS, TABLES
 from .schema_keys import Key, Section
@@ -221,7 +222,7 @@ def _problem_of_one(key: Key, value: Any, what: str, *, several: bool = False) -
         if isinstance(value, bool) or not isinstance(value, numbers.Integral):
             given = f"{short_repr(value)} ({key.description}){whole_hint(value)}"
             yield f"{what} must be a whole number, got {given}"
-    elif isinstance(value, str) and _may_be_text(key) and quantity(value) is not None:
+    elif isinstance(value, str) and _is_number_as_text(key, value):
         return
     elif isinstance(value, bool) or not isinstance(value, numbers.Real):
         units = UNITS[key.dimension] if key.dimension else ()
@@ -231,6 +232,13 @@ def _problem_of_one(key: Key, value: Any, what: str, *, several: bool = False) -
         hint = "; write inf without quotation marks" if quoted else ""
         hint = hint or comma_advice(value, several=several)
         yield f"{what} must be a number{with_unit}, got {short_repr(value)}{hint}"
+
+
+def _is_number_as_text(key: Key, value: str) -> bool:
+    """Whether text is a number with a unit, a percentage, or the radius of a flat striker."""
+    if key.name == "radius" and value == FLAT:
+        return True
+    return _may_be_text(key) and quantity(value) is not None
 
 
 def _may_be_text(key: Key) -> bool:

@@ -12,6 +12,8 @@ from ..errors import InputError, short_repr
 
 # Largest number of nested tables and lists.
 MAX_DEPTH: Final = 20
+# The infinite radius of a flat striker, which JSON cannot represent as a number.
+FLAT: Final = "inf"
 
 
 def to_json_types(given: Any, place: str = "") -> Any:
@@ -50,6 +52,8 @@ def _plain(given: Any, place: str, depth: int) -> Any:
             raise InputError(f"{place} is too large: whole numbers have at most 63 bits".strip())
         return int(given)
     if isinstance(given, float):
+        if given == math.inf and place.endswith(".radius"):
+            return FLAT
         if not math.isfinite(given):
             hint = "; infinite lengths are text, such as 'inf mm'" if math.isinf(given) else ""
             raise InputError(f"{place} is {given:g}: it must be finite{hint}".strip())

@@ -72,12 +72,12 @@ def _gradients(chain: Chain) -> object:
     ]
 
 
-# Functions that the page of the app needs, in this order.
+# Functions that the page of the app needs, in this order: it begins with a chain and a wall.
 INTERACTIVE: Final = (
+    Stage("walls", lambda chain: _walled(chain, None), general=True),
     Stage("the simulation of the pulse", propagate),
     Stage("the local-rate law", local_rate),
     Stage("the simulation of all beads", _all_beads),
-    Stage("walls", lambda chain: _walled(chain, None), general=True),
     Stage("losses", lambda chain: _walled(chain, Dashpot(0.1)), general=True),
     Stage("heterogeneous chains", _heterogeneous),
 )

@@ -151,15 +151,15 @@ class App:
             put(Part({"part": "cancelled", **wanted.identity}).pack())
             return
         self._put_status(wanted, put)
-        general = False
+        features: list[str] = []
         for part in results(wanted, stop):
             put(part.pack())
             kind = part.header["part"]
             if kind == "beads":
-                general = any(name != "SI units" for name in part.header["features"])
+                features = part.header["features"]
             if self.warm_up.pending():
                 self._put_status(wanted, put)
-                self.warm_up.wait(kind, general=general, stop=stop)
+                self.warm_up.wait(kind, features, stop)
             if stop() and kind in ("beads", "pulse"):
                 put(Part({"part": "cancelled", **wanted.identity}).pack())
                 return

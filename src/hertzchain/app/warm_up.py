@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING, Final
 
 from . import background_import
@@ -12,9 +12,10 @@ from . import background_import
 if TYPE_CHECKING:
     from ..warm_start import Stage
 
-# Stages that must be complete before the message that follows another one, for default chains and
-# for general chains.
-NEEDED: Final = {"beads": (2, 5), "pulse": (3, 5)}
+# Stages that must be complete before the message that follows another one: for default chains, for
+# other elastic chains, and for chains with losses.
+NEEDED: Final = {"beads": (3, 1, 5), "pulse": (4, 1, 5)}
+LOSSES: Final = {"loss", "mixed losses"}
 POLL: Final = 0.05
 
 
@@ -60,11 +61,12 @@ class WarmUp:
             self._stages = INTERACTIVE
         return self._stages
 
-    def wait(self, part: str, *, general: bool, stop: Callable[[], bool]) -> None:
+    def wait(self, part: str, features: Collection[str], stop: Callable[[], bool]) -> None:
         """Wait for the kernels that the message after ``part`` needs, or until ``stop()`` is true.
 
         Otherwise threads of requests that are out of date would wait for the compiler.
         """
-        needed = NEEDED.get(part, (0, 0))[general]
+        kind = 2 if LOSSES & {*features} else 1 if {*features} - {"SI units"} else 0
+        needed = NEEDED[part][kind] if part in NEEDED else 0
         while self._done < needed and self.pending() and not stop():
             time.sleep(POLL)

@@ -1,6 +1,6 @@
 """Integration of the equations of motion of all beads, and evaluation of runs.
 
-- integration: `simulate` by adaptive or `fixed_steps`, and its `saved_times`;
+- integration: `simulate` by adaptive or `fixed_steps`, its `saved_times` and `frames`;
 - input of the compiled loop: `kernel_input`, `kernel_laws`, `drive_pieces`, `time_scales`;
 - state: `state`, `checked_state`;
 - end of a run: `run_end`, `run_message`, `slow_run`;

@@ -36,7 +36,7 @@ class Bound:
 def bound_of(problem: Design, measure: Measure) -> Bound | None:
     """The bound of a measure for all designs; `None` if none is known."""
     chain = problem.chain
-    if _driven(chain) or problem.until is not None:
+    if measure.over is not None or _driven(chain) or problem.until is not None:
         return None
     momentum = _momentum(chain)
     if momentum is None:

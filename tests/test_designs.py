@@ -989,6 +989,15 @@ def test_descents_are_the_default_if_their_derivatives_are_exact():
         assert method_for(given, "auto", 1e4) == expected
 
 
+def test_the_law_is_not_used_for_ratios():
+    sizes = hc.vary.radii(0.5, 2.0, by="spline", knots=8)
+    for measure, expected in (("velocity@36", "law"), ("velocity@36/velocity@10", "hybrid")):
+        problem = hc.Design(hc.Chain.uniform(40), maximise=measure, vary=sizes)
+        assert method_for(problem, "auto", 1e4) == expected
+    with pytest.raises(hc.InputError, match=r"one quantity of the leading pulse \(no ratio\)"):
+        method_for(problem, "law", 1e4)
+
+
 def test_losses_without_derivatives_are_not_covered():
     for loss in (hc.Dashpot(0.1), hc.UnloadingRatio(0.2), hc.WaltonBraun(0.8)):
         chain = WALLED.replace(loss=loss)

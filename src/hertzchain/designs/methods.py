@@ -99,8 +99,8 @@ def method_for(problem: Design, given: str, budget_runs: float) -> str:
         raise InputError(f"method {given!r} cannot vary {kind}; omit method")
     if given == "law" and not smooth_tapers.covers(problem):
         raise InputError(
-            "method 'law' needs one spline of radii, and one quantity of the leading pulse of a "
-            "chain that hc.local_rate accepts; omit method"
+            "method 'law' needs one spline of radii, and one quantity of the leading pulse (no "
+            "ratio) of a chain that hc.local_rate accepts; omit method"
         )
     if given == "scan" and space.size > 1:
         raise InputError(f"method 'scan' has one variable, got {space.size}; omit method")

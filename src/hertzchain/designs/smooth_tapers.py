@@ -49,7 +49,7 @@ def covers(problem: Design) -> bool:
     sizes = [sizes] if isinstance(sizes, Sizes) else list(sizes)
     if problem.scatter is not None or problem.model != "simulation" or not problem.chain.lossless:
         return False
-    if measure is None or measure.key not in DIFFERENTIABLE:
+    if measure is None or measure.over is not None or measure.key not in DIFFERENTIABLE:
         return False
     if len(sizes) != 1 or not isinstance(sizes[0], Sizes):
         return False

@@ -1,9 +1,17 @@
 """Constraints of designs: their bounds, and values that are unknown."""
 
+import numpy as np
 import pytest
 
 import hertzchain as hc
 from hertzchain.designs.bounds import bounds_of, impossible
+from hertzchain.designs.evolution import STALLED, evolve
+from hertzchain.designs.search_budget import budget_from
+from hertzchain.designs.trials import Trials
+from hertzchain.designs.verified import met
+from hertzchain.store.journal import Journal
+
+WALLED = hc.Chain.uniform(6).replace(right_wall=hc.Wall())
 
 
 @pytest.mark.parametrize("quantity", ["energy", "energy_share"])
@@ -19,3 +27,47 @@ def test_a_ratio_of_energies_has_no_bound(quantity):
     # A light bead passes most of its energy on before its velocity is largest.
     chain = hc.Chain([1.0, 1.0, 1.0, 0.6, *[1.0] * 6])
     assert problem.evaluate(chain).values[ratio] > 1.5
+
+
+def trials_of(problem, budget=2000):
+    return Trials(problem, budget_from(budget), Journal(None, ""), seed=1)
+
+
+@pytest.mark.parametrize("limits", ["<= 1", ">= 1", ["<= 2", ">= 0.5"]])
+def test_an_unknown_value_meets_no_constraint(limits):
+    problem = hc.Design(
+        WALLED, minimise="length", vary=[hc.vary.radii(0.5, 1.0)],
+        subject_to={"wall_force.peak": limits, "mass": "<= 100"},
+    )  # fmt: skip
+    known = {"length": 10.0, "wall_force.peak": 1.0, "mass": 20.0}
+    for values, fine in ((known, True), (known | {"wall_force.peak": np.nan}, False)):
+        assert met(problem, values) == fine
+        row = np.array([list(values.values())])
+        (outcome,) = trials_of(problem).outcomes([np.zeros(5)], row)
+        assert outcome.met == fine
+        assert np.isfinite(outcome.rank).all() == fine
+
+
+def test_a_limit_of_which_the_verification_has_no_value_is_not_met():
+    """The BCA has the velocity of bead 9; the simulation ends before the pulse arrives there."""
+    problem = hc.Design(
+        hc.Chain.uniform(10), maximise="velocity@4", model="bca", until=6.0,
+        vary=[hc.vary.radii(0.9, 1.1, by="common", beads="5:")],
+        subject_to={"velocity@9": ">= 0.5"},
+    )  # fmt: skip
+    found = hc.design(problem, budget=20)
+    assert np.isnan(found.values["velocity@9"])
+    assert not found.met
+    assert "velocity@9 >= 0.5: nan, NOT met" in found.summary()
+
+
+def test_an_evolution_among_chains_without_values_is_given_up():
+    """No force on the wall is complete at this time."""
+    problem = hc.Design(
+        WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)], until=1.0,
+        subject_to={"wall_force.duration": "<= 1"},
+    )  # fmt: skip
+    trials = trials_of(problem)
+    best = evolve(trials, np.full(5, 0.5), 1.0, np.random.default_rng(1), population=10)
+    assert np.isnan(best.violation)
+    assert trials.rejected == trials.runs <= 10 * (2 * STALLED)

@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from .requirements import TOLERANCE
 from .trials import Outcome, Trials
 
 SIGMA: Final = 0.3
@@ -99,7 +100,8 @@ def evolve(
         bests.append(best.score)
         if strategy.sigma * strategy.lengths.max() < MIN_STEP:
             break
-        if len(bests) > STALLED + 10 * len(start) // size and best.met:
+        # A violation may still fall; a run in which all values are unknown has stalled.
+        if len(bests) > STALLED + 10 * len(start) // size and not best.violation > TOLERANCE:
             gain = bests[-1 - STALLED] - bests[-1]
             if not gain > MIN_GAIN * abs(bests[-1]):
                 break

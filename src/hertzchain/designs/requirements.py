@@ -114,9 +114,9 @@ def _check_consistent(found: list[Requirement]) -> None:
 
 
 def violation(requirements: tuple[Requirement, ...], values: Array) -> Array:
-    """Total relative violation of rows of values, shape (C,)."""
+    """Total relative violation of rows of values, shape (C,); NaN if one of them is unknown."""
     total = np.zeros(len(values))
     for i, each in enumerate(requirements):
         excess = each.excess(values[:, i])
-        total += np.where(excess > TOLERANCE, excess, 0.0)
+        total += np.where(excess <= TOLERANCE, 0.0, excess)
     return total

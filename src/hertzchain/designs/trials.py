@@ -45,7 +45,10 @@ SMALL_PART, LONGEST_PART, FIRST_SIZE, GROWTH = 0.02, 1.0, 8, 8
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """A trial design: its point or choice, the values of all measures, score and violation."""
+    """A trial design: its point or choice, the values of all measures, score and violation.
+
+    Score and violation are NaN if a value is unknown.
+    """
 
     x: Any
     values: Array

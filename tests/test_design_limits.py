@@ -1,5 +1,7 @@
 """Constraints of designs: their bounds, and values that are unknown."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from hertzchain.designs.bounds import bounds_of, impossible
 from hertzchain.designs.evolution import STALLED, evolve
 from hertzchain.designs.search_budget import budget_from
 from hertzchain.designs.trials import Trials
-from hertzchain.designs.verified import met
+from hertzchain.designs.verified import excess_with_scatter, met
 from hertzchain.store.journal import Journal
 
 WALLED = hc.Chain.uniform(6).replace(right_wall=hc.Wall())
@@ -71,3 +73,25 @@ def test_an_evolution_among_chains_without_values_is_given_up():
     best = evolve(trials, np.full(5, 0.5), 1.0, np.random.default_rng(1), population=10)
     assert np.isnan(best.violation)
     assert trials.rejected == trials.runs <= 10 * (2 * STALLED)
+
+
+def test_a_limit_is_not_met_if_new_samples_have_no_value():
+    """Peaks of all samples of the search, but not of all new ones, are complete at the end."""
+    scatter = hc.Scatter(radius=0.05, samples=4, beads="2:")
+    problem = hc.Design(
+        hc.Chain.uniform(4).replace(right_wall=hc.Wall()), minimise="length", scatter=scatter,
+        vary=[hc.vary.radii(0.9, 1.1, by="common")], until=5.5,
+        subject_to={"wall_force.peak": "<= 5", "mass": "<= 100"},
+    )  # fmt: skip
+    found = hc.design(problem, budget=80)
+    for count, seed, complete in ((4, 0, True), (400, 1_000_003, False)):
+        chains = scatter._chains(found.chain, scatter._draws(seed, 4, count))
+        peaks = hc.simulate_many(chains, keep=["wall_peak_force"], until=5.5)["wall_peak_force"]
+        assert np.isfinite(peaks).all() == complete
+    assert not found.met
+    assert found.summary().startswith("The constraints are NOT met in new samples of the scatter.")
+    said = "CVaR90 of wall_force.peak <= 5 cannot be checked, because some new samples"
+    assert any(note.startswith(said) for note in found.notes)
+    # Nothing is known if no samples can be made.
+    without = dataclasses.replace(found.verified, scattered={})
+    assert excess_with_scatter(problem, without) == {"CVaR90 of wall_force.peak <= 5": np.inf}

@@ -249,10 +249,10 @@ def _result(
     promise = found.promise
     space = problem.space
     parts = tuple(space.parts(best.x)) if isinstance(space, BallSpace) and not space.order else ()
-    exceeded = [*excess_with_scatter(problem, verified)]
+    exceeded = excess_with_scatter(problem, verified)
     notes = (
         *notes, *note_on_impact(problem), *_differs(trials, best, verified, found.method),
-        *verified.notes, *_note_on_samples(trials, exceeded),
+        *verified.notes, *_notes_on_samples(trials, exceeded),
         *notes_on_rejections(trials, verified),
     )  # fmt: skip
     return DesignResult(
@@ -269,15 +269,23 @@ def _result(
     )  # fmt: skip
 
 
-def _note_on_samples(trials: Trials, exceeded: list[str]) -> list[str]:
-    """A note that limits kept in the samples of the search are not kept in new ones."""
-    if not exceeded:
-        return []
-    return [
-        f"new samples of the scatter violate {listed(exceeded)}, although the "
-        f"{trials.samples} samples of the search may not: set stricter limits, or give the scatter "
-        "more samples"
-    ]
+def _notes_on_samples(trials: Trials, exceeded: dict[str, float]) -> list[str]:
+    """Notes that limits kept in the samples of the search are not kept in new ones, or unknown."""
+    violated = [name for name, amount in exceeded.items() if np.isfinite(amount)]
+    unknown = [name for name in exceeded if name not in violated]
+    notes = []
+    if violated:
+        notes.append(
+            f"new samples of the scatter violate {listed(violated)}, although the "
+            f"{trials.samples} samples of the search may not: set stricter limits, or give the "
+            "scatter more samples"
+        )
+    if unknown:
+        notes.append(
+            f"{listed(unknown)} cannot be checked, because some new samples of the scatter have no "
+            "value"
+        )
+    return notes
 
 
 def _differs(trials: Trials, best: Outcome, verified: Verified, method: str) -> list[str]:

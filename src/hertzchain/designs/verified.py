@@ -263,19 +263,20 @@ def met(problem: Design, values: dict[str, float]) -> bool:
 def excess_with_scatter(problem: Design, found: Verified) -> dict[str, float]:
     """Limits that the statistic of a scatter violates in new samples, with the relative amounts.
 
-    They are those of measures that need a simulation, since new samples have no others.
+    They are those of measures that need a simulation, since new samples have no others.  The amount
+    is infinite if a sample has no value, or there are no samples.
     """
     if problem.scatter is None:
         return {}
-    values = (
-        (each, found.scattered.get(f"{problem.scatter.statistic} of {each.measure}", -np.inf))
-        for each in problem.requirements
-    )
-    return {
-        f"{problem.scatter.statistic} of {each}": float(each.excess(value))
-        for each, value in values
-        if np.isfinite(value) and each.excess(value) > TOLERANCE
-    }
+    statistic, exceeded = problem.scatter.statistic, dict[str, float]()
+    for each in problem.requirements:
+        if each.measure.of_chain:
+            continue
+        value = found.scattered.get(f"{statistic} of {each.measure}", np.nan)
+        amount = np.inf if np.isnan(value) else float(each.excess(value))
+        if amount > TOLERANCE:
+            exceeded[f"{statistic} of {each}"] = amount
+    return exceeded
 
 
 def violated(problem: Design, values: dict[str, float]) -> list[str]:

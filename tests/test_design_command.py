@@ -526,10 +526,14 @@ def test_a_search_with_a_budget_of_time_resumes(tmp_path):
     np.testing.assert_array_equal(again.history, first.history)
 
 
-def test_too_many_variables_are_explained():
-    chain = hc.Chain.uniform(600).replace(right_wall=hc.Wall())
-    with pytest.raises(hc.InputError, match="599 variables are too many"):
-        hc.design(problem(chain=chain), budget=10)
+@pytest.mark.parametrize(("vary", "most"), [
+    (hc.vary.radii(0.5, 1.0), "'gradient', which can use 2000"),
+    (hc.vary.gaps(0.0, 0.1, contacts="1:2001"), "'hybrid', which can use 500"),
+])  # fmt: skip
+def test_too_many_variables_are_explained(vary, most):
+    chain = hc.Chain.uniform(2002).replace(right_wall=hc.Wall())
+    with pytest.raises(hc.InputError, match=f"2001 variables are too many for method {most}"):
+        hc.design(problem(chain=chain, vary=vary), budget=10)
 
 
 def test_catalogues_and_chain_files_have_the_same_headers(tmp_path):

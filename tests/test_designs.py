@@ -33,6 +33,7 @@ from hertzchain.store.journal import Journal
 
 WALLED = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
 WALLED_40 = hc.Chain.uniform(40).replace(right_wall=hc.Wall())
+WALLED_700 = hc.Chain.uniform(700).replace(right_wall=hc.Wall())
 STEEL = hc.Chain.from_materials(
     2.38e-3, "steel-304", beads=7, velocity=1.0, right_wall=hc.Wall.of("steel-304")
 )
@@ -981,6 +982,8 @@ def test_descents_are_the_default_if_their_derivatives_are_exact():
         (WALLED, hc.vary.masses(0.1, 1.0), "gradient"),
         (WALLED, hc.vary.radii(0.2, 1.0), "hybrid"),
         (WALLED_40, hc.vary.radii(0.2, 1.0), "gradient"),
+        (WALLED_700, hc.vary.radii(0.5, 1.0), "gradient"),
+        (WALLED_700, hc.vary.radii(0.2, 1.0), "gradient"),
         (WALLED, hc.vary.gaps(0.0, 0.1), "hybrid"),
         (WALLED.replace(loss=hc.Restitution(0.9)), hc.vary.radii(0.5, 1.0), "gradient"),
         (WALLED.replace(loss=hc.Dashpot(0.1)), hc.vary.radii(0.5, 1.0), "hybrid"),

@@ -130,9 +130,8 @@ def _for_sizes(problem: Design) -> str:
     space = problem.space
     if not isinstance(space, SizeSpace) or "gaps" in space.fields or not covered(problem):
         return "hybrid"
-    few = space.size <= MAX_VARIABLES["hybrid"]
     close = _largest_range(space) < WIDE or space.size > MAX_EVOLVED
-    return "gradient" if few and close else "hybrid"
+    return "gradient" if close else "hybrid"
 
 
 def _largest_range(space: SizeSpace) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -194,8 +195,12 @@ class Block:
     def coefficients(self, sizes: Array) -> Array:
         """Coefficients whose sizes are nearest to the given ones, within the limits."""
         values = np.log(np.clip(sizes, self.low, self.high)) if self.log else sizes
-        found = np.linalg.lstsq(self.matrix, values - self.offset, rcond=None)[0]
-        return np.clip(found, *self.limits)
+        return np.clip(self._inverse @ (values - self.offset), *self.limits)
+
+    @cached_property
+    def _inverse(self) -> Array:
+        """Matrix of the least-squares fit of coefficients."""
+        return np.linalg.pinv(self.matrix)
 
 
 def check_strikers_vary(chain: Chain, places: NDArray[np.int64]) -> None:

@@ -86,8 +86,10 @@ def front_in_words(result: DesignResult) -> str:
 
 def _scattered(result: DesignResult, each: Measure) -> str:
     """Values of a measure in samples of the scatter, and whether they exceed a limit."""
+    scatter = result.problem.scatter
+    tail = scatter.statistic if scatter.tail else "CVaR90"
     values = {kind: result.verified.scattered[f"{kind} of {each}"]
-              for kind in ("mean", "CVaR90", "worst")}  # fmt: skip
+              for kind in ("mean", tail, "worst")}  # fmt: skip
     scaled, worst = result.chain.scaled, values["worst"]
     factor, unit = (1.0, "") if scaled or each.unit == "1" else usual_unit(worst, each.unit)
     # With so many digits that the values differ, and with at least about four.

@@ -57,7 +57,7 @@ def _driven(chain: Chain) -> bool:
 
 
 def _momentum(chain: Chain) -> float | None:
-    """Momentum of the impact; `None` if it depends on the design."""
+    """Momentum of the impact; `None` without one, or if a bead moves towards bead 1."""
     moving = chain.velocities != 0.0
     if not moving.any() or (chain.velocities < 0.0).any():
         return None

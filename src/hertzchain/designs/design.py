@@ -157,7 +157,7 @@ def _chosen_method(problem: Design, method: str, limit: Budget) -> str:
 
 
 def _check_budget(problem: Design, limit: Budget, points: int) -> None:
-    """Whether a budget permits the chains to compare with and a trial of each point."""
+    """Raise `InputError` if a budget does not permit the references and a trial of each point."""
     compared = trials = 0
     if points:
         compared, trials = reference_count(problem), 1

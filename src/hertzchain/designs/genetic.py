@@ -113,7 +113,7 @@ class Population:
         return np.asarray(self.members[int(places.min())].x)
 
     def _order_child(self, one: Choice, other: Choice) -> Choice:
-        """Keep the common places; fill all others in the order of one parent."""
+        """Keep the common places; fill the others at random with the balls that are left."""
         found = np.where(one == other, one, -1)
         open_places = np.flatnonzero(found < 0)
         found[open_places] = self.rng.permutation(one[open_places])

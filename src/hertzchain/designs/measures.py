@@ -19,8 +19,9 @@ name                                                    meaning
 ``largest_force``                                       of all contacts and walls in the whole run
 ``yield_ratio``, ``overlap_ratio``                      largest of `hertzchain.HertzRange` in the
                                                         whole run
-``length``, ``mass``, ``beads``, ``price``,             of the beads after the strikers
-``smallest_radius``, ``largest_radius``
+``length``, ``mass``, ``beads``, ``smallest_radius``,   of the beads after the strikers
+``largest_radius``
+``price``                                               of the balls that vary
 ``velocity@100/velocity@20``, ...                       ratio of two measures of the leading pulse
 ======================================================  ===========================================
 """

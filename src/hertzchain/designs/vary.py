@@ -46,10 +46,12 @@ def radii(
         Beads that vary: ``"first:last"`` or ``"first:last:step"``, with both ends included, or a
         list.  All others are fixed.
     by : str
-        ``"bead"``, ``"spline"`` or ``"common"``.  A spline begins at the bead behind the first
-        that varies, unless it is a striker, which makes the taper smooth there.
+        ``"bead"``, ``"spline"`` or ``"common"``.  A spline continues the size of the bead behind
+        the first that varies, which fixes its first coefficient, unless there is none, that bead is
+        a striker, or the spline is symmetric or monotone.
     knots : int, optional
-        Number of coefficients of a spline; by default a quarter of the beads, at most 24.
+        Number of coefficients of a spline; by default a quarter of the beads, at least 4 and at
+        most 24.
     symmetric : bool
         Whether the radii are the same from both ends.
     monotone : str, optional

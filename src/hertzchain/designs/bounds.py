@@ -80,7 +80,7 @@ def impact_varies(problem: Design) -> bool:
     """Whether a variable changes the masses of beads that move at time 0."""
     moving = set(np.flatnonzero(problem.chain.velocities).tolist())
     space = problem.space
-    if hasattr(space, "places"):
+    if isinstance(space, BallSpace):
         return bool(moving & set(space.places.tolist()))
     return any(
         moving & set(block.places.tolist()) for block in space.blocks if block.field != "gaps"

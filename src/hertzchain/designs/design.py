@@ -24,7 +24,7 @@ from .ball_space import BallSpace
 from .bounds import bounds_of, impossible, note_on_impact
 from .dry_run import Estimate, estimate
 from .measures import in_words
-from .methods import SEEDED, Found, method_for, price_of, run_method
+from .methods import SEEDED, Found, method_for, run_method
 from .pareto import MAX_POINTS, SEARCHES, compared_points, design_front
 from .problem import Design
 from .reference_chains import evaluated_references, reference_count
@@ -311,8 +311,8 @@ def _differs(trials: Trials, best: Outcome, verified: Verified, method: str) -> 
 def _verified(trials: Trials, outcome: Outcome) -> Verified:
     problem, key = trials.problem, np.ascontiguousarray(outcome.x).tobytes()
     if key not in trials.verified:
-        chain = problem.space.chain_of(outcome.x)
-        trials.verified[key] = quietly(problem, chain, price_of(problem, outcome.x), trials.seed)
+        chain, price = problem.space.chain_of(outcome.x), problem.space.price(outcome.x)
+        trials.verified[key] = quietly(problem, chain, price, trials.seed)
     return trials.verified[key]
 
 

@@ -79,21 +79,19 @@ def reflected(points: Array) -> Array:
 
 
 def evolve(
-    trials: Trials, start: Array, end: float, rng: np.random.Generator, *,
-    population: int | None = None,
+    trials: Trials, start: Array, end: float, rng: np.random.Generator, *, population: int
 ) -> Outcome | None:  # fmt: skip
     """One run from a start, until it stalls or a part of the budget is used; its best trial."""
-    size = population or 2 * (4 + int(3.0 * math.log(len(start))))
-    strategy, best = Strategy(start, size), None
+    strategy, best = Strategy(start, population), None
     bests: list[float] = []
     while trials.used < end:
         steps, points = strategy.ask(rng)
         found = trials.evaluate(list(points))
-        if len(found) < size:
+        if len(found) < population:
             return min(
                 [*found, *([best] if best else [])], key=lambda each: each.rank, default=None
             )
-        order = np.array(sorted(range(size), key=lambda i: found[i].rank))
+        order = np.array(sorted(range(population), key=lambda i: found[i].rank))
         strategy.tell(steps, order)
         top = found[order[0]]
         best = top if best is None or top.rank < best.rank else best
@@ -101,7 +99,7 @@ def evolve(
         if strategy.sigma * strategy.lengths.max() < MIN_STEP:
             break
         # A violation may still fall; a run in which all values are unknown has stalled.
-        if len(bests) > STALLED + 10 * len(start) // size and not best.violation > TOLERANCE:
+        if len(bests) > STALLED + 10 * len(start) // population and not best.violation > TOLERANCE:
             gain = bests[-1 - STALLED] - bests[-1]
             if not gain > MIN_GAIN * abs(bests[-1]):
                 break

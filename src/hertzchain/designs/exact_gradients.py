@@ -85,19 +85,13 @@ def value_in_whole_run(measure: Measure, chain: Chain, until: float | None, rtol
     return value if status == "complete" else float("nan")
 
 
-def slopes_by_field(problem: Design, chain: Chain) -> tuple[Array, dict[str, Array], int]:
-    """`_slopes_by_field` at the usual tolerance, without warnings."""
-    with ignore_warnings(IncompleteWarning, ModelRangeWarning):
-        return _slopes_by_field(problem, chain, RTOL)
-
-
 def _slopes_by_field(
     problem: Design, chain: Chain, elastic_rtol: float
-) -> tuple[Array, dict[str, Array], int]:
+) -> tuple[Array, dict[str, Array]]:
     """Values, and derivatives with respect to each field; NaN for measures that do not exist.
 
     The rows are those of the measures and, if the force on the wall is one of them, of all maxima
-    of that force; the last number is that of the maxima.
+    of that force.
     """
     assert isinstance(problem.space, SizeSpace)
     fields, measures = problem.space.fields, problem.measures
@@ -125,7 +119,7 @@ def _slopes_by_field(
             values[row] = measure.from_chain(chain, np.nan)
             for field in fields:
                 slopes[field][row] = measure.slope_of_chain(chain, field)
-    return values, slopes, len(maxima)
+    return values, slopes
 
 
 def _gradients(
@@ -153,7 +147,8 @@ def values_and_slopes(problem: Design, point: Array) -> tuple[Array, Array, Arra
     space, count = problem.space, len(problem.measures)
     assert isinstance(space, SizeSpace)
     chain = space.chain_of(point)
-    values, slopes, _ = slopes_by_field(problem, chain)
+    with ignore_warnings(IncompleteWarning, ModelRangeWarning):
+        values, slopes = _slopes_by_field(problem, chain, RTOL)
     pulled = space.pull(point, slopes)
     models = np.column_stack([np.zeros(len(values)), values, pulled])[count:]
     return values[:count], pulled[:count], models if _has_maxima(problem) else models[:0]
@@ -183,7 +178,7 @@ def scattered_slopes(
     wanted = sorted({int(i) for group in counted for i in group})
 
     def slopes_of(i: int) -> tuple[Array, Array]:
-        values, slopes, _ = _slopes_by_field(problem, chains[i], SAMPLE_RTOL)
+        values, slopes = _slopes_by_field(problem, chains[i], SAMPLE_RTOL)
         if "radii" in slopes:
             # A relative deviation multiplies the radius, a grade adds to it.
             factor = chains[i].radii / chain.radii if scatter.grade is None else 1.0

@@ -17,7 +17,7 @@ method          search
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -229,7 +229,8 @@ def _agree(trials: Trials, ends: list[Outcome]) -> bool:
     return len(latest) == AGREEING and close and not trials.problem.has_kinks
 
 
-def _starts(trials: Trials):  # type: ignore[no-untyped-def]
+def _starts(trials: Trials) -> Iterator[Array]:
+    """The best point so far, then the best of each group of quasi-random ones."""
     from scipy.stats import qmc
 
     yield from [each.x for each in trials.best[:1] if np.isfinite(each.score)]
@@ -278,8 +279,7 @@ def _search_without_scatter(trials: Trials, method: str, end: float) -> tuple[Tr
     )
     nominal.clock = trials.clock
     begin = trials.used
-    chosen = method_for(problem, "auto" if method == "law" else method, math.inf)
-    found = _SEARCHES[chosen](nominal, begin + (FEW if genetic else NOMINAL) * (end - begin))
+    found = _SEARCHES[method](nominal, begin + (FEW if genetic else NOMINAL) * (end - begin))
     trials.add_counts(nominal)
     return nominal, found
 
@@ -297,10 +297,3 @@ _SEARCHES: Final[dict[str, Callable[[Trials, float], Found]]] = {
     "law": _law, "scan": _scan, "hybrid": _hybrid, "gradient": _gradient,
     "evolution": _evolution, "enumerate": _enumerate, "genetic": _genetic,
 }  # fmt: skip
-
-
-def price_of(problem: Design, point: Array) -> float:
-    """Price of the balls at a point; NaN for sizes."""
-    space = problem.space
-    assert isinstance(space, BallSpace | SizeSpace)
-    return space.price(point)

@@ -105,6 +105,7 @@ class Design:
         object.__setattr__(self, "objectives", objectives)
         reported = tuple(m for each in objectives for m in each.measures)
         object.__setattr__(self, "reported", reported)
+        object.__setattr__(self, "vary", _variables_from(self.vary))
         object.__setattr__(self, "space", _space(chain, self.vary))
         requirements = requirements_from(self.subject_to, chain)
         object.__setattr__(self, "requirements", requirements)
@@ -140,9 +141,8 @@ class Design:
     def _check_impact(self) -> None:
         """Raise `InputError` if a simulation would begin with beads that only move apart."""
         chain, velocities = self.chain, self.chain.velocities
-        varied = any(block.field == "velocities" for block in getattr(self.space, "blocks", ()))
         loaded = chain.drive is not None or chain.gravity or chain.precompression
-        if varied or loaded or all(each.of_chain for each in self.measures):
+        if loaded or all(each.of_chain for each in self.measures):
             return
         if closing_speed(chain) > 0.0:
             return
@@ -266,7 +266,7 @@ class Design:
         settings = {
             "chain": fingerprint(self.chain), "minimise": self.minimise,
             "maximise": self.maximise, "match": self.match,
-            "vary": [dataclasses.astuple(each) for each in _variable_list(self.vary)],
+            "vary": [dataclasses.astuple(each) for each in self.vary],
             "balls": balls, "subject_to": dict(self.subject_to), "scatter": self.scatter,
             "until": self.until, "model": self.model,
         }  # fmt: skip
@@ -284,7 +284,7 @@ class Design:
         return short("Design", about, what, limits, scatter)
 
 
-def _variable_list(vary: Any) -> list[Variable]:
+def _variables_from(vary: Any) -> tuple[Variable, ...]:
     found = [vary] if isinstance(vary, Variable) else vary
     if not isinstance(found, Sequence) or isinstance(found, str):
         raise InputError(
@@ -294,11 +294,10 @@ def _variable_list(vary: Any) -> list[Variable]:
     for each in found:
         if not isinstance(each, Variable):
             raise InputError(f"vary must have variables of hc.vary, got {short_repr(each)}")
-    return list(found)
+    return tuple(found)
 
 
-def _space(chain: Chain, vary: Any) -> Space:
-    given = _variable_list(vary)
+def _space(chain: Chain, given: tuple[Variable, ...]) -> Space:
     if not given:
         raise InputError("vary has no variables; give at least one, such as hc.vary.radii(0.5, 1)")
     sizes = [each for each in given if isinstance(each, Sizes)]

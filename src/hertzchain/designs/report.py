@@ -58,7 +58,7 @@ def summary(result: DesignResult) -> str:
     if result.parts:
         lines.append("parts, without the arriving ball:" if _arrives(result) else "parts:")
         lines += [f"  {count} x {name}" for count, name in result.parts]
-    if result.discrete and result.chain.materials is not None:
+    if result.problem.discrete and result.chain.materials is not None:
         lines.append(f"order: {_order(result)}")
     lines += _sizes(result)
     if result.optima:

@@ -342,11 +342,6 @@ class DesignResult:
         check_choice("kind of plot", kind, designs.KINDS)
         return designs.KINDS[kind](self, ax=ax)
 
-    @property
-    def discrete(self) -> bool:
-        """Whether balls or their order vary."""
-        return isinstance(self.problem.space, BallSpace)
-
     def __repr__(self) -> str:
         from .report import search_in_words
 

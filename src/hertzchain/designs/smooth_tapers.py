@@ -45,15 +45,14 @@ STEP: Final = 1e-6
 
 def covers(problem: Design) -> bool:
     """Whether the law gives the objective, and all variables are splines of radii."""
-    sizes, measure = problem.vary, problem.objective.single
-    sizes = [sizes] if isinstance(sizes, Sizes) else list(sizes)
+    measure = problem.objective.single
     if problem.scatter is not None or problem.model != "simulation" or not problem.chain.lossless:
         return False
     if measure is None or measure.over is not None or measure.key not in DIFFERENTIABLE:
         return False
-    if len(sizes) != 1 or not isinstance(sizes[0], Sizes):
+    one = problem.vary[0]
+    if len(problem.vary) > 1 or not isinstance(one, Sizes):
         return False
-    one = sizes[0]
     if one.by != "spline" or one.field != "radii" or one.monotone is not None or one.symmetric:
         return False
     if not all(each.measure.of_chain for each in problem.requirements):
@@ -147,7 +146,7 @@ class Law:
 
 def promise(problem: Design) -> Promise:
     """The best smooth design that the law finds within its range."""
-    vary = problem.vary if isinstance(problem.vary, Sizes) else problem.vary[0]
+    (vary,) = problem.vary
     assert isinstance(problem.space, SizeSpace)
     final = problem.space.size
     levels = [k for k in COARSE if k < final] + [None]

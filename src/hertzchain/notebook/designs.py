@@ -9,6 +9,7 @@ import numpy as np
 from ..designs.comparison import references_in_words
 from ..designs.distribution import Distribution
 from ..designs.report import front_in_words, search_in_words
+from ..designs.requirements import TOLERANCE
 from ..designs.result import DesignResult
 from ..representation import counted
 from .drawing import Curve, axis_unit, chart, engineering, note, numbers, page, sentence, table
@@ -29,7 +30,7 @@ def design_html(result: DesignResult) -> str:
     }
     for each in problem.requirements:
         value = result.values[str(each.measure)]
-        met = "" if each.excess(value) <= 1e-6 else ", NOT met"
+        met = "" if each.excess(value) <= TOLERANCE else ", NOT met"
         found[str(each)] = f"{each.shown(value)}{met}"
     if result.front:
         found[front_in_words(result)] = counted(len(result.front), "point")

@@ -292,7 +292,7 @@ def _draw_yielding_points(
 def _join_points(result: DesignResult, x: Array, y: Array, axes: Axes) -> None:
     """Join points of sizes; there is nothing between rows of balls, whose front has steps."""
     colour = COLOURS[1]
-    if result.discrete:
+    if result.problem.discrete:
         least = result.problem.objectives[1].weights[0] > 0.0
         axes.step(x, y, color=colour, linewidth=0.8, alpha=0.5, where="post" if least else "pre")
     else:

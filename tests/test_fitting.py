@@ -154,6 +154,23 @@ def test_two_shots_share_their_material():
     assert abs(result.values["loss.time"] - 0.62e-6) < 3.0 * result.errors["loss.time"]
 
 
+def test_shots_that_are_sampled_at_other_intervals_have_their_own_signals():
+    chain, pair = bench(LAW), []
+    for interval in (2e-6, 1e-6):
+        times = interval * np.arange(201)
+        run = hc.simulate(chain, times=times, rtol=1e-11)
+        pair.append((times, run.forces[:, -1]))
+    one, two = (
+        hc.Traces.from_arrays(times, {"wall [N]": force}, noise=0.1) for times, force in pair
+    )
+    parameters = free_parameters(one + two, [chain, chain], ["stiffness"], {}, {})
+    places = [signal.place for _, signal in one]
+    model = make_model(one + two, [chain, chain], parameters, Simulator(places))
+    found = model.predict({parse_name("stiffness"): 1.0})
+    for (signal,), (_, force) in zip(found, pair, strict=True):
+        assert signal == pytest.approx(force, abs=1e-4 * pair[0][1].max())
+
+
 def test_nine_parameters_take_few_simulations(traces):
     result = hc.fit(traces, bench(hc.Viscoelastic(0.3e-6)), free=NINE, priors=KNOWN)
     assert result.simulations <= 25

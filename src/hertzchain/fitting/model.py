@@ -188,7 +188,7 @@ class Model:
         last = float(times[-1]) - min(0.0, *(each.delay for each in sensors))
         run = self.simulator.signals(self.chain(shot, values), max(last, 1e-9))
         signals = [
-            each.gain * self._seen(run, signal, each, times) + each.offset
+            each.gain * self._seen(run, shot, signal, each, times) + each.offset
             for signal, each in zip(data.signals, sensors, strict=True)
         ]
         share = given.get(Name("crosstalk"), 0.0)
@@ -208,10 +208,10 @@ class Model:
             found.append(next_to_jumps(times - sensor.delay, column, run.spacing, least_jump))
         return found
 
-    def _seen(self, run: Signals, signal: Signal, sensor: Sensor, times: Array) -> Array:
-        """Signal of a sensor before its gain and offset."""
+    def _seen(self, run: Signals, shot: int, signal: Signal, sensor: Sensor, times: Array) -> Array:
+        """Signal of a sensor in a shot before its gain and offset."""
         key = (run.key, run.spacing, signal.name, signal.coupling,
-               replace(sensor, gain=1.0, offset=0.0), times[0], len(times))  # fmt: skip
+               replace(sensor, gain=1.0, offset=0.0), shot, times[0])  # fmt: skip
         if key not in self._sampled:
             while len(self._sampled) >= KEPT:
                 del self._sampled[next(iter(self._sampled))]

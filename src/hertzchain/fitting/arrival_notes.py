@@ -69,17 +69,20 @@ def sensors_outside(shot: Shot, columns: Sequence[Array], models: Sequence[Array
 
 
 def outside_notes(
-    shot: Shot, columns: Sequence[Array], grid: Array, time_offset: float, outside: Sequence[str]
+    shot: Shot, columns: Sequence[Array], grid: Array, begin: float, outside: Sequence[str]
 ) -> list[str]:
-    """Notes on simulated first pulses that arrive before the record begins, or after it ends."""
+    """Notes on simulated first pulses that arrive before the record begins, or after it ends.
+
+    ``begin`` is the time of the data at the first time of the grid, which is 0.
+    """
     early, cut, missing = [], [], []
-    begin = float(shot.times[0]) - time_offset
+    record = float(shot.times[0]) - begin
     for signal, column in zip(shot.signals, columns, strict=True):
         own = column - column[0]
         foot, crest, end = _first_pulse(own, grid)
-        if foot < begin < end:
+        if foot < record < end:
             cut.append(signal.name)
-        if crest < begin:
+        if crest < record:
             early.append(signal.name)
         elif signal.name in outside and has_pulse(signal):
             missing.append(signal.name)

@@ -280,16 +280,20 @@ def compare_traces(
     shot = without_spikes(shot, pulse_widths(columns, grid))
     traces = Traces((shot,))
     given, other, unexplained = time_offset is not None, None, list[str]()
+    # The run may have been saved from a time after the impact.
+    first_saved = float(run.times[0])
     if time_offset is not None:
         time_offset = number("time_offset", time_offset, unit="s")
+        begin = time_offset + first_saved
     else:
         check_contains_a_pulse(shot, columns, spacing)
-        time_offset, other = best_offset(shot, columns, spacing)
+        begin, other = best_offset(shot, columns, spacing)
+        time_offset, other = begin - first_saved, other and (other[0] - first_saved, other[1])
         least = EXPLAINED + 4.0 * len(columns)
-        if explained_by_offset(shot, columns, spacing, time_offset) < least:
+        if explained_by_offset(shot, columns, spacing, begin) < least:
             unexplained = [NOTHING_EXPLAINED]
-    moments = shot.times - time_offset - run.times[0]
-    inside = _inside(moments, float(grid[-1] - grid[0]), time_offset)
+    moments = shot.times - begin
+    inside = _inside(moments, float(grid[-1]), time_offset)
     check_contained(shot, inside)
     try:
         signals = tuple(_at(moments, inside, column, spacing, time_offset) for column in columns)
@@ -300,7 +304,7 @@ def compare_traces(
     error = np.nan if given else offset_error(shot, signals)
     found = TraceComparison(traces, signals, float(time_offset), given, error)
     suspicious = [
-        *_suspicious(found, columns, grid - run.times[0], other),
+        *_suspicious(found, columns, grid, begin, other),
         *spike_notes(shot),
         *(silent_notes(shot, inside) or unexplained),
     ]
@@ -322,10 +326,11 @@ def _suspicious(
     found: TraceComparison,
     columns: Sequence[Array],
     grid: Array,
+    begin: float,
     other: tuple[float, float] | None,
 ) -> list[str]:
     """Sentences on columns that are probably exchanged, or in other units or elsewhere."""
-    (shot,), offset = found.traces.shots, found.time_offset
+    (shot,) = found.traces.shots
     outside = sensors_outside(shot, columns, found.signals)
     # Wrong times, or columns that are exchanged, cause most of the other differences.
     if notes := time_notes(shot, columns, grid):
@@ -335,8 +340,8 @@ def _suspicious(
         or order_notes(shot, columns, grid)
         or [
             *unit_notes(found.sensors, outside),
-            *outside_notes(shot, columns, grid, offset, outside),
-            *other_offset_notes(shot, offset, other),
+            *outside_notes(shot, columns, grid, begin, outside),
+            *other_offset_notes(shot, found.time_offset, other),
         ]
     )
 
@@ -368,9 +373,10 @@ def check_unit_of_times(run: Run, traces: Traces) -> None:
 
 
 def _columns(run: Run, shot: Shot) -> tuple[Array, list[Array]]:
-    """Evenly spaced times, and the simulated signals at them."""
-    grid = np.linspace(run.times[0], run.times[-1], len(run.times))
-    return grid, [np.interp(grid, run.times, _signal_of(run, each)) for each in shot.signals]
+    """Evenly spaced times since the first saved one, and the simulated signals at them."""
+    times = run.times - run.times[0]
+    grid = np.linspace(0.0, times[-1], len(times))
+    return grid, [np.interp(grid, times, _signal_of(run, each)) for each in shot.signals]
 
 
 def _require_comparable(run: Run, traces: Traces) -> None:

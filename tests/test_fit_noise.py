@@ -1,6 +1,7 @@
 """Noise that is correlated or smaller than the steps of the digitiser; its statistics are known."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -506,3 +507,22 @@ def test_errors_of_simulated_data_without_noise_are_those_of_data_with_it():
     assert note.startswith("the residuals of ball 3, ball 6 and wall are")
     assert not any("far smaller than the noise" in note for note in noisy.warnings)
     assert "multiply" not in without.verdict
+
+
+def test_a_scan_for_defects_counts_independent_samples():
+    rng, rho = np.random.default_rng(4), 0.9
+    chain = bench(beads=4, behind=2)
+    times, seen = signals(chain, 600e-6, 150e-6, balls=(2,))
+    noisy = seen + 0.5 * first_order(rng, rho, seen.T.shape).T
+    data = hc.Traces.from_arrays(times, {"ball 2 [N]": noisy[:, 0], "wall [N]": noisy[:, 1]})
+    result = hc.fit(data, chain, free=["time_offset"])
+    scan = hc.scan_defects(result)
+    # The variance of a mean of first-order noise is (1 + rho)/(1 - rho) times that of white noise.
+    independent = noisy.size * (1.0 - rho) / (1.0 + rho)
+    assert scan.freedom == pytest.approx(independent, rel=0.3)
+    assert abs(scan.chi2 - scan.freedom) < 4.0 * (2.0 * scan.freedom) ** 0.5
+    assert f"of {scan.freedom + 1.0:.0f} independent samples" in str(scan)
+    half = replace(scan, improvements=np.full(len(scan.names), 0.5 * scan.chi2)).plot()
+    assert half.lines[0].get_ydata() == pytest.approx(0.5 * scan.chi2)
+    levels = {line.get_label(): line.get_ydata()[0] for line in half.lines[2:]}
+    assert levels == pytest.approx({"no defect": scan.chi2, "noise alone": scan.freedom})

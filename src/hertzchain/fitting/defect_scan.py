@@ -83,6 +83,24 @@ class DefectScan:
     result: FitResult = field(repr=False)
 
     @property
+    def chi2(self) -> float:
+        """Chi-squared of the fit without a defect, in which correlated samples count less."""
+        problem = self.result.problem
+        own = self.result.residual_vector[: len(problem.data)]
+        return float(own @ own)
+
+    @property
+    def freedom(self) -> float:
+        """The chi-squared of noise alone: the number of its samples minus free parameters."""
+        good = self.result.goodness
+        return good.effective_samples - good.parameters if self._correlated else good.freedom
+
+    @property
+    def _correlated(self) -> bool:
+        """Whether the residuals measure correlated noise, so that its samples count less."""
+        return bool(np.any(self.result.problem.correlated != 1.0))
+
+    @property
     def best(self) -> str:
         """Name of the defect that explains the largest part."""
         return self.names[int(np.argmax(self.improvements))]
@@ -114,12 +132,15 @@ class DefectScan:
         no gap explains more than noise would (a chi2 lower by 20)
         """
         what, place, tried = WORDS[self.kind]
-        fit = self.result
+        good = self.result.goodness
+        samples = f"{good.samples} samples"
+        if self._correlated:
+            samples = f"{good.effective_samples:.0f} independent samples"
         lines = [
             f"scan for {what} {counted(len(self.names), place)}, {self.names[0]} to "
             f"{self.names[-1]}: {tried};",
             "the other parameters of the fit adjust linearly",
-            f"the fit without it: chi2 {_rounded(fit.chi2)} of {fit.goodness.samples} samples",
+            f"the fit without it: chi2 {_rounded(self.chi2)} of {samples}",
             f"  {'defect':<16}{'lowers chi2 by':>16}{'size':>12}",
         ]
         order = np.argsort(-self.improvements, kind="stable")[:SHOWN]

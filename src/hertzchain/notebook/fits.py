@@ -115,7 +115,7 @@ def defect_scan_html(scan: DefectScan) -> str:
     place = np.arange(1.0, len(scan.names) + 1.0)
     curve = Curve(place, np.maximum(scan.improvements, 0.0), scan.kind)
     shown = {"largest at": scan.best, "reduction of chi2": f"{scan.improvements.max():.4g}",
-             "chi2 of the fit": f"{scan.result.chi2:.4g}"}  # fmt: skip
+             "chi2 of the fit": f"{scan.chi2:.4g}"}  # fmt: skip
     text = "" if scan.found else f"no {scan.kind} explains more than noise would"
     return page(
         "DefectScan", scan.kind,

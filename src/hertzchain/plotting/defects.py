@@ -32,10 +32,9 @@ def plot_defect_scans(
     legend = check_bool("legend", legend)
     with figure_style():
         axes = get_axes(ax)
-        result = scans[0].result
         present = axes.get_legend_handles_labels()[1]
         for i, scan in enumerate(scans, len([each for each in present if "best" in each])):
-            places, chi2 = scan.places, np.maximum(result.chi2 - scan.improvements, 1.0)
+            places, chi2 = scan.places, np.maximum(scan.chi2 - scan.improvements, 1.0)
             best, marker = int(np.argmax(scan.improvements)), MARKERS[i % len(MARKERS)]
             size = scan._size_text(best).replace("um", "µm").replace("-", "\N{MINUS SIGN}")
             doubt = "" if scan.found else " (not significant)"
@@ -43,7 +42,7 @@ def plot_defect_scans(
             colour = curve_colour(axes, i)
             axes.plot(places, chi2, color=colour, marker=marker, label=name, linewidth=1.0)
             axes.plot(places[best], chi2[best], marker, color=colour, markersize=9.0)
-        levels = {"no defect": (result.chi2, "--"), "noise alone": (result.goodness.freedom, ":")}
+        levels = {"no defect": (scans[0].chi2, "--"), "noise alone": (scans[0].freedom, ":")}
         for name, (level, style) in levels.items():
             if name not in present:
                 axes.axhline(level, color=grey(axes), linestyle=style, linewidth=0.9, label=name)

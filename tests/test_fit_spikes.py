@@ -5,6 +5,7 @@ import pytest
 from scipy_row import BEFORE, FREE, SPACING, TRUTH, chain, traces
 
 import hertzchain as hc
+from hertzchain.traces.spikes import without_spikes
 
 
 def with_spike(sample, value):
@@ -38,3 +39,17 @@ def test_only_the_shot_with_the_spike_changes():
     result = hc.fit(both, chain(), free=FREE)
     assert [shot.signals[1].spikes for shot in result.traces.shots] == [(), (20,)]
     assert any("sample 21 (at 14 us) of ball 10 in shot 2 differs" in each for each in result.notes)
+
+
+def test_a_sample_beyond_the_range_remains_so_in_a_signal_with_a_spike():
+    crest = int(np.argmax(traces().shots[0].signals[1].values))
+
+    def change(columns):
+        changed = columns["ball 10 [N]"].copy()
+        changed[20], changed[crest] = 4.0, np.inf
+        return columns | {"ball 10 [N]": changed}
+
+    shot = traces(change=change).shots[0]
+    (_, signal, _) = without_spikes(shot, [1e-5] * 3).signals
+    assert signal.spikes == (20,)
+    assert np.flatnonzero(~signal.valid).tolist() == [20, crest]

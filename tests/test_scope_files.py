@@ -203,6 +203,29 @@ def test_channels_in_files_of_their_own_are_merged(tmp_path):
         both.merge(later + later)
 
 
+def test_the_noise_of_merged_channels_does_not_contain_their_crosstalk():
+    index, rng = np.arange(800), np.random.default_rng(3)
+    pulses = 100.0 * np.exp(-(((index - np.array([[120], [600]])) / 12.0) ** 2))
+    seen = pulses + 0.02 * pulses[::-1] + rng.normal(0.0, 0.05, pulses.shape)
+    columns = dict(zip(("ball 4 [N]", "wall [N]"), seen, strict=True))
+    parts = [hc.Traces.from_arrays(1e-6 * index, {name: own}) for name, own in columns.items()]
+    merged = parts[0].merge(parts[1])
+    for signal in merged.shots[0].signals:
+        assert signal.noise == pytest.approx(0.05, rel=4.0 / (2.0 * signal.quiet) ** 0.5)
+    assert merged.shots == hc.Traces.from_arrays(1e-6 * index, columns).shots
+
+
+def test_merged_channels_keep_what_was_given_for_each():
+    times = 1e-6 * np.arange(4)
+    one = hc.Traces.from_arrays(times, {"ball 4 [N]": [0.0, 3.0, 1.0, 0.0]}, noise=0.2)
+    two = hc.Traces.from_arrays(
+        times, {"wall [N]": [0.0, 5.0, np.inf, 1.0]}, noise=0.1, coupling="AC"
+    )
+    ball, wall = one.merge(two).shots[0].signals
+    assert (ball.noise, wall.noise, ball.coupling, wall.coupling) == (0.2, 0.1, "", "AC")
+    assert wall.valid.tolist() == [True, True, False, True]
+
+
 def test_samples_beyond_the_range_are_not_used(tmp_path):
     places = {"TIME": "time [s]", "CH1": "ball 4 [V]", "CH2": "wall [V]"}
     rows = lines().splitlines()

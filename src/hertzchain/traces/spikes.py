@@ -12,7 +12,7 @@ from ..collision import Array
 from .noise import robust_sigma
 from .notes import FAR_IN_NOISE
 from .signals import Shot, Signal
-from .traces import make_shot
+from .traces import made_again
 
 # A spike differs from both neighbours by more than this multiple of their own differences from the
 # samples next to them, and by more than `FAR_IN_NOISE`.
@@ -49,24 +49,24 @@ def without_spikes(shot: Shot, widths: Sequence[float]) -> Shot:
     ``widths`` are the half widths of the simulated pulses, in seconds.
     """
     step = float(np.median(np.diff(shot.times)))
-    found = {}
-    for signal, width in zip(shot.signals, widths, strict=True):
-        places = spikes(signal) if width > MIN_WIDTH * step else np.zeros(0, int)
-        if 0 < len(places) <= MAX_NAMED:
-            found[signal.name] = places
-    if not found:
+    found = [
+        spikes(signal) if width > MIN_WIDTH * step else np.zeros(0, int)
+        for signal, width in zip(shot.signals, widths, strict=True)
+    ]
+    few = [0 < len(places) <= MAX_NAMED for places in found]
+    if not any(few):
         return shot
-    columns = {(each.place, each.unit): each.values.copy() for each in shot.signals}
-    for (place, _), values in columns.items():
-        values[found.get(place.name, [])] = np.nan
+    signals = tuple(
+        _without(signal, places) if named else signal
+        for signal, places, named in zip(shot.signals, found, few, strict=True)
+    )
     # Levels and estimated noises change, too.
-    noise = {each.name: each.noise for each in shot.signals if not each.quiet}
-    made = make_shot(shot.times, columns, noise).signals
-    pairs = zip(made, shot.signals, strict=True)
-    return Shot(shot.times, tuple(
-        replace(
-            new, coupling=old.coupling,
-            spikes=tuple(sorted({*old.spikes, *map(int, found.get(old.name, []))})),
-        )
-        for new, old in pairs
-    ))  # fmt: skip
+    return made_again(Shot(shot.times, signals))
+
+
+def _without(signal: Signal, places: Array) -> Signal:
+    """The signal in which the samples at these indices are missing."""
+    values = signal.values.copy()
+    values[places] = np.nan
+    named = tuple(sorted({*signal.spikes, *places.tolist()}))
+    return replace(signal, values=values, spikes=named)

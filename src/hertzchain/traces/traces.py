@@ -144,6 +144,9 @@ class Traces:
     def merge(self, other: Traces) -> Traces:
         """Combine sensors that were recorded together, such as one file for each channel.
 
+        Noises that were not given are estimated again, because a sensor may pick up the pulses of
+        the others.
+
         Parameters
         ----------
         other : Traces
@@ -156,7 +159,7 @@ class Traces:
         Raises
         ------
         InputError
-            If shots or times differ, or a sensor is in both.
+            If shots or times differ, a sensor is in both, or too few samples are before the pulse.
 
         Examples
         --------
@@ -173,7 +176,7 @@ class Traces:
                 f"traces of {counted(len(self.shots), 'shot')} cannot be merged with "
                 f"{counted(len(other.shots), 'shot')}; both must have the same shots"
             )
-        return Traces(tuple(map(merged_shots, self.shots, other.shots)))
+        return Traces(tuple(map(made_again, map(merged_shots, self.shots, other.shots))))
 
     def with_scaled_times(self, factor: float) -> Traces:
         """Multiply all times, such as those that are recorded in another unit than they state.
@@ -316,6 +319,21 @@ def make_shot(
     return Shot(
         times, tuple(_signal(*key, values, (count, first), noise) for (key, values), count in pairs)
     )
+
+
+def made_again(shot: Shot) -> Shot:
+    """The shot with levels, and noises that were not given, estimated from its present samples.
+
+    Samples that are not valid remain so: the limit of the range is no longer known.
+    """
+    columns = {(each.place, each.unit): each.values for each in shot.signals}
+    given = {each.name: each.noise for each in shot.signals if not (each.quiet or each.noiseless)}
+    made = make_shot(shot.times, columns, given).signals
+    pairs = zip(made, shot.signals, strict=True)
+    return Shot(shot.times, tuple(
+        replace(new, valid=new.valid & old.valid, coupling=old.coupling, spikes=old.spikes)
+        for new, old in pairs
+    ))  # fmt: skip
 
 
 def check_times(times: Array, unit: str = "s", lines: Array | None = None) -> None:

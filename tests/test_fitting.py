@@ -30,6 +30,7 @@ from hertzchain.fitting.posterior import MIN_WALKERS, steps_needed
 from hertzchain.fitting.problem import Problem
 from hertzchain.fitting.sensors import Sensor, filtered
 from hertzchain.fitting.simulations import Simulator
+from hertzchain.fitting.starts import aligned
 from hertzchain.fitting.symmetry import similarity_key, units_of
 from hertzchain.recorded_warnings import ignore_warnings
 
@@ -169,6 +170,37 @@ def test_shots_that_are_sampled_at_other_intervals_have_their_own_signals():
     found = model.predict({parse_name("stiffness"): 1.0})
     for (signal,), (_, force) in zip(found, pair, strict=True):
         assert signal == pytest.approx(force, abs=1e-4 * pair[0][1].max())
+
+
+def with_zero_error(traces, zero):
+    """One shot whose signals have another zero."""
+    (shot,) = traces.shots
+    columns = {f"{each.name} [N]": each.values + zero for each in shot.signals}
+    return hc.Traces.from_arrays(shot.times, columns)
+
+
+@pytest.mark.parametrize("zero", [0.0, -20.0, 50.0])
+def test_the_first_alignment_does_not_depend_on_the_zero_of_the_sensors(zero):
+    data = measured(bench(LAW), np.random.default_rng(1), offset=71.3e-6)
+    free = ["stiffness", "time_offset", "offset[*]"]
+    model = problem_of(bench(LAW), free, with_zero_error(data, zero)).model
+    start = aligned(model, {each.name: each.start for each in model.parameters})
+    # Trial factors of time differ by 2.5%, and times of the grid by 0.25 us.
+    assert start[parse_name("stiffness")] == pytest.approx(1.0, rel=0.07)
+    assert start[parse_name("time_offset")] == pytest.approx(71.3e-6, abs=2e-6)
+
+
+def test_the_time_offset_of_a_shot_replaces_the_common_one_in_the_first_alignment():
+    shots = [
+        measured(bench(LAW), np.random.default_rng(1), offset=offset) for offset in (80e-6, 30e-6)
+    ]
+    chains, traces = [bench(LAW)] * 2, shots[0] + shots[1]
+    free, priors = ["time_offset", "time_offset@2"], {"time_offset": (80e-6, 1e-6)}
+    parameters = free_parameters(traces, chains, free, priors, {})
+    places = [signal.place for signal in traces.shots[0].signals]
+    model = make_model(traces, chains, parameters, Simulator(places))
+    start = aligned(model, {each.name: each.start for each in parameters})
+    assert start[parse_name("time_offset@2")] == pytest.approx(30e-6, abs=1e-6)
 
 
 def test_nine_parameters_take_few_simulations(traces):

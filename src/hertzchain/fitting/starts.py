@@ -47,7 +47,7 @@ def aligned(model: Model, values: dict[Name, float]) -> dict[Name, float]:
     choice = int(np.argmax(scores))
     for name in offsets:
         shot = int(name.shot or 1) - 1
-        found[name] = values[name] + best[shot][choice]
+        found[name] = best[shot][choice]
     if stretch:
         p = float(model.chains[0].contact_exponents[1])
         found[stiffness] = values[stiffness] * factors[choice] ** -(p + 1.0)
@@ -70,7 +70,9 @@ def _correlations(
         total = np.zeros(2 * POINTS - 1)
         for signal, column in zip(data.signals, columns, strict=True):
             ok = signal.valid
-            seen = np.interp(data.times[0] + grid, data.times[ok], signal.values[ok])
+            seen = np.interp(
+                data.times[0] + grid, data.times[ok], signal.values[ok] - level_of(signal)
+            )
             sign = math.copysign(1.0, model.gain(shot, signal, values))
             shape = sign * sampled(column, factor * spacing, grid)
             size = float(shape @ shape)
@@ -81,20 +83,17 @@ def _correlations(
         best = int(np.argmax(total))
         scores.append(float(total[best]))
         offsets.append(float(data.times[0]) + step * (best - (POINTS - 1)))
-    return np.array(scores), [each - values.get(Name("time_offset"), 0.0) for each in offsets]
+    return np.array(scores), offsets
 
 
 def _shapes(
     model: Model, values: dict[Name, float], shot: int, duration: float
 ) -> tuple[float, list[Array]]:
-    """Simulated signals of the sensors of a shot, without the sensor model."""
+    """Changes of the simulated signals of a shot since the impact, without the sensor model."""
     run = model.simulator.signals(model.chain(shot, values), duration)
     signals = model.traces.shots[shot].signals
     found = [model.simulator.column(run, signal) for signal in signals]
-    return run.spacing, [
-        column - column[0] if signal.coupling == "AC" else column
-        for signal, column in zip(signals, found, strict=True)
-    ]
+    return run.spacing, [column - column[0] for column in found]
 
 
 def with_gains(
@@ -121,7 +120,7 @@ def _ratio(model: Model, values: dict[Name, float], shot: int, signal: Signal) -
     times = model.traces.shots[shot].times
     _, columns = _shapes(model, values, shot, float(times[-1] - times[0]))
     own = columns[[each.name for each in model.traces.shots[shot].signals].index(signal.name)]
-    own, seen = own - own[0], (signal.values - level_of(signal))[signal.valid]
+    seen = (signal.values - level_of(signal))[signal.valid]
     if not own.any():
         return first_sign(seen)
     return ratio_of_amplitudes(seen, own)

@@ -2,8 +2,9 @@ r"""The sensor model: gain, offset, delay, first-order lag, high-pass and crosst
 
 The recorded signal of sensor i is
 
-.. math:: y_i(t) = g_i\,(h * l * s_i)(t - t_0 - d_i) + o_i
-          + c\,[y_{i-1}(t) + y_{i+1}(t)]
+.. math::
+    x_i(t) &= g_i\,(h * l * s_i)(t - t_0 - d_i) + o_i \\
+    y_i(t) &= x_i(t) + c\,[x_{i-1}(t) + x_{i+1}(t)]
 
 with the force or velocity s, the lag l: :math:`\tau_l \dot u + u = s`, the high-pass h:
 :math:`\dot u + r u = \dot s` (of a charge amplifier with time constant 1/r), and the crosstalk c

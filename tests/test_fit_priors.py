@@ -82,6 +82,18 @@ def test_comparisons_of_losses_mention_a_contradicted_prior():
     assert compared.statement.endswith("from its prior")
 
 
+def test_comparisons_of_losses_keep_the_priors_of_materials_named_like_a_loss():
+    steel = hc.material("steel-52100")
+    alloy = hc.Material("lossy-alloy", steel.density, steel.young, steel.poisson)
+    row = hc.Chain.from_materials(RADIUS, alloy, beads=15).struck_by(velocity=0.26)
+    row = row.replace(right_wall=hc.Wall.of("steel-304"), loss=hc.Viscoelastic(0.4e-6))
+    young, prior = "materials[lossy-alloy].young", (steel.young, 0.01 * steel.young)
+    compared = hc.compare_losses(
+        traces(), row, laws=["viscoelastic"], free=[young, *FREE[1:]], priors={young: prior}
+    )
+    assert list(compared.fits[0].result.prior_deviations) == [young]
+
+
 def test_several_priors_may_be_contradicted_together():
     # The probability of a sum of two squares is exp(-sum/2), that of 3 standard deviations 0.27%.
     limit = math.sqrt(-math.log(math.erfc(3.0 / math.sqrt(2.0))))

@@ -256,14 +256,14 @@ def compare_losses(
         if settings.free is None
         else check_list("free", settings.free, "names")
     )
-    kept = [name for name in names if "loss." not in parse_name(name).key]
+    kept = [name for name in names if not _is_of_loss(name)]
     fits = []
     # Names are checked before the first fit, which may take long.
     for done, law in enumerate([typical_law(each, chains[0]) for each in wanted], start=1):
         lossy = [with_one_loss(one, law) for one in chains]
         own = [f"loss.{name}" for name in loss_parameters(lossy[0])]
-        known = {n: v for n, v in settings.priors.items() if "loss" not in n or n in own}
-        given = {n: v for n, v in settings.start.items() if "loss" not in n or n in own}
+        known = {n: v for n, v in settings.priors.items() if n in own or not _is_of_loss(n)}
+        given = {n: v for n, v in settings.start.items() if n in own or not _is_of_loss(n)}
         try:
             chosen = Settings(kept + own, known, given, settings.optional)
             found = fit_with(data, lossy, chosen, STARTS)
@@ -276,6 +276,10 @@ def compare_losses(
     if len(comparison.undecided) < 2:
         return comparison
     return replace(comparison, further_shots=_further_shots(comparison))
+
+
+def _is_of_loss(name: str) -> bool:
+    return "loss." in parse_name(name).key
 
 
 def _ranked(fits: Sequence[LossFit]) -> tuple[LossFit, ...]:

@@ -71,7 +71,7 @@ def time_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
 
 
 def check_times(model: Model) -> None:
-    """Raise `InputError` if measured pulses last a thousand times as long as nominal ones."""
+    """Raise `InputError` if measured and nominal pulses differ in duration by a power of 1000."""
     shot, columns, grid = nominal_pulses(model)
     pairs = zip(shot.signals, columns, strict=True)
     clear = [(signal, column) for signal, column in pairs if has_pulse(signal)]

@@ -181,7 +181,7 @@ class FitResult(Estimates):
 
     @property
     def prior_conflict(self) -> str:
-        """Parameters that are more than three standard deviations from their priors, in words."""
+        """Priors that the fit contradicts, one by one or together, in words; empty without any."""
         return conflict(self.prior_deviations)
 
     def residuals(self) -> list[tuple[int, str, Array]]:
@@ -394,8 +394,9 @@ class FitResult(Estimates):
         Parameters
         ----------
         steps : int
-            Steps of each walker; there are twice as many walkers as parameters, at least 16.  If
-            the posterior is Gaussian, d parameters need about 50 (15 + 12 d) steps.
+            Steps of each walker; the number of walkers is two more than twice the number of
+            parameters, at least 16.  If the posterior is Gaussian, d parameters need about
+            50 (15 + 12 d) steps.
         seed : int
             Seed of the random numbers, 0 .. 2^32 - 1.
         progress : callable, optional

@@ -88,7 +88,7 @@ class WeakDirection:
 
 
 def _grouped(names: list[str]) -> str:
-    """Names in a sentence; several gains are ``all gains``."""
+    """Names in a sentence; several gains are "the gains"."""
     gains = [name for name in names if name.startswith("gain[")]
     if len(gains) > 1:
         names = [name for name in names if name not in gains] + ["the gains"]

@@ -100,7 +100,7 @@ def test_chi_squared_scatters_as_stated_if_the_noise_is_estimated():
 
 def test_the_verdict_names_an_uncertain_noise(example):
     # (0.091^2 + 2/1977)^(1/2) = 0.096, from the noise and from the scatter of chi-squared.
-    good = Goodness(2266.9, 1990, 1990.0, 0, 13, 0.096, 0.2, noise_error=0.091)
+    good = Goodness(2266.9, 1990, 1990.0, 1990.0, 0, 13, 0.096, 0.2, noise_error=0.091)
     verdict = dataclasses.replace(example, goodness=good).verdict
     assert "within the uncertainty of their noise" in verdict
     assert "1.147 +- 0.096 times the expectation" in verdict
@@ -123,7 +123,7 @@ def test_the_verdict_names_an_uncertain_noise(example):
     ],
 )
 def test_a_large_chi_squared_never_counts_as_a_description(example, uncertainty, words):
-    good = Goodness(5665.3, 2160, 16.0, 0, 4, uncertainty, 0.2, noise_error=0.1)
+    good = Goodness(5665.3, 2160, 2160.0, 16.0, 0, 4, uncertainty, 0.2, noise_error=0.1)
     assert not good.describes
     result = dataclasses.replace(example, goodness=good)
     assert words in result.verdict
@@ -134,7 +134,7 @@ def test_a_large_chi_squared_never_counts_as_a_description(example, uncertainty,
 
 
 def test_a_very_large_chi_squared_has_no_error(example):
-    good = Goodness(52_058_000.0, 2160, 2160.0, 0, 4, 0.17, 0.2, noise_error=0.1)
+    good = Goodness(52_058_000.0, 2160, 2160.0, 2160.0, 0, 4, 0.17, 0.2, noise_error=0.1)
     result = dataclasses.replace(example, goodness=good)
     assert "independent samples), 24146 times the expectation, far more" in result.verdict
     statement = LossComparison((LossFit("dashpot", result),)).statement
@@ -142,7 +142,7 @@ def test_a_very_large_chi_squared_has_no_error(example):
 
 
 def test_laws_are_not_compared_if_the_noise_is_too_uncertain(example):
-    good = Goodness(5665.3, 2160, 16.0, 0, 4, 0.6, 0.2, noise_error=0.6)
+    good = Goodness(5665.3, 2160, 2160.0, 16.0, 0, 4, 0.6, 0.2, noise_error=0.6)
     laws = LossComparison((LossFit("viscoelastic", dataclasses.replace(example, goodness=good)),))
     assert "the noise is too uncertain to decide whether it describes" in laws.statement
 

@@ -83,19 +83,16 @@ class Goodness:
 
     chi2: float
     samples: int
+    counted: float
     effective_samples: float
     skipped: int
     parameters: int
     uncertainty: float
     correlation: float
-    noise_error: float = 0.0
-    counted: float = 0.0
+    noise_error: float
     noiseless: bool = False
     explained: float = np.inf
     independent: Mapping[str, float] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "counted", self.counted or float(self.samples))
 
     @property
     def freedom(self) -> int:
@@ -317,10 +314,18 @@ def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) 
         independent[name] = independent.get(name, 0.0) + _independent_noise(part)
     variance = 2.0 / max(sum(independent.values()) - parameters, 1.0) + noise
     return Goodness(
-        chi2, len(residuals), sum(part.independent for part in parts), int(np.sum(~used)),
-        parameters, float(variance**0.5), _correlation(parts), float(noise**0.5), counted,
-        all(part.signal.noiseless for part in parts), independent=independent,
-    )  # fmt: skip
+        chi2=chi2,
+        samples=len(residuals),
+        counted=counted,
+        effective_samples=sum(part.independent for part in parts),
+        skipped=int(np.sum(~used)),
+        parameters=parameters,
+        uncertainty=float(variance**0.5),
+        correlation=_correlation(parts),
+        noise_error=float(noise**0.5),
+        noiseless=all(part.signal.noiseless for part in parts),
+        independent=independent,
+    )
 
 
 def _noise_error(part: _Part) -> float:

@@ -121,7 +121,7 @@ class Simulator:
     def _simulate(self, chain: Chain, units: Units, duration: float) -> Simulated:
         jumps = any(isinstance(law, JUMPING) for law in chain.contact_losses)
         part = PER_UNIT * (FINER if jumps else 1)
-        spacing = duration / 2000 if units.time == 1.0 else units.time / part
+        spacing = units.time / part if units.natural else duration / 2000
         spacing /= min(_shortening(chain), max(MAX_TIMES // 2 * spacing / duration, 1.0))
         count = int(np.ceil(duration / spacing)) + 4
         if count > MAX_TIMES:

@@ -29,12 +29,16 @@ OFF_POWERS = 1.37
 
 @dataclass(frozen=True)
 class Units:
-    """Units of motion of a chain, in SI."""
+    """Units of motion of a chain, in SI.
+
+    ``natural`` is whether they are those of the scaling symmetry, and not those of SI.
+    """
 
     scales: Scales
     time: float
     velocity: float
     force: float
+    natural: bool
 
 
 def units_of(chain: Chain) -> Units:
@@ -43,19 +47,17 @@ def units_of(chain: Chain) -> Units:
     bead = min(chain.strikers, chain.beads - 2)
     mass, stiffness = float(chain.masses[bead]), float(chain.stiffness[bead])
     p = float(chain.contact_exponents[bead + 1])
+    radius = float(chain.radii[bead])
     if chain.drive is not None or velocity == 0.0:
-        velocity, length = 1.0, 1.0
-    else:
-        length = (mass * velocity**2 / stiffness) ** (1.0 / (p + 1.0))
-    scales = Scales(float(chain.radii[bead]), mass, velocity, length, p)
-    if chain.drive is not None or scales.velocity == scales.length == 1.0:
-        return Units(scales, 1.0, 1.0, 1.0)
-    return Units(scales, scales.time, velocity, scales.force)
+        return Units(Scales(radius, mass, 1.0, 1.0, p), 1.0, 1.0, 1.0, natural=False)
+    length = (mass * velocity**2 / stiffness) ** (1.0 / (p + 1.0))
+    scales = Scales(radius, mass, velocity, length, p)
+    return Units(scales, scales.time, velocity, scales.force, natural=True)
 
 
 def similarity_key(chain: Chain, units: Units) -> bytes:
     """Description of a chain that is the same for chains with the same scaled motion."""
-    if units.time == 1.0 == units.velocity:
+    if not units.natural:
         return fingerprint(chain).encode()
     s, p = units.scales, chain.contact_exponents
     walls = (chain.left_wall, chain.right_wall)

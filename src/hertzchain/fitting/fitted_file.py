@@ -32,8 +32,6 @@ ROUNDING: Final = 1e-6
 WIDTH: Final = 90
 # Units of quantities in the file.
 UNITS: Final = {"s": (1e6, "us"), "m": (1e6, "um"), "m/s": (1.0, "m/s"), "N": (1.0, "N")}
-# Fields of a chain without which it is written more readably.
-OTHERS: Final = ("drive", "masses")
 
 
 def fitted_toml(
@@ -117,13 +115,12 @@ def _measure(value: float, unit: str) -> Any:
 
 def readable_chain(chain: Chain) -> str:
     """Text of a chain in SI units, to seven digits; empty if it has other features."""
-    given = set(chain.given) & set(OTHERS)
     single = isinstance(chain.exponents, float) and (
         chain.loss is None or isinstance(chain.loss, Loss)
     )
-    if chain.materials is None or chain.units != "SI" or given or chain.drive or not single:
+    if chain.materials is None or chain.units != "SI" or not single:
         return ""
-    if chain.scatter is not None:
+    if "masses" in chain.given or chain.drive or chain.scatter is not None:
         return ""
     lines = ["[chain]", *_items(_beads(chain))]
     for k in range(chain.strikers - 1, -1, -1):

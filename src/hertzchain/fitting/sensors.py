@@ -61,7 +61,7 @@ def _lagging(signal: Array, ratio: float) -> Array:
 
     left = -math.expm1(-ratio) / ratio
     decay = math.exp(-ratio)
-    start = np.array([(left - decay) * signal[0] + decay * signal[0]])
+    start = np.array([left * signal[0]])
     rest: Array = lfilter([1.0 - left, left - decay], [1.0, -decay], signal[1:], zi=start)[0]
     return np.concatenate((signal[:1], rest))
 

@@ -13,8 +13,7 @@ from ..errors import InputError
 from ..representation import counted
 from ..store.csv_tables import split_header
 from ..units import UNITS
-
-Rows = list[list[str]]
+from .sample_rows import Rows
 
 # Missing samples, and those beyond the range of the digitiser.
 MISSING: Final = ("", "nan", "NaN", "NA")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 # Causes that other functions test.
 DEFECTS, LAWS = "gaps and odd balls (scan_defects)", "other loss laws (compare_losses)"
 # Effects of single sensors in words; others have the names of their parameters.
-EFFECTS: Final = {"offset": "offsets", "gain": "gains", "delay": "delays"}
+EFFECTS_IN_WORDS: Final = {"offset": "offsets", "gain": "gains", "delay": "delays"}
 
 
 def advice_to_free(names: Sequence[Name], traces: Traces) -> str:
@@ -80,14 +80,14 @@ def nothing_explains(result: FitResult, tried: Iterable[str]) -> str:
     places = [signal.place for signal in result.traces.shots[0].signals]
     several = len(places) > 1
     tested = dict.fromkeys(name.key for names in groups_of_effects(result) for name in names)
-    of_sensors = [words for key, words in EFFECTS.items() if key in tested]
+    of_sensors = [words for key, words in EFFECTS_IN_WORDS.items() if key in tested]
     columns = ["signs", "units"] + ["order"] * several
     columns += ["places"] * any(place.body in ("ball", "bead") for place in places)
     causes = [
         f"{listed(of_sensors)} of the sensor{'s, alone and in pairs' if several else ''}"
         if of_sensors else "",
         f"{listed(columns)} of the column{'s' * several}", "the unit of the times",
-        *(key for key in tested if key not in EFFECTS), *tried,
+        *(key for key in tested if key not in EFFECTS_IN_WORDS), *tried,
     ]  # fmt: skip
     shown = ", ".join(each for each in causes if each)
     return f"none of the effects tested explains the residuals ({shown}). {considered(result)}"

@@ -10,10 +10,9 @@ import numpy as np
 
 from ..collision import Array
 from ..representation import listed, measure
-from ..traces.amplitudes import ARRIVED, extreme, level_of
+from ..traces.amplitudes import ARRIVED, SAME_TIME, extreme, level_of
 from ..traces.signals import Shot, Signal
 from .crossings import reached
-from .misread_columns import SAME_TIME
 from .sensor_comparison import ABOVE_NOISE, saturated_samples
 
 # Part of the simulated peak that must be in the record for a comparison of peaks.

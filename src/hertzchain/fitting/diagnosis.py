@@ -48,7 +48,7 @@ MAX_PAIRS: Final = 2
 OF_SHOTS: Final = ("struck_by.velocity", "time_offset")
 # Starts of a mass: a fit from the mass of the other balls can end there, because a heavier ball
 # reflects the pulse and a lighter one leaves its neighbour.
-MASSES: Final = (1.05, 0.95)
+MASS_STARTS: Final = (1.05, 0.95)
 # Law that is tried if the chain has no loss.
 LOSS: Final = "viscoelastic"
 # Values of an effect of several sensors are reported beyond this number of standard deviations.
@@ -375,7 +375,7 @@ def _masses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
     if not balls or any(name.key == "mass" for name in model.names):
         return
     name = Name("mass", ",".join(map(str, balls)))
-    for factor in MASSES:
+    for factor in MASS_STARTS:
         try:
             cause = _tried(result, (name,), refit, factor=factor)
         except InputError:

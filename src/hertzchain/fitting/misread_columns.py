@@ -10,7 +10,7 @@ import numpy as np
 
 from ..collision import Array
 from ..representation import listed
-from ..traces.amplitudes import ARRIVED, from_level, ratio_of_amplitudes
+from ..traces.amplitudes import ARRIVED, SAME_TIME, from_level, ratio_of_amplitudes
 from ..traces.signals import Signal
 from ..traces.traces import Traces, mapped
 from .model import Model
@@ -20,8 +20,6 @@ PREFIXES: Final = (1e-6, 1e-3, 1e3, 1e6)
 TOLERANCE: Final = 3.0
 # Advice for signals of the opposite sign.
 POLARITY: Final = "check the polarity of the sensor and of its amplifier"
-# Arrivals that differ by less than this number of samples have no order.
-SAME_TIME: Final = 3
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,8 @@ from .signals import Signal
 
 # A signal has arrived at this fraction of its largest value, where its width is measured, too.
 ARRIVED: Final = 0.5
+# Arrivals that differ by less than this number of samples have no order.
+SAME_TIME: Final = 3
 # Levels, and static forces in them, are seen beyond this number of standard errors.
 CERTAIN: Final = 5.0
 

@@ -22,7 +22,7 @@ FIRST: Final = 7
 IN_A_ROW: Final = 3
 # Least difference: this fraction of the range, and these multiples of the noise and of the step of
 # rounded samples, or the last fraction of the range.
-ONSET, ONSET_IN_NOISE, ONSET_IN_STEPS, CERTAIN = 0.02, 5.0, 1.5, 0.3
+ONSET, ONSET_IN_NOISE, ONSET_IN_STEPS, CERTAIN_PART = 0.02, 5.0, 1.5, 0.3
 # Least number of samples with the same extreme value that may be saturated, and the relative
 # difference of samples that are regarded as equal.
 MIN_FLAT, EQUAL = 3, 1e-7
@@ -75,7 +75,7 @@ def onset(values: Array) -> int:
     noise = robust_sigma(np.diff(values[: MIN_QUIET + 1]), 0.0) / 2.0**0.5
     # It is not if most samples are rounded to the same value and others to the next one.
     least = max(ONSET_IN_NOISE * noise, ONSET_IN_STEPS * digitiser_step(values))
-    threshold = min(max(ONSET * size, least), CERTAIN * size)
+    threshold = min(max(ONSET * size, least), CERTAIN_PART * size)
     for part in runs(np.abs(values - level) > threshold):
         if part.stop - part.start >= IN_A_ROW and not _is_slow_noise(values, part, size):
             return part.start
@@ -91,7 +91,7 @@ def _is_slow_noise(values: Array, part: slice, size: float) -> bool:
     independent = independent_samples(before)
     noise *= (independent / (independent - 1.0)) ** 0.5 * (1.0 + (2.0 / independent) ** 0.5)
     height = float(np.abs(values[part] - level).max())
-    return height < min(ONSET_IN_NOISE * noise, CERTAIN * size)
+    return height < min(ONSET_IN_NOISE * noise, CERTAIN_PART * size)
 
 
 def noise_of(quiet: Array) -> float:
@@ -277,7 +277,7 @@ def at_limits(values: Array) -> Array:
     """
     seen = values[np.isfinite(values)]
     level = base_level(seen)
-    low = np.abs(values - level) < CERTAIN * np.abs(seen - level).max()
+    low = np.abs(values - level) < CERTAIN_PART * np.abs(seen - level).max()
     limited = np.where(values == np.inf, seen.max(), values)
     limited = np.where(values == -np.inf, seen.min(), limited)
     spikes = np.isinf(values[1:-1]) & low[:-2] & low[2:]
@@ -297,7 +297,7 @@ def saturated(values: Array) -> Array:
     level = base_level(values)
     for sign in (1.0, -1.0):
         height = sign * (values - level)
-        if height.max() > CERTAIN * np.abs(values - level).max():
+        if height.max() > CERTAIN_PART * np.abs(values - level).max():
             mask |= _flat_top(height)
     return mask
 
@@ -307,7 +307,7 @@ def _flat_top(height: Array) -> Array:
     top = float(height.max())
     flat = height >= top * (1.0 - EQUAL)
     mask = np.zeros(len(height), bool)
-    below = np.unique(height[(height > CERTAIN * top) & ~flat])
+    below = np.unique(height[(height > CERTAIN_PART * top) & ~flat])
     step = float(np.diff(np.append(below, top)).min()) if len(below) else 0.0
     if not step and flat.sum() < MIN_FLAT * len(runs(flat)):
         return mask  # single samples one step above the level are noise

@@ -195,6 +195,7 @@ LOSS = {"law": "restitution", "coefficient": 0.8}
 LOSSY = {"chain": {**STEEL["chain"], "loss": LOSS}}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("clock", ["beads", "time"])
 @pytest.mark.parametrize("document", [WALL, STEEL, LOSSY], ids=["wall", "SI", "loss"])
 def test_maxima_in_sensors_do_not_depend_on_the_clock(document, clock):

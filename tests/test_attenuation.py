@@ -117,6 +117,7 @@ def test_a_large_loss_is_announced():
         hc.attenuation(hc.Chain.uniform(3).replace(loss=hc.Restitution(0.7)), 1.0)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 @pytest.mark.parametrize(
     "law",

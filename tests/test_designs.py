@@ -81,6 +81,7 @@ def test_geometric_masses_are_best_for_hard_spheres():
     assert -found.expected == pytest.approx((2 / (1 + ratio)) ** 6, rel=1e-10)
 
 
+@pytest.mark.long
 def test_solitary_waves_of_dimers_are_optima_of_transmission():
     """Jayaprakash et al., Phys. Rev. E 83, 036606 (2011): four ratios of the masses."""
     problem = hc.Design(
@@ -953,6 +954,7 @@ def difference_quotient(chain, quantity, place):
     return (near[0] - 8 * near[1] + 8 * near[2] - near[3]) / (12 * step)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("loss", [hc.Viscoelastic(0.05), hc.Restitution(0.9)])
 def test_slopes_of_damped_chains_are_exact(loss):
     damped = hc.Chain.uniform(8).replace(right_wall=hc.Wall(), loss=loss)

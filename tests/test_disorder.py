@@ -235,6 +235,7 @@ def test_plots_have_no_band_where_the_spread_is_not_known():
     assert axes.get_legend() is None
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 @pytest.mark.parametrize(("rates", "scatter"), [
     (np.diff(np.log(1 + 0.1 * np.arange(60))), 0.03),

@@ -256,6 +256,7 @@ def test_a_highpass_is_named_and_confirmed():
     assert DESCRIBES in advice
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("loss", [None, hc.Viscoelastic(0.05e-6)])
 def test_a_missing_or_fixed_loss_is_named(loss):
     free = [name for name in FREE if name != "loss.time"]

@@ -40,6 +40,7 @@ def test_forces_in_kilonewtons_are_recognised(free):
     assert "+-" not in result.summary().replace(result.verdict, "")
 
 
+@pytest.mark.long
 def test_times_with_a_wrong_factor_are_recognised():
     result = fitted(time=10.0, free=LOOSE)
     assert "with all times divided by 10, chi2 falls from" in result.advice[0]

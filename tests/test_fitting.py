@@ -923,6 +923,7 @@ def test_runs_are_compared_with_traces():
         hc.simulate(hc.Chain.uniform(9)).compare(data)
 
 
+@pytest.mark.long
 def test_results_can_be_shown_and_written(example, tmp_path):
     assert len(repr(example).splitlines()) <= 3
     assert len(repr(example.traces).splitlines()) <= 3
@@ -981,6 +982,7 @@ def test_progress_of_a_fit_ends_with_it(traces):
     assert len(counts) == seen
 
 
+@pytest.mark.long
 def test_posterior_agrees_with_least_squares():
     pytest.importorskip("emcee")
     # Without losses, all chains are alike, and no step needs a simulation.

@@ -12,6 +12,7 @@ from hertzchain.kernels.contact_margins import vanishes_between
 DAMPING = ("Restitution", "Viscoelastic", "Dashpot", "VelocityPower")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("seed", "laws", "rtol", "most"),
     [

@@ -171,6 +171,7 @@ def test_the_notebook_draws_flat_strikers_as_plates():
     assert "11.5" not in html
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("width", "inches"),
     [("single column", 86 / 25.4), ("double column", 178 / 25.4), ("120 mm", 120 / 25.4), (4, 4)],

@@ -206,6 +206,7 @@ def test_a_table_of_pulses_has_the_quantities_of_its_pulses():
     assert table.column("velocity_error") is None
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", QUANTITIES)
 def test_every_quantity_can_be_plotted(name):
     estimated = QUANTITIES[name].estimate

@@ -256,6 +256,7 @@ def test_extreme_chain_within_range_and_one_that_underflows():
         hc.simulate(hc.Chain.tapered("backward-exponential", 0.5, beads=330), times=0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "radii",
     [[1, 30, 1], [1, 200, 1], [1, 1, 1, 150, 1, 1], [1, 0.1, 20], [1, 0.05, 8], [1, 0.3, 1, 1, 1]],

@@ -98,6 +98,7 @@ def integral(function, cuts):
     return sum(quad(function, low, high, epsrel=1e-11)[0] for low, high in itertools.pairwise(cuts))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("exponent", [1.05, 1.25, 1.5, 2.0, 3.0, 20.0])
 def test_tail_solves_the_equation_by_another_quadrature(exponent):
     wave, p = solitary_wave(exponent), exponent

@@ -55,6 +55,7 @@ def test_other_radii_change_the_masses_of_the_balls(row, striker):
     assert peak(changed) == pytest.approx(peak(built), rel=1e-12)
 
 
+@pytest.mark.long
 @ROWS
 @GIVEN
 def test_derivatives_by_radii_are_differences_of_rebuilt_chains(row, striker):

@@ -112,6 +112,7 @@ def test_thirty_kills_of_main_and_workers(specification, undisturbed, tmp_path, 
     kill_worker_and_resume(specification, tmp_path / "worker", undisturbed, seed=seed)
 
 
+@pytest.mark.long
 def test_a_killed_worker_is_reported_and_the_sweep_resumes(specification, undisturbed, tmp_path):
     told = kill_worker_and_resume(specification, tmp_path / "sweep", undisturbed, seed=3)
     assert "a worker process ended abruptly" in told
@@ -376,6 +377,7 @@ def test_a_store_that_is_removed_during_a_sweep_is_reported(specification, undis
     assert contents(store) == undisturbed
 
 
+@pytest.mark.long
 def test_an_interrupted_sweep_resumes(specification, undisturbed, tmp_path):
     store = tmp_path / "sweep"
     process = start(specification, store)
@@ -783,6 +785,7 @@ def test_a_store_can_be_read_while_it_grows(specification, tmp_path):
     assert seen[0][1] >= seen[0][0] > 0
 
 
+@pytest.mark.long
 def test_any_executor_gives_the_same_bytes(specification, undisturbed, tmp_path):
     with executors.local_pool("processes", 2) as pool:
         hc.sweep(specification, tmp_path / "sweep", executor=pool)

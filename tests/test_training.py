@@ -21,6 +21,7 @@ from training import (
 from training.second_degree import Chains
 from training.sensitivities import Sensitivity
 from training.table_writer import write_error, write_fast, write_tables
+from training.train import LAST_COEFFICIENTS
 from training.training_chains import wavy_rates
 
 import hertzchain as hc
@@ -210,7 +211,7 @@ def test_tables_are_read_as_they_were_written(tmp_path):
         "second": random.normal(size=(len(second_degree.KNOTS) + 2, 18 * 105)),
         "steady": np.array(0.25),
         "last_knots": last_fit.KNOTS,
-        "last": 100.0 * random.normal(size=(len(last_fit.KNOTS) + 2, tables.LAST)),
+        "last": 100.0 * random.normal(size=(len(last_fit.KNOTS) + 2, LAST_COEFFICIENTS)),
         "bases": alternation.BASES,
         "alternating": random.normal(size=(len(alternation.BASES), 18, 36)),
     }

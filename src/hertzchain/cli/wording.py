@@ -86,7 +86,8 @@ def in_words_of_the_command() -> Iterator[None]:
     try:
         yield
     except (InputError, SimulationError) as error:
-        raise type(error)(on_command_line(str(error))) from None
+        error.args = (on_command_line(str(error)),)
+        raise
 
 
 def on_command_line(message: str) -> str:

@@ -1,6 +1,6 @@
 """Measured traces: signals with places, units and noise, and files with them.
 
-- the data: `traces` of several shots, the `signals` of one, `headers` of columns, and the
+- the data: `traces` of several `shots`, the `signals` of one, `headers` of columns, and the
   `places` of sensors;
 - files: `files`, with `scope_files` of oscilloscopes and `sample_rows`;
 - what the samples show: `amplitudes`, `noise`, `quiet_parts`, `spikes`, `missing_rows`, `coupling`,

@@ -23,8 +23,9 @@ from .noise import check_names_of_noise
 from .places import Place, place_named
 from .sample_rows import Rows, sample_rows
 from .scope_files import WORDS, header_and_samples, sample
+from .shots import check_times, make_shot
 from .signals import Shot
-from .traces import Traces, check_times, make_shot, with_coupling
+from .traces import Traces, with_coupling
 
 Sensors = dict[str, tuple[str, str]] | None
 # Parts of a number with a decimal comma, and its exponent.

@@ -11,8 +11,8 @@ import numpy as np
 from ..collision import Array
 from .noise import robust_sigma
 from .notes import FAR_IN_NOISE
+from .shots import made_again
 from .signals import Shot, Signal
-from .traces import made_again
 
 # A spike differs from both neighbours by more than this multiple of their own differences from the
 # samples next to them, and by more than `FAR_IN_NOISE`.

@@ -2,37 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..collision import Array
 from ..errors import InputError, short_repr, unknown_name_error
 from ..representation import counted, short
 from ..validation.keywords import checked_arguments, checked_fields, checked_methods
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_choice, check_list, check_type
-from .headers import header_of, positive_noise
+from .headers import header_of
 from .noise import (
-    ACCURACY,
-    MIN_QUIET,
-    at_limits,
     check_names_of_noise,
-    clipped_part,
-    digitiser_step,
-    noise_before_rounding,
-    noise_of,
-    printed_step,
-    robust_sigma,
-    saturated,
 )
 from .notes import trace_notes
-from .places import Place
-from .quiet_parts import COMMON_PART, quiet_counts
+from .shots import check_times, made_again, make_shot
 from .signals import Shot, Signal, merged_shots
 
 if TYPE_CHECKING:
@@ -40,12 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COUPLINGS = ("AC", "DC")
-# Samples before the pulse of which enough are clear of it.
-MIN_BEFORE = math.ceil(MIN_QUIET / COMMON_PART)
-# Larger samples are not of a sensor, and their squares would overflow.
-MAX_SAMPLE: Final = 1e30
-# Part of the samples of a pulse that may be saturated.
-MAX_CLIPPED = 0.5
 
 
 @checked_fields
@@ -302,135 +283,6 @@ class Traces:
         every = f"{len(shot.times)} samples, every {np.median(steps):.3g} us"
         about = f"{counted(len(self.shots), 'shot')}, {', '.join(self.names)}"
         return short("Traces", about, every, f"noise {noises}", *self.notes())
-
-
-def make_shot(
-    times: Array,
-    columns: Mapping[tuple[Place, str], Array],
-    noise: float | Mapping[str, float] | None,
-) -> Shot:
-    """A shot from its samples, with noise and saturation of each signal."""
-    if not columns:
-        raise InputError("there is no signal; add a column such as 'ball 6 [N]'")
-    for (place, _), values in columns.items():
-        _check_values(place, values, len(times))
-    quiet, first = quiet_counts([*columns.values()])
-    pairs = zip(columns.items(), quiet, strict=True)
-    return Shot(
-        times, tuple(_signal(*key, values, (count, first), noise) for (key, values), count in pairs)
-    )
-
-
-def made_again(shot: Shot) -> Shot:
-    """The shot with levels, and noises that were not given, estimated from its present samples.
-
-    Samples that are not valid remain so: the limit of the range is no longer known.
-    """
-    columns = {(each.place, each.unit): each.values for each in shot.signals}
-    given = {each.name: each.noise for each in shot.signals if not (each.quiet or each.noiseless)}
-    made = make_shot(shot.times, columns, given).signals
-    pairs = zip(made, shot.signals, strict=True)
-    return Shot(shot.times, tuple(
-        replace(new, valid=new.valid & old.valid, coupling=old.coupling, spikes=old.spikes)
-        for new, old in pairs
-    ))  # fmt: skip
-
-
-def check_times(times: Array, unit: str = "s", lines: Array | None = None) -> None:
-    """Check that there are several times of samples, and that they increase.
-
-    ``lines`` are the numbers of the lines from which the times were read.
-    """
-    if times.ndim != 1 or len(times) < 2:
-        raise InputError(f"a trace needs at least 2 samples, got {times.size}")
-    what, numbers = ("sample", np.arange(len(times)) + 1) if lines is None else ("line", lines)
-    if not np.all(np.isfinite(times)):
-        number = numbers[np.argmin(np.isfinite(times))]
-        raise InputError(f"the time of {what} {number} is missing; each sample needs one")
-    if np.all(np.diff(times) > 0.0):
-        return
-    row = int(np.argmax(np.diff(times) <= 0.0)) + 1
-    if times[row] == times[row - 1]:
-        raise InputError(
-            f"times must increase, but {what}s {numbers[row - 1]} and {numbers[row]} are both at "
-            f"{times[row]:.15g} {unit}; write the times with more digits, or give each shot its "
-            "own file"
-        )
-    raise InputError(
-        f"times must increase, but {what} {numbers[row]} is at {times[row]:.9g} {unit} and the one "
-        f"before it at {times[row - 1]:.9g} {unit}; sort the rows, or give each shot its own file"
-    )
-
-
-def _check_values(place: Place, values: Array, count: int) -> None:
-    if values.shape != (count,):
-        raise InputError(f"there are {count} times, but {values.size} samples of {place.name}")
-    seen = values[np.isfinite(values)]
-    if not len(seen) or np.ptp(seen) == 0.0:
-        raise InputError(
-            f"{place.name} has no signal: all {len(seen)} samples are equal; remove the column"
-        )
-    if (largest := float(np.abs(seen).max())) > MAX_SAMPLE:
-        raise InputError(
-            f"{place.name} has a sample of size {largest:.3g}, but samples must be below "
-            f"{MAX_SAMPLE:g}; check the unit and the format of the numbers, and leave the cells of "
-            "missing samples empty"
-        )
-
-
-def _signal(
-    place: Place,
-    unit: str,
-    values: Array,
-    counts: tuple[int, int],
-    noise: float | Mapping[str, float] | None,
-) -> Signal:
-    quiet, first = counts
-    beyond = np.isinf(values)
-    values = at_limits(values)
-    present = np.isfinite(values)
-    beyond &= present
-    step = max(digitiser_step(values[present]), printed_step(values[present]))
-    valid = present & ~beyond
-    flat = saturated(values[present]) | beyond[present]
-    valid[present] = ~flat
-    clipped, pulse = clipped_part(values[present], flat)
-    if clipped > MAX_CLIPPED * pulse:
-        raise InputError(
-            f"{place.name} is saturated at {np.nanmax(np.abs(values)):.4g} {unit} during most of "
-            f"its pulse ({clipped} of {pulse} samples); record with a larger range, or remove the "
-            "column"
-        )
-    known = noise.get(place.name) if isinstance(noise, Mapping) else noise
-    before = values[:quiet][valid[:quiet]]
-    level, used, noiseless = float(before.mean()) if len(before) else np.nan, 0, False
-    if known is not None:
-        known = positive_noise(place.name, known, unit)
-    else:
-        used = len(before)
-        known = _estimated_noise(place, before, step, first)
-        least = ACCURACY * float(np.abs(values[present] - level).max())
-        if known < least or (step <= least and robust_sigma(before) < least):
-            # This noise is known, not estimated; only the first rise of the pulse may be larger.
-            known, used, noiseless = least, 0, step <= least
-    for each in (values, valid):
-        each.setflags(write=False)
-    return Signal(
-        place, unit, values, valid, known, used, step, level, len(before), noiseless=noiseless
-    )
-
-
-def _estimated_noise(place: Place, before: Array, step: float, first: int) -> float:
-    """Noise of the samples before the pulse, without rounding errors that are larger."""
-    if len(before) < MIN_QUIET:
-        raise InputError(
-            f"the noise of {place.name} cannot be estimated: a pulse, or slow noise, begins after "
-            f"{counted(first, 'sample')}, and the first {len(before)} that are clear of it and "
-            f"valid are too few; record at least {MIN_BEFORE} samples before the pulse, or give "
-            "noise"
-        )
-    found = noise_of(before)
-    return found if found >= step else noise_before_rounding(before, step)
 
 
 def with_coupling(traces: Traces, coupling: Any) -> Traces:

@@ -380,6 +380,16 @@ def test_two_chains_are_computed_and_compared(page):
     assert page.document("B") is None
 
 
+def test_the_status_is_that_of_the_selected_chain_and_names_it(page):
+    page.tab = page.new_tab(f"{page.origin}#taper=uniform&beads=5&b.taper=uniform&b.beads=9")
+    for slot in ("A", "B", "A"):
+        page.tab.click(f"#tab-{slot}")
+        header = page.tab.evaluate("slot => hertzchain.results[slot].run.header", slot)
+        assert page.status().startswith(f"Chain {slot}: {header['message']}; energy adds up")
+    ends = page.tab.evaluate("['A', 'B'].map(slot => hertzchain.results[slot].run.header.message)")
+    assert ends[0] != ends[1]
+
+
 @pytest.mark.long
 def test_each_lane_changes_its_own_chain(page):
     chain = "materials=steel-52100&radius=5mm&beads=8&taper=uniform&velocity=1m/s"

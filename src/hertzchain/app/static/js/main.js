@@ -155,6 +155,7 @@ function activate(slot) {
   state.view.bead = beadIn(slot);
   state.active = slot;
   showAll();
+  showStatus();
 }
 
 /** @param {number} bead */
@@ -260,13 +261,18 @@ function problem(slot) {
   $(`lane-${slot}`).classList.toggle("stale", stale);
   // The message may be far below.
   if (stale && !found.ready) $(`title-${slot}`).replaceChildren(make("span", { className: "bad" }, text));
-  if (slot !== state.active) return;
-  document.body.classList.toggle("stale", stale);
+  if (slot === state.active) showStatus();
+}
+
+/** How the run of the active chain ended, or why there is none. */
+function showStatus() {
+  const found = own(), text = found.problem;
+  document.body.classList.toggle("stale", text !== "");
   controls.problem(text);
-  if (stale) return say(text, true);
+  if (text) return say(text, true);
   const { message, energy_drift, success } = found.run.header ?? {};
   if (found.pending.length && !found.motion) say(whyBlank(found));
-  else if (message) say(`${upper(message)}; energy adds up within ${energy_drift.toExponential(0)}.`, !success);
+  else if (message) say(`${upper(state.B ? `chain ${state.active}: ${message}` : message)}; energy adds up within ${energy_drift.toExponential(0)}.`, !success);
 }
 
 function wake() {

@@ -390,6 +390,27 @@ def test_the_status_is_that_of_the_selected_chain_and_names_it(page):
     assert ends[0] != ends[1]
 
 
+def test_axes_do_not_show_rounding_errors(page):
+    balls = "first_diameter=20+mm&last_diameter=20+mm&beads=5&materials=steel-52100&gaps=5+um"
+    slower = "&".join(f"b.{each}" for each in balls.split("&"))
+    page.tab = page.new_tab(
+        f"{page.origin}#{balls}&velocity=0.1+m/s&{slower}&b.velocity=0.01+m/s&~errors=difference"
+    )
+    for chart in ("#chart-pulse", "#chart-error"):
+        labels = page.tab.locator(f"{chart} text[text-anchor=end]").all_text_contents()
+        assert len(labels) == len(set(labels)) >= 3
+        heights = page.tab.evaluate(
+            """chart => [...document.querySelectorAll(chart + " path")]
+              .filter(each => each.matches(".exact, .other")).map(each => each.getBBox().height)""",
+            chart,
+        )
+        # Differences of 1e-8 are within a pixel, and so are those of 90% between the chains.
+        assert heights[-1] < 1.0
+    page.tab.click("#compare")
+    page.settle()
+    assert page.tab.locator("#chart-pulse path.exact").evaluate("e => e.getBBox().height") < 1.0
+
+
 @pytest.mark.long
 def test_each_lane_changes_its_own_chain(page):
     chain = "materials=steel-52100&radius=5mm&beads=8&taper=uniform&velocity=1m/s"

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { FACTORS, STEPS, USUAL, entered, parsed, percent, placeAt, plain, positionOf, powers, prefixed, rangeOf, short, ticks, timeAt, valueAt, valued } from "../../src/hertzchain/app/static/js/numbers.js";
+import { FACTORS, STEPS, USUAL, digitsOf, entered, parsed, percent, placeAt, plain, positionOf, powers, prefixed, rangeOf, short, spread, ticks, timeAt, valueAt, valued } from "../../src/hertzchain/app/static/js/numbers.js";
 
 Object.assign(FACTORS, { m: 1, cm: 1e-2, mm: 1e-3, in: 25.4e-3, "m/s": 1, "mm/s": 1e-3, "%": 1e-2 });
 Object.assign(USUAL, { length: [[0.1, 50], [0.05, 5]], velocity: [[0.01, 20], [0.01, 5]], acceleration: [[-20, 20], [-0.1, 0.1]],
@@ -29,6 +29,20 @@ test("ticks are round, within the ends and equally spaced", () => {
     const steps = found.slice(1).map((each, i) => each - found[i]);
     for (const step of steps) assert.ok(Math.abs(step / steps[0] - 1) < 1e-6);
   }
+});
+
+test("an axis does not show rounding errors, and its labels differ", () => {
+  for (const [low, high] of [[99.9999999, 100.0000001], [-90.00000002, -90], [1e-9, 1.00000001e-9], [0.1, 0.100003]]) {
+    const [from, to] = spread(low, high), size = Math.max(Math.abs(low), Math.abs(high));
+    assert.ok(from <= low && to >= high && (to - from) / size > 0.99e-4);
+    const marks = ticks(from, to, 6), labels = marks.map((each) => short(each, digitsOf(marks)));
+    assert.ok(labels.length >= 3);
+    assert.equal(new Set(labels).size, labels.length, String(labels));
+    assert.ok(labels.every((each) => each.length <= 10), String(labels));
+  }
+  assert.deepEqual(spread(1, 2), [1, 2]);
+  assert.deepEqual(spread(0, 2e-9, 1e-4).map((each) => +each.toPrecision(3)), [-5e-5, 5e-5]);
+  assert.equal(digitsOf([0, 5, 10]), 4);
 });
 
 test("ticks of beads are whole numbers, however few beads there are", () => {

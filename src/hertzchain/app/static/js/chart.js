@@ -1,6 +1,6 @@
 /** Line charts and stacked areas as SVG. */
 
-import { percent, powers, short, ticks } from "./numbers.js";
+import { digitsOf, percent, powers, short, spread, ticks } from "./numbers.js";
 
 /** @typedef {{name: string, label: string, x: ArrayLike<number>, y: ArrayLike<number>, base?: ArrayLike<number>,
  *   points?: boolean, apart?: boolean}} Series; no line joins a last value that is `apart` */
@@ -11,6 +11,8 @@ import { percent, powers, short, ticks } from "./numbers.js";
 const SVG = "http://www.w3.org/2000/svg";
 /** Values below this part of the largest are cut off on logarithmic axes. */
 const SMALLEST = 1e-7;
+/** Smallest range of an axis of differences [%]. */
+const SMALLEST_PERCENTAGE = 1e-4;
 const LEFT = 62, RIGHT = 20, TOP = 20, BOTTOM = 32;
 
 /** @param {string} name @param {Record<string, string | number>} [attributes] @param {string} [text] */
@@ -98,6 +100,7 @@ export class Chart {
     if (y0 > 0 && y0 < 0.6 * y1) y0 = 0;
     if (y1 < 0 && y1 > 0.6 * y0) y1 = 0;
     if (y0 === y1) [y0, y1] = y0 === 0 ? [-1, 1] : [y0 - 0.1 * Math.abs(y0), y1 + 0.1 * Math.abs(y1)];
+    [y0, y1] = spread(y0, y1, axes.percent ? SMALLEST_PERCENTAGE : 0);
     const room = 0.05 * (y1 - y0);
     this.y = [y0 === 0 ? 0 : y0 - room, y1 === 0 ? 0 : y1 + room];
   }
@@ -106,10 +109,11 @@ export class Chart {
   drawAxes(axes) {
     const items = [], right = this.W - RIGHT, bottom = this.H - BOTTOM, rows = Math.max(2, (bottom - TOP) / 28);
     const marks = this.log ? powers(this.y[0], this.y[1], rows) : ticks(this.y[0], this.y[1], rows);
+    const digits = this.log ? 4 : digitsOf(marks);
     for (const y of marks) {
       const at = Math.round(this.py(y)) + 0.5;
       items.push(svg("line", { class: y === 0 ? "axis" : "grid", x1: LEFT, x2: right, y1: at, y2: at }));
-      items.push(svg("text", { x: LEFT - 6, y: at + 3.5, "text-anchor": "end" }, axes.percent ? percent(y) : short(y)));
+      items.push(svg("text", { x: LEFT - 6, y: at + 3.5, "text-anchor": "end" }, axes.percent ? percent(y, digits) : short(y, digits)));
     }
     for (const at of ticks(this.x[0], this.x[1], (right - LEFT) / 50, axes.counted ? 1 : 0)) {
       const x = this.px(at);

@@ -17,13 +17,14 @@ export const SHOWN = {
  * @type {Record<string, [number, number][]>} */
 export const USUAL = {};
 
-/** A number in few characters. @param {number} value @param {number} [digits] */
+/** A number in few characters; powers of ten have one digit less by default.
+ * @param {number} value @param {number} [digits] */
 export function short(value, digits = 4) {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
   const size = Math.abs(value);
   if (size >= 1e5 || size < 1e-3) {
-    const [mantissa, power] = value.toExponential(Math.min(digits, 3) - 1).split("e");
+    const [mantissa, power] = value.toExponential((digits > 4 ? digits : Math.min(digits, 3)) - 1).split("e");
     return `${String(+mantissa)}e${+power}`.replace("-", "−").replace("e-", "e−");
   }
   return String(+value.toPrecision(digits)).replace("-", "−");
@@ -51,6 +52,21 @@ export function ticks(low, high, count, least = 0) {
   }
   return found;
 }
+
+/** Digits with which the labels of equally spaced ticks differ. @param {number[]} marks */
+export function digitsOf(marks) {
+  const most = Math.max(...marks.map(Math.abs)), step = marks[1] - marks[0];
+  return step > 0 ? Math.max(4, 1 + Math.ceil(Math.log10(most / step) + 1e-9)) : 4;
+}
+
+/** Ends of an axis at least a part of its largest value apart, so that it does not show rounding errors.
+ * @param {number} low @param {number} high @param {number} [least] smallest distance
+ * @returns {[number, number]} */
+export function spread(low, high, least = 0) {
+  const more = (Math.max(least, SMALLEST_SPAN * Math.max(Math.abs(low), Math.abs(high))) - (high - low)) / 2;
+  return more > 0 ? [low - more, high + more] : [low, high];
+}
+const SMALLEST_SPAN = 1e-4;
 
 /** Powers of ten between two ends. @param {number} low @param {number} high @param {number} count */
 export function powers(low, high, count) {

@@ -961,6 +961,37 @@ def test_a_material_has_the_same_colour_in_both_chains(page):
     assert len(set(shown[1].values())) == 3
 
 
+def test_the_map_of_forces_has_the_scale_of_forces(page):
+    def shown():
+        page.tab.evaluate(NEXT_FRAME)
+        bar = page.tab.evaluate("getComputedStyle(document.querySelector('.bar')).backgroundImage")
+        names = page.tab.inner_text("#map-scale"), page.tab.inner_text(".scale")
+        return [" ".join(each.split()) for each in names], bar.count("rgb")
+
+    assert shown() == (["of each bead of all beads", "back forwards"], 5)
+    page.tab.select_option("#map-of", "forces")
+    # Forces are not negative: the bar has no colours of backward motion.
+    assert shown() == (["of each contact of all contacts", "0 largest"], 3)
+    # Bead k is between contacts k - 1 and k, and contacts 0 .. 40 have columns.
+    box = page.tab.locator("#map").bounding_box()
+    left, right = 52, 16
+    wide = box["width"] - left - right
+    page.tab.mouse.click(box["x"] + left + 30 / 41 * wide, box["y"] + 50)
+    page.tab.evaluate(NEXT_FRAME)
+    assert page.tab.input_value("#bead") == "30"
+
+
+def test_colours_of_beads_are_continuous_at_rest(page):
+    colours = page.tab.evaluate(
+        """async () => {
+          const { STEPS, COLOURS } = await import("/js/colour.js");
+          return [COLOURS.bead, ...STEPS].map(each => each.match(/\\d+/g).map(Number));
+        }"""
+    )
+    assert colours[0] == colours[1 + 256]
+    assert np.abs(np.diff(colours[1:], axis=0)).max() < 20
+
+
 @pytest.mark.long
 def test_small_forces_can_be_seen_next_to_large_ones(page):
     wall = "right_wall.material=rubber&~sensors=[3]"

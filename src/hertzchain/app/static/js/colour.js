@@ -4,14 +4,14 @@
  * @type {Record<string, string>} */
 export const COLOURS = {};
 
-const NAMES = ["ink", "soft", "line", "card", "accent", "bead", "edge", "forward", "back", "striker", "wall",
+const NAMES = ["ink", "soft", "line", "card", "accent", "bead", "edge", "forward", "back", "wall",
   "s0", "s1", "s2", "s3", "m0", "m1", "m2", "m3", "m4"];
 /** Number of colours of materials; the rings of further materials are dashed. */
 export const KINDS = 5;
 
-/** Colours of velocities and forces from -1 to 1, at 0 .. 511, as pixels. */
+/** Colours of velocities and forces from -1 to 1, at 0 .. 511, as pixels of the map. */
 export const PIXELS = new Uint32Array(512);
-/** The same as CSS colours.
+/** The same as CSS colours of beads, which are visible at rest.
  * @type {string[]} */
 export const STEPS = [];
 
@@ -30,14 +30,16 @@ export function readColours() {
   };
   for (const name of NAMES) COLOURS[name] = own(name);
   const ends = ["back-2", "back", "zero", "forward", "forward-2"].map((name) => rgb(own(name)));
+  const rest = rgb(own("bead"));
   resolver.remove();
   for (let i = 0; i < 512; i++) {
     const x = Math.abs(i - 256) / 256, side = i < 256 ? [ends[2], ends[1], ends[0]] : [ends[2], ends[3], ends[4]];
     // Half of the colours show the smallest third of the values.
     const u = Math.min(1, x) ** 0.7 * 2, k = u < 1 ? 0 : 1, v = u - k;
-    const c = [0, 1, 2].map((n) => Math.round(side[k][n] * (1 - v) + side[k + 1][n] * v));
+    const between = (/** @type {number[]} */ zero) => [0, 1, 2].map((n) => Math.round((k ? side[1] : zero)[n] * (1 - v) + side[k + 1][n] * v));
+    const c = between(side[0]);
     PIXELS[i] = (255 << 24) | (c[2] << 16) | (c[1] << 8) | c[0];
-    STEPS[i] = `rgb(${c[0]} ${c[1]} ${c[2]})`;
+    STEPS[i] = `rgb(${between(rest).join(" ")})`;
   }
 }
 

@@ -137,6 +137,12 @@ function redraw() {
 function showView() {
   const { view: v } = state;
   for (const [id, name] of SELECTS) $(id).value = v[name];
+  const forces = v.map === "forces";
+  const rows = forces ? ["of each contact", "of all contacts"] : ["of each bead", "of all beads"];
+  for (const [i, text] of rows.entries()) $("map-scale").options[i].textContent = text;
+  $("map-bar").classList.toggle("forces", forces);
+  $("map-low").textContent = forces ? "0" : "back";
+  $("map-high").textContent = forces ? "largest" : "forwards";
   $("speed").value = String(v.speed);
   $("log").checked = v.log;
   for (const slot of SLOTS) Object.assign(stages[slot], { camera: v.camera, scale: v.scale, sensors: v.sensors });

@@ -12,10 +12,12 @@ export class SpaceTime {
     this.image = document.createElement("canvas");
     /** @type {import("./stage.js").Motion | null} */
     this.motion = null;
+    /** Columns are contacts 0 .. N instead of beads. */
+    this.contacts = false;
     const picked = (/** @type {PointerEvent} */ event) => {
       if (!(event.buttons & 1) || !this.motion) return;
       const x = (event.offsetX - LEFT) / this.wide, u = 1 - (event.offsetY - TOP) / this.high;
-      pick(Math.max(1, Math.min(this.motion.beads, 1 + Math.floor(x * this.motion.beads))), u * timeAt(this.motion.times, 1));
+      pick(Math.max(1, Math.min(this.motion.beads, this.contacts ? Math.round(x * this.columns) : 1 + Math.floor(x * this.columns))), u * timeAt(this.motion.times, 1));
     };
     canvas.onpointerdown = (event) => {
       canvas.setPointerCapture(event.pointerId);
@@ -32,12 +34,17 @@ export class SpaceTime {
     return Math.max(1, this.canvas.clientHeight - TOP - BOTTOM);
   }
 
-  /** Paint all beads. @param {import("./stage.js").Motion} motion
+  get columns() {
+    return (this.motion?.beads ?? 1) + Number(this.contacts);
+  }
+
+  /** Paint all beads or contacts. @param {import("./stage.js").Motion} motion
    * @param {"velocities" | "forces"} what @param {string} scale "bead" or "all" */
   paint(motion, what, scale) {
     this.motion = motion;
-    const T = motion.count, columns = motion.beads + (what === "forces" ? 1 : 0);
-    const values = motion[what], largest = what === "forces" ? motion.strengths : motion.speeds;
+    this.contacts = what === "forces";
+    const T = motion.count, { columns } = this;
+    const values = motion[what], largest = this.contacts ? motion.strengths : motion.speeds;
     const most = Math.max(...largest, 1e-300);
     const factor = new Float32Array(columns);
     for (let k = 0; k < columns; k++) factor[k] = (255 / 32767) * (scale === "bead" ? 1 : largest[k] / most);
@@ -67,13 +74,14 @@ export class SpaceTime {
       pen.fillText(short(tick), LEFT - 5, Math.max(yOf(tick / axis.factor) + 4, TOP + 9));
     }
     pen.textAlign = "center";
-    for (const k of ticks(1, motion.beads, wide / 55, 1)) {
-      pen.fillText(String(k), LEFT + ((k - 0.5) / motion.beads) * wide, TOP + high + 14);
+    const { columns } = this, first = this.contacts ? 0 : 1;
+    for (const k of ticks(first, motion.beads, wide / 55, 1)) {
+      pen.fillText(String(k), LEFT + ((k - first + 0.5) / columns) * wide, TOP + high + 14);
     }
-    pen.fillText("bead", LEFT + wide / 2, H - 5);
+    pen.fillText(this.contacts ? "contact k" : "bead", LEFT + wide / 2, H - 5);
     pen.textAlign = "left";
     pen.fillText(axis.label, 2, H - 5);
-    const y = yOf(now), x = LEFT + ((bead - 0.5) / motion.beads) * wide;
+    const y = yOf(now), x = LEFT + ((this.contacts ? bead : bead - 0.5) / columns) * wide;
     pen.strokeStyle = COLOURS.accent;
     pen.lineWidth = 1;
     pen.beginPath();

@@ -260,10 +260,9 @@ export class Stage {
     for (let k = 0; k < this.radii.length; k++) {
       const r = Math.max(this.radii[k] * scale, 0.5), x = this.px(this.centres[k]), h = r + (this.heights[k] - this.radii[k]) * scale;
       if (x + r < -2 || x - r > W + 2) continue;
-      const v = speeds[k], moving = v > 0.004 || v < -0.004;
       const body = (/** @type {number} */ inset) => circle(pen, x, y, r - inset, h - inset);
       body(0.5);
-      pen.fillStyle = moving ? STEPS[stepOf(v)] : k < this.strikers ? COLOURS.striker : COLOURS.bead;
+      pen.fillStyle = STEPS[stepOf(speeds[k])];
       pen.fill();
       if (this.colours.length) {
         // A ring in the colour of the material.

@@ -609,6 +609,25 @@ def test_a_run_is_described_by_its_own_warnings_and_units(client):
     assert 1e-3 * float(found[1]) == pytest.approx(expected, rel=1e-2)
 
 
+def test_times_are_equally_spaced_while_a_soft_wall_is_loaded_and_missed_collisions_are_stated():
+    row = {"diameters": "20 mm", "materials": "steel-52100", "beads": 10, "velocity": "0.03 m/s"}
+    header, arrays = computed({"chain": {**row, "right_wall": {"material": "rubber"}}})["run"]
+    steps = np.diff(arrays["times"])
+    later = steps[arrays["times"][:-1] > 1e-3]
+    assert later == pytest.approx(later.mean(), rel=1e-3)
+    found = re.search(
+        r"up to ([\d.]+) µs apart, .* last ([\d.]+) µs: they do not", header["coarse"]
+    )
+    assert float(found[1]) == pytest.approx(1e6 * steps.max(), rel=1e-3)
+    # Two balls of 20 mm collide for 2.94 (m / 2 / k)^0.4 v^-0.2 (Landau and Lifshitz).
+    ball = chain_of({"chain": {**row, "beads": 2}})
+    mass, stiffness = ball.masses[0] / 2, ball.contact_stiffness[1]
+    alone = 2.9432 * (mass / (0.8 * stiffness)) ** 0.4 * 0.03**-0.2
+    assert float(found[2]) == pytest.approx(1e6 * alone, rel=0.1)
+    header, _ = computed({"chain": {**row, "right_wall": {}}})["run"]
+    assert header["coarse"] == ""
+
+
 def test_forces_are_saved_as_traces(client, tmp_path):
     row = {"chain": {"diameters": "10 mm", "materials": "steel-52100", "beads": 9,
                      "struck_by": [{"velocity": "0.2 m/s"}],

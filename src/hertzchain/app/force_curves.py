@@ -13,6 +13,7 @@ from ..chain.chain import Chain
 from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..collision import Array, compression_time
 from ..errors import SimulationError
+from ..notebook.drawing import engineering
 from ..recorded_warnings import record_warnings
 from ..simulation.run import Run
 from ..simulation.sensor_force import SHOWN
@@ -28,6 +29,8 @@ MAX_INTERVALS: Final = 4000
 MAX_STATES: Final = 2_400_000
 # No force has acted if velocities have changed by less than this fraction of the largest one.
 UNCHANGED: Final = 1e-6
+# A collision changes a velocity by at least this fraction of the largest one.
+COLLISION: Final = 0.01
 # Saved times in each of the two intervals next to the maximum of the force in a sensor.
 NEAR_MAXIMA: Final = 65
 
@@ -58,12 +61,30 @@ def run_for_forces(
     return fine, _coarse(fine, PER_CONTACT / share)
 
 
-def _needed_intervals(run: Run, places: Places) -> Array:
-    """Number of intervals into which each interval of saved times must be divided."""
+def coarse_frames(run: Run) -> str:
+    """Sentence about collisions between the saved times, which the animation does not show."""
+    needed = _needed_intervals(run, range(1, run.chain.beads + 1), COLLISION)
+    missed = needed > PER_CONTACT
+    if not run.success or not missed.any():
+        return ""
+    longest = float(np.diff(run.times)[missed].max())
+    shortest = float(contact_durations(run.chain, run.largest_overlaps).min())
+    apart, lasts = (engineering(each, "s", run.chain.units) for each in (longest, shortest))
+    return (
+        f"The animation, the map and the budget show times up to {apart} apart, but the shortest "
+        f"collisions last {lasts}: they do not show all collisions."
+    )
+
+
+def _needed_intervals(run: Run, places: Places, least: float = UNCHANGED) -> Array:
+    """Number of intervals into which each interval of saved times must be divided.
+
+    Intervals in which no velocity changes by ``least`` of the largest one are not divided.
+    """
     durations = contact_durations(run.chain, run.largest_overlaps)
     widths, needed = np.diff(run.times), np.ones(len(run.times) - 1)
     fastest = np.abs(run.velocities).max(initial=0.0)
-    changed = np.abs(np.diff(run.velocities, axis=0)) > UNCHANGED * fastest
+    changed = np.abs(np.diff(run.velocities, axis=0)) > least * fastest
     for k in places:
         shortest = durations[max(k - 1, 0) : k + 1].min()
         moved = changed[:, max(k - 2, 0) : k + 1].any(axis=1)

@@ -26,7 +26,14 @@ from ..theory.catalogue import THEORIES
 from ..theory.effective_chain import effective_chain
 from ..theory.spectrum import spectrum
 from .documents import chain_of
-from .force_curves import force_at, peaks_at, places_of, run_for_forces
+from .force_curves import (
+    coarse_frames,
+    contact_durations,
+    force_at,
+    peaks_at,
+    places_of,
+    run_for_forces,
+)
 from .messages import Part, columns_as_int16
 from .requests import Request
 from .shown_times import pulse_of, saved_times
@@ -261,8 +268,11 @@ def motion(
         later = max(later, whole.end_time)
     if later > times[-1]:
         peak = wall.largest_so_far_time
+        lasting = contact_durations(chain, whole.largest_overlaps)[-1]
         with record_warnings(), suppress(SimulationError):  # The longer run may take too long.
-            times = saved_times(chain, exact, request.frames, request.clock, progress, later, peak)
+            times = saved_times(
+                chain, exact, request.frames, request.clock, progress, later, peak, lasting
+            )
             run = simulate(chain, times=times, **options)
     return run, whole, of_whole
 
@@ -300,6 +310,7 @@ def _run_part(
     header = {
         "part": "run", **request.identity, "message": _end(run), "success": run.success,
         "peaks": peaks, "energy_drift": run.energy_drift, "spectrum": modes, "warnings": warnings,
+        "coarse": "" if request.draft else coarse_frames(run),
         "seconds": {"simulate": took, "pack": time.perf_counter() - began},
     }  # fmt: skip
     return Part(header, arrays)

@@ -139,6 +139,7 @@ export class Views {
     }
     const axis = this.timeAxis(own), x = times(motion.times, axis.factor);
     this.factor = axis.factor;
+    for (const each of document.querySelectorAll(".coarse")) each.textContent = own.run.header.coarse;
     this.drawBudget(state, own, x, axis.label);
     this.drawForces(state, own, other, axis);
     this.drawNumbers(state, own, other);

@@ -1104,6 +1104,41 @@ def test_the_table_has_the_pressure_of_each_contact(page):
     )
 
 
+def test_the_run_can_be_continued_to_the_final_velocities(page, tmp_path):
+    page.tab.click("#open-examples")
+    page.tab.click('button[aria-label="Open Newton\'s cradle"]')
+    page.settle()
+    assert page.tab.input_value("#until") == "1"
+    assert page.tab.text_content("#until-unit") == "ms"
+    page.tab.click("#table-details summary")
+
+    def column(tab):
+        tab.evaluate(NEXT_FRAME)
+        heads = tab.locator("#table th[scope=col]").all_text_contents()
+        place = next(i for i, each in enumerate(heads) if each.startswith("velocity at the end"))
+        cells = tab.locator(f"#table tbody td:nth-child({place + 1})").all_text_contents()
+        return heads[place].partition("[")[2], cells
+
+    unit, cells = column(page.tab)
+    assert unit == "mm/s]"
+    # Errors of the simulation, below 1e-7 of the largest velocity, are not shown.
+    assert cells == ["0", "0", "0", "100", "100"]
+    assert "Velocity at the end" not in page.tab.inner_text("#table")
+    with page.tab.expect_download() as saving:
+        page.tab.click("#open-share")
+        page.tab.click("[data-export=page]")
+    saving.value.save_as(tmp_path / "cradle.html")
+    saved = page.new_tab((tmp_path / "cradle.html").as_uri())
+    saved.click("#table-details summary")
+    assert column(saved) == (unit, cells)
+    page.tab.fill("#until", "")
+    page.tab.keyboard.press("Tab")
+    page.settle()
+    assert column(page.tab)[1] == ["–"] * 5
+    note = "1 contact still closed, so velocities are not final; increase “Run until”."
+    assert note in page.tab.inner_text("#table")
+
+
 def test_invalid_input_is_explained_next_to_its_control(page):
     before = page.array("run", "times")
     page.tab.fill("[id='c-chain.rate']", "2")

@@ -628,6 +628,30 @@ def test_times_are_equally_spaced_while_a_soft_wall_is_loaded_and_missed_collisi
     assert header["coarse"] == ""
 
 
+def test_final_velocities_of_a_cradle_are_those_of_separate_collisions():
+    """Balls with gaps collide one after another, and equal balls exchange their velocities."""
+    cradle = next(each for each in gallery() if each["title"] == "Newton's cradle")
+    header, arrays = computed(cradle["document"], run_until=cradle["view"]["until"])["run"]
+    assert arrays["times"][-1] >= 1e-3
+    assert header["closed"] == ""
+    assert arrays["final"] == pytest.approx([0.0, 0.0, 0.0, 0.1, 0.1], abs=5e-9)
+    # The pulse has left the row before the balls have separated.
+    header, arrays = computed(cradle["document"])["run"]
+    assert header["closed"] == "1 contact still closed, so velocities are not final"
+    assert "final" not in arrays
+    for until in (-1.0, math.inf, "1 ms"):
+        with pytest.raises(hc.InputError, match="run until"):
+            computed(cradle["document"], run_until=until)
+
+
+def test_forces_are_saved_until_the_end_of_the_run_of_the_page(client, tmp_path):
+    path = tmp_path / "forces.csv"
+    for until in (0.0, 5e-3):
+        path.write_bytes(exported(client, STEEL, "forces", sensors=[4], run_until=until))
+        end = 1e-6 * np.loadtxt(path, delimiter=",", skiprows=1)[-1, 0]
+        assert (end >= 5e-3) == (until > 0.0)
+
+
 def test_forces_are_saved_as_traces(client, tmp_path):
     row = {"chain": {"diameters": "10 mm", "materials": "steel-52100", "beads": 9,
                      "struck_by": [{"velocity": "0.2 m/s"}],

@@ -137,8 +137,8 @@ def _forces(given: Mapping[str, Any], stop: Stop) -> Export:
     places = [*sensors, *walls_of(chain).values()]
     if not places:
         raise InputError("the chain has no wall and no sensor; add one to save forces")
-    exact, run = _simulated(chain, stop)
-    run, _ = run_for_forces(run or _run(chain, exact, stop), places, RTOL, limited(stop))
+    exact, run = _simulated(chain, stop, end := _run_until(given))
+    run, _ = run_for_forces(run or _run(chain, exact, stop, end), places, RTOL, limited(stop))
     with TemporaryDirectory() as folder:
         path = Path(folder) / "forces.csv"
         run.save_forces(path, [*sensors, *(f"{side} wall" for side in walls_of(chain))])
@@ -156,23 +156,28 @@ def _pulses(chain: Chain, stop: Stop) -> dict[str, Pulse]:
     return found
 
 
-def _simulated(chain: Chain, stop: Stop) -> tuple[Pulse, Run | None]:
+def _run_until(given: Mapping[str, Any]) -> float:
+    """Time until which the run of the page lasts at least."""
+    return number("run until", given.get("run_until", 0.0), least=0.0)
+
+
+def _simulated(chain: Chain, stop: Stop, end: float = 0.0) -> tuple[Pulse, Run | None]:
     """The simulated pulse, and the run if `propagate` does not support the chain."""
     try:
         return propagate(chain), None
     except (InputError, SimulationError):
-        run = _run(chain, None, stop)
+        run = _run(chain, None, stop, end)
         return run.pulse(), run
 
 
-def _run(chain: Chain, exact: Pulse | None, stop: Stop) -> Run:
+def _run(chain: Chain, exact: Pulse | None, stop: Stop, end: float) -> Run:
     """The run of the page at equally spaced times, until the peak on the wall is complete."""
-    request = Request("figure", "A", 0, None, frames=FRAMES, rtol=RTOL, clock="time")
+    request = Request("figure", "A", 0, None, frames=FRAMES, rtol=RTOL, clock="time", run_until=end)
     progress = limited(stop)
     run, whole, _ = motion(chain, exact, request, progress)
     if whole is run:
         return run
-    times = np.linspace(0.0, PAST_THE_END * whole.end_time, FRAMES)
+    times = np.linspace(0.0, max(PAST_THE_END * whole.end_time, end), FRAMES)
     return simulate(chain, times=times, rtol=request.rtol, check=False, progress=progress)
 
 
@@ -187,8 +192,8 @@ def _figure(given: Mapping[str, Any], stop: Stop) -> Export:
     if kind == "pulse":
         curves = _shown_curves(given, quantity, chain, _pulses(chain, stop), stop)
     elif kind != "chain":
-        simulated, run = _simulated(chain, stop)
-        run = run or _run(chain, simulated, stop)
+        simulated, run = _simulated(chain, stop, end := _run_until(given))
+        run = run or _run(chain, simulated, stop, end)
     if kind == "forces" and run is not None:
         places = _places(chain, given.get("sensors"))
         run, _ = run_for_forces(run, places, RTOL, limited(stop))

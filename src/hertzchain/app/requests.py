@@ -22,7 +22,7 @@ class Request:
     """A request for the results of one chain; its document is checked when it is read.
 
     ``sensors`` are numbers of balls, without the strikers: the same for both chains of a
-    comparison.  The last striker is 0.
+    comparison.  The last striker is 0.  A run lasts at least until ``run_until``.
     """
 
     session: str
@@ -35,6 +35,7 @@ class Request:
     sensors: tuple[int, ...] = ()
     draft: bool = False
     run: bool = True
+    run_until: float = 0.0
 
     @classmethod
     def of(cls, given: object) -> Request:
@@ -60,6 +61,7 @@ class Request:
             ),
             draft=check_bool("draft", given.get("draft", False)),
             run=check_bool("run", given.get("run", True)),
+            run_until=number("run until", given.get("run_until", 0.0), least=0.0),
         )
 
     @property

@@ -248,7 +248,8 @@ def motion(
     """
     options: dict[str, Any] = {"rtol": request.rtol, "check": False, "progress": progress}
     with record_warnings():
-        times = saved_times(chain, exact, request.frames, request.clock, progress)
+        end = request.run_until
+        times = saved_times(chain, exact, request.frames, request.clock, progress, end)
     with record_warnings() as warned:
         run = simulate(chain, times=times, **options)
     if request.draft or chain.right_wall is None or not run.success:
@@ -265,7 +266,7 @@ def motion(
     later = END_AFTER_PEAK * wall.largest_so_far_time
     # The impact need not have ended, as on a soft wall that is still loaded after its peak.
     if wall.complete:
-        later = max(later, whole.end_time)
+        later = max(later, whole.end_time, request.run_until)
     if later > times[-1]:
         peak = wall.largest_so_far_time
         lasting = contact_durations(chain, whole.largest_overlaps)[-1]
@@ -303,6 +304,8 @@ def _run_part(
         arrays[f"force.{name}"] = force_at(forces, place)
         found = peaks_at(forces, whole, place, None if request.draft else progress)
         peaks[name] = {"name": colours.get(place), **found}
+    if run.success and not run._still_closed:
+        arrays["final"] = run.velocities[-1]
     if not request.draft or chain.beads <= MAX_BEADS_OF_DRAFT_BUDGET:
         arrays |= _budget_arrays(run)
     arrays |= _pressures(whole)
@@ -310,6 +313,7 @@ def _run_part(
     header = {
         "part": "run", **request.identity, "message": _end(run), "success": run.success,
         "peaks": peaks, "energy_drift": run.energy_drift, "spectrum": modes, "warnings": warnings,
+        "closed": run._still_closed,
         "coarse": "" if request.draft else coarse_frames(run),
         "seconds": {"simulate": took, "pack": time.perf_counter() - began},
     }  # fmt: skip

@@ -37,8 +37,8 @@ def saved_times(
 
     After the pulse has left, the times continue with the residence times in reverse order, at
     the rate of an echo, and at least until ``end``; if that is much later, as after free flight to
-    the wall, most of them are near the time of the ``impact``.  While a soft wall is loaded, for the
-    time ``lasting``, beads collide again and again, so they are equally spaced.
+    the wall, most of them are near the time of the ``impact``.  Without an impact, and while a soft
+    wall is loaded for the time ``lasting``, beads may collide at any time: times are equally spaced.
     """
     pulse, rough_end = (exact, 0.0) if exact is not None else _rough_pulse(chain, progress)
     arrival = np.array([np.nan]) if pulse is None or pulse.arrival is None else pulse.arrival
@@ -66,7 +66,7 @@ def saved_times(
     half = HALF_IMPACT * float(transit_times(chain)[-1])
     near = int(np.searchsorted(known_times[:-1], impact))
     flight = impact > arrival[-1] + half and known_times[near] - known_times[near - 1] > half
-    if echoes > MAX_ECHOES and lasting > 2.0 * half:
+    if echoes > MAX_ECHOES and (impact == 0.0 or lasting > 2.0 * half):
         known_times = np.append(arrival, end)
         places = np.append(places[: count + 1], last := 2.0 * count)
     elif echoes > MAX_ECHOES or flight:

@@ -6,7 +6,7 @@ import { fromLink } from "./state.js";
 /** @typedef {import("./state.js").State} State */
 /** @typedef {"pulse" | "times" | "map" | "table"} Part */
 /** @typedef {{about: any, state: State, view: (some: any) => void, request: () => void, select: (bead: number) => void,
- *   toggleSensor: () => void, play: () => void, goTo: (u: number) => void, step: (by: number) => void,
+ *   toggleSensor: () => void, play: () => void, goTo: (u: number) => void, step: (by: number) => void, until: (given: number) => void,
  *   undo: () => void, redo: () => void, compare: () => void, activate: (slot: "A" | "B") => void, repaint: () => void,
  *   radiusOf: (bead: number) => number, resize: (bead: number, radius: number, moving: boolean) => void,
  *   beads: () => number, redraw: (...what: Part[]) => void, open: (next: State) => void}} App */
@@ -30,6 +30,7 @@ export function listen(app) {
   $("speed").onchange = () => view({ speed: Number($("speed").value) });
   $("log").onchange = () => view({ log: $("log").checked });
   $("bead").onchange = () => app.select(Math.max(1, Math.min(app.beads(), Math.round(Number($("bead").value)) || 1)));
+  $("until").onchange = () => app.until(Number($("until").value));
   $("sensor").onclick = app.toggleSensor;
   $("play").onclick = () => app.play();
   $("time").oninput = () => app.goTo(Number($("time").value) / 1000);

@@ -4,7 +4,7 @@ import { SELECTS, listen } from "./events.js";
 import { fixed, host, stored } from "./host.js";
 import { Link } from "./link.js";
 import { SpaceTime } from "./map.js";
-import { FACTORS, USUAL, gapOf, inMillimetres, placeAt, timeAt } from "./numbers.js";
+import { FACTORS, USUAL, gapOf, inMillimetres, placeAt, plain, timeAt } from "./numbers.js";
 import { Results } from "./results.js";
 import { fillDialogs } from "./share.js";
 import { Stage } from "./stage.js";
@@ -147,6 +147,9 @@ function showView() {
   $("log").checked = v.log;
   for (const slot of SLOTS) Object.assign(stages[slot], { camera: v.camera, scale: v.scale, sensors: v.sensors });
   $("bead").value = String(v.bead);
+  // The unit is known with the first results.
+  if (document.activeElement !== $("until")) $("until").value = v.until ? plain(own().si ? 1e3 * v.until : v.until) : "";
+  $("until-unit").textContent = own().si ? "ms" : "";
 }
 
 /** Ball at the cursor: its number without the strikers. */
@@ -235,7 +238,7 @@ function request(slots, moving) {
 function requestOf(slot, rough, input) {
   return {
     document: state[slot], draft: rough, frames: rough ? 160 : 320, rtol: rough ? 1e-6 : 1e-9, clock: state.view.clock,
-    sensors: state.view.sensors, input,
+    sensors: state.view.sensors, run_until: state.view.until, input,
   };
 }
 
@@ -244,6 +247,7 @@ function take(slot, part, sent) {
   const found = results[slot], kind = found.take(part);
   if (kind === "beads" || kind === "run") {
     if (found.beads.header) stages[slot].chain(found.beads, gapOf(state[slot]));
+    if (kind === "beads" && slot === state.active) showView();
     stages[slot].motion = found.motion;
   }
   if (kind === "run") {
@@ -437,9 +441,9 @@ function open(next) {
 }
 
 /** Open a chain as B, or as A with its own chain B, if any.
- * @param {Slot} slot @param {any} document @param {any} other @param {number[]} sensors */
-function openAs(slot, document, other, sensors) {
-  const view = { ...state.view, sensors, errors: slot === "B" || other ? "difference" : "theories" };
+ * @param {Slot} slot @param {any} document @param {any} other @param {number[]} sensors @param {number} [until] */
+function openAs(slot, document, other, sensors, until = 0) {
+  const view = { ...state.view, sensors, until, errors: slot === "B" || other ? "difference" : "theories" };
   open(slot === "B" ? { B: document, active: slot, view } : { A: document, B: other, active: slot, view });
 }
 
@@ -450,6 +454,10 @@ function start() {
     about, state, view, request: () => request(SLOTS, false), select, toggleSensor, play: () => play(!playing), goTo, step: (by) => goTo(u + by),
     undo, redo, compare, activate, repaint, radiusOf: (bead) => own().beads.arrays.get("radii")[bead - 1], resize,
     beads: () => own().beads.header?.beads ?? 1,
+    until: (given) => {
+      view({ until: given > 0 && given < Infinity ? given / (own().si ? 1e3 : 1) : 0 });
+      request(SLOTS, false);
+    },
     redraw: (...what) => { for (const each of what) dirty[each] = true; wake(); },
     open: (next) => {
       written = location.hash;
@@ -459,7 +467,7 @@ function start() {
   fillDialogs(about, {
     open: (example, slot) => {
       const { document, other = null } = copy(example), sensors = example.view.sensors ?? (slot === "B" ? state.view.sensors : []);
-      openAs(slot, document, other, sensors);
+      openAs(slot, document, other, sensors, example.view.until);
       say(example.look_for);
     },
     document: () => state[state.active],
@@ -467,7 +475,7 @@ function start() {
       const other = state.B && state[state.active === "A" ? "B" : "A"];
       return {
         slot: state.active, sensors: state.view.sensors, quantity: state.view.quantity, clock: state.view.clock, frames: 320,
-        until: own().run.header?.peaks.right?.first ? undefined : own().motion?.times.at(-1), other, view: { view: state.view, B: other },
+        run_until: state.view.until, until: own().run.header?.peaks.right?.first && !state.view.until ? undefined : own().motion?.times.at(-1), other, view: { view: state.view, B: other },
       };
     },
     opened: (document) => openAs(state.active, document, null, state.view.sensors),

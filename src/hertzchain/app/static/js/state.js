@@ -3,14 +3,14 @@
 /** @typedef {Record<string, any>} Document a chain file as JSON: `chain` and, perhaps, `materials` */
 /** @typedef {"A" | "B"} Slot */
 /** @typedef {{quantity: string, log: boolean, bead: number, sensors: number[], camera: string, forces: string,
- *   clock: string, speed: number, map: string, scale: string, budget: string, errors: string,
+ *   clock: string, speed: number, map: string, scale: string, budget: string, errors: string, until: number,
  *   hidden: string[]}} View */
 /** @typedef {{A: Document, B: Document | null, active: Slot, view: View}} State */
 
 /** @type {View} */
 export const VIEW = {
   quantity: "velocity", log: false, bead: 1, sensors: [], camera: "whole", clock: "beads", speed: 1,
-  forces: "all", map: "velocities", scale: "bead", budget: "energy", errors: "theories",
+  forces: "all", map: "velocities", scale: "bead", budget: "energy", errors: "theories", until: 0,
   hidden: ["hard-sphere", "two-thirds-bca", "modified-bca-printed"],
 };
 

@@ -2,6 +2,7 @@
 
 import { Chart, svg } from "./chart.js";
 import { $, make } from "./controls.js";
+import { fixed } from "./host.js";
 import { percent, placeAt, prefixed, short } from "./numbers.js";
 import { title } from "./results.js";
 
@@ -26,6 +27,8 @@ const SIMULATION = "simulation", RELATIVE = "(B − A) / A";
 /** Letters before names of curves. @param {State} state */
 const letters = ({ active, B }) => !B ? ["", ""] : active === "A" ? ["A, ", "B, "] : ["B, ", "A, "];
 
+/** Final velocities below this part of the largest are 0: they are errors of the simulation. */
+const AT_REST = 1e-7;
 const BEADS = { xLabel: "bead k", counted: true };
 
 export class Views {
@@ -248,16 +251,19 @@ export class Views {
   drawTable(state, own) {
     if (!own.ready) return;
     const { quantity } = state.view, info = this.about.quantities[quantity];
-    const column = (/** @type {string} */ name, /** @type {any} */ values, unit = "1") => {
+    const column = (/** @type {string} */ name, /** @type {any} */ values, unit = "1", empty = "") => {
       const [factor, shown] = own.si && values ? prefixed(largest(values), unit) : [1, ""];
-      return { head: inUnit(name.replace("_", " "), shown), values: values && times(values, factor) };
+      return { head: inUnit(name.replace("_", " "), shown), values: values && times(values, factor), empty };
     };
-    const force = own.exact("peak_force"), { arrays } = own.beads, columns = [column("radius", arrays.get("radii"), "m"), column("mass", times(arrays.get("masses"), own.si ? 1e3 : 1), "g"),
+    const final = own.run.arrays.get("final") ?? [], force = own.exact("peak_force"), { arrays } = own.beads, columns = [column("radius", arrays.get("radii"), "m"), column("mass", times(arrays.get("masses"), own.si ? 1e3 : 1), "g"),
       ...["velocity", "arrival", "residence"].map((name) => column(name, own.exact(name), this.about.quantities[name].unit)),
+      column("velocity at the end", final.map((/** @type {number} */ each) => Math.abs(each) < AT_REST * largest(final) ? 0 : each), "m/s", "–"),
       column("peak force, contact k", force && [...force, own.run.header?.peaks.right?.first ?? NaN], "N"), column("pressure / yield, contact k", own.run.arrays.get("yield_ratio")), ...own.theories.map(([name]) => column(`${quantity}, ${title(name)}`, own.theory(name, quantity), info.unit))].filter(({ values }) => values);
     const rows = Array.from({ length: own.beads.header.beads }, (_, k) => [String(k + 1),
-      ...columns.map(({ values }) => (k < values.length && Number.isFinite(values[k]) ? String(+values[k].toPrecision(7)) : ""))]);
-    $("table").replaceChildren(table(["bead", ...columns.map(({ head }) => head)], rows, state.view.bead - 1), own.pulse.header?.table_note ?? "");
+      ...columns.map(({ values, empty }) => (k < values.length && Number.isFinite(values[k]) ? String(+values[k].toPrecision(7)) : empty))]);
+    const closed = own.run.header?.closed;
+    $("table").replaceChildren(table(["bead", ...columns.map(({ head }) => head)], rows, state.view.bead - 1),
+      ...[own.pulse.header?.table_note, closed && `Velocity at the end: ${closed}${fixed ? "" : "; increase “Run until”"}.`].filter(Boolean).map((text) => make("p", {}, text)));
   }
 }
 

@@ -674,6 +674,43 @@ def test_a_decimal_comma_is_explained_and_its_text_remains(page):
         assert not page.tab.is_visible("#problem")
 
 
+def test_a_wrong_unit_is_not_kept(page):
+    row = "first_diameter=20+mm&last_diameter=1+cm&beads=3&materials=steel-52100"
+    page.tab = page.new_tab(f"{page.origin}#{row}&velocity=0.1+m/s")
+    box = page.tab.locator("[id='c-chain.last_diameter']")
+    unit = page.tab.locator(".value:has([id='c-chain.last_diameter']) .unit")
+    for wrong in ("20 kg", "20 cmm"):
+        box.fill(wrong)
+        box.press("Enter")
+        page.settle()
+        assert page.tab.is_visible("#problem")
+        assert (box.input_value(), unit.text_content()) == (wrong, "cm")
+        box.fill("0.8")
+        box.press("Enter")
+        page.settle()
+        assert not page.tab.is_visible("#problem")
+        assert page.document()["chain"]["last_diameter"] == "0.8 cm"
+    box.fill("7 mm")
+    box.press("Enter")
+    page.settle()
+    assert (box.input_value(), unit.text_content()) == ("7", "mm")
+
+
+def test_velocities_are_listed_without_spaces_and_replace_the_impact_velocity(page):
+    page.tab = page.new_tab(f"{page.origin}#diameters=20+mm&beads=3&materials=brass&velocity=1+m/s")
+    page.tab.click("#group-more summary")
+    box = page.tab.locator("[id='c-chain.velocities']")
+    box.fill("0.1,0,0")
+    box.press("Enter")
+    page.settle()
+    problem = page.tab.text_content("#problem")
+    assert problem.startswith("there are an impact velocity and a list of velocities: empty one")
+    page.tab.click("[aria-label='Use the default for impact velocity']")
+    page.settle()
+    assert not page.tab.is_visible("#problem")
+    assert chain_of(page.document()).velocities.tolist() == [0.1, 0.0, 0.0]
+
+
 @pytest.mark.long
 def test_percentages_and_fractions_of_inches_can_be_entered(page):
     page.tab.fill("[id='c-chain.rate']", "4%")

@@ -37,8 +37,9 @@ def saved_times(
 
     After the pulse has left, the times continue with the residence times in reverse order, at
     the rate of an echo, and at least until ``end``; if that is much later, as after free flight to
-    the wall, most of them are near the time of the ``impact``.  Without an impact, and while a soft
-    wall is loaded for the time ``lasting``, beads may collide at any time: times are equally spaced.
+    the wall, most of them are near the time of the ``impact``.  Without an impact, and while a
+    soft wall is loaded for the time ``lasting``, beads may collide at any time, so the times are
+    equally spaced.
     """
     pulse, rough_end = (exact, 0.0) if exact is not None else _rough_pulse(chain, progress)
     arrival = np.array([np.nan]) if pulse is None or pulse.arrival is None else pulse.arrival

@@ -21,6 +21,8 @@ WORDINGS: Final = (
     (r"^pressure / yield is (?!.*cautious limit)",
      "contacts would be dented, and forces would be lower: pressure / yield is "),
     (r"\bgive materials, such as materials='([^']*)'", r"choose a material, such as \1"),
+    (r"^\[chain\] has velocity and also velocities: omit one",
+     "there are an impact velocity and a list of velocities: empty one of the two controls"),
     (r"\bgive first_diameter and last_diameter", "choose 'end diameters'"),
     (r"\bgive (left|right)_wall, or held_by=", r"add a \1 wall, or choose held_by="),
     (r"\bheld_by='(\w+)'", r"'held by \1'"),

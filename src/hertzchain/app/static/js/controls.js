@@ -56,9 +56,13 @@ export class Controls {
   /** @type {(() => void)[]} */
   updates = [];
   last = "";
+  /** Whether the document has an error. */
+  refused = false;
 
-  /** @param {HTMLElement} host @param {any} about @param {Change} change */
-  constructor(host, about, change) {
+  /** @param {HTMLElement} host @param {any} about @param {Change} change
+   * @param {() => Document | null} accepted the last document without an error */
+  constructor(host, about, change, accepted) {
+    this.accepted = accepted;
     this.host = host;
     this.about = about;
     this.schema = about.schema.sections;
@@ -285,6 +289,11 @@ export class Controls {
     return own || (FACTORS[key.unit] === undefined ? "" : SHOWN[key.dimension] ?? key.unit);
   }
 
+  /** Unit of a field; if the document has an error, that of the last valid value. @param {Path} place @param {any} key */
+  unitAt(place, key) {
+    return this.unitOf(key, at((this.refused && this.accepted()) || this.document, place));
+  }
+
   /** Slider and exact number. @param {Path} place @param {any} key @param {string} label */
   numberField(place, key, label) {
     if (key.dimension_if_displacement && at(this.document, [...place.slice(0, -1), "of"]) === "displacement") key = { ...key, dimension: "length" };
@@ -294,23 +303,23 @@ export class Controls {
     const unit = make("span", { className: "unit" }), reset = `Use the default for ${label}`;
     const clear = make("button", { type: "button", className: "clear", title: reset, "aria-label": reset, onclick: () => this.put(place, undefined) }, "×");
     const rangeNow = () => {
-      const value = read(), unit = this.unitOf(key, value), chain = this.chain;
+      const value = read(), unit = this.unitAt(place, key), chain = this.chain;
       return rangeOf(key, this.si, parsed(value, unit).number, { beads: chain.beads, taper: chain.taper, unit });
     };
     let range = rangeNow(), typing = false;
-    const write = (/** @type {number} */ value, /** @type {boolean} */ moving) => this.put(place, valued(value, this.unitOf(key, read())), moving);
+    const write = (/** @type {number} */ value, /** @type {boolean} */ moving) => this.put(place, valued(value, this.unitAt(place, key)), moving);
     slider.onpointerdown = () => { range = rangeNow(); };
     slider.oninput = () => write(valueAt(Number(slider.value), range), true);
     slider.onchange = () => write(valueAt(Number(slider.value), range), false);
     box.oninput = box.onchange = (/** @type {Event} */ { type }) => {
       const given = entered(box.value);
       typing = type === "input";
-      if (typeof given === "number") this.put(place, valued(given, this.unitOf(key, read()).replace("%", "")), typing);
+      if (typeof given === "number") this.put(place, valued(given, this.unitAt(place, key).replace("%", "")), typing);
       else if (!typing) this.put(place, given);
     };
     box.onblur = () => { typing = false; };
     this.updates.push(() => {
-      const value = read(), shown = parsed(value, this.unitOf(key, value));
+      const value = read(), own = this.unitAt(place, key), given = parsed(value, own), shown = given.unit === own ? given : { number: null, unit: own };
       if (document.activeElement !== slider) range = rangeNow();
       if (!typing) box.value = shown.number === null ? value ?? "" : plain(shown.number) + (shown.unit === "%" ? "%" : "");
       const position = positionOf(shown.number ?? usual, range);
@@ -395,6 +404,10 @@ export class Controls {
   problem(message) {
     const text = $("problem");
     text.textContent = message;
+    if (this.refused !== !!message) {
+      this.refused = !!message;
+      for (const update of this.updates) update();
+    }
     text.hidden = !message;
     for (const each of this.host.querySelectorAll("[aria-invalid]")) each.removeAttribute("aria-invalid");
     const control = message ? $(`c-${this.last}`) : null;
@@ -409,8 +422,9 @@ export class Controls {
 
 /** @param {string} text @param {any} key */
 export function listOf(text, key) {
-  // The server explains a comma that may be a decimal comma.
-  if (key.kind === "number" && /(?<![\d.])\d+,\d+(?![\d.])/.test(text)) return text;
+  // The server explains a comma that may be a decimal comma; three or more plain numbers are a list.
+  const plainList = /^[-+]?[\d.]+(e[-+]?\d+)?(,[-+]?[\d.]+(e[-+]?\d+)?){2,}$/i.test(text.trim());
+  if (!plainList && key.kind === "number" && /(?<![\d.])\d+,\d+(?![\d.])/.test(text)) return text;
   const items = text.split(/[,;\n]+/).map((each) => each.trim()).filter(Boolean)
     .map((each) => (key.kind === "number" ? entered(each) : each));
   if (!items.length) return undefined;

@@ -7,7 +7,7 @@ const PATIENCE = 250;
 /** Milliseconds between maps during a drag. */
 const BETWEEN_MAPS = 120;
 
-/** @typedef {{number: number, draft: boolean, sent: number, input: number}} Sent */
+/** @typedef {{number: number, draft: boolean, sent: number, input: number, document: any}} Sent */
 /** @typedef {{part: (part: import("./results.js").Part, sent: Sent) => void, offline: (message: string) => void}} Handlers */
 
 let numbers = 0;
@@ -50,7 +50,7 @@ export class Link {
     if (!request) return;
     this.waiting = null;
     const { input, ...rest } = request;
-    const sent = { number: ++numbers, draft: Boolean(rest.draft), sent: performance.now(), input };
+    const sent = { number: ++numbers, draft: Boolean(rest.draft), sent: performance.now(), input, document: rest.document };
     this.current = sent;
     void this.stream({ ...rest, session, slot: this.slot, number: sent.number }, sent, request);
   }

@@ -39,7 +39,7 @@ const dirty = { pulse: true, times: true, map: true, table: true };
 /** @type {Record<Slot, boolean>} */
 const moved = { A: false, B: false };
 
-const controls = new Controls($("controls-body"), about, change);
+const controls = new Controls($("controls-body"), about, change, () => own().accepted);
 const views = new Views(about, {
   bead: (bead) => select(Math.max(1, Math.min(own().beads.header?.beads ?? 1, bead))),
   time: goToTime,
@@ -245,6 +245,7 @@ function requestOf(slot, rough, input) {
 /** @param {Slot} slot @param {any} part @param {any} sent */
 function take(slot, part, sent) {
   const found = results[slot], kind = found.take(part);
+  if (kind === "beads") found.accepted = sent.document;
   if (kind === "beads" || kind === "run") {
     if (found.beads.header) stages[slot].chain(found.beads, gapOf(state[slot]));
     if (kind === "beads" && slot === state.active) showView();

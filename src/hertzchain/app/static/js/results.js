@@ -51,6 +51,9 @@ export class Results {
   run = START();
   /** @type {import("./stage.js").Motion | null} */
   motion = null;
+  /** The last document without an error.
+   * @type {any} */
+  accepted = null;
   /** Why there is no newer result. */
   problem = "";
   /** @type {string[]} */

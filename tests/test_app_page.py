@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import tomllib
 from importlib.resources import files
 from pathlib import Path
 
@@ -16,6 +17,7 @@ import hertzchain as hc
 from hertzchain.app.about import about, gallery
 from hertzchain.app.documents import chain_of, document_as_toml
 from hertzchain.app.explore import Conversation
+from hertzchain.app.page_file import write_page
 from hertzchain.app.saved_page import embedded_page
 from hertzchain.app.serve import RunningServer
 from hertzchain.validation.json_types import finite
@@ -1174,6 +1176,26 @@ def test_the_run_can_be_continued_to_the_final_velocities(page, tmp_path):
     assert column(page.tab)[1] == ["–"] * 5
     note = "1 contact still closed, so velocities are not final; increase “Run until”."
     assert note in page.tab.inner_text("#table")
+
+
+def test_a_saved_page_contains_the_chain_files_and_definitions(page, tmp_path):
+    example = EXAMPLES["Shock absorber"]
+    file = tmp_path / "absorber.html"
+    write_page(example["document"], example["other"], [], file)
+    saved = page.new_tab(file.as_uri())
+    saved.click("summary:has-text('Chain file')")
+    for slot, document in (("A", example["document"]), ("B", example["other"])):
+        saved.press(f"#lane-{slot}", "Home")
+        saved.evaluate(NEXT_FRAME)
+        assert saved.text_content("#status").startswith(f"Chain {slot}: ")
+        text = saved.inner_text("#chain-file")
+        assert tomllib.loads(text) == document
+        assert 'law = "restitution"' in text
+    keys = saved.locator("#legend-budget .key").evaluate_all(
+        "es => es.map(e => [e.innerText, e.title])"
+    )
+    assert ["lagging", "All other beads that move away from the impact"] in keys
+    assert all(title for _, title in keys)
 
 
 def test_invalid_input_is_explained_next_to_its_control(page):

@@ -107,8 +107,13 @@ def document_of_chain(chain: Chain) -> dict[str, Any]:
 
 
 def document_as_toml(given: object) -> str:
-    """Write a document as the text of a chain file."""
+    """Check a document, and write it as the text of a chain file."""
     chain_of(given)
+    return checked_as_toml(given)
+
+
+def checked_as_toml(given: object) -> str:
+    """`document_as_toml` without its check."""
     document = with_infinity(given)
     lines = ["[chain]"]
     lines += [f"{toml_key(key)} = {toml_text(value)}" for key, value in document["chain"].items()]

@@ -25,7 +25,7 @@ from ..simulation.simulate import simulate
 from ..theory.catalogue import THEORIES
 from ..theory.effective_chain import effective_chain
 from ..theory.spectrum import spectrum
-from .documents import chain_of
+from .documents import chain_of, checked_as_toml
 from .force_curves import (
     coarse_frames,
     contact_durations,
@@ -80,6 +80,7 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
     before = warnings_on_the_page(warned)
     yield Part(
         {"part": "beads", **identity, **_description(chain), "theories": table.header,
+         "chain_file": checked_as_toml(request.document),
          "warnings": before, "seconds": time.perf_counter() - began},
         _bead_arrays(chain) | table.arrays,
     )  # fmt: skip

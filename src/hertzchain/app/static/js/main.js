@@ -373,6 +373,7 @@ function showTitles() {
     $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description, ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
   }
   const beads = own().beads.header?.beads, list = SLOTS.flatMap((slot) => state[slot] ? results[slot].warnings.map((text) => (state.B ? `${slot}: ` : "") + upper(text)) : []);
+  $("chain-file").textContent = own().beads.header?.chain_file ?? "";
   if (beads) $("bead").max = String(beads);
   if (beads < state.view.bead) select(beads);
   $("warnings").hidden = !list.length;

@@ -27,6 +27,13 @@ const SIMULATION = "simulation", RELATIVE = "(B − A) / A";
 /** Letters before names of curves. @param {State} state */
 const letters = ({ active, B }) => !B ? ["", ""] : active === "A" ? ["A, ", "B, "] : ["B, ", "A, "];
 
+/** Definitions of the parts of a budget, as in `budget.py`.
+ * @type {Record<string, string>} */
+const PARTS = {
+  "leading pulse": "Beads in the leading pulse, which move away from the impact", lagging: "All other beads that move away from the impact",
+  "scattered back": "Beads that move back towards the impact", contacts: "Stored in contacts between beads",
+  walls: "Stored in the contacts with walls", "left wall": "Transferred to the left wall", "right wall": "Transferred to the right wall", lost: "Lost in contacts and walls",
+};
 /** Final velocities below this part of the largest are 0: they are errors of the simulation. */
 const AT_REST = 1e-7;
 const BEADS = { xLabel: "bead k", counted: true };
@@ -175,7 +182,7 @@ export class Views {
       return { name: `part ${name.replaceAll(" ", "-")}`, label: name, x, y, base };
     });
     this.budget.draw(series, { xLabel, yLabel: inUnit(of, shown) }, `${of} by location: ${names.join(", ")}`);
-    replace($("legend-budget"), names.map((name) => make("span", { className: "key" }, make("i", { className: `swatch part ${name.replaceAll(" ", "-")}` }), name)));
+    replace($("legend-budget"), names.map((name) => make("span", { className: "key", title: PARTS[name] }, make("i", { className: `swatch part ${name.replaceAll(" ", "-")}` }), name)));
   }
 
   /** Forces of both chains at their times. @param {State} state @param {Results} own @param {Results | null} other @param {any} axis */

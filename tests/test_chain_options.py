@@ -153,6 +153,14 @@ def test_messages_have_the_words_of_the_command_line(run):
     err = run("simulate", "--beads", 20, "--max-steps", 20).stderr
     assert "raise --max-steps" in err
     assert not re.search(r"ElasticPlastic|largest_so_far|[^-]max_steps", err)
+    rubber = ("simulate", "--material", "rubber", "--diameter", "10 mm", "--beads", 3, "--loss")
+    code, _, err = run(*rubber, "elastic-plastic")
+    assert code == 2
+    assert "'rubber' and 'rubber', which meet at contact 1" in err
+    assert "give --loss 'elastic-plastic=5 MPa', or yield_strength in [materials.NAME]" in err
+    assert run(*rubber, "elastic-plastic=5 MPa").returncode == 0
+    out = run(*rubber, "elastic-plastic", "--wall", "steel-52100").stdout
+    assert "contacts of rubber with rubber have no known yield strength and stay elastic\n" in out
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")

@@ -250,7 +250,7 @@ def test_laws_by_pairs_of_materials():
         (
             lambda: Chain.from_materials(5e-3, hc.Material("a", 1e3, 1e9, 0.3), beads=2,
                                          loss=hc.ElasticPlastic()),
-            "yield strength of the materials, which is not known .* give ElasticPlastic",
+            "'a' and 'a', which meet at contact 1, have none, .*; give ElasticPlastic",
         ),
         (lambda: hc.ElasticPlastic(1e9, 1e-6), "a yield_pressure or a yield_overlap, not both"),
         (
@@ -265,6 +265,20 @@ def test_contradictions_are_rejected_in_one_sentence(build, said):
     with pytest.raises(InputError, match=said) as caught:
         build()
     assert "\n" not in str(caught.value)
+
+
+def test_contacts_without_known_yield_strength_stay_elastic_beside_contacts_that_yield():
+    """Two equal rubber balls exchange their velocities; rubber on wax loses energy."""
+    law, wax = hc.ElasticPlastic(), hc.Material("wax", 900.0, 1e9, 0.4, yield_strength=1e5)
+    chain = Chain.from_materials(5e-3, ["rubber", "rubber", wax], velocity=0.1, loss=law)
+    chain = chain.replace(gaps=[0.0, "1 mm"])
+    assert chain.contact_losses[1:3] == (hc.Elastic(), law)
+    assert hc.simulate(chain, until="9 ms").velocities[-1] == pytest.approx([0, 0.1, 0], abs=1e-8)
+    moving = chain.masses @ hc.simulate(chain, until="30 ms").velocities[-1] ** 2
+    e = law.restitution(0.1, chain=chain, contact=2)
+    lost = chain.masses[1] * chain.masses[2] / chain.masses[1:].sum() * (1.0 - e**2) * 0.1**2
+    assert e < 0.9
+    assert moving == pytest.approx(chain.masses[0] * 0.1**2 - lost, rel=1e-6)
 
 
 @pytest.mark.parametrize("method", [hc.propagate, hc.bca, hc.hard_sphere, hc.effective_chain])

@@ -57,6 +57,7 @@ from .hertz_ratios import (
 from .impact_overlaps import impact_overlaps
 from .laws.elastic_plastic import restitution_beyond_yield
 from .materials import contact_moduli
+from .per_contact import contact_name
 
 # Ratio of the stiffness of a contact to that of its materials, or its inverse, from which yield of
 # `ElasticPlastic()`, which follows from the stiffness, differs from that of the materials.
@@ -427,6 +428,4 @@ def _with_walls(chain: Chain, overlaps: ArrayLike) -> Array:
 
 
 def _place(contact: int, found: HertzRange) -> str:
-    last = len(found.overlap_ratio) - 1
-    walls = {0: "the left wall", last: "the right wall"}
-    return walls.get(contact, f"contact {contact}")
+    return contact_name(contact, len(found.overlap_ratio) - 1)

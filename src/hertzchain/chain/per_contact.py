@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Generic, TypeAlias, TypeVar
@@ -15,7 +16,7 @@ from .input_checks import checked_exponent
 from .laws import Loss
 from .laws.elastic import Elastic
 from .materials import Material, Materials, material
-from .walls import Wall, material_of_wall
+from .walls import Wall, material_of_wall, materials_with_walls
 
 T = TypeVar("T")
 Walls: TypeAlias = tuple[Wall | None, Wall | None]
@@ -134,6 +135,12 @@ def given_laws(loss: Losses) -> Iterable[Loss]:
     return [each for each in values if each is not None]
 
 
+def contact_name(contact: int, beads: int) -> str:
+    """Name of one of contacts 0..N in messages."""
+    walls = {0: "the left wall", beads: "the right wall"}
+    return walls.get(contact, f"contact {contact}")
+
+
 def spread(given: Any, own: tuple[Any, Any], materials: Materials, walls: Walls, beads: int) -> Any:
     """One value for each contact 0..N; ``own`` are the values of the walls, or None.
 
@@ -147,7 +154,7 @@ def spread(given: Any, own: tuple[Any, Any], materials: Materials, walls: Walls,
                 "Chain.from_materials, or give a list with one for each contact"
             )
         inner = [
-            given.between(materials[k], materials[k + 1], f"contact {k + 1}")
+            given.between(materials[k], materials[k + 1], contact_name(k + 1, beads))
             for k in range(beads - 1)
         ]
     else:
@@ -159,7 +166,7 @@ def spread(given: Any, own: tuple[Any, Any], materials: Materials, walls: Walls,
             ends[end] = own[end]
         elif wall is not None and isinstance(given, MaterialPairs):
             assert materials is not None
-            place, own_material = f"the {('left', 'right')[end]} wall", materials[bead]
+            place, own_material = contact_name(end * beads, beads), materials[bead]
             other = material_of_wall(wall, own_material)
             ends[end] = given.between(own_material, other, place)
     return [ends[0], *inner, ends[1]]
@@ -181,7 +188,39 @@ def contact_exponents(exponent: Exponent, materials: Materials, walls: Walls, be
 def contact_losses(
     loss: Losses, materials: Materials, walls: Walls, beads: int
 ) -> tuple[Loss, ...]:
-    """Laws of contacts 0..N; `Elastic()` without one."""
+    """Laws of contacts 0..N; `Elastic()` without one, or without the yield strength it needs."""
     own = tuple(None if wall is None else wall.loss for wall in walls)
     laws = spread(loss, own, materials, walls, beads)  # type: ignore[arg-type]
-    return tuple(ELASTIC if each is None else each for each in laws)
+    found = tuple(ELASTIC if each is None else each for each in laws)
+    unknown = unknown_strengths(found, materials, walls)
+    return tuple(ELASTIC if c in unknown else law for c, law in enumerate(found))
+
+
+def unknown_strengths(
+    laws: Sequence[Loss], materials: Materials, walls: Walls
+) -> dict[int, tuple[str, str]]:
+    """Materials, by contact, of contacts whose law needs a yield strength and that have none.
+
+    Raises `InputError` if these are all contacts with such a law.
+    """
+    needing = [c for c, law in enumerate(laws) if law.needs_yield_strength]
+    if materials is None or not needing:
+        return {}
+    pairs = list(itertools.pairwise(materials_with_walls(materials, walls)))
+    unknown = {
+        c: (pairs[c][0].name, pairs[c][1].name)
+        for c in needing
+        if all(body.yield_strength is None for body in pairs[c])
+    }
+    ends = {0: walls[0], len(materials): walls[1]}
+    touching = [c for c in needing if ends.get(c, True) is not None]
+    if touching and unknown.keys() >= set(touching):
+        place = contact_name(c := touching[0], len(materials))
+        one, other = unknown[c]
+        raise InputError(
+            f"ElasticPlastic() needs a known yield strength for at least one contact, but "
+            f"{one!r} and {other!r}, which meet at {place}, have none, nor have the materials of "
+            "any other contact with this law; give ElasticPlastic(yield_pressure='5 MPa') or "
+            "materials with yield_strength"
+        )
+    return unknown

@@ -8,7 +8,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..simulation.yielding import peak_with_yielding_contacts, pressures_below_yield
+from ..simulation.yielding import (
+    contacts_staying_elastic,
+    peak_with_yielding_contacts,
+    pressures_below_yield,
+)
 from .output import show_table
 from .wording import on_command_line
 
@@ -91,7 +95,7 @@ def show_run(
             f"{run._unfinished}; to see the velocities after the impact, give a later "
             "time with --until"
         )
-    for line in pressures_below_yield(run):
+    for line in contacts_staying_elastic(run.chain) + pressures_below_yield(run):
         click.echo(line)
     for wall in _walls(run):
         click.echo(_wall_lines(run, wall))

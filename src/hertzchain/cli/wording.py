@@ -16,6 +16,9 @@ WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(\)", "use loss = {law = 'elastic-plastic'} in the chain file"),
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "use loss = {law = 'elastic-plastic', yield_overlap = ...} in the chain file"),
+    (r"\bgive ElasticPlastic\(yield_pressure='5 MPa'\) or materials with yield_strength",
+     "give yield_strength in [materials.NAME] of a chain file, or yield_pressure = '5 MPa' in "
+     "[chain.loss] or in a [[chain.loss]] with between"),
     (r"\bloss=None\b", "no loss"),
     (r"\bwith Material\(name, density=, young=, poisson=\), or \[", "as ["),
     (r"\buse Chain\.from_materials, or relative$", "give a material and sizes, or --scatter"),
@@ -76,6 +79,11 @@ BY_OPTION: Final = {
     "loss": (
         (r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),
         (r"\(loss=ElasticPlastic\(\)\)", "(--loss elastic-plastic)"),
+        (
+            r"\bgive ElasticPlastic\(yield_pressure='5 MPa'\) or materials with yield_strength",
+            "give --loss 'elastic-plastic=5 MPa', or yield_strength in [materials.NAME] or a "
+            "[[chain.loss]] with between in a chain file",
+        ),
     ),
 }
 

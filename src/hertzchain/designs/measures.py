@@ -36,7 +36,7 @@ import numpy as np
 
 from ..chain.bead_names import NAME, bead_number
 from ..chain.chain import Chain
-from ..chain.hertz_range import hertz_range
+from ..chain.hertz_range import UNKNOWN_YIELD, hertz_range
 from ..collision import Array
 from ..derivatives.equation import has_gradient
 from ..errors import InputError, short_repr, unknown_name_error
@@ -205,7 +205,7 @@ class Measure:
             )
         if self.key == "yield_ratio" and np.isnan(hertz_range(chain).largest_yield_ratio):
             raise InputError(
-                "yield_ratio is unknown, because no material of this chain has a yield strength; "
+                f"yield_ratio is unknown, because {UNKNOWN_YIELD}; "
                 "omit it, or define materials with yield_strength"
             )
 

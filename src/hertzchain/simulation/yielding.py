@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import TYPE_CHECKING, Final
 
@@ -28,6 +29,23 @@ def pressures_below_yield(*runs: Run) -> list[str]:
     known = [each for each in found if not math.isnan(each.largest_yield_ratio)]
     line = max(known, key=lambda each: each.largest_yield_ratio)._below_yield if known else ""
     return [line] if line else []
+
+
+def contacts_staying_elastic(chain: Chain) -> list[str]:
+    """A line with the materials that no yield strength is known of, if others have a law of it."""
+    from ..chain.hertz_ratios import bodies_of
+
+    if not any(law.needs_yield_strength for law in chain.contact_losses):
+        return []
+    contacts = zip(itertools.pairwise(bodies_of(chain)), chain.contact_stiffness, strict=True)
+    pairs = dict.fromkeys(
+        " with ".join(sorted(body.name for body in pair))
+        for pair, stiffness in contacts
+        if stiffness > 0.0 and all(body.yield_strength is None for body in pair)
+    )
+    if not pairs:
+        return []
+    return [f"contacts of {' and of '.join(pairs)} have no known yield strength and stay elastic"]
 
 
 def yields(limits: HertzRange | None) -> bool:

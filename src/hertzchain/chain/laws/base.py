@@ -148,6 +148,11 @@ class Loss(Part):
         """Time that must be much shorter than a contact [scaled, or s]; 0 if the law has none."""
         return 0.0
 
+    @property
+    def needs_yield_strength(self) -> bool:
+        """Whether the law follows from the yield strength of the materials in contact."""
+        return False
+
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:
         """Descriptions of the fields of the law, by name."""

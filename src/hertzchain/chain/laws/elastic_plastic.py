@@ -64,7 +64,9 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         Largest pressure in a contact, :math:`p_y` > 0 [Pa], in chains in SI units.  If omitted,
         1.60 times the yield strength of the softer material, the pressure of first yield
         (K. L. Johnson, *Contact Mechanics*, Cambridge 1985, Sec. 6.1); the pressure of fully
-        plastic contacts is up to 2.8 times the yield strength.
+        plastic contacts is up to 2.8 times the yield strength.  Contacts of two materials without
+        a known yield strength, such as rubber on rubber, then stay elastic; at least one contact
+        must have a known one.
     yield_overlap : float or None
         Instead, the overlap :math:`d_y` > 0 at which a contact yields [scaled, or m].
 
@@ -93,6 +95,10 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
                 "ElasticPlastic has a yield_pressure or a yield_overlap, not both: the overlap "
                 "at yield follows from the pressure"
             )
+
+    @property
+    def needs_yield_strength(self) -> bool:
+        return self.yield_pressure is None and self.yield_overlap is None
 
     def row(self, exponent: float) -> LawRow:
         if exponent != HERTZ_EXPONENT:
@@ -137,7 +143,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         if strength is None or not np.isfinite(strength[contacts.stiffness > 0.0]).all():
             raise InputError(
                 "ElasticPlastic() uses the yield strength of the materials, which is not known "
-                "for all contacts of this chain: give ElasticPlastic(yield_pressure=...)"
+                "for this contact: give ElasticPlastic(yield_pressure=...)"
             )
         return FIRST_YIELD * strength
 

@@ -427,6 +427,25 @@ def test_names_of_keys_in_a_list_of_strikers_need_its_number():
     assert fast == pytest.approx(2.0 * slow, rel=1e-9)
 
 
+def test_constants_of_named_materials_vary():
+    kinds = ["brass", "mine", "brass", "mine"]
+    chain = {"diameters": "10 mm", "beads": 4, "velocity": "0.1 m/s", "materials": kinds,
+             "right_wall": {"rigid": True}}  # fmt: skip
+    mine = {"density": 2000.0, "young": "1 GPa", "poisson": 0.3}
+    spec = {"chain": chain, "materials": {"mine": mine},
+            "sweep": {"methods": ["simulate"], "keep": ["wall_peak_force"]}}  # fmt: skip
+    axes = {f"materials.{name}.young": ["2 GPa", "8 GPa"] for name in ("brass", "mine")}
+    found = hc.sweep(spec | {"axes": axes}).wall_peak_force.values.squeeze()
+    # If all moduli change together, forces are proportional to their power 2/5.
+    assert found[1, 1] == pytest.approx(4.0**0.4 * found[0, 0], rel=1e-6)
+    assert found[0, 0] < min(found[0, 1], found[1, 0])
+    axes = {"materials.steel-304.young": [2e9], "materials.mine.yung": [2e9]}
+    with pytest.raises(hc.InputError) as raised:
+        hc.sweep(spec | {"axes": axes})
+    assert "[chain] has nothing of 'steel-304'; it has brass, mine" in str(raised.value)
+    assert "unknown constant of a material 'yung'" in str(raised.value)
+
+
 @pytest.mark.parametrize(("points", "said"), [
     (3, r"must be tables \[\[points\]\] or the name of a CSV file, got 3"),
     ([3], r"points\[1\]: must be a table of parameters, got 3"),

@@ -239,6 +239,7 @@ _MATERIALS: Final = (
     ),
     Key("source", "text", "source of the numbers", default=""),
 )
+MATERIAL_CONSTANTS: Final = tuple(key.name for key in _MATERIALS if key.kind == "number")
 
 _LISTED: Final = (
     Section("chain", "beads, contacts and initial state", _CHAIN),
@@ -322,10 +323,17 @@ def is_count(path: Sequence[str]) -> bool:
     return {key.kind for key in _keys_at(path)} == {"integer"}
 
 
+def is_material_constant(path: Sequence[str]) -> bool:
+    """Whether a path leads to a constant of a material, such as ``materials.rubber.young``."""
+    return len(path) == 3 and path[0] == "materials" and not path[1].isdigit()
+
+
 def _keys_at(path: Sequence[str]) -> list[Key]:
     """Keys to which a path within [chain] can lead: several if they belong to variants."""
     words = [word for word in path if not word.isdigit()]
     section = SECTIONS["chain"]
+    if is_material_constant(path):
+        section, words = SECTIONS["materials.NAME"], words[-1:]
     if words and words[0] in TABLES:
         section, words = SECTIONS[f"chain.{words[0]}"], words[1:]
     if len(words) > 1 and any(key.name == words[0] and key.kind == "law" for key in section.keys):

@@ -3,15 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from ..chain.materials import material
 from ..errors import InputError
+from ..store.chain_schema import is_material_constant
 from .axes import Axis
+
+if TYPE_CHECKING:
+    from .specification import Specification
 
 
 def path_in_document(axis: Axis) -> tuple[str, ...]:
-    """Path of a parameter in a document with the tables ``chain`` and ``method``."""
-    return axis.path if axis.path[0] == "method" else ("chain", *axis.path)
+    """Path of a parameter in the document of a specification."""
+    outside_chain = axis.path[0] == "method" or is_material_constant(axis.path)
+    return axis.path if outside_chain else ("chain", *axis.path)
+
+
+def document_to_change(spec: Specification) -> dict[str, Any]:
+    """Tables ``chain``, ``materials`` and ``method``, with the materials whose constants vary."""
+    names = {axis.path[1] for axis in spec.axes if is_material_constant(axis.path)}
+    materials = {name: _constants(name) for name in sorted(names - spec.materials.keys())}
+    materials |= spec.materials
+    return {"chain": spec.chain, "materials": materials, "method": spec.options}
+
+
+def _constants(name: str) -> dict[str, Any]:
+    """A material of the catalogue as a table of a chain file."""
+    items = vars(material(name)).items()
+    return {key: value for key, value in items if key != "name" and value is not None}
 
 
 def with_value(

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from ..chain.chain import Chain
+from ..chain.materials import catalogue
+from ..errors import unknown_name_error
 from ..store.chain_as_toml import chain_document, listed_chain_document
 from ..store.chain_files import ARRAYS
+from ..store.chain_schema import MATERIAL_CONSTANTS, is_material_constant
 from ..validation.json_types import to_json_types
 from .axes import Axis
 
@@ -52,11 +55,26 @@ def with_lists(table: Mapping[str, Any], axes: Sequence[Axis]) -> dict[str, Any]
     return found
 
 
-def missing_parts(table: Mapping[str, Any], axes: Sequence[Axis]) -> list[str]:
-    """Find axes of strikers and of single values that [chain] and the other axes lack."""
+def missing_parts(
+    table: Mapping[str, Any], materials: Mapping[str, Any], axes: Sequence[Axis]
+) -> list[str]:
+    """Find axes of strikers, materials and single values that [chain] and the other axes lack."""
     whole = {axis.path[0] for axis in axes if len(axis.path) == 1}
+    named = {*_texts([table, [axis.values for axis in axes]])}
+    known = {*materials, *catalogue()}
     problems = []
     for axis in axes:
+        if is_material_constant(axis.path):
+            _, name, constant = axis.path
+            if constant not in MATERIAL_CONSTANTS:
+                unknown = unknown_name_error("constant of a material", constant, MATERIAL_CONSTANTS)
+                problems.append(f"axes.{axis.long_name}: {unknown}")
+            elif name not in named & known:
+                used = ", ".join(sorted(named & known)) or "no materials"
+                problems.append(
+                    f"axes.{axis.long_name}: [chain] has nothing of {name!r}; it has {used}"
+                )
+            continue
         key = axis.path[0]
         if key == "struck_by" and key not in (whole | table.keys()):
             problems.append(
@@ -72,6 +90,15 @@ def missing_parts(table: Mapping[str, Any], axes: Sequence[Axis]) -> list[str]:
             advice = f"list the {key}, or vary {OTHER_SIZE[key]}.{axis.path[1]}"
         problems.append(f"axes.{axis.long_name}: [chain] has {has}: {advice}")
     return problems
+
+
+def _texts(given: Any) -> Iterator[str]:
+    """All text among the values of tables and lists."""
+    if isinstance(given, str):
+        yield given
+    elif isinstance(given, Mapping | list | tuple):
+        for each in given.values() if isinstance(given, Mapping) else given:
+            yield from _texts(each)
 
 
 def _keys(axes: Sequence[Axis]) -> set[str]:

@@ -22,7 +22,7 @@ from ..recorded_warnings import record_warnings
 from ..store.chain_files import BEAD_METHODS, chain_from
 from ..validation.numbers import has_unit
 from .axes import Axis
-from .change_value import path_in_document, with_value
+from .change_value import document_to_change, path_in_document, with_value
 from .kept import absent_sensors
 from .methods import SIMULATIONS, pulse_by
 from .specification import (
@@ -128,10 +128,7 @@ class Plan:
 
     def document(self, index: Index) -> dict[str, Any]:
         """Tables ``chain``, ``materials`` and ``method`` of a point."""
-        spec = self.specification
-        found: dict[str, Any] = {
-            "chain": spec.chain, "materials": spec.materials, "method": spec.options
-        }  # fmt: skip
+        found = document_to_change(self.specification)
         for axis, value in self._values(index):
             found = with_value(found, path_in_document(axis), value)
         return found
@@ -144,8 +141,7 @@ class Plan:
 
     def unknown_places(self, index: Index) -> dict[int, str]:
         """Axes without a place in the document of a point, and why."""
-        spec, reasons = self.specification, {}
-        found: dict[str, Any] = {"chain": spec.chain, "method": spec.options}
+        found, reasons = document_to_change(self.specification), {}
         for i, (axis, value) in enumerate(self._values(index)):
             try:
                 found = with_value(found, path_in_document(axis), value)

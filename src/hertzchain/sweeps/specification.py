@@ -264,7 +264,7 @@ class _Reader:
         if self.inlined is not None:
             chain = chain_as_document(self.inlined, axes)["chain"]
         chain = with_lists(chain, axes)
-        self.problems += [] if self.problems else missing_parts(chain, axes)
+        self.problems += [] if self.problems else missing_parts(chain, materials, axes)
         methods = self._names(settings, "methods")
         keep = self._names(settings, "keep")
         errors = self._names(settings, "errors")

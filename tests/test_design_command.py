@@ -31,6 +31,7 @@ from hertzchain.designs.genetic import search
 from hertzchain.designs.measures import parse_measure
 from hertzchain.designs.methods import method_for
 from hertzchain.designs.problem_files import load_design
+from hertzchain.designs.rejections import why_rejected
 from hertzchain.designs.search_budget import budget_from, simulations_within
 from hertzchain.designs.trials import Trials
 from hertzchain.store.journal import Journal
@@ -647,6 +648,22 @@ def test_rejected_trials_are_compared_with_the_design(until, said):
         assert float(last.split()[-2]) == pytest.approx(reached.min(), rel=2e-4)
     (first,) = (note for note in found.notes if "wall_force.peak is not complete: largest" in note)
     assert "; omit until, set another one, or use wall_force.largest_so_far" in first
+
+
+def test_a_trial_whose_peak_a_more_accurate_simulation_completes_is_described_as_such(monkeypatch):
+    chain = hc.Chain.from_materials("3 mm", "steel-52100", beads=3, velocity=0.1)
+    chain = chain.replace(right_wall=hc.Wall.of("steel-52100"))
+    some = hc.vary.balls(materials="steel-52100", diameters=["3 mm", "6 mm"], beads="2:")
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[some])
+    trials = Trials(problem, budget_from(9), Journal(None, ""), seed=0)
+    point = next(iter(problem.space.rows()))
+    trials.failures.append(point)
+    unknown = np.full((1, len(trials.measures)), np.nan)
+    monkeypatch.setattr(Trials, "_values", lambda *_: unknown)
+    peak = hc.simulate(problem.space.chain_of(point), rtol=1e-11).wall_force().peak
+    why = why_rejected(trials)
+    assert why.startswith("wall_force.peak was not complete at the tolerance of the search; rep")
+    assert float(why.split()[-2]) == pytest.approx(peak, rel=1e-3)
 
 
 @pytest.mark.long

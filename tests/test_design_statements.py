@@ -42,7 +42,15 @@ def test_a_start_that_violates_the_constraints_is_not_the_best_one(limited):
     none = dataclasses.replace(other, finals_met=np.zeros(4, bool))
     assert np.isnan(none.spread).all()
     assert none.as_dict()["best_start"] is None
-    assert "(none of them ended within the constraints; other trials did)" in none.summary()
+    text = "(no start ended within the constraints: the design is the best of all trials that meet"
+    assert text in none.summary()
+
+
+def test_the_axis_of_a_history_over_more_than_a_factor_of_ten_is_logarithmic(limited):
+    for values, scale in (([300.0, 40.0, 5.0], "log"), ([30.0, 5.0], "linear")):
+        history = np.array([[1 + i, value] for i, value in enumerate(values)])
+        axes = dataclasses.replace(limited, history=history).plot("history")
+        assert axes.get_yscale() == scale
 
 
 def problem_of(chain, *vary):

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..chain.chain import Chain
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
 from ..representation import counted
+from ..simulation.run_table import RunTable
 from ..simulation.simulate import simulate
 from ..simulation.simulate_many import tabulate_runs
 from .exact_gradients import PEAK
 from .measures import LARGEST_ON_WALL, in_words
 from .problem import Design
 from .trials import MAX_FAILURES, RTOL, Trials
+from .verified import RTOL as VERIFIED_RTOL
 from .verified import Verified
 
 
@@ -50,13 +53,25 @@ def why_rejected(trials: Trials) -> str:
     if problem.scatter is not None:
         return f"{PEAK} is not complete for some of its samples; {advice}"
     chain = problem.space.chain_of(point)
+    table = _repeated(problem, [chain])
+    reached = in_words(float(table["wall_largest_so_far"][0]), "N", chain.units)
+    if np.isfinite(table["wall_peak_force"][0]):
+        return (
+            f"{PEAK} was not complete at the tolerance of the search; repeated at rtol "
+            f"{VERIFIED_RTOL:g}, it is {reached}"
+        )
     with ignore_warnings():
-        wall = simulate(chain, times=0, until=problem.until).wall_force()
-    largest, most = (
-        in_words(value, "N", chain.units)
-        for value in (wall.largest_so_far, max(wall.bound, wall.largest_so_far))
-    )
-    return f"{PEAK} is not complete: largest so far {largest}, at most {most}; {advice}"
+        wall = simulate(chain, times=0, until=problem.until, rtol=VERIFIED_RTOL).wall_force()
+    # A bound that is not larger is not proven.
+    exceeds = wall.bound > wall.largest_so_far
+    most = f", at most {in_words(wall.bound, 'N', chain.units)}" if exceeds else ""
+    return f"{PEAK} is not complete: largest so far {reached}{most}; {advice}"
+
+
+def _repeated(problem: Design, chains: list[Chain]) -> RunTable:
+    """Forces of rejected chains on the wall, simulated as accurately as the design."""
+    keep = ["wall_largest_so_far", "wall_peak_force"]
+    return tabulate_runs(chains, keep=keep, until=problem.until, rtol=VERIFIED_RTOL)
 
 
 def _advice(problem: Design) -> str:
@@ -77,7 +92,7 @@ def _compared_with(trials: Trials, value: float) -> list[str]:
     if not chains:
         return []
     try:
-        table = tabulate_runs(chains, keep=["wall_largest_so_far"], until=trials.problem.until)
+        table = _repeated(trials.problem, chains)
     except SimulationError:
         return []
     reached = table["wall_largest_so_far"]

@@ -283,7 +283,10 @@ def _ends(result: DesignResult) -> str:
         return ""
     outside = int((~result.finals_met).sum())
     if outside == len(result.finals):
-        return " (none of them ended within the constraints; other trials did)"
+        return (
+            " (no start ended within the constraints: the design is the best of all trials that "
+            "meet them)"
+        )
     best, median = map(result._shown, result.spread)
     others = f"; not counting {outside} outside the constraints" if outside else ""
     improved = result._sign * (result.value - result.spread[0]) < 0.0

@@ -56,6 +56,8 @@ PLUS_MINUS: Final = "\N{PLUS-MINUS SIGN}"
 NEAR: Final = 1.5
 # Width of the handle of a legend in characters.
 HANDLE: Final = 6
+# Largest over smallest value of a history from which its axis is logarithmic.
+WIDE: Final = 10.0
 
 
 def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
@@ -174,6 +176,9 @@ def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes.step([*runs, result.runs], [*values, *values[-1:]], where="post", color=COLOURS[1])
         axes.set_xscale("log")
         label_log_axis(axes.xaxis)
+        if values.min() > 0.0 and values.max() > WIDE * values.min():
+            axes.set_yscale("log")
+            label_log_axis(axes.yaxis)
         axes.set_xlabel("simulations")
         single = result.problem.objective.single
         name = "score" if single is None else single.label

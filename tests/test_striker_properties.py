@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.sweeps.plan import Plan
+from hertzchain.sweeps.specification import read_specification
 
 STEEL = "steel-52100"
 SIZES = np.array([5.0, 4.0, 6.0, 4.5, 5.5, 5.0, 3.5, 4.0])
@@ -362,3 +364,16 @@ def test_velocities_are_limited_to_those_with_representable_energies(build):
 def test_long_runs_of_heavy_strikers_are_explained(mass, advice):
     with pytest.raises(hc.SimulationError, match=f"use {advice} if the time hardly advances"):
         hc.simulate(hc.Chain.uniform(6).struck_by(mass=mass, radius=1.0), max_steps=20)
+
+
+@pytest.mark.parametrize("size", ["radius", "diameter"])
+def test_flat_is_the_size_of_a_striker_with_a_flat_face(size):
+    row = hc.Chain.from_materials(5e-3, "steel-52100", beads=3)
+    flat = row.struck_by(velocity=0.1, mass=0.02, radius=math.inf)
+    assert row.struck_by(velocity=0.1, mass=0.02, **{size: "flat"}) == flat
+    table = {"diameters": 0.01, "beads": 3, "material": "steel-52100"}
+    struck = {"velocity": 0.1, "mass": 0.02, size: "20 mm"}
+    spec = {"chain": table | {"struck_by": struck}, "axes": {f"struck_by.{size}": ["flat", "9 mm"]}}
+    plan = Plan(read_specification(spec))
+    assert plan.chain((0,)) == flat
+    assert not plan.chain((1,)).striker_properties[0].flat

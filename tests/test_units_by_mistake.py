@@ -13,8 +13,8 @@ BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.1)
         (lambda: hc.Material("glass", density=2.5, young=69e9, poisson=0.2), "multiply by 1000"),
         (lambda: hc.Material("glass", density=2500, young=69, poisson=0.2), "and 1e9"),
         (
-            lambda: BALLS.replace(velocities=None).struck_by(mass=5.0),
-            "times the mass of the heaviest bead",
+            lambda: BALLS.replace(velocities=None).struck_by(mass=500.0),
+            "122,742 times the mass of the heaviest bead",
         ),
         (lambda: hc.simulate(BALLS, until=500, times=0), "check the unit"),
         (

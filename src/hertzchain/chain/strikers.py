@@ -14,7 +14,7 @@ import numpy as np
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, InputWarning, warn_user
 from ..representation import measure
-from ..validation.json_types import FLAT
+from ..validation.json_types import FLAT_FACES
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, plain_magnitude, whole_number
 from .fields import ChainFields
@@ -24,7 +24,7 @@ from .materials import material as material_named
 from .striker_properties import SPHERE, UNKNOWN_STIFFNESS, StrikerProperties, face_stiffness
 
 # Mass of a striker over that of the heaviest bead above which the unit is probably wrong.
-HEAVY: Final = 1000.0
+HEAVY: Final = 1e5
 C = TypeVar("C", bound=ChainFields)
 
 
@@ -55,8 +55,8 @@ def struck_by(
         Velocity of the strikers [scaled, or m/s].
     radius : float, optional
         Radius of a striker [scaled, or m].  If only a mass is given, the default is the
-        radius of a sphere of this mass.  An infinite radius is a flat face, such as that
-        of a piston; it requires a mass.
+        radius of a sphere of this mass.  An infinite radius, or ``"flat"``, is a flat face,
+        such as that of a piston; it requires a mass.
     diameter : float, optional
         Diameter of a striker, instead of its radius [scaled, or m].
     mass : float, optional
@@ -109,8 +109,7 @@ def struck_by(
     if diameter is not None:
         if radius is not None:
             raise InputError("a striker has a radius or a diameter, not both: omit one")
-        size = number("diameter of a striker", diameter, unit=self._unit("m"), above=0.0)
-        radius = 0.5 * size
+        radius = _half(diameter, self._unit("m"))
     own, radius, mass, drawn = _striker(self, radius, mass, material)
     speed = number("velocity of the strikers", velocity, unit=self._unit("m/s"), least=0.0,
                    most=MAX_VELOCITY, hint="positive velocities are towards the chain")  # fmt: skip
@@ -120,7 +119,7 @@ def struck_by(
         times = (drawn / self.radii.max()) ** 3 if mass is None else mass / self.masses.max()
     if self.units == "SI" and times > HEAVY:
         warn_user(
-            f"the striker has {times:.2g} times the mass of the heaviest bead; masses are in kg, "
+            f"the striker has {times:,.0f} times the mass of the heaviest bead; masses are in kg, "
             "and radii in m, so check the unit",
             InputWarning,
         )
@@ -190,8 +189,7 @@ def _striker(
     if radius is None:
         return own, sphere, None, sphere
     unit = chain._unit("m")
-    if isinstance(radius, str) and radius == FLAT:
-        radius = math.inf
+    radius = _infinite_if_flat(radius)
     plain = plain_magnitude("radius of a striker", radius, unit)
     if isinstance(plain, float) and plain == math.inf:
         if mass is None:
@@ -199,6 +197,20 @@ def _striker(
         return own, math.inf, mass, sphere
     radius = number("radius of a striker", radius, unit=unit, above=0.0)
     return own, radius, mass, radius
+
+
+def _infinite_if_flat(size: float | None) -> float | None:
+    """Infinity instead of the text of a flat face."""
+    return math.inf if isinstance(size, str) and size in FLAT_FACES else size
+
+
+def _half(diameter: float, unit: str) -> float:
+    """Radius of a striker; a flat face has an infinite one."""
+    size = _infinite_if_flat(diameter)
+    plain = plain_magnitude("diameter of a striker", size, unit)
+    if isinstance(plain, float) and plain == math.inf:
+        return math.inf
+    return 0.5 * number("diameter of a striker", size, unit=unit, above=0.0)
 
 
 def _sphere_mass(chain: ChainFields, radius: float, own: Material | None) -> float:

@@ -143,7 +143,7 @@ _SCATTER: Final = (
 )
 _STRUCK_BY: Final = (
     _number("velocity", "velocity of the strikers", "velocity", default=1.0),
-    _number("radius", "radius of a striker; inf is a flat face", "length", above=0.0),
+    _number("radius", "radius of a striker; inf or 'flat' is a flat face", "length", above=0.0),
     _number("diameter", "diameter of a striker, instead of its radius", "length", above=0.0),
     _number("mass", "mass of a striker", "mass", above=0.0),
     _MATERIAL,

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import short_repr, similar_names, unknown_name_error
 from ..units import UNITS, comma_advice, quantity
-from ..validation.json_types import FLAT
+from ..validation.json_types import FLAT_FACES
 from ..validation.numbers import whole_hint
 from .chain_schema import KEYS, SECTIONS, TABLES
 from .schema_keys import Key, Section
@@ -235,8 +235,8 @@ def _problem_of_one(key: Key, value: Any, what: str, *, several: bool = False) -
 
 
 def _is_number_as_text(key: Key, value: str) -> bool:
-    """Whether text is a number with a unit, a percentage, or the radius of a flat striker."""
-    if key.name == "radius" and value == FLAT:
+    """Whether text is a number with a unit, a percentage, or the size of a flat striker."""
+    if key.name in ("radius", "diameter") and value in FLAT_FACES:
         return True
     return _may_be_text(key) and quantity(value) is not None
 

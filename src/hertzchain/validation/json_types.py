@@ -14,6 +14,8 @@ from ..errors import InputError, short_repr
 MAX_DEPTH: Final = 20
 # The infinite radius of a flat striker, which JSON cannot represent as a number.
 FLAT: Final = "inf"
+# Text for this radius or diameter in files and calls.
+FLAT_FACES: Final = (FLAT, "flat")
 
 
 def to_json_types(given: Any, place: str = "") -> Any:
@@ -52,7 +54,7 @@ def _plain(given: Any, place: str, depth: int) -> Any:
             raise InputError(f"{place} is too large: whole numbers have at most 63 bits".strip())
         return int(given)
     if isinstance(given, float):
-        if given == math.inf and place.endswith(".radius"):
+        if given == math.inf and place.endswith((".radius", ".diameter")):
             return FLAT
         if not math.isfinite(given):
             hint = "; infinite lengths are text, such as 'inf mm'" if math.isinf(given) else ""

@@ -55,7 +55,8 @@ class BallChoice:
                 if all(each.material != kind for each in found):
                     known = ", ".join(dict.fromkeys(each.material.name for each in found))
                     raise InputError(
-                        f"the catalogue {name} has no balls of {kind.name}; it has {known}"
+                        f"the catalogue {name} has no balls of {kind.name}; it has {known}; "
+                        "list other balls in a file, balls = 'balls.csv'"
                     )
             found = tuple(each for each in found if each.material in self.materials)
         if self.diameters is not None:

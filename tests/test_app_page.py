@@ -347,7 +347,7 @@ def test_units_are_converted_by_the_library(page):
 @pytest.mark.parametrize("example", gallery()[1::3], ids=lambda example: example["title"])
 def test_links_bring_everything_back(page, example):
     page.tab.click("#open-examples")
-    page.tab.click(f"button[aria-label='Open {example['title']}']")
+    page.tab.click(f'button[aria-label="Open {example["title"]}"]')
     page.settle()
     page.tab.select_option("#quantity", "arrival")
     page.tab.wait_for_timeout(300)

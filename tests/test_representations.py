@@ -191,6 +191,14 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
             "Chain(2 brass beads, diameters 10 mm to 6 mm, impact at 0.25 m/s)",
         ),
         (
+            hc.Chain.from_materials([10e-3] * 9 + [16.1e-3] + [10e-3] * 10, "steel-52100"),
+            "Chain(20 steel-52100 beads, diameters 20 mm except one of 32.2 mm, impact at 1 m/s)",
+        ),
+        (
+            hc.Chain.from_materials([4e-3, 5e-3, 5e-3, 5e-3], "brass"),
+            "Chain(4 brass beads, diameters 10 mm except one of 8 mm, impact at 1 m/s)",
+        ),
+        (
             hc.Chain.from_materials(20e-6, "glass", beads=3, velocity=0.1),
             "Chain(3 glass beads, diameter 40 um, impact at 0.1 m/s)",
         ),

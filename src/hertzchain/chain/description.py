@@ -91,13 +91,17 @@ def beads_of(count: int, noun: str, materials: Sequence[str] = ()) -> str:
 
 
 def sizes_in_words(radii: Array) -> str:
-    """Diameter, or those of two sizes in turn, of both ends of a taper, or the extreme ones."""
+    """Diameter, or those of all but one, two in turn, the ends of a taper, or the extremes."""
     low, high = radii.min(), radii.max()
     if low == high:
         return length_in_words(2.0 * low)
     if len(radii) > 2 and cell_repeats(2, radii):
         one, other = _distinguishable(radii[0], radii[1])
         return f"{one} and {other} in turn"
+    usual = np.median(radii)
+    if len(radii) > 3 and np.count_nonzero(radii != usual) == 1:
+        one, other = _distinguishable(usual, low if high == usual else high)
+        return f"{one} except one of {other}"
     first, last = (high, low) if np.all(np.diff(radii) <= 0.0) else (low, high)
     return " to ".join(dict.fromkeys(_distinguishable(first, last)))
 

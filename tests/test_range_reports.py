@@ -286,6 +286,9 @@ def test_pressure_over_yield_is_unknown_without_a_yield_strength():
     steel = hc.hertz_range(mixed)
     assert np.isnan(steel.yield_ratio[2])
     assert steel.largest_yield_ratio == steel.yield_ratio[1] > 0.0
-    with pytest.raises(hc.InputError, match="yield_ratio is unknown, because no material"):
+    with pytest.raises(
+        hc.InputError,
+        match="yield_ratio is unknown, because no elastic contact has a known yield strength",
+    ):
         hc.Design(glass, minimise="velocity@last", vary=[hc.vary.radii("3 mm", "6 mm")],
                   subject_to={"yield_ratio": "<= 1"})  # fmt: skip

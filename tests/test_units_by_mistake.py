@@ -1,5 +1,7 @@
 """Numbers in a wrong unit, which are accepted with a warning, or rejected."""
 
+import warnings
+
 import pytest
 
 import hertzchain as hc
@@ -13,8 +15,8 @@ BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.1)
         (lambda: hc.Material("glass", density=2.5, young=69e9, poisson=0.2), "multiply by 1000"),
         (lambda: hc.Material("glass", density=2500, young=69, poisson=0.2), "and 1e9"),
         (
-            lambda: BALLS.replace(velocities=None).struck_by(mass=500.0),
-            "122,742 times the mass of the heaviest bead",
+            lambda: BALLS.replace(velocities=None).struck_by(mass=5.0),
+            "1,227 times the mass of the heaviest bead",
         ),
         (lambda: hc.simulate(BALLS, until=500, times=0), "check the unit"),
         (
@@ -76,6 +78,14 @@ def test_the_range_before_a_run_follows_the_pulse_to_the_wall():
     assert ratio[:-1].min() > 0.99
     assert ratio[:-1].max() < 1.12
     assert 0.85 < ratio[-1] < 1.15
+
+
+def test_a_hammer_may_be_much_heavier_than_small_balls():
+    balls = hc.Chain.from_materials("1.5 mm", "brass", beads=3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        hammer = balls.replace(velocities=None).struck_by(mass="200 g", velocity="0.1 m/s")
+    assert hammer.masses[0] / hammer.masses[1] > 1500.0
 
 
 @pytest.mark.parametrize(

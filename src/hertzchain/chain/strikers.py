@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import Any, Final, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -23,8 +23,9 @@ from .materials import Material, MaterialLike
 from .materials import material as material_named
 from .striker_properties import SPHERE, UNKNOWN_STIFFNESS, StrikerProperties, face_stiffness
 
-# Mass of a striker over that of the heaviest bead above which the unit is probably wrong.
-HEAVY: Final = 1e5
+# Mass of a striker over that of the heaviest bead, and in kg, from which the unit is probably
+# wrong: grams given as kg are a thousand times too heavy, but so are small hammers on small balls.
+HEAVY, HEAVY_KG = 1000.0, 1.0
 C = TypeVar("C", bound=ChainFields)
 
 
@@ -117,7 +118,7 @@ def struck_by(
     # A sphere has the mass of its radius, which is then not given.
     with np.errstate(over="ignore"):
         times = (drawn / self.radii.max()) ** 3 if mass is None else mass / self.masses.max()
-    if self.units == "SI" and times > HEAVY:
+    if self.units == "SI" and times > HEAVY and times * self.masses.max() >= HEAVY_KG:
         warn_user(
             f"the striker has {times:,.0f} times the mass of the heaviest bead; masses are in kg, "
             "and radii in m, so check the unit",

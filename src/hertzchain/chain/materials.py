@@ -163,18 +163,12 @@ class Catalogue(dict[str, Material]):
 
     def _rows(self) -> list[tuple[str, ...]]:
         """Header and one row per material."""
-        header: tuple[str, ...] = (
-            "material",
-            "density [kg/m^3]",
-            "E [GPa]",
-            "nu",
-            "yields at [MPa]",
-        )
-        return [header] + [
+        header = ("material", "density [kg/m^3]", "E [GPa]", "nu", "yields at [MPa]")
+        return [header, *(
             (name, f"{each.density:g}", f"{each.young / 1e9:g}", f"{each.poisson:g}",
              "" if each.yield_strength is None else f"{each.yield_strength / 1e6:g}")
             for name, each in self.items()
-        ]  # fmt: skip
+        )]  # fmt: skip
 
     def __repr__(self) -> str:
         rows = self._rows()

@@ -297,7 +297,7 @@ def _gif(frames: list[Image], seconds: float, chain: Chain) -> bytes:
     # for lines and letters, and the colours of velocities and, if there are several, materials.
     greys = np.repeat(np.linspace(0, 255, 8).astype(np.uint8), 3)
     colours = (255.0 * colormaps[COLOUR_MAP](np.linspace(0.0, 1.0, 41))[:, :3]).astype(np.uint8)
-    names = set(material_names(chain))
+    names = dict.fromkeys(material_names(chain))
     others = [MARKER, *(material_colour(name) for name in names if len(names) > 1)]
     single = [value for each in others for value in ImageColor.getrgb(each)]
     palette = Image.new("P", (1, 1))

@@ -113,7 +113,7 @@ def fastest_frequency(chain: Chain) -> float:
     resting = (static[there] / k) ** (1.0 / p)
     stored = k * resting ** (p + 1.0) / (p + 1.0)
     largest = ((p + 1.0) * (motion + stored) / k) ** (1.0 / (p + 1.0))
-    # In a compressed chain, beads that move in opposite directions have twice the stiffness.
+    # Neighbours that move in opposite directions deform the contacts on both sides of each bead.
     squared = p * k * lighter * np.maximum(largest ** (p - 1.0), 2.0 * resting ** (p - 1.0))
     return math.sqrt(float(squared.max()))
 

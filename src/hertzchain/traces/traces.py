@@ -15,9 +15,7 @@ from ..validation.keywords import checked_arguments, checked_fields, checked_met
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_choice, check_list, check_type
 from .headers import header_of
-from .noise import (
-    check_names_of_noise,
-)
+from .noise import check_names_of_noise
 from .notes import trace_notes
 from .shots import check_times, made_again, make_shot
 from .signals import Shot, Signal, merged_shots
@@ -166,10 +164,6 @@ class Traces:
         ----------
         factor : float
             Positive factor, such as 0.001 for milliseconds that were read as seconds.
-
-        Returns
-        -------
-        Traces
 
         Raises
         ------

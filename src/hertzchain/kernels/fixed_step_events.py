@@ -5,7 +5,7 @@ The functions do not depend on the splitting method (`hertzchain.kernels.symplec
 
 from __future__ import annotations
 
-from .compilation import CONTRACTED, compiled, internal
+from .compilation import CONTRACTED, compiled, internal, reduced
 from .events import store_crossing
 from .forces import copy
 from .hermite import curvature, slope, value
@@ -142,18 +142,59 @@ def moves(k, h, springs, rows):
     return max(v[k], before[1, k + 1]) > max(REACHED * near, ROUNDED * h * pushing)
 
 
+@reduced
+def some_peak(times, before, after):
+    """Whether the acceleration of a bead without a recorded maximum changes its sign in a step."""
+    found = 0
+    for k in range(len(times)):
+        found += (times[k] == 0.0) & (before[k] > 0.0) & (after[k] <= 0.0)
+    return found > 0
+
+
+@reduced
+def some_crossing(times, before, after):
+    """Whether velocities of neighbours without a recorded crossing become equal in a step."""
+    found = 0
+    for k in range(len(after) - 1):
+        closing = before[k] > before[k + 1]
+        found += (times[k] == 0.0) & closing & (after[k] <= after[k + 1])
+    return found > 0
+
+
 @compiled
 def record_events(h, clock, counts, setup, contacts, springs, rows, peaks, crossings):
-    """Record first velocity maxima and largest overlaps within a step."""
+    """Record first velocity maxima and largest overlaps within a step.
+
+    Most steps have none, and the loops of the tests are faster than those that locate them.
+    """
     before, v, a = rows.before, rows.velocities, rows.accelerations
     beads = len(v)
-    for k in range(beads):
+    start = 0 if peaks[PEAK_VELOCITY, 0] == 0.0 else 1
+    last = beads + 1
+    if some_peak(peaks[PEAK_TIME, start:beads], before[2, start + 1 : last], a[start + 1 : last]):
+        record_peaks(h, clock, counts, springs, rows, peaks)
+    if some_crossing(crossings[CROSSING_TIME], before[1, 1:last], v):
+        record_crossings(h, clock, counts, setup, contacts, springs, rows, crossings)
+
+
+@compiled
+def record_peaks(h, clock, counts, springs, rows, peaks):
+    """Record first velocity maxima within a step."""
+    before, a = rows.before, rows.accelerations
+    for k in range(len(rows.velocities)):
         waits = peaks[PEAK_TIME, k] == 0.0 and (k > 0 or peaks[PEAK_VELOCITY, 0] == 0.0)
         if waits and before[2, k + 1] > 0.0 and a[k + 1] <= 0.0 and moves(k, h, springs, rows):
             c = polynomial_of(k, h, rows)
             s = inflection(c)
             peaks[PEAK_TIME, k], peaks[PEAK_VELOCITY, k] = clock[TIME] + s * h, slope(c, s) / h
             counts[PEAKS] += 1 if k > 0 else 0
+
+
+@compiled
+def record_crossings(h, clock, counts, setup, contacts, springs, rows, crossings):
+    """Record first largest overlaps within a step."""
+    before, v, a = rows.before, rows.velocities, rows.accelerations
+    beads = len(v)
     for k in range(beads - 1):
         closing = before[1, k + 1] - before[1, k + 2]
         if crossings[CROSSING_TIME, k] != 0.0 or closing <= 0.0 or v[k] > v[k + 1]:

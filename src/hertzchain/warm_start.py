@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import json
 import subprocess
 import sys
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Final, NamedTuple
@@ -97,8 +99,9 @@ STAGES: Final = (
     Stage("pulses of other exponents", _other_exponents),
     Stage("ensembles of whole chains", _ensembles),
     Stage("fixed steps", _fixed_steps),
-    Stage("gradients of simulations", _gradients),
     Stage("sensitivities", lambda chain: local_rate_gradient(chain, "velocity", bead=3)),
+    # Last, so that the process that has compiled general chains takes it.
+    Stage("gradients of simulations", _gradients),
 )
 BEADS: Final = 12
 # Thresholds of the garbage collector.  The compiler creates millions of objects that live on, and
@@ -148,7 +151,7 @@ def warm_up(*, first: bool = False, progress: Progress | None = None) -> float:
             if progress is not None:
                 progress(done, len(stages))
 
-    # They take equally long, and have few functions in common, which are compiled twice.
+    # These groups have few functions in common, which are compiled twice.
     groups = [
         [i for i, each in enumerate(stages) if each.general is general] for general in (True, False)
     ]
@@ -174,41 +177,73 @@ def compile_stages(numbers: Sequence[int], count: Callable[[], object]) -> None:
 
 
 # A process of `multiprocessing` would import the script of a caller, which may have no guard.
-PROGRAM: Final = (
-    "import json, sys; path, numbers = json.loads(sys.argv[1]); sys.path[:] = path; "
-    "from hertzchain.warm_start import compile_stages; "
-    "compile_stages(numbers, lambda: print(flush=True))"
-)
+PROGRAM: Final = """
+import json, sys
+sys.path[:] = json.loads(sys.argv[1])
+from hertzchain.warm_start import compile_stages
+for number in sys.stdin:
+    compile_stages([int(number)], lambda: print(flush=True))
+"""
+
+
+def _start_process() -> subprocess.Popen[str]:
+    command = [sys.executable, "-c", PROGRAM, json.dumps(sys.path)]
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True)
 
 
 def _compile_beside(groups: Sequence[Sequence[int]], count: Callable[[], None]) -> None:
-    """Compile each group of stages in a separate process."""
+    """Compile each group of stages in a separate process, which helps another when it is done."""
+    waiting = [deque(group) for group in groups]
     running: list[subprocess.Popen[str]] = []
-    try:
-        for group in groups:
-            command = [sys.executable, "-c", PROGRAM, json.dumps([sys.path, group])]
-            running.append(subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                text=True,
+    with ThreadPoolExecutor(len(groups)) as threads:
+        try:
+            running.extend(_start_process() for _ in groups)
+            messages = list(threads.map(
+                lambda i, process: _supervise(process, waiting[i:] + waiting[:i], count),
+                range(len(running)), running,
             ))  # fmt: skip
-        with ThreadPoolExecutor(len(running)) as threads:
-            failed = [
-                text for text in threads.map(lambda each: _watch(each, count), running) if text
-            ]
-    finally:
-        for process in running:
-            process.kill()
-            process.wait()
+        finally:
+            _stop(waiting, running)
+    failed = [message for message in messages if message]
     if failed:
         raise SimulationError(f"a kernel cannot be compiled: {failed[0]}")
 
 
-def _watch(process: subprocess.Popen[str], count: Callable[[], None]) -> str:
-    """Count the lines that a process writes; returns its last message if it fails."""
+def _supervise(
+    process: subprocess.Popen[str], waiting: Sequence[deque[int]], count: Callable[[], None]
+) -> str:
+    """Let a process compile stages until none waits; returns its last message if it fails."""
+    assert process.stdin is not None
+    assert process.stdout is not None
+    assert process.stderr is not None
     with process:
-        assert process.stdout is not None
-        assert process.stderr is not None
-        for _ in process.stdout:
+        while (number := _next(waiting)) is not None:
+            with contextlib.suppress(BrokenPipeError):
+                print(number, file=process.stdin, flush=True)
+            if not process.stdout.readline():
+                _stop(waiting, ())
+                break
             count()
+        process.stdin.close()
         messages = process.stderr.read().strip().splitlines()
     return "" if process.returncode == 0 else (messages or ["the process was killed"])[-1]
+
+
+def _stop(waiting: Sequence[deque[int]], running: Sequence[subprocess.Popen[str]]) -> None:
+    """Start no further stages, and kill processes."""
+    for group in waiting:
+        group.clear()
+    for process in running:
+        process.kill()
+
+
+def _next(waiting: Sequence[deque[int]]) -> int | None:
+    """The first stage of the process's own group, or else the last one of another group."""
+    own, *others = waiting
+    with contextlib.suppress(IndexError):
+        return own.popleft()
+    for other in others:
+        with contextlib.suppress(IndexError):
+            return other.pop()
+    return None

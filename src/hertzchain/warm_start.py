@@ -225,7 +225,8 @@ def _supervise(
                 _stop(waiting, ())
                 break
             count()
-        process.stdin.close()
+        with contextlib.suppress(BrokenPipeError):
+            process.stdin.close()
         messages = process.stderr.read().strip().splitlines()
     return "" if process.returncode == 0 else (messages or ["the process was killed"])[-1]
 

@@ -59,7 +59,7 @@ SHORT = hc.Chain.tapered("forward-linear", 0.05, beads=12)
 def test_trajectories_against_scipy(changes):
     chain = SHORT.replace(**changes)
     times = np.linspace(0.0, 30.0, 61)
-    run, motion = hc.simulate(chain, times=times), trajectory(chain, times)
+    run, motion = hc.simulate(chain, times=times), trajectory(chain, times, rtol=1e-13)
     np.testing.assert_allclose(run.positions - run.positions[0], motion.displacements, atol=1e-9)
     np.testing.assert_allclose(run.velocities, motion.velocities, atol=1e-9)
 

@@ -55,7 +55,7 @@ def _lines(text: str, **limits: Any) -> list[str]:
 
 
 def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:
-    """A number with four digits and, unless it is scaled, its unit; short times in us or ms."""
+    """A number with four digits and, unless it is scaled, its usual unit."""
     if units != "SI":
         return f"{value:.{digits}g}"
     factor, prefixed = usual_unit(value, unit)
@@ -63,7 +63,9 @@ def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:
 
 
 def usual_unit(value: float, unit: str) -> tuple[float, str]:
-    """Factor and unit in which a value is shown: us or ms for short times."""
+    """Factor and unit in which a value is shown: us or ms for short times, GPa for pressures."""
+    if unit == "Pa":
+        return (1e-9, "GPa") if abs(value) >= 1e9 else (1e-6, "MPa")
     if unit == "s" and 0.0 < abs(value) < MICROSECONDS:
         return 1e6, "us"
     if unit == "s" and 0.0 < abs(value) < MILLISECONDS:

@@ -29,15 +29,21 @@ def exceeds_limits(chain: Chain, overlaps: Array) -> bool:
 
 def contact_ratios(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
     """Overlap over radius and pressure over yield of all contacts, walls included."""
+    overlap_ratio, pressure = contact_pressures(chain, overlaps)
+    strength = yield_strengths(bodies_of(chain))
+    elastic = np.array([not law.yields for law in chain.contact_losses])
+    strength = np.where(elastic & np.isfinite(strength), strength, math.nan)
+    return overlap_ratio, pressure / (FIRST_YIELD * strength)
+
+
+def contact_pressures(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
+    """Overlap over radius and largest pressure [Pa] of all contacts, walls included."""
     bodies, radius = bodies_of(chain), effective_radii(chain.face_radii)
-    modulus, strength = contact_moduli(bodies), yield_strengths(bodies)
+    modulus = contact_moduli(bodies)
     # Johnson, Eqs. (4.22) to (4.24): a^3 = 3 F R/(4 E*), a^2 = R d and p_0 = 2 E* d/(pi a).
     force = chain.contact_stiffness * overlaps**chain.contact_exponents
     d = np.cbrt(0.75 * force / (modulus * np.sqrt(radius))) ** 2
-    pressure = 2.0 / math.pi * modulus * np.sqrt(d / radius)
-    elastic = np.array([not law.yields for law in chain.contact_losses])
-    strength = np.where(elastic & np.isfinite(strength), strength, math.nan)
-    return d / radius, pressure / (FIRST_YIELD * strength)
+    return d / radius, 2.0 / math.pi * modulus * np.sqrt(d / radius)
 
 
 def speed_ratio(chain: Chain) -> float:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ..simulation.yielding import (
-    contacts_staying_elastic,
+    contacts_without_strength,
     peak_with_yielding_contacts,
     pressures_below_yield,
 )
@@ -95,7 +95,8 @@ def show_run(
             f"{run._unfinished}; to see the velocities after the impact, give a later "
             "time with --until"
         )
-    for line in contacts_staying_elastic(run.chain) + pressures_below_yield(run):
+    unchecked = contacts_without_strength(run.chain, run.largest_overlaps)
+    for line in pressures_below_yield(run) + unchecked:
         click.echo(line)
     for wall in _walls(run):
         click.echo(_wall_lines(run, wall))

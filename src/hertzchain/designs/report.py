@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..representation import counted, listed, usual_unit, with_decimals
+from ..simulation.yielding import unchecked_contacts
 from .ball_space import BallSpace
 from .comparison import (
     best_reference,
@@ -188,6 +189,8 @@ def _range_in_words(result: DesignResult) -> str:
     if result.verified.outside_range:
         return "; contacts left the range of Hertz's law (see the notes)"
     every = " of all points of the Pareto front" if result.front else ""
+    if any(unchecked_contacts(each.chain) for each in result.front or (result,)):
+        every += " whose yield strength is known"
     return f"; all contacts{every} stayed within the range of Hertz's law"
 
 

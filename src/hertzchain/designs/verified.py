@@ -18,7 +18,7 @@ from ..simulation.run_table import RunTable
 from ..simulation.simulate import simulate
 from ..simulation.simulate_many import tabulate_runs
 from ..simulation.wall_force import sensitive_in_words
-from ..simulation.yielding import contacts_staying_elastic, dented_chain, yields
+from ..simulation.yielding import contacts_without_strength, dented_chain, yields
 from .exact_gradients import value_in_whole_run
 from .measured import measured
 from .measures import (
@@ -117,8 +117,9 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     notes += _later_force(problem, chain, values, float(table["end_time"][0]))
     limits = None
     if chain.materials is not None and chain.units == "SI" and not table.reasons:
-        limits = hertz_range(chain, table._overlaps[0, : chain.beads + 1])
-        notes += [*limits.violations, *contacts_staying_elastic(chain)]
+        overlaps = table._overlaps[0, : chain.beads + 1]
+        limits = hertz_range(chain, overlaps)
+        notes += [*limits.violations, *contacts_without_strength(chain, overlaps)]
     yielding = _with_yielding_contacts(problem, chain, values) if yields(limits) else {}
     scattered = {} if problem.scatter is None else _scattered(problem, chain, seed)
     return Verified(chain, values, RTOL, tuple(notes), scattered, limits, yielding)

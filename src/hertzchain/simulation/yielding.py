@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Final
 
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
+from ..representation import measure
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
     from ..chain.hertz_range import HertzRange
+    from ..collision import Array
     from ..validation.objects import Progress
     from .run import Run
 
@@ -31,21 +33,34 @@ def pressures_below_yield(*runs: Run) -> list[str]:
     return [line] if line else []
 
 
-def contacts_staying_elastic(chain: Chain) -> list[str]:
-    """A line with the materials that no yield strength is known of, if others have a law of it."""
+def unchecked_contacts(chain: Chain) -> dict[int, str]:
+    """Materials, by contact, of elastic contacts without a known yield strength."""
     from ..chain.hertz_ratios import bodies_of
 
-    if not any(law.needs_yield_strength for law in chain.contact_losses):
+    if chain.materials is None or chain.units != "SI":
+        return {}
+    return {
+        c: " with ".join(sorted(body.name for body in pair))
+        for c, pair in enumerate(itertools.pairwise(bodies_of(chain)))
+        if all(body.yield_strength is None for body in pair)
+        and chain.contact_stiffness[c] > 0.0
+        and not chain.contact_losses[c].yields
+    }
+
+
+def contacts_without_strength(chain: Chain, overlaps: Array) -> list[str]:
+    """A line for contacts whose pressure is not checked, from the overlaps of all contacts."""
+    from ..chain.hertz_ratios import contact_pressures
+
+    if not (unchecked := unchecked_contacts(chain)):
         return []
-    contacts = zip(itertools.pairwise(bodies_of(chain)), chain.contact_stiffness, strict=True)
-    pairs = dict.fromkeys(
-        " with ".join(sorted(body.name for body in pair))
-        for pair, stiffness in contacts
-        if stiffness > 0.0 and all(body.yield_strength is None for body in pair)
-    )
-    if not pairs:
-        return []
-    return [f"contacts of {' and of '.join(pairs)} have no known yield strength and stay elastic"]
+    names = " and of ".join(dict.fromkeys(unchecked.values()))
+    text = f"contacts of {names} have no known yield strength"
+    if any(law.needs_yield_strength for law in chain.contact_losses):
+        return [f"{text} and stay elastic"]
+    pressures = contact_pressures(chain, overlaps)[1]
+    largest = measure(float(pressures[list(unchecked)].max()), "Pa", digits=2)
+    return [f"{text}, so their pressure (up to {largest}) is not checked"]
 
 
 def yields(limits: HertzRange | None) -> bool:

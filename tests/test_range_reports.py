@@ -255,7 +255,7 @@ def test_no_pressure_over_yield_is_stated_if_it_is_unknown_or_above_the_limit(ru
     mass, modulus, radius = 0.5 * 7800 * 4 / 3 * math.pi * 0.005**3, 2e11 / (2 * 0.91), 0.0025
     overlap = (15 * mass * 0.1**2 / (16 * modulus * radius**0.5)) ** 0.4
     pressure = 2 * modulus / math.pi * (overlap / radius) ** 0.5
-    assert f"so their pressure (up to {pressure / 1e9:.2g} GPa) is not checked" in out
+    assert f"; their pressure (up to {pressure / 1e9:.2g} GPa) is not checked" in out
 
 
 @pytest.mark.long
@@ -298,3 +298,19 @@ def test_pressure_over_yield_is_unknown_without_a_yield_strength():
     ):
         hc.Design(glass, minimise="velocity@last", vary=[hc.vary.radii("3 mm", "6 mm")],
                   subject_to={"yield_ratio": "<= 1"})  # fmt: skip
+
+
+def test_designs_do_not_claim_limits_that_are_unknown():
+    """The contacts of steel with glass and with the wall are checked, those of glass are not."""
+    materials = ["steel-52100", "glass", "glass"]
+    chain = hc.Chain.from_materials(5e-3, materials, velocity=0.01)
+    chain = chain.replace(right_wall=hc.Wall.of("steel-52100"))
+    found = hc.design(
+        hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii("4 mm", "6 mm")]),
+        budget=100,
+    )
+    text = found.summary()
+    assert "no known limit of Hertz's law was exceeded (see the notes)" in text
+    assert "all contacts" not in text
+    assert "note: contacts of glass with glass have no known yield strength; their pressure" in text
+    assert "steel-52100" not in text.partition("note: contacts of")[2].splitlines()[0]

@@ -5,6 +5,7 @@ import pytest
 from synthetic_traces import bench, measured, signals
 
 import hertzchain as hc
+from hertzchain.fitting.time_offsets import difference_at_best_offset
 
 NAMES = ("ball 3 [N]", "ball 6 [N]", "wall [N]")
 CHAIN = bench(hc.Viscoelastic(0.6e-6), beads=8, behind=3)
@@ -133,3 +134,13 @@ def test_peaks_that_differ_by_more_than_two_are_compared_by_their_ratio(recorded
     assert sensor.cells[2] == f"{sensor.peak_ratio:.0f} times"
     assert sensor.peak_ratio == pytest.approx(1000.0, rel=0.05)
     assert run.compare(traces_of(times, samples)).sensors[0].cells[2].endswith("%")
+
+
+def test_data_that_agree_exactly_differ_by_nothing():
+    """Sums of rounding errors, whose sign depends on the data, have no root."""
+    times = np.arange(100.0)
+    for seed in range(20):
+        rough = np.random.default_rng(seed).uniform(0.5, 1.5, 60) * np.hanning(60)
+        pulse = np.concatenate((np.zeros(40), rough))
+        traces = hc.Traces.from_arrays(times, {"ball 2 [N]": pulse}, noise=1e-3)
+        assert 0.0 <= difference_at_best_offset(traces.shots[0], [pulse], 1.0) < 1e-6

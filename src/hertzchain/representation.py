@@ -63,7 +63,7 @@ def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:
 
 
 def usual_unit(value: float, unit: str) -> tuple[float, str]:
-    """Factor and unit in which a value is shown: us or ms for short times, GPa for pressures."""
+    """Factor and unit in which a value is shown: us or ms for short times, MPa or GPa."""
     if unit == "Pa":
         return (1e-9, "GPa") if abs(value) >= 1e9 else (1e-6, "MPa")
     if unit == "s" and 0.0 < abs(value) < MICROSECONDS:

@@ -188,9 +188,10 @@ def _range_in_words(result: DesignResult) -> str:
                 "(see the list)")  # fmt: skip
     if result.verified.outside_range:
         return "; contacts left the range of Hertz's law (see the notes)"
-    every = " of all points of the Pareto front" if result.front else ""
     if any(unchecked_contacts(each.chain) for each in result.front or (result,)):
-        every += " whose yield strength is known"
+        where = " at any point of the Pareto front" if result.front else " (see the notes)"
+        return f"; no known limit of Hertz's law was exceeded{where}"
+    every = " of all points of the Pareto front" if result.front else ""
     return f"; all contacts{every} stayed within the range of Hertz's law"
 
 

@@ -193,7 +193,7 @@ def _coarse(
         rest += pair.rest(inside, correlate(seen, pair.own), size) / sums[-1]
         covered += inside / sums[-1]
         reached |= counts[last] > counts[first]
-    # Of data that agree exactly, only the rounding errors remain, which may be negative.
+    # If the data agree exactly, only rounding errors remain, and they may be negative.
     cost = np.where(reached, np.maximum(rest - covered + len(pairs), 0.0), np.inf)
     offsets, best = times[0] + spacing * lags, int(np.argmin(cost))
     near = APART * max(pair.width for pair in pairs)

@@ -55,7 +55,6 @@ from .elastic_layout import (
     LAST_IMPULSE,
     LEAST_PUSH,
     LENGTH,
-    LINE,
     MOST,
     NEW_V,
     NEW_X,
@@ -118,6 +117,7 @@ from .elastic_walls import (
 )
 from .limits import FALL
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE, STAGES, impulse_of, spread, take_step
+from .scratch import aligned_zeros
 from .state_layout import STRIKER_PEAK_TIME
 
 inlined = internal(forceinline=True, **OPTIONS)
@@ -128,11 +128,9 @@ LONG_STEP = 0.1
 
 
 def scratch_for(gauges):
-    """Scratch arrays of `follow`; rows begin at the start of a cache line."""
-    rows = np.zeros(END_OF_ROWS + LINE)
-    start = -rows.ctypes.data % (8 * LINE) // 8
+    """Scratch arrays of `follow`."""
     return (
-        rows[start : start + END_OF_ROWS], np.zeros((2 * LANE_ROWS, LANES)),
+        aligned_zeros(END_OF_ROWS), np.zeros((2 * LANE_ROWS, LANES)),
         np.zeros((STAGES, gauges, LANES)), np.zeros((LANES, gauges, 2 * GAUGE_ROWS)),
         np.zeros(LANES, np.int64), np.zeros(KINK_ROWS),
     )  # fmt: skip

@@ -63,6 +63,7 @@ from .narrow_window_rows import (
     velocity_error,
 )
 from .narrow_window_slots import next_chain
+from .scratch import aligned_zeros
 
 # Entries of `signal`, through which other threads stop the kernel and monitor its progress.
 STOP, PASSED = 0, 1
@@ -223,8 +224,4 @@ def follow(abreast, window, limits, given, results, status, signal, scratch):
 
 def scratch_of(abreast: tuple[int, ...]) -> tuple[Any, Any]:
     """The window and the scalars of each lane, for `follow`."""
-    # Rows are aligned to the processor's cache lines: unaligned reads take a tenth longer.
-    line = 64
-    w = np.zeros(END + line // 8)
-    w = w[-w.ctypes.data % line // 8 :][:END]
-    return w, np.zeros((PLACE_SIZE, len(abreast)), np.int64)
+    return aligned_zeros(END), np.zeros((PLACE_SIZE, len(abreast)), np.int64)

@@ -35,6 +35,7 @@ from .full_chain import (
 )
 from .limits import MIN_PUSH
 from .powers import powers
+from .scratch import aligned_zeros
 from .state_layout import (
     CROSSING_TIME,
     CROSSINGS,
@@ -286,7 +287,7 @@ def advance(
     per_step = 0
     for kick in kicks:
         per_step += 1 if kick != 0.0 else 0
-    code, known = RUNNING, True  # known: whether rows.accelerations are those of the positions
+    code = RUNNING
     while budget > 0:
         time, h = clock[TIME], clock[STEP]
         cut = time + h >= until
@@ -307,13 +308,11 @@ def advance(
         if not single:
             stop = min(next_frame, until)
             number = steps_before(stop, time, h, min(budget, CHECK - counts[STEPS] % CHECK))
-            number, known = max(number, 1), False
+            number = max(number, 1)
         else:
             copy(rows.positions, rows.before[0])
             copy(rows.velocities, rows.before[1, 1 : beads + 1])
-            if not known:
-                accelerations_of(springs, rows, rows.accelerations)
-            copy(rows.accelerations, rows.before[2])
+            accelerations_of(springs, rows, rows.before[2])
         ended = take_steps(
             number, h, time, y, kicks, drifts, gradients, springs, rows, ends, walls,
             crossings[CROSSING_TIME, -1] != 0.0, MIN_PUSH * clock[MOMENTUM_UNIT],
@@ -321,7 +320,6 @@ def advance(
         counts[EVALUATIONS] += number * (per_step - 1)
         if single:
             accelerations_of(springs, rows, rows.accelerations)
-            known = True
             if not left:
                 record_events(h, clock, counts, setup, contacts, springs, rows, peaks, crossings)
             if next_frame <= time_new:
@@ -349,15 +347,9 @@ def advance(
 
 def new_scratch(beads):
     """Scratch arrays of `advance`."""
-    shapes = Scratch(
-        beads + 2, beads, beads + 1, beads + 1, beads + 2, (4, beads + 1), (3, beads + 2), 2 * beads
-    )
-    return Scratch(*(aligned_zeros(shape) for shape in shapes)), np.zeros((2, 4))
-
-
-def aligned_zeros(shape):
-    """Zeros that begin at a multiple of 64 bytes, as wide vector instructions prefer."""
-    size = int(np.prod(shape))
-    block = np.zeros(size + 8)
-    start = -(block.ctypes.data // 8) % 8
-    return block[start : start + size].reshape(shape)
+    rows = Scratch(
+        aligned_zeros(beads + 2), aligned_zeros(beads), aligned_zeros(beads + 1),
+        aligned_zeros(beads + 1), aligned_zeros(beads + 2), aligned_zeros(4, beads + 1),
+        aligned_zeros(3, beads + 2), aligned_zeros(2 * beads),
+    )  # fmt: skip
+    return rows, np.zeros((2, 4))

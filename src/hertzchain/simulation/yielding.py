@@ -55,12 +55,14 @@ def contacts_without_strength(chain: Chain, overlaps: Array) -> list[str]:
     if not (unchecked := unchecked_contacts(chain)):
         return []
     names = " and of ".join(dict.fromkeys(unchecked.values()))
-    text = f"contacts of {names} have no known yield strength"
-    if any(law.needs_yield_strength for law in chain.contact_losses):
-        return [f"{text} and stay elastic"]
+    elastic = any(law.needs_yield_strength for law in chain.contact_losses)
+    stay = " and stay elastic" if elastic else ""
     pressures = contact_pressures(chain, overlaps)[1]
     largest = measure(float(pressures[list(unchecked)].max()), "Pa", digits=2)
-    return [f"{text}, so their pressure (up to {largest}) is not checked"]
+    return [
+        f"contacts of {names} have no known yield strength{stay}; their pressure (up to "
+        f"{largest}) is not checked"
+    ]
 
 
 def yields(limits: HertzRange | None) -> bool:

@@ -300,9 +300,12 @@ def test_the_summary_states_that_the_arriving_ball_counts(file, run):
 
 def test_constraints_that_cannot_be_met_give_exit_code_3(file, run):
     file.write_text(PROBLEM + '[design.subject_to]\n"wall_force.impulse" = "<= 0.5"\n')
-    found = run(file)
+    chain = file.with_name("found.toml")
+    found = run(file, "--out", chain)
     assert found.returncode == 3
     assert "cannot be met: wall_force.impulse is at least 1" in found.stdout
+    assert not chain.exists()
+    assert f"{chain} was not written, because there is no design" in found.stderr
 
 
 @pytest.mark.parametrize(
@@ -753,7 +756,11 @@ def test_balls_that_are_longer_than_a_limit_need_no_search(limit, optional, said
     assert found.met == (not said)
     assert (found.runs == 1) == bool(said)
     assert said in "".join(found.notes)
-    assert ("not searched" in found.summary()) == bool(said)
+    # The first row, which is the value of the result, is no design.
+    shown = found.summary()
+    assert (shown == f"No chain can meet the constraints, so nothing was searched: {said}") == bool(
+        said
+    )
 
 
 @pytest.mark.parametrize("beads", ["2:", "2:3", "1:"])

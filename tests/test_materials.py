@@ -3,6 +3,7 @@
 import math
 import re
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ from scipy.integrate import solve_ivp
 import hertzchain as hc
 from hertzchain import Chain, InputError, Material, Scales, Wall
 from hertzchain.chain.materials import RIGID, catalogue, contact_modulus, sphere_stiffness
+from hertzchain.recorded_warnings import ignore_warnings
+from hertzchain.simulation.yielding import dented_chain
 
 STEEL = hc.material("steel-52100")
 
@@ -316,6 +319,37 @@ def test_a_contact_of_given_stiffness_yields_at_the_force_of_its_materials():
     (violation,) = found.violations
     assert "at contact 2 (limit 1 of Hertz's law) for spheres of these materials" in violation
     assert "loss=ElasticPlastic(yield_overlap=...)" in violation
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_pad_stays_elastic_where_the_balls_yield(side):
+    row = Chain.from_materials(2.4e-3, STEEL, beads=4, velocity=3.0)
+    pad = hc.Wall("1 kN/mm", exponent=1)
+    row = row.replace(**{f"{side}_wall": pad})
+    with ignore_warnings(hc.ModelRangeWarning):
+        run = hc.simulate(row)
+        after = hc.simulate(
+            row.replace(
+                loss=hc.ElasticPlastic(), **{f"{side}_wall": replace(pad, loss=hc.Elastic())}
+            )
+        )
+    (pressure, *_) = hc.hertz_range(row, run.largest_overlaps).violations
+    assert pressure.endswith(f"or use loss=ElasticPlastic() and loss=Elastic() for {side}_wall")
+    assert dented_chain(row) == after.chain
+    elastic, yielding = (row.masses @ each.velocities[-1] ** 2 for each in (run, after))
+    assert yielding < 0.9 * elastic
+    # The warning about a pad between balls does not advise a law that is rejected.
+    cone = row.with_contacts({1: hc.Cone(80.0)})
+    assert "ElasticPlastic" not in "".join(hc.hertz_range(cone).violations)
+    with pytest.raises(hc.InputError, match="or loss=Elastic.. for a wall of this exponent"):
+        row.replace(loss=hc.ElasticPlastic())
+
+
+def test_no_velocity_is_advised_for_overlaps_of_contacts_that_yield():
+    soft = Chain.from_materials(5e-3, "steel-316", beads=4, velocity=5.0)
+    overlap = hc.hertz_range(soft.replace(loss=hc.ElasticPlastic()), [1e-4] * 3).violations[0]
+    assert overlap.endswith("(limit 0.01 of Hertz's law); reduce the velocity")
+    assert "reduce the velocity to about " in hc.hertz_range(soft, [1e-4] * 3).violations[-1]
 
 
 def test_contacts_of_other_exponents_are_compared_by_their_force():

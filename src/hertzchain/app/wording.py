@@ -13,6 +13,8 @@ from ..notebook.drawing import engineering
 
 # Python expressions in messages, and the choice on the page instead.
 WORDINGS: Final = (
+    # The page has no losses of walls.
+    (r" or use loss=ElasticPlastic\(.*\) and loss=Elastic\(\) for.*", ""),
     (r"\buse loss=ElasticPlastic\(\)", "choose the loss elastic-plastic"),
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "choose the loss elastic-plastic with a yield overlap"),

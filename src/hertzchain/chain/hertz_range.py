@@ -41,7 +41,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
-from ..representation import counted, short
+from ..representation import counted, listed, short
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
@@ -103,11 +103,13 @@ class HertzRange:
     soft : ndarray of bool, shape (N + 1,)
         Whether the body of the contact that yields first has a Young's modulus below 10 GPa, as
         polymers have.
+    springs : ndarray of bool, shape (N + 1,)
+        Whether the exponent of a contact is not 3/2, so that no law with yield describes it.
     losses : tuple of str
         Names of the losses that a law with yield would replace.
     speed : float
         Velocity of the impact [m/s], if all overlaps are about proportional to its power 4/5, as in
-        rows of balls without gaps, drives and static forces; otherwise 0.
+        rows of elastic balls without gaps, drives and static forces; otherwise 0.
     estimated : bool
         Whether the ratios follow from separate collisions before a run.  In smooth chains,
         pressures of a simulation differ by up to about 10%; in others, such as rows of steel and
@@ -133,6 +135,7 @@ class HertzRange:
     causes: tuple[str, str]
     given: NDArray[np.bool_]
     soft: NDArray[np.bool_]
+    springs: NDArray[np.bool_]
     losses: tuple[str, ...]
     speed: float = 0.0
     estimated: bool = False
@@ -162,22 +165,19 @@ class HertzRange:
             besides = f", and {others} more {exceed} it" if others else ""
             digits = 3 if ratio > 1.05 else 5
             cautious = ", which is a cautious limit for polymers" if self.soft[at] else ""
-            other = (
-                f" or use loss=ElasticPlastic({'yield_overlap=...' if self.given[at] else ''})"
-                f"{self._replaced}"
-            )
             found.append(
                 f"pressure / yield is {ratio:.{digits}g} at {_place(at, self)} (limit 1 "
                 f"of Hertz's law{cautious}){self._basis(at)}{besides}; {self._excess(ratio)}"
                 f"{self._advice(ratio, self.static_yield_ratio, 1.0, digits)}"
                 f"{self._slower(ratio**-2.5)}"
-                f"{'' if linear else other}"
+                f"{'' if linear else self._law_with_yield(at)}"
             )
         at = int(np.argmax(self.overlap_ratio))
         if (ratio := self.overlap_ratio[at]) > MAX_OVERLAP_RATIO:
             advice = self._advice(ratio, self.static_overlap_ratio, MAX_OVERLAP_RATIO, 2)
+            digits = 2 if ratio > 1.05 * MAX_OVERLAP_RATIO else 4
             found.append(
-                f"overlap / radius is {ratio:.2g} at {_place(at, self)} "
+                f"overlap / radius is {ratio:.{digits}g} at {_place(at, self)} "
                 f"(limit {MAX_OVERLAP_RATIO:g} of Hertz's law){self._basis(at)}; {advice}"
                 f"{self._slower((ratio / MAX_OVERLAP_RATIO) ** -1.25)}"
             )
@@ -204,6 +204,19 @@ class HertzRange:
         # The pressure is proportional to the speed to the power 2/5.
         lost = 1.0 - restitution_beyond_yield(ratio**-2.5)
         return f"the excess is small (yield alone would cost {100.0 * lost:.1g}% of the velocity); "
+
+    def _law_with_yield(self, contact: int) -> str:
+        """Advice to use a law with yield, unless this contact or one of two beads is a spring."""
+        if self.springs[contact] or self.springs[1:-1].any():
+            return ""
+        argument = "yield_overlap=..." if self.given[contact] else ""
+        return f" or use loss=ElasticPlastic({argument}){self._elastic_walls}{self._replaced}"
+
+    @property
+    def _elastic_walls(self) -> str:
+        """Walls that need a law of their own if the other contacts yield."""
+        names = [f"{side}_wall" for side, end in (("left", 0), ("right", -1)) if self.springs[end]]
+        return f" and loss=Elastic() for {listed(names)}" if names else ""
 
     @property
     def _replaced(self) -> str:
@@ -333,6 +346,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         causes=_causes(chain),
         given=_given(chain),
         soft=_soft(chain),
+        springs=_springs(chain),
         losses=tuple(
             dict.fromkeys(
                 law.name for law in chain.contact_losses if not law.yields and law.name != "elastic"
@@ -391,7 +405,12 @@ def _given(chain: Chain) -> NDArray[np.bool_]:
     own = 4.0 / 3.0 * contact_moduli(bodies_of(chain)) * np.sqrt(effective_radii(chain.face_radii))
     ratio, there = chain.contact_stiffness / own, chain.contact_stiffness > 0.0
     other = (ratio > OTHER_STIFFNESS) | (ratio * OTHER_STIFFNESS < 1.0)
-    return np.asarray(there & (other | (chain.contact_exponents != HERTZ_EXPONENT)))
+    return np.asarray(there & other | _springs(chain))
+
+
+def _springs(chain: Chain) -> NDArray[np.bool_]:
+    """Contacts with another exponent than spheres; none at free ends."""
+    return np.asarray((chain.contact_stiffness > 0.0) & (chain.contact_exponents != HERTZ_EXPONENT))
 
 
 def _soft(chain: Chain) -> NDArray[np.bool_]:
@@ -414,8 +433,8 @@ def _causes(chain: Chain) -> tuple[str, str]:
 def _speed(chain: Chain) -> float:
     """Velocity of the impact if overlaps are proportional to a power of it, otherwise 0."""
     other = chain.drive is not None or chain.static_state.forces.any() or chain.gravity != 0.0
-    there = chain.contact_stiffness > 0.0
-    if other or chain.gaps.any() or (chain.contact_exponents[there] != HERTZ_EXPONENT).any():
+    plastic = any(law.yields for law in chain.contact_losses)
+    if other or plastic or chain.gaps.any() or _springs(chain).any():
         return 0.0
     return float(np.abs(chain.velocities).max())
 

@@ -89,7 +89,12 @@ def design(
         result = hertzchain.design(
             problem, store=target, threads=threads, progress=progress, **options
         )
-    _write(result, out, plot)
+    if result.method == "none":
+        for missing in (out, plot):
+            if missing is not None:
+                click.echo(f"{missing} was not written, because there is no design", err=True)
+    else:
+        _write(result, out, plot)
     if as_json:
         show_json(result.as_dict())
     else:

@@ -82,6 +82,7 @@ def show_run(
     run: Run, beads: Sequence[int], *, waves: bool, contacts: bool, budget: bool = False
 ) -> None:
     """Print the summary of a run, with a hint at --horizon if it is long."""
+    from ..chain.hertz_range import hertz_range
     from ..representation import measure
     from ..simulation.run_message import LONG_RUN, transits_between_walls
     from .contact_tables import contact_table
@@ -104,7 +105,9 @@ def show_run(
         click.echo(_last_bead_line(run, last))
     if (peak := peak_with_yielding_contacts(run)) is not None:
         shown = measure(peak, "N", run.chain.units, 5)
-        click.echo(f"  peak with contacts that yield: {shown} (--loss elastic-plastic)")
+        elastic_walls = hertz_range(run.chain, run.largest_overlaps)._elastic_walls
+        law = on_command_line(f"(--loss elastic-plastic{elastic_walls})")
+        click.echo(f"  peak with contacts that yield: {shown} {law}")
     for bead in beads:
         click.echo(_sensor_line(run, bead))
     transits = transits_between_walls(run.chain, run._walls, run.end_time)

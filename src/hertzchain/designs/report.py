@@ -35,11 +35,14 @@ SHOWN: Final = {
 }  # fmt: skip
 # Longer lists of sizes are shortened.
 MAX_SIZES: Final = 12
+NOT_SEARCHED: Final = "No chain can meet the constraints, so nothing was searched"
 FLAT_STRIKER: Final = "striker with a flat face"
 
 
 def summary(result: DesignResult) -> str:
     """Text of several lines."""
+    if result.method == "none":
+        return f"{NOT_SEARCHED}: {result.notes[0]}"
     problem = result.problem
     lines = [*_heading(result)]
     lines += [f"  {text}" for text in _starts(result)]
@@ -114,8 +117,13 @@ def point_in_words(point: DesignResult) -> str:
         if name in yielding and not each.of_chain:
             text += f" ({in_words(yielding[name], each.unit, units)} with contacts that yield)"
         parts.append(text)
-    outside = point.verified.outside_range and not yielding
-    return ", ".join(parts + ["outside the range of Hertz's law"] * outside)
+    return ", ".join(parts) + _outside_in_words(point.verified)
+
+
+def _outside_in_words(found: Verified) -> str:
+    """A statement that contacts left Hertz's law, if no value with contacts that yield is known."""
+    outside = found.outside_range and not found.yielding
+    return ", outside the range of Hertz's law" if outside else ""
 
 
 def _counted(result: DesignResult, each: Measure) -> str:
@@ -155,8 +163,10 @@ def _heading(result: DesignResult) -> list[str]:
     elif not result.met:
         name = "score" if single is None else str(single)
         article = "an" if name[0] in "aeiou" else "a"
-        first = ("No trial meets the constraints; the one that violates them least has "
+        first = ("No trial meets the constraints; the closest one has "
                  f"{article} {name} of {value.strip()}")  # fmt: skip
+    if not result.front:
+        first += _outside_in_words(found)
     lines = [first, f"  verified: the integration was repeated at rtol {found.rtol:g}"
              f"{_range_in_words(result)}"]  # fmt: skip
     if has_yielding_value(result, found):
@@ -217,7 +227,7 @@ def _compared(result: DesignResult, found: Verified) -> str:
 def _no_better(result: DesignResult) -> list[str]:
     """A statement that the search has improved nothing, and what to try."""
     name = best_reference(result)
-    if name is None or result.method in ("none", "scan"):
+    if name is None or result.method == "scan":
         return []
     best = f"the {'best ' if result.compared[name] > 1 else ''}{name}"
     choices = _choices(result)
@@ -237,6 +247,8 @@ def _first_upper(text: str) -> str:
 
 def search_in_words(result: DesignResult) -> str:
     """The choices or starts of which the design is the best."""
+    if result.method == "none":
+        return "not searched"
     if (choices := _choices(result)) is None:
         return _of_starts(result)
     done, count = choices
@@ -262,8 +274,6 @@ def _choices(result: DesignResult) -> tuple[int, int] | None:
 
 
 def _starts(result: DesignResult) -> list[str]:
-    if result.method == "none":
-        return ["not searched, because a constraint cannot be met (see the notes)"]
     if (choices := _choices(result)) is not None:
         done, count = choices
         if done >= count:

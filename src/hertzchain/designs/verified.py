@@ -9,10 +9,12 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.hertz_range import HertzRange, hertz_range
+from ..chain.hertz_ratios import MAX_OVERLAP_RATIO
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantity_names import COLUMNS
 from ..recorded_warnings import ignore_warnings
+from ..representation import listed
 from ..representation import measure as shown
 from ..simulation.run_table import RunTable
 from ..simulation.simulate import simulate
@@ -119,10 +121,26 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     if chain.materials is not None and chain.units == "SI" and not table.reasons:
         overlaps = table._overlaps[0, : chain.beads + 1]
         limits = hertz_range(chain, overlaps)
-        notes += [*limits.violations, *contacts_without_strength(chain, overlaps)]
+        notes += [*limits.violations, *_missing_limits(problem, limits),
+                  *contacts_without_strength(chain, overlaps)]  # fmt: skip
     yielding = _with_yielding_contacts(problem, chain, values) if yields(limits) else {}
     scattered = {} if problem.scatter is None else _scattered(problem, chain, seed)
     return Verified(chain, values, RTOL, tuple(notes), scattered, limits, yielding)
+
+
+def _missing_limits(problem: Design, found: HertzRange) -> list[str]:
+    """A note on constraints that the problem does not have, and that exclude such chains."""
+    limited = {each.measure.key for each in problem.requirements}
+    exceeded = {
+        "yield_ratio <= 1": found.largest_yield_ratio > 1.0,
+        f"overlap_ratio <= {MAX_OVERLAP_RATIO:g}": found.overlap_ratio.max() > MAX_OVERLAP_RATIO,
+    }
+    missing = [each for each, over in exceeded.items() if over and each.split()[0] not in limited]
+    if not missing:
+        return []
+    several = len(missing) > 1
+    return [f"the constraint{'s' * several} {listed(missing)} exclude{'s' * (not several)} such "
+            "chains"]  # fmt: skip
 
 
 def _value(problem: Design, chain: Chain, measure: Measure, table: RunTable) -> float:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+from ..collision import HERTZ_EXPONENT
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
 from ..representation import measure
@@ -71,13 +73,22 @@ def yields(limits: HertzRange | None) -> bool:
 
 
 def dented_chain(chain: Chain) -> Chain | None:
-    """The chain with `ElasticPlastic` contacts; None if they do not apply to it."""
+    """The chain with `ElasticPlastic` contacts; None if they do not apply to it.
+
+    Walls of another exponent, such as pads, remain elastic.
+    """
+    from ..chain.laws.elastic import Elastic
     from ..chain.laws.elastic_plastic import ElasticPlastic
 
     if not chain.lossless:
         return None
+    walls = {"left_wall": (chain.left_wall, 0), "right_wall": (chain.right_wall, -1)}
+    elastic = {
+        name: replace(wall, loss=Elastic()) for name, (wall, end) in walls.items()
+        if wall is not None and chain.contact_exponents[end] != HERTZ_EXPONENT
+    }  # fmt: skip
     try:
-        return chain.replace(loss=ElasticPlastic())
+        return chain.replace(loss=ElasticPlastic(), **elastic)
     except InputError:
         return None
 

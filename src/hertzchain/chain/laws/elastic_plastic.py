@@ -104,7 +104,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         if exponent != HERTZ_EXPONENT:
             raise InputError(
                 f"ElasticPlastic is a law of spheres (exponent 1.5), but a contact has p = "
-                f"{exponent:g}: use WaltonBraun"
+                f"{exponent:g}: use WaltonBraun, or loss=Elastic() for a wall of this exponent"
             )
         return LawRow(YIELDING)
 

@@ -170,6 +170,24 @@ def test_forces_in_sensors_are_those_of_runs(coefficient):
         plot_sweep(found, "sensor.largest@3")
 
 
+def test_a_missing_ratio_of_pressure_and_yield_has_a_reason():
+    row = {"radii": 2e-3, "beads": 4, "velocity": 0.1, "right_wall": {}}
+    keep = {"methods": ["simulate"], "keep": ["yield_ratio", "wall_peak_force"]}
+    for key, chains, known in (
+        ("loss.coefficient", {"materials": "steel-52100", "loss": {"law": "restitution"}}, True),
+        ("loss.yield_pressure", {"materials": "steel-52100", "loss": {"law": "elastic-plastic"}},
+         False),
+        ("velocity", {"materials": "silicon-nitride"}, False),
+    ):  # fmt: skip
+        values = [1e9, 2e9] if key == "loss.yield_pressure" else [0.8, 0.9]
+        found = hc.sweep({"chain": row | chains, "sweep": keep, "axes": {key: {"list": values}}})
+        missing = np.isnan(found.yield_ratio.values)
+        assert (missing != known).all()
+        reason = "" if known else "yield_ratio: no elastic contact has a known yield strength"
+        assert (found.reason.values == reason).all()
+        assert not (found.status.values == 2).any()
+
+
 def test_si_chains_by_scaled_methods_are_in_si():
     chain = {"radii": 5e-3, "materials": "glass", "velocity": 0.01}
     found = swept(chain, {"beads": [10, 12]}, methods=["propagate", "bca"], keep=["peak_force"])

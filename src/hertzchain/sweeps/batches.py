@@ -10,6 +10,7 @@ import numpy as np
 
 from .. import __version__
 from ..chain.chain import Chain
+from ..chain.hertz_range import UNKNOWN_YIELD
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError, warn_user
 from ..propagation.propagate import propagate_many
@@ -219,7 +220,8 @@ class _Batch:
                     self.whole[name][row, place, : len(found[name])] = found[name]
                 else:
                     self.single[name][row, place] = found[name]
-            self.reason[row][place] = "; ".join(self._missing_sensors(chains[i]))
+            reasons = [*self._missing_sensors(chains[i]), *self._unknown_yield(row, place)]
+            self.reason[row][place] = "; ".join(reasons)
             self.outside_range[row, place] = table.outside_range[i]
             self.incomplete[row, place] = bool(walls) and not table.complete[i]
             self.sensitive[row, place] = table.sensitive[i]
@@ -292,7 +294,10 @@ class _Batch:
 
     def _keep_sensors(self, row: int, place: int, run: Run) -> None:
         """Keep quantities of sensors, or why there are none."""
-        reasons = [self.reason[row][place], *self._missing_sensors(run.chain)]
+        reasons = [
+            self.reason[row][place], *self._missing_sensors(run.chain),
+            *self._unknown_yield(row, place),
+        ]  # fmt: skip
         for name, sensor in self.sensors.items():
             if not (bead := sensor.bead(run.chain)):
                 continue
@@ -306,6 +311,11 @@ class _Batch:
         """Why a chain has no values of some sensors."""
         return [f"{each.name}: there is no such bead among {chain.beads}"
                 for each in self.sensors.values() if not each.bead(chain)]  # fmt: skip
+
+    def _unknown_yield(self, row: int, place: int) -> list[str]:
+        """Why a point has no ratio of pressure and yield, if it should have one."""
+        missing = "yield_ratio" in self.single and np.isnan(self.single["yield_ratio"][row, place])
+        return [f"yield_ratio: {UNKNOWN_YIELD}"] if missing else []
 
     def _keep_largest(self, row: int, place: int, run: Run) -> None:
         """Keep the largest values of the whole run."""

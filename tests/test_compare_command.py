@@ -140,7 +140,7 @@ def test_noise_without_a_sensor_and_unknown_noise_are_explained(run, files):
     assert "--noise '0.1 N' names no sensor; give one --noise for all sensors, or one" in err
     code, _, err = run(*two, "--noise", "ball 9=1 N")
     assert code == 2
-    assert "unknown sensor of noise 'ball 9': choose from ball 5, wall" in err
+    assert "unknown sensor of noise 'ball 9' (did you mean 'ball 5'?): choose from ball 5" in err
 
 
 def test_traces_that_begin_with_the_pulse_lead_to_the_option_for_noise(run, files):

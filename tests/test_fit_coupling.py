@@ -143,7 +143,7 @@ def test_static_forces_of_sensors():
 @pytest.mark.parametrize(
     ("coupling", "words"),
     [
-        ("ac", "unknown coupling of bead 6 'ac': choose from AC, DC"),
+        ("ac", "unknown coupling of bead 6 'ac' (did you mean 'AC'?): choose from AC, DC"),
         ({"ball 7": "AC"}, "unknown sensor of coupling 'ball 7'"),
         ({"wall": 1}, "unknown coupling of wall"),
     ],

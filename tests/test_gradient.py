@@ -692,7 +692,7 @@ def test_differences_of_balls_that_yield_have_the_powers_of_dimensional_analysis
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"quantity": "wall_peak"}, "unknown quantity 'wall_peak': choose from"),
+        ({"quantity": "wall_peak"}, "'wall_peak' .did you mean 'wall_force.peak'..:"),
         ({"quantity": "left_wall_force.peak"}, "the left end of this chain is free"),
         ({"quantity": "pulse.velocity"}, "belongs to a bead"),
         ({"quantity": "pulse.velocity@9"}, "whole number from 1 to 5, got 9"),

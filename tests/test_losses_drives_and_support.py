@@ -180,7 +180,7 @@ def test_theories_take_masses_and_contacts_of_any_kind():
         (lambda: CHAIN.replace(velocities=[1, 0, math.nan, 0]), "velocity of bead 3 is nan"),
         (lambda: CHAIN.replace(gravity=math.inf), "gravity must be finite, got inf"),
         (lambda: CHAIN.replace(units="cgs"), "unknown units 'cgs'"),
-        (lambda: CHAIN.replace(wall=Wall()), "unknown field of a chain 'wall': .* did you mean"),
+        (lambda: CHAIN.replace(wall=Wall()), "unknown field of a chain 'wall' .did you mean"),
         (lambda: CHAIN.replace(right_wall="rigid"), "right_wall must be a Wall or None"),
         (lambda: CHAIN.replace(loss=0.9), "loss must be a law of hertzchain.chain.laws"),
         (
@@ -293,7 +293,7 @@ def test_a_refusal_names_the_chain_in_either_units():
 def test_only_near_names_are_suggested(name, known, meant):
     said = str(unknown_name_error("name", name, known))
     assert ("did you mean" in said) == (meant is not None)
-    assert meant is None or said.endswith(f"did you mean {meant!r}?")
+    assert meant is None or f" (did you mean {meant!r}?): choose from " in said
 
 
 BALLS = Chain.from_materials(5e-3, "steel-52100", beads=5, velocity=0.1)

@@ -18,7 +18,7 @@ BALLS = hc.Chain.from_materials(4e-3, "steel-52100", beads=6, velocity=0.1)
         ),
         (
             lambda: hc.chain_from_toml('[chain]\ndiameter = "5 mm"'),
-            "'diameter': .*did you mean 'diameters' or 'first_diameter'",
+            "'diameter' .did you mean 'diameters' or 'first_diameter'",
         ),
         (
             lambda: hc.distribution(BALLS, "velocity@last", hc.Scatter(0.01, beads="ball 2")),

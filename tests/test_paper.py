@@ -213,9 +213,7 @@ def test_parts_can_be_asked_for():
     ]  # fmt: skip
     assert part.verdict.endswith("3 errata concern table3 and figure6.")
     assert reproduce(["table1"]).errata == ()
-    with pytest.raises(
-        hc.InputError, match="unknown part of the reproduction .* did you mean 'fig"
-    ):
+    with pytest.raises(hc.InputError, match="unknown part of the reproduction .*did you mean 'fig"):
         reproduce(["figure15"])
     for windows, said in (
         ({"exponential": (5, 120)}, r"window 5\.\.120"),

@@ -351,7 +351,7 @@ def test_names_that_a_budget_does_not_contain_raise_an_error_with_its_names():
     said = f"unknown part of a budget 'kinetic': {names}, contacts, walls, lost; the kinetic energy"
     with pytest.raises(hc.InputError, match=f"^{said} of all beads is Budget.kinetic_energy$"):
         budget.energy["kinetic"]
-    with pytest.raises(hc.InputError, match=f"'wall': {names}, left wall, right wall; did you"):
+    with pytest.raises(hc.InputError, match=f"'wall' .did you mean [^:]*: {names}"):
         budget.momentum["wall"]
     assert "kinetic" not in budget.energy
 

@@ -37,7 +37,7 @@ def test_chain_files(tmp_path):
         ("beads = 3", "unknown table or key 'beads'"),
         ("", r"needs a table \[chain\]"),
         ("chain = 3", r"needs a table \[chain\]"),
-        ('[chain]\ntapr = "uniform"\nbeads = 3', "unknown key .*'tapr'.* did you mean 'taper'"),
+        ('[chain]\ntapr = "uniform"\nbeads = 3', "unknown key .*'tapr' .did you mean 'taper'"),
         ("[chain]\nbeads = 3", "has no taper"),
         ('[chain]\ntaper = "uniform"', "has no beads"),
         ('[chain]\ntaper = "uniform"\nbeads = 3\nrate = 0.1', "omit one"),

@@ -166,20 +166,21 @@ def test_stiffness_in_the_unit_of_another_exponent_advises_the_exponent(stiffnes
 @pytest.mark.parametrize(
     ("unit", "si", "hint"),
     [
-        ("mn", "N", "; did you mean 'mN' or 'MN'?"),
-        ("kn", "N", "; did you mean 'kN'?"),
-        ("US", "s", "; did you mean 'us'?"),
-        ("mpa", "Pa", "; did you mean 'MPa'?"),
+        ("mn", "N", "did you mean 'mN' or 'MN'?"),
+        ("kn", "N", "did you mean 'kN'?"),
+        ("US", "s", "did you mean 'us'?"),
+        ("mpa", "Pa", "did you mean 'MPa'?"),
         # Of another dimension, or a letter that may be any other.
-        ("mn", "N/m^1.5", "N/µm^1.5"),
-        ("mn", "m", "nm, in"),
-        ("hz", "s", "ns"),
+        ("mn", "N/m^1.5", None),
+        ("mn", "m", None),
+        ("hz", "s", None),
     ],
 )
 def test_hints_are_units_of_the_dimension_asked_for(unit, si, hint):
     with pytest.raises(hc.InputError) as caught:
         converted("value", 3.0, unit, si)
-    assert str(caught.value).endswith(hint)
+    message = str(caught.value)
+    assert f" ({hint}): choose from " in message if hint else "did you mean" not in message
 
 
 def test_meganewtons_are_accepted():

@@ -112,8 +112,8 @@ def unknown_name_error(what: str, name: object, known: Iterable[str]) -> InputEr
     """Error for an unknown name, with the known names and the most similar ones."""
     choices = list(known)
     near = similar_names(name, choices)
-    hint = f"; did you mean {near}?" if near else ""
-    return InputError(f"unknown {what} {short_repr(name)}: choose from {', '.join(choices)}{hint}")
+    hint = f" (did you mean {near}?)" if near else ""
+    return InputError(f"unknown {what} {short_repr(name)}{hint}: choose from {', '.join(choices)}")
 
 
 def similar_names(name: object, choices: Iterable[str]) -> str:

@@ -10,8 +10,10 @@ from typing import Any, Final
 
 MAX_LINES: Final = 3
 MAX_WIDTH: Final = 100
+# Forces [N] from which they are shown in kN.
+KILONEWTONS: Final = 1e4
 # Times [s] up to which they are shown in us, and in ms.
-MICROSECONDS: Final = 0.01
+MICROSECONDS: Final = 0.001
 MILLISECONDS: Final = 1.0
 # Powers of ten of the smallest and largest values with errors that have no exponent, and the
 # largest number of their digits.
@@ -63,9 +65,11 @@ def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:
 
 
 def usual_unit(value: float, unit: str) -> tuple[float, str]:
-    """Factor and unit in which a value is shown: us or ms for short times, MPa or GPa."""
+    """Factor and unit in which a value is shown: us or ms for short times, kN, MPa or GPa."""
     if unit == "Pa":
         return (1e-9, "GPa") if abs(value) >= 1e9 else (1e-6, "MPa")
+    if unit == "N" and abs(value) >= KILONEWTONS:
+        return 1e-3, "kN"
     if unit == "s" and 0.0 < abs(value) < MICROSECONDS:
         return 1e6, "us"
     if unit == "s" and 0.0 < abs(value) < MILLISECONDS:

@@ -143,8 +143,8 @@ def _unknown_unit(what: str, unit: str, target: Unit, choices: tuple[str, ...]) 
     # Any two short symbols are similar: "mn" is neither more nor less like "m" than like "nm".
     if not meant and len(asked) > SHORT_SYMBOL:
         return unknown_name_error(what, unit, choices)
-    hint = f"; did you mean {' or '.join(meant)}?" if meant else ""
-    return InputError(f"unknown {what} {short_repr(unit)}: choose from {', '.join(choices)}{hint}")
+    hint = f" (did you mean {' or '.join(meant)}?)" if meant else ""
+    return InputError(f"unknown {what} {short_repr(unit)}{hint}: choose from {', '.join(choices)}")
 
 
 def _exponent_advice(given: Unit, target: Unit) -> str:

@@ -168,8 +168,8 @@ def _parsed(text: object, traces: Traces, chain: Chain) -> Name:
     except InputError:
         if not isinstance(text, str):
             raise
-    hint = f"; did you mean {near[0]!r}?" if near else ""
-    raise InputError(f"unknown parameter {short_repr(text)}: choose from {', '.join(every)}{hint}")
+    hint = f" (did you mean {near[0]!r}?)" if near else ""
+    raise InputError(f"unknown parameter {short_repr(text)}{hint}: choose from {', '.join(every)}")
 
 
 def every_name(traces: Traces, chain: Chain) -> list[str]:

@@ -205,7 +205,8 @@ class BeadLocator(MaxNLocator):
     def tick_values(self, vmin: float, vmax: float) -> Any:
         """Ticks between two numbers."""
         ticks = np.asarray(super().tick_values(vmin, vmax))
-        return ticks[ticks >= self._first]
+        # An axis with one or two beads would otherwise have halves, to have three ticks.
+        return ticks[(ticks >= self._first) & (ticks == np.round(ticks))]
 
 
 def time_axis(chain: Chain, longest: float) -> tuple[float, str]:

@@ -7,7 +7,6 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from ..collision import HERTZ_EXPONENT
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
 from ..representation import measure
@@ -79,6 +78,7 @@ def dented_chain(chain: Chain) -> Chain | None:
     """
     from ..chain.laws.elastic import Elastic
     from ..chain.laws.elastic_plastic import ElasticPlastic
+    from ..collision import HERTZ_EXPONENT
 
     if not chain.lossless:
         return None

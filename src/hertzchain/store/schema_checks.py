@@ -141,21 +141,18 @@ def _check_keys(
 
 def _unknown_keys(names: Sequence[str], place: str, known: Sequence[str]) -> Iterator[str]:
     """Describe all unknown keys of a table by one sentence, which lists the known ones once."""
-    hints = {}
+    if not names:
+        return
+    described = []
     for name in names:
         meant = _MEANT.get(name)
-        hints[name] = repr(meant) if meant in known else similar_names(name, known)
-    choices = f"choose from {', '.join(known)}"
-    if len(names) == 1:
-        hint = f"; did you mean {hints[names[0]]}?" if hints[names[0]] else ""
-        if names[0] == "flat" and "radius" in known:
-            hint = "; for a flat face, write radius = inf"
-        yield f"unknown key of {place} {names[0]!r}: {choices}{hint}"
-    elif names:
-        listed = [
-            f"{each!r} (did you mean {of}?)" if of else repr(each) for each, of in hints.items()
-        ]
-        yield f"unknown keys of {place} {', '.join(listed)}: {choices}"
+        near = repr(meant) if meant in known else similar_names(name, known)
+        hint = f" (did you mean {near}?)" if near else ""
+        if name == "flat" and "radius" in known:
+            hint = " (for a flat face, write radius = inf)"
+        described.append(f"{name!r}{hint}")
+    keys = "keys" if len(names) > 1 else "key"
+    yield f"unknown {keys} of {place} {', '.join(described)}: choose from {', '.join(known)}"
 
 
 # Names of options, or of the same things elsewhere, for the keys of chain files.

@@ -973,6 +973,13 @@ def test_settings_inside_a_style_are_those_of_the_user():
     assert plt.rcParams["font.size"] == before
 
 
+@pytest.mark.parametrize("beads", [2, 3])
+def test_axes_of_few_beads_have_no_ticks_between_them(beads):
+    axes = hc.propagate(hc.Chain.uniform(beads)).plot()
+    low, high = axes.get_xlim()
+    assert [tick for tick in axes.get_xticks() if low <= tick <= high] == [*range(1, beads + 1)]
+
+
 def test_ticks_begin_at_bead_1_and_fit_into_small_panels():
     pulse = hc.propagate(hc.Chain.uniform(60))
     with hc.figure_style("double column"):

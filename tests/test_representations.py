@@ -11,7 +11,7 @@ import hertzchain as hc
 from hertzchain.chain.drives import SineBurst, StepDrive, TableDrive
 from hertzchain.evaluation import Case, paper_cases
 from hertzchain.paper import errata, reproduce, reproduce_figure, reproduce_table
-from hertzchain.representation import MAX_LINES, MAX_WIDTH, short
+from hertzchain.representation import MAX_LINES, MAX_WIDTH, measure, short
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.specification import read_specification
 from hertzchain.theory import RatioCorrection
@@ -368,3 +368,15 @@ def test_budgets_show_rounding_errors_as_zero():
     # Amounts above the rounding errors remain.
     walls = hc.simulate(hc.Chain.uniform(20, right_wall=hc.Wall()), until=40.0).budget()
     assert "e-0" in str(walls).partition("adds up")[0]
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "shown"),
+    [
+        (9999.0, "N", "9999 N"), (12503.2, "N", "12.5 kN"), (-2e5, "N", "-200 kN"),
+        (999e-6, "s", "999 us"), (7.673e-3, "s", "7.673 ms"), (1.5, "s", "1.5 s"),
+        (2.5e8, "Pa", "250 MPa"), (1.6e10, "Pa", "16 GPa"),
+    ],
+)  # fmt: skip
+def test_values_have_their_usual_units(value, unit, shown):
+    assert measure(value, unit) == shown

@@ -1,6 +1,7 @@
 import csv
 import io
 import json
+import math
 import os
 import re
 import signal
@@ -1265,6 +1266,27 @@ def test_help_lists_each_command_once(run):
     out = run("--help")[1]
     for name in cli.cli.commands:
         assert len(re.findall(rf"^  {name} ", out, re.M)) == 1
+
+
+def test_the_summary_states_the_velocity_that_a_striker_keeps(run, tmp_path):
+    """A binary elastic collision leaves (M - m)/(M + m) of the velocity of the striker."""
+    file = tmp_path / "hammer.toml"
+    file.write_text(
+        '[chain]\ndiameters = ["10 mm"]\nmaterials = "steel-52100"\n'
+        '[chain.struck_by]\nvelocity = "0.05 m/s"\nmass = "20 g"\nradius = inf\n'
+    )
+    ball = hertzchain.material("steel-52100").density * math.pi / 6 * 0.01**3
+    kept = (0.02 - ball) / (0.02 + ball)
+    options = ("simulate", file, "--until", "2 ms")
+    lines = run(*options)[1].splitlines()
+    assert (
+        f"striker at the end of the run: velocity {0.05 * kept:.4g} m/s, {100 * kept**2:.2f}% of "
+        "its energy"
+    ) in lines
+    (found,) = json.loads(run(*options, "--json")[1])["strikers"]
+    assert found == pytest.approx({"velocity": 0.05 * kept, "energy_kept": kept**2}, rel=1e-7)
+    # The state at the end is not saved.
+    assert json.loads(run(*options, "--times", "0", "--json")[1])["strikers"] == []
 
 
 def test_the_summary_has_the_momentum_of_the_last_bead(run):

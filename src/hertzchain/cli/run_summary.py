@@ -48,6 +48,7 @@ def run_as_dict(
         "walls": [
             {"material": _material(run.chain, wall.side)} | _numbers(wall) for wall in _walls(run)
         ],
+        "strikers": strikers_of(run),
         "last_bead": last_bead_of(run),
         "peak_with_yielding_contacts": peak_with_yielding_contacts(run),
         "sensors": [_numbers(run.sensor_force(bead)) for bead in beads],
@@ -96,6 +97,8 @@ def show_run(
             f"{run._unfinished}; to see the velocities after the impact, give a later "
             "time with --until"
         )
+    for line in _striker_lines(run):
+        click.echo(line)
     unchecked = contacts_without_strength(run.chain, run.largest_overlaps)
     for line in pressures_below_yield(run) + unchecked:
         click.echo(line)
@@ -126,6 +129,30 @@ def show_run(
         show_table(contact_table(run))
     if budget:
         click.echo(run.budget())
+
+
+def strikers_of(run: Run) -> list[dict[str, float]]:
+    """Velocities of strikers at the end, and the parts of their energy; none if not saved."""
+    if not len(run.times) or run.times[-1] < run.end_time:
+        return []
+    last, first = run.velocities[-1], run.chain.velocities
+    return [
+        {"velocity": float(last[i]), "energy_kept": float((last[i] / first[i]) ** 2)}
+        for i in range(run.chain.strikers)
+        if first[i]
+    ]
+
+
+def _striker_lines(run: Run) -> list[str]:
+    from ..representation import measure, percent
+
+    found = strikers_of(run)
+    return [
+        f"striker{f' {i}' if len(found) > 1 else ''} at the end of the run: velocity "
+        f"{measure(each['velocity'], 'm/s', run.chain.units)}, "
+        f"{percent(each['energy_kept'])} of its energy"
+        for i, each in enumerate(found, start=1)
+    ]
 
 
 def last_bead_of(run: Run) -> dict[str, float] | None:

@@ -902,11 +902,25 @@ def test_a_page_saved_from_python_has_the_results_of_both_chains(tmp_path):
     taper = hc.Chain.tapered("forward-linear", 0.05, beads=10).replace(right_wall=hc.Wall())
     hc.save_page(taper, tmp_path / "page.html", other=row, sensors=[3, "bead 4"])
     stored, found = stored_in(tmp_path / "page.html")
-    assert stored["view"]["view"] == {"sensors": [3, 4], "errors": "difference"}
+    assert stored["view"]["view"] == {"sensors": [3, 4], "errors": "difference", "until": 0.0}
     runs = {header["slot"]: header for header, _ in found if header["part"] == "run"}
     for slot, chain in (("A", taper), ("B", row)):
         peak = hc.simulate(chain, rtol=1e-9).wall_force().peak
         assert runs[slot]["peaks"]["right"]["largest"] == pytest.approx(peak, rel=1e-6)
+
+
+def test_a_saved_page_lasts_until_a_given_time(tmp_path):
+    row = hc.Chain.from_materials(2e-3, "brass", beads=4, velocity=0.1, right_wall=hc.Wall())
+    ends = {}
+    for until in (None, "2 ms"):
+        hc.save_page(row, tmp_path / "page.html", until=until)
+        stored, found = stored_in(tmp_path / "page.html")
+        (ends[until],) = (
+            arrays["times"][-1] for header, arrays in found if header["part"] == "run"
+        )
+        assert stored["view"]["view"]["until"] == (2e-3 if until else 0.0)
+    assert ends[None] < 1e-3
+    assert ends["2 ms"] >= 2e-3
 
 
 @pytest.mark.parametrize(
@@ -917,6 +931,8 @@ def test_a_page_saved_from_python_has_the_results_of_both_chains(tmp_path):
         ({"sensors": range(1, 7)}, "up to 4 sensors, got 6"),
         ({"other": hc.Chain.from_materials("5 mm", "ptfe", beads=3)}, "both be in SI units"),
         ({"chain": hc.Chain.uniform(3000)}, "at most 2000 beads, got 3000"),
+        ({"until": -1.0}, "until must be above 0, got -1"),
+        ({"until": "2 ms"}, "until .* scaled"),
     ],
 )
 def test_a_page_that_cannot_be_saved(tmp_path, monkeypatch, changes, said):

@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..recorded_warnings import record_warnings
 from ..store.writing import write_bytes
 from ..validation.keywords import checked_arguments
+from ..validation.numbers import number
 from ..validation.objects import check_list, file_path
 from .documents import chain_of, document_of_chain
 from .exports import page_with_results
@@ -28,6 +29,7 @@ def save_page(
     *,
     other: Chain | None = None,
     sensors: Iterable[int | str] = (),
+    until: float | str | None = None,
 ) -> None:
     """Save a page that shows a chain and its results, and needs neither Python nor a network.
 
@@ -45,6 +47,10 @@ def save_page(
     sensors : iterable of int or str
         Up to four beads of ``chain`` with sensors, as numbers or names such as ``"ball 4"``; in
         ``other``, the same balls, counted without the strikers.
+    until : float or str, optional
+        Time > 0 until which the runs last at least [scaled, or s; also with a unit, ``"2 ms"``].
+        By default, they end when the peak on the wall is complete or, without a wall, when the
+        last bead has separated.
 
     Raises
     ------
@@ -67,9 +73,8 @@ def save_page(
     require_chain("save_page", chain)
     if other is not None:
         require_chain("save_page", other)
-    write_page(
-        document_of_chain(chain), None if other is None else document_of_chain(other), sensors, path
-    )
+    compared = None if other is None else document_of_chain(other)
+    write_page(document_of_chain(chain), compared, sensors, path, until=until)
 
 
 def write_page(
@@ -78,6 +83,8 @@ def write_page(
     sensors: Iterable[int | str],
     path: str | os.PathLike[str],
     names: Mapping[str, str] | None = None,
+    *,
+    until: float | str | None = None,
 ) -> None:
     """`save_page` for documents, which keep the units and names of their chain files."""
     file = file_path("path", path)
@@ -91,9 +98,10 @@ def write_page(
         raise InputError(f"a page shows up to {MAX_SENSORS} sensors, got {len(beads)}")
     balls = [bead_number(chain, each, "bead with a sensor") - chain.strikers for each in beads]
     errors = "theories" if other is None else "difference"
+    end = 0.0 if until is None else number("until", until, unit=chain._unit("s"), above=0.0)
     given = {
-        "document": document, "other": other, "sensors": balls,
-        "view": {"B": other, "view": {"sensors": balls, "errors": errors}},
+        "document": document, "other": other, "sensors": balls, "run_until": end,
+        "view": {"B": other, "view": {"sensors": balls, "errors": errors, "until": end}},
     }  # fmt: skip
     with record_warnings():
         content = page_with_results(given, lambda: False, names)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .options import StrictCommand, bead_from, check_writable
+from .options import StrictCommand, bead_from, check_writable, time_from
 
 
 @click.command(cls=StrictCommand)
@@ -30,9 +30,14 @@ from .options import StrictCommand, bead_from, check_writable
     help="With --save, a bead of FILE with a sensor, such as 12 or 'ball 11'; up to four times. "
     "The chain of --compare has sensors in the same balls, counted without the strikers.",
 )  # fmt: skip
+@click.option(
+    "--until",
+    metavar="TIME",
+    help="With --save, time until which the runs last at least, such as 60 or, in SI units, 2ms.",
+)
 def app(
     file: Path | None, port: int, no_open: bool, save: Path | None, other: Path | None,
-    sensors: tuple[str, ...],
+    sensors: tuple[str, ...], until: str | None,
 ) -> None:  # fmt: skip
     """Build, strike and compare chains in the browser.
 
@@ -50,10 +55,10 @@ def app(
       hertzchain app absorber.toml --compare row.toml --save absorber.html
     """
     if save is not None:
-        _save(file, other, sensors, save)
+        _save(file, other, sensors, until, save)
         return
-    if other is not None or sensors:
-        raise click.UsageError("--compare and --sensor require --save")
+    if other is not None or sensors or until is not None:
+        raise click.UsageError("--compare, --sensor and --until require --save")
     from ..app.serve import RunningServer, open_browser
 
     document = None
@@ -77,17 +82,20 @@ def app(
         click.echo("stopped", err=True)
 
 
-def _save(file: Path | None, other: Path | None, sensors: tuple[str, ...], page: Path) -> None:
+def _save(
+    file: Path | None, other: Path | None, sensors: tuple[str, ...], until: str | None, page: Path
+) -> None:
     """Save the page of one or two chain files."""
     if file is None:
         raise click.UsageError("--save requires a chain FILE")
     check_writable(page, "--save", (".html",))
-    from ..app.documents import document_of_file
+    from ..app.documents import chain_of, document_of_file
     from ..app.page_file import write_page
 
     document = document_of_file(file)
+    end = time_from("--until", until, chain_of(document))
     compared = None if other is None else document_of_file(other)
     beads = [bead_from(each) for each in sensors]
     names = {"A": file.name} | ({} if other is None else {"B": other.name})
-    write_page(document, compared, beads, page, names)
+    write_page(document, compared, beads, page, names, until=end)
     click.echo(f"{page} written: open it in a browser")

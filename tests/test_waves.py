@@ -25,6 +25,20 @@ def solitary():
     return run, exact, wave.speed(velocity)
 
 
+def test_a_wave_that_crosses_an_interface_has_the_values_of_both_sides():
+    chain = hc.Chain.from_radii(np.where(np.arange(120) < 60, 1.0, 0.5))
+    waves = hc.simulate(chain, until=140.0, times=3000).waves()
+    wave = waves[0]
+    table = wave.to_dataframe().energy
+    incident, transmitted = (f"{table.loc[k]:.4g}" for k in (30, 100))
+    assert f"energy {incident} to {transmitted}" in " ".join(repr(wave).split())
+    # The train beyond the interface has the energy of the incident wave.
+    train = sum(float(each.to_dataframe().energy.loc[100]) for each in waves.passing(100))
+    assert train == pytest.approx(table.loc[30], rel=0.03)
+    # In equal beads, one value describes the whole track.
+    assert " to 0." not in repr(hc.simulate(hc.Chain.uniform(60), until=60.0).waves()[0])
+
+
 def test_a_wave_is_the_solitary_wave(solitary):
     run, exact, _ = solitary
     found = run.waves()

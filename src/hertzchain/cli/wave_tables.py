@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from ..validation.json_types import finite
@@ -10,7 +11,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from ..simulation.horizon import Horizon
-    from ..simulation.waves import Waves
+    from ..simulation.waves import Wave, Waves
 
 
 def wave_table(waves: Waves) -> Table:
@@ -38,19 +39,22 @@ def wave_table(waves: Waves) -> Table:
         unit = time_unit if unit == "s" else unit
         shown = f"{name} [{unit}]" if real else name
         table.add_column(escape(shown), justify="right", no_wrap=True)
-    for row in rows:
-        width = None if row["width"] is None else factor * row["width"]
-        numbers = (
-            width if name == "width" else row[name]
-            for name in ("amplitude", "momentum", "energy", "width", "speed")
-        )
+    for row, wave in zip(rows, waves, strict=True):
         table.add_row(
             row["direction"] + ("" if row["resolved"] else " *"),
             f"{row['first_contact']}..{row['last_contact']}",
             f"{factor * row['first_time']:.4g}..{factor * row['last_time']:.4g}",
-            *("" if value is None else f"{value:.4g}" for value in numbers),
+            *(_along(wave, name) for name in ("amplitude", "momentum", "energy")),
+            _along(wave, "width", factor),
+            "" if row["speed"] is None else f"{row['speed']:.4g}",
         )
     return table
+
+
+def _along(wave: Wave, name: str, factor: float = 1.0) -> str:
+    """A quantity of a wave; where it changes along the track, those of its begin and its end."""
+    found = wave._along(name)
+    return "..".join(f"{factor * value:.4g}" for value in found if math.isfinite(value))
 
 
 def waves_as_list(waves: Waves) -> list[dict[str, Any]]:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 DIRECTIONS: Final = {1: "right", -1: "left"}
+# Relative difference between the begin and the end of a track from which both values are shown.
+SAME: Final = 0.2
 
 
 @checked_methods
@@ -38,6 +40,13 @@ class Wave:
     events : tuple of WaveEvent
         Its passage of each contact, in order of time; see
         `hertzchain.simulation.wave_events.WaveEvent`.
+
+    Notes
+    -----
+    ``amplitude``, ``momentum``, ``energy``, ``width`` and ``speed`` are medians over the contacts.
+    They describe a wave in equal beads.  In tapers and beyond interfaces a wave changes along its
+    track: ``repr`` then shows the medians of the first and of the last third of the contacts, and
+    `to_dataframe` has the values of all contacts.
 
     Examples
     --------
@@ -107,6 +116,19 @@ class Wave:
         separated = np.array([not event.merged for event in self.events])
         return separated if separated.any() else ~separated
 
+    def _along(self, name: str) -> tuple[float, ...]:
+        """Median of a quantity, or those of the first and the last third if they differ."""
+        plural = {"amplitude": "amplitudes", "momentum": "momenta", "energy": "energies",
+                  "width": "widths"}  # fmt: skip
+        values = getattr(self, plural[name])
+        known = values[np.isfinite(values) & (self._counted | (name in ("amplitude", "width")))]
+        third = len(known) // 3
+        if third < 2:
+            return (getattr(self, name),)
+        ends = float(np.median(known[:third])), float(np.median(known[-third:]))
+        same = abs(ends[0] - ends[1]) <= SAME * max(map(abs, ends))
+        return (getattr(self, name),) if same else ends
+
     @property
     def width(self) -> float:
         """Median of the known `widths`, in time; NaN if none is known [scaled, or s]."""
@@ -173,9 +195,12 @@ class Wave:
 
     def __repr__(self) -> str:
         first, last, units = self.events[0], self.events[-1], self.chain.units
-        facts = {"force": (self.amplitude, "N"), "momentum": (self.momentum, "kg m/s"),
-                 "energy": (self.energy, "J")}  # fmt: skip
-        values = ", ".join(f"{name} {measure(*value, units)}" for name, value in facts.items())
+        facts = {"force": ("amplitude", "N"), "momentum": ("momentum", "kg m/s"),
+                 "energy": ("energy", "J")}  # fmt: skip
+        values = ", ".join(
+            f"{word} {' to '.join(measure(each, unit, units) for each in self._along(name))}"
+            for word, (name, unit) in facts.items()
+        )
         doubt = ", merged" * self.merged + ", unresolved" * (not self.resolved)
         return wrapped(
             f"Wave({DIRECTIONS[self.direction]}, contacts {first.contact} to {last.contact}, t = "

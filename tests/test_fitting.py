@@ -992,7 +992,7 @@ def test_posterior_agrees_with_least_squares():
     ).shots[0],))  # fmt: skip
     free = ["stiffness", "struck_by.velocity", "time_offset"]
     result = hc.fit(one, bench(), free=free, priors={"struck_by.velocity": (0.3, 0.003)})
-    before = result.simulations
+    before = result.model.simulator.count
     posterior = result.sample(150, seed=1)
     assert result.model.simulator.count == before
     for name in free:

@@ -9,7 +9,7 @@
   `weak_directions`, `posterior`, and the `forecast` for a planned experiment;
 - systematic errors: `systematics` with `effect_limits`, `sensor_effects`, `signal_noise`, and
   `constants` that are taken as exact;
-- fits that mean less than they seem to: `diagnosis` with its `advice`, `plausibility`,
+- fits that mean less than they seem to: `diagnosis` with its `causes` and `advice`, `plausibility`,
   `prior_conflicts`, `unused_parameters`;
 - the result: `result`, `result_text`, `result_document`, `shown_values`, `fitted_file`;
 - further questions: `loss_comparison` of all `loss_laws`, and `defect_scan`;

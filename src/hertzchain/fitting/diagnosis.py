@@ -8,8 +8,8 @@ chosen by their prediction in the linearised fit.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -18,28 +18,26 @@ from ..chain.chain import Chain
 from ..chain.modifications import with_one_loss
 from ..errors import InputError, SimulationError
 from ..representation import listed
-from .advice import advice_to_free, considered, level_advice, nothing_explains
+from .advice import considered, level_advice, nothing_explains
+from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_walls, is_free, try_further
 from .chain_parameters import known_names, loss_parameters
 from .effect_limits import limited
 from .loss_laws import typical_law
 from .misread_columns import misread_columns
 from .misread_places import best_other_place
 from .misread_times import check_times, misread_times
-from .model import Model, make_model
-from .names import ENDS, Name
-from .parameters import ELASTIC, Parameter, kind_and_value
+from .model import make_model
+from .names import Name
+from .parameters import ELASTIC
 from .problem import Problem
 from .result import FitResult
 from .sensor_effects import gained_by, groups_of_effects
-from .signal_noise import signal_noise_advice
+from .signal_noise import signal_noise_of
 from .systematics import PRESENT
 
-Refit = Callable[[Problem, Mapping[str, float], int], FitResult]
 # Part of the excess of chi-squared that a cause must remove, and the part that it must remove in
 # the linearised fit to be tried.
 MOST, PROMISING = 0.75, 0.4
-# A parameter that is nearer to its fixed value, in standard deviations, is not a cause.
-CLEAR: Final = 2.0
 # Largest number of effects that are tried.
 MAX_TRIED: Final = 4
 # Largest number of pairs of effects that are tried.
@@ -51,35 +49,12 @@ OF_SHOTS: Final = ("struck_by.velocity", "time_offset")
 MASS_STARTS: Final = (1.05, 0.95)
 # Law that is tried if the chain has no loss.
 LOSS: Final = "viscoelastic"
-# Values of an effect of several sensors are reported beyond this number of standard deviations.
-CERTAIN: Final = 5.0
 # Columns may be wrong if a parameter is further from its prior, in standard deviations.
 FAR_FROM_PRIOR: Final = 10.0
 UNITS: Final = (
     "check the units of the times and of the sensors, the materials and the velocity of the chain, "
     "and whether the record contains the first pulse; hertzchain compare shows data and simulation"
 )
-
-
-@dataclass(frozen=True)
-class Cause:
-    """A cause, the fit with it, and the advice to a user."""
-
-    what: str
-    advice: str
-    result: FitResult
-    added: int
-    # Whether all columns or all times are read wrongly.
-    whole: bool = False
-    # Whether the columns or the times are read differently, so that all values are others.
-    misread: bool = False
-
-    @property
-    def values(self) -> str:
-        """The parameters of the fit, if these are not in the description of the cause."""
-        if not self.misread or self.result.meaningless:
-            return ""
-        return f" with {', '.join(f'{name} = {row}' for name, row in self.result.rows())}"
 
 
 def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
@@ -96,18 +71,20 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if result.meaningless and not any(_is_good(each.result) for each in causes):
         # Effects of sensors do not make a fit meaningless, and fits far from the data take long.
         return replace(result, advice=(UNITS,))
-    if not causes and (noise := signal_noise_advice(result)):
-        return replace(result, advice=(*level_advice(result), noise))
+    noise = None if causes else signal_noise_of(result)
     tried: dict[str, None] = {}
     for further, words in FURTHER.items():
-        if not any(cause.result.describes for cause in causes):
+        if not any(_explains(result, cause.result) for cause in causes):
             causes += further(result, start, _noting(refit, words, tried))
     good = [cause for cause in causes if _removed(result, cause.result) > MOST]
     levels = level_advice(result)
+    if noise is not None and all(noise.cost < cause.result.chi2 for cause in good):
+        return replace(result, advice=(*levels, noise.advice))
     if not good:
         return replace(result, advice=(*levels, nothing_explains(result, tried)))
     best = min(good, key=lambda each: (
-        not each.result.describes, each.added if each.result.describes else each.result.chi2
+        not each.result.describes,
+        each.result.chi2 + (PRESENT * each.added if each.result.describes else 0.0),
     ))  # fmt: skip
     if "offset" in best.what:
         levels = ()
@@ -145,13 +122,9 @@ def _with_other_columns(
 
 def _with_effect(result: FitResult, refit: Refit) -> FitResult:
     """A result with the value of the clearest effect of the sensors, from another fit."""
-    clearest = max(result.effects, key=lambda each: each.improvement, default=None)
-    cause = None
-    if clearest is not None and clearest.present:
-        cause = _tried(result, (Name(clearest.name),), refit)
-    elif (single := _clearest_of_one_sensor(result)) is not None:
-        cause = _tried(result, (single,), refit, least=CERTAIN)
-    if cause is None or not cause.result.converged:
+    causes = (_clear_cause(result, name, refit) for name in _clear_effects(result)[:MAX_TRIED])
+    cause = next(filter(None, causes), None)
+    if cause is None:
         return limited(result)
     text = f"with {cause.what}, chi2 falls from {result.chi2:.0f} to {cause.result.chi2:.0f}"
     shifts = {
@@ -166,14 +139,30 @@ def _with_effect(result: FitResult, refit: Refit) -> FitResult:
     return replace(result, advice=(f"{text}: {cause.advice}",))
 
 
-def _clearest_of_one_sensor(result: FitResult) -> Name | None:
-    """The offset, gain or delay of a sensor that reduces chi-squared most, if it does clearly."""
+def _clear_effects(result: FitResult) -> list[Name]:
+    """Effects of sensors, and walls, that reduce chi-squared clearly, the clearest first."""
+    gained = {Name(each.name): each.improvement for each in result.effects}
     singles = [names for names in groups_of_effects(result) if len(names) == 1 and names[0].item]
-    if not singles or result.goodness.noiseless:
-        return None
-    gained = gained_by(result, singles)
-    best = int(np.argmax(gained))
-    return singles[best][0] if gained[best] > PRESENT else None
+    singles += [(name,) for name in fixed_walls(result.model)]
+    if singles and not result.goodness.noiseless:
+        falls = gained_by(result, singles)
+        gained |= {names[0]: each for names, each in zip(singles, falls, strict=True)}
+    return sorted(
+        (name for name in gained if gained[name] > PRESENT), key=lambda name: -gained[name]
+    )
+
+
+def _clear_cause(result: FitResult, name: Name, refit: Refit) -> Cause | None:
+    """The fit with an effect, if it confirms it."""
+    if name in fixed_walls(result.model):
+        # The error of this stiffness includes those of the others, which only priors determine.
+        cause = try_further(result, (name,), refit, least=0.0)
+        fallen = 0.0 if cause is None else result.chi2 - cause.result.chi2
+        confirmed = fallen > PRESENT
+    else:
+        cause = try_further(result, (name,), refit, least=CERTAIN if name.item else CLEAR)
+        confirmed = True
+    return cause if cause is not None and cause.result.converged and confirmed else None
 
 
 def _is_good(result: FitResult) -> bool:
@@ -186,6 +175,12 @@ def _much_better(result: FitResult, cause: Cause) -> bool:
     if cause.result.meaningless:
         return False
     return _is_good(cause.result) or _removed(result, cause.result) > MOST
+
+
+def _explains(result: FitResult, other: FitResult) -> bool:
+    """Whether a fit describes the data, and not only just."""
+    excess = result.chi2 - result.goodness.freedom
+    return other.describes and result.chi2 - other.chi2 > PROMISING * excess
 
 
 def _removed(result: FitResult, other: FitResult) -> float:
@@ -244,7 +239,7 @@ def _effects(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterato
     gained = [each / excess for each in gained_by(result, groups)]
     order = sorted(range(len(groups)), key=lambda i: (gained[i] < MOST, len(groups[i]), -gained[i]))
     for i in [i for i in order if gained[i] > PROMISING][:MAX_TRIED]:
-        cause = _tried(result, groups[i], refit)
+        cause = try_further(result, groups[i], refit)
         if cause is not None:
             yield cause
 
@@ -257,14 +252,9 @@ def _pairs(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[
     excess = max(result.chi2 - result.goodness.freedom, 1.0)
     order = sorted(range(len(pairs)), key=lambda i: -gained[i])
     for i in [i for i in order if gained[i] > PROMISING * excess][:MAX_PAIRS]:
-        cause = _tried(result, pairs[i], refit)
+        cause = try_further(result, pairs[i], refit)
         if cause is not None:
             yield cause
-
-
-def _is_free(key: str, model: Model) -> bool:
-    """Whether a parameter of all contacts is free, in all shots or in some."""
-    return any(each.key == key and not each.item for each in model.names)
 
 
 def _shots(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
@@ -275,7 +265,7 @@ def _shots(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[
         if not own or {each for each in model.names if each.key == key} != {Name(key)}:
             continue
         # The common parameter becomes that of the first shot.
-        cause = _tried(result, own, refit)
+        cause = try_further(result, own, refit)
         if cause is not None:
             yield replace(cause, advice=f"free '{key}@*' instead of '{key}'")
 
@@ -286,7 +276,7 @@ def _losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
     if not all(chain.lossless for chain in model.chains):
         for key in loss_parameters(result.chain):
             name = Name(f"loss.{key}")
-            cause = None if _is_free(name.key, model) else _tried(result, (name,), refit)
+            cause = None if is_free(name.key, model) else try_further(result, (name,), refit)
             if cause is not None:
                 yield cause
         return
@@ -294,7 +284,7 @@ def _losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
     chains = tuple(with_one_loss(chain, law) for chain in model.chains)
     name = Name("loss.time")
     lossy = replace(model, chains=chains)
-    cause = _tried(result, (name,), refit, lossy, neutral=0.0)
+    cause = try_further(result, (name,), refit, lossy, neutral=0.0)
     if cause is not None:
         yield replace(cause, what=f"a {LOSS} loss, {cause.what}", advice=(
             f"add a loss to the chain, such as loss = {{law = '{LOSS}', time = "
@@ -333,8 +323,8 @@ def _with_length(chain: Chain, change: int) -> Chain:
 def _exponent(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """The fit with the exponent of all contacts, if they have one that is not free."""
     name = Name("exponent")
-    if not _is_free(name.key, result.model) and str(name) in known_names(result.chain):
-        cause = _tried(result, (name,), refit)
+    if not is_free(name.key, result.model) and str(name) in known_names(result.chain):
+        cause = try_further(result, (name,), refit)
         moduli = [f"'{each}'" for each in result.model.names if each.key in ELASTIC]
         if cause is not None and moduli:
             advice = f"free 'stiffness' and 'exponent' instead of {listed(moduli)}"
@@ -345,12 +335,10 @@ def _exponent(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterat
 
 def _walls(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """The fits with the stiffness of each wall that is not free."""
-    for end in ENDS:
-        name = Name(f"{end}.stiffness")
-        if getattr(result.chain, end) is not None and not _is_free(name.key, result.model):
-            cause = _tried(result, (name,), refit)
-            if cause is not None:
-                yield cause
+    for name in fixed_walls(result.model):
+        cause = try_further(result, (name,), refit)
+        if cause is not None:
+            yield cause
 
 
 def _moduli(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
@@ -359,7 +347,7 @@ def _moduli(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
     free = {replace(each, shot="") for each in result.model.names}
     for name in (Name("materials.young", kind) for kind in kinds):
         if len(kinds) > 1 and name not in free:
-            cause = _tried(result, (name,), refit)
+            cause = try_further(result, (name,), refit)
             if cause is not None:
                 yield cause
 
@@ -377,50 +365,12 @@ def _masses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
     name = Name("mass", ",".join(map(str, balls)))
     for factor in MASS_STARTS:
         try:
-            cause = _tried(result, (name,), refit, factor=factor)
+            cause = try_further(result, (name,), refit, factor=factor)
         except InputError:
             # The balls have several masses.
             return
         if cause is not None:
             yield replace(cause, what=f"another mass of the balls with sensors, {cause.what}")
-
-
-def _tried(
-    result: FitResult, names: Sequence[Name], refit: Refit, model: Model | None = None,
-    neutral: float | None = None, factor: float = 1.0, least: float = CLEAR,
-) -> Cause | None:  # fmt: skip
-    """The fit with further parameters, by default of the same chains.
-
-    None if it fails, or if no parameter differs by ``least`` standard errors from the value without
-    the cause, which is by default that of the model.
-    """
-    model, values = model or result.model, result.values
-    parameters = [replace(each, start=values[str(each)]) for each in model.parameters]
-    fixed = {}
-    for name in names:
-        kind, value = kind_and_value(name, model.traces, model.chains)
-        value = values.get(str(replace(name, shot="")), value)
-        parameters.append(Parameter(name, kind, factor * value))
-        fixed[str(name)] = value if neutral is None else neutral
-    try:
-        found = refit(Problem(replace(model, parameters=tuple(parameters))), values, 1)
-    except SimulationError:
-        return None
-    if not _beyond(least, fixed, found):
-        return None
-    rows = dict(found.rows())
-    clear = list(fixed)
-    if len(names) > 1:
-        clear = _beyond(CERTAIN, fixed, found) or clear
-    shown = ", ".join(f"{name} = {rows[name]}" for name in clear)
-    return Cause(shown, advice_to_free(names, model.traces), found, len(names))
-
-
-def _beyond(times: float, fixed: Mapping[str, float], found: FitResult) -> list[str]:
-    """Parameters that differ by more than some standard errors from their fixed values."""
-    values, errors = found.values, found.errors
-    return [name for name, value in fixed.items()
-            if abs(values[name] - value) > times * errors[name]]  # fmt: skip
 
 
 # Causes that are tried one after the other, with words for those that other functions do not name.

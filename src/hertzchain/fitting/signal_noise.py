@@ -6,6 +6,7 @@ residuals that change slowly.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -23,15 +24,26 @@ if TYPE_CHECKING:
 RANGE: Final = (1e-2, 1e4)
 
 
-def signal_noise_advice(result: FitResult) -> str:
-    """A sentence if noise of gains or times explains the residuals; empty otherwise."""
+@dataclass(frozen=True)
+class SignalNoise:
+    """The size of such a noise in words, and the cost of the residuals over it.
+
+    The cost is -2 times the logarithm of the likelihood.  Without this noise, it is chi-squared.
+    """
+
+    advice: str
+    cost: float
+
+
+def signal_noise_of(result: FitResult) -> SignalNoise | None:
+    """Noise of gains or of times, if it explains the residuals."""
     residuals = data_residuals(result.problem, result.residual_vector)
     levels, slopes = _signals_and_slopes(result)
     # The last one is a noise of all samples that is larger than before the pulse.
     factors = levels, slopes, np.ones(len(levels))
     fits = [_fitted_noise(residuals, each) for each in factors]
     best = int(np.argmin([cost for _, cost, _ in fits]))
-    size, _, scaled = fits[best]
+    size, cost, scaled = fits[best]
     used = ~result.problem.skipped
     good = goodness_of(result.traces, scaled, used, len(result.names) + 1)
     # The samples of pulses, in which this noise exceeds that before them.
@@ -39,18 +51,20 @@ def signal_noise_advice(result: FitResult) -> str:
     pairs = np.flatnonzero(large[:-1] & large[1:])
     correlated = _correlated(scaled[pairs], scaled[pairs + 1])
     if best == 2 or not good.describes or correlated:
-        return ""
+        return None
     if best == 0:
-        return (
+        text = (
             f"the residuals are independent, and their size is that of a noise of {size:.2g} times "
-            "the signal: check the sensors and amplifiers. No other cause is needed"
+            "the signal: check the sensors and amplifiers"
         )
-    error = measure(size, "s", digits=2)
-    return (
-        f"the residuals are independent, and their size is that of random errors of {error} in the "
-        "times of the samples: check the clock of the digitiser, and whether the times are "
-        "rounded. No other cause is needed"
-    )
+    else:
+        error = measure(size, "s", digits=2)
+        text = (
+            f"the residuals are independent, and their size is that of random errors of {error} in "
+            "the times of the samples: check the clock of the digitiser, and whether the times are "
+            "rounded"
+        )
+    return SignalNoise(f"{text}. No other effect that was tested explains them better", cost)
 
 
 def _correlated(first: Array, second: Array) -> bool:

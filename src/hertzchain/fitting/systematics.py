@@ -14,7 +14,7 @@ import numpy as np
 from ..collision import Array
 from .model import Model
 from .names import Name
-from .parameters import Parameter
+from .parameters import Parameter, kind_and_value
 from .problem import Problem
 from .sensors import SENSOR_KINDS
 
@@ -106,10 +106,9 @@ def derivative(
     problem: Problem, values: Mapping[Name, float], name: Name, residuals: Array
 ) -> Array:
     """Derivative of all residuals with respect to an effect that the fit does not include."""
-    kind = SENSOR_KINDS[name.key]
-    step = kind.step * kind.typical
     more = extended(problem, values, name)
-    neutral = more.model.parameters[-1].start
+    kind, neutral = more.model.parameters[-1].kind, more.model.parameters[-1].start
+    step = kind.step * (neutral if kind.factor else kind.typical)
     shifted = more.predicted({**values, name: neutral + step})
     change = (shifted - problem.predicted(values)) / problem.scale / step
     priors = np.zeros(len(residuals) - len(problem.data))
@@ -117,14 +116,14 @@ def derivative(
 
 
 def extended(problem: Problem, values: Mapping[Name, float], name: Name) -> Problem:
-    """The problem with an effect of the sensors as its last parameter, from a neutral value."""
-    ideal = 1.0 if name.key == "gain" else 0.0
+    """The problem with an effect as its last parameter, from a neutral value."""
+    model = problem.model
+    kind, ideal = kind_and_value(name, model.traces, model.chains)
     # The value of one shot differs from the common one, if that is free.
     neutral = values.get(replace(name, shot=""), ideal)
-    model = problem.model
     more = Problem(Model(
         model.traces, model.chains,
-        (*model.parameters, Parameter(name, SENSOR_KINDS[name.key], neutral)),
+        (*model.parameters, Parameter(name, kind, neutral)),
         model.simulator, model.reference,
     ))  # fmt: skip
     more.correlated, more.skipped, more.smooth = problem.correlated, problem.skipped, problem.smooth

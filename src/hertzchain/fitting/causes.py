@@ -1,0 +1,92 @@
+"""A possible cause of residuals, and the fit with further parameters that tries it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from ..errors import SimulationError
+from .advice import advice_to_free
+from .model import Model
+from .names import ENDS, Name
+from .parameters import Parameter, kind_and_value
+from .problem import Problem
+from .result import FitResult
+
+Refit = Callable[[Problem, Mapping[str, float], int], FitResult]
+# A parameter that is nearer to its fixed value, in standard deviations, is not a cause.
+CLEAR: Final = 2.0
+# Values of an effect of several sensors are reported beyond this number of standard deviations.
+CERTAIN: Final = 5.0
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A cause, the fit with it, and the advice to a user."""
+
+    what: str
+    advice: str
+    result: FitResult
+    added: int
+    # Whether all columns or all times are read wrongly.
+    whole: bool = False
+    # Whether the columns or the times are read differently, so that all values are others.
+    misread: bool = False
+
+    @property
+    def values(self) -> str:
+        """The parameters of the fit, if these are not in the description of the cause."""
+        if not self.misread or self.result.meaningless:
+            return ""
+        return f" with {', '.join(f'{name} = {row}' for name, row in self.result.rows())}"
+
+
+def try_further(
+    result: FitResult, names: Sequence[Name], refit: Refit, model: Model | None = None,
+    neutral: float | None = None, factor: float = 1.0, least: float = CLEAR,
+) -> Cause | None:  # fmt: skip
+    """The fit with further parameters, by default of the same chains.
+
+    None if it fails, or if no parameter differs by ``least`` standard errors from the value without
+    the cause, which is by default that of the model.
+    """
+    model, values = model or result.model, result.values
+    parameters = [replace(each, start=values[str(each)]) for each in model.parameters]
+    fixed = {}
+    for name in names:
+        kind, value = kind_and_value(name, model.traces, model.chains)
+        value = values.get(str(replace(name, shot="")), value)
+        parameters.append(Parameter(name, kind, factor * value))
+        fixed[str(name)] = value if neutral is None else neutral
+    try:
+        found = refit(Problem(replace(model, parameters=tuple(parameters))), values, 1)
+    except SimulationError:
+        return None
+    if not _beyond(least, fixed, found):
+        return None
+    rows = dict(found.rows())
+    clear = list(fixed)
+    if len(names) > 1:
+        clear = _beyond(CERTAIN, fixed, found) or clear
+    shown = ", ".join(f"{name} = {rows[name]}" for name in clear)
+    return Cause(shown, advice_to_free(names, model.traces), found, len(names))
+
+
+def _beyond(times: float, fixed: Mapping[str, float], found: FitResult) -> list[str]:
+    """Parameters that differ by more than some standard errors from their fixed values."""
+    values, errors = found.values, found.errors
+    return [name for name, value in fixed.items()
+            if abs(values[name] - value) > times * errors[name]]  # fmt: skip
+
+
+def is_free(key: str, model: Model) -> bool:
+    """Whether a parameter of all contacts is free, in all shots or in some."""
+    return any(each.key == key and not each.item for each in model.names)
+
+
+def fixed_walls(model: Model) -> list[Name]:
+    """Stiffnesses of walls that are not free."""
+    there = [end for end in ENDS if getattr(model.chains[0], end) is not None]
+    names = [Name(f"{end}.stiffness") for end in there]
+    return [name for name in names if not is_free(name.key, model)]

@@ -973,6 +973,18 @@ def test_settings_inside_a_style_are_those_of_the_user():
     assert plt.rcParams["font.size"] == before
 
 
+def test_data_in_panels_of_one_figure_have_lines_of_one_width():
+    traces, file = hc.example_experiment()
+    found = hc.simulate(hc.load_chain(file), until=600e-6, times=1201).compare(traces)
+    names = [each.name for each in found.sensors][:3]
+    with hc.figure_style("double column"):
+        _, panels = plt.subplots(2, 3, sharex="col")
+        for i, name in enumerate(names):
+            found.plot(name, ax=panels[:, i], legend=i == 0)
+    widths = {panels[0, i].get_lines()[0].get_linewidth() for i in range(3)}
+    assert len(widths) == 1
+
+
 @pytest.mark.parametrize("beads", [2, 3])
 def test_axes_of_few_beads_have_no_ticks_between_them(beads):
     axes = hc.propagate(hc.Chain.uniform(beads)).plot()

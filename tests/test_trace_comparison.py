@@ -99,6 +99,26 @@ def test_the_time_offset_does_not_depend_on_the_first_saved_time(given):
     assert found.notes == ()
 
 
+def test_a_sensor_without_a_pulse_does_not_prevent_the_comparison():
+    traces, file = hc.example_experiment()
+    run = hc.simulate(hc.load_chain(file), until=600e-6, times=1201)
+    (shot,) = traces.shots
+    columns = {f"{each.name} [{each.unit}]": each.values for each in shot.signals}
+    noise = np.random.default_rng(3).normal(0.0, shot.signals[0].sigma, len(shot.times))
+    first = next(iter(columns))
+    dead = hc.Traces.from_arrays(shot.times, columns | {first: noise})
+    with pytest.warns(hc.InputWarning, match="have no pulse above their noise"):
+        found = run.compare(dead)
+    del columns[first]
+    others = run.compare(hc.Traces.from_arrays(shot.times, columns))
+    assert found.time_offset == pytest.approx(others.time_offset, abs=1e-9)
+    assert [each.residual for each in found.sensors[1:]] == pytest.approx(
+        [each.residual for each in others.sensors], rel=1e-3
+    )
+    # Its gain is not doubted besides.
+    assert not any(shot.signals[0].name in note and "gain" in note for note in found.notes)
+
+
 @pytest.mark.parametrize("names", [("ball 5",), ("ball 5", "ball 10", "wall")])
 @pytest.mark.parametrize("until", [7e-4, 4e-4])
 def test_the_time_offset_is_that_of_the_data(names, until):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -26,6 +27,7 @@ from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_type
 from .arrival_notes import (
+    has_pulse,
     order_notes,
     other_offset_notes,
     outside_notes,
@@ -287,10 +289,11 @@ def compare_traces(
         begin = time_offset + first_saved
     else:
         check_contains_a_pulse(shot, columns, spacing)
-        begin, other = best_offset(shot, columns, spacing)
+        aligned = _with_pulses(shot, columns)
+        begin, other = best_offset(*aligned, spacing)
         time_offset, other = begin - first_saved, other and (other[0] - first_saved, other[1])
         least = EXPLAINED + 4.0 * len(columns)
-        if explained_by_offset(shot, columns, spacing, begin) < least:
+        if explained_by_offset(*aligned, spacing, begin) < least:
             unexplained = [NOTHING_EXPLAINED]
     moments = shot.times - begin
     inside = _inside(moments, float(grid[-1]), time_offset)
@@ -322,6 +325,15 @@ def compare_traces(
     return replace(found, notes=notes)
 
 
+def _with_pulses(shot: Shot, columns: list[Array]) -> tuple[Shot, list[Array]]:
+    """The signals that exceed their noise, and their models; all of them if none does."""
+    seen = [has_pulse(signal) for signal in shot.signals]
+    if not any(seen):
+        return shot, columns
+    signals = tuple(itertools.compress(shot.signals, seen))
+    return replace(shot, signals=signals), list(itertools.compress(columns, seen))
+
+
 def _suspicious(
     found: TraceComparison,
     columns: Sequence[Array],
@@ -332,14 +344,16 @@ def _suspicious(
     """Sentences on columns that are probably exchanged, or in other units or elsewhere."""
     (shot,) = found.traces.shots
     outside = sensors_outside(shot, columns, found.signals)
+    silent = [signal.name for signal in shot.signals if not has_pulse(signal)]
+    units = unit_notes(found.sensors, [*outside, *silent])
     # Wrong times, or columns that are exchanged, cause most of the other differences.
     if notes := time_notes(shot, columns, grid):
-        return [*notes, *unit_notes(found.sensors, outside)]
+        return [*notes, *units]
     return (
         exchange_notes(shot, columns, float(grid[1] - grid[0]))
         or order_notes(shot, columns, grid)
         or [
-            *unit_notes(found.sensors, outside),
+            *units,
             *outside_notes(shot, columns, grid, begin, outside),
             *other_offset_notes(shot, found.time_offset, other),
         ]

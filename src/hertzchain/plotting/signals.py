@@ -108,8 +108,11 @@ def residual_limit(residuals: list[Array]) -> float:
 
 
 def _points_across(axes: Axes) -> float:
-    figure = axes.figure
-    return POINTS_PER_INCH * axes.get_window_extent().width / figure.dpi
+    """Width of axes [points]; that of a grid, since layouts change the others between two plots."""
+    figure, grid = axes.get_figure(root=True), axes.get_subplotspec()
+    assert figure is not None
+    box = axes.get_position() if grid is None else grid.get_position(figure)
+    return POINTS_PER_INCH * box.width * figure.get_figwidth()
 
 
 def draw_crest(axes: Axes, times: Array, signal: Signal, curve: Array, name: str) -> None:

@@ -338,6 +338,10 @@ def test_a_pad_stays_elastic_where_the_balls_yield(side):
     assert dented_chain(row) == after.chain
     elastic, yielding = (row.masses @ each.velocities[-1] ** 2 for each in (run, after))
     assert yielding < 0.9 * elastic
+    # A wall with a law of its own needs no other.
+    own = row.replace(**{f"{side}_wall": replace(pad, loss=hc.Elastic())})
+    (pressure, *_) = hc.hertz_range(own, run.largest_overlaps).violations
+    assert pressure.endswith(" or use loss=ElasticPlastic()")
     # The warning about a pad between balls does not advise a law that is rejected.
     cone = row.with_contacts({1: hc.Cone(80.0)})
     assert "ElasticPlastic" not in "".join(hc.hertz_range(cone).violations)

@@ -231,7 +231,7 @@ def test_laws_by_pairs_of_materials():
         (lambda: MIXED.replace(loss=PAIRS), "loss by pairs of materials needs a chain of mat"),
         (
             lambda: STEEL_AND_PTFE.replace(loss=PAIRS, left_wall=Wall()),
-            "no loss for steel-316 on steel-316, which meet at the left wall: add",
+            "no loss for steel-316 on steel-316, which meet at the left wall: give it for",
         ),
         (lambda: STEEL_AND_PTFE.replace(loss={"ptfe": None}), "needs pairs such as .* got 'ptfe'"),
         (lambda: STEEL_AND_PTFE.replace(loss={}), "loss by materials has no pairs"),

@@ -55,6 +55,7 @@ from .hertz_ratios import (
     speed_ratio,
 )
 from .impact_overlaps import impact_overlaps
+from .laws.elastic import Elastic
 from .laws.elastic_plastic import restitution_beyond_yield
 from .materials import contact_moduli
 from .per_contact import contact_name
@@ -105,6 +106,8 @@ class HertzRange:
         polymers have.
     springs : ndarray of bool, shape (N + 1,)
         Whether the exponent of a contact is not 3/2, so that no law with yield describes it.
+    elastic_ends : tuple of two bool
+        Whether the left and the right wall have the law `Elastic` of their own.
     losses : tuple of str
         Names of the losses that a law with yield would replace.
     speed : float
@@ -136,6 +139,7 @@ class HertzRange:
     given: NDArray[np.bool_]
     soft: NDArray[np.bool_]
     springs: NDArray[np.bool_]
+    elastic_ends: tuple[bool, ...]
     losses: tuple[str, ...]
     speed: float = 0.0
     estimated: bool = False
@@ -215,7 +219,8 @@ class HertzRange:
     @property
     def _elastic_walls(self) -> str:
         """Walls that need a law of their own if the other contacts yield."""
-        names = [f"{side}_wall" for side, end in (("left", 0), ("right", -1)) if self.springs[end]]
+        names = [f"{side}_wall" for side, end in (("left", 0), ("right", -1))
+                 if self.springs[end] and not self.elastic_ends[end]]  # fmt: skip
         return f" and loss=Elastic() for {listed(names)}" if names else ""
 
     @property
@@ -347,6 +352,10 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         given=_given(chain),
         soft=_soft(chain),
         springs=_springs(chain),
+        elastic_ends=tuple(
+            wall is not None and wall.loss == Elastic()
+            for wall in (chain.left_wall, chain.right_wall)
+        ),
         losses=tuple(
             dict.fromkeys(
                 law.name for law in chain.contact_losses if not law.yields and law.name != "elastic"

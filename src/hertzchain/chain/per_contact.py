@@ -36,7 +36,7 @@ class MaterialPairs(Generic[T]):
         if pair not in self.values:
             raise InputError(
                 f"there is no {self.what} for {one.name} on {other.name}, which meet at {place}: "
-                f"add ({one.name!r}, {other.name!r}) to its pairs of materials"
+                f"give it for the pair ({one.name!r}, {other.name!r})"
             )
         return self.values[pair]
 

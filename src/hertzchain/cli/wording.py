@@ -20,6 +20,8 @@ WORDINGS: Final = (
      "give yield_strength in [materials.NAME] of a chain file, or yield_pressure = '5 MPa' in "
      "[chain.loss] or in a [[chain.loss]] with between"),
     (r"\bloss=None\b", "no loss"),
+    (r"\bgive it for the pair \(('[^']*'), ('[^']*')\)",
+     r"give it in a table with between = [\1, \2]"),
     (r"\bloss=Elastic\(\) for (left_wall and right_wall|\w+_wall|a wall of \w+ \w+)",
      r"loss = {law = 'elastic'} for \1 in the chain file"),
     (r"\bwith Material\(name, density=, young=, poisson=\), or \[", "as ["),

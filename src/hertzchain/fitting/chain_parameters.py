@@ -162,6 +162,9 @@ def kind_of(chain: Chain, name: Name) -> Kind:
         raise InputError("the contacts of this chain have several exponents; they cannot be fitted")
     if key.split(".")[0] in example and not name.item:
         raise InputError(f"{name} needs an item in brackets, such as {example[key.split('.')[0]]}")
+    if key == "wall.stiffness":
+        exponent = chain.contact_exponents[0 if name.key.startswith("left") else -1]
+        return dataclasses.replace(KINDS[key], unit=f"N/m^{exponent:g}")
     return KINDS[key]
 
 

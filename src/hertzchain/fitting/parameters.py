@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from ..chain.chain import Chain
@@ -120,7 +120,11 @@ def free_parameters(
                 starts[name] = number(f"start of {name}", value, unit=unit)
             elif text not in optional:
                 raise unknown_name_error("free parameter", str(name), map(str, names))
-    return [_parameter(name, traces, chains, known_priors.get(name), starts) for name in names]
+    exponent_free = any(name.key.endswith("exponent") for name in names)
+    return [
+        _parameter(name, traces, chains, known_priors.get(name), starts, exponent_free)
+        for name in names
+    ]
 
 
 def _check_gains(names: Collection[Name], traces: Traces) -> None:
@@ -246,8 +250,11 @@ def _parameter(
     chains: Sequence[Chain],
     prior: tuple[float, float] | None,
     starts: Mapping[Name, float],
+    exponent_free: bool,
 ) -> Parameter:
     kind, value = kind_and_value(name, traces, chains)
+    if name.key.endswith("wall.stiffness") and exponent_free:
+        kind = replace(kind, unit="N/m^p")
     if prior is not None:
         if _wrong_sign(kind, prior[0]):
             raise InputError(f"the prior of {name} must be {_allowed(kind)}, got {prior[0]:g}")

@@ -126,9 +126,9 @@ class Simulator:
         count = int(np.ceil(duration / spacing)) + 4
         if count > MAX_TIMES:
             raise InputError(
-                f"the traces last {duration:.3g} s, {count / PER_UNIT:.0f} contact times: too long "
-                "to fit; check that the times are in the unit of their header, or cut the traces "
-                "after the pulse and its first echoes"
+                f"the traces require a simulation of {duration:.3g} s, {count / PER_UNIT:.0f} "
+                "contact times, which is too long to fit; check that the times are in the unit of "
+                "their header, or cut the traces after the pulse and its first echoes"
             )
         limit = None if not self._steps else max(MIN_STEPS, STEP_FACTOR * self._steps)
         with ignore_warnings():

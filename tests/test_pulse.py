@@ -16,6 +16,21 @@ def pulses():
     return hc.propagate(chain), hc.bca(chain)
 
 
+@pytest.mark.parametrize("method", [hc.propagate, lambda chain: hc.simulate(chain).pulse()])
+def test_pulses_of_chains_with_bouncing_beads_have_a_note(method):
+    dimer = hc.Chain.dimer(0.29, beads=21, exponent=2.0)
+    run = hc.simulate(dimer, until=35.0, times=4000)
+    pulse = method(dimer)
+    # At these beads, a later maximum of the same pulse is larger.
+    assert (run.velocities.max(axis=0) > 1.05 * pulse.velocity)[1:-1].any()
+    for name in ("velocity", "momentum", "energy"):
+        assert pulse.notes[name].startswith("light beads bounce between heavier ones (at 10 beads")
+    for smooth in (hc.Chain.uniform(9), hc.Chain.tapered("forward-exponential", 0.1, beads=9)):
+        assert "velocity" not in method(smooth).notes
+    table = hc.propagate_many([dimer])
+    assert table[0].notes == hc.propagate(dimer).notes
+
+
 def test_derived_quantities(pulses):
     exact, _ = pulses
     m = exact.chain.masses

@@ -26,6 +26,7 @@ from ..chain.hertz_range import warn_outside_hertz
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, SimulationError, short_repr
 from ..frozen import once
+from ..pulse.notes import bouncing_notes
 from ..pulse.pulse import Pulse, assemble_pulse
 from ..pulse.pulse_table import PulseTable
 from ..pulse.table_warnings import warn_failed, warn_outside_hertz_once
@@ -118,7 +119,7 @@ def propagate(
     build = assemble_pulse if sound else Pulse
     return build(
         chain=chain, method="propagation", velocity=velocity, peak_time=peak_time, arrival=arrival,
-        peak_overlap=overlap, residence=residence,
+        peak_overlap=overlap, residence=residence, notes=bouncing_notes(chain.masses),
     )  # fmt: skip
 
 

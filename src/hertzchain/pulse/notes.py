@@ -15,6 +15,10 @@ from .quantities import QUANTITIES
 
 # Name of the note with the warnings of a theory about the chain.
 WARNING: Final = "warning"
+# Mass of a bead, relative to the smaller one of its neighbours, below which it bounces between them
+# so that first maxima need not be the largest ones of the pulse.
+LIGHT: Final = 0.65
+OF_FIRST_MAXIMA: Final = ("velocity", "momentum", "energy")
 OUT_OF_ORDER: Final = (
     "residence: negative where the pulse arrives at the next bead before it arrives at this one"
 )
@@ -39,6 +43,19 @@ def notes_in_words(notes: Mapping[str, str], quantities: Iterable[str] = QUANTIT
         if name in notes:
             about.setdefault(notes[name], []).append(name)
     return [f"{', '.join(names)}: {note}" for note, names in about.items()]
+
+
+def bouncing_notes(masses: Array) -> dict[str, str]:
+    """Notes on first maxima where light beads bounce between heavier ones; none elsewhere."""
+    light = np.zeros(len(masses), bool)
+    light[1:-1] = masses[1:-1] < LIGHT * np.minimum(masses[:-2], masses[2:])
+    if not light.any():
+        return {}
+    text = (
+        f"light beads bounce between heavier ones ({beads_in_words(light)}), so that the first "
+        "maximum, here and at their neighbours, may be smaller than a later one of the same pulse"
+    )
+    return dict.fromkeys(OF_FIRST_MAXIMA, text)
 
 
 def beads_in_words(flags: NDArray[np.bool_]) -> str:

@@ -17,6 +17,7 @@ from ..errors import InputError, SimulationError, short_repr
 from ..representation import size_in_words
 from ..validation.keywords import checked_methods
 from .columns import Columns, with_columns
+from .notes import bouncing_notes
 from .pulse import Pulse
 from .quantities import BEAD_QUANTITIES, QUANTITIES
 
@@ -187,7 +188,9 @@ class PulseTable(Columns):
             name: values[row, : QUANTITIES[name].count(beads)]
             for name, values in stored.items() if values is not None
         }  # fmt: skip
-        return Pulse(chain=self.chain(row), method="propagation", **columns)
+        chain = self.chain(row)
+        notes = bouncing_notes(chain.masses)
+        return Pulse(chain=chain, method="propagation", notes=notes, **columns)
 
     def __iter__(self) -> Iterator[Pulse]:
         return (self[index] for index in range(len(self)))

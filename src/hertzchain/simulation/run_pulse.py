@@ -6,6 +6,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..pulse.notes import OF_FIRST_MAXIMA, bouncing_notes
 from ..pulse.pulse import Pulse
 from .missing_values import reason, together
 
@@ -103,7 +104,8 @@ def _notes(
         reason("bead", absent & seen, "the crest reaches the next contact before this one"),
         crests if chain.drive is not None else "",
     )
-    notes = dict.fromkeys(("velocity", "momentum", "energy"), together(slow, tail))
+    bouncing = bouncing_notes(chain.masses)
+    notes = {name: together(slow, tail, bouncing.get(name, "")) for name in OF_FIRST_MAXIMA}
     notes |= {
         "peak_time": slow,
         "arrival": reason("bead", unarrived, f"not faster than the bead behind {LATE}"),

@@ -909,6 +909,20 @@ def test_a_page_saved_from_python_has_the_results_of_both_chains(tmp_path):
         assert runs[slot]["peaks"]["right"]["largest"] == pytest.approx(peak, rel=1e-6)
 
 
+def test_a_chain_at_rest_shows_no_rounding_errors(tmp_path):
+    crystal = hc.Chain.from_materials(
+        5e-3, "steel-52100", beads=9, velocity=0.0, precompression=10.0, held_by="force"
+    )
+    hc.save_page(crystal, tmp_path / "page.html")
+    ((header, arrays),) = (
+        part for part in stored_in(tmp_path / "page.html")[1] if part[0]["part"] == "run"
+    )
+    assert not arrays["velocities"].any()
+    assert not arrays["velocities.scale"].any()
+    assert header["warnings"][0].startswith("nothing moves, because bead 1 is not struck")
+    assert header["spectrum"] == ""
+
+
 def test_a_saved_page_lasts_until_a_given_time(tmp_path):
     row = hc.Chain.from_materials(2e-3, "brass", beads=4, velocity=0.1, right_wall=hc.Wall())
     ends = {}

@@ -34,7 +34,8 @@ def save_page(
     """Save a page that shows a chain and its results, and needs neither Python nor a network.
 
     It is the page of ``hertzchain app``: the animation, the leading pulse with all theories, the
-    map of velocities or forces, the forces on walls and in sensors, and the energy over time.
+    map of velocities or forces, the forces on walls and in sensors, and the energy over time.  If
+    the chain is at rest, nothing moves, and only the spectrum has a meaning.
 
     Parameters
     ----------
@@ -55,7 +56,7 @@ def save_page(
     Raises
     ------
     InputError
-        If an argument is out of range, the chain is not struck, or the file cannot be written.
+        If an argument is out of range, or the file cannot be written.
     SimulationError
         If a run fails, or takes longer than 20 s.
 

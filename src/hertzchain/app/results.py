@@ -21,7 +21,9 @@ from ..pulse.notes import OUT_OF_ORDER, out_of_order
 from ..pulse.pulse import Pulse
 from ..recorded_warnings import record_warnings
 from ..simulation.run import Run
+from ..simulation.run_message import NOT_STRUCK
 from ..simulation.simulate import simulate
+from ..simulation.time_scales import is_static
 from ..theory.catalogue import THEORIES
 from ..theory.effective_chain import effective_chain
 from ..theory.spectrum import spectrum
@@ -46,6 +48,10 @@ COMPILED: Final = ("local-rate",)
 MAX_BEADS_OF_DRAFT_BUDGET: Final = 300
 # Number of times that a run is continued to twice its time if nothing has reached the wall.
 MAX_CONTINUATIONS: Final = 4
+AT_REST: Final = (
+    f"nothing moves, because {NOT_STRUCK}; the spectrum shows the frequencies at which the chain "
+    "can oscillate"
+)
 # The run that is shown lasts at least until this multiple of the time of the peak on the wall.
 END_AFTER_PEAK: Final = 1.05
 
@@ -104,7 +110,8 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
             note = refusal if pulse is None else ""
             yield _pulse_part(request, pulse, compiled, began, note)
         if request.run:
-            found = _not_repeated(before, warnings_on_the_page(warned))
+            found = [AT_REST] if is_static(chain) else []
+            found += _not_repeated(before, warnings_on_the_page(warned))
             found += [] if request.draft else map(on_the_page, _unfinished_impact(run, whole))
             forces = run
             if not request.draft:
@@ -297,7 +304,9 @@ def _run_part(
 ) -> Part:  # fmt: skip
     began, chain = time.perf_counter(), run.chain
     arrays: dict[str, Any] = {"times": run.times, "forces.times": forces.times}
-    arrays |= columns_as_int16("velocities", run.velocities)
+    # The motion of a chain at rest is one of rounding errors.
+    moves = not is_static(chain)
+    arrays |= columns_as_int16("velocities", run.velocities * moves)
     arrays |= columns_as_int16("forces", run.forces)
     peaks = {}
     colours = {ball + chain.strikers: f"sensor{i}" for i, ball in enumerate(request.sensors)}

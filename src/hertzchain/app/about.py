@@ -12,6 +12,7 @@ from ..chain.materials import catalogue
 from ..chain.random_radii import BALL_GRADES
 from ..chain.tapers import TAPERS
 from ..pulse.quantities import QUANTITIES
+from ..simulation.run_pulse import moving_first
 from ..store.chain_schema import chain_schema
 from ..theory.catalogue import THEORIES
 from ..units import PERCENT, UNITS, converted
@@ -73,16 +74,21 @@ MAX_THUMBNAIL: Final = 40
 
 @cache
 def gallery() -> list[dict[str, Any]]:
-    """Examples with a title, a sentence and a document; radii for a small picture."""
+    """Examples with a title, a sentence and a document; a small picture has the radii.
+
+    Its first beads, which move, are marked.
+    """
     text = (files("hertzchain.app") / "gallery.toml").read_text("utf-8")
     found = []
     for entry in tomllib.loads(text)["example"]:
         document = {name: entry[name] for name in ("chain", "materials") if name in entry}
-        radii = chain_of(document).radii[:MAX_THUMBNAIL]
+        chain = chain_of(document)
+        radii = chain.radii[:MAX_THUMBNAIL]
         found.append(
             {"title": entry["title"], "look_for": entry["look_for"], "document": document,
              "other": {"chain": entry["other"]} if "other" in entry else None,
-             "view": entry.get("view", {}), "radii": [float(f"{r:.3g}") for r in radii]}
+             "view": entry.get("view", {}), "radii": [float(f"{r:.3g}") for r in radii],
+             "moving": max(1, moving_first(chain))}
         )  # fmt: skip
     return found
 

@@ -32,6 +32,7 @@ WORDINGS: Final = (
     (r"^effective_chain does", "the effective chain does"),
     (r"^propagate does", "the simulation of the pulse does"),
     (r"(?<=\d )u(?=[JNms]\b)", "µ"),
+    (r"\b(first|last)_(diameter|radius)\b", r"\1 \2"),
     # Names of tables in chain files.
     (r" of \[chain[.\w]*\]", ""),
     # The page describes the chain, and shows the results of these functions.

@@ -12,7 +12,7 @@ const SVG = "http://www.w3.org/2000/svg";
 /** Values below this part of the largest are cut off on logarithmic axes. */
 const SMALLEST = 1e-7;
 /** Smallest range of an axis of differences [%]. */
-const SMALLEST_PERCENTAGE = 1e-4;
+const SMALLEST_PERCENTAGE = 2e-3;
 const LEFT = 62, RIGHT = 20, TOP = 20, BOTTOM = 32;
 
 /** @param {string} name @param {Record<string, string | number>} [attributes] @param {string} [text] */

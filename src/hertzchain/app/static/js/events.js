@@ -51,14 +51,20 @@ export function listen(app) {
     const next = fromLink(location.hash);
     if (next) app.open(next);
   });
+  addEventListener("input", ({ target }) => { if (target) edited.add(target); }, true);
+  addEventListener("change", ({ target }) => { if (target) edited.delete(target); }, true);
   addEventListener("keydown", (event) => keys(event, app));
 }
+
+/** Fields whose text is not complete, in which the browser undoes letters.
+ * @type {WeakSet<EventTarget>} */
+const edited = new WeakSet();
 
 /** @param {KeyboardEvent} event @param {App} app */
 function keys(event, app) {
   const target = /** @type {HTMLElement} */ (event.target), typing = target.matches("input:not([type=range]):not([type=checkbox])");
   if (document.querySelector("dialog[open]")) return;
-  if ((event.ctrlKey || event.metaKey) && !typing && event.key.toLowerCase() === "z") {
+  if ((event.ctrlKey || event.metaKey) && !edited.has(target) && event.key.toLowerCase() === "z") {
     event.preventDefault();
     if (event.shiftKey) app.redo();
     else app.undo();

@@ -66,7 +66,7 @@ export function spread(low, high, least = 0) {
   const more = (Math.max(least, SMALLEST_SPAN * Math.max(Math.abs(low), Math.abs(high))) - (high - low)) / 2;
   return more > 0 ? [low - more, high + more] : [low, high];
 }
-const SMALLEST_SPAN = 1e-4;
+const SMALLEST_SPAN = 1e-3;
 
 /** Powers of ten between two ends. @param {number} low @param {number} high @param {number} count */
 export function powers(low, high, count) {

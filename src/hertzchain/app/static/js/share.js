@@ -14,13 +14,13 @@ function offer(name, blob) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-/** A chain as a picture. @param {number[]} radii */
-function picture(radii) {
+/** A chain as a picture, whose first beads move. @param {number[]} radii @param {number} moving */
+function picture(radii, moving) {
   const long = radii.reduce((sum, r) => sum + 2 * r, 0), most = Math.max(...radii), tall = Math.max(2 * most, long / 12);
   const drawing = svg("svg", { viewBox: `0 0 ${long} ${tall}`, "aria-hidden": "true", class: "picture" });
   let x = 0;
   radii.forEach((r, k) => {
-    drawing.append(svg("circle", { cx: x + r, cy: tall / 2, r: 0.96 * r, class: k === 0 ? "first" : "" }));
+    drawing.append(svg("circle", { cx: x + r, cy: tall / 2, r: 0.96 * r, class: k < moving ? "first" : "" }));
     x += 2 * r;
   });
   return drawing;
@@ -35,7 +35,7 @@ export function fillDialogs(about, on) {
       examples.close();
       on.open(example, slot);
     };
-    return make("li", { className: "example" }, picture(example.radii), make("h3", {}, example.title), make("p", {}, example.look_for),
+    return make("li", { className: "example" }, picture(example.radii, example.moving), make("h3", {}, example.title), make("p", {}, example.look_for),
       make("div", { className: "actions" },
         make("button", { className: "primary", "aria-label": `Open ${example.title}`, onclick: () => choose("A") }, "Open"),
         make("button", { "aria-label": `Open as chain B: ${example.title}`, onclick: () => choose("B") }, "Open as chain B")));

@@ -243,6 +243,21 @@ def test_the_rim_of_a_bead_can_be_dragged_and_undone(page):
     assert page.document()["chain"]["with_defects"] == defects
 
 
+def test_completed_changes_are_undone_from_within_their_field(page):
+    field = page.tab.get_by_label("beads", exact=True).first
+    for value in ("30", "20"):
+        field.fill(value)
+        field.press("Enter")
+        page.settle()
+    assert page.document()["chain"]["beads"] == 20
+    page.tab.keyboard.press("Control+z")
+    page.settle()
+    assert page.document()["chain"]["beads"] == 30
+    page.tab.keyboard.press("Control+z")
+    page.settle()
+    assert page.document()["chain"]["beads"] == 40
+
+
 def test_a_click_makes_a_sensor(page):
     before = page.tab.evaluate("hertzchain.state.view.sensors")
     box = page.tab.locator("#stage-A").bounding_box()

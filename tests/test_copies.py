@@ -30,6 +30,7 @@ def everything(tmp_path_factory):
     balls = hc.Chain.from_materials(5e-3, "brass", beads=6, velocity=0.01)
     chain = hc.Chain.uniform(6).replace(right_wall=hc.Wall())
     run = hc.simulate(chain, until=40.0, times=400)
+    long = hc.simulate(hc.Chain.uniform(20), until=40.0, times=400)
     pulse = hc.bca(hc.Chain.uniform(6))
     traces, file = hc.example_experiment()
     fit = hc.fit(traces, file)
@@ -44,7 +45,7 @@ def everything(tmp_path_factory):
         chain, balls, hc.Chain.tapered("forward-linear", 0.05, beads=5), run, run.state,
         run.budget(), run.wall_force("right"), run.sensor_force(3), run.waves(), run.waves()[0],
         run.waves()[0].events[0], run.velocity_peaks(3), run.fronts(), run.leading_pulse(),
-        run.energy_flux(), run.horizon(), run.reflection(1, 5), pulse, pulse.compare(pulse),
+        run.energy_flux(), run.horizon(), long.reflection(5, 15), pulse, pulse.compare(pulse),
         hc.propagate_many([[1.0, 1.0], [1.0, 0.9]]), hc.simulate_many([chain]),
         hc.gradient(chain, "wall_force.peak"),
         hc.distribution(chain, "velocity@3", hc.Scatter(radius=0.01, samples=3)),

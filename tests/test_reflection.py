@@ -105,6 +105,14 @@ def test_a_count_that_is_not_of_one_wave_warns():
     assert found.disturbed == (found.until < 65.0)
 
 
+def test_contacts_near_an_interface_are_announced():
+    run = hc.simulate(interface(2.0), until=140.0, times=1500)
+    with pytest.warns(hc.InputWarning, match="contacts 59 and 61 are 2 apart, but a wave extends"):
+        near = run.reflection(59, 61)
+    # The waves overlap there, so that the result differs.
+    assert abs(near.reflected_energy / run.reflection(50, 75).reflected_energy - 1.0) > 0.01
+
+
 def test_the_tail_that_losses_leave_behind_a_wave_does_not_end_the_count():
     """The transmitted energy is the integral of force times velocity of the saved times."""
     run = hc.simulate(interface(2.0).replace(loss=hc.Restitution(0.9)), until=150.0, times=2000)

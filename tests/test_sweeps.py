@@ -1238,6 +1238,22 @@ def test_estimates_of_points_of_different_length_are_lower_bounds_if_one_is_unfi
     assert 1e-3 < found.seconds <= timing.LONGEST
 
 
+def test_a_point_that_fails_by_two_methods_counts_once(run, tmp_path):
+    (tmp_path / "sweep.toml").write_text("""
+        [chain]
+        taper = "forward-linear"
+        rate = 0.05
+        [axes]
+        beads = [10, 30, 40]
+        [sweep]
+        methods = ["propagate", "bca"]
+    """)
+    code, out, _ = run("sweep", tmp_path / "sweep.toml", "--store", tmp_path / "store")
+    assert code == 1
+    assert "1 of 3 points done, 2 failed" in out
+    assert "(and 1 more point, similarly)" in out
+
+
 def test_failed_points_are_grouped_by_their_reasons(run, tmp_path):
     (tmp_path / "sweep.toml").write_text("""
         [chain]

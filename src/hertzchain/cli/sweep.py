@@ -325,10 +325,12 @@ def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: boo
 
 def _show_failures(opened: SweepStore, failed: int) -> None:
     """Print the reasons of failed points, each with the first point that has it."""
+    from ..representation import counted
+
     groups = opened.failures_by_reason(MAX_GROUPED) if failed else []
     for reason, count, place in groups[:MAX_REASONS]:
         at = ", ".join(f"{name} = {value}" for name, value in place.items())
-        similar = f" (and {count - 1} more points, similarly)" if count > 1 else ""
+        similar = f" (and {counted(count - 1, 'more point')}, similarly)" if count > 1 else ""
         click.echo(f"  {at}{similar}: {reason}")
     shown = sum(count for _, count, _ in groups[:MAX_REASONS])
     if failed > shown:

@@ -40,6 +40,8 @@ WEAK: Final = 0.01
 MISSING: Final = 0.05
 # An error of the balance above this fraction of the incident energy is part of the representation.
 SHOWN: Final = 1e-3
+# Number of contacts over which a wave extends.
+WIDTH: Final = 5
 
 
 @checked_methods
@@ -241,6 +243,7 @@ def reflection_of(
     Warns
     -----
     InputWarning
+        If the contacts are less than 10 apart, or less than 5 from a wall or free end.
         If more than 5% of the incident energy is missing from the balance, because of other
         waves, or is still between the contacts; if ``missing_momentum`` exceeds 5%.
 
@@ -303,7 +306,21 @@ def reflection_of(
     _check_rarefactions(self, found)
     _check_count(self, found)
     _warn_of_balance(found)
+    _warn_if_near(self, first, second)
     return found
+
+
+def _warn_if_near(run: Trajectory, first: int, second: int) -> None:
+    """Warn if a wave is longer than the distance from the contacts to what reflects it."""
+    inside = second not in (0, run.chain.beads)
+    least = WIDTH * (2 if inside else 1)
+    if abs(second - first) < least:
+        warn_user(
+            f"contacts {first} and {second} are {abs(second - first)} apart, but a wave extends "
+            f"over about {WIDTH}: incident and reflected waves overlap there; choose contacts at "
+            f"least {least} apart{f', {WIDTH} on each side of the reflecting object' * inside}",
+            InputWarning,
+        )
 
 
 def _events_at(run: Trajectory, contact: int) -> list[WaveEvent]:

@@ -274,7 +274,7 @@ class SweepStore:
         found: dict[str, list[tuple[dict[str, Any], str]]] = {}
         for place, reason in self.failures(most):
             found.setdefault(re.sub(r"\d[\d.e+-]*", "#", reason), []).append((place, reason))
-        return [(group[0][1], len(group), group[0][0]) for group in found.values()]
+        return [(group[0][1], _points_of(group), group[0][0]) for group in found.values()]
 
     def _failures(self) -> Iterator[tuple[dict[str, Any], str]]:
         dataset, rows = self.open(), self.status.chunks[0]
@@ -290,6 +290,12 @@ class SweepStore:
         array, rows = self.arrays[name], self.status.chunks[0]
         for start in range(0, array.shape[0], rows):
             yield np.asarray(array[start : start + rows])
+
+
+def _points_of(failures: list[tuple[dict[str, Any], str]]) -> int:
+    """Number of points of failures, each of which has those of several methods."""
+    places = (tuple(place.items()) for place, _ in failures)
+    return len({tuple(pair for pair in place if pair[0] != "approach") for place in places})
 
 
 def plain_text(dataset: xr.Dataset) -> xr.Dataset:

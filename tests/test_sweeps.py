@@ -1242,16 +1242,16 @@ def test_a_point_that_fails_by_two_methods_counts_once(run, tmp_path):
     (tmp_path / "sweep.toml").write_text("""
         [chain]
         taper = "forward-linear"
-        rate = 0.05
         [axes]
-        beads = [10, 30, 40]
+        rate = [0.01, 0.02, 0.05]
+        beads = [20, 40, 60]
         [sweep]
         methods = ["propagate", "bca"]
     """)
     code, out, _ = run("sweep", tmp_path / "sweep.toml", "--store", tmp_path / "store")
     assert code == 1
-    assert "1 of 3 points done, 2 failed" in out
-    assert "(and 1 more point, similarly)" in out
+    assert "6 of 9 points done, 3 failed" in out
+    assert "(and 2 more points, similarly)" in out
 
 
 def test_failed_points_are_grouped_by_their_reasons(run, tmp_path):

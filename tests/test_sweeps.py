@@ -696,7 +696,7 @@ def test_curves_and_maps():
         drawn.collections[0].get_array().reshape(2, 3),
         100.0 * found.worst_error_of_velocity.sel(approach="bca").T,
     )
-    with pytest.raises(hc.InputError, match="3 remaining dimensions.* such as rate=0.02$"):
+    with pytest.raises(hc.InputError, match="3 remaining dimensions.* such as beads=20$"):
         plot_sweep(found, "momentum")
     with pytest.raises(hc.InputError, match="no remaining axis to plot along; omit rate or beads"):
         plot_sweep(found, "momentum", rate=0.02, beads=20)

@@ -289,10 +289,12 @@ def _index(coordinate: xr.DataArray, name: str, value: Any, warn: Any) -> int:
 def _undrawable(drawn: xr.DataArray, at: Mapping[str, Any]) -> str:
     if drawn.ndim > 2:
         left = ", ".join(f"{name} ({size})" for name, size in drawn.sizes.items())
-        first = drawn[drawn.dims[0]].values[0]
+        # Selecting from a long axis would be an odd choice.
+        shortest = min(drawn.dims, key=lambda name: drawn.sizes[name])
+        first = drawn[shortest].values[0]
         return (
             f"{drawn.name} has {drawn.ndim} remaining dimensions, {left}, but only 1 or 2 can be "
-            f"plotted; choose a value of the others, such as {drawn.dims[0]}={short_value(first)}"
+            f"plotted; choose a value of the others, such as {shortest}={short_value(first)}"
         )
     hint = f"; omit {' or '.join(map(str, at))}" if at else ""
     return f"{drawn.name} has no remaining axis to plot along{hint}"

@@ -235,9 +235,13 @@ class Comparison:
 
     def __str__(self) -> str:
         width = max(13, *map(len, self.quantities))
+        # The law of disorder describes other chains than a simulation without scatter.
+        what = (
+            "effect of the scatter" if self.pulse.velocity_spread is not None else "relative errors"
+        )
         lines = [
             f"{self.pulse.method} against {self.reference.method}, "
-            f"{self.pulse.chain.description}; relative errors, k >= 2",
+            f"{self.pulse.chain.description}; {what}, k >= 2",
             f"  {'quantity':<{width}}{'worst':>10}{'at k':>6}{'rms':>10}",
         ]
         for name in self.quantities:

@@ -207,9 +207,10 @@ class _ChainFile:
         present = [form for form in FORMS if form in table]
         if not present:
             missing = [key for key in ("taper", "beads") if key not in table]
+            others = ", ".join(form for form in FORMS if form != "taper")
             raise InputError(
-                f"[chain] has no {' and no '.join(missing)}; give taper, rate and beads, or one "
-                f"of {', '.join(form for form in FORMS if form != 'taper')}"
+                f"[chain] has no {' and no '.join(missing)}; give taper, rate and beads (equal "
+                f"beads are taper = 'uniform', without a rate), or one of {others}"
             )
         form = self._form = present[0]
         keys = {key for more in FORMS.values() for key in more} | set(FORMS)
@@ -249,7 +250,10 @@ class _ChainFile:
         table = self.table
         if form in ("radii", "diameters"):
             self._require_without(
-                form, ["beads"], f"omit beads if {form} is a list, or give materials"
+                form,
+                ["beads"],
+                f"omit beads if {form} is a list; equal beads are taper = 'uniform' in scaled "
+                "variables, or have materials",
             )
             if form == "radii" and table.get("strikers"):
                 return Chain(table["radii"], strikers=table["strikers"], **law, **own)

@@ -50,7 +50,7 @@ def test_the_option_striker_names_the_table_of_other_strikers(run):
 
 @pytest.mark.parametrize("name", ["steel-440c", "Steel 440C"])
 def test_steels_that_are_not_in_the_catalogue_are_answered_with_its_steels(name):
-    kinds = "did you mean 'steel-52100' or 'steel-304' or 'steel-316'[?]$"
+    kinds = "did you mean 'steel-52100' or 'steel-304' or 'steel-316'[?]"
     with pytest.raises(hc.InputError, match=kinds):
         hc.material(name)
 

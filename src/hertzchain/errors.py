@@ -108,12 +108,18 @@ def short_repr(value: object) -> str:
     return text if len(text) <= 60 else text[:40].rstrip() + "..."
 
 
-def unknown_name_error(what: str, name: object, known: Iterable[str]) -> InputError:
-    """Error for an unknown name, with the known names and the most similar ones."""
+def unknown_name_error(
+    what: str, name: object, known: Iterable[str], *, meant: str = "", more: str = ""
+) -> InputError:  # fmt: skip
+    """Error for an unknown name, with those that it may mean, all known names, and more to do.
+
+    By default, the most similar names may be meant.
+    """
     choices = list(known)
-    near = similar_names(name, choices)
+    near = meant or similar_names(name, choices)
     hint = f" (did you mean {near}?)" if near else ""
-    return InputError(f"unknown {what} {short_repr(name)}{hint}: choose from {', '.join(choices)}")
+    names = ", ".join(choices)
+    return InputError(f"unknown {what} {short_repr(name)}{hint}: choose from {names}{more}")
 
 
 def similar_names(name: object, choices: Iterable[str]) -> str:

@@ -229,13 +229,12 @@ def material(name: MaterialLike) -> Material:
         other = lower.replace("-", " ").removeprefix("aisi").strip()
         if (meant := OTHER_NAMES.get(other)) is not None:
             raise InputError(f"unknown material {name!r}; did you mean {meant}?")
-    unknown, question, meant = str(unknown_name_error("material", name, known)).partition("; did")
-    if isinstance(name, str) and len(alike := _same_kind(name, known)) > 1:
-        question, meant = "; did", f" you mean {' or '.join(map(repr, alike))}?"
-    raise InputError(
-        f"{unknown}, or define a custom one with Material(name, density=, young=, poisson=), or "
-        f"[materials.NAME] in a chain file{question}{meant}"
-    )
+    alike = _same_kind(name, known) if isinstance(name, str) else []
+    raise unknown_name_error(
+        "material", name, known, meant=" or ".join(map(repr, alike)) if len(alike) > 1 else "",
+        more=", or define a custom one with Material(name, density=, young=, poisson=), or "
+        "[materials.NAME] in a chain file",
+    )  # fmt: skip
 
 
 def _same_kind(name: str, known: Iterable[str]) -> list[str]:

@@ -12,7 +12,7 @@ from ..chain.chain import Chain
 from ..chain.materials import Material, material
 from ..chain.places import places_from
 from ..errors import InputError
-from ..representation import short
+from ..representation import counted, short
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_bool, check_list
 from .ball_space import BallSpace
@@ -69,7 +69,7 @@ class BallChoice:
     def __repr__(self) -> str:
         kinds = len(self.balls)
         empty = ", places may be empty" if self.optional else ""
-        return short("BallChoice", f"{kinds} kinds of balls for {self.beads!r}{empty}")
+        return short("BallChoice", f"{counted(kinds, 'kind')} of balls for {self.beads!r}{empty}")
 
     def space(self, chain: Chain) -> BallSpace:
         """The choices for a chain."""

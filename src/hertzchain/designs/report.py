@@ -35,6 +35,8 @@ SHOWN: Final = {
 }  # fmt: skip
 # Longer lists of sizes are shortened.
 MAX_SIZES: Final = 12
+# Numbers of choices from which they are rounded.
+MAX_EXACT: Final = 1e9
 NOT_SEARCHED: Final = "No chain can meet the constraints, so nothing was searched"
 FLAT_STRIKER: Final = "striker with a flat face"
 
@@ -84,8 +86,13 @@ def front_in_words(result: DesignResult) -> str:
         return "Pareto front"
     if result.problem.scatter is not None:
         return "Pareto front of the simulated choices, which may miss points"
-    return (f"Pareto front of {result.runs} simulated choices, of {space.count:.2g} in all; it may "
-            "miss points, fewer with a larger budget")  # fmt: skip
+    return (f"Pareto front of {result.runs} simulated choices, of {_shown_count(space.count)} in "
+            "all; it may miss points, fewer with a larger budget")  # fmt: skip
+
+
+def _shown_count(count: float) -> str:
+    """A number of choices, which may be astronomical."""
+    return f"{count:.0f}" if count < MAX_EXACT else f"{count:.2g}"
 
 
 def _scattered(result: DesignResult, each: Measure) -> str:

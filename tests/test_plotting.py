@@ -973,6 +973,12 @@ def test_settings_inside_a_style_are_those_of_the_user():
     assert plt.rcParams["font.size"] == before
 
 
+def test_plotted_forces_of_few_saved_times_are_announced():
+    run = hc.simulate(hc.Chain.uniform(20), until=30.0, times=25)
+    with pytest.warns(hc.IncompleteWarning, match="the largest force in bead 8 may have an error"):
+        run.plot_forces([8])
+
+
 def test_data_in_panels_of_one_figure_have_lines_of_one_width():
     traces, file = hc.example_experiment()
     found = hc.simulate(hc.load_chain(file), until=600e-6, times=1201).compare(traces)

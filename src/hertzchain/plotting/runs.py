@@ -17,7 +17,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import RUN_QUANTITIES
 from ..simulation.run import Run
-from ..simulation.sensor_force import sensor_maxima
+from ..simulation.sensor_force import sensor_maxima, warn_if_coarse
 from ..simulation.wall_force import WallForce
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
@@ -193,6 +193,11 @@ def plot_forces(
     ------
     InputError
         If there is no such bead, or fewer than two times were saved.
+
+    Warns
+    -----
+    IncompleteWarning
+        If saved times are so few that the largest force in a sensor is uncertain by more than 1%.
 
     Examples
     --------
@@ -371,6 +376,7 @@ def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
         return *wall_curve(wall), f"{wall.side} wall", not wall.complete
     number = bead_number(run.chain, bead, walls=True)
     sensor = sensor_maxima(run, number)
+    warn_if_coarse(run, sensor)
     maxima = [(sensor.first_maximum_time, sensor.first_maximum),
               (sensor.largest_so_far_time, sensor.largest_so_far)]  # fmt: skip
     times, force = _with_points(run.times, run.sensor(number), maxima)

@@ -166,14 +166,19 @@ def sensor_force_of(self: Trajectory, bead: int | str) -> SensorForce:
                 "or save more times"
             )
         warn_user(missing, IncompleteWarning)
+    warn_if_coarse(self, found)
+    return found
+
+
+def warn_if_coarse(run: Trajectory, found: SensorForce) -> None:
+    """Warn if saved times are so few that the largest force is uncertain by more than 1%."""
     if found.reached and found.error > COARSE * found.largest_so_far:
         warn_user(
-            f"the largest force in bead {bead} may have an error of "
-            f"{measure(found.error, 'N', self.chain.units)}, because it is interpolated between "
-            f"{len(self.times)} saved times; save more times",
+            f"the largest force in bead {found.bead} may have an error of "
+            f"{measure(found.error, 'N', run.chain.units)}, because it is interpolated between "
+            f"{len(run.times)} saved times; save more times",
             IncompleteWarning,
         )
-    return found
 
 
 def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:

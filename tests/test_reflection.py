@@ -164,8 +164,8 @@ def test_momentum_that_belongs_to_no_wave_is_announced(monkeypatch):
     chain = hc.Chain.from_radii(np.where(np.arange(120) < 60, 1.0, 0.4))
     run = hc.simulate(chain, until=300.0, times=6000)
     assert abs(run.reflection(50, 75).missing_momentum) < 1e-3
-    monkeypatch.setattr("hertzchain.simulation.reflection.THRESHOLD", 0.5)
-    monkeypatch.setattr("hertzchain.simulation.reflection.MISSING", 0.02)
+    monkeypatch.setattr("hertzchain.simulation.find_reflection.THRESHOLD", 0.5)
+    monkeypatch.setattr("hertzchain.simulation.find_reflection.MISSING", 0.02)
     with pytest.warns(hc.InputWarning, match="of the incident momentum passes one of the contacts"):
         found = run.reflection(50, 75)
     lost = np.trapezoid(run.forces[:, 75], run.times) / found.incident.impulse

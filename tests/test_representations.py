@@ -11,6 +11,7 @@ import hertzchain as hc
 from hertzchain.chain.drives import SineBurst, StepDrive, TableDrive
 from hertzchain.evaluation import Case, paper_cases
 from hertzchain.paper import errata, reproduce, reproduce_figure, reproduce_table
+from hertzchain.recorded_warnings import ignore_warnings
 from hertzchain.representation import MAX_LINES, MAX_WIDTH, measure, short
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.specification import read_specification
@@ -110,7 +111,9 @@ def test_waves_and_what_belongs_to_them(beads, units):
     check(waves, ["right", "left", "the strongest", newton])
     check(waves[0], ["right, contacts", f"force {waves[0].amplitude:.4g}{newton}"])
     check(waves[0].events[0], ["contact", "to the right", f"{newton}, impulse"])
-    check(run.reflection(beads // 2, beads), ["reflected energy", "transmitted energy", "1 wave"])
+    with ignore_warnings():  # of contacts near the wall in a short chain
+        reflection = run.reflection(beads // 2, beads)
+    check(reflection, ["reflected energy", "transmitted energy", "1 wave"])
     check(run.energy_flux(), ["most to the right", "contact"])
     check(run.horizon(), ["predictable within 1%", "rtol 1e-13"])
     check(run, ["predictable"])

@@ -31,7 +31,6 @@ doi:10.1017/CBO9781139171731.
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass, replace
 from typing import Final
@@ -39,34 +38,29 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..collision import HERTZ_EXPONENT, Array
+from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..representation import counted, listed, short
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
-from .contact_groups import effective_radii
 from .feature_support import require_chain
 from .hertz_ratios import (
     MAX_OVERLAP_RATIO,
     MAX_SPEED_RATIO,
-    bodies_of,
     contact_ratios,
+    given_contacts,
+    soft_contacts,
     speed_ratio,
+    springs_of,
 )
 from .impact_overlaps import impact_overlaps
 from .laws.elastic import Elastic
 from .laws.elastic_plastic import restitution_beyond_yield
-from .materials import contact_moduli
 from .per_contact import contact_name
 
-# Ratio of the stiffness of a contact to that of its materials, or its inverse, from which yield of
-# `ElasticPlastic()`, which follows from the stiffness, differs from that of the materials.
-OTHER_STIFFNESS: Final = 2.0
 # Pressure over that at first yield up to which yield is a small excess.
 SMALL_EXCESS: Final = 1.1
-# Young's modulus [Pa] below which a material is a polymer; glass and metals are stiffer.
-POLYMER: Final = 1e10
 # Why the largest pressure over yield may be unknown.
 UNKNOWN_YIELD: Final = "no elastic contact has a known yield strength"
 # Shown with ratios of collisions that were not simulated.
@@ -349,9 +343,9 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         static_overlap_ratio=at_rest,
         static_yield_ratio=static_yield,
         causes=_causes(chain),
-        given=_given(chain),
-        soft=_soft(chain),
-        springs=_springs(chain),
+        given=given_contacts(chain),
+        soft=soft_contacts(chain),
+        springs=springs_of(chain),
         elastic_ends=tuple(
             wall is not None and wall.loss == Elastic()
             for wall in (chain.left_wall, chain.right_wall)
@@ -409,25 +403,6 @@ def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:
             warn_user(violation, ModelRangeWarning)
 
 
-def _given(chain: Chain) -> NDArray[np.bool_]:
-    """Contacts that are not those of spheres of their materials; none at free ends."""
-    own = 4.0 / 3.0 * contact_moduli(bodies_of(chain)) * np.sqrt(effective_radii(chain.face_radii))
-    ratio, there = chain.contact_stiffness / own, chain.contact_stiffness > 0.0
-    other = (ratio > OTHER_STIFFNESS) | (ratio * OTHER_STIFFNESS < 1.0)
-    return np.asarray(there & other | _springs(chain))
-
-
-def _springs(chain: Chain) -> NDArray[np.bool_]:
-    """Contacts with another exponent than spheres; none at free ends."""
-    return np.asarray((chain.contact_stiffness > 0.0) & (chain.contact_exponents != HERTZ_EXPONENT))
-
-
-def _soft(chain: Chain) -> NDArray[np.bool_]:
-    pairs = itertools.pairwise(bodies_of(chain))
-    first = [min(pair, key=lambda each: each.yield_strength or math.inf) for pair in pairs]
-    return np.array([each.young < POLYMER for each in first])
-
-
 def _causes(chain: Chain) -> tuple[str, str]:
     """Names of the causes of the motion and of the static force."""
     driven = chain.drive is not None
@@ -443,7 +418,7 @@ def _speed(chain: Chain) -> float:
     """Velocity of the impact if overlaps are proportional to a power of it, otherwise 0."""
     other = chain.drive is not None or chain.static_state.forces.any() or chain.gravity != 0.0
     plastic = any(law.yields for law in chain.contact_losses)
-    if other or plastic or chain.gaps.any() or _springs(chain).any():
+    if other or plastic or chain.gaps.any() or springs_of(chain).any():
         return 0.0
     return float(np.abs(chain.velocities).max())
 

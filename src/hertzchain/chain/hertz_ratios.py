@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..collision import Array
+from ..collision import HERTZ_EXPONENT, Array
 from .chain import Chain
 from .contact_groups import effective_radii, yield_strengths
 from .materials import FIRST_YIELD, Material, contact_moduli
@@ -15,6 +17,11 @@ from .walls import materials_with_walls
 
 MAX_OVERLAP_RATIO: Final = 0.01
 MAX_SPEED_RATIO: Final = 0.01
+# Ratio of the stiffness of a contact to that of its materials, or its inverse, from which yield of
+# `ElasticPlastic()`, which follows from the stiffness, differs from that of the materials.
+OTHER_STIFFNESS: Final = 2.0
+# Young's modulus [Pa] below which a material is a polymer; glass and metals are stiffer.
+POLYMER: Final = 1e10
 
 
 def exceeds_limits(chain: Chain, overlaps: Array) -> bool:
@@ -58,3 +65,23 @@ def bodies_of(chain: Chain) -> list[Material]:
     """Materials of left wall, beads and right wall."""
     assert chain.materials is not None
     return materials_with_walls(chain.materials, (chain.left_wall, chain.right_wall))
+
+
+def given_contacts(chain: Chain) -> NDArray[np.bool_]:
+    """Contacts that are not those of spheres of their materials; none at free ends."""
+    own = 4.0 / 3.0 * contact_moduli(bodies_of(chain)) * np.sqrt(effective_radii(chain.face_radii))
+    ratio, there = chain.contact_stiffness / own, chain.contact_stiffness > 0.0
+    other = (ratio > OTHER_STIFFNESS) | (ratio * OTHER_STIFFNESS < 1.0)
+    return np.asarray(there & other | springs_of(chain))
+
+
+def springs_of(chain: Chain) -> NDArray[np.bool_]:
+    """Contacts with another exponent than spheres; none at free ends."""
+    return np.asarray((chain.contact_stiffness > 0.0) & (chain.contact_exponents != HERTZ_EXPONENT))
+
+
+def soft_contacts(chain: Chain) -> NDArray[np.bool_]:
+    """Contacts in which a polymer yields first."""
+    pairs = itertools.pairwise(bodies_of(chain))
+    first = [min(pair, key=lambda each: each.yield_strength or math.inf) for pair in pairs]
+    return np.array([each.young < POLYMER for each in first])

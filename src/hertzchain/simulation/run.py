@@ -16,12 +16,12 @@ from ..validation.keywords import checked_methods
 from ..validation.objects import Progress, check_choice
 from .budget import Budget, budget_of
 from .energy_flux import energy_flux_of
+from .find_reflection import reflection_of
 from .find_waves import find_waves
 from .force_table import save_forces_of
 from .fronts import fronts_of
 from .leading_pulse import LeadingPulse, leading_pulse_of
 from .pulse_width import pulse_width_of
-from .reflection import reflection_of
 from .run_message import recommended_horizon
 from .run_pulse import pulse_of
 from .sensor_force import sensor_force_of

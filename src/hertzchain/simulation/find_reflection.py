@@ -1,0 +1,287 @@
+"""Find the waves that an incident wave causes at a wall, an interface or a defect."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError, InputWarning, SimulationError, warn_user
+from ..representation import measure
+from ..validation.numbers import number, whole_number
+from .budget import overlaps_of, stored_energy
+from .reflection import Reflection
+from .trajectory import Trajectory
+from .wave_events import (
+    ContactCurves,
+    WaveEvent,
+    check_saved_times,
+    events_at,
+    largest_force_of,
+    require_resolved,
+    static_forces_of,
+)
+
+# Events above this fraction of the largest force at their contact are counted; below this fraction
+# of the largest force of the run, forces are those of rounding errors.
+THRESHOLD, ROUNDING = 1e-3, 1e-9
+# Waves below this fraction of the incident energy need not be resolved, counting does not end when
+# they enter from outside, and rarefactions with less energy than this are neglected.
+WEAK: Final = 0.01
+# Fraction of the incident energy that may be missing, still be between the contacts, or enter from
+# outside before the incident wave has left; fraction of the momentum that may be missing.
+MISSING: Final = 0.05
+# Number of contacts over which a wave extends.
+WIDTH: Final = 5
+
+
+def reflection_of(
+    self: Trajectory, before: int, after: int, *, since: float = 0.0, until: float | None = None
+) -> Reflection:
+    """Evaluate reflection and transmission of a wave between two contacts.
+
+    Parameters
+    ----------
+    before, after : int
+        Contacts on both sides of an interface or defect, in the direction of the wave, each at
+        least the width of a pulse (5 contacts) from it.  For a wall or free end, ``after`` is N
+        or 0.
+    since : float
+        Time from which to search for the incident wave [scaled, or s].
+    until : float, optional
+        Time up to which events are counted [scaled, or s].  Counting ends earlier if another
+        wave enters from outside, except for weak ones before the incident wave has left.
+
+    Returns
+    -------
+    Reflection
+        Coefficients of energy, momentum and force, and the waves themselves.
+
+    Raises
+    ------
+    InputError
+        If there are no such contacts, or fewer than 8 times were saved during the passage
+        of one of the waves.
+    SimulationError
+        If no wave towards ``after`` passes the contact ``before``, or another wave enters
+        before it has passed.  Also if rarefactions, which are not counted, carry more than 1% of
+        the incident energy through one of the contacts, as in precompressed chains.
+
+    Warns
+    -----
+    InputWarning
+        If the contacts are less than 10 apart, or less than 5 from a wall or free end.
+        If more than 5% of the incident energy is missing from the balance, because of other
+        waves, or is still between the contacts; if ``missing_momentum`` exceeds 5%.
+
+    See Also
+    --------
+    Run.energy_flux : Energy of all waves, for precompressed or strongly disordered chains.
+
+    Examples
+    --------
+    The last 60 beads have twice the radius of the first:
+
+    >>> import hertzchain as hc
+    >>> import numpy as np
+    >>> chain = hc.Chain.from_radii(np.where(np.arange(120) < 60, 1.0, 2.0))
+    >>> found = hc.simulate(chain, until=140.0, times=1500).reflection(50, 75)
+    >>> f"R = {found.reflected_energy:.3f}, T = {found.transmitted_energy:.3f}"
+    'R = 0.523, T = 0.476'
+    """
+    beads = self.chain.beads
+    first = whole_number("before", before, least=1, most=beads - 1)
+    second = whole_number("after", after, least=0, most=beads)
+    if first == second:
+        raise InputError(f"before and after must be two contacts, got {first} twice")
+    begin = number("since", since)
+    stop = np.inf if until is None else number("until", until, above=begin)
+    check_saved_times(self)
+    sign = 1 if second > first else -1
+    near = [event for event in _events_at(self, first) if event.time >= begin]
+    incident = next((event for event in near if event.direction == sign), None)
+    if incident is None or incident.time > stop:
+        raise SimulationError(
+            f"no wave towards contact {second} passes contact {first} in the given time "
+            f"interval; {self.message}"
+        )
+    near = [event for event in near if event.time > incident.time]
+    far = [event for event in _events_at(self, second) if event.time > incident.time]
+
+    stop = min(stop, float(self.times[-1]))
+    entering = [e for e in near if e.direction == sign] + [e for e in far if e.direction == -sign]
+
+    def still_there(time: float) -> float:
+        gained = _energy_between(self, first, second, np.array([incident.begin, time]))
+        return float(gained[1] - gained[0]) / incident.energy
+
+    last, entered = _end_of_count(
+        entering, incident, stop, lambda time: still_there(time) <= MISSING
+    )
+    reflected = tuple(e for e in near if e.direction == -sign and e.time <= last)
+    transmitted = tuple(e for e in far if e.direction == sign and e.time <= last)
+    found = Reflection(
+        chain=self.chain, before=first, after=second, incident=incident, reflected=reflected,
+        transmitted=transmitted, until=last, disturbed=last < stop,
+        kept_energy=sign * _inflow(self, first, second, incident.begin, last) / incident.energy,
+        stored_energy=still_there(last), entered_energy=entered,
+        missing_momentum=max(
+            (_missing_momentum(self, each, incident, last) for each in ([incident, *near], far)),
+            key=abs,
+        ),
+    )  # fmt: skip
+    _check_rarefactions(self, found)
+    _check_count(self, found)
+    _warn_of_balance(found)
+    _warn_if_near(self, first, second)
+    return found
+
+
+def _warn_if_near(run: Trajectory, first: int, second: int) -> None:
+    """Warn if a wave is longer than the distance from the contacts to what reflects it."""
+    inside = second not in (0, run.chain.beads)
+    least = WIDTH * (2 if inside else 1)
+    if abs(second - first) < least:
+        warn_user(
+            f"contacts {first} and {second} are {abs(second - first)} apart, but a wave extends "
+            f"over about {WIDTH}: incident and reflected waves overlap there; choose contacts at "
+            f"least {least} apart{f', {WIDTH} on each side of the reflecting object' * inside}",
+            InputWarning,
+        )
+
+
+def _events_at(run: Trajectory, contact: int) -> list[WaveEvent]:
+    """Waves at a contact that are strong enough there; most of the run's force may be elsewhere."""
+    own = float(np.max(ContactCurves(run, contact).force, initial=0.0))
+    return events_at(run, contact, max(THRESHOLD * own, ROUNDING * largest_force_of(run)))
+
+
+def _missing_momentum(
+    run: Trajectory, events: list[WaveEvent], incident: WaveEvent, last: float
+) -> float:
+    """Part of the impulse at the contact of events that none of them has."""
+    if not events or events[0].contact in (0, run.chain.beads):
+        return 0.0
+    whole = ContactCurves(run, events[0].contact).force_curve.antiderivative()
+    found = sum(event.impulse for event in events if event.time <= last)
+    # The last event may end after the count.
+    end = max([last, *(event.end for event in events if event.time <= last)])
+    return (float(whole(end) - whole(incident.begin)) - found) / incident.impulse
+
+
+def _end_of_count(
+    entering: list[WaveEvent],
+    incident: WaveEvent,
+    stop: float,
+    has_left: Callable[[float], bool],
+) -> tuple[float, float]:
+    """Time at which counting ends because another wave enters, and the energy of earlier ones."""
+    entered = 0.0
+    for event in sorted(entering, key=lambda each: each.begin):
+        share = event.energy / incident.energy
+        if event.begin >= stop or share <= WEAK:
+            continue
+        late = event.begin > incident.end and not has_left(event.begin)
+        if not late or entered + share > MISSING:
+            return event.begin, entered
+        entered += share
+    return stop, entered
+
+
+def _inflow(run: Trajectory, first: int, second: int, begin: float, end: float) -> float:
+    """Net energy that flowed in between two contacts, between two times."""
+    flows = (ContactCurves(run, k).power_curve.antiderivative() for k in (first, second))
+    here, there = (float(whole(end) - whole(begin)) for whole in flows)
+    return here - there
+
+
+def _energy_between(run: Trajectory, first: int, second: int, times: Array) -> Array:
+    """Energy between two contacts, beyond the work of the static forces, at the saved times."""
+    chain, saved = run.chain, np.minimum(np.searchsorted(run.times, times), len(run.times) - 1)
+    low, high = sorted((first, second))
+    overlaps = overlaps_of(chain, run.times[saved], run.positions[saved])
+    stored = stored_energy(chain, overlaps, run.forces[saved])
+    stored -= static_forces_of(run) * overlaps
+    kinetic = 0.5 * chain.masses * run.velocities[saved] ** 2
+    # A wall keeps its energy, and the two sides of a contact share it.
+    shares = np.ones(high - low + 1)
+    shares[[0, -1]] = [1.0 if k in (0, chain.beads) else 0.5 for k in (low, high)]
+    return np.asarray(kinetic[:, low:high].sum(axis=1) + stored[:, low : high + 1] @ shares)
+
+
+def _time(chain: Chain, time: float) -> str:
+    return f"t = {measure(time, 's', chain.units, 6)}"
+
+
+def _check_rarefactions(run: Trajectory, found: Reflection) -> None:
+    """Raise an error if waves below the static force, which are not counted, have much energy."""
+    shares = {}
+    for contact in (found.before, found.after):
+        curves = ContactCurves(run, contact)
+        during = (curves.times >= found.incident.begin) & (curves.times <= found.until)
+        # Without a static force, a negative force is that of a loss that pulls.
+        below = during & (curves.force < 0.0) & (static_forces_of(run)[contact] > 0.0)
+        energy = np.trapezoid(np.where(below, np.abs(curves.power), 0.0), curves.times)
+        shares[contact] = float(energy) / found.incident.energy
+    contact, share = max(shares.items(), key=lambda each: each[1])
+    if share > WEAK:
+        there, back = ("right", "left") if found.after > found.before else ("left", "right")
+        raise SimulationError(
+            f"no coefficients: rarefactions, which reflection does not count, carry {share:.2g} "
+            f"times the energy of the first wave through contact {contact}; use flux = "
+            f"run.energy_flux(): flux.{back}[{found.before - 1}] / "
+            f"flux.{there}[{found.before - 1}] is the reflected fraction if the reflected wave "
+            f"arrives at contact {found.before} after the incident one has passed, and the run "
+            "ends before waves return from the ends"
+        )
+
+
+def _check_count(run: Trajectory, found: Reflection) -> None:
+    """Raise an error if the incident wave has not passed, or waves are not resolved."""
+    incident = found.incident
+    if found.until <= incident.end:
+        until, end = (_time(run.chain, each) for each in (found.until, incident.end))
+        enters = "another wave enters"
+        if not run.chain.lossless:
+            enters = "another wave, or the tail that losses leave behind this one, enters"
+        reason = f"; {enters} at {until}" if found.disturbed else ""
+        raise SimulationError(
+            f"no coefficients: the incident wave passes contact {found.before} until {end}"
+            f"{reason}; choose other contacts, since or until, or use "
+            "run.energy_flux()"
+        )
+    require_resolved(run, incident, "the incident wave")
+    for event in (*found.reflected, *found.transmitted):
+        if event.energy >= WEAK * incident.energy:
+            name = "a reflected" if event in found.reflected else "a transmitted"
+            require_resolved(run, event, f"{name} wave")
+
+
+def _warn_of_balance(found: Reflection) -> None:
+    """Warn if the coefficients are not, or not yet, those of one wave."""
+    if abs(found.unexplained_energy) > MISSING:
+        reason = (
+            f"other waves contribute: {found.unexplained_energy:.0%} of the incident energy is "
+            "missing from the balance, so the coefficients are not those of one wave; choose "
+            "other contacts, since or until"
+        )
+    elif found.stored_energy > MISSING:
+        advice = "simulate for longer"
+        if found.disturbed:
+            advice = "another wave enters then; choose contacts nearer to the object between them"
+        reason = (
+            f"{found.stored_energy:.0%} of the incident energy is still between the contacts at "
+            f"{_time(found.chain, found.until)}; {advice}"
+        )
+    elif abs(found.missing_momentum) > MISSING:
+        reason = (
+            f"{found.missing_momentum:.0%} of the incident momentum passes one of the contacts, "
+            "but belongs to no wave, so the coefficients of momentum are not complete; choose "
+            "other contacts, or integrate run.forces"
+        )
+    else:
+        return
+    warn_user(reason, InputWarning)

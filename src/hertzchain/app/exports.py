@@ -90,7 +90,8 @@ def _python(given: Mapping[str, Any], _: Stop) -> Export:
         "    chain = hc.load_chain(file)",
     ]  # fmt: skip
     end = given.get("until")
-    until = "" if end is None else f"until={number('until', end, above=0.0)!r}, "
+    # Times of the page are those of its steps, with rounding errors.
+    until = "" if end is None else f"until={number('until', end, above=0.0):.12g}, "
     lines += [f"run = hc.simulate(chain, {until}rtol=1e-9)"]
     exact = "hc.propagate(chain)" if _supported(chain) else "run.pulse()"
     lines += [f"pulse = {exact}", "print(run)", "print(pulse)"]

@@ -24,7 +24,7 @@ from .methods import SEEDED
 from .requirements import TOLERANCE
 from .size_space import SizeSpace
 from .start_rows import ARRIVES
-from .verified import FRESH, Verified, excess_with_scatter, met
+from .verified import FRESH, Verified, excess_with_scatter, met, violated
 
 if TYPE_CHECKING:
     from .result import DesignResult
@@ -220,7 +220,9 @@ def _compared(result: DesignResult, found: Verified) -> str:
     if (yielding := _shown_if_yielding(result, found)) != text.strip():
         text += f" ({yielding} with contacts that yield)"
     if not both.met:
-        return f"{text}, which does NOT meet the constraints"
+        names = violated(result.problem, found.values)
+        limits = f"the limit{'s' * (len(names) > 1)} of {listed(names)}" if names else "the limits"
+        return f"{text}, which does NOT meet {limits}"
     if not both.value:
         return text
     part = f"{both.own / both.value:.1%}"

@@ -372,7 +372,7 @@ class Pulse(Columns):
                 ("speed", None if alternating else self.speed, "m/s"),
                 ("force", self.peak_force if units == "SI" else None, "N"),
             )
-            if values is not None
+            if values is not None and np.isfinite(values[contact - 1])
         ]
         shown = f"v_{self.chain.beads} = {last}"
         if alternating and self.residence is not None:

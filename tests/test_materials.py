@@ -321,6 +321,16 @@ def test_a_contact_of_given_stiffness_yields_at_the_force_of_its_materials():
     assert "loss=ElasticPlastic(yield_overlap=...)" in violation
 
 
+def test_the_material_that_yields_is_named():
+    wall = hc.Wall.of("steel-304")
+    row = Chain.from_materials(3e-3, STEEL, beads=2, velocity=0.05, right_wall=wall)
+    (pressure, *_) = hc.hertz_range(row).violations
+    assert "at the right wall, where steel-304 yields (limit 1 of Hertz's law)" in pressure
+    # Two equal bodies yield together.
+    equal = hc.hertz_range(row.replace(velocities=[2.0, 0.0], right_wall=None)).violations[0]
+    assert "at contact 1 (limit 1 of Hertz's law)" in equal
+
+
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_a_pad_stays_elastic_where_the_balls_yield(side):
     row = Chain.from_materials(2.4e-3, STEEL, beads=4, velocity=3.0)

@@ -53,6 +53,7 @@ from .hertz_ratios import (
     soft_contacts,
     speed_ratio,
     springs_of,
+    yielding_materials,
 )
 from .impact_overlaps import impact_overlaps
 from .laws.elastic import Elastic
@@ -98,6 +99,9 @@ class HertzRange:
     soft : ndarray of bool, shape (N + 1,)
         Whether the body of the contact that yields first has a Young's modulus below 10 GPa, as
         polymers have.
+    yielding : tuple of str
+        If a contact yields, the material that yields first at each contact of two materials, and
+        an empty text at the others.
     springs : ndarray of bool, shape (N + 1,)
         Whether the exponent of a contact is not 3/2, so that no law with yield describes it.
     elastic_ends : tuple of two bool
@@ -132,6 +136,7 @@ class HertzRange:
     causes: tuple[str, str]
     given: NDArray[np.bool_]
     soft: NDArray[np.bool_]
+    yielding: tuple[str, ...]
     springs: NDArray[np.bool_]
     elastic_ends: tuple[bool, ...]
     losses: tuple[str, ...]
@@ -164,9 +169,9 @@ class HertzRange:
             digits = 3 if ratio > 1.05 else 5
             cautious = ", which is a cautious limit for polymers" if self.soft[at] else ""
             found.append(
-                f"pressure / yield is {ratio:.{digits}g} at {_place(at, self)} (limit 1 "
-                f"of Hertz's law{cautious}){self._basis(at)}{besides}; {self._excess(ratio)}"
-                f"{self._advice(ratio, self.static_yield_ratio, 1.0, digits)}"
+                f"pressure / yield is {ratio:.{digits}g} at {_place(at, self)}{self._yields(at)} "
+                f"(limit 1 of Hertz's law{cautious}){self._basis(at)}{besides}; "
+                f"{self._excess(ratio)}{self._advice(ratio, self.static_yield_ratio, 1.0, digits)}"
                 f"{self._slower(ratio**-2.5)}"
                 f"{'' if linear else self._law_with_yield(at)}"
             )
@@ -194,6 +199,11 @@ class HertzRange:
             return ""
         digits = 2 if ratio < 0.95 else 4
         return f"pressure / yield {ratio:.{digits}g} at {_place(at, self)} (limit 1 of Hertz's law)"
+
+    def _yields(self, contact: int) -> str:
+        """The material that yields at a contact of two materials."""
+        name = self.yielding[contact]
+        return f", where {name} yields" if name else ""
 
     def _excess(self, ratio: float) -> str:
         """How little the contact yields, if the pressure exceeds its limit only slightly."""
@@ -345,6 +355,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         causes=_causes(chain),
         given=given_contacts(chain),
         soft=soft_contacts(chain),
+        yielding=yielding_materials(chain) if (yield_ratio > 1.0).any() else (),
         springs=springs_of(chain),
         elastic_ends=tuple(
             wall is not None and wall.loss == Elastic()

@@ -82,6 +82,19 @@ def springs_of(chain: Chain) -> NDArray[np.bool_]:
 
 def soft_contacts(chain: Chain) -> NDArray[np.bool_]:
     """Contacts in which a polymer yields first."""
+    return np.array([each.young < POLYMER for each in _first_to_yield(chain)])
+
+
+def yielding_materials(chain: Chain) -> tuple[str, ...]:
+    """Names of the materials that yield first, of contacts of two materials; otherwise empty."""
     pairs = itertools.pairwise(bodies_of(chain))
-    first = [min(pair, key=lambda each: each.yield_strength or math.inf) for pair in pairs]
-    return np.array([each.young < POLYMER for each in first])
+    return tuple(
+        first.name if one != other else ""
+        for first, (one, other) in zip(_first_to_yield(chain), pairs, strict=True)
+    )
+
+
+def _first_to_yield(chain: Chain) -> list[Material]:
+    """The weaker body of each contact."""
+    pairs = itertools.pairwise(bodies_of(chain))
+    return [min(pair, key=lambda each: each.yield_strength or math.inf) for pair in pairs]

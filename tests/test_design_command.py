@@ -756,7 +756,7 @@ def test_balls_that_are_longer_than_a_limit_need_no_search(limit, optional, said
     assert found.met == (not said)
     assert (found.runs == 1) == bool(said)
     assert said in "".join(found.notes)
-    # The first row, which is the value of the result, is no design.
+    # The first row, which is the value of the result, is not a design.
     shown = found.summary()
     assert (shown == f"No chain can meet the constraints, so nothing was searched: {said}") == bool(
         said

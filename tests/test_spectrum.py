@@ -271,6 +271,30 @@ def test_bands_are_the_diatomic_branches(ends):
     assert folded[-1, 1] == pytest.approx(edges[-1], rel=1e-13)
 
 
+def test_group_velocities_are_the_slopes_of_the_diatomic_branches():
+    mass, spring = 0.3, 1.5 * 2.0 ** (1 / 3)
+    chain = hc.Chain.dimer(mass, beads=20).replace(precompression=2.0, held_by="force")
+    found, length = hc.spectrum(chain), float(chain.centre_distances[:2].sum())
+    q = np.array([-2.5, -0.4, 0.3, 1.0, 2.0, 3.0])
+    # Derivatives of omega^2 = K (1 + 1/m) -+ K root(q).
+    root = np.sqrt((1.0 + 1.0 / mass) ** 2 - 4.0 * np.sin(0.5 * q) ** 2 / mass)
+    slope = spring * np.sin(q) / (mass * root)
+    omega = np.array(dispersion_diatomic(q, other_mass=mass, spring=spring))
+    expected = length * np.array([slope, -slope]) / (2.0 * omega)
+    np.testing.assert_allclose(found.group_velocity(q).T, expected, rtol=1e-11)
+    assert found.group_velocity(0.0)[0] == pytest.approx(found.sound_speed, rel=1e-13)
+    assert found.group_velocity(1e-4)[0] == pytest.approx(found.sound_speed, rel=1e-7)
+    # Two cells as one have half the phase per length, and the same velocities.
+    folded = found.group_velocity(2.0 * q[2:4], cell=4)
+    assert found.group_velocity(q[2:4])[0, 0] == pytest.approx(folded[0, 0], rel=1e-11)
+    with pytest.raises(hc.InputError, match="no cell of any length repeats"):
+        hc.spectrum(
+            hc.Chain.from_radii(np.linspace(1.0, 2.0, 9)).replace(
+                precompression=1.0, held_by="force"
+            )
+        ).group_velocity(1.0)
+
+
 def boechler():
     """80 spheres of aluminium and steel in turn, R = 9.53 mm, under 20.4 N, A = 7.04 N/um^1.5."""
     density = np.resize([2700.0, 8000.0], 80)

@@ -13,7 +13,7 @@ from ..collision import Array
 from ..frozen import Frozen
 from ..validation.keywords import checked_methods
 from ..validation.numbers import bounded_numbers
-from .bands import plane_waves, repeating_cell, slow_wave_speed
+from .bands import plane_waves, repeating_cell, slopes_of_bands, slow_wave_speed
 from .linear_contacts import LinearContacts
 
 # Gaps narrower than this fraction of the highest frequency are bands that touch.
@@ -88,6 +88,53 @@ class BandStructure(Frozen):
         """
         size = repeating_cell(self.contacts, cell, self.chain.description)
         return plane_waves(self.contacts, size, bounded_numbers("phase", phase))
+
+    def group_velocity(self, phase: ArrayLike, *, cell: int | None = None) -> Array:
+        r"""Group velocities of plane waves in an infinite chain with the same cell.
+
+        .. math:: v_g = L\,\frac{d\omega}{dq}
+
+        with the length L of a cell and the phase q from cell to cell.  A burst of several periods
+        travels with this velocity; that of long waves is `sound_speed`.
+
+        Parameters
+        ----------
+        phase : array_like
+            Phase q from cell to cell [radians], as for `bands`.
+        cell : int, optional
+            As for `bands`.
+
+        Returns
+        -------
+        ndarray, shape (..., cell)
+            Group velocities in all bands, in the order of `bands` [R_1 per unit time, or m/s].  A
+            negative one is that of a wave whose energy travels against its phase.  At phase 0, the
+            first is `sound_speed`.
+
+        Raises
+        ------
+        InputError
+            As for `bands`.
+
+        Examples
+        --------
+        Equal beads have :math:`v_g = c_0 \cos(q/2)`:
+
+        >>> import hertzchain as hc
+        >>> import numpy as np
+        >>> held = hc.Chain.uniform(9).replace(precompression=1.0, held_by="force")
+        >>> spectrum = hc.spectrum(held)
+        >>> velocity = spectrum.group_velocity([0.0, np.pi / 3, np.pi])[:, 0]
+        >>> (velocity / spectrum.sound_speed).round(6) + 0.0
+        array([1.      , 0.866025, 0.      ])
+        """
+        size = repeating_cell(self.contacts, cell, self.chain.description)
+        phases = bounded_numbers("phase", phase)
+        length = float(self.chain.centre_distances[:size].sum())
+        found = length * slopes_of_bands(self.contacts, size, phases)
+        # Two waves in opposite directions meet at this phase.
+        found[np.mod(phases, 2.0 * math.pi) == 0.0, 0] = self.sound_speed
+        return found + 0.0
 
     def band_edges(self, *, cell: int | None = None) -> Array:
         """Edges of the frequency bands of an infinite chain with the same cell.

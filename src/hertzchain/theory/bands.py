@@ -36,6 +36,26 @@ def repeating_cell(contacts: LinearContacts, cell: int | None, description: str)
 
 def plane_waves(contacts: LinearContacts, cell: int, phase: Array) -> Array:
     """Frequencies of all bands in ascending order, shape (..., cell)."""
+    rows = _rows_of_springs(contacts, cell, phase)
+    found: Array = np.linalg.svd(rows, compute_uv=False)[..., ::-1] / (2.0 * math.pi)
+    found[np.mod(phase, 2.0 * math.pi) == 0.0, 0] = 0.0  # translation of the chain
+    return found
+
+
+def slopes_of_bands(contacts: LinearContacts, cell: int, phase: Array) -> Array:
+    """Derivatives of the angular frequencies with respect to the phase, shape (..., cell).
+
+    A singular value changes by the matrix element of the change between its singular vectors.
+    """
+    left, _, right = np.linalg.svd(_rows_of_springs(contacts, cell, phase))
+    joint = math.sqrt(contacts.springs[cell] / contacts.masses[0])
+    change = -1j * joint * np.exp(1j * phase)[..., np.newaxis]
+    slopes = np.real(np.conj(left[..., -1, :]) * change * np.conj(right[..., :, 0]))
+    return np.asarray(slopes[..., ::-1])
+
+
+def _rows_of_springs(contacts: LinearContacts, cell: int, phase: Array) -> Array:
+    """Matrix whose singular values are the angular frequencies of all bands."""
     # As in `spring_modes`, each row is a spring; the last one joins the next cell.
     rows = np.zeros((*phase.shape, cell, cell), complex)
     here = np.arange(cell)
@@ -44,9 +64,7 @@ def plane_waves(contacts: LinearContacts, cell: int, phase: Array) -> Array:
     rows[..., here, here] += root * weight
     rows[..., here[:-1], here[1:]] -= root[:-1] * weight[1:]
     rows[..., -1, 0] -= root[-1] * weight[0] * np.exp(1j * phase)
-    found: Array = np.linalg.svd(rows, compute_uv=False)[..., ::-1] / (2.0 * math.pi)
-    found[np.mod(phase, 2.0 * math.pi) == 0.0, 0] = 0.0  # translation of the chain
-    return found
+    return rows
 
 
 def slow_wave_speed(contacts: LinearContacts, distances: Array) -> float:

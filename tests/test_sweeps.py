@@ -742,6 +742,14 @@ def test_missing_points_are_counted_in_a_plot_and_an_empty_sweep_is_rejected(tmp
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
+def test_the_axis_of_one_bead_has_its_number():
+    found = hc.sweep({
+        "chain": {"radii": [1.0] * 8}, "axes": {"radii.5": {"linspace": [0.5, 1.0, 3]}},
+        "sweep": {"keep": ["velocity"], "at": "last"},
+    })  # fmt: skip
+    assert hc.plot_sweep(found).get_xlabel() == "radius of bead 5"
+
+
 def test_a_plot_without_any_value_is_rejected():
     chain = {"taper": "uniform", "right_wall": {"gap": 0.0}}
     # The runs end before the pulse arrives.

@@ -60,6 +60,8 @@ def _parameter(coordinate: xr.DataArray) -> str:
         return _with_unit(LABELS[words], coordinate)
     plain = words.removeprefix("method.").removeprefix("with_").replace("struck_by", "striker")
     parts = [SINGULARS.get(part, part) for part in plain.split(".")]
+    if parts[-1].isdigit() and parts[0] in SINGULARS.values():
+        parts.insert(-1, f"of {'contact' if parts[0] == 'gap' else 'bead'}")
     return _with_unit(" ".join(parts).replace("_", " "), coordinate)
 
 

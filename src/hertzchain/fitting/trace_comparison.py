@@ -167,7 +167,10 @@ class TraceComparison:
         if not errors:
             return []
         ends = dict.fromkeys(measure(each, "s", digits=2) for each in (min(errors), max(errors)))
-        return [f"errors of measured arrivals, from noise and sampling: {' to '.join(ends)}"]
+        offset = "" if self.time_offset_given else "; that of the time offset is for this chain"
+        return [
+            f"errors of measured arrivals, from noise and sampling: {' to '.join(ends)}{offset}"
+        ]
 
     def summary(self) -> str:
         """Table of peaks, arrivals and residuals, the compared interval, and notes.

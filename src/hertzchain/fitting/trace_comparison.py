@@ -162,15 +162,15 @@ class TraceComparison:
 
     @property
     def _arrival_errors(self) -> list[str]:
-        """A sentence with the standard errors of the measured arrivals, if any is known."""
+        """Lines on the standard errors of the measured arrivals, if any is known."""
         errors = [each.arrival_error for each in self.sensors if np.isfinite(each.arrival_error)]
         if not errors:
             return []
         ends = dict.fromkeys(measure(each, "s", digits=2) for each in (min(errors), max(errors)))
-        offset = "" if self.time_offset_given else "; that of the time offset is for this chain"
-        return [
-            f"errors of measured arrivals, from noise and sampling: {' to '.join(ends)}{offset}"
-        ]
+        text = f"errors of measured arrivals, from noise and sampling: {' to '.join(ends)}"
+        if self.time_offset_given:
+            return [text]
+        return [text, "the error of the time offset assumes that the chain is right"]
 
     def summary(self) -> str:
         """Table of peaks, arrivals and residuals, the compared interval, and notes.

@@ -470,6 +470,7 @@ def public_calls(folder):
             lines.transfer_force, frequencies=[0.1], contact=2, **sent
         ),
         "Spectrum.bands": tried(lines.bands, phase=0.1, cell=None),
+        "Spectrum.group_velocity": tried(lines.group_velocity, phase=0.1, cell=None),
         "Spectrum.band_edges": tried(lines.band_edges, cell=None),
         "Spectrum.gaps": tried(lines.gaps, cell=None),
         "Spectrum.plot": tried(lines.plot, kind="modes", cell=None, ax=None),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -56,6 +57,15 @@ def has_pulse(signal: Signal, inside: Array | None = None) -> bool:
     """Whether a signal, or the part of it that is compared, clearly exceeds its noise."""
     ok = np.isfinite(signal.values) if inside is None else np.isfinite(signal.values) & inside
     return abs(extreme(signal.values[ok] - level_of(signal))) > ABOVE_NOISE * signal.sigma
+
+
+def with_pulses(shot: Shot, columns: list[Array]) -> tuple[Shot, list[Array]]:
+    """The signals that exceed their noise, and their models; all of them if none does."""
+    seen = [has_pulse(signal) for signal in shot.signals]
+    if not any(seen):
+        return shot, columns
+    signals = tuple(itertools.compress(shot.signals, seen))
+    return replace(shot, signals=signals), list(itertools.compress(columns, seen))
 
 
 def sensors_outside(shot: Shot, columns: Sequence[Array], models: Sequence[Array]) -> list[str]:

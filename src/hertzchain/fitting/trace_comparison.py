@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -33,6 +32,7 @@ from .arrival_notes import (
     outside_notes,
     sensors_outside,
     silent_notes,
+    with_pulses,
 )
 from .exchanged_columns import exchange_notes
 from .goodness import EXPLAINED
@@ -292,7 +292,7 @@ def compare_traces(
         begin = time_offset + first_saved
     else:
         check_contains_a_pulse(shot, columns, spacing)
-        aligned = _with_pulses(shot, columns)
+        aligned = with_pulses(shot, columns)
         begin, other = best_offset(*aligned, spacing)
         time_offset, other = begin - first_saved, other and (other[0] - first_saved, other[1])
         least = EXPLAINED + 4.0 * len(columns)
@@ -326,15 +326,6 @@ def compare_traces(
         *coupling_notes(traces, [run.chain], gain),
     )
     return replace(found, notes=notes)
-
-
-def _with_pulses(shot: Shot, columns: list[Array]) -> tuple[Shot, list[Array]]:
-    """The signals that exceed their noise, and their models; all of them if none does."""
-    seen = [has_pulse(signal) for signal in shot.signals]
-    if not any(seen):
-        return shot, columns
-    signals = tuple(itertools.compress(shot.signals, seen))
-    return replace(shot, signals=signals), list(itertools.compress(columns, seen))
 
 
 def _suspicious(

@@ -1284,7 +1284,8 @@ def test_the_summary_states_the_velocity_that_a_striker_keeps(run, tmp_path):
         "its energy"
     ) in lines
     (found,) = json.loads(run(*options, "--json")[1])["strikers"]
-    assert found == pytest.approx({"velocity": 0.05 * kept, "energy_kept": kept**2}, rel=1e-7)
+    expected = {"striker": 1, "velocity": 0.05 * kept, "energy_kept": kept**2}
+    assert found == pytest.approx(expected, rel=1e-7)
     # The state at the end is not saved.
     assert json.loads(run(*options, "--times", "0", "--json")[1])["strikers"] == []
 

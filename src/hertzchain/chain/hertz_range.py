@@ -40,7 +40,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, warn_user
-from ..representation import counted, listed, short
+from ..representation import counted, short
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
@@ -49,14 +49,15 @@ from .hertz_ratios import (
     MAX_OVERLAP_RATIO,
     MAX_SPEED_RATIO,
     contact_ratios,
+    elastic_in_words,
     given_contacts,
     soft_contacts,
     speed_ratio,
     springs_of,
+    walls_to_keep_elastic,
     yielding_materials,
 )
 from .impact_overlaps import impact_overlaps
-from .laws.elastic import Elastic
 from .laws.elastic_plastic import restitution_beyond_yield
 from .per_contact import contact_name
 
@@ -104,8 +105,8 @@ class HertzRange:
         an empty text at the others.
     springs : ndarray of bool, shape (N + 1,)
         Whether the exponent of a contact is not 3/2, so that no law with yield describes it.
-    elastic_ends : tuple of two bool
-        Whether the left and the right wall have the law `Elastic` of their own.
+    elastic_walls : tuple of str
+        Walls that need the law `Elastic` of their own if the other contacts yield.
     losses : tuple of str
         Names of the losses that a law with yield would replace.
     speed : float
@@ -138,7 +139,7 @@ class HertzRange:
     soft: NDArray[np.bool_]
     yielding: tuple[str, ...]
     springs: NDArray[np.bool_]
-    elastic_ends: tuple[bool, ...]
+    elastic_walls: tuple[str, ...]
     losses: tuple[str, ...]
     speed: float = 0.0
     estimated: bool = False
@@ -218,14 +219,8 @@ class HertzRange:
         if self.springs[contact] or self.springs[1:-1].any():
             return ""
         argument = "yield_overlap=..." if self.given[contact] else ""
-        return f" or use loss=ElasticPlastic({argument}){self._elastic_walls}{self._replaced}"
-
-    @property
-    def _elastic_walls(self) -> str:
-        """Walls that need a law of their own if the other contacts yield."""
-        names = [f"{side}_wall" for side, end in (("left", 0), ("right", -1))
-                 if self.springs[end] and not self.elastic_ends[end]]  # fmt: skip
-        return f" and loss=Elastic() for {listed(names)}" if names else ""
+        walls = elastic_in_words(self.elastic_walls)
+        return f" or use loss=ElasticPlastic({argument}){walls}{self._replaced}"
 
     @property
     def _replaced(self) -> str:
@@ -357,10 +352,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         soft=soft_contacts(chain),
         yielding=yielding_materials(chain) if (yield_ratio > 1.0).any() else (),
         springs=springs_of(chain),
-        elastic_ends=tuple(
-            wall is not None and wall.loss == Elastic()
-            for wall in (chain.left_wall, chain.right_wall)
-        ),
+        elastic_walls=walls_to_keep_elastic(chain),
         losses=tuple(
             dict.fromkeys(
                 law.name for law in chain.contact_losses if not law.yields and law.name != "elastic"

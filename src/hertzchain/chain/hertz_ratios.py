@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..collision import HERTZ_EXPONENT, Array
+from ..representation import listed
 from .chain import Chain
 from .contact_groups import effective_radii, yield_strengths
+from .laws.elastic import Elastic
 from .materials import FIRST_YIELD, Material, contact_moduli
 from .walls import materials_with_walls
 
@@ -78,6 +81,21 @@ def given_contacts(chain: Chain) -> NDArray[np.bool_]:
 def springs_of(chain: Chain) -> NDArray[np.bool_]:
     """Contacts with another exponent than spheres; none at free ends."""
     return np.asarray((chain.contact_stiffness > 0.0) & (chain.contact_exponents != HERTZ_EXPONENT))
+
+
+def walls_to_keep_elastic(chain: Chain) -> tuple[str, ...]:
+    """Walls that are springs, which no law with yield describes, without a law of their own."""
+    left, *_, right = springs_of(chain)
+    walls = (("left_wall", chain.left_wall, left), ("right_wall", chain.right_wall, right))
+    return tuple(
+        name for name, wall, spring in walls
+        if wall is not None and spring and wall.loss != Elastic()
+    )  # fmt: skip
+
+
+def elastic_in_words(walls: Sequence[str]) -> str:
+    """What to give besides a law with yield, so that these walls remain elastic."""
+    return f" and loss=Elastic() for {listed(walls)}" if walls else ""
 
 
 def soft_contacts(chain: Chain) -> NDArray[np.bool_]:

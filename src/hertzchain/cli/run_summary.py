@@ -83,7 +83,7 @@ def show_run(
     run: Run, beads: Sequence[int], *, waves: bool, contacts: bool, budget: bool = False
 ) -> None:
     """Print the summary of a run, with a hint at --horizon if it is long."""
-    from ..chain.hertz_range import hertz_range
+    from ..chain.hertz_ratios import elastic_in_words, walls_to_keep_elastic
     from ..representation import measure
     from ..simulation.run_message import LONG_RUN, transits_between_walls
     from .contact_tables import contact_table
@@ -108,8 +108,8 @@ def show_run(
         click.echo(_last_bead_line(run, last))
     if (peak := peak_with_yielding_contacts(run)) is not None:
         shown = measure(peak, "N", run.chain.units, 5)
-        elastic_walls = hertz_range(run.chain, run.largest_overlaps)._elastic_walls
-        law = on_command_line(f"(--loss elastic-plastic{elastic_walls})")
+        walls = elastic_in_words(walls_to_keep_elastic(run.chain))
+        law = on_command_line(f"(--loss elastic-plastic{walls})")
         click.echo(f"  peak with contacts that yield: {shown} {law}")
     for bead in beads:
         click.echo(_sensor_line(run, bead))
@@ -137,22 +137,27 @@ def strikers_of(run: Run) -> list[dict[str, float]]:
         return []
     last, first = run.velocities[-1], run.chain.velocities
     return [
-        {"velocity": float(last[i]), "energy_kept": float((last[i] / first[i]) ** 2)}
+        {
+            "striker": i + 1, "velocity": float(last[i]),
+            "energy_kept": float((last[i] / first[i]) ** 2),
+        }
         for i in range(run.chain.strikers)
         if first[i]
-    ]
+    ]  # fmt: skip
 
 
 def _striker_lines(run: Run) -> list[str]:
     from ..representation import measure, percent
 
-    found = strikers_of(run)
-    return [
-        f"striker{f' {i}' if len(found) > 1 else ''} at the end of the run: velocity "
-        f"{measure(each['velocity'], 'm/s', run.chain.units)}, "
-        f"{percent(each['energy_kept'])} of its energy"
-        for i, each in enumerate(found, start=1)
-    ]
+    lines = []
+    for each in strikers_of(run):
+        number = f" {each['striker']}" if run.chain.strikers > 1 else ""
+        velocity = measure(each["velocity"], "m/s", run.chain.units)
+        kept = percent(each["energy_kept"])
+        lines.append(
+            f"striker{number} at the end of the run: velocity {velocity}, {kept} of its energy"
+        )
+    return lines
 
 
 def last_bead_of(run: Run) -> dict[str, float] | None:

@@ -131,11 +131,12 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
 def _missing_limits(problem: Design, found: HertzRange) -> list[str]:
     """A note on constraints that the problem does not have, and that exclude such chains."""
     limited = {each.measure.key for each in problem.requirements}
-    exceeded = {
-        "yield_ratio <= 1": found.largest_yield_ratio > 1.0,
-        f"overlap_ratio <= {MAX_OVERLAP_RATIO:g}": found.overlap_ratio.max() > MAX_OVERLAP_RATIO,
+    ratios = {
+        "yield_ratio": (found.largest_yield_ratio, 1.0),
+        "overlap_ratio": (found.overlap_ratio.max(), MAX_OVERLAP_RATIO),
     }
-    missing = [each for each, over in exceeded.items() if over and each.split()[0] not in limited]
+    missing = [f"{key} <= {limit:g}" for key, (ratio, limit) in ratios.items()
+               if ratio > limit and key not in limited]  # fmt: skip
     if not missing:
         return []
     several = len(missing) > 1

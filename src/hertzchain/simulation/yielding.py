@@ -76,17 +76,15 @@ def dented_chain(chain: Chain) -> Chain | None:
 
     Walls of another exponent, such as pads, remain elastic.
     """
+    from ..chain.hertz_ratios import walls_to_keep_elastic
     from ..chain.laws.elastic import Elastic
     from ..chain.laws.elastic_plastic import ElasticPlastic
-    from ..collision import HERTZ_EXPONENT
 
     if not chain.lossless:
         return None
-    walls = {"left_wall": (chain.left_wall, 0), "right_wall": (chain.right_wall, -1)}
     elastic = {
-        name: replace(wall, loss=Elastic()) for name, (wall, end) in walls.items()
-        if wall is not None and chain.contact_exponents[end] != HERTZ_EXPONENT
-    }  # fmt: skip
+        name: replace(getattr(chain, name), loss=Elastic()) for name in walls_to_keep_elastic(chain)
+    }
     try:
         return chain.replace(loss=ElasticPlastic(), **elastic)
     except InputError:

@@ -128,6 +128,9 @@ def scattered() -> list[Row]:
         ("forward-exponential", 0.04, (1, 3)),
     ):
         nominal = hc.Chain.tapered(taper, rate, beads=100) if rate else hc.Chain.uniform(100)
+        smooth = [nominal.replace() for _ in range(100)]
+        times = long_runs.shortest({"ours": partial(hc.propagate_many, smooth, threads=1)})
+        NOTES.append(f"{taper} without scatter: {10.0 * times['ours']:.3f} ms per pulse")
         for percent in percents:
             chains = [nominal.with_scatter(i, relative=percent / 100) for i in range(100)]
             exact = hc.simulate(chains[0], times=0, rtol=1e-13).pulse().velocity[1:-1]
@@ -182,7 +185,25 @@ def transits() -> list[Row]:
     times = long_runs.shortest(calls)
     growth = math.log(times["100000"] / times["1000"]) / math.log(100.0)
     NOTES.append(f"Growth exponent of `propagate`, 1000 to 100 000 beads: {growth:.2f}")
+    NOTES.append(python_of_a_pulse())
     return rows
+
+
+def python_of_a_pulse() -> str:
+    """Time of `propagate` that does not depend on the number of beads, and that of a new chain."""
+    lengths = (25, 50, 100, 200)
+    tapers = {n: hc.Chain.tapered("forward-linear", 0.004, beads=n) for n in lengths}
+    calls: dict[str, Callable[[], object]] = {}
+    for n, taper in tapers.items():
+        calls |= {f"{n}": partial(hc.propagate, taper), f"copy {n}": taper.replace,
+                  f"new {n}": lambda taper=taper: hc.propagate(taper.replace())}  # fmt: skip
+    times = long_runs.shortest(calls)
+    slope, start = np.polyfit(lengths, [1e3 * times[f"{n}"] for n in lengths], 1)
+    more = 1e3 * (times["new 100"] - times["copy 100"] - times["100"])
+    return (
+        f"`propagate` of a forward-linear taper: {start:.2f} ms and {slope:.4f} ms per bead; "
+        f"{more:.2f} ms more for a new chain"
+    )
 
 
 def rattling() -> list[Row]:
@@ -212,6 +233,11 @@ def rattling() -> list[Row]:
     times = long_runs.shortest({
         "fixed": fixed, "script": partial(long_runs.script, chain, 0.05, int(end / 0.05)),
     })  # fmt: skip
+    begin = partial(hc.simulate, chain, until=1.0, times=0, method="symplectic", step=0.05)
+    whole = partial(hc.simulate, chain, until=end, times=0, method="symplectic", step=0.05)
+    parts = long_runs.shortest({"begin": begin, "whole": whole})
+    share = parts["begin"] / parts["whole"]
+    NOTES.append(f"A run to T = 1 takes {share:.2f} of the time of the rough run to T = 40")
     script = long_runs.script(chain, 0.05, int(end / 0.05), pieces=200)
     rows.append(Row(
         "100 beads between walls, T = 40, rough",

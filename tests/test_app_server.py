@@ -909,6 +909,13 @@ def test_a_page_saved_from_python_has_the_results_of_both_chains(tmp_path):
         assert runs[slot]["peaks"]["right"]["largest"] == pytest.approx(peak, rel=1e-6)
 
 
+def test_pictures_of_the_gallery_mark_the_beads_that_move():
+    moving = {each["title"]: each["moving"] for each in gallery()}
+    assert moving["Newton's cradle"] == 2
+    assert moving["Two strikers"] == 2
+    assert moving["Equal beads: a solitary wave"] == 1
+
+
 def test_a_chain_at_rest_shows_no_rounding_errors(tmp_path):
     crystal = hc.Chain.from_materials(
         5e-3, "steel-52100", beads=9, velocity=0.0, precompression=10.0, held_by="force"

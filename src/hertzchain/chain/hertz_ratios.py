@@ -94,7 +94,7 @@ def walls_to_keep_elastic(chain: Chain) -> tuple[str, ...]:
 
 
 def elastic_in_words(walls: Sequence[str]) -> str:
-    """What to give besides a law with yield, so that these walls remain elastic."""
+    """Words after a law with yield that keep these walls elastic."""
     return f" and loss=Elastic() for {listed(walls)}" if walls else ""
 
 

@@ -54,6 +54,20 @@ def test_compare_prints_the_comparison_of_the_library(run, files):
     assert (files / "compared.svg").stat().st_size > 10_000
 
 
+def test_another_speed_and_loss_replace_those_of_the_file(run, files):
+    document = hc.chain_as_toml(chain(loss=None).replace(velocities=0.9 * chain().velocities))
+    (files / "other.toml").write_text(document)
+    speed = ("--speed", "0.26 m/s", "--loss", "viscoelastic=0.4us")
+    same = run("compare", files / "one.csv", files / "row.toml", *PLACES).stdout.splitlines()
+    found = run("compare", files / "one.csv", files / "other.toml", *PLACES, *speed)
+    assert found.stdout.splitlines() == same
+    plain = run("compare", files / "one.csv", files / "other.toml", *PLACES).stdout
+    assert plain.splitlines()[1:] != same[1:]
+    code, out, err = run("compare", files / "one.csv", files / "row.toml", *PLACES, "--speed", "1")
+    assert (code, out) == (2, "")
+    assert "--speed 1 has no unit; write, for example, --speed '1 m/s'" in err
+
+
 @pytest.mark.parametrize("unit", ["ms", "s", "ns"])
 def test_times_in_another_unit_are_rejected(run, files, unit):
     text = (files / "one.csv").read_text().replace("Time (us)", f"Time ({unit})")

@@ -119,3 +119,23 @@ def test_warnings_name_the_theory_and_the_chain_without_jumps():
     assert first.startswith("piecewise_local_rate may be inaccurate for this chain (")
     assert "80 beads, without its jumps)" in first
     assert "local_rate for steps" not in first
+
+
+STEP = "[chain]\nradii = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2]\n"
+
+
+@pytest.mark.filterwarnings("always::hertzchain.ModelRangeWarning")
+def test_the_law_on_the_command_line_and_in_sweeps(run, tmp_path):
+    (tmp_path / "step.toml").write_text(STEP)
+    advice = run("pulse", tmp_path / "step.toml", "--method", "local-rate").stderr
+    assert "or --method piecewise-local-rate for steps and odd beads" in advice
+    done = run("pulse", tmp_path / "step.toml", "--method", "piecewise-local-rate", "--csv")
+    chain = hc.Chain.from_radii([1.0] * 12 + [2.0] * 12)
+    rows = np.genfromtxt(done.stdout.splitlines(), delimiter=",", names=True)
+    exact = hc.propagate(chain).velocity[1:21]
+    np.testing.assert_allclose(rows["velocity"][1:21], exact, rtol=3e-3)
+
+    document = {"chain": {"radii": [1.0] * 12 + [2.0] * 12}, "axes": {"exponent": [1.5]},
+                "sweep": {"methods": ["piecewise-local-rate"]}}  # fmt: skip
+    velocity = hc.sweep(document).velocity.squeeze()
+    np.testing.assert_allclose(velocity[1:21], exact, rtol=3e-3)

@@ -224,7 +224,7 @@ def test_two_thirds():
 
 
 def test_the_command_line_supports_every_theory():
-    assert set(METHODS) == {"propagate", "simulate", *THEORIES}
+    assert set(METHODS) == {"propagate", "simulate", *THEORIES, "piecewise-local-rate"}
 
 
 def test_xarray_holds_the_same(board):

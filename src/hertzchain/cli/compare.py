@@ -10,6 +10,8 @@ import click
 
 from ..recorded_warnings import ignore_warnings
 from ..simulation.yielding import pressures_below_yield
+from .chain_changes import at_speed, law_from
+from .chain_completion import complete_losses
 from .options import (
     StrictCommand,
     figure_option,
@@ -43,6 +45,19 @@ MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 @click.argument("chain", type=click.Path(path_type=Path))
 @sensors_option
 @noise_option
+@click.option(
+    "--speed",
+    "--velocity",
+    "speed",
+    metavar="SPEED",
+    help="Velocity of the impact instead of that of CHAIN, such as '0.1 m/s'.",
+)
+@click.option(
+    "--loss",
+    metavar="LAW",
+    shell_complete=complete_losses,
+    help="Loss law instead of that of CHAIN, such as restitution=0.96 or viscoelastic='0.6 us'.",
+)
 @click.option("--shot", type=int, metavar="NUMBER", help="Shot of the traces, from 1.")
 @click.option(
     "--until",
@@ -59,8 +74,8 @@ MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 @figure_option("Plot data and simulation to FILE.")
 def compare(
     traces: tuple[Path, ...], chain: Path, sensors: tuple[str, ...], noises: tuple[str, ...],
-    shot: int | None, until: str | None, time_offset: str | None, as_json: bool,
-    plot: Path | None,
+    speed: str | None, loss: str | None, shot: int | None, until: str | None,
+    time_offset: str | None, as_json: bool, plot: Path | None,
 ) -> None:  # fmt: skip
     """Compare a simulation with measured traces, without a fit.
 
@@ -73,6 +88,7 @@ def compare(
       hertzchain compare scope.csv experiment.toml --sensor CH1=wall --sensor "CH2=ball 5"
       hertzchain compare ch1.csv ch2.csv experiment.toml --sensor CH1=wall --sensor "CH2=ball 5"
       hertzchain compare data.csv experiment.toml --time-offset 80us --plot compared.png
+      hertzchain compare data.csv experiment.toml --speed "0.32 m/s" --loss restitution=0.96
     """
     import hertzchain
 
@@ -86,6 +102,10 @@ def compare(
     )
     data = _one_shot(seen, shot)
     data, (described,), _ = load_experiment(data, chain, hertzchain.load_traces)
+    if speed is not None:
+        described = at_speed(described, speed)
+    if loss is not None:
+        described = described.replace(loss=law_from(loss, described))
     times = data.shots[0].times
     end = _duration(described, float(times[-1] - times[0]))
     if until is not None:

@@ -29,7 +29,6 @@ DISORDER: Final = "disorder"
 # Spreads are predicted by that method only.
 PREDICTED: Final = tuple(name for name in COLUMN_QUANTITIES if not name.endswith("_spread"))
 PYTHON_ONLY: Final = {
-    "piecewise-local-rate": "use hertzchain.piecewise_local_rate in Python",
     "effective-chain": "use hertzchain.effective_chain in Python",
 }
 

@@ -20,7 +20,7 @@ WORDINGS: Final = (
      "give yield_strength in [materials.NAME] of a chain file, or yield_pressure = '5 MPa' in "
      "[chain.loss] or in a [[chain.loss]] with between"),
     (r"\bloss=None\b", "no loss"),
-    (r"(?<!\.)\bpiecewise_local_rate (?=for steps)", "hertzchain.piecewise_local_rate in Python "),
+    (r"(?<!\.)\bpiecewise_local_rate (?=for steps)", "the method piecewise-local-rate "),
     (r"\bgive it for the pair \(('[^']*'), ('[^']*')\)",
      r"give it in a table with between = [\1, \2]"),
     (r"\bloss=Elastic\(\) for (left_wall and right_wall|\w+_wall|a wall of \w+ \w+)",
@@ -80,6 +80,7 @@ BY_OPTION: Final = {
             "above 0; for a chain without scatter, use --method local-rate",
         ),
         (r"\buse hertzchain\.simulate\([^)]*\)\.pulse\(\)", "use --method simulate"),
+        (r"\bpiecewise_local_rate (?=for steps)", "--method piecewise-local-rate "),
     ),
     "loss": (
         (r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),

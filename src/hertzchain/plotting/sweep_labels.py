@@ -30,6 +30,7 @@ METHODS: Final = MappingProxyType({
     "propagate": "propagation", "simulate": "simulation", "bca": "BCA",
     "hard-sphere": "hard spheres", "two-thirds-bca": "2/3 BCA", "modified-bca": "modified BCA",
     "modified-bca-printed": "modified BCA, printed", "local-rate": "local-rate law",
+    "piecewise-local-rate": "piecewise local-rate law",
 })  # fmt: skip
 # Prefixes of variables that are errors, and their names.
 ERRORS: Final = MappingProxyType(

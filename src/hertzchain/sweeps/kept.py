@@ -92,6 +92,12 @@ def unknown_quantity(name: object, known: Sequence[str]) -> InputError | str:
         return f"{own} needs the bead of the sensor: write {own}@5 or '{own}@ball 4', got {name!r}"
     if own in ON_REQUEST:
         return f"sweeps do not keep the {own} of the pulse; keep residence, from which it follows"
+    if own in ("largest_velocity", "largest_momentum", "largest_energy"):
+        first = own.removeprefix("largest_")
+        return (
+            f"sweeps do not keep {own}, which only designs and gradients have; keep {first}, that "
+            "at the first maximum of the velocity of each bead"
+        )
     if at and column in known:
         return f"{name!r} is {column} of one bead: keep {column}, and give at = [{bead}]"
     sensors = [f"{full_name(each)}@k" for each in SENSOR_QUANTITIES]

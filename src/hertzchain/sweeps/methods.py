@@ -12,11 +12,14 @@ from ..pulse.pulse import Pulse
 from ..simulation.simulate import checked_rtol as checked_rtol_of_simulate
 from ..simulation.simulate import simulate
 from ..theory.catalogue import THEORIES
+from ..theory.piecewise import piecewise_local_rate
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress
 
 SIMULATIONS: Final = ("propagate", "simulate")
-METHODS: Final[tuple[str, ...]] = (*SIMULATIONS, *THEORIES)
+# The scoreboard does not have the piecewise law, which equals the local-rate law without steps.
+PIECEWISE: Final = "piecewise-local-rate"
+METHODS: Final[tuple[str, ...]] = (*SIMULATIONS, *THEORIES, PIECEWISE)
 # Options that each simulation accepts.
 OPTIONS_OF: Final[Mapping[str, tuple[str, ...]]] = {
     "propagate": ("rtol",),
@@ -75,4 +78,6 @@ def pulse_by(method: str, chain: Chain, progress: Progress | None = None, **opti
         return simulate(chain, times=0, progress=progress, **options).pulse()
     if method == "propagate":
         return propagate(chain, progress=progress, **options)
+    if method == PIECEWISE:
+        return piecewise_local_rate(chain)
     return THEORIES[method](chain)

@@ -221,6 +221,44 @@ def test_laws_by_pairs_of_materials():
     assert STEEL_AND_PTFE.replace(exponent=p).features == STEEL_AND_PTFE.features
 
 
+def test_the_law_of_all_other_pairs(tmp_path):
+    loss = {("steel-316", "ptfe"): hc.Restitution(0.6), "others": hc.Dashpot(2.0)}
+    chain = STEEL_AND_PTFE.replace(loss=loss, left_wall=Wall(), right_wall=Wall.of("brass"))
+    inner = (hc.Restitution(0.6),) * 5
+    assert chain.contact_losses == (hc.Dashpot(2.0), *inner, hc.Dashpot(2.0))
+    assert "others: Dashpot(gamma=2.0" in repr(chain.loss)
+    text = hc.chain_as_toml(chain)
+    assert text.count("between") == 1
+    path = tmp_path / "pairs.toml"
+    path.write_text(text)
+    assert hc.load_chain(path).loss == chain.loss
+    assert hc.load_chain(path) == chain
+    none = chain.replace(loss={("ptfe", "steel-316"): None, "others": hc.Restitution(0.4)})
+    assert [law.name for law in none.contact_losses] == [
+        "restitution", *["elastic"] * 5, "restitution",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("second", "said"),
+    [
+        ('between = ["ptfe", "steel-316"]\n', "two tables of [[chain.loss]] have the same between"),
+        ('between = ["ptfe"]\n', "must have two materials, got ['ptfe']; a table without between"),
+        ("", "two tables of [[chain.loss]] are without between: omit one"),
+    ],
+)
+def test_pairs_of_chain_files_are_given_once(tmp_path, second, said):
+    law = 'law = "restitution"\ncoefficient = 0.5\n'
+    tables = ('between = ["steel-316", "ptfe"]\n', "", second)
+    (tmp_path / "twice.toml").write_text(
+        '[chain]\ncell = ["9.5 mm", "9.5 mm"]\ncells = 3\nmaterials = ["steel-316", "ptfe"]\n'
+        + "".join(f"[[chain.loss]]\n{each}{law}" for each in tables)
+    )
+    with pytest.raises(hc.InputError) as raised:
+        hc.load_chain(tmp_path / "twice.toml")
+    assert said in str(raised.value)
+
+
 @pytest.mark.parametrize(
     ("build", "said"),
     [

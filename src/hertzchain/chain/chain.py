@@ -55,7 +55,7 @@ class Chain(ChainBuilders):
     exponent : float, array_like of shape (N - 1,), or mapping
         Exponent p of the contact force, > 1; 3/2 for spheres (Hertz).  One value for all
         contacts and walls, one per contact of two beads, or one per pair of materials, such as
-        ``{("steel-316", "ptfe"): 1.5, ...}``.
+        ``{("steel-316", "ptfe"): 1.5, "others": 1.4}``; ``"others"`` are all pairs not listed.
     taper : str or None
         Name of the taper, if the chain was created from one.
     taper_parameters : tuple of pairs
@@ -98,7 +98,7 @@ class Chain(ChainBuilders):
         Force on bead 1, or displacement of the left wall, as a function of time.
     loss : Restitution, Viscoelastic, ..., list of length N - 1, mapping or None
         Law of `hertzchain.chain.laws`: one for all contacts and walls, one per contact of two
-        beads, or one per pair of materials.
+        beads, or one per pair of materials, as for ``exponent``.
 
     scatter : ScatteredRadii or None
         Scatter of the radii and the radii without it, if the chain was created by `with_scatter`;

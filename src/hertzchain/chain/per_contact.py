@@ -21,31 +21,37 @@ from .walls import Wall, material_of_wall, materials_with_walls
 T = TypeVar("T")
 Walls: TypeAlias = tuple[Wall | None, Wall | None]
 ELASTIC: Final = Elastic()
+# Name of all pairs of materials that are not given, and their key in `MaterialPairs`.
+OTHERS: Final = "others"
+OTHER_PAIRS: Final[frozenset[Material]] = frozenset()
 
 
 @dataclass(frozen=True)
 class MaterialPairs(Generic[T]):
-    """A value for each pair of materials in contact, in either order."""
+    """A value for each pair of materials in contact, in either order, or for the other pairs."""
 
     what: str
     values: Mapping[frozenset[Material], T]
 
     def between(self, one: Material, other: Material, place: str) -> T:
         """The value of a contact of two materials."""
-        pair = frozenset((one, other))
-        if pair not in self.values:
-            raise InputError(
-                f"there is no {self.what} for {one.name} on {other.name}, which meet at {place}: "
-                f"give it for the pair ({one.name!r}, {other.name!r})"
-            )
-        return self.values[pair]
+        for pair in (frozenset((one, other)), OTHER_PAIRS):
+            if pair in self.values:
+                return self.values[pair]
+        raise InputError(
+            f"there is no {self.what} for {one.name} on {other.name}, which meet at {place}: "
+            f"give it for the pair ({one.name!r}, {other.name!r}) or for {OTHERS!r}"
+        )
 
     def __repr__(self) -> str:
-        items = (
-            f"{' on '.join(sorted(each.name for each in (*pair, *pair))[:: len(pair)])}: {value!r}"
-            for pair, value in self.values.items()
-        )
+        items = (f"{_pair_name(pair)}: {value!r}" for pair, value in self.values.items())
         return "{" + ", ".join(items) + "}"
+
+
+def _pair_name(pair: frozenset[Material]) -> str:
+    """Two materials in words; the name of other pairs."""
+    names = sorted(each.name for each in pair)
+    return " on ".join(names if len(names) == 2 else 2 * names) or OTHERS
 
 
 Exponent: TypeAlias = Any  # a float, an array with one per contact, or MaterialPairs
@@ -56,13 +62,16 @@ def _pairs(what: str, given: Mapping[Any, Any], check: Callable[[Any], T]) -> Ma
     """Check the pairs of a mapping, and look up names of materials."""
     values: dict[frozenset[Material], T] = {}
     for pair, value in given.items():
+        if isinstance(pair, str) and pair == OTHERS:
+            values[OTHER_PAIRS] = check(value)
+            continue
         names = tuple(pair) if isinstance(pair, tuple | frozenset) else ()
         if len(names) == 1 and isinstance(pair, frozenset):
             names *= 2
         if len(names) != 2:
             raise InputError(
-                f"{what} by materials needs pairs such as ('steel-316', 'ptfe'), got "
-                f"{short_repr(pair)}"
+                f"{what} by materials needs pairs such as ('steel-316', 'ptfe'), or {OTHERS!r}, "
+                f"got {short_repr(pair)}"
             )
         values[frozenset(map(material, names))] = check(value)
     if not values:

@@ -130,7 +130,7 @@ def _beads_entries(
     usual = {item.name: item.default for item in dataclasses.fields(chain)}
     if isinstance(chain.exponent, MaterialPairs):
         entries["exponent"] = [
-            {"between": _pair(pair, names), "value": p} for pair, p in chain.exponent.values.items()
+            _pair(pair, names) | {"value": p} for pair, p in chain.exponent.values.items()
         ]
     elif np.any(chain.exponents != usual["exponent"]):
         entries["exponent"] = np.asarray(chain.exponents).tolist()
@@ -201,17 +201,16 @@ def _law_entry(law: Loss | None) -> dict[str, Any]:
 def _loss_entries(given: Any, names: Mapping[Material, str]) -> Any:
     """One table or, if contacts differ, a list of tables."""
     if isinstance(given, MaterialPairs):
-        return [
-            {"between": _pair(pair, names)} | _law_entry(law) for pair, law in given.values.items()
-        ]
+        return [_pair(pair, names) | _law_entry(law) for pair, law in given.values.items()]
     if isinstance(given, tuple):
         return [_law_entry(law) for law in given]
     return _law_entry(given)
 
 
-def _pair(pair: frozenset[Material], names: Mapping[Material, str]) -> list[str]:
+def _pair(pair: frozenset[Material], names: Mapping[Material, str]) -> dict[str, list[str]]:
+    """The key of two materials, which a table of all other pairs does not have."""
     found = sorted(names[each] for each in pair)
-    return found if len(found) == 2 else 2 * found
+    return {"between": found if len(found) == 2 else 2 * found} if found else {}
 
 
 def _wall_entry(wall: Wall, names: Mapping[Material, str]) -> dict[str, Any]:

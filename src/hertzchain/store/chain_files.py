@@ -32,8 +32,9 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from numbers import Integral
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, Final
 
@@ -45,6 +46,7 @@ from ..chain.drives import Drive, SineBurst, StepDrive, TableDrive
 from ..chain.input_checks import checked_beads, checked_sizes
 from ..chain.laws import LAWS, Loss
 from ..chain.materials import RIGID, Material, material
+from ..chain.per_contact import OTHERS
 from ..chain.striker_properties import StrikerProperties
 from ..chain.taper_sizes import Sizes, si_radii
 from ..chain.tapers import PARAMETERS, taper_named
@@ -370,7 +372,7 @@ class _ChainFile:
             return _law(listed[0])
         if not any("between" in each for each in listed):
             return [_law(each) for each in listed]
-        return {self._pair("loss", each): _law(each) for each in listed}
+        return self._pairs("loss", listed, _law)
 
     def _exponent(self) -> Any:
         """An exponent for all contacts, or a mapping from pairs of materials."""
@@ -378,16 +380,33 @@ class _ChainFile:
         if not has_tables(given):
             return given
         listed = [given] if isinstance(given, Mapping) else given
-        return {self._pair("exponent", each): each["value"] for each in listed}
+        if not any("between" in each for each in listed):
+            raise InputError(
+                "[chain.exponent] requires between, two materials; for all contacts, write "
+                f"exponent = {listed[0]['value']:g}"
+            )
+        return self._pairs("exponent", listed, itemgetter("value"))
 
-    def _pair(self, name: str, entry: Mapping[str, Any]) -> tuple[Material, ...]:
-        names = entry.get("between", [])
+    def _pairs(
+        self, name: str, listed: Sequence[Mapping[str, Any]], value: Callable[[Any], Any]
+    ) -> dict[Any, Any]:
+        """Values by pairs of materials; that of a table without between is for all other pairs."""
+        found: dict[Any, Any] = {}
+        for each in listed:
+            pair = self._pair(name, each["between"]) if "between" in each else OTHERS
+            if pair in found:
+                same = "are without between" if pair == OTHERS else "have the same between"
+                raise InputError(f"two tables of [[chain.{name}]] {same}: omit one")
+            found[pair] = value(each)
+        return found
+
+    def _pair(self, name: str, names: Sequence[str]) -> frozenset[Material]:
         if len(names) != 2:
             raise InputError(
-                f"between of [chain.{name}] must have two materials, in all of its tables or in "
-                f"none, got {names!r}"
+                f"between of [chain.{name}] must have two materials, got {names!r}; a table "
+                "without between is for all other pairs"
             )
-        return tuple(self._material(names))
+        return frozenset(self._material(names))
 
     def _drive(self, entry: dict[str, Any]) -> Drive:
         kind = entry.pop("kind")

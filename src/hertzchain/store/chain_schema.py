@@ -158,10 +158,18 @@ _STRIKER_PROPERTIES: Final = (
             "Hertz's law", "stiffness", above=0.0),
 )  # fmt: skip
 _BETWEEN: Final = Key(
-    "between", "material", "the two materials whose contacts have this law", per="item"
+    "between",
+    "material",
+    "the two materials whose contacts have this law; the law is for all other pairs without it",
+    per="item",
 )
 _EXPONENTS: Final = (
-    Key("between", "material", "the two materials of the contacts", required=True, per="item"),
+    Key(
+        "between",
+        "material",
+        "the two materials of the contacts; all other pairs without it",
+        per="item",
+    ),
     _number("value", "exponent of these contacts", required=True, above=1.0, most=MAX_EXPONENT),
 )
 _CONTACTS: Final = Key(

@@ -3,6 +3,7 @@
 import pytest
 
 import hertzchain as hc
+from hertzchain.designs.measures import parse_measure
 
 BALLS = hc.Chain.from_materials(4e-3, "steel-52100", beads=6, velocity=0.1)
 
@@ -90,3 +91,23 @@ def test_the_force_on_a_wall_is_found_from_that_in_a_bead():
     run = hc.simulate(BALLS.replace(right_wall=hc.Wall()), times=50)
     with pytest.raises(hc.InputError, match=r"run.wall_force\('right'\) is that on the wall"):
         run.sensor_force("wall")
+
+
+@pytest.mark.parametrize("name", ["sensor.largest@wall", "peak_force@wall"])
+def test_a_force_on_the_wall_as_that_of_a_bead(name):
+    chain = hc.Chain.uniform(5).replace(right_wall=hc.Wall())
+    spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [5, 6]}, "sweep": {"keep": [name]}}
+    with pytest.raises(hc.InputError, match="the wall is wall_force.peak"):
+        hc.gradient(chain, name, to=["radii"])
+    with pytest.raises(hc.InputError, match="the wall is wall_force.peak"):
+        parse_measure(name, chain)
+    for attempt in (lambda: hc.simulate_many([chain], keep=[name]), lambda: hc.sweep(spec)):
+        with pytest.raises(hc.InputError, match="did you mean 'wall_peak_force'"):
+            attempt()
+
+
+def test_sweeps_state_that_they_do_not_keep_largest_velocities():
+    spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [5, 6]},
+            "sweep": {"keep": ["largest_velocity"]}}  # fmt: skip
+    with pytest.raises(hc.InputError, match="keep velocity, that at the first maximum"):
+        hc.sweep(spec)

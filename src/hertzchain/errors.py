@@ -128,6 +128,8 @@ def similar_names(name: object, choices: Iterable[str]) -> str:
     asked = name.lower() if isinstance(name, str) else ""
     if (meant := OTHER_WORDS.get(asked)) in lower:
         return repr(lower[meant])
+    if asked.endswith("@wall"):
+        asked = next((each for each in lower if each.startswith("wall") and "peak" in each), asked)
     near = difflib.get_close_matches(asked, lower, n=1, cutoff=NEAR)
     containing = [choice for choice in lower if asked in choice] if len(asked) > 2 else []
     # A part of names, such as "steel" or "plastic", means them, those that begin with it first.

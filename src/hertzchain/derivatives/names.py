@@ -72,7 +72,8 @@ def parse(chain: Chain, given: object, bead: int | str | None, until: float | No
     group, item = str(text).split(".")
     most = QUANTITIES[item].count(chain.beads) if group == "pulse" else chain.beads
     if at and not (number.isdigit() or number == "last"):
-        raise InputError(f"the bead of {given!r} must be a number or 'last'")
+        wall = "; that on the wall is wall_force.peak" if number == "wall" else ""
+        raise InputError(f"the bead of {given!r} must be a number or 'last'{wall}")
     last = most if number == "last" else bead
     at_bead = int(number) if number.isdigit() else last
     if group in ("wall_force", "left_wall_force"):

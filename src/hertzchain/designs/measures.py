@@ -357,5 +357,6 @@ def parse_measure(text: object, chain: Chain | None = None) -> Measure:
     try:
         bead = int(place)
     except ValueError:
-        raise InputError(f"the bead of {text!r} must be a number or 'last'") from None
+        wall = "; that on the wall is wall_force.peak" if place == "wall" else ""
+        raise InputError(f"the bead of {text!r} must be a number or 'last'{wall}") from None
     return Measure(key, whole_number(f"bead of {text!r}", bead, least=1))

@@ -87,7 +87,7 @@ def unknown_quantity(name: object, known: Sequence[str]) -> InputError | str:
     """Why a sweep does not keep a quantity, or what its name lacks."""
     own, at, bead = str(name).partition("@")
     column = str(column_name(own.strip()))
-    if column in SENSOR_QUANTITIES:
+    if column in SENSOR_QUANTITIES and bead != "wall":
         own = full_name(column)
         return f"{own} needs the bead of the sensor: write {own}@5 or '{own}@ball 4', got {name!r}"
     if own in ON_REQUEST:
@@ -98,7 +98,7 @@ def unknown_quantity(name: object, known: Sequence[str]) -> InputError | str:
             f"sweeps do not keep {own}, which only designs and gradients have; keep {first}, that "
             "at the first maximum of the velocity of each bead"
         )
-    if at and column in known:
+    if at and column in known and bead != "wall":
         return f"{name!r} is {column} of one bead: keep {column}, and give at = [{bead}]"
     sensors = [f"{full_name(each)}@k" for each in SENSOR_QUANTITIES]
     return unknown_name_error("quantity", name, (*known, *sensors))

@@ -40,6 +40,11 @@ SIGLENT = "Record Length,Analog:200\nSample Interval,Analog:0.000001\nSource,CH1
 FORMATS = {
     "tektronix": (TEKTRONIX + lines(end=","), PLACES),
     "keysight": (KEYSIGHT + lines(), {"1": "ball 4", "2": "wall"}),
+    # The smallest samples, not minutes.
+    "minimum": (
+        "Name,1,2\nmin,-0.003,-0.003\n" + KEYSIGHT + lines(),
+        {"1": "ball 4", "2": "wall"},
+    ),
     "picoscope": (PICOSCOPE + lines(1e6), {"Channel A": "ball 4", "Channel B": "wall"}),
     "siglent": (SIGLENT + "Second,Volt,Volt\n" + lines(), PLACES),
     # Lines of settings with the names of columns, and a time of day.

@@ -50,6 +50,18 @@ def test_units_that_are_offered_exist_and_are_of_one_dimension():
                     converted(dimension, 1, names[0], units[0])
 
 
+def test_messages_offer_every_symbol_of_the_dimension():
+    for symbol, (_, powers) in SYMBOLS.items():
+        si = next(
+            each for each, (factor, own) in SYMBOLS.items() if own == powers and factor == "1"
+        )
+        with pytest.raises(hc.InputError, match=rf"choose from .*\b{symbol}\b"):
+            converted("x", 1, "furlong", si)
+    for unit in ("furlong", "kg"):
+        with pytest.raises(hc.InputError, match="s, ms, us, µs, ns, min, h"):
+            number("until", f"5 {unit}", unit="s")
+
+
 def test_text_is_the_decimal_number_that_it_says():
     rng = random.Random(2)
     for _ in range(2000):

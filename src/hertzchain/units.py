@@ -22,9 +22,9 @@ from .errors import InputError, short_repr, unknown_name_error
 # Value in SI and powers of metre, kilogram and second, by symbol.
 SYMBOLS: Final[Mapping[str, tuple[str, tuple[int, int, int]]]] = MappingProxyType(
     {
-        "m": ("1", (1, 0, 0)), "km": ("1e3", (1, 0, 0)), "cm": ("1e-2", (1, 0, 0)),
-        "mm": ("1e-3", (1, 0, 0)), "um": ("1e-6", (1, 0, 0)), "nm": ("1e-9", (1, 0, 0)),
-        "in": ("25.4e-3", (1, 0, 0)),
+        "m": ("1", (1, 0, 0)), "cm": ("1e-2", (1, 0, 0)), "mm": ("1e-3", (1, 0, 0)),
+        "um": ("1e-6", (1, 0, 0)), "nm": ("1e-9", (1, 0, 0)), "in": ("25.4e-3", (1, 0, 0)),
+        "km": ("1e3", (1, 0, 0)),
         "kg": ("1", (0, 1, 0)), "g": ("1e-3", (0, 1, 0)), "mg": ("1e-6", (0, 1, 0)),
         "s": ("1", (0, 0, 1)), "ms": ("1e-3", (0, 0, 1)), "us": ("1e-6", (0, 0, 1)),
         "ns": ("1e-9", (0, 0, 1)), "min": ("60", (0, 0, 1)), "h": ("3600", (0, 0, 1)),
@@ -35,19 +35,28 @@ SYMBOLS: Final[Mapping[str, tuple[str, tuple[int, int, int]]]] = MappingProxyTyp
         "Hz": ("1", (0, 0, -1)), "kHz": ("1e3", (0, 0, -1)), "MHz": ("1e6", (0, 0, -1)),
     }
 )  # fmt: skip
+
+
+def _symbols(si: str) -> tuple[str, ...]:
+    """Symbols of one dimension, with µ as well as u; the SI unit is the first."""
+    powers = SYMBOLS[si][1]
+    same = (each for each, (_, own) in SYMBOLS.items() if own == powers)
+    return tuple(name for each in same for name in dict.fromkeys((each, each.replace("u", "µ"))))
+
+
 # Units listed in messages, by dimension; the first is the SI unit.  Any product of powers of
 # `SYMBOLS` is accepted.
 UNITS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
-        "length": ("m", "cm", "mm", "um", "µm", "nm", "in"),
-        "mass": ("kg", "g", "mg"),
-        "time": ("s", "ms", "us", "µs", "ns"),
+        "length": _symbols("m"),
+        "mass": _symbols("kg"),
+        "time": _symbols("s"),
         "velocity": ("m/s", "cm/s", "mm/s", "km/h"),
         "acceleration": ("m/s^2", "cm/s^2", "mm/s^2"),
-        "force": ("N", "kN", "mN"),
+        "force": _symbols("N"),
         "stiffness": ("N/m^1.5", "N/um^1.5", "N/µm^1.5"),
-        "frequency": ("Hz", "kHz", "MHz"),
-        "pressure": ("Pa", "kPa", "MPa", "GPa"),
+        "frequency": _symbols("Hz"),
+        "pressure": _symbols("Pa"),
         "density": ("kg/m^3", "g/cm^3"),
         "damping": ("kg/s", "g/s"),
     }

@@ -25,6 +25,8 @@ SCPI_INFINITY, SCPI_MISSING, ROUNDING = 9.9e37, 9.91e37, 4e-4
 WORDS: Final = {
     "s": "s", "second": "s", "seconds": "s", "sec": "s", "volt": "V", "volts": "V", "newton": "N",
 }  # fmt: skip
+# Units of columns of times; "min" among settings is a minimum.
+TIME_UNITS: Final = tuple(unit for unit in UNITS["time"] if unit not in ("min", "h"))
 # Settings of Tektronix files that have units of columns.
 TIME_UNIT, SIGNAL_UNITS, SOURCE = "horizontal units", "vertical units", "source"
 # Columns of the times and samples in Tektronix files that have the settings beside them.
@@ -102,7 +104,7 @@ def _is_numeric(row: list[str]) -> bool:
 
 def _is_unit_row(row: list[str], time: int) -> bool:
     """Whether a row has units under names, the one of the times among them."""
-    return time < len(row) and _unit(row[time]) in UNITS["time"]
+    return time < len(row) and _unit(row[time]) in TIME_UNITS
 
 
 def _unit(cell: str) -> str:
@@ -119,7 +121,7 @@ def _with_unit(name: str, unit: str) -> str:
 def _as_time(header: str) -> str:
     """Header of the first column, which is that of times if it has a unit of time."""
     name, unit = split_header(header) or (header, None)
-    return f"time [{unit}]" if name != "time" and unit in UNITS["time"] else header
+    return f"time [{unit}]" if name != "time" and unit in TIME_UNITS else header
 
 
 def _units_in_settings(settings: Rows, columns: int) -> list[str]:

@@ -1130,6 +1130,43 @@ def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_pat
     assert "at most 30%, got '50%'" in run("scatter", *BALLS, "--scatter", "50%")[2]
 
 
+SIZED = ("--material", "steel-52100", "--speed", "0.1 m/s", "--scatter", "0.05 mm", "--diameter")
+
+
+@pytest.mark.parametrize(
+    ("command", "advice"),
+    [
+        (("scatter", "--beads", 20, *SIZED, "10 mm"), "for diameters of 10 mm, give '0.5%'"),
+        (("scatter", "--beads", 20, *SIZED, "20 mm:5 mm"),
+         "for diameters of 20 mm to 5 mm, give '0.25%' to '1%'"),
+        (("pulse", "--method", "disorder", "--beads", 50, *SIZED, "8 mm"),
+         "for diameters of 8 mm, give '0.625%'"),
+        (("scatter", "--beads", 20, "--scatter", "50um"), "for diameters of 10 mm, give '0.5%'"),
+    ],
+)  # fmt: skip
+def test_a_scatter_in_mm_is_rejected_with_the_relative_one(run, command, advice):
+    code, _, err = run(*command)
+    given = "50um" if "50um" in command else "0.05 mm"
+    assert code == 2
+    assert err == (
+        f"Error: --scatter must be relative to the diameters, got the length '{given}'; {advice}\n"
+    )
+
+
+def test_a_scatter_in_mm_is_rejected_in_python():
+    words = "must be relative to the diameters, got the length '0.05 mm'; for diameters of "
+    row = hertzchain.Chain.from_materials(diameters="5 mm", materials="brass", beads=40)
+    for chain in (row, row.struck_by(diameter="20 mm", velocity="1 m/s")):
+        with pytest.raises(hertzchain.InputError, match=f"relative scatter {words}5 mm, give '1%'"):
+            chain.with_scatter(1, relative="0.05 mm")
+    for call in (
+        lambda: hertzchain.Scatter(radius="0.05 mm"),
+        lambda: hertzchain.disorder(row, "0.05 mm"),
+    ):
+        with pytest.raises(hertzchain.InputError, match=f"scatter.* {words}10 mm, give '0.5%'"):
+            call()
+
+
 CRYSTAL = ("spectrum", "--material", "steel-316", "--diameter", "19 mm", "--beads", 6)
 
 

@@ -116,6 +116,12 @@ def is_unit(text: str) -> bool:
     return _parse(text) is not None
 
 
+def has_dimension(unit: str, si: str) -> bool:
+    """Whether text is a unit of the dimension of an SI unit."""
+    given, target = _parse(unit), _parse(si)
+    return given is not None and target is not None and given.powers == target.powers
+
+
 def converted(what: str, number: str | float, unit: str, si: str) -> float:
     """Convert a number to the SI unit ``si``."""
     given, target = _parse(unit), _parse(si)

@@ -193,7 +193,7 @@ def with_scatter(
     if (relative is None) == (grade is None):
         raise InputError("give either relative, such as 0.01, or grade, such as 100")
     if relative is not None:
-        relative = relative_scatter("relative scatter", relative, least=0.0)
+        relative = relative_scatter("relative scatter", relative, chain=self, least=0.0)
     else:
         check_grade(grade)
     check_scatter(self, grade, beads)

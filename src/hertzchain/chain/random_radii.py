@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 
 from ..collision import Array
 from ..errors import InputError, short_repr
+from ..units import converted, has_dimension, quantity
 from ..validation.numbers import FRACTION, number
+from .description import sizes_in_words
 from .fields import ChainFields
 from .places import places_from
 from .scattered_radii import ScatteredRadii
@@ -37,14 +39,36 @@ BALL_GRADES: Final = MappingProxyType(
 
 
 def relative_scatter(
-    what: str, value: object, *, above: float = -math.inf, least: float = -math.inf
+    what: str,
+    value: object,
+    *,
+    chain: ChainFields | None = None,
+    above: float = -math.inf,
+    least: float = -math.inf,
 ) -> float:
     """Check a standard deviation of the logarithm of the radius."""
+    reject_length(what, value, chain)
     whole = isinstance(value, int | float) and MAX_SCATTER < value < 100.0 * MAX_SCATTER
     percent = f"for a scatter of {value:g}%, give '{value:g}%'" if whole else ""
     return number(
         what, value, unit=FRACTION, above=above, least=least, most=MAX_SCATTER, hint=percent
     )
+
+
+def reject_length(what: str, value: object, chain: ChainFields | None = None) -> None:
+    """Reject a scatter that is a length, with the relative one of the diameters of a chain."""
+    found = quantity(value) if isinstance(value, str) else None
+    if found is None or not has_dimension(found[1], "m"):
+        return
+    length = converted(what, *found, "m")
+    if chain is None or chain.scaled:
+        example = f"; for diameters of 10 mm, give '{100.0 * length / 10e-3:.3g}%'"
+    else:
+        radii = chain.radii[chain.strikers :]
+        parts = (f"'{50.0 * length / radius:.3g}%'" for radius in (radii.max(), radii.min()))
+        between = " to ".join(dict.fromkeys(parts))
+        example = f"; for diameters of {sizes_in_words(radii)}, give {between}"
+    raise InputError(f"{what} must be relative to the diameters, got the length {value!r}{example}")
 
 
 def check_grade(grade: object) -> None:

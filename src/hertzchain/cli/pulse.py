@@ -10,7 +10,7 @@ import click
 from ..errors import InputError
 from ..pulse.quantities import COLUMN_QUANTITIES, ON_REQUEST
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import Fraction, LateHelp, StrictCommand, figure_option, json_option
+from .options import Fraction, LateHelp, StrictCommand, figure_option, fraction_from, json_option
 from .output import save_figure, show_table
 from .progress import progress_bar
 from .pulse_tables import pulse_table, side_by_side
@@ -73,7 +73,7 @@ def _method_help() -> str:
 )
 @click.option(
     "--scatter",
-    type=Fraction(),
+    metavar="NUMBER",
     help="Scatter of the radii for --method disorder, the theory of the mean and spread of random "
     "chains: relative standard deviation of the diameters (of ln R), such as 1%, at most 3%.",
 )
@@ -92,7 +92,7 @@ def _method_help() -> str:
 )
 def pulse(
     options: ChainOptions, methods: tuple[str, ...], quantity: str, rtol: float | None,
-    scatter: float | None, modulus_scatter: float | None, every_bead: bool, as_json: bool,
+    scatter: str | None, modulus_scatter: float | None, every_bead: bool, as_json: bool,
     as_csv: bool, plot: Path | None, log: bool,
 ) -> None:  # fmt: skip
     """Compute the leading pulse by one or several methods.
@@ -129,8 +129,9 @@ def pulse(
     check_choice("quantity", quantity, COLUMN_QUANTITIES)
     if quantity not in PREDICTED and DISORDER not in methods:
         raise click.UsageError(f"--quantity {quantity} requires --method disorder")
-    settings = _settings(chosen, rtol, scatter, modulus_scatter)
     chains = chains_from(options)
+    part = None if scatter is None else _part(scatter, next(iter(chains.values())))
+    settings = _settings(chosen, rtol, part, modulus_scatter)
     if len(chains) > 1 and (as_json or as_csv):
         raise click.UsageError("--json and --csv require one chain FILE")
     found = {}
@@ -159,6 +160,14 @@ def pulse(
     else:
         for each in found.values():
             _show_pulses(each, quantity, every_bead=every_bead)
+
+
+def _part(text: str, chain: Chain) -> float:
+    """A relative scatter; `disorder` checks its limits."""
+    from ..chain.random_radii import reject_length
+
+    reject_length("--scatter", text, chain)
+    return fraction_from("--scatter", text)
 
 
 def _settings(

@@ -25,6 +25,7 @@ from .progress import progress_bar
 from .wording import on_command_line
 
 if TYPE_CHECKING:
+    from ..chain.chain import Chain
     from ..designs.distribution import Distribution
 
 PERCENTILES: Final = (1, 5, 50, 95, 99)
@@ -91,10 +92,10 @@ def scatter(
     if (relative is None) == (grade is None):
         both = "" if relative is None else ", not both"
         raise click.UsageError(f"give --scatter, such as 1%, or --grade, such as 100{both}")
-    part = None if relative is None else _part(relative)
     whole_number("--seed", seed, least=0)
     whole_number("--chains", count, least=2, most=10_000)
     chain = chain_from(options)
+    part = None if relative is None else _part(relative, chain)
     name, end = str(measure_from(quantity, chain)), time_from("--until", until, chain)
     deviations = hertzchain.Scatter(radius=part, grade=grade, samples=count, beads=some)
     with progress_bar("chains simulated") as progress:
@@ -114,11 +115,11 @@ def scatter(
     return FAILED if found.failed else DONE
 
 
-def _part(text: str) -> float:
+def _part(text: str, chain: Chain) -> float:
     """A scatter, which need not be a percentage."""
     from ..chain.random_radii import relative_scatter
 
-    return relative_scatter("--scatter", as_typed(text), above=0.0)
+    return relative_scatter("--scatter", as_typed(text), chain=chain, above=0.0)
 
 
 def _document(found: Distribution) -> dict[str, Any]:

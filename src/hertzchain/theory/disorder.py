@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.random_radii import reject_length
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units
@@ -109,6 +110,7 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     >>> f"{loss:.1%}, +-{pulse.velocity_spread[99]:.1%}"
     '0.6%, +-1.8%'
     """
+    reject_length("scatter", scatter)
     scatters = {
         "radii": number(
             "scatter", scatter, unit=FRACTION, least=0.0, most=SCATTERS[-1],

@@ -80,13 +80,15 @@ def compare(
     """Compare a simulation with measured traces, without a fit.
 
     TRACES is a CSV file, or one for each channel, and CHAIN a chain file, as for `hertzchain fit`.
+    If the files of channels have the same header, name the files, as in --sensor ch1.csv=wall.
     The chain is simulated, and peaks, arrivals and residuals of all sensors are printed.
 
     \b
     Examples:
       hertzchain compare data.csv experiment.toml
       hertzchain compare scope.csv experiment.toml --sensor CH1=wall --sensor "CH2=ball 5"
-      hertzchain compare ch1.csv ch2.csv experiment.toml --sensor CH1=wall --sensor "CH2=ball 5"
+      hertzchain compare ch1.csv ch2.csv experiment.toml --sensor ch1.csv=wall \\
+          --sensor "ch2.csv=ball 5"
       hertzchain compare data.csv experiment.toml --time-offset 80us --plot compared.png
       hertzchain compare data.csv experiment.toml --speed "0.32 m/s" --loss restitution=0.96
     """

@@ -235,14 +235,23 @@ sensors_option = click.option(
     multiple=True,
     metavar="COLUMN[=PLACE]",
     help="Column to read and, if its header does not name them, the place of the sensor and the "
-    "unit, such as CH1=wall or 'CH2=ball 5 [V]'; repeatable.  [default: all columns]",
+    "unit, such as CH1=wall or 'CH2=ball 5 [V]'; repeatable.  If several files have the same "
+    "columns, name the file, as in ch1.csv=wall or 'ch1.csv:Volt=wall'.  [default: all columns]",
 )
 
 
 def sensors_from(texts: tuple[str, ...]) -> dict[str, str] | None:
     """Places of sensors by the names of their columns; None for all columns."""
-    pairs = (text.partition("=") for text in texts)
-    return {column.strip(): place.strip() or column.strip() for column, _, place in pairs} or None
+    places: dict[str, str] = {}
+    for text in texts:
+        # Names of files may have an equals sign.
+        column, _, place = map(str.strip, text.rpartition("=") if "=" in text else (text, "", ""))
+        if not column:
+            raise click.UsageError(f"--sensor {text!r} names no column; write it as in CH1=wall")
+        if column in places:
+            raise click.UsageError(f"--sensor {column} is given twice; give each column one place")
+        places[column] = place or column
+    return places or None
 
 
 noise_option = click.option(

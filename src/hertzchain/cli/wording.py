@@ -34,6 +34,9 @@ WORDINGS: Final = (
     # In a specification of a sweep, it is the key method.max_steps.
     (r"(?<![-.'])\bmax_steps\b", "--max-steps"),
     (r"\bgive load_traces sensors=\{'([^']*)': '([^']*)'\}", r"add --sensor '\1=\2'"),
+    (r"\bgive channels=True \(on the command line: --channels\)", "add --channels"),
+    (r"\bas in sensors=\{'([^']*)': '([^']*)', '([^']*)': '([^']*)'\}",
+     r"as in --sensor '\1=\2' --sensor '\3=\4'"),
     (r"\bgive (the )?noise\b", "give --noise"),
     (r"\btraces\.with_scaled_times\((\S+)\) corrects them", r"multiply them by \1 in the file"),
     (r"\(scan_defects\)", "(--defects)"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -17,17 +16,17 @@ from ..representation import counted
 from ..store.csv_tables import split_header
 from ..units import UNITS, converted
 from ..validation.keywords import checked_arguments
-from ..validation.objects import check_bool, check_list, file_path, shown_path, text
+from ..validation.objects import check_bool, file_path, shown_path
 from .headers import header_of, other_unit_error, without_unit
 from .noise import check_names_of_noise
-from .places import Place, place_named
+from .places import Place
 from .sample_rows import Rows, sample_rows
 from .scope_files import WORDS, header_and_samples, sample
 from .shots import check_times, make_shot
 from .signals import Shot
 from .traces import Traces, with_coupling
+from .wanted_columns import Sensors, key_of, wanted_columns
 
-Sensors = dict[str, tuple[str, str]] | None
 # Parts of a number with a decimal comma, and its exponent.
 _INTEGER: Final = re.compile(r"[+-]?\d+(e[+-]?\d+)?", re.IGNORECASE)
 # Samples of a sensor that all increase are times if there are at least as many.
@@ -65,11 +64,12 @@ def load_traces(
         Names of the sensors to read, such as ``["ball 6", "wall"]``; by default all.  A mapping
         from names of columns to places reads files with other names, such as
         ``{"Force": "wall", "CH2": "ball 6 [V]"}``; the place has a unit if the file has none.
-        ``{"X": "time [s]"}`` names the column of the times.
+        ``{"X": "time [s]"}`` names the column of the times.  If the columns of several files have
+        the same name, name the files: ``{"ch1.csv": "wall", "ch2.csv": "ball 6"}``, or
+        ``"ch1.csv:Volt"`` if a file has several columns of samples.
     channels : bool
         Whether the files have different sensors in the same shots, such as one file for each
-        channel of an oscilloscope, instead of different shots.  If their columns have the same
-        name, read each file with its own ``sensors`` and use `Traces.merge`.
+        channel of an oscilloscope, instead of different shots.
     noise : float or mapping, optional
         Standard deviation of the noise of all sensors, or by name, in N, m/s or V or with a
         unit, such as ``"3 mV"``.  By default it is estimated for each sensor from the samples
@@ -111,19 +111,18 @@ def load_traces(
     """
     if not paths:
         raise InputError("give load_traces at least one file, such as 'data.csv'")
-    wanted, channels = _wanted(sensors), check_bool("channels", channels) and len(paths) > 1
-    files = [(path, _table(path)) for path in paths]
-    headers = [table.header for _, table in files]
-    if channels:
-        _check_channels(wanted, headers)
-    else:
-        _check_shots(wanted, headers)
-    parts = []
-    for path, table in files:
+    channels = check_bool("channels", channels) and len(paths) > 1
+    tables = [_table(path) for path in paths]
+    headers = [table.header for table in tables]
+    wanted = wanted_columns(sensors, paths, headers, channels=channels)
+    found: Traces | None = None
+    for path, table, own in zip(paths, tables, wanted, strict=True):
         with errors_at(shown_path(path)):
-            own = _present(wanted, table.header) if channels else wanted
-            parts.append(Traces(tuple(_shots(table, own, noise))))
-    found = functools.reduce(Traces.merge if channels else Traces.__add__, parts)
+            part = Traces(tuple(_shots(table, own, noise)))
+            if found is not None:
+                part = found.merge(part) if channels else found + part
+        found = part
+    assert found is not None
     check_names_of_noise(noise, found.names)
     return with_coupling(found, coupling)
 
@@ -155,56 +154,6 @@ def _table(path: str | os.PathLike[str]) -> Table:
                 "the file has a header but no samples; write one row per time below the header"
             )
     return Table(header, body, lines[-len(body) :])
-
-
-def _wanted(sensors: object) -> Sensors:
-    """Column, as it is written, and place of each sensor to read, by the key of the column."""
-    if sensors is None:
-        return None
-    if not isinstance(sensors, Mapping):
-        names = [text("sensor", each) for each in check_list("sensors", sensors, "'ball 6'")]
-        return {_key(name): (name, name) for name in names}
-    return {
-        _key(text("column of a sensor", column)): (column, text("place of a sensor", place))
-        for column, place in sensors.items()
-    }
-
-
-def _key(header: str) -> str:
-    """Name of a column without its unit and spelling: that of its place, if it names one."""
-    name, _ = split_header(header) or (" ".join(header.lower().split()), None)
-    try:
-        return place_named(name).name
-    except InputError:
-        return name
-
-
-def _present(wanted: Sensors, header: list[str]) -> Sensors:
-    """The sensors whose columns a file has."""
-    if wanted is None:
-        return None
-    names = [_key(full) for full in header]
-    return {name: each for name, each in wanted.items() if name in names}
-
-
-def _check_channels(wanted: Sensors, headers: Sequence[list[str]]) -> None:
-    """Check that each sensor is in one of several files."""
-    present = {_key(full): without_unit(full) for header in headers for full in header}
-    for name, (written, _) in (wanted or {}).items():
-        if name not in present:
-            others = ", ".join(own for key, own in present.items() if key not in ("time", "shot"))
-            raise InputError(f"there is no column {written!r}; the files have {others}")
-
-
-def _check_shots(wanted: Sensors, headers: Sequence[list[str]]) -> None:
-    """Reject files that seem to be channels of one shot: one of them lacks a sensor of another."""
-    names = [{_key(full) for full in header} for header in headers]
-    for name, (written, _) in (wanted or {}).items():
-        if any(name in own for own in names) and not all(name in own for own in names):
-            raise InputError(
-                f"column {written!r} is not in all files; if they are channels of one shot, give "
-                "channels=True (on the command line: --channels)"
-            )
 
 
 def _shots(table: Table, wanted: Sensors, noise: float | Mapping[str, float] | None) -> list[Shot]:
@@ -260,9 +209,9 @@ def _with_times(header: list[str], wanted: Sensors) -> tuple[list[str], Sensors]
     """The header with the column that is given as that of the times, and the other sensors."""
     if wanted is None:
         return header, None
-    place = {key: place for key, (_, place) in wanted.items() if _key(place) == "time"}
+    place = {key: place for key, (_, place) in wanted.items() if key_of(place) == "time"}
     others = {key: each for key, each in wanted.items() if key not in place}
-    header = [_with_unit_of(full, place.get(_key(full))) for full in header]
+    header = [_with_unit_of(full, place.get(key_of(full))) for full in header]
     return header, others or None
 
 
@@ -288,7 +237,7 @@ def _columns(
     header: list[str], wanted: Sensors
 ) -> tuple[int, int | None, dict[tuple[Place, str], tuple[int, float]]]:
     """Column of the times, of the shots if there is one, and of each sensor with its factor."""
-    names = [_key(full) for full in header]
+    names = [key_of(full) for full in header]
     if names.count("time") != 1:
         raise InputError(
             f"there must be one column of times, such as 'time [us]' or 'Time (s)', among "

@@ -12,6 +12,8 @@ from hertzchain.store.chain_schema import chain_schema
 
 Keys = Sequence[Mapping[str, Any]]
 PER = {"bead": "one per bead", "contact": "one per contact", "row": "one per row", "item": "list"}
+# Kinds of values whose name is not a type.
+WORDS = {"signal": "text"}
 
 
 def chain_file_page() -> str:
@@ -103,7 +105,8 @@ def _table(keys: Keys) -> Iterator[str]:
 
 def _value(key: Mapping[str, Any]) -> str:
     """Type, choices, bounds and length of a value."""
-    kind = ", ".join(f"`{choice}`" for choice in key["choices"]) or key["kind"]
+    choices = ", ".join(f"`{choice}`" for choice in key["choices"])
+    kind = choices or WORDS.get(key["kind"], key["kind"])
     symbols = {"above": ">", "least": "≥", "most": "≤", "below": "<"}
     bounds = [f"{symbol} {key[name]:g}" for name, symbol in symbols.items() if name in key]
     several = [PER[key["per"]] + (", or one for all" if key["one_for_all"] else "")

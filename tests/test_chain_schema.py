@@ -5,6 +5,7 @@ import itertools
 import json
 import math
 import re
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -48,7 +49,9 @@ def functions():
         yield shape, SECTIONS["chain.with_contacts"].variants[name]
     for name, drive in DRIVES.items():
         keys = SECTIONS["chain.drive"].variants[name]
-        yield drive, [key for key in keys if key.kind != "file"]
+        yield drive, [key for key in keys if key.kind not in ("file", "signal")]
+    signal = [key for key in SECTIONS["chain.drive"].variants["table"] if key.kind == "signal"]
+    yield partial(hc.load_drive, "no.csv"), signal
     for side in ("left_wall", "right_wall"):
         keys = SECTIONS[f"chain.{side}"].keys
         yield hc.Wall, [key for key in keys if key.name != "rigid"]

@@ -815,7 +815,7 @@ def test_columns_of_an_oscilloscope_are_given_places(tmp_path):
         hc.load_traces(file)
     with pytest.raises(hc.InputError, match="no column 'CH3'; the file has Force, CH2"):
         hc.load_traces(file, sensors={"CH3": "wall"})
-    with pytest.raises(hc.InputError, match="two columns of 'wall'"):
+    with pytest.raises(hc.InputError, match="wall is given for 'force' and for 'CH2'"):
         hc.load_traces(file, sensors={"force": "wall", "CH2": "wall"})
     with pytest.raises(hc.InputError, match="place of a sensor must be text, got 6"):
         hc.load_traces(file, sensors={"force": 6})

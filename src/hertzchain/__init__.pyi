@@ -88,10 +88,10 @@ from .simulation.wall_force import WallForce as WallForce
 from .simulation.wave_events import WaveEvent as WaveEvent
 from .simulation.waves import Wave as Wave
 from .simulation.waves import Waves as Waves
-from .store.bead_tables import load_drive as load_drive
 from .store.chain_as_toml import chain_as_toml as chain_as_toml
 from .store.chain_files import chain_from_toml as chain_from_toml
 from .store.chain_files import load_chain as load_chain
+from .store.drive_files import load_drive as load_drive
 from .store.results import load_state as load_state
 from .store.results import save_run as save_run
 from .store.results import save_state as save_state

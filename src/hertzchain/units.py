@@ -61,6 +61,8 @@ UNITS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "damping": ("kg/s", "g/s"),
     }
 )
+# Units of electrical signals, in V.
+VOLTS: Final[Mapping[str, float]] = MappingProxyType({"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6})
 # Exponent of contacts by powers of the unit of their stiffness, force/length^exponent.
 EXPONENTS: Final = {(0.0, 1.0, -2.0): "1", (-0.5, 1.0, -2.0): "1.5"}
 # Units written in other ways.

@@ -1,4 +1,4 @@
-"""Read beads (one row per bead) and drives (one row per time) from CSV files."""
+"""Read beads, one row per bead, from CSV files."""
 
 from __future__ import annotations
 
@@ -9,10 +9,8 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.drives import TableDrive
 from ..chain.materials import Material, material
 from ..errors import InputError, errors_at
-from ..validation.keywords import checked_arguments
 from ..validation.objects import file_path, shown_path
 from .csv_tables import Column, CsvTable, read_csv
 
@@ -25,11 +23,6 @@ BEAD_COLUMNS: Final = {
     "velocity": Column("velocity"),
     "gap": Column("length", between_rows=True, least=0.0),
     "stiffness": Column("stiffness", between_rows=True, above=0.0),
-}
-DRIVE_COLUMNS: Final = {
-    "time": Column("time"),
-    "force": Column("force"),
-    "displacement": Column("length"),
 }
 
 
@@ -100,45 +93,3 @@ def _materials(names: Sequence[object], own: Mapping[str, Material]) -> list[Mat
         with errors_at(f"row {row}"):
             found.append(own.get(name) or material(name))
     return found
-
-
-@checked_arguments("load_drive")
-def load_drive(path: str | os.PathLike[str]) -> TableDrive:
-    r"""Read a drive from a CSV file with columns such as ``time [us]`` and ``force [N]``.
-
-    Parameters
-    ----------
-    path : path-like
-        The file; the second column may be ``displacement [um]``, of the left wall.
-
-    Raises
-    ------
-    InputError
-        If the file is missing or unreadable, a column is unknown, missing or duplicated, or
-        times do not increase.  The message names the file.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder) / "hammer.csv"
-    ...     _ = file.write_text("time [us],force [N]\n0,0\n10,80\n30,0\n")
-    ...     hc.load_drive(file)
-    TableDrive(3 times, 0 to 3e-05, of='force')
-    """
-    file = file_path("table of a drive", path)
-    with errors_at(shown_path(path)):
-        table = read_csv(file, DRIVE_COLUMNS)
-        of = [name for name in ("force", "displacement") if name in table.columns]
-        if "time" not in table.columns or len(of) != 1:
-            raise InputError(
-                "a drive requires a column time and either force or displacement, got "
-                f"{', '.join(table.columns)}"
-            )
-        return TableDrive(
-            np.array(table.columns["time"], float),
-            np.array(table.columns[of[0]], float),
-            of[0],  # type: ignore[arg-type]
-        )

@@ -55,8 +55,9 @@ from ..errors import InputError, errors_at, raise_all
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers, whole_number
 from ..validation.objects import check_type, file_path, shown_path
-from .bead_tables import load_beads, load_drive
-from .chain_schema import FORMS, with_usual_names, without_units
+from .bead_tables import load_beads
+from .chain_schema import FORMS, SIGNAL_KEYS, with_usual_names, without_units
+from .drive_files import load_drive
 from .schema_checks import check_document, has_tables
 from .toml_files import parse_toml, read_toml
 
@@ -411,9 +412,17 @@ class _ChainFile:
     def _drive(self, entry: dict[str, Any]) -> Drive:
         kind = entry.pop("kind")
         if "file" in entry:
-            if len(entry) > 1:
-                raise InputError("[chain.drive] has file and also other keys: omit them")
-            return load_drive(self.folder / entry["file"])
+            if own := [key for key in entry if key != "file" and key not in SIGNAL_KEYS]:
+                raise InputError(
+                    f"[chain.drive] has file and also {', '.join(own)}: omit "
+                    f"{'it' if len(own) == 1 else 'them'}, because the file and its gain state this"
+                )
+            return load_drive(self.folder / entry.pop("file"), **entry)
+        if own := [key for key in entry if key in SIGNAL_KEYS]:
+            raise InputError(
+                f"[chain.drive] has {', '.join(own)}, but no file: these keys describe the signal "
+                "of a file"
+            )
         for key in ("times", "values") if kind == "table" else ():
             if key not in entry:
                 raise InputError(

@@ -234,10 +234,19 @@ _DRIVES: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
             _number("values", "forces or displacements at these times", "force",
                     dimension_if_displacement="length", per="row"),
             _OF,
-            Key("file", "file", "CSV file with columns time and force or displacement"),
+            Key("file", "file", "CSV file with columns time and force, displacement or velocity, "
+                "or a signal in V"),
+            Key("column", "signal", "column of the signal of a file, if there are several"),
+            Key("gain", "signal", "gain of a signal in V, such as `50 N/V`, `20 mV/N` or "
+                "`0.1 mm/V`"),
+            Key("offset", "signal", "signal without force or displacement, such as `12 mV`"),
+            Key("baseline", "signal", "time until which the mean signal is the offset, such as "
+                "`20 us`"),
         ),
     }
 )  # fmt: skip
+# Keys of a drive that describe the signal of its file.
+SIGNAL_KEYS: Final = tuple(key.name for key in _DRIVES["table"] if key.kind == "signal")
 _MATERIALS: Final = (
     _number("density", "density", "density", required=True, least=MIN_DENSITY, most=MAX_DENSITY),
     _number("young", "Young's modulus; inf is rigid", "pressure", required=True, above=0.0),

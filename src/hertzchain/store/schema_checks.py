@@ -197,6 +197,7 @@ _TYPES: Final[Mapping[str, tuple[tuple[type, ...], str]]] = MappingProxyType(
         "text": ((str,), "text"),
         "material": ((str,), "a name"),
         "file": ((str,), "a path"),
+        "signal": ((str,), "text"),
     }
 )
 

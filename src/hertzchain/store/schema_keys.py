@@ -10,7 +10,9 @@ from typing import Any, Literal
 
 from ..units import UNITS
 
-Kind = Literal["number", "integer", "boolean", "choice", "text", "material", "file", "law"]
+Kind = Literal[
+    "number", "integer", "boolean", "choice", "text", "material", "file", "signal", "law"
+]
 Per = Literal["", "bead", "contact", "row", "item"]
 
 
@@ -24,8 +26,8 @@ class Key:
         Name of the key.
     kind : str
         ``"number"``, ``"integer"``, ``"boolean"``, ``"choice"``, ``"text"``, ``"material"``
-        (a name), ``"file"`` (a path relative to the chain file) or ``"law"`` (a table such as
-        ``[chain.loss]``).
+        (a name), ``"file"`` (a path relative to the chain file), ``"signal"`` (text on the signal
+        in a file) or ``"law"`` (a table such as ``[chain.loss]``).
     description : str
         Meaning of the value.
     default : object

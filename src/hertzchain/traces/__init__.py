@@ -2,7 +2,7 @@
 
 - the data: `traces` of several `shots`, the `signals` of one, `headers` of columns, and the
   `places` of sensors;
-- files: `files`, with `scope_files` of oscilloscopes, `sample_rows` and `wanted_columns`;
+- files: `files`, with the `wanted_columns`;
 - what the samples show: `amplitudes`, `noise`, `quiet_parts`, `spikes`, `missing_rows`, `coupling`,
   `notes`.
 """

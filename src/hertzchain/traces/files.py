@@ -3,32 +3,27 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, errors_at
-from ..representation import counted
 from ..store.csv_tables import split_header
+from ..store.sample_table import SampleTable, read_samples
+from ..store.scope_files import WORDS
 from ..units import UNITS, converted
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, file_path, shown_path
 from .headers import header_of, other_unit_error, without_unit
 from .noise import check_names_of_noise
 from .places import Place
-from .sample_rows import Rows, sample_rows
-from .scope_files import WORDS, header_and_samples, sample
 from .shots import check_times, make_shot
 from .signals import Shot
 from .traces import Traces, with_coupling
 from .wanted_columns import Sensors, key_of, wanted_columns
 
-# Parts of a number with a decimal comma, and its exponent.
-_INTEGER: Final = re.compile(r"[+-]?\d+(e[+-]?\d+)?", re.IGNORECASE)
 # Samples of a sensor that all increase are times if there are at least as many.
 MANY: Final = 10
 
@@ -127,16 +122,7 @@ def load_traces(
     return with_coupling(found, coupling)
 
 
-@dataclass(frozen=True)
-class Table:
-    """Header and rows of samples of a file, with the number of the line of each row."""
-
-    header: list[str]
-    body: Rows
-    lines: list[int]
-
-
-def _table(path: str | os.PathLike[str]) -> Table:
+def _table(path: str | os.PathLike[str]) -> SampleTable:
     """Header and samples of a file."""
     file = file_path("file of traces", path)
     if file.suffix.lower() == ".toml":
@@ -145,37 +131,23 @@ def _table(path: str | os.PathLike[str]) -> Table:
             "the traces first and the chain file last, as in data.csv chain.toml"
         )
     with errors_at(shown_path(path)):
-        rows, lines = sample_rows(file)
-        if not rows:
-            raise InputError("the file has no header; write time [us], ball 6 [N], ...")
-        header, body = header_and_samples(rows, lines)
-        if not body:
-            raise InputError(
-                "the file has a header but no samples; write one row per time below the header"
-            )
-    return Table(header, body, lines[-len(body) :])
+        return read_samples(file, "time [us], ball 6 [N], ...")
 
 
-def _shots(table: Table, wanted: Sensors, noise: float | Mapping[str, float] | None) -> list[Shot]:
+def _shots(
+    table: SampleTable, wanted: Sensors, noise: float | Mapping[str, float] | None
+) -> list[Shot]:
     header = table.header
-    for number, row in zip(table.lines, table.body, strict=True):
-        if len(row) != len(header):
-            advice = "complete or remove the line"
-            if len(header) < len(row) <= 2 * len(header) and all(map(_INTEGER.fullmatch, row)):
-                advice = "if numbers have decimal commas, separate the columns by semicolons"
-            raise InputError(
-                f"line {number} has {counted(len(row), 'cell')}, but the header has "
-                f"{len(header)}; {advice}"
-            )
+    table.check_rows()
     header, wanted = _with_times(header, wanted)
     time, shot, columns = _columns(header, wanted)
     unit = _unit_of_times(header[time])
     factor = converted("column 'time'", 1.0, unit, "s")
-    times = _numbers(table, time, header[time])
+    times = table.numbers(time, header[time])
     samples = {
-        key: own * _numbers(table, index, header[index]) for key, (index, own) in columns.items()
+        key: own * table.numbers(index, header[index]) for key, (index, own) in columns.items()
     }
-    labels = np.ones(len(times)) if shot is None else _numbers(table, shot, "shot")
+    labels = np.ones(len(times)) if shot is None else table.numbers(shot, "shot")
     lines = np.array(table.lines)
     if not np.isfinite(labels).all():
         raise InputError(f"line {lines[np.argmin(np.isfinite(labels))]} has no shot")
@@ -272,19 +244,3 @@ def _unit_of_times(header: str) -> str:
             f"sensors={{{header!r}: 'time [s]'}}"
         )
     return unit
-
-
-def _numbers(table: Table, index: int, name: str) -> Array:
-    try:
-        return np.array([sample(row[index]) for row in table.body])
-    except ValueError:
-        pass
-    for number, row in zip(table.lines, table.body, strict=True):
-        try:
-            sample(row[index])
-        except ValueError:
-            raise InputError(
-                f"column {name!r} is {row[index]!r} in line {number}: it must be a number, or "
-                "empty if the sample is missing"
-            ) from None
-    raise AssertionError

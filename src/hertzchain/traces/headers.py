@@ -7,13 +7,12 @@ from typing import Final
 
 from ..errors import InputError
 from ..store.csv_tables import split_header
-from ..units import converted, quantity
+from ..units import VOLTS, converted, quantity
 from ..validation.numbers import number
 from .places import Place, place_named
 
 # Unit at the end of a header.
 UNIT: Final = re.compile(r"\s*[\[(][^\[(]*$")
-VOLTS = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6}
 UNITS = {"force": "N", "velocity": "m/s"}
 GAIN_UNITS = {"force": "V/N", "velocity": "V s/m"}
 

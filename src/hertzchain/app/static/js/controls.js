@@ -197,7 +197,7 @@ export class Controls {
     }
     const keys = variant ? section.variants[entry[variant]] ?? [] : section.keys;
     const common = variant ? section.keys.filter((/** @type {any} */ key) => key.name !== "between" || entry.between) : [];
-    for (const key of [...common, ...keys]) if (key.kind !== "file") fields.push(this.field(path, key));
+    for (const key of [...common, ...keys]) if (key.kind !== "file" && key.kind !== "signal") fields.push(this.field(path, key));
     return fields;
   }
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..errors import InputError
 from ..representation import counted
-from ..store.csv_tables import split_header
 from ..units import UNITS
+from .csv_tables import split_header
 from .sample_rows import Rows
 
 # Missing samples, and those beyond the range of the digitiser.

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import Final
 
 from ..errors import InputError
-from ..store.csv_tables import csv_lines, parsed_lines
+from .csv_tables import csv_lines, parsed_lines
 
 Rows = list[list[str]]
 

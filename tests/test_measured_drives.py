@@ -149,7 +149,7 @@ def test_a_measured_blow_moves_the_beads_as_its_sine_does(file):
         ({"gain": "50 N/V", "baseline": "-1 ms"},
          "no sample until baseline = '-1 ms', because the file begins at -40 us"),
         ({"gain": "50 N/V", "baseline": "1 mm"}, "baseline must have a unit such as s, ms"),
-        ({"gain": "50 N/V", "column": "Amp"}, r"not the column 'Amp'; choose one of Volt \(V\)"),
+        ({"gain": "50 N/V", "column": "Amp"}, r"no column 'Amp'; choose one of Volt \(V\)"),
         ({"gain": "50 N/V", "column": "Volt [mV]"}, r"has the unit V, but is given as 'Volt \[mV"),
         ({"gain": "50 N/V", "column": 2}, "column of a drive must be text, got 2"),
     ],

@@ -101,6 +101,8 @@ def fit(
       hertzchain fit data.csv experiment.toml
       hertzchain fit fast.csv slow.csv experiment.toml --plot fit.png --out fitted.toml
       hertzchain fit scope.csv experiment.toml --sensor CH1=wall
+      hertzchain fit ch1.csv ch2.csv experiment.toml --channels --sensor ch1.csv=wall \\
+          --sensor "ch2.csv=ball 5"
       hertzchain fit data.csv experiment.toml --free stiffness --free loss.time --laws all
     """
     import hertzchain

@@ -149,7 +149,7 @@ def _signal(table: SampleTable, time: int, column: str | None) -> _Column:
     found = [each for each in columns if each.name == name]
     if len(found) != 1:
         others = ", ".join(each.header for each in columns) or "only times"
-        many = f"{len(found)} columns {column!r}" if found else f"not the column {column!r}"
+        many = f"{len(found)} columns {column!r}" if found else f"no column {column!r}"
         raise InputError(f"the file has {many}; choose one of {others}")
     own = found[0]
     if unit and own.unit and unit != own.unit:

@@ -32,9 +32,8 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from numbers import Integral
-from operator import itemgetter
 from pathlib import Path
 from typing import Any, Final
 
@@ -44,9 +43,7 @@ from ..chain.chain import Chain
 from ..chain.contact_shapes import Cone, CrossedCylinders, Shape
 from ..chain.drives import Drive, SineBurst, StepDrive, TableDrive
 from ..chain.input_checks import checked_beads, checked_sizes
-from ..chain.laws import LAWS, Loss
 from ..chain.materials import RIGID, Material, material
-from ..chain.per_contact import OTHERS
 from ..chain.striker_properties import StrikerProperties
 from ..chain.taper_sizes import Sizes, si_radii
 from ..chain.tapers import PARAMETERS, taper_named
@@ -57,6 +54,7 @@ from ..validation.numbers import number, real_numbers, whole_number
 from ..validation.objects import check_type, file_path, shown_path
 from .bead_tables import load_beads
 from .chain_schema import FORMS, SIGNAL_KEYS, with_usual_names, without_units
+from .contact_values import exponent_from, law_from, losses_from
 from .drive_files import load_drive
 from .schema_checks import check_document, has_tables
 from .toml_files import parse_toml, read_toml
@@ -219,7 +217,7 @@ class _ChainFile:
         keys = {key for more in FORMS.values() for key in more} | set(FORMS)
         self._require_without(form, sorted(keys - {form, *FORMS[form]}))
         one = "exponent" in table and not self._is_list("exponent")
-        law = {"exponent": self._exponent()} if one else {}
+        law = {"exponent": exponent_from(self.table["exponent"], self._material)} if one else {}
         if table.get("units") == "scaled" and "materials" in table:
             raise InputError(
                 "[chain] has units = 'scaled' and also materials, which make a chain in SI units: "
@@ -347,7 +345,7 @@ class _ChainFile:
 
     def _part(self, name: str) -> Any:
         if name == "loss":
-            return self._losses(self.table[name])
+            return losses_from(self.table[name], self._material)
         entry = dict(self.table[name])
         if name.endswith("wall"):
             if "loss" in entry:
@@ -356,7 +354,7 @@ class _ChainFile:
                         f"loss of [chain.{name}] has between, but is the law of one contact: omit "
                         "between, or use [[chain.loss]]"
                     )
-                entry["loss"] = _law(entry["loss"])
+                entry["loss"] = law_from(entry["loss"])
             if entry.pop("rigid", False):
                 if "material" in entry:
                     raise InputError(f"[chain.{name}] is rigid and has a material: omit one")
@@ -365,49 +363,6 @@ class _ChainFile:
                 entry["material"] = self._material(entry["material"])
             return Wall(**entry)
         return self._drive(entry)
-
-    def _losses(self, given: Any) -> Any:
-        """A law of all contacts, a list with one for each, or a mapping from pairs of materials."""
-        listed = [given] if isinstance(given, Mapping) else given
-        if len(listed) == 1 and "between" not in listed[0]:
-            return _law(listed[0])
-        if not any("between" in each for each in listed):
-            return [_law(each) for each in listed]
-        return self._pairs("loss", listed, _law)
-
-    def _exponent(self) -> Any:
-        """An exponent for all contacts, or a mapping from pairs of materials."""
-        given = self.table["exponent"]
-        if not has_tables(given):
-            return given
-        listed = [given] if isinstance(given, Mapping) else given
-        if not any("between" in each for each in listed):
-            raise InputError(
-                "[chain.exponent] requires between, two materials; for all contacts, write "
-                f"exponent = {listed[0]['value']:g}"
-            )
-        return self._pairs("exponent", listed, itemgetter("value"))
-
-    def _pairs(
-        self, name: str, listed: Sequence[Mapping[str, Any]], value: Callable[[Any], Any]
-    ) -> dict[Any, Any]:
-        """Values by pairs of materials; that of a table without between is for all other pairs."""
-        found: dict[Any, Any] = {}
-        for each in listed:
-            pair = self._pair(name, each["between"]) if "between" in each else OTHERS
-            if pair in found:
-                same = "are without between" if pair == OTHERS else "have the same between"
-                raise InputError(f"two tables of [[chain.{name}]] {same}: omit one")
-            found[pair] = value(each)
-        return found
-
-    def _pair(self, name: str, names: Sequence[str]) -> frozenset[Material]:
-        if len(names) != 2:
-            raise InputError(
-                f"between of [chain.{name}] must have two materials, got {names!r}; a table "
-                "without between is for all other pairs"
-            )
-        return frozenset(self._material(names))
 
     def _drive(self, entry: dict[str, Any]) -> Drive:
         kind = entry.pop("kind")
@@ -444,8 +399,3 @@ class _ChainFile:
         present = [key for key in others if key in self.table]
         if present:
             raise InputError(f"[chain] has {what} and also {', '.join(present)}: {advice}")
-
-
-def _law(entry: Mapping[str, Any]) -> Loss:
-    values = {key: value for key, value in entry.items() if key not in ("law", "between")}
-    return LAWS[entry["law"]](**values)

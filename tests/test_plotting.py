@@ -18,6 +18,7 @@ from hertzchain.plotting.budget import plot_budget
 from hertzchain.plotting.chains import material_colour, plot_chain
 from hertzchain.plotting.colours import COLOURS, signed_map
 from hertzchain.plotting.design_beads import plot_beads
+from hertzchain.plotting.enlarged import small_groups
 from hertzchain.plotting.fits import plot_correlations
 from hertzchain.plotting.runs import (
     force_curve,
@@ -859,6 +860,33 @@ def test_runs_that_differ_much_share_axes_and_the_small_ones_are_enlarged_below(
         assert axes.get_title(loc="left").startswith(f"{name} axis enlarged ")
     ratio = float(re.search(r"enlarged (\S+) times", weak.get_title(loc="left"))[1])
     assert ratio == pytest.approx(peaks[0] / peaks[1], rel=0.05)
+
+
+def test_all_short_runs_are_enlarged():
+    runs = {str(beads): long_run(0.1, beads) for beads in (8, 14, 60)}
+    first = plot_forces_of_runs(runs, {name: [int(name) + 1] for name in runs})
+    _, short = first.figure.axes
+    ends = [1e3 * run.times[-1] for run in runs.values()]
+    # The second one is longer than a fifth of the longest run, but hardly legible beside it.
+    assert 5.0 * ends[0] < ends[2] < 5.0 * ends[1]
+    assert short.get_title(loc="left").startswith("8, 14: time axis enlarged ")
+    assert short.get_xlim()[1] == pytest.approx(ends[1])
+
+
+@pytest.mark.parametrize(("tops", "ends", "expected"), [
+    ([1.0, 1.0, 1.0], [1.0, 2.0, 4.9], []),
+    # Of similar durations, all are short, or none.
+    ([1.0] * 4, [10.0, 19.0, 24.0, 100.0], [([0, 1, 2], True)]),
+    ([1.0] * 4, [10.0, 60.0, 80.0, 100.0], [([0], True)]),
+    # A curve that is short in an enlarged panel, too, has another one.
+    ([1.0] * 3, [1.0, 15.0, 100.0], [([0, 1], True), ([0], True)]),
+    ([1.0] * 4, [1.0, 15.0, 50.0, 100.0], [([0, 1], True), ([0], True)]),
+    # Forces that are weak and short do not share axes with long ones.
+    ([9.0, 1.0, 1.0, 9.0], [99.0, 99.0, 9.0, 9.0], [([1], False), ([2], True), ([3], True)]),
+    ([9.0, 0.0], [1.0, 1.0], []),
+])  # fmt: skip
+def test_curves_that_are_small_beside_others_are_grouped(tops, ends, expected):
+    assert small_groups(tops, ends) == expected
 
 
 def test_runs_in_different_units_have_a_panel_each():

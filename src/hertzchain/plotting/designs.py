@@ -44,9 +44,9 @@ if TYPE_CHECKING:
     from ..designs.result import DesignResult
 
 # Longest lines of the labels of y axes in narrow and in wide figures; height [inch] of a panel,
-# that of two panels of forces, in panels, and that of the labels of beads [inch].
+# that of an enlarged panel of forces, in panels, and that of the labels of beads [inch].
 NARROW_LABEL, LABEL = 18, 27
-PANEL, TWO_PANELS, LABELS_OF_BEADS = 1.7, 1.7, 0.9
+PANEL, ENLARGED, LABELS_OF_BEADS = 1.7, 0.7, 0.9
 # Largest height of both rows of beads [inch], and their part of the width of a figure.
 MAX_BEADS, PART = 1.6, 0.8
 # Name of the design among the compared chains.
@@ -64,45 +64,50 @@ def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     """Plot the force on the wall over time, or without a wall the leading pulse by bead.
 
     Dashed curves are those of contacts that yield, if elastic ones leave the range of Hertz's law.
-    If forces or durations differ much, a second panel has the weak or the short curve, enlarged,
+    If forces or durations differ much, further panels have the weak and the short curve, enlarged,
     unless axes are given.
     """
     with figure_style():
         curves = compared_curves(result, MUCH)
-        if ax is not None or not _differ(result, curves):
+        small = _small(result, curves)
+        if ax is not None or not small:
             return _draw_curves(result, curves, get_axes(ax))
-        figure = plt.figure()
-        return _draw_panels(result, curves, figure.add_gridspec(2, 1))
+        size = None if len(small) == 1 else figure_size(5.4, 1.9 * (1 + len(small)))
+        grid = plt.figure(figsize=size).add_gridspec(1 + len(small), 1)
+        return _draw_panels(result, curves, small, grid)
 
 
-def _differ(result: DesignResult, curves: Sequence[Curve]) -> bool:
-    """Whether durations or forces of both chains differ by so much that one is to be enlarged."""
-    return result.chain.right_wall is not None and bool(_small(curves))
-
-
-def _small(curves: Sequence[Curve]) -> list[list[str]]:
-    """Names of chains whose forces are weak beside those of the other chain, or short."""
+def _small(result: DesignResult, curves: Sequence[Curve]) -> list[tuple[str, bool]]:
+    """Chains whose forces on a wall are weak or short beside the others, and whether short."""
+    if result.chain.right_wall is None:
+        return []
     names = list(dict.fromkeys(each.name for each in curves))
-    both = [[each for each in curves if each.name == name] for name in names]
-    tops = [max(float(curve.y.max()) for curve in own) for own in both]
-    groups = small_groups(tops, [float(own[0].x[-1]) for own in both])
-    return [[names[i] for i in group] for group in groups]
+    chains = [[each for each in curves if each.name == name] for name in names]
+    tops = [max(float(curve.y.max()) for curve in own) for own in chains]
+    groups = small_groups(tops, [float(own[0].x[-1]) for own in chains])
+    return [(names[i], group.short) for group in groups for i in group.curves]
 
 
-def _draw_panels(result: DesignResult, curves: Sequence[Curve], grid: GridSpecBase) -> Axes:
-    """Draw both chains in one panel and, below it, the weak or the short one enlarged."""
-    first: Axes = grid.figure.add_subplot(grid[0])  # type: ignore[attr-defined]
-    second: Axes = grid.figure.add_subplot(grid[1])  # type: ignore[attr-defined]
-    ((name, *_), *_) = _small(curves)
+def _draw_panels(
+    result: DesignResult, curves: Sequence[Curve], small: Sequence[tuple[str, bool]],
+    grid: GridSpecBase,
+) -> Axes:  # fmt: skip
+    """Draw all chains in one panel and, below it, the weak and the short ones enlarged."""
+    panels: list[Axes] = [
+        grid.figure.add_subplot(grid[i])  # type: ignore[attr-defined]
+        for i in range(1 + len(small))
+    ]
+    first = panels[0]
     longest = max(float(each.x[-1]) for each in curves)
     _draw_curves(result, curves, first)
-    _draw_curves(result, [each for each in curves if each.name == name], second, longest)
-    second.get_legend().remove()  # type: ignore[union-attr]
-    finish_enlarged(second, first, name)
-    if second.get_xlim() == first.get_xlim():
+    for axes, (name, short) in zip(panels[1:], small, strict=True):
+        _draw_curves(result, [each for each in curves if each.name == name], axes, longest)
+        axes.get_legend().remove()  # type: ignore[union-attr]
+        finish_enlarged(axes, first, name, short=short)
+    if panels[1].get_xlim() == first.get_xlim():
         first.set_xlabel("")
         first.tick_params(labelbottom=False)
-    for axes in (first, second):
+    for axes in panels:
         # Panels are low.
         axes.set_ylabel("force [N]" if result.chain.units == "SI" else "force $F$")
     return first
@@ -312,20 +317,20 @@ def plot_design(result: DesignResult) -> Figure:
     """
     with figure_style():
         curves = compared_curves(result, MUCH)
-        apart = _differ(result, curves)
+        small = _small(result, curves)
         width, _ = figure_size(8.0, 1.0)
         narrow = width < NARROW
         beads = LABELS_OF_BEADS + min(MAX_BEADS, height_of_beads(result, PART * width))
         # Long legends are above the forces of a narrow figure.
         room = 0.5 if narrow and any(each.yields for each in curves) else 0.0
         panel = PANEL if narrow else 1.5 * PANEL
-        heights = [beads, panel * (TWO_PANELS if apart else 1.0) + room, panel, panel]
+        heights = [beads, panel * (1.0 + ENLARGED * len(small)) + room, panel, panel]
         heights = heights if narrow else heights[:3]
         figure = plt.figure(figsize=(width, sum(heights)), layout="constrained")
         grid = figure.add_gridspec(len(heights), 1 if narrow else 2, height_ratios=heights)
         plot_beads(result, ax=figure.add_subplot(grid[0, :]))
-        if apart:
-            _draw_panels(result, curves, grid[1, :].subgridspec(2, 1))
+        if small:
+            _draw_panels(result, curves, small, grid[1, :].subgridspec(1 + len(small), 1))
         else:
             _draw_curves(result, curves, figure.add_subplot(grid[1, :]))
         plot_history(result, ax=figure.add_subplot(grid[2, 0]))

@@ -318,7 +318,9 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
     groups = small_groups(tops, ends) if common else []
     if common and not groups and len({len(beads[name]) for name in names}) == 1:
         return _draw_places(runs, beads)
-    panels = [everything, *groups] if common else [[i] for i in everything]
+    panels = [[i] for i in everything]
+    if common:
+        panels = [everything, *(each.curves for each in groups)]
     label = time_axis(runs[names[0]].chain, max(ends))[1] if common and len(panels) > 1 else ""
     colours = np.cumsum([0, *(len(beads[name]) for name in names)])
     with figure_style():
@@ -334,10 +336,11 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
                 )  # fmt: skip
         first: Axes = grid[0, 0]
         place_legend(first, own=len(panels) == 1)
-        for axes, shown in zip(grid[1:, 0], panels[1:], strict=True):
-            if common:
-                finish_enlarged(axes, first, ", ".join(literal(names[i]) for i in shown))
-            else:
+        for axes, group in zip(grid[1:, 0], groups, strict=False):
+            own = ", ".join(literal(names[i]) for i in group.curves)
+            finish_enlarged(axes, first, own, short=group.short)
+        if not common:
+            for axes in grid[1:, 0]:
                 place_legend(axes)
     return first
 

@@ -150,7 +150,9 @@ class Distribution(Frozen):
         return float(np.percentile(self.values, number("percent", percent, least=0.0, most=100.0)))
 
     def plot(self, *, ax: Axes | None = None) -> Axes:
-        """Plot a histogram of the values, with the nominal value and the mean.
+        """Plot a histogram of the values with the nominal value, the mean and the median.
+
+        Of at least 20 values, the percentiles 5% and 95% are marked, too.
 
         Parameters
         ----------

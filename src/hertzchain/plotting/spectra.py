@@ -21,6 +21,7 @@ from ..theory.spectrum import ROOM, Spectrum
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_choice
 from .colours import COLOURS, curve_colour, grey
+from .legends import place_legend
 from .style import BeadLocator, figure_style, get_axes, set_title
 from .titles import chain_title
 
@@ -37,6 +38,8 @@ DECADES: Final = 8.0
 # contains no peak that is narrower than half of this number of frequencies.
 PEAK: Final = 30.0
 RUNNING: Final = 9
+# Label of the frequencies in a band gap or above all bands.
+NO_WAVES: Final = "no plane waves"
 # Relative distance from an infinite resonance at which the curve has a further point.
 NEAR: Final = 1e-9
 
@@ -121,6 +124,8 @@ def plot_transfer(
         joined = "on" if drive == "force" else "of"
         axes.set_ylabel(f"force in contact {contact}\nper {drive} {joined} {place}{unit}")
         set_title(axes, f"{_title(spectrum.chain)}, {drive} {joined} {place}")
+        if NO_WAVES in axes.get_legend_handles_labels()[1]:
+            place_legend(axes, own=ax is None)
     return axes
 
 
@@ -171,7 +176,8 @@ def _shade(
     """Shade the frequency ranges without plane waves, up to an end."""
     if gaps is None:
         return
-    label = "no plane waves"
+    # A second spectrum in these axes has the same entry of the legend.
+    label = "" if NO_WAVES in axes.get_legend_handles_labels()[1] else NO_WAVES
     for low, high in np.minimum(gaps, end):
         if high > low:
             span(factor * low, factor * high, color=grey(axes, 0.9), linewidth=0.0, label=label)

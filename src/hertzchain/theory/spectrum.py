@@ -275,7 +275,8 @@ class Spectrum(BandStructure):
     ) -> Axes:
         """Plot the amplitude of a contact force under a steady drive over its frequency.
 
-        Band gaps are shaded if the chain repeats.  Without loss, all resonances leave the frame.
+        Frequencies without plane waves are shaded if the chain repeats.  Without loss, all
+        resonances leave the frame.
 
         Parameters
         ----------

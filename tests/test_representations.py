@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.app.wording import chain_in_words
 from hertzchain.chain.drives import SineBurst, StepDrive, TableDrive
 from hertzchain.evaluation import Case, paper_cases
 from hertzchain.paper import errata, reproduce, reproduce_figure, reproduce_table
+from hertzchain.plotting.titles import chain_words
 from hertzchain.recorded_warnings import ignore_warnings
 from hertzchain.representation import MAX_LINES, MAX_WIDTH, measure, short
 from hertzchain.sweeps.axes import Axis
@@ -195,11 +197,12 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
         ),
         (
             hc.Chain.from_materials([10e-3] * 9 + [16.1e-3] + [10e-3] * 10, "steel-52100"),
-            "Chain(20 steel-52100 beads, diameters 20 mm except one of 32.2 mm, impact at 1 m/s)",
+            "Chain(20 steel-52100 beads, diameter 20 mm, except bead 10 (32.2 mm), "
+            "impact at 1 m/s)",
         ),
         (
             hc.Chain.from_materials([4e-3, 5e-3, 5e-3, 5e-3], "brass"),
-            "Chain(4 brass beads, diameters 10 mm except one of 8 mm, impact at 1 m/s)",
+            "Chain(4 brass beads, diameter 10 mm, except bead 1 (8 mm), impact at 1 m/s)",
         ),
         (
             hc.Chain.from_materials(20e-6, "glass", beads=3, velocity=0.1),
@@ -223,6 +226,15 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
          "Chain(backward-exponential, q = 0.3, 9 beads, and 2 strikers, velocities)"),
         (hc.Chain.uniform(2).replace(radii=[1.0, 2.0]).struck_by(),
          "Chain(given radii, 2 beads, and 1 striker)"),
+        (hc.Chain.uniform(9).with_defects({1: 2.0}),
+         "Chain(uniform except bead 1 (radius 2), 9 beads)"),
+        (hc.Chain.from_radii([1.0, 0.5, 0.5, 0.5]),
+         "Chain(uniform (radius 0.5) except bead 1 (radius 1), 4 beads)"),
+        (hc.Chain.uniform(9).with_defects({4: 1.0 + 1e-6}),
+         "Chain(uniform except bead 4 (radius 1.000001), 9 beads)"),
+        (hc.Chain.uniform(9).with_defects({4: 0.5, 5: 0.5}), "Chain(given radii, 9 beads)"),
+        (hc.Chain.uniform(9).replace(masses=[2.0] * 8 + [3.0]),
+         "Chain(uniform (mass 2) except bead 9 (mass 3), 9 beads)"),
         (hc.Chain.from_radii([1.0, 0.5, 0.3] * 2), "Chain(cells of 3 beads, 6 beads)"),
         (hc.Chain.from_radii([1.0, 0.5, 1.0, 0.5, 0.3]), "Chain(given radii, 5 beads)"),
         (hc.Wall.of("ptfe", gap=1e-5), "Wall(ptfe, gap = 10 um)"),
@@ -383,3 +395,47 @@ def test_budgets_show_rounding_errors_as_zero():
 )  # fmt: skip
 def test_values_have_their_usual_units(value, unit, shown):
     assert measure(value, unit) == shown
+
+
+BALLS = hc.Chain.from_materials("10 mm", "steel-316", beads=20)
+
+
+@pytest.mark.parametrize(
+    ("chain", "description", "title", "on_page"),
+    [
+        (BALLS.with_defects({10: 8e-3}, material="ptfe"),
+         "20 steel-316 beads, diameter 20 mm, except bead 10 (16 mm ptfe)",
+         "20 steel balls, 20 mm, except ball 10 (16 mm PTFE)",
+         "20 steel-316 beads, diameter 20 mm, except bead 10 (16 mm ptfe), impact at 1 m/s"),
+        (BALLS.with_defects({10: 10e-3}, material="brass").with_scatter(1, relative=0.01),
+         "20 steel-316 beads, diameter 20 mm, except bead 10 (brass), 1% scatter",
+         "20 steel balls, 20 mm, except ball 10 (brass), 1% scatter",
+         "20 steel-316 beads, diameter 20 mm, except bead 10 (brass), 1% scatter, impact at 1 m/s"),
+        # A ball is counted without the striker, as on the page.
+        (BALLS.with_defects({10: 8e-3}).struck_by(velocity=0.1, radius="10 mm"),
+         "20 steel-316 beads, diameter 20 mm, except ball 10 (16 mm), and 1 striker",
+         "20 steel balls, 20 mm, except ball 10 (16 mm), and a striker, 20 mm",
+         "20 steel-316 beads, diameter 20 mm, except ball 10 (16 mm), striker (20 mm), "
+         "impact at 0.1 m/s"),
+        (hc.Chain.uniform(20).with_defects({10: 0.5}).struck_by(mass=5.0),
+         "uniform except ball 10 (radius 0.5), 20 beads, and 1 striker (radius 1.71)",
+         "20 beads, equal except ball 10 (radius 0.5), and 1 striker (radius 1.71)",
+         "uniform except ball 10 (radius 0.5), 20 beads, striker (radius 1.71)"),
+        (hc.Chain.uniform(20).with_defects({10: 0.5}),
+         "uniform except bead 10 (radius 0.5), 20 beads",
+         "20 beads, equal except bead 10 (radius 0.5)",
+         "uniform except bead 10 (radius 0.5), 20 beads"),
+    ],
+)  # fmt: skip
+def test_a_bead_that_differs_from_equal_ones_is_named(chain, description, title, on_page):
+    assert chain.description == description
+    assert chain_words(chain) == title
+    assert chain_in_words(chain) == on_page
+
+
+def test_labels_of_compared_pulses_name_the_odd_bead():
+    slow = BALLS.replace(velocities=[1e-3] + [0.0] * 19)
+    rows = [slow.with_defects({5: each / 2.0}, material="brass") for each in (18e-3, 16e-3)]
+    axes = hc.plot_pulses([hc.propagate(chain) for chain in (slow, *rows)])
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert labels[1:3] == ["except ball 5 (18 mm brass)", "except ball 5 (16 mm brass)"]

@@ -94,7 +94,9 @@ def chain_in_words(chain: Chain) -> str:
         size += f", gap {f'{apart:.4g}' if chain.scaled else length_in_words(apart)}"
     name = "striker" if count == 1 else f"{count} strikers"
     speed = impact_in_words(chain.velocities, chain.units)
-    return f"{chain[count:].description}, {name} ({size}){speed}"
+    # Balls are counted without strikers.
+    balls = chain[count:].description.replace(" except bead ", " except ball ")
+    return f"{balls}, {name} ({size}){speed}"
 
 
 def _ends(values: Array) -> str:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..representation import MAX_DIGITS, listed, measure
@@ -13,6 +16,9 @@ from .materials import Material
 from .repeated_cells import cell_repeats, smallest_cell
 from .taper_sizes import SHAPES, taper_between
 from .tapers import ROUNDING, taper_named
+
+# Beads of a chain of which one is called different.
+MIN_BEADS: Final = 4
 
 
 def beads_description(
@@ -22,13 +28,15 @@ def beads_description(
     parameters: Sequence[tuple[str, float]],
     cells: str = "",
     scatter: str = "",
+    masses: Array | None = None,
     *,
+    strikers: int = 0,
     scaled: bool,
 ) -> str:
     """Such as ``uniform, 20 beads``, or ``20 steel-52100 beads, diameter 10 mm``.
 
     Strikers are neither counted nor described.  With a scatter, radii and taper are those without
-    it.
+    it.  Masses are `None` if they follow from the radii.
     """
     count = len(radii)
     beads = ", ".join(filter(None, (scatter, beads_of(count, "beads"))))
@@ -36,13 +44,98 @@ def beads_description(
         symbols = taper_named(taper).symbols
         values = ", ".join(f"{symbols[name]} = {value:g}" for name, value in parameters)
         return f"{taper}, {values}, {beads}"
+    names = [each.name for each in materials or ()]
+    # Balls are counted without strikers.
+    noun = "ball" if strikers else "bead"
+    odd = odd_bead(radii, names, masses, noun=noun, scaled=scaled)
+    if scaled and odd is not None:
+        usual = {"radius": odd.usual_radius, "mass": odd.usual_mass or 1.0}
+        sizes = " and ".join(f"{name} {size:.4g}" for name, size in usual.items() if size != 1.0)
+        return f"uniform{sizes and f' ({sizes})'} {odd.words}, {beads}"
+    if odd is not None:
+        counted = beads_of(count, "beads", [odd.usual_material or "SI"])
+        size = f"diameter {length_in_words(2.0 * odd.usual_radius)}"
+        return ", ".join(filter(None, (counted, size, odd.words, scatter)))
     if scaled:
         return f"{cells or ('uniform' if np.ptp(radii) == 0.0 else 'given radii')}, {beads}"
-    names = list(dict.fromkeys(each.name for each in materials or ()))
+    names = list(dict.fromkeys(names))
     diameters = "diameter" if np.ptp(radii) == 0.0 else "diameters"
     counted = beads_of(count, "beads", names or ["SI"])
     sizes = f"{diameters} {sizes_in_words(radii)}"
     return ", ".join(filter(None, (counted, sizes, scatter)))
+
+
+@dataclass(frozen=True)
+class OddBead:
+    """The only bead that differs from the others, which are equal.
+
+    ``words`` are such as ``except bead 10 (8 mm brass)``, without commas, which separate the parts
+    of a description.
+    """
+
+    words: str
+    usual_radius: float
+    usual_material: str
+    usual_mass: float | None
+
+
+def odd_bead(
+    radii: Array,
+    materials: Sequence[str],
+    masses: Array | None,
+    *,
+    noun: str,
+    scaled: bool,
+) -> OddBead | None:
+    """The bead that differs from all others, if there is exactly one among at least four.
+
+    Names of materials are empty if there are none; masses are `None` if they follow from the
+    radii.
+    """
+    usual_radius, odd = _usual(radii)
+    usual_material, other = _usual(np.array(materials or [""] * len(radii)))
+    odd = odd | other
+    usual_mass: Any = None
+    if masses is not None:
+        usual_mass, other = _usual(masses)
+        odd = odd | other
+    if len(radii) < MIN_BEADS or np.count_nonzero(odd) != 1:
+        return None
+    i, words = int(np.argmax(odd)), list[str]()
+    if radii[i] != usual_radius:
+        size, _ = _distinguishable(radii[i], usual_radius)
+        words.append(f"radius {_distinct(radii[i], usual_radius)}" if scaled else size)
+    if materials and materials[i] != usual_material:
+        words.append(materials[i])
+    if masses is not None and masses[i] != usual_mass:
+        mass = _distinct(masses[i], usual_mass) if scaled else measure(float(masses[i]), "kg")
+        words.append(f"{'and ' * bool(words)}mass {mass}")
+    return OddBead(
+        f"except {noun} {i + 1} ({' '.join(words)})", usual_radius, usual_material, usual_mass
+    )
+
+
+def _usual(values: NDArray[Any]) -> tuple[Any, NDArray[np.bool_]]:
+    """The most frequent value, and which values are others."""
+    found, counts = np.unique(values, return_counts=True)
+    usual = found[np.argmax(counts)].item()
+    return usual, values != usual
+
+
+def _distinct(value: float, usual: float) -> str:
+    """A number with four digits, or with as many as distinguish it from the usual one."""
+    short = f"{value:.4g}"
+    return short if short != f"{usual:.4g}" else f"{value:.{MAX_DIGITS}g}"
+
+
+def implied_features(beads: str, *, scaled: bool, equal_contacts: bool) -> list[str]:
+    """Features that need not be named after this description of the beads."""
+    implied = ["SI units"]
+    if scaled and beads.startswith("dimer, mass") and equal_contacts:
+        implied += ["masses", "stiffness"]
+    if scaled and beads.startswith("uniform") and " except " in beads:
+        implied.append("masses")
+    return implied
 
 
 def taper_behind(radii: Array) -> tuple[str | None, tuple[tuple[str, float], ...]]:

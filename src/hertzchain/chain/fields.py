@@ -38,6 +38,7 @@ from .description import (
     cells_in_words,
     features_in_words,
     impact_in_words,
+    implied_features,
     law_in_words,
     strikers_in_words,
     taper_behind,
@@ -422,18 +423,17 @@ class ChainFields(Frozen):
         balls = self.masses[own] if "masses" in self.given else None
         cells = cells_in_words(shape.radii[own], balls)
         masses = None if self.strikers_are_spheres else self.masses
-        # The name of a dimer implies equal contacts.
-        implied = cells.startswith("dimer, mass") and self.scaled and (self.stiffness == 1.0).all()
-        left_out = ["SI units", "masses", "stiffness"] if implied else ["SI units"]
         first = strikers_in_words(self.strikers, shape.radii, masses, self.units, self.materials)
-        rest = features_in_words(self.features, left_out, self.velocities, self.strikers)
         taper = shape.taper, shape.taper_parameters
         if self.strikers and self.scaled:
             taper = taper_behind(shape.radii[own])
         materials = self.materials[own] if self.materials else None
-        kind = shape.radii[own], materials, *taper
-        beads = beads_description(*kind, cells, scatter, scaled=self.scaled)
+        kind = shape.radii[own], materials, *taper, cells, scatter, balls
+        beads = beads_description(*kind, strikers=self.strikers, scaled=self.scaled)
+        equal = bool((self.stiffness == 1.0).all())
+        implied = implied_features(beads, scaled=self.scaled, equal_contacts=equal)
         beads += f", and {first}" if first else ""
+        rest = features_in_words(self.features, implied, self.velocities, self.strikers)
         still = self._at_rest_by_default and self.drive is None and not self.velocities.any()
         return f"{beads}{law}{rest}{', at rest' * still}"
 

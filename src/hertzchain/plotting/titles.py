@@ -8,9 +8,11 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.description import (
+    OddBead,
     beads_of,
     law_in_words,
     length_in_words,
+    odd_bead,
     sizes_in_words,
     strikers_in_words,
 )
@@ -22,8 +24,13 @@ from .style import literal
 def chain_words(chain: Chain) -> str:
     """Such as ``20 steel balls, 20 mm to 8 mm, PTFE wall``; strikers are named, not counted."""
     if chain.units == "SI":
-        materials = _materials(chain.materials, chain.strikers) or ["SI"]
-        title = f"{beads_of(chain.beads - chain.strikers, 'balls', materials)}{_strikers(chain)}"
+        odd = _odd_ball(chain)
+        materials = list(_materials(chain.materials, chain.strikers).values()) or ["SI"]
+        if odd is not None:
+            materials = [odd.usual_material or "SI"]
+        title = (
+            f"{beads_of(chain.beads - chain.strikers, 'balls', materials)}{_strikers(chain, odd)}"
+        )
     else:
         title = _scaled_beads(chain)
     title += law_in_words(chain.exponents)
@@ -35,6 +42,18 @@ def chain_title(chain: Chain) -> str:
     return literal(chain_words(chain))
 
 
+def _odd_ball(chain: Chain) -> OddBead | None:
+    """The ball that differs from all others, if there is one, with short names of materials."""
+    first, names = chain.strikers, _materials(chain.materials, chain.strikers)
+    return odd_bead(
+        (chain.scatter or chain).radii[first:],
+        [names[each.name] for each in (chain.materials or ())[first:]],
+        chain.masses[first:] if "masses" in chain.given else None,
+        noun="ball",
+        scaled=False,
+    )
+
+
 def _scaled_beads(chain: Chain) -> str:
     """Such as ``20 equal beads``, or ``given masses, 20 beads and 1 striker (mass 5)``."""
     first, number = chain.strikers, chain.beads - chain.strikers
@@ -44,17 +63,21 @@ def _scaled_beads(chain: Chain) -> str:
     if kind == "uniform, " and number > 1:
         equal = np.ptp(chain.masses[first:]) == 0.0
         beads = f"{number} equal beads" if equal else f"given masses, {count}"
+    elif kind.startswith("uniform") and " except " in kind:
+        beads = f"{count}, equal{kind.removeprefix('uniform').removesuffix(', ')},"
     if not first:
-        return beads
+        return beads.removesuffix(",")
     masses = None if chain.strikers_are_spheres else chain.masses
     radii = (chain.scatter or chain).radii
     return f"{beads} and {strikers_in_words(first, radii, masses, chain.units)}"
 
 
-def _strikers(chain: Chain) -> str:
+def _strikers(chain: Chain, odd: OddBead | None) -> str:
     """Sizes of the balls, and strikers with their size if it is another one."""
     first, radii = chain.strikers, (chain.scatter or chain).radii
     balls = sizes_in_words(radii[first:])
+    if odd is not None:
+        balls = f"{length_in_words(2.0 * odd.usual_radius)}, {odd.words}"
     if chain.scatter is not None and (scatter := chain.scatter.words(chain.radii, first)):
         balls += f", {scatter}"
     if not first:
@@ -72,7 +95,7 @@ def _wall(chain: Chain) -> str:
         return ""
     kind = ""
     if wall.material is not None and wall.material not in (chain.materials or ())[-1:]:
-        (kind,) = _materials((wall.material,))
+        (kind,) = _materials((wall.material,)).values()
     elif wall.stiffness is not None:
         kind = f"k = {wall.stiffness:g}"
     gap = ""
@@ -92,7 +115,7 @@ def _loss(chain: Chain) -> str:
     return "" if chain.lossless else "with losses"
 
 
-def _materials(materials: Sequence[Material] | None, first: int = 0) -> list[str]:
+def _materials(materials: Sequence[Material] | None, first: int = 0) -> dict[str, str]:
     """Names of materials without their grades, unless two of them differ only by the grade."""
     names = list(dict.fromkeys(each.name for each in (materials or ())[first:]))
     parts = [name.partition("-") for name in names]
@@ -100,5 +123,5 @@ def _materials(materials: Sequence[Material] | None, first: int = 0) -> list[str
         base if any(map(str.isdigit, grade)) else name
         for name, (base, _, grade) in zip(names, parts, strict=True)
     ]
-    names = short if len(set(short)) == len(short) else names
-    return ["PTFE" if name == "ptfe" else name for name in names]
+    short = short if len(set(short)) == len(short) else names
+    return {name: "PTFE" if name == "ptfe" else own for name, own in zip(names, short, strict=True)}

@@ -477,6 +477,27 @@ def test_both_chains_are_drawn_at_the_same_scale(page):
     assert radius("B") > 3 * small
 
 
+def test_equal_beads_of_both_chains_are_below_each_other(page):
+    """The first chain has two walls, the second one a small bead, and neither has both."""
+    balls = "radii=5+mm&beads=20&materials=steel-52100"
+    walls = "left_wall.material=steel-52100&right_wall.material=steel-52100"
+    odd = "with_defects.0.bead=10&with_defects.0.radius=3+mm"
+    second = "&".join(f"b.{each}" for each in f"{balls}&{odd}".split("&"))
+    page.tab = page.new_tab(f"{page.origin}#{balls}&{walls}&{second}")
+    for active in "AB":
+        page.tab.click(f"#tab-{active}")
+        page.tab.evaluate(NEXT_FRAME)
+        places = np.array([[page.tab.evaluate(f"hertzchain.placeOf('{slot}', {bead})[0]")
+                            for bead in range(1, 21)] for slot in "AB"])  # fmt: skip
+        shift = np.diff(places, axis=0)[0]
+        np.testing.assert_allclose(shift[:9], 0.0, atol=0.01)
+        # The beads behind the small one are nearer by the difference of the diameters, 4 mm.
+        np.testing.assert_allclose(shift[10:], -0.4 * (places[0, 1] - places[0, 0]), atol=0.01)
+        width = page.tab.locator("#stage-A").bounding_box()["width"]
+        assert places.min() > 300.0
+        assert places.max() < places.min() + width
+
+
 def open_file(page, path):
     """Open a chain file, which the server reads first."""
     with page.tab.expect_response("**/api/chain"):
@@ -926,6 +947,25 @@ def test_a_saved_page_has_no_gap_between_its_views(page, tmp_path):
     warning = tab.inner_text("#warnings-count")
     assert warning.startswith("Contacts would be dented, and forces would be lower: pressure / ")
     assert "choose" not in warning
+
+
+def test_all_views_of_a_saved_page_can_show_either_chain(page, tmp_path):
+    chain = hc.Chain.uniform(12)
+    hc.save_page(chain, tmp_path / "one.html")
+    hc.save_page(chain, tmp_path / "two.html", other=chain.with_defects({6: 0.5}))
+    tab = page.new_tab(f"file://{tmp_path}/one.html")
+    assert not tab.locator("#tabs").is_visible()
+    tab = page.tab = page.new_tab(f"file://{tmp_path}/two.html")
+    buttons = tab.get_by_role("group", name="Chain that the views show").get_by_role("button")
+    assert buttons.all_inner_texts() == ["Chain A", "Chain B"]
+    tab.click("summary:has-text('Chain file')")
+    for slot, document in (("B", "0.5, 1.0"), ("A", "beads = 12")):
+        tab.click(f"#tab-{slot}")
+        tab.evaluate(NEXT_FRAME)
+        assert page.status().startswith(f"Chain {slot}: ")
+        assert tab.inner_text("#h-map") == f"Space and time, chain {slot}"
+        assert document in tab.inner_text("#chain-file")
+        assert buttons.nth("AB".index(slot)).get_attribute("aria-pressed") == "true"
 
 
 @pytest.mark.long

@@ -7,6 +7,8 @@ import { prefixed, short, ticks } from "./numbers.js";
 /** @typedef {{count: number, beads: number, times: Float64Array, velocities: Int16Array, speeds: Float64Array,
  *   forces: Int16Array, strengths: Float64Array}} Motion */
 /** @typedef {CanvasRenderingContext2D} Pen */
+/** Margins in pixels, and the length and largest radius of the chain.
+ * @typedef {{left: number, right: number, long: number, tall: number}} Room */
 /** @typedef {{select: (bead: number) => void, sensor: () => void,
  *   resize: (bead: number, radius: number, moving: boolean) => void,
  *   wall: (gap: number, moving: boolean) => void}} Handlers */
@@ -21,6 +23,12 @@ function circle(pen, x, y, r, h = r) {
   pen.beginPath();
   if (h > r) pen.rect(x - r, y - h, 2 * r, 2 * h);
   else pen.arc(x, y, Math.max(r, 0.5), 0, 6.2832);
+}
+
+/** Room for both of two chains. @param {Room} one @param {Room} other @returns {Room} */
+export function around(one, other) {
+  const { left, right, long, tall } = one;
+  return { left: Math.max(left, other.left), right: Math.max(right, other.right), long: Math.max(long, other.long), tall: Math.max(tall, other.tall) };
 }
 
 export class Stage {
@@ -41,7 +49,8 @@ export class Stage {
   scale = "bead";
   wallGap = 0;
   si = false;
-  most = Infinity;
+  /** Room of the drawings of two chains, one below the other. @type {Room | null} */
+  shared = null;
   look = { x: 0, scale: 1 };
   /** @type {any} */
   drag = null;
@@ -148,10 +157,9 @@ export class Stage {
     else this.on.sensor();
   }
 
-  /** Margins, and the scale of the whole chain. */
+  /** @returns {Room} */
   get room() {
-    const W = this.canvas.clientWidth, left = this.walls.includes("left") ? 16 : 8, right = this.walls.includes("right") ? 22 : 8;
-    return { left, right, whole: Math.min((W - left - right) / this.long, (0.26 * this.canvas.clientHeight) / this.largest) };
+    return { left: this.walls.includes("left") ? 16 : 8, right: this.walls.includes("right") ? 22 : 8, long: this.long, tall: this.largest };
   }
 
   /** Where the camera looks. @param {number} front bead, counted from 0, with a fraction */
@@ -161,9 +169,10 @@ export class Stage {
       return;
     }
     const W = this.canvas.clientWidth, H = this.canvas.clientHeight;
-    const { left, right, whole: own } = this.room, whole = Math.min(own, this.most);
+    const { left, right, long, tall } = this.shared ?? this.room, whole = Math.min((W - left - right) / long, (0.26 * H) / tall);
     if (this.camera !== "follow") {
-      const spare = W - left - right - this.long * whole;
+      // The first beads of two chains are one below the other.
+      const spare = W - left - right - long * whole;
       this.look = { scale: whole, x: -(left + spare / 2) / whole };
       return;
     }

@@ -1,0 +1,219 @@
+/** The page shows its state: the chains, the views with their common cursor, titles and messages. */
+
+import { clock, goToTime, placeOf, wake } from "./clock.js";
+import { KINDS, readColours } from "./colour.js";
+import { $, Controls, make } from "./controls.js";
+import { SELECTS } from "./events.js";
+import { SpaceTime } from "./map.js";
+import { gapOf, plain, timeAt } from "./numbers.js";
+import { SLOTS, about, history, keepAddress, other, own, results, say, state } from "./page.js";
+import { Stage, around } from "./stage.js";
+import { Views, showClock, whyBlank } from "./views.js";
+
+/** @typedef {import("./state.js").Slot} Slot */
+/** @typedef {import("./events.js").Part} Part */
+/** Changes of the chains, in `changes.js`.
+ * @typedef {{change: (document: any, moving: boolean) => void, toggleSensor: () => void,
+ *   resize: (bead: number, radius: number, moving: boolean) => void, moveWall: (gap: number, moving: boolean) => void}} Changes */
+
+const dirty = { pulse: true, times: true, map: true, table: true };
+let changes = /** @type {Changes} */ ({});
+
+export const controls = new Controls($("controls-body"), about, (document, moving) => changes.change(document, moving), () => own().accepted);
+const views = new Views(about, {
+  bead: (bead) => select(Math.max(1, Math.min(own().beads.header?.beads ?? 1, bead))),
+  time: goToTime,
+  hide: (name) => view({ hidden: state.view.hidden.includes(name) ? state.view.hidden.filter((each) => each !== name) : [...state.view.hidden, name] }),
+});
+const map = new SpaceTime($("map"), (bead, time) => { select(bead); goToTime(time); });
+/** @param {Slot} slot */
+const stageOf = (slot) => new Stage($(`stage-${slot}`), {
+  select: (bead) => { activate(slot); select(bead); },
+  sensor: () => changes.toggleSensor(),
+  resize: (bead, radius, moving) => changes.resize(bead, radius, moving),
+  wall: (gap, moving) => { activate(slot); changes.moveWall(gap, moving); },
+});
+export const stages = { A: stageOf("A"), B: stageOf("B") };
+
+/** @param {Changes} given */
+export function changeBy(given) {
+  changes = given;
+}
+
+const upper = (/** @type {string} */ text) => text.charAt(0).toUpperCase() + text.slice(1);
+
+/** @param {Partial<import("./state.js").View>} some */
+export function view(some) {
+  Object.assign(state.view, some);
+  showView();
+  keepAddress();
+  redraw();
+}
+
+/** Draw some parts again, or all. @param {Part[]} parts */
+export function redraw(...parts) {
+  for (const each of parts.length ? parts : /** @type {Part[]} */ (Object.keys(dirty))) dirty[each] = true;
+  wake();
+}
+
+export function repaint() {
+  readColours();
+  redraw("map");
+}
+
+export function showHistory() {
+  $("undo").disabled = !history.past.length;
+  $("redo").disabled = !history.future.length;
+}
+
+export function showAll() {
+  document.body.classList.toggle("comparing", state.B !== null);
+  $("compare").setAttribute("aria-pressed", String(state.B !== null));
+  $("lane-B").hidden = $("tabs").hidden = state.B === null;
+  for (const slot of SLOTS) {
+    $(`tab-${slot}`).setAttribute("aria-pressed", String(slot === state.active));
+    $(`lane-${slot}`).classList.toggle("active", slot === state.active && state.B !== null);
+  }
+  for (const each of document.querySelectorAll(".own")) each.textContent = state.B ? `, chain ${state.active}` : "";
+  controls.show(state[state.active]);
+  showView();
+  showHistory();
+  redraw();
+}
+
+export function showView() {
+  const { view: v } = state;
+  for (const [id, name] of SELECTS) $(id).value = v[name];
+  const forces = v.map === "forces";
+  const rows = forces ? ["of each contact", "of all contacts"] : ["of each bead", "of all beads"];
+  for (const [i, text] of rows.entries()) $("map-scale").options[i].textContent = text;
+  $("map-bar").classList.toggle("forces", forces);
+  $("map-low").textContent = forces ? "0" : "back";
+  $("map-high").textContent = forces ? "largest" : "forwards";
+  $("speed").value = String(v.speed);
+  $("log").checked = v.log;
+  for (const slot of SLOTS) Object.assign(stages[slot], { camera: v.camera, scale: v.scale, sensors: v.sensors });
+  $("bead").value = String(v.bead);
+  // The unit is known with the first results.
+  if (document.activeElement !== $("until")) $("until").value = v.until ? plain(own().si ? 1e3 * v.until : v.until) : "";
+  $("until-unit").textContent = own().si ? "ms" : "";
+}
+
+/** Ball at the cursor: its number without the strikers. */
+export const ball = () => state.view.bead - stages[state.active].strikers;
+/** Bead of a chain at the cursor: the same ball in both. @param {Slot} slot */
+const beadIn = (slot) => Math.max(1, ball() + stages[slot].strikers);
+
+/** @param {Slot} slot */
+export function activate(slot) {
+  if (slot === state.active || !state[slot]) return;
+  clock.u = placeOf(slot);
+  state.view.bead = beadIn(slot);
+  state.active = slot;
+  showAll();
+  showStatus();
+}
+
+/** @param {number} bead */
+export function select(bead) {
+  if (bead === state.view.bead) return;
+  state.view.bead = bead;
+  showView();
+  keepAddress();
+  redraw("table");
+}
+
+/** Show a part of the results. @param {Slot} slot @param {string} kind */
+export function showPart(slot, kind) {
+  const found = results[slot];
+  if (kind === "beads" || kind === "run") {
+    if (found.beads.header) stages[slot].chain(found.beads, gapOf(state[slot]));
+    if (kind === "beads" && slot === state.active) showView();
+    stages[slot].motion = found.motion;
+  }
+  if (kind === "run") {
+    dirty.map = true;
+    document.body.classList.toggle("draft", SLOTS.some((each) => state[each] && !results[each].settled));
+  }
+  problem(slot);
+  redraw("pulse", "times", "table");
+}
+
+/** @param {Slot} slot */
+function problem(slot) {
+  const found = results[slot], text = found.problem, stale = text !== "";
+  $(`lane-${slot}`).classList.toggle("stale", stale);
+  // The message may be far below.
+  if (stale && !found.ready) $(`title-${slot}`).replaceChildren(make("span", { className: "bad" }, text));
+  if (slot === state.active) showStatus();
+}
+
+/** How the run of the active chain ended, or why there is none. */
+function showStatus() {
+  const found = own(), text = found.problem;
+  document.body.classList.toggle("stale", text !== "");
+  controls.problem(text);
+  if (text) return say(text, true);
+  const { message, energy_drift, success } = found.run.header ?? {};
+  if (found.pending.length && !found.motion) say(whyBlank(found));
+  else if (message) say(`${upper(state.B ? `chain ${state.active}: ${message}` : message)}; energy adds up within ${energy_drift.toExponential(0)}.`, !success);
+}
+
+/** Draw the parts that have changed, and all that moves. */
+export function draw() {
+  const found = own(), time = found.motion ? timeAt(found.motion.times, clock.u) : 0;
+  if (dirty.pulse || dirty.times) showTitles();
+  drawStages();
+  $("sensor").setAttribute("aria-pressed", String(state.view.sensors.includes(ball())));
+  map.motion = found.motion;
+  $("map-note").textContent = found.motion ? "" : whyBlank(found);
+  if (dirty.map && found.motion) {
+    map.paint(found.motion, /** @type {any} */ (state.view.map), state.view.scale);
+    dirty.map = false;
+  }
+  const axis = found.motion ? views.timeAxis(found) : { factor: 1, unit: "", label: "" };
+  map.draw(time, state.view.bead, axis);
+  if (dirty.pulse) {
+    views.drawPulse(state, found, other());
+    dirty.pulse = false;
+  }
+  if (dirty.times) {
+    views.drawTimes(state, found, other());
+    dirty.times = false;
+  }
+  if (dirty.table && $("table-details").open) views.drawTable(state, found);
+  dirty.table = false;
+  views.cursor(state.view.bead, time);
+  showClock(found.motion ? time : undefined, axis, Math.min(1, clock.u), clock.playing);
+}
+
+/** The chains, one below the other at the same scale if they have the same units. */
+function drawStages() {
+  const alike = state.B && results.A.ready && results.B.ready && results.A.si === results.B.si;
+  const shared = alike ? around(stages.A.room, stages.B.room) : null;
+  for (const slot of SLOTS) {
+    if (!state[slot] || !results[slot].ready) continue;
+    const { motion } = results[slot], place = placeOf(slot);
+    Object.assign(stages[slot], { shared, bead: beadIn(slot) });
+    stages[slot].draw(place * ((motion?.count ?? 1) - 1), results[slot].front(motion ? timeAt(motion.times, place) : 0));
+  }
+}
+
+function showTitles() {
+  const names = [...new Set(SLOTS.flatMap((slot) => (state[slot] && results[slot].beads.header?.kinds) || []).map(([name]) => name))];
+  for (const slot of SLOTS) {
+    const header = results[slot].beads.header;
+    if (!header) continue;
+    const colours = stages[slot].colours = header.kinds.map((/** @type {string[]} */ [name]) => names.indexOf(name));
+    const kinds = colours.map((/** @type {number} */ i, /** @type {number} */ n) => make("span", { className: "key" },
+      make("i", { className: "ring", style: `color:var(--m${i % KINDS});${i < KINDS ? "" : "border-style:dashed"}` }), header.kinds[n].join(", ")));
+    $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description, ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
+  }
+  const beads = own().beads.header?.beads, list = SLOTS.flatMap((slot) => state[slot] ? results[slot].warnings.map((text) => (state.B ? `${slot}: ` : "") + upper(text)) : []);
+  $("chain-file").textContent = own().beads.header?.chain_file ?? "";
+  if (beads) $("bead").max = String(beads);
+  if (beads < state.view.bead) select(beads);
+  $("warnings").hidden = !list.length;
+  $("warnings-count").textContent = list.length > 1 ? `${list.length} warnings: ${list[0]}` : list.join();
+  $("warnings-list").replaceChildren(...list.slice(1).map((text) => make("li", {}, text)));
+}

@@ -108,6 +108,7 @@ def horizon() -> Figure:
         left.semilogy(times[1:], true[1:], color=COLOURS[0], linewidth=0.8,
                       label="difference from rtol = 1e-14")  # fmt: skip
         left.axhline(found.within, color="0.5", linewidth=0.8)
+        left.annotate("1%", (0.0, found.within), (0, 3), textcoords="offset points", color="0.4")
         left.set_ylim(1e-15, 1e5)
         right.plot(times, run.velocity(50), color=COLOURS[1], label="bead 50, rtol = 1e-13")
         right.plot(times, tight.velocity(50), "--", color=COLOURS[2], label="bead 50, rtol = 1e-14")

@@ -7,7 +7,7 @@ from typing import Final
 
 import matplotlib.pyplot as plt
 import numpy as np
-from local_rate_figures import law_and_simulation
+from local_rate_figures import label_lines, law_and_simulation
 from matplotlib.figure import Figure
 from scipy.integrate import solve_ivp
 
@@ -25,11 +25,12 @@ def steps() -> Figure:
         for i, factor in enumerate((0.5, 0.8, 1.25, 2.0)):
             chain = hc.Chain.from_radii(np.where(np.arange(100) >= 40, factor, 1.0))
             law, exact = hc.piecewise_local_rate(chain), hc.propagate(chain)
-            law_and_simulation(axes, law, exact, i, f"$f = {factor:g}$")
+            law_and_simulation(axes, law, exact, i, f"$f$ = {factor:g}")
         axes.set_yscale("log")
         label_log_axis(axes.yaxis)
         axes.set_xlabel("bead $k$")
         axes.set_ylabel("velocity $v_k$")
+        label_lines(axes, law="-", simulation="o")
         axes.legend(loc="lower left", ncols=2)
     return canvas
 
@@ -41,11 +42,12 @@ def strikers() -> Figure:
         for i, mass in enumerate((0.25, 1.0, 4.0)):
             chain = hc.Chain.uniform(80).struck_by(mass=mass, radius=1.0)
             law, exact = hc.local_rate(chain), hc.propagate(chain)
-            law_and_simulation(left, law, exact, i, rf"$\mu = {mass:g}$")
+            law_and_simulation(left, law, exact, i, rf"$\mu$ = {mass:g}")
         left.set_xlabel("bead $k$")
         left.set_ylabel("velocity $v_k$")
         left.set_xlim(0.0, 45.0)
-        left.legend(loc="center right", bbox_to_anchor=(1.0, 0.6))
+        label_lines(left, law="-", simulation="o")
+        left.legend(loc="center right", bbox_to_anchor=(1.0, 0.6), ncols=2)
         wave = hc.solitary_wave()
         momentum, energy = wave.momentum_constant, wave.energy_constant
         particle = momentum**2 / (2.0 * energy)
@@ -56,11 +58,12 @@ def strikers() -> Figure:
             first = momentum / (2.0 * energy) * 2.0 * mass / (mass + particle)
             formula = first * ((mass - particle) / (mass + particle)) ** (number - 1)
             right.semilogy(number, formula, color=COLOURS[i], linewidth=0.8)
-            right.semilogy(number, train, MARKERS[i], color=COLOURS[i], label=rf"$\mu = {mass:g}$")
+            right.semilogy(number, train, MARKERS[i], color=COLOURS[i], label=rf"$\mu$ = {mass:g}")
         right.set_xlabel("wave $n$ of the train")
         right.set_ylabel("peak velocity")
         right.set_xticks(range(1, 11))
-        right.legend(title="lines: formula")
+        label_lines(right, formula="-")
+        right.legend()
     return canvas
 
 
@@ -132,7 +135,7 @@ def lossy_law() -> Figure:
             chain = hc.Chain.from_radii(turning).replace(loss=loss)
             exact, law = hc.simulate(chain, times=0).pulse(), _longest(turning, loss)
             right.plot(law.bead[:-3], law.velocity[:-3], color=COLOURS[i],
-                       label=f"$w = {loss.ratio:g}$")  # fmt: skip
+                       label=f"$w$ = {loss.ratio:g}")  # fmt: skip
             right.plot(exact.bead, exact.velocity, MARKERS[i], color=COLOURS[i],
                        markerfacecolor="none", markevery=(3 * i, 8))  # fmt: skip
         for axes in (left, right):
@@ -140,6 +143,7 @@ def lossy_law() -> Figure:
             label_log_axis(axes.yaxis)
             axes.set_xlabel("bead $k$")
             axes.set_ylabel("velocity $v_k$")
+            label_lines(axes, law="-", simulation="o")
             axes.legend()
     return canvas
 
@@ -214,7 +218,7 @@ def extend() -> Figure:
         panels["b"].set(title="a theory", xlabel="bead $k$", ylabel="velocity $v_k$")
         for i, gamma in enumerate((0.0, 0.2, 1.0)):
             overlap, force = _collision(gamma)
-            panels["c"].plot(overlap, force, color=COLOURS[i], label=rf"$\gamma = {gamma:g}$")
+            panels["c"].plot(overlap, force, color=COLOURS[i], label=rf"$\gamma$ = {gamma:g}")
         panels["c"].set(title="a loss law", xlabel="overlap $d$", ylabel="force $F$")
         panels["d"].plot(run.positions[:, 4], run.velocities[:, 4], color=COLOURS[3])
         panels["d"].set(title="a plot", xlabel="position $x_5$", ylabel="velocity $v_5$")
@@ -255,6 +259,10 @@ def how_fast() -> Figure:
                 f"{ours} vs {other}", (max(ratio, 1.0), place), (6, 0),
                 textcoords="offset points", va="center", fontsize=7,
             )  # fmt: skip
+        for colour, name in ((COLOURS[0], "hertzchain is faster"),
+                             (COLOURS[1], "the other program is faster")):  # fmt: skip
+            axes.plot([], [], "o-", color=colour, linewidth=2.0, label=name)
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
         axes.axvline(1.0, color="0.4", linewidth=0.8)
         axes.set_xscale("log")
         # The labels need the space beyond the largest ratio.

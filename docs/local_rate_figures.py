@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 import hertzchain as hc
 from hertzchain.collision import Array
 from hertzchain.plotting.colours import COLOURS
-from hertzchain.plotting.style import MARKERS, figure_style, label_log_axis
+from hertzchain.plotting.style import MARKERS, figure_style, label_log_axis, signed
 from hertzchain.theory.universal_functions import bca_growth
 
 
@@ -21,6 +21,14 @@ def law_and_simulation(axes: Axes, law: hc.Pulse, exact: hc.Pulse, i: int, label
     axes.plot(law.bead[shown], law.velocity[shown], color=COLOURS[i], label=label)
     axes.plot(exact.bead[shown], exact.velocity[shown], MARKERS[i], color=COLOURS[i],
               markerfacecolor="none", markevery=(3 * i, 12))  # fmt: skip
+
+
+def label_lines(axes: Axes, **lines: str) -> None:
+    """Entries of the legend, in grey, for lines and symbols that all curves share."""
+    for name, style in lines.items():
+        symbol = {"linestyle": "none", "marker": style, "markerfacecolor": "none"}
+        axes.plot([], [], color="0.4", label=name.replace("_", " "),
+                  **(symbol if style in MARKERS else {"linestyle": style}))  # fmt: skip
 
 
 def _growth(rate: float, exponent: float = 1.5) -> float:
@@ -62,9 +70,8 @@ def local_rate() -> Figure:
             shown = slice(1, 97)
             right.plot(law.bead[shown], 100.0 * error[shown], color=COLOURS[i])
             right.plot(law.bead[shown], 100.0 * law.velocity_error[shown], "--", color=COLOURS[i])
-        left.plot([], [], ":", color="0.4", label="BCA")
-        right.plot([], [], color="0.4", label="error")
-        right.plot([], [], "--", color="0.4", label="estimate")
+        label_lines(left, law="-", simulation="o", BCA=":")
+        label_lines(right, error="-", estimate="--")
         for axes, what in ((left, "velocity $v_k$"), (right, "error of the velocity [%]")):
             axes.set_yscale("log")
             label_log_axis(axes.yaxis)
@@ -86,7 +93,7 @@ def growth_and_memory() -> Figure:
         left.plot(rates, bca_growth(rates), "--", color=COLOURS[1])
         inset = left.inset_axes((0.13, 0.14, 0.42, 0.34))
         inset.plot(rates, bca_growth(rates) - growth, color=COLOURS[1])
-        inset.set_title("BCA - exact", fontsize=8, pad=2.0)
+        inset.set_title("BCA \N{MINUS SIGN} exact", fontsize=8, pad=2.0)
         inset.set_ylim(0.0, 0.06)
         inset.tick_params(labelsize=8)
         left.annotate("exact", (-0.13, 0.13), xytext=(0, -18), textcoords="offset points",
@@ -100,7 +107,7 @@ def growth_and_memory() -> Figure:
             response = [
                 hc.local_rate_gradient(chain, bead=changed + k)[1][changed:].sum() for k in beads
             ]
-            right.plot(beads, response, "o-", color=COLOURS[i], label=f"$s = {rate:g}$")
+            right.plot(beads, response, "o-", color=COLOURS[i], label=f"$s$ = {signed(rate)}")
         right.set_xticks(beads[::3])
         right.set_xlabel("bead $k - j$")
         right.set_ylabel(r"$\partial\ln v_k/\partial s_j$")
@@ -125,11 +132,12 @@ def fast_changes() -> Figure:
                       markerfacecolor="none")  # fmt: skip
         left.set_xlabel("bead $k$ (radius 1)")
         left.set_ylabel("velocity $v_k$")
-        left.legend(title="radii", ncols=2)
+        label_lines(left, law="-", simulation="o")
+        left.legend(title="radii", ncols=3)
         sizes = np.geomspace(1e-3, 0.1, 13)
         uniform = hc.Chain.uniform(100)
         for i, (name, chains) in enumerate({
-            "alternating, 1 : (1 - x)": [
+            "alternating, 1 : (1 \N{MINUS SIGN} x)": [
                 hc.Chain.from_radii(np.resize([1.0, 1.0 - x], 100)) for x in sizes
             ],
             "random, standard deviation x": [
@@ -140,6 +148,7 @@ def fast_changes() -> Figure:
             x = 100.0 * sizes[: len(chains)]
             right.loglog(x, 100.0 * largest[:, 0], MARKERS[i] + "-", color=COLOURS[i], label=name)
             right.loglog(x, 100.0 * largest[:, 1], "--", color=COLOURS[i])
+        label_lines(right, error="-", estimate="--")
         right.axhline(0.5, color="0.4", linewidth=0.8)
         right.annotate("warning", (0.1, 0.5), xytext=(0, 3), textcoords="offset points",
                        color="0.4")  # fmt: skip
@@ -147,7 +156,7 @@ def fast_changes() -> Figure:
             label_log_axis(axis)
         right.set_xlabel("change of the radii x [%]")
         right.set_ylabel("largest error of a velocity [%]")
-        right.set_ylim(bottom=1e-4)
+        right.set_ylim(bottom=1e-5)
         right.legend(loc="lower right")
     return canvas
 
@@ -164,10 +173,11 @@ def free_end() -> Figure:
             for pulse, style in ((law, {}), (exact, {"linestyle": "", "marker": MARKERS[i]})):
                 growth = np.exp(np.diff(np.log(pulse.velocity)) - infinite)
                 left.plot(pulse.bead[last] - 60, growth[last], color=COLOURS[i],
-                          markerfacecolor="none", label=None if style else f"$s = {rate:g}$",
+                          markerfacecolor="none", label=None if style else f"$s$ = {signed(rate)}",
                           **style)  # fmt: skip
         left.set_xlabel("bead, counted from the last one: $k - N$")
         left.set_ylabel(r"$v_k\,/\,(e^{\sigma(s)}\,v_{k-1})$")
+        label_lines(left, law="-", simulation="o")
         left.legend()
         beads = np.arange(9, 41)
         for i, exponent in enumerate((1.5, 1.6)):
@@ -179,11 +189,12 @@ def free_end() -> Figure:
             ]
             error, estimate = 100.0 * np.array([[e[-1], d[-1]] for e, d in errors]).T
             right.semilogy(beads, error, MARKERS[i] + "-", color=COLOURS[i],
-                           label=f"$p = {exponent:g}$")  # fmt: skip
+                           label=f"$p$ = {exponent:g}")  # fmt: skip
             right.semilogy(beads, estimate, "--", color=COLOURS[i])
         label_log_axis(right.yaxis)
         right.set_xlabel("number of beads")
         right.set_ylabel("error of the last bead [%]")
+        label_lines(right, error="-", estimate="--")
         right.legend()
     return canvas
 
@@ -206,8 +217,8 @@ def law_errors() -> Figure:
                 found.append((100.0 * estimate.max(), 100.0 * error.max()))
             axes.loglog(*np.array(found).T, MARKERS[i], color=COLOURS[i], markerfacecolor="none",
                         label=name)  # fmt: skip
-        axes.axline((0.01, 0.01), (0.1, 0.1), color="0.4", linewidth=0.8)
-        axes.axvline(0.5, color="0.4", linewidth=0.8, linestyle=":")
+        axes.axline((0.01, 0.01), (0.1, 0.1), color="0.4", linewidth=0.8, label="error = estimate")
+        axes.axvline(0.5, color="0.4", linewidth=0.8, linestyle=":", label="warning")
         for axis in (axes.xaxis, axes.yaxis):
             label_log_axis(axis)
         axes.set_xlabel("largest estimate of a chain [%]")
@@ -224,9 +235,9 @@ def exponents_of_the_law() -> Figure:
             lowest = -0.165 if p in (1.5, 2.0) else -0.165 * np.tanh((p - 1.15) / 0.32)
             rates = np.linspace(max(lowest, -0.12), 0.3, 60)
             growth = np.array([_growth(rate, p) for rate in rates])
-            axes.plot(rates, bca_growth(rates) - growth, color=COLOURS[i], label=f"$p = {p:g}$")
+            axes.plot(rates, bca_growth(rates) - growth, color=COLOURS[i], label=f"$p$ = {p:g}")
         axes.set_xlabel("rate $s$")
-        axes.set_ylabel(r"growth $\sigma$ per bead: BCA - exact")
+        axes.set_ylabel("growth $\\sigma$ per bead: BCA \N{MINUS SIGN} exact")
         axes.legend()
     return canvas
 

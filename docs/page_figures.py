@@ -188,7 +188,7 @@ def theory() -> Figure:
                     error,
                     dashes,
                     color=COLOURS[number],
-                    label=f"{taper}, ${'S' if 'linear' in taper else 'q'} = {rate:g}$",
+                    label=f"{taper}, ${'S' if 'linear' in taper else 'q'}$ = {rate:g}",
                 )
         left.set_ylabel("error of the velocity [%]")
         right.set_ylabel("error of the arrival time [%]")
@@ -346,17 +346,18 @@ def designs() -> Figure:
     velocity = hc.propagate_many(chains).velocity
     with figure_style():
         canvas, axes = plt.subplots(figsize=(7.0, 3.4))
-        axes.loglog(ratios, 1.0 - velocity[:, 90] / velocity[:, 30], color=COLOURS[1])
+        axes.loglog(ratios, 1.0 - velocity[:, 90] / velocity[:, 30], color=COLOURS[1],
+                    label="simulation")  # fmt: skip
         for known in (0.3428, 0.1548, 0.0901, 0.0615):
             line = axes.axvline(known, color=COLOURS[2], linestyle="--", linewidth=1.0)
-        line.set_label("Jayaprakash et al. (2011)")
+        line.set_label("no attenuation: Jayaprakash et al. (2011)")
         axes.set_xticks([0.05, 0.1, 0.2, 0.4], labels=["0.05", "0.1", "0.2", "0.4"])
         axes.minorticks_off()
         axes.set_xlabel("mass of the light beads / mass of the heavy beads")
         axes.set_ylabel("lost velocity $1 - v_{91}/v_{31}$")
         axes.set_ylim(1e-6, 1.0)
         # Above the axes, where no curve is.
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0))
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     return canvas
 
 

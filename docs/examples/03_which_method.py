@@ -51,7 +51,9 @@ for number, (name, pulse) in enumerate(pulses.items()):
     # The curves of propagate and local_rate would hide that of simulate.
     if name not in ("propagate", "local_rate"):
         label = "simulate, propagate, local_rate" if name == "simulate" else name
-        left.semilogy(np.arange(1, 101), pulse.velocity, dashes, color=colour, label=label)
+        # The last bead leaves the free end, and is no part of the curve.
+        inside = pulse.velocity[:-1]
+        left.semilogy(np.arange(1, 100), inside, dashes, color=colour, label=label)
     if name != "simulate":
         error = abs(pulse.velocity / exact - 1)[inner]
         right.semilogy(np.arange(5, 98), error, dashes, color=colour)
@@ -59,7 +61,7 @@ for number, (name, pulse) in enumerate(pulses.items()):
                        ha="left", va="center", color=colour)
 left.set_title("Velocity of the pulse")
 left.set_xlabel("bead $k$")
-left.set_ylabel("velocity")
+left.set_ylabel("velocity $v_k$")
 right.set_title("Relative error of the velocity")
 right.set_xlabel("bead $k$")
 left.legend()

@@ -31,10 +31,10 @@ chain_force = hc.propagate(row).peak_force[20]
 
 figure, axes = plt.subplots(figsize=(8.0, 3.8))
 axes.semilogx(stiffness, peak / chain_force)
-names = (np.sqrt(2), "same material ", "right"), (2 * np.sqrt(2), " rigid", "left")
-for value, name, side in names:
+for value, name in ((np.sqrt(2), "same material "), (2 * np.sqrt(2), "rigid ")):
     axes.axvline(value, color="0.5", linestyle="--", linewidth=0.9)
-    axes.text(value, 0.5, name, horizontalalignment=side)
+    axes.text(value, 0.5 if name == "rigid " else 0.7, name, horizontalalignment="right")
+axes.text(2 * np.sqrt(2), 0.5, " concave seat of the ball")
 axes.axvspan(2 * np.sqrt(2), stiffness[-1], color="0.93", zorder=0)
 axes.margins(x=0)
 axes.set_title("Peak force on a wall")

@@ -241,7 +241,7 @@ def draw_figure(figure: Figure) -> MatplotlibFigure:
                 (
                     float(LAST_BEAD),
                     float(curve.values(curve.integration, published.quantity)[-1]),
-                    f"${symbol} = {curve.rate:g}$",
+                    f"${symbol}$ = {curve.rate:g}",
                     matplotlib.colors.to_hex(colour),
                 )
                 for curve, colour in zip(figure.curves, colours, strict=True)

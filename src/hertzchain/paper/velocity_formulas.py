@@ -113,7 +113,7 @@ def draw_formula_errors(pulses: Pulses) -> MatplotlibFigure:
                 error = 100.0 * (formula(pulse) / pulse.velocity - 1.0)
                 axes.plot(pulse.bead[4:90], error[4:90], color=colour, linestyle=dashes, label=name)
             axes.axhline(0.0, color="0.7", linewidth=0.6, zorder=0)
-            axes.set_title(f"{taper}, ${rate_symbol(taper)} = {rate:g}$")
+            axes.set_title(f"{taper}, ${rate_symbol(taper)}$ = {rate:g}")
             if rate_symbol(taper) == "q":
                 axes.set_ylim((-16.0, 16.0) if taper.startswith("backward") else (-6.0, 44.0))
             axes.legend(fontsize=7.5, loc="best")

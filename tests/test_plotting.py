@@ -889,6 +889,13 @@ def test_curves_that_are_small_beside_others_are_grouped(tops, ends, expected):
     assert small_groups(tops, ends) == expected
 
 
+def test_large_factors_of_enlarged_axes_have_no_exponent():
+    runs = {"strong": long_run(0.1, 8), "weak": long_run(1e-3, 12)}
+    _, weak = plot_forces_of_runs(runs, {"strong": [9], "weak": [13]}).figure.axes
+    # The peak force of a solitary wave is proportional to v^(6/5).
+    assert weak.get_title(loc="left") == "weak: force axis enlarged 250 times"
+
+
 def test_runs_in_different_units_have_a_panel_each():
     scaled = hc.simulate(hc.Chain.uniform(6).replace(right_wall=hc.Wall()))
     runs = {"real": long_run(0.1, 8), "scaled": scaled}

@@ -74,6 +74,10 @@ def finish_enlarged(axes: Axes, first: Axes, names: str, *, short: bool) -> None
     factors = {
         "force": first.get_ylim()[1] / axes.get_ylim()[1], "time": longest / axes.get_xlim()[1]
     }  # fmt: skip
-    scales = [f"{name} axis enlarged {factor:.2g} times" for name, factor in factors.items()
-              if factor > 1.1]  # fmt: skip
+    # Two digits, also of numbers above 100.
+    scales = [
+        f"{name} axis enlarged {float(f'{factor:.2g}'):g} times"
+        for name, factor in factors.items()
+        if factor > 1.1
+    ]
     axes.set_title(f"{names}: {' and '.join(scales)}", loc="left", fontsize="medium")

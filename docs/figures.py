@@ -70,6 +70,9 @@ def budget() -> Figure:
             for axes in (left, right)
             for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
         }
+        # The energy in the contact with the wall, and the momentum that it receives.
+        shown["wall"] = shown.pop("walls")
+        del shown["right wall"]
         shown["total input"] = shown.pop("total input")
         left.get_legend().remove()
         left.set_title("")

@@ -14,7 +14,7 @@ from hertzchain.plotting.style import figure_style, label_log_axis
 from hertzchain.theory import long_wave_velocity, sen_manciu_velocity
 
 
-def _rows(chains: dict[str, hc.Chain], height: float) -> Figure:
+def chain_rows(chains: dict[str, hc.Chain], height: float) -> Figure:
     """Draw chains below each other, with their titles."""
     with figure_style():
         canvas, rows = plt.subplots(len(chains), 1, figsize=(8.0, height))
@@ -33,7 +33,7 @@ def real_chains() -> Figure:
     balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=16)
     experiment = hc.Chain.from_materials([5e-3, 5e-3, 4.75e-3, 4.5e-3, 4e-3], "steel-52100")
     taper = hc.Chain.tapered("forward-linear", 0.05, beads=8)
-    return _rows(
+    return chain_rows(
         {
             "a PTFE striker, five steel balls, a wall":
                 experiment.struck_by(radius=4e-3, material="ptfe").replace(right_wall=hc.Wall()),
@@ -50,7 +50,7 @@ def real_chains() -> Figure:
 
 def chain_files() -> Figure:
     """Chains of the first examples of chain files."""
-    return _rows(
+    return chain_rows(
         {
             "taper = \"forward-linear\", rate = 0.006, the first 20 of 60 beads":
                 hc.Chain.tapered("forward-linear", 0.006, beads=20),

@@ -1,0 +1,186 @@
+"""Figures of the how-to guides on losses, and on odd beads, steps and gaps."""
+
+from typing import Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.figure import Figure
+from page_figures import chain_rows
+
+import hertzchain as hc
+from hertzchain.plotting.colours import COLOURS
+from hertzchain.plotting.style import MARKERS, figure_style
+
+# Laws with a restitution of 0.95 in two steel balls of 10 mm that meet at 0.3 m/s.
+EQUIVALENT: Final = {
+    "Restitution": hc.Restitution(0.95),
+    "Viscoelastic": hc.Viscoelastic("0.3587 us"),
+    "Dashpot": hc.Dashpot(4.839),
+    "UnloadingRatio": hc.UnloadingRatio(0.0975),
+    "WaltonBraun": hc.WaltonBraun(0.9025),
+}
+
+
+def losses() -> Figure:
+    """Restitution of several laws, and the forces along a chain with these laws."""
+    balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=20, velocity="0.3 m/s")
+    chain = balls.replace(right_wall=hc.Wall())
+    speeds, contact = np.geomspace(0.01, 1.0, 61), np.arange(1, 20)
+    dashes = ("-", "--", ":", "-", "--")
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.5))
+        elastic = hc.simulate(chain).pulse().peak_force
+        right.plot(contact, elastic[:19], color=COLOURS[0], linewidth=0.9, label="no loss")
+        for i, (name, law) in enumerate(EQUIVALENT.items(), 1):
+            e = [law.restitution(float(v), chain=chain, contact=1) for v in speeds]
+            style = {"color": COLOURS[i], "linestyle": dashes[i - 1], "label": name}
+            left.semilogx(speeds, e, **style)
+            force = hc.simulate(chain.replace(loss=law)).pulse().peak_force
+            right.plot(contact, force[:19], **style)
+        left.axvline(0.3, color="0.6", linewidth=0.8)
+        left.set_xlabel("speed before the collision [m/s]")
+        left.set_ylabel("coefficient of restitution")
+        right.set_ylim(0.0, None)
+        right.set_xticks([1, 5, 10, 15, 19])
+        right.set_xlabel("contact $k$")
+        right.set_ylabel("largest force [N]")
+        right.legend(loc="lower left", ncols=2)
+    return canvas
+
+
+def defect_chains() -> Figure:
+    """Chains with a different bead, a step, a gap, and small beads between large ones."""
+    row = hc.Chain.uniform(12)
+    return chain_rows(
+        {
+            "Chain.uniform(12).with_defects({6: 1.6})": row.with_defects({6: 1.6}),
+            "Chain.uniform(12).with_defects({6: 0.5})": row.with_defects({6: 0.5}),
+            "Chain.from_radii(np.where(np.arange(12) < 6, 1.0, 0.5))":
+                hc.Chain.from_radii(np.where(np.arange(12) < 6, 1.0, 0.5)),
+            "Chain.uniform(9).decorated(0.3)": hc.Chain.uniform(9).decorated(0.3),
+            "Chain.dimer(radii=[1.0, 0.7], beads=12)": hc.Chain.dimer(radii=[1.0, 0.7], beads=12),
+        },
+        5.4,
+    )  # fmt: skip
+
+
+def defects() -> Figure:
+    """Forces in chains with a heavy bead, a light bead, and steps to larger and smaller beads."""
+    row, bead = hc.Chain.uniform(80), np.arange(80)
+    chains = {
+        "a bead of radius 2": row.with_defects({40: 2.0}),
+        "a bead of radius 0.5": row.with_defects({40: 0.5}),
+        "second half of radius 2": hc.Chain.from_radii(np.where(bead < 40, 1.0, 2.0)),
+        "second half of radius 0.5": hc.Chain.from_radii(np.where(bead < 40, 1.0, 0.5)),
+    }
+    with figure_style():
+        canvas, panels = plt.subplots(2, 2, figsize=(8.2, 6.4), sharex=True, layout="constrained")
+        for axes, (title, chain) in zip(panels.flat, chains.items(), strict=True):
+            hc.simulate(chain, until=85.0, times=1600).plot("force", ax=axes)
+            axes.set_title(title)
+        for axes in panels[0]:
+            axes.set_xlabel("")
+    return canvas
+
+
+def rattling() -> Figure:
+    """Force on a light bead while the pulse passes, and its motion relative to its neighbours."""
+    run = hc.simulate(hc.Chain.uniform(100).with_defects({50: 0.2}), until=66.0, times=16501)
+    velocity = run.velocity(50) - 0.5 * (run.velocity(49) + run.velocity(51))
+    with figure_style():
+        canvas, (upper, lower) = plt.subplots(2, 1, figsize=(6.6, 4.4), sharex=True)
+        for contact, dashes in ((49, "-"), (50, "--")):
+            upper.plot(run.times, run.force(contact), dashes, color=COLOURS[contact - 48],
+                       label=f"contact {contact}")  # fmt: skip
+        upper.set_ylabel("force")
+        upper.legend()
+        lower.plot(run.times, velocity, color=COLOURS[0])
+        lower.set_ylabel("velocity relative\nto the neighbours")
+        lower.set_xlabel("time $t$")
+        lower.set_xlim(55.0, 65.0)
+        lower.set_ylim(-0.03, 0.03)
+    return canvas
+
+
+def _reflected(radius: float) -> float:
+    """Reflected part of the energy at a step from radius 1 to another one."""
+    chain = hc.Chain.from_radii(np.where(np.arange(120) < 60, 1.0, radius))
+    return hc.simulate(chain, until=150.0, times=3000).reflection(50, 72).reflected_energy
+
+
+def interfaces() -> Figure:
+    """Reflected energy at steps, and the train behind a step to smaller beads."""
+    radii = np.array([1.0, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0, 2.3, 2.7])
+    fine = np.linspace(1.0, 2.8, 91)
+    chain = hc.Chain.from_radii(np.where(np.arange(160) < 60, 1.0, 0.5))
+    train = hc.simulate(chain, until=150.0, times=4000).waves().passing(120)
+    force = np.array([wave.amplitude for wave in train if wave.direction > 0][:7])
+    number = np.arange(1, len(force) + 1)
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(8.2, 3.4))
+        left.plot(fine, ((fine**3 - 1) / (fine**3 + 1)) ** 2, color=COLOURS[1],
+                  label="independent collisions")  # fmt: skip
+        left.plot(radii, [_reflected(radius) for radius in radii], MARKERS[0], color=COLOURS[2],
+                  label="simulation")  # fmt: skip
+        left.set_xlabel("radius of the second half")
+        left.set_ylabel("reflected part of the energy")
+        left.legend(loc="lower right")
+        ratio = ((8.0 - 1.0) / (8.0 + 1.0)) ** 1.2
+        right.semilogy(number, ratio ** (number - 1.0), color=COLOURS[1])
+        right.semilogy(number, force / force[0], MARKERS[0], color=COLOURS[2])
+        right.set_xlabel("wave of the train, radius 0.5")
+        right.set_ylabel("force / force of the first wave")
+    return canvas
+
+
+def gaps() -> Figure:
+    """Velocity of the pulse behind a gap, and its delay."""
+    row = hc.Chain.uniform(100)
+    same, widths = hc.propagate(row), np.linspace(0.0, 3.0, 25)
+    kept, delay = [], []
+    for width in widths:
+        gap = np.zeros(99)
+        gap[49] = width
+        pulse = hc.simulate(row.replace(gaps=gap), times=0).pulse()
+        kept.append(pulse.velocity[79] / same.velocity[79])
+        delay.append(pulse.peak_time[79] - same.peak_time[79])
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.2))
+        left.plot(widths, kept, "o-", color=COLOURS[1], markersize=3.5)
+        left.axhline(0.98567886, color=COLOURS[2], linestyle="--", linewidth=1.0)
+        left.set_ylabel("velocity / velocity without gap")
+        right.plot(widths, delay, "o-", color=COLOURS[1], markersize=3.5)
+        right.plot(widths, widths / 0.98567886, "--", color=COLOURS[2], linewidth=1.0)
+        right.set_ylabel("delay")
+        for axes in (left, right):
+            axes.set_xlabel("width of the gap")
+    return canvas
+
+
+def dimer_pulses() -> Figure:
+    """Time between large beads with small ones between them, and pulses along dimers."""
+    radii, equal = np.linspace(0.1, 0.6, 11), hc.propagate(hc.Chain.uniform(60))
+    pulses = hc.propagate_many([hc.Chain.uniform(60).decorated(radius) for radius in radii])
+    times = (pulses.peak_time[:, 80] - pulses.peak_time[:, 40]) / (
+        equal.peak_time[40] - equal.peak_time[20]
+    )
+    fine = np.linspace(0.1, 0.6, 101)
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(8.2, 3.4))
+        series = ((1.0 + fine**3) * 2.0**1.5 / np.sqrt(2.0 * fine / (1.0 + fine))) ** 0.4
+        left.plot(fine, series, color=COLOURS[1])
+        left.plot(radii, times, MARKERS[0], color=COLOURS[2])
+        left.set_xlabel("radius of the small beads")
+        left.set_ylabel("time / time without them")
+        for i, ratio in enumerate((0.342845, 0.2397, 0.574)):
+            velocity = hc.propagate(hc.Chain.dimer(ratio, beads=101)).velocity[:90:2]
+            right.plot(2 * np.arange(45) + 1, velocity, MARKERS[i], color=COLOURS[i + 1],
+                       markersize=3.5, label=f"mass ratio {ratio:.4g}")  # fmt: skip
+        right.set_ylim(0.0, None)
+        right.set_xlabel("bead $k$, heavy beads only")
+        right.set_ylabel("velocity $v_k$")
+        right.legend(loc="lower left")
+    return canvas
+
+
+HOWTO_FIGURES: Final = (losses, defect_chains, defects, rattling, interfaces, gaps, dimer_pulses)

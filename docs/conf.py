@@ -121,6 +121,7 @@ def draw_figures(_: Any) -> None:
         for name in (
             "figures",
             "page_figures",
+            "howto_figures",
             "paper_figures",
             "law_figures",
             "local_rate_figures",

@@ -28,7 +28,7 @@ def losses() -> Figure:
     speeds, contact = np.geomspace(0.01, 1.0, 61), np.arange(1, 20)
     dashes = ("-", "--", ":", "-", "--")
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.5))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.3))
         elastic = hc.simulate(chain).pulse().peak_force
         right.plot(contact, elastic[:19], color=COLOURS[0], linewidth=0.9, label="no loss")
         for i, (name, law) in enumerate(EQUIVALENT.items(), 1):
@@ -74,7 +74,7 @@ def defects() -> Figure:
         "second half of radius 0.5": hc.Chain.from_radii(np.where(bead < 40, 1.0, 0.5)),
     }
     with figure_style():
-        canvas, panels = plt.subplots(2, 2, figsize=(8.2, 6.4), sharex=True, layout="constrained")
+        canvas, panels = plt.subplots(2, 2, figsize=(6.9, 5.6), sharex=True, layout="constrained")
         for axes, (title, chain) in zip(panels.flat, chains.items(), strict=True):
             hc.simulate(chain, until=85.0, times=1600).plot("force", ax=axes)
             axes.set_title(title)
@@ -114,10 +114,10 @@ def interfaces() -> Figure:
     fine = np.linspace(1.0, 2.8, 91)
     chain = hc.Chain.from_radii(np.where(np.arange(160) < 60, 1.0, 0.5))
     train = hc.simulate(chain, until=150.0, times=4000).waves().passing(120)
-    force = np.array([wave.amplitude for wave in train if wave.direction > 0][:7])
+    force = np.array([wave.to_dataframe().amplitude[120] for wave in train][:7])
     number = np.arange(1, len(force) + 1)
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(8.2, 3.4))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.2))
         left.plot(fine, ((fine**3 - 1) / (fine**3 + 1)) ** 2, color=COLOURS[1],
                   label="independent collisions")  # fmt: skip
         left.plot(radii, [_reflected(radius) for radius in radii], MARKERS[0], color=COLOURS[2],
@@ -145,7 +145,7 @@ def gaps() -> Figure:
         kept.append(pulse.velocity[79] / same.velocity[79])
         delay.append(pulse.peak_time[79] - same.peak_time[79])
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.2))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.0, 3.0))
         left.plot(widths, kept, "o-", color=COLOURS[1], markersize=3.5)
         left.axhline(0.98567886, color=COLOURS[2], linestyle="--", linewidth=1.0)
         left.set_ylabel("velocity / velocity without gap")
@@ -166,7 +166,7 @@ def dimer_pulses() -> Figure:
     )
     fine = np.linspace(0.1, 0.6, 101)
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(8.2, 3.4))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.2))
         series = ((1.0 + fine**3) * 2.0**1.5 / np.sqrt(2.0 * fine / (1.0 + fine))) ** 0.4
         left.plot(fine, series, color=COLOURS[1])
         left.plot(radii, times, MARKERS[0], color=COLOURS[2])

@@ -109,7 +109,7 @@ def _reflected(radius: float) -> float:
 
 
 def interfaces() -> Figure:
-    """Reflected energy at steps, and the train behind a step to smaller beads."""
+    """Reflected energy at steps, and the train beyond a step to smaller beads."""
     radii = np.array([1.0, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0, 2.3, 2.7])
     fine = np.linspace(1.0, 2.8, 91)
     chain = hc.Chain.from_radii(np.where(np.arange(160) < 60, 1.0, 0.5))
@@ -134,7 +134,7 @@ def interfaces() -> Figure:
 
 
 def gaps() -> Figure:
-    """Velocity of the pulse behind a gap, and its delay."""
+    """Velocity of the pulse beyond a gap, and its delay."""
     row = hc.Chain.uniform(100)
     same, widths = hc.propagate(row), np.linspace(0.0, 3.0, 25)
     kept, delay = [], []

@@ -211,7 +211,7 @@ def test_parts_can_be_asked_for():
         "Eqs. (22), (24) and the column “Binary” of Table 3", "Table 3",
         "Captions of Figs. 1 to 8 compared with Secs. 5.1 to 5.3",
     ]  # fmt: skip
-    assert part.verdict.endswith("3 errata concern table3 and figure6.")
+    assert part.verdict.endswith("3 errata concern table 3 and figure 6.")
     assert reproduce(["table1"]).errata == ()
     with pytest.raises(hc.InputError, match="unknown part of the reproduction .*did you mean 'fig"):
         reproduce(["figure15"])

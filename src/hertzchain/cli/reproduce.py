@@ -107,6 +107,6 @@ def _show_reproduction(result: Reproduction) -> None:
         return
     for erratum in result.errata:
         click.echo(
-            f"  erratum: {plain(erratum.place)}: printed {plain(erratum.printed)}; follows "
+            f"  erratum: {plain(erratum.place)}: printed {plain(erratum.printed)}; correct: "
             f"{plain(erratum.follows)}"
         )

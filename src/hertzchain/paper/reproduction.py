@@ -163,7 +163,7 @@ class Reproduction(ShortDir):
         if self.tables:
             exact = sum(entry.units == 0 for table in self.tables for entry in table.entries)
             seven_decimals = (
-                " (the forward momentum rates, printed to seven decimals, to within 1.0e-6)"
+                " (the forward momentum rates, which have seven decimals, to within ten units)"
                 if any(table.published.name == "table1" for table in self.tables)
                 else ""
             )
@@ -201,9 +201,10 @@ class Reproduction(ShortDir):
         if not self.all_errata:
             verb = "concerns" if count == 1 else "concern"
             names = {name for each in self.errata for name in each.concerns}
-            chosen = [table.published.name for table in self.tables]
-            chosen += [figure.published.name for figure in self.figures]
-            shown = listed([name for name in chosen if name in names])
+            chosen = [("table", table.published.name) for table in self.tables]
+            chosen += [("figure", figure.published.name) for figure in self.figures]
+            shown = listed([f"{kind} {name.removeprefix(kind)}" for kind, name in chosen
+                            if name in names])  # fmt: skip
             return f"{count} {'erratum' if count == 1 else 'errata'} {verb} {shown}."
         printed, corrected = printed_and_corrected_errors(self.pulses)
         return (

@@ -586,6 +586,7 @@ FORMULAS = {
     "dispersion_uniform": {"wave_number": 0.1, "mass": 1.0, "spring": 1.0},
     "exponential_energy_ratio": {"q": 0.1, "beads": 4, "restitution": 1.0},
     "exponential_rates": {"taper": "backward-exponential", "rate": 0.1},
+    "steady_rates": {"taper": "backward-exponential", "rate": 0.1},
     "forward_linear_momentum_slope": {"rate": 0.1},
     "hard_sphere_energy_ratio": {"chain": Chain.uniform(4), "restitution": 1.0},
     "linear_stiffness": {"stiffness": 1.0, "force": 1.0, "exponent": 1.5},

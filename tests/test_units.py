@@ -142,7 +142,8 @@ def test_ways_to_write_a_fraction():
         (lambda x: chain.decorated(x).radii[1], 0.3),
     ):
         assert call(f"{100 * expected:g}%") == call(f"{100 * expected:g} %") == call(expected)
-        for wrong, said in (("5 mm", "no unit|number|got the length"), ("1 foo", "plain number or a percentage"),
+        for wrong, said in (("5 mm", "no unit|number|got the length"),
+                            ("1 foo", "plain number or a percentage"),
                             ("0.01", "give the number 0.01 without quotes")):  # fmt: skip
             with pytest.raises(hc.InputError, match=said):
                 call(wrong)

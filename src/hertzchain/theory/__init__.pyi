@@ -23,3 +23,4 @@ from .modified_bca import calibrated_corrections as calibrated_corrections
 from .modified_bca import printed_correction as printed_correction
 from .modified_bca import printed_velocity as printed_velocity
 from .modified_bca import two_thirds_bca as two_thirds_bca
+from .steady_rates import steady_rates as steady_rates

@@ -116,6 +116,12 @@ class UniversalFunctions:
         """Smallest and largest rate of the tables."""
         return float(self.nodes[0]), float(self.nodes[-1])
 
+    def on_exponential_chains(self, rate: float, stage: int) -> Array:
+        """State of a stage on exponential chains of a rate inside the tables."""
+        piece = min(int(np.searchsorted(self.nodes, rate, "right")), len(self.nodes) - 1) - 1
+        powers = (rate - self.nodes[piece]) ** np.arange(3.0, -1.0, -1.0)
+        return np.asarray(powers @ self.anchors[stage, piece].reshape(4, len(STATE)))
+
 
 def state(pulse: Pulse) -> Array:
     r"""State :math:`(\rho_k, \varphi_k, \tau_k)` of every contact of a pulse."""

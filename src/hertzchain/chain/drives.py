@@ -6,6 +6,7 @@ not smooth, at which an integration step must end.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias, get_args
@@ -280,6 +281,13 @@ class TableDrive(Part):
 
 
 Drive: TypeAlias = SineBurst | StepDrive | TableDrive
+
+
+def with_factor(drive: Drive, factor: float) -> Drive:
+    """The drive with all of its values multiplied by a factor."""
+    if isinstance(drive, TableDrive):
+        return dataclasses.replace(drive, values=factor * drive.values)
+    return dataclasses.replace(drive, amplitude=factor * drive.amplitude)
 
 
 def _check_driven(of: str) -> None:

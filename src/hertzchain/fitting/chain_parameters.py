@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.drives import with_factor
 from ..chain.laws import Loss
 from ..chain.laws.base import LAWS
 from ..chain.per_contact import MaterialPairs
@@ -57,6 +58,7 @@ class Kind:
 KINDS: Final[Mapping[str, Kind]] = {
     "stiffness": Kind(lower=1e-3, upper=1e3, factor=True),
     "exponent": Kind(lower=1.05, upper=4.0, step=3e-5),
+    "drive.factor": Kind(lower=1e-3, upper=1e3, factor=True),
     "struck_by.velocity": Kind("m/s", factor=True),
     "struck_by.mass": Kind("kg", lower=1e-15, factor=True),
     "struck_by.radius": Kind("m", lower=1e-9, factor=True),
@@ -109,6 +111,8 @@ def known_names(chain: Chain) -> list[str]:
     names = ["stiffness", "stiffness[8-9]", "gap[8-9]", "mass[8]", "gravity", "precompression"]
     if isinstance(chain.exponents, float):
         names.append("exponent")
+    if chain.drive is not None:
+        names.append("drive.factor")
     if chain.strikers or chain.velocities[0]:
         names.append("struck_by.velocity")
     if chain.strikers:
@@ -252,7 +256,7 @@ def _common(chain: Chain, name: Name) -> float:
 def value_of(chain: Chain, name: Name) -> float:
     """Value of a parameter in a chain; 1 for factors."""
     key = name.key
-    if key == "stiffness":
+    if key in ("stiffness", "drive.factor"):
         if name.item:
             contact_index(chain, name)
         return 1.0
@@ -396,6 +400,8 @@ def with_motion(chain: Chain, values: Mapping[Name, float]) -> Chain:
         if name.key == "gap":
             gaps[contact_index(chain, name)] = value
             changes["gaps"] = gaps
+        elif name.key == "drive.factor" and chain.drive is not None:
+            changes["drive"] = with_factor(chain.drive, value)
         elif name.key in ("precompression", "gravity"):
             changes[name.key] = value
         elif name.key.endswith("_wall.gap"):
@@ -438,7 +444,7 @@ def _changed_laws(
 def is_motion(name: Name) -> bool:
     """Whether `with_motion` sets a parameter."""
     return (
-        name.key in ("gap", "precompression", "gravity")
+        name.key in ("gap", "precompression", "gravity", "drive.factor")
         or "loss." in name.key
         or name.key.endswith("_wall.gap")
     )

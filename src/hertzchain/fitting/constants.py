@@ -110,8 +110,8 @@ class Optimum:
 def fixed_constants(optimum: Optimum) -> tuple[FixedConstant, ...]:
     """Constants that are not free, and on which a fit depends.
 
-    These are moduli, densities, the stiffness of walls, gains of calibrated sensors, and the
-    sampling interval.
+    These are moduli, densities, the stiffness of walls, the factor of a drive, gains of calibrated
+    sensors, and the sampling interval.
     """
     model = optimum.problem.model
     weights = remaining_weights(optimum.problem, optimum.residuals)
@@ -180,17 +180,20 @@ def _slower(traces: Traces) -> Traces:
 
 
 def _constants(chain: Chain) -> list[Name]:
-    """Constants of materials and walls by the names with which they can be free."""
+    """Constants of drives, materials and walls by the names with which they can be free."""
     materials = dict.fromkeys(each.name for each in chain.materials or ())
     found = [
         Name(f"materials.{field}", each) for each in materials for field in ("young", "density")
     ]
+    if chain.drive is not None:
+        found.append(Name("drive.factor"))
     return found + [Name(f"{end}.stiffness") for end in ENDS if getattr(chain, end) is not None]
 
 
 def _follows(name: Name, free: Collection[Name], chain: Chain) -> bool:
     """Whether the stiffness of a wall follows from a modulus that is free and only the wall has."""
-    wall: Wall | None = getattr(chain, name.key.split(".")[0]) if not name.item else None
+    end = name.key.split(".")[0]
+    wall: Wall | None = getattr(chain, end) if end in ENDS else None
     if wall is None or wall.stiffness is not None or wall.material is None:
         return False
     of_ball = any(each.name == wall.material.name for each in chain.materials or ())

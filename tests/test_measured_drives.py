@@ -53,9 +53,10 @@ def test_the_unit_of_the_gain_states_what_is_driven(file, gain, of, factor):
 @pytest.mark.parametrize("gain", ["5 mm/s/V", "200 V/(m/s)", "200 V s/m", "0.2 mV/(um/s)"])
 def test_a_velocity_is_integrated(tmp_path, gain):
     """The displacement is 0 at time 0, and that of a sine is known."""
-    speed = 3.0 * np.sin(2.0 * np.pi * TIMES / 80e-6)
+    times = np.maximum(TIMES, 0.0)
+    speed = 3.0 * np.sin(2.0 * np.pi * times / 80e-6)
     drive = hc.load_drive(write(tmp_path / "laser.csv", speed), gain=gain)
-    expected = 5e-3 * 3.0 * 80e-6 / (2.0 * np.pi) * (1.0 - np.cos(2.0 * np.pi * TIMES / 80e-6))
+    expected = 5e-3 * 3.0 * 80e-6 / (2.0 * np.pi) * (1.0 - np.cos(2.0 * np.pi * times / 80e-6))
     assert drive.of == "displacement"
     assert drive.value(0.0) == 0.0
     # The trapezoidal rule has a relative error of (2 pi 1 us / 80 us)^2 / 12.
@@ -73,6 +74,24 @@ def test_the_baseline_is_the_mean_before_the_signal(tmp_path):
         drive = hc.load_drive(file, gain="50 N/V", baseline=baseline)
         np.testing.assert_allclose(drive.values, expected, atol=1e-10)
     assert abs(drive.values[before].mean()) < 1e-12
+
+
+def test_a_record_that_was_triggered_by_the_blow(tmp_path):
+    """Time 0 of the file is 15 us after the beginning of the blow, and noise follows it."""
+    times = TIMES - 15e-6
+    noise = np.where(times > 40e-6, 2e-5, 0.0)
+    file = write(tmp_path / "triggered.csv", VOLTS + noise, times=times)
+    given = {"gain": "20 mV/N", "offset": "12 mV"}
+    with pytest.warns(hc.InputWarning, match="reaches 77% of its largest value; give start, such"):
+        cut = hc.load_drive(file, **given)
+    assert cut.times[0] == pytest.approx(times[0])
+    drive = hc.load_drive(file, **given, start="-15 us", end="40 us")
+    clock = np.linspace(0.0, 55e-6, 56)
+    whole = hc.load_drive(write(tmp_path / "scope.csv", VOLTS), **given)
+    np.testing.assert_allclose(drive.value(clock), whole.value(clock), atol=1e-9)
+    assert drive.end == pytest.approx(55e-6)
+    assert drive.values[-1] == 0.0
+    assert hc.load_drive(file, **given, start=-15e-6).end == np.inf
 
 
 def test_a_column_is_chosen_by_name(tmp_path):
@@ -151,6 +170,9 @@ def test_a_measured_blow_moves_the_beads_as_its_sine_does(file):
         ({"gain": "50 N/V", "baseline": "1 mm"}, "baseline must have a unit such as s, ms"),
         ({"gain": "50 N/V", "column": "Amp"}, r"no column 'Amp'; choose one of Volt \(V\)"),
         ({"gain": "50 N/V", "column": "Volt [mV]"}, r"has the unit V, but is given as 'Volt \[mV"),
+        ({"gain": "50 N/V", "end": "-50 us"}, "end must be above 0, got '-50 us'"),
+        ({"gain": "0.1 mm/V", "end": "50 us"}, "end is the end of a force, but the drive is a dis"),
+        ({"gain": "50 N/V", "start": "1 V"}, "unknown unit of start 'V': choose from s, ms"),
         ({"gain": "50 N/V", "column": 2}, "column of a drive must be text, got 2"),
     ],
 )  # fmt: skip

@@ -242,6 +242,10 @@ _DRIVES: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
             Key("offset", "signal", "signal without force or displacement, such as `12 mV`"),
             Key("baseline", "signal", "time until which the mean signal is the offset, such as "
                 "`20 us`"),
+            Key("start", "signal", "time in the file at which the simulation begins, such as "
+                "`-40 us`; by default 0"),
+            Key("end", "signal", "time in the file at which a force ends, such as `150 us`; without "
+                "it, the drive keeps its last value"),
         ),
     }
 )  # fmt: skip

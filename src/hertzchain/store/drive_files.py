@@ -11,7 +11,7 @@ import numpy as np
 
 from ..chain.drives import Driven, TableDrive
 from ..collision import Array
-from ..errors import InputError, errors_at, short_repr
+from ..errors import InputError, InputWarning, errors_at, short_repr, warn_user
 from ..representation import measure
 from ..units import UNITS, VOLTS, converted, has_dimension, quantity
 from ..validation.keywords import checked_arguments
@@ -29,6 +29,8 @@ _NUMBER: Final = re.compile(
 _PER_VOLT: Final = re.compile(r"(.+?)\s*/\s*([um\u00b5]?V)")
 _VOLT_PER: Final = re.compile(r"([um\u00b5]?V)\s*(\W.*|s.*)")
 _RATIO: Final = re.compile(r"/\s*\(\s*([^()/]+?)\s*/\s*([^()/]+?)\s*\)")
+# Part of the largest value that a signal may have before the simulation begins.
+BEGUN: Final = 0.05
 _GAINS: Final = "'50 N/V' or '20 mV/N' for a force, '0.1 mm/V' for a displacement"
 
 
@@ -50,6 +52,8 @@ def load_drive(
     gain: str | None = None,
     offset: str | None = None,
     baseline: float | str | None = None,
+    start: float | str | None = None,
+    end: float | str | None = None,
 ) -> TableDrive:
     r"""Read a drive from a CSV file with columns such as ``time [us]`` and ``force [N]``.
 
@@ -73,6 +77,12 @@ def load_drive(
     baseline : float or str, optional
         Time [s] until which there is only the offset, such as ``"20 us"``: the mean of the signal
         until then is subtracted, instead of ``offset``.
+    start : float or str, optional
+        Time [s] in the file at which the simulation begins, such as ``"-40 us"`` if the record was
+        triggered by the force itself; by default 0.
+    end : float or str, optional
+        Time [s] in the file at which a force ends, such as ``"150 us"``.  Without it, the drive
+        keeps its last value, which is that of the noise at the end of most records.
 
     Raises
     ------
@@ -80,6 +90,11 @@ def load_drive(
         If the file is missing or unreadable, a column is unknown, missing or duplicated, a sample
         is missing or beyond the range, the gain is missing or has another unit, or times do not
         increase.  The message names the file.
+
+    Warns
+    -----
+    InputWarning
+        If the signal exceeds 5% of its largest value before the simulation begins.
 
     Examples
     --------
@@ -113,10 +128,39 @@ def load_drive(
         if unit_of_times:
             times = times * converted("column 'time'", 1.0, unit_of_times, "s")
         values = factor * (values - _offset(signal, times, values, offset, baseline))
+        unit = "s" if unit_of_times else SCALED
+        begin = 0.0 if start is None else number("start", start, unit=unit)
+        if end is not None:
+            times, values = _ended(of, times, values, number("end", end, unit=unit, above=begin))
+        _warn_if_begun(times, values, begin, unit)
+        times = times - begin
         if of == "velocity":
             return TableDrive(times, _integrated(times, values), "displacement")
         driven: Driven = "force" if of == "force" else "displacement"
         return TableDrive(times, values, driven)
+
+
+def _ended(of: str, times: Array, values: Array, end: float) -> tuple[Array, Array]:
+    """Samples of a force that is 0 from a time on."""
+    if of != "force":
+        raise InputError(f"end is the end of a force, but the drive is a {of}; omit it")
+    if end <= times[0]:
+        raise InputError(f"end must be later than the first sample, at {times[0]:g} s, got {end:g}")
+    own = times < end
+    return np.append(times[own], end), np.append(values[own], 0.0)
+
+
+def _warn_if_begun(times: Array, values: Array, begin: float, unit: str) -> None:
+    """Warn about a signal that has begun before the simulation does."""
+    before, largest = np.abs(values[times < begin]), np.abs(values).max(initial=0.0)
+    if before.max(initial=0.0) > BEGUN * largest:
+        units = "SI" if unit == "s" else "scaled"
+        warn_user(
+            f"before the simulation begins, at {measure(begin, 's', units)} of the file, the signal "
+            f"reaches {before.max() / largest:.0%} of its largest value; give start, such as "
+            f"'{measure(float(times[0]), 's', units)}', where the file begins",
+            InputWarning,
+        )
 
 
 def _times(table: SampleTable) -> tuple[int, str]:

@@ -244,8 +244,8 @@ _DRIVES: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
                 "`20 us`"),
             Key("start", "signal", "time in the file at which the simulation begins, such as "
                 "`-40 us`; by default 0"),
-            Key("end", "signal", "time in the file at which a force ends, such as `150 us`; without "
-                "it, the drive keeps its last value"),
+            Key("end", "signal", "time in the file at which a force ends, such as `150 us`; by "
+                "default, the drive keeps its last value"),
         ),
     }
 )  # fmt: skip

@@ -156,8 +156,8 @@ def _warn_if_begun(times: Array, values: Array, begin: float, unit: str) -> None
     if before.max(initial=0.0) > BEGUN * largest:
         units = "SI" if unit == "s" else "scaled"
         warn_user(
-            f"before the simulation begins, at {measure(begin, 's', units)} of the file, the signal "
-            f"reaches {before.max() / largest:.0%} of its largest value; give start, such as "
+            f"before the simulation begins, at {measure(begin, 's', units)} of the file, the "
+            f"signal reaches {before.max() / largest:.0%} of its largest value; give start, such as "
             f"'{measure(float(times[0]), 's', units)}', where the file begins",
             InputWarning,
         )

@@ -157,8 +157,8 @@ def _warn_if_begun(times: Array, values: Array, begin: float, unit: str) -> None
         units = "SI" if unit == "s" else "scaled"
         warn_user(
             f"before the simulation begins, at {measure(begin, 's', units)} of the file, the "
-            f"signal reaches {before.max() / largest:.0%} of its largest value; give start, such as "
-            f"'{measure(float(times[0]), 's', units)}', where the file begins",
+            f"signal reaches {before.max() / largest:.0%} of its largest value; give start, such "
+            f"as '{measure(float(times[0]), 's', units)}', where the file begins",
             InputWarning,
         )
 

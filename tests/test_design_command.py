@@ -294,8 +294,11 @@ def test_the_summary_states_that_the_arriving_ball_counts(file, run):
     assert not any("ElasticPlastic" in line for line in lines)
     (force,) = (line for line in lines if line.startswith("  wall_force.peak <= 20 N"))
     assert force.endswith(" with contacts that yield)")
-    (equal,) = (line for line in lines if line.startswith("  best row of equal balls"))
+    (equal,) = (line for line in lines if "row of equal balls " in line and "tried" in line)
     assert ("NOT meet" in equal) != ("of this value" in equal)
+    assert ("  row of equal balls closest to the constraints (of " in equal) == (
+        "NOT meet" in equal
+    )
 
 
 def test_constraints_that_cannot_be_met_give_exit_code_3(file, run):

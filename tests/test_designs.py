@@ -1591,3 +1591,18 @@ def test_limits_in_both_directions_need_the_mean_of_a_scatter():
         hc.Design(WALLED, scatter=hc.Scatter(radius=0.02), **given)
     hc.Design(WALLED, scatter=hc.Scatter(radius=0.02, measure="mean"), **given)
     hc.Design(WALLED, **given)
+
+
+def test_a_material_that_constraints_exclude_does_not_hide_rows_without_it():
+    """PTFE yields at once, so the best row is nearly that of a search among steel balls."""
+    chain = hc.Chain.from_materials(
+        "4 mm", "steel-52100", beads=10, right_wall=hc.Wall("5 kN/mm", exponent=1)
+    ).struck_by(mass="30 g", velocity="0.2 m/s")
+    limits = {"length": ["<= 80 mm", ">= 76 mm"], "yield_ratio": "<= 1"}
+    sizes = ["6.35 mm", "7.9375 mm", "9.525 mm", "11.1125 mm"]
+    values = []
+    for materials in (["steel-52100"], ["steel-52100", "ptfe"]):
+        balls = hc.vary.balls(materials=materials, diameters=sizes, beads="2:", optional=True)
+        problem = hc.Design(chain, minimise="wall_force.peak", vary=[balls], subject_to=limits)
+        values.append(hc.design(problem, budget=1500, method="genetic").value)
+    assert values[1] <= 1.02 * values[0]

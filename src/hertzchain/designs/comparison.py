@@ -127,8 +127,9 @@ def references_in_words(result: DesignResult) -> dict[str, Verified]:
     """The references, with the numbers of chains of which they are the best, and their balls."""
 
     def described(name: str) -> str:
-        tried = result.compared[name]
-        text = f"best {name} (of {tried} tried)" if tried > 1 else name
+        tried, possible = result.compared[name], met(result.problem, result.references[name].values)
+        best = f"best {name}" if possible else f"{name} closest to the constraints"
+        text = f"{best} (of {tried} tried)" if tried > 1 else name
         balls = equal_balls(result, name) or _sorted_balls(result, name)
         return f"{text}, {balls}" if balls else text
 

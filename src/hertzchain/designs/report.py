@@ -171,7 +171,7 @@ def _heading(result: DesignResult) -> list[str]:
         name = "score" if single is None else str(single)
         article = "an" if name[0] in "aeiou" else "a"
         first = ("No trial meets the constraints; the closest one has "
-                 f"{article} {name} of {value.strip()}")  # fmt: skip
+                 f"{article} {name} of {value.strip()}{_more_trials(result)}")  # fmt: skip
     if not result.front:
         first += _outside_in_words(found)
     lines = [first, f"  verified: the integration was repeated at rtol {found.rtol:g}"
@@ -181,6 +181,15 @@ def _heading(result: DesignResult) -> list[str]:
                      f"{_shown_if_yielding(result, found)}")  # fmt: skip
         lines += _better_if_yielding(result)
     return lines
+
+
+def _more_trials(result: DesignResult) -> str:
+    """What may find a chain that meets the constraints, if not all were tried."""
+    choices = _choices(result)
+    if choices is not None and choices[0] >= choices[1]:
+        return ""
+    begin = ", or begin with a row that meets them (start)" if choices is not None else ""
+    return f"; give a larger budget or another seed{begin}"
 
 
 def _better_if_yielding(result: DesignResult) -> list[str]:

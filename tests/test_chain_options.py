@@ -81,6 +81,26 @@ def test_strikers_are_beads_like_the_first_one_at_the_speed_of_the_impact(run, f
     np.testing.assert_allclose(found["velocity"], hc.propagate(scaled).velocity, rtol=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
+@pytest.mark.parametrize(
+    ("options", "striker", "wall"),
+    [
+        (("--striker", "30 g"), {"mass": 0.03}, hc.Wall()),
+        (("--striker", "30 g, flat"), {"mass": 0.03, "radius": np.inf}, hc.Wall()),
+        (("--striker", "2, 12 mm, brass"), {"count": 2, "diameter": 0.012, "material": "brass"},
+         hc.Wall()),
+        (("--striker", "1", "--wall", "5 kN/mm"), {}, hc.Wall(5e6, exponent=1)),
+        (("--striker", "1", "--wall", "2e10 N/m^1.5"), {}, hc.Wall(2e10)),
+    ],
+)  # fmt: skip
+def test_other_strikers_and_walls_of_known_stiffness(run, file, options, striker, wall):
+    options = options if "--wall" in options else (*options, "--wall", "same")
+    chain = row(None).struck_by(velocity=0.1, **striker).replace(right_wall=wall)
+    expected = hc.simulate(chain).wall_force().peak
+    assert wall_peak(run, *BALLS, "--speed", "0.1 m/s", *options) == pytest.approx(expected)
+    assert wall_peak(run, file, *options) == pytest.approx(expected)
+
+
 def test_the_speed_of_a_chain_at_rest_is_that_of_its_strikers_or_of_bead_1(run, tmp_path):
     file, options = tmp_path / "rest.toml", ("--speed", "0.1 m/s")
     still = FILE.replace("0.1 m/s", "0 m/s")
@@ -119,7 +139,12 @@ def test_simulate_states_the_speed_of_the_impact(run, file):
         (("--loss", "elastic=2"), "has no parameters: write --loss elastic"),
         (("--striker", "0"), "--striker must be"),
         (("--wall", "butter"), "--wall must be same, rigid or a material"),
-        (("--wall", "2 kN/mm"), "write right_wall = {stiffness"),
+        (("--wall", "2 kg/mm"), "or a stiffness such as '5 kN/mm' (exponent 1)"),
+        (("--wall", "2"), "or a stiffness such as '5 kN/mm' (exponent 1)"),
+        (("--striker", "50 s"), "such as --striker '50 g, flat', got '50 s'"),
+        (("--striker", "50 g, 20 g"), "'50 g, 20 g' has two values of the mass: omit one"),
+        (("--striker", "butter"), "unknown material 'butter'"),
+        (("--striker", "flat"), "has no default mass; give mass"),
     ],
 )
 def test_bad_changes_are_rejected(run, file, options, words):

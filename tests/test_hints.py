@@ -38,16 +38,6 @@ def test_an_empty_list_of_diameters_is_named_as_it_is_written(tmp_path):
         hc.load_chain(path)
 
 
-def test_the_option_striker_names_the_table_of_other_strikers(run):
-    options = ["--material", "steel-52100", "--diameter", "8 mm", "--beads", "3"]
-    code, _, err = run("simulate", *options, "--striker", "50 g")
-    assert code == 2
-    words = " ".join(err.split())
-    assert "number of beads like the first, got '50 g'" in words
-    assert "[[chain.struck_by]]" in words
-    assert 'mass = "50 g" and, for a flat face, radius = inf' in words
-
-
 @pytest.mark.parametrize("name", ["steel-440c", "Steel 440C"])
 def test_steels_that_are_not_in_the_catalogue_are_answered_with_its_steels(name):
     kinds = "did you mean 'steel-52100' or 'steel-304' or 'steel-316'[?]"

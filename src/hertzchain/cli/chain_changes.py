@@ -56,11 +56,9 @@ def require_unit_of_speed(speed: str) -> None:
                                f"--speed '{speed.strip()} m/s'")  # fmt: skip
 
 
-def struck(chain: Chain, count: int) -> Chain:
-    """The chain struck by beads like its first one, at the velocity of its impact."""
-    from ..validation.numbers import whole_number
-
-    whole_number("--striker", count, least=1)
+def struck(chain: Chain, striker: str) -> Chain:
+    """The chain struck by beads like its first one or by others, at the velocity of its impact."""
+    given = _striker(striker, chain)
     if chain.strikers:
         raise click.UsageError("--striker adds strikers, but the file has some: change them there")
     if chain.drive is not None:
@@ -79,7 +77,42 @@ def struck(chain: Chain, count: int) -> Chain:
             "moves away from the chain: add strikers to the file"
         )
     velocity = float(chain.velocities[0])
-    return chain.replace(velocities=None).struck_by(velocity=velocity, count=count)
+    return chain.replace(velocities=None).struck_by(velocity=velocity, **given)
+
+
+def _striker(text: str, chain: Chain) -> dict[str, Any]:
+    """Arguments of `Chain.struck_by` from text such as ``2`` or ``50 g, flat``."""
+    from ..units import has_dimension, quantity
+    from ..validation.numbers import whole_number
+
+    given: dict[str, Any] = {}
+    value: Any
+    for part in map(str.strip, text.split(",")):
+        found = quantity(part)
+        if part.lstrip("+-").isdigit():
+            key, value = "count", whole_number("--striker", int(part), least=1)
+        elif part == "flat":
+            key, value = "radius", part
+        elif found is not None and has_dimension(found[1], "kg"):
+            key, value = "mass", part
+        elif found is not None and has_dimension(found[1], "m"):
+            key, value = "diameter", part
+        elif found is None and part[:1].isalpha():
+            key, value = "material", part
+        else:
+            raise click.UsageError(
+                "--striker must be a number of beads like the first, or a mass, a diameter, flat "
+                f"or a material, such as --striker '50 g, flat', got {part!r}"
+            )
+        if key in given:
+            raise click.UsageError(f"--striker {text!r} has two values of the {key}: omit one")
+        given[key] = value
+    if chain.scaled and given.keys() != {"count"}:
+        raise click.UsageError(
+            f"--striker {text!r} requires --material; in scaled variables, it is a number of beads "
+            "like the first"
+        )
+    return given
 
 
 def wall_named(name: str, chain: Chain) -> Wall:
@@ -91,11 +124,8 @@ def wall_named(name: str, chain: Chain) -> Wall:
         return Wall()
     if name == "rigid":
         return Wall.rigid()
-    if name[:1].isdigit():
-        raise click.UsageError(
-            f"--wall must be same, rigid or a material, got {name!r}; for a pad of known "
-            'stiffness, write right_wall = {stiffness = "2 kN/mm", exponent = 1} in a chain file'
-        )
+    if name[:1].isdigit() and not chain.scaled:
+        return _wall_of_stiffness(name)
     if chain.scaled:
         raise click.UsageError(
             f"--wall {name} requires --material; a scaled chain has the walls same and rigid"
@@ -104,6 +134,21 @@ def wall_named(name: str, chain: Chain) -> Wall:
         return Wall.of(name)
     except InputError as error:
         raise click.UsageError(f"--wall must be same, rigid or a material: {error}") from None
+
+
+def _wall_of_stiffness(text: str) -> Wall:
+    """A wall of a stiffness in N/m, such as a load cell, or of one in N/m^1.5."""
+    from ..chain.walls import Wall
+    from ..units import has_dimension, quantity
+
+    found = quantity(text)
+    for unit, exponent in (("N/m", 1.0), ("N/m^1.5", None)):
+        if found is not None and has_dimension(found[1], unit):
+            return Wall(text, exponent=exponent)  # type: ignore[arg-type]
+    raise click.UsageError(
+        f"--wall must be same, rigid, a material, or a stiffness such as '5 kN/mm' (exponent 1) or "
+        f"'2e10 N/m^1.5', got {text!r}"
+    )
 
 
 def law_from(text: str, chain: Chain) -> Loss:

@@ -14,7 +14,7 @@ import click
 
 from .chain_changes import at_speed, law_from, require_unit_of_speed, struck, wall_named
 from .chain_completion import complete_losses, complete_materials, complete_tapers, complete_walls
-from .options import Fraction, StrikerCount, as_typed
+from .options import Fraction, as_typed
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -31,9 +31,9 @@ IMPACT: Final = (
     ),
     click.option(
         "--striker",
-        type=StrikerCount(),
-        metavar="COUNT",
-        help="Add this number of beads like the first as a striker, which hits the chain at rest.  "
+        metavar="STRIKER",
+        help="Add a striker, which hits the chain at rest: a number of beads like the first, or a "
+        "mass, a diameter, flat, a material or several of these, such as '30 g' or '50 g, flat'.  "
         "[default: bead 1 moves]",
     ),
 )
@@ -75,8 +75,8 @@ CHAIN_OPTIONS: Final = (
         "--wall",
         metavar="NAME",
         shell_complete=complete_walls,
-        help="Wall at the last bead: same (as the bead), rigid, or a material; replaces that of a "
-        "FILE.",
+        help="Wall at the last bead: same (as the bead), rigid, a material, or a stiffness such as "
+        "'5 kN/mm'; replaces that of a FILE.",
     ),
     click.option(
         "--loss",
@@ -103,7 +103,7 @@ class ChainOptions:
     radius: str | None = None
     material: str | None = None
     speed: str | None = None
-    striker: int | None = None
+    striker: str | None = None
     wall: str | None = None
     loss: str | None = None
 

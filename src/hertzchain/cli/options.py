@@ -34,26 +34,6 @@ class Fraction(click.ParamType):  # type: ignore[type-arg]
         return value if isinstance(value, float) else fraction_from(option, value)
 
 
-class StrikerCount(click.ParamType):  # type: ignore[type-arg]
-    """A number of beads; other strikers are in chain files."""
-
-    name = "integer"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> int:  # fmt: skip
-        """Convert the text of an option."""
-        try:
-            return int(value)
-        except ValueError:
-            self.fail(
-                f"it must be a number of beads like the first, got {value!r}; describe another "
-                "striker in a chain file by a table [[chain.struck_by]], such as velocity = "
-                '"0.1 m/s", mass = "50 g" and, for a flat face, radius = inf',
-                param, ctx,
-            )  # fmt: skip
-
-
 class StrictCommand(click.Command):
     """A command that rejects options given twice, of which Click would use the last."""
 

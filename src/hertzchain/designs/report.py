@@ -184,7 +184,7 @@ def _heading(result: DesignResult) -> list[str]:
 
 
 def _more_trials(result: DesignResult) -> str:
-    """What may find a chain that meets the constraints, if not all were tried."""
+    """Advice if no trial meets the constraints, unless all choices were tried."""
     choices = _choices(result)
     if choices is not None and choices[0] >= choices[1]:
         return ""

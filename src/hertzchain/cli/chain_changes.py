@@ -45,15 +45,15 @@ def at_speed(chain: Chain, speed: str) -> Chain:
     return chain.replace(velocities=np.where(moving, value, 0.0))
 
 
-def require_unit_of_speed(speed: str) -> None:
+def require_unit_of_speed(speed: str, option: str = "--speed") -> None:
     """Reject a speed without a unit, which could be meant in any."""
     from ..validation.numbers import number
 
     value = as_typed(speed)
     if isinstance(value, float):
-        number("--speed", value)
-        raise click.UsageError(f"--speed {speed} has no unit; write, for example, "
-                               f"--speed '{speed.strip()} m/s'")  # fmt: skip
+        number(option, value)
+        raise click.UsageError(f"{option} {speed} has no unit; write, for example, "
+                               f"{option} '{speed.strip()} m/s'")  # fmt: skip
 
 
 def struck(chain: Chain, striker: str) -> Chain:
@@ -151,6 +151,29 @@ def _wall_of_stiffness(text: str) -> Wall:
     )
 
 
+def _law_with_restitution(name: str, given: list[str], chain: Chain) -> Loss:
+    """The law of ``viscoelastic, restitution=0.93, speed=0.8 m/s`` in the first contact."""
+    from ..chain.laws.base import LAWS
+    from ..errors import InputError
+
+    values: dict[str, Any] = {}
+    for each in given:
+        key, _, value = (part.strip() for part in each.partition("="))
+        values[key] = as_typed(value)
+    if not {"restitution", "speed"} <= values.keys():
+        raise click.UsageError(
+            f"--loss {name} with a restitution needs its speed, too: write --loss "
+            f"'{name}, restitution=0.93, speed=0.8 m/s'"
+        )
+    if not chain.scaled:
+        require_unit_of_speed(str(values["speed"]), "speed of --loss")
+    coefficient = values.pop("restitution")
+    try:
+        return LAWS[name].from_restitution(coefficient, chain=chain, **values)
+    except InputError as error:
+        raise click.UsageError(f"--loss {name}: {error}") from None
+
+
 def law_from(text: str, chain: Chain) -> Loss:
     """The law of ``--loss``: ``restitution=0.96``, or ``velocity-power=2,alpha=1.2``."""
     from ..chain.laws.base import LAWS
@@ -162,6 +185,9 @@ def law_from(text: str, chain: Chain) -> Loss:
     name, equals, value = (part.strip() for part in first.partition("="))
     check_choice("law of --loss", name, LAWS)
     parameters = LAWS[name].parameters()
+    keys = {each.partition("=")[0].strip() for each in others}
+    if not equals and {"restitution", "speed"} & keys:
+        return _law_with_restitution(name, others, chain)
     if equals and not parameters:
         raise click.UsageError(f"the law {name} has no parameters: write --loss {name}")
     required = [each.name for each in fields(LAWS[name]) if each.default is MISSING]

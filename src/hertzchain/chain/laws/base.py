@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, Self
 
 import numpy as np
 
@@ -277,6 +277,54 @@ class Loss(Part):
         if chain is None and reduced_mass is None and stiffness is None:
             self._warn_without_loss(found)
         return found
+
+    @classmethod
+    def from_restitution(
+        cls, coefficient: float, *, speed: float, chain: Any, contact: int = 1, **others: Any
+    ) -> Self:
+        """Law with a coefficient of restitution at one speed, such as that of a drop test.
+
+        Parameters
+        ----------
+        coefficient : float
+            Coefficient of restitution, between 0 and 1.
+        speed : float
+            Relative speed before the collision [scaled, or m/s].
+        chain : Chain
+            Chain whose beads collide, or a bead with a wall.
+        contact : int
+            Number of their contact: k is that of beads k and k + 1; 0 and N are those with walls.
+        **others
+            Parameters of the law that are known, such as ``alpha`` of `VelocityPower`.
+
+        Returns
+        -------
+        Loss
+            In the units of the chain.
+
+        Raises
+        ------
+        InputError
+            If a number is out of its range, if the law has no or several unknown parameters, or if
+            no value gives this restitution.
+
+        Examples
+        --------
+        A ball of 10 mm that falls onto a thick steel plate:
+
+        >>> import hertzchain as hc
+        >>> ball = hc.Chain.from_materials("5 mm", "steel-52100", beads=1, right_wall=hc.Wall())
+        >>> law = hc.Viscoelastic.from_restitution(0.93, speed="0.8 m/s", chain=ball)
+        >>> f"{1e6 * law.time:.3f} us"
+        '0.481 us'
+        >>> round(law.restitution("0.8 m/s", chain=ball, contact=1), 6)
+        0.93
+        """
+        from ..parameter_of_law import law_with_restitution
+
+        contacts, si = _contact_of(chain, contact), chain.units == "SI"
+        law: Any = law_with_restitution(cls, coefficient, speed, contacts, si=si, others=others)
+        return law
 
     def _check_without_chain(self) -> None:
         """Raise `InputError` if restitution depends on more than mass and stiffness."""

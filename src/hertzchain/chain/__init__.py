@@ -7,7 +7,6 @@
 - radii: `tapers`, `taper_sizes`, `random_radii`, `scattered_radii`, `repeated_cells`; sizes in
   figures: `drawn_bodies`;
 - masses and contacts: `materials`, `mass_and_stiffness`, exponents and losses `per_contact`,
-  the `parameter_of_law` for a given restitution,
   `contact_groups`, and the `laws` of loss;
 - ends: `walls`, `drives`, and `boundary_checks` of both with the precompression;
 - equilibrium: `static_forces`, `static_state`, `equilibrium`;

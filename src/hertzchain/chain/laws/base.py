@@ -320,7 +320,7 @@ class Loss(Part):
         >>> round(law.restitution("0.8 m/s", chain=ball, contact=1), 6)
         0.93
         """
-        from ..parameter_of_law import law_with_restitution
+        from .given_restitution import law_with_restitution
 
         contacts, si = _contact_of(chain, contact), chain.units == "SI"
         law: Any = law_with_restitution(cls, coefficient, speed, contacts, si=si, others=others)

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
-from ..errors import InputError
-from ..validation.numbers import FRACTION, SCALED, number
-from .scales import Scales
-
-if TYPE_CHECKING:
-    from .laws.base import ContactArrays, Loss
+from ...errors import InputError
+from ...validation.numbers import FRACTION, SCALED, number
+from ..scales import Scales
 
 # Range of the search: of ratios, and of other parameters in units of the motion.
 RATIOS: Final = (1e-9, 1.0 - 1e-9)
@@ -21,9 +18,9 @@ MULTIPLES: Final = (1e-8, 30.0)
 
 
 def law_with_restitution(
-    law: type[Loss], coefficient: Any, speed: Any, contacts: ContactArrays, *, si: bool,
+    law: type[Any], coefficient: Any, speed: Any, contacts: Any, *, si: bool,
     others: Mapping[str, Any],
-) -> Loss:  # fmt: skip
+) -> Any:  # fmt: skip
     """The law of this kind with a coefficient of restitution at one speed."""
     from scipy.optimize import brentq
 
@@ -31,7 +28,7 @@ def law_with_restitution(
     e = number("coefficient of restitution", coefficient, unit=FRACTION, above=0.0, below=1.0)
     before = number("speed", speed, unit="m/s" if si else SCALED, above=0.0)
 
-    def made(value: float) -> Loss:
+    def made(value: float) -> Any:
         return law(**{name: value, **others})
 
     def excess(log_value: float) -> float:
@@ -47,7 +44,7 @@ def law_with_restitution(
     return made(float(np.exp(brentq(excess, low, high, xtol=1e-12))))
 
 
-def _free_parameter(law: type[Loss], others: Mapping[str, Any]) -> str:
+def _free_parameter(law: type[Any], others: Mapping[str, Any]) -> str:
     """The parameter that follows from the restitution: the only number that is not given."""
     numbers = [name for name, about in law.parameters().items() if not about.boolean]
     for name in others:
@@ -72,7 +69,7 @@ def _free_parameter(law: type[Loss], others: Mapping[str, Any]) -> str:
 
 
 def _range(
-    law: type[Loss], name: str, speed: float, contacts: ContactArrays, others: Mapping[str, Any]
+    law: type[Any], name: str, speed: float, contacts: Any, others: Mapping[str, Any]
 ) -> tuple[float, float]:
     """Smallest and largest value of a parameter that is tried."""
     scale: Any = law.__dataclass_fields__[name].metadata.get("scale")

@@ -1506,3 +1506,39 @@ def test_a_server_that_is_gone_is_reported_and_found_again(browser):
     page.context.close()
     second.stop()
     thread.join(5.0)
+
+
+ROW = "#diameters=12+mm&beads=12&materials=steel-52100&right_wall.material=steel-52100"
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_a_striker_has_the_entered_velocity_of_the_impact(page):
+    page.tab = page.new_tab(page.origin + ROW)
+    field = page.tab.locator("[id='c-chain.velocity']")
+    field.fill("0.25")
+    field.press("Enter")
+    page.settle()
+    page.tab.click("#group-struck_by summary")
+    page.tab.click("#add-struck_by")
+    page.settle()
+    chain = chain_of(page.document())
+    assert chain.velocities.tolist() == [0.25] + 12 * [0.0]
+    row = hc.Chain.from_materials(6e-3, "steel-52100", beads=12)
+    struck = row.struck_by(velocity=0.25).replace(right_wall=hc.Wall.of("steel-52100"))
+    peak = hc.simulate(struck, times=0, rtol=1e-9).wall_force().peak
+    assert page.tab.evaluate("hertzchain.results.A.run.header.peaks.right.first") == peak
+    assert "is not used" not in page.tab.text_content("#warnings")
+    page.tab.click("text=Remove >> nth=0")
+    page.settle()
+    assert page.document()["chain"]["velocity"] == "0.25 m/s"
+    assert "struck_by" not in page.document()["chain"]
+
+
+def test_the_warning_about_dents_is_shown_first(page):
+    tab = page.new_tab(f"{page.origin}{ROW}&velocity=0.25+m/s&struck_by.count=1")
+    shown, folded = tab.text_content("#warnings-count"), tab.text_content("#warnings-list")
+    assert shown.startswith("2 warnings: Contacts would be dented")
+    assert folded == (
+        "The impact velocity, 0.25 m/s, is not used, because strikers hit a chain at rest; enter "
+        "the velocity under Strikers"
+    )

@@ -33,6 +33,9 @@ WORDINGS: Final = (
     (r"^propagate does", "the simulation of the pulse does"),
     (r"(?<=\d )u(?=[JNms]\b)", "µ"),
     (r"\b(first|last)_(diameter|radius)\b", r"\1 \2"),
+    (r"^struck_by omits the velocity of bead 1, (.*), because strikers hit a chain at rest; .*",
+     r"the impact velocity, \1, is not used, because strikers hit a chain at rest; enter the "
+     "velocity under Strikers"),
     # Names of tables in chain files.
     (r" of \[chain[.\w]*\]", ""),
     # The page describes the chain, and shows the results of these functions.
@@ -42,7 +45,7 @@ WORDINGS: Final = (
 
 
 # Advice about a choice, at the end of a warning.
-ADVICE: Final = re.compile(r";[^;]* choose the loss.*")
+ADVICE: Final = re.compile(r";[^;]* choose the loss.*|; enter the velocity under.*")
 
 
 def without_advice(warning: str) -> str:

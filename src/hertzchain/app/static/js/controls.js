@@ -219,13 +219,23 @@ export class Controls {
     const entry = this.begin({ keys }, variant ? { [section.variant_key]: variant } : {});
     const before = listed(this.chain[key]);
     this.opened.add(key);
-    this.put(["chain", key], section.repeated && key !== "loss" ? [...before, entry] : entry);
+    // The first striker has the velocity of the impact, and bead 1 is then at rest.
+    const moving = key === "struck_by" && !before.length && parseFloat(this.chain.velocity) > 0;
+    if (moving) entry.velocity = this.chain.velocity;
+    this.putAll(["chain", key], section.repeated && key !== "loss" ? [...before, entry] : entry, moving ? { velocity: undefined } : {});
   }
 
   /** @param {string} key @param {number} i */
   remove(key, i) {
-    const left = listed(this.chain[key]).filter((_, place) => place !== i);
-    this.put(["chain", key], left.length ? left : undefined);
+    const before = listed(this.chain[key]), left = before.filter((_, place) => place !== i);
+    const back = key === "struck_by" && this.si && !left.length && before[i].velocity && !parseFloat(this.chain.velocity);
+    this.putAll(["chain", key], left.length ? left : undefined, back ? { velocity: before[i].velocity } : {});
+  }
+
+  /** With other values of the chain. @param {Path} path @param {any} value @param {Record<string, any>} more */
+  putAll(path, value, more) {
+    this.document = Object.entries(more).reduce((document, [name, each]) => changed(document, ["chain", name], each), this.document);
+    this.put(path, value);
   }
 
   /** @param {Path} path @param {any} value @param {boolean} [moving] */

@@ -40,6 +40,7 @@ export function changeBy(given) {
   changes = given;
 }
 
+const dents = (/** @type {string} */ text) => text.includes("pressure / yield");
 const upper = (/** @type {string} */ text) => text.charAt(0).toUpperCase() + text.slice(1);
 
 /** @param {Partial<import("./state.js").View>} some */
@@ -210,6 +211,8 @@ function showTitles() {
     $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description, ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
   }
   const beads = own().beads.header?.beads, list = SLOTS.flatMap((slot) => state[slot] ? results[slot].warnings.map((text) => (state.B ? `${slot}: ` : "") + upper(text)) : []);
+  // Dents change all forces.
+  list.sort((one, two) => Number(dents(two)) - Number(dents(one)));
   $("chain-file").textContent = own().beads.header?.chain_file ?? "";
   if (beads) $("bead").max = String(beads);
   if (beads < state.view.bead) select(beads);

@@ -1542,3 +1542,15 @@ def test_the_warning_about_dents_is_shown_first(page):
         "The impact velocity, 0.25 m/s, is not used, because strikers hit a chain at rest; enter "
         "the velocity under Strikers"
     )
+
+
+def test_constant_forces_have_no_times_in_a_comparison(page):
+    row = "{0}diameters=10+mm&{0}beads=9&{0}materials=steel-52100&{0}velocity=0+m/s"
+    held = row + "&{0}precompression={1}+N&{0}left_wall.rigid=true&{0}right_wall.rigid=true"
+    chains = f"{held.format('', 15)}&{held.format('b.', 30)}"
+    tab = page.new_tab(f"{page.origin}#{chains}&~errors=difference&~sensors=[4]")
+    largest = "largest in this run (with the static force)"
+    assert f"sensor in bead 4: {largest} 15 N" in tab.locator("#legend-force").inner_text()
+    rows = dict(each.split("\t", 1) for each in tab.locator("#legend-error tr").all_inner_texts())
+    assert rows[f"right wall, {largest} [N]"] == "15\t30\t2"
+    assert not any("time of" in each for each in rows)

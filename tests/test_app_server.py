@@ -281,6 +281,26 @@ def test_drafts_and_endless_drives_have_the_largest_force_so_far():
     assert peaks["5"]["shown"][-1][0] == "largest in this run (with the static force)"
 
 
+@pytest.mark.parametrize("draft", [False, True])
+def test_a_constant_force_has_no_time(draft):
+    row = {"diameters": "10 mm", "beads": 12, "materials": "steel-52100", "right_wall": {}}
+    pressed = row | {"velocity": "0 m/s", "precompression": "15 N", "left_wall": {}}
+    peaks = computed({"chain": pressed}, sensors=[4], draft=draft)["run"][0]["peaks"]
+    assert list(peaks) == ["4", "left", "right"]
+    for each in peaks.values():
+        ((words, force, time),) = each["shown"]
+        assert words.endswith("(with the static force)")
+        # Differences are rounding errors.
+        assert (force, time) == (pytest.approx(15.0, rel=1e-12), None)
+        assert each["largest_time"] is None
+    # The pulse changes the force by about 1%.
+    slow = pressed | {"velocity": "1 mm/s"}
+    for each in computed({"chain": slow}, sensors=[4], draft=draft)["run"][0]["peaks"].values():
+        *_, (_, force, time) = each["shown"]
+        assert 15.0 < force < 15.3
+        assert time > 0.0
+
+
 def test_times_show_each_bead_equally_long():
     times = computed(TAPER, frames=200)["run"][1]["times"]
     arrival = hc.propagate(chain_of(TAPER)).arrival

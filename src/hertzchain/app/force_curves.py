@@ -18,6 +18,7 @@ from ..recorded_warnings import record_warnings
 from ..simulation.run import Run
 from ..simulation.sensor_force import SHOWN
 from ..simulation.simulate import simulate
+from ..simulation.time_scales import UNBALANCED
 from ..simulation.yielding import peak_with_yielding_contacts, pressures_below_yield
 
 # Intervals in the shortest contact, and the smallest number that needs no warning.  A light bead
@@ -173,6 +174,11 @@ def _largest_in_words(chain: Chain, draft: bool) -> str:
     return f"{words} (with the static force)" if static else words
 
 
+def _time_of_change(time: float, largest: float, smallest: float) -> float | None:
+    """Time of the largest force, unless the force is constant except for rounding errors."""
+    return time if largest - smallest > UNBALANCED * largest else None
+
+
 def peaks_at(
     forces: Run, whole: Run, place: int, progress: Callable[..., None] | None
 ) -> dict[str, Any]:
@@ -186,7 +192,7 @@ def peaks_at(
         }
         return {**names, **_sensor_peaks(forces, place, progress is None)}
     side: Side = "left" if place == 0 else "right"
-    found = _wall_peaks(whole, side, progress)
+    found = _wall_peaks(whole, side, progress, float(force_at(forces, place).min()))
     return {"name": f"wall-{side}", "label": f"{side} wall", **found}
 
 
@@ -194,22 +200,29 @@ def _sensor_peaks(run: Run, bead: int, draft: bool) -> dict[str, Any]:
     """The first maximum of the force in a sensor, and the largest force."""
     force = run.sensor_force(bead)
     first, time = force.first_maximum, force.first_maximum_time
-    largest, largest_time = force.largest_so_far, force.largest_so_far_time
-    shown = [] if math.isnan(first) else [["first maximum", first, time]]
+    largest, smallest = force.largest_so_far, float(force_at(run, bead).min())
+    largest_time = _time_of_change(force.largest_so_far_time, largest, smallest)
+    shown = [] if largest_time is None or math.isnan(first) else [["first maximum", first, time]]
     return {
         "first": first, "time": time, "largest": largest, "largest_time": largest_time,
         "shown": [*shown, [_largest_in_words(run.chain, draft), largest, largest_time]],
     }  # fmt: skip
 
 
-def _wall_peaks(run: Run, side: Side, progress: Callable[..., None] | None) -> dict[str, Any]:
-    """The peak on a wall or the largest force; with ``progress``, also that if contacts yield."""
+def _wall_peaks(
+    run: Run, side: Side, progress: Callable[..., None] | None, smallest: float
+) -> dict[str, Any]:
+    """The peak on a wall or the largest force; with ``progress``, also that if contacts yield.
+
+    ``smallest`` is the smallest force that is shown.
+    """
     # This property does not issue the warning of `wall_force`.
     wall = run._wall_force(side)
     # A peak that a later impact may exceed is shown as the largest force of the run.
     known = wall.proven and not math.isnan(wall.peak)
     first, time = wall.peak if known else None, wall.peak_time
-    largest, largest_time = wall.largest_so_far, wall.largest_so_far_time
+    largest = wall.largest_so_far
+    largest_time = _time_of_change(wall.largest_so_far_time, largest, smallest)
     words = _largest_in_words(run.chain, progress is None)
     shown = [[words, largest, largest_time] if first is None else ["peak", first, time]]
     yielding = None

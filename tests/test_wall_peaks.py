@@ -443,6 +443,29 @@ def test_driven_chains_end_after_their_drive(drive):
     assert hc.simulate(chain, until=5.0 * run.end_time, times=0)._walls[1, 1] == wall.peak
 
 
+@pytest.mark.parametrize(
+    ("drive", "reason", "advice"),
+    [
+        (hc.TableDrive([0.0, 1.0, 2.0], [0.0, 1.0, -0.01]),
+         "the drive does not end: a force of -0.01 remains", "; let its table end with 0, or use "),
+        (hc.TableDrive([0.0, 1.0, 2.0, 300.0], [0.0, 1.0, 0.0, 0.0]),
+         "the drive does not end before t = 300", "; simulate for longer, or use "),
+        (hc.StepDrive(1.0, rise=2.0),
+         "the drive does not end: a force of 1 remains", "; use "),
+        (hc.SineBurst(1.0, 0.1, cycles=math.inf, window="none"),
+         "the drive does not end", "; use "),
+    ],
+    ids=["table", "long table", "step", "sine"],
+)  # fmt: skip
+def test_reasons_name_the_drive_that_continues(drive, reason, advice):
+    run = hc.simulate(uniform(drive=drive, velocities=AT_REST), until=200.0, times=0)
+    with pytest.warns(hc.IncompleteWarning) as warned:
+        wall = run.wall_force()
+    assert wall.largest_so_far > 0.0
+    assert wall.reason == reason
+    assert str(warned[0].message).endswith(f"; {reason}{advice}largest_so_far")
+
+
 def test_a_drive_that_pulls_the_bead_away_ends_the_run():
     drive = hc.TableDrive([0.0, 1.0, 2.0], [0.0, -1.0, 0.0])
     run = hc.simulate(uniform(drive=drive, velocities=AT_REST), times=0)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from ..chain.bead_names import Side
 from ..chain.chain import Chain
+from ..chain.drives import Drive, SineBurst, StepDrive, TableDrive
 from ..collision import Array
 from ..kernels.wall_rule import HELD
 from ..representation import counted, measure, short
@@ -223,10 +224,11 @@ def wall_force_of(
     ended = done and since > 0.0
     reason = ""
     if not done:
-        reason = _reason(chain, peak, bound, energy, force, proven, since, transit)
+        waiting = float(completion[state_layout.WATCH_START, i]) == 0.0
+        reason = _reason(chain, peak, bound, energy, force, proven, since, transit, waiting)
     elif not ended:
-        loaded = f"the wall is still loaded with {measure(force, 'N', chain.units)}"
-        reason = "the impact has not ended: " + (loaded if force else "beads may still reach it")
+        later = "beads may still reach it"
+        reason = f"the impact has not ended: {_loaded(force, chain) if force else later}"
     return WallForce(
         side=side,
         times=trace[0],
@@ -263,8 +265,11 @@ def _reason(
     proven: bool,
     since: float,
     transit: float,
+    waiting: bool,
 ) -> str:
     """Why the peak on a wall is not complete, in words."""
+    if waiting and chain.drive is not None:
+        return _driving(chain.drive, chain)
     if bound > peak:
         way = "can still reach" if proven else "is still travelling towards"
         joule = measure(1e6 * energy, "uJ") if 0.0 < energy < 1e-3 else measure(energy, "J")
@@ -272,13 +277,29 @@ def _reason(
             joule = f"an energy of {energy:.4g}"
         moving = f"{joule} {way} the wall"
         return f"up to {measure(bound, 'N', chain.units)} may follow, because {moving}"
+    if not since and not force:
+        return "beads may still reach the wall"
     if not since:
-        return f"the wall is still loaded with {measure(force, 'N', chain.units)}"
+        return _loaded(force, chain)
     half, start = (measure(t, "s", chain.units) for t in (0.5 * transit, since))
     return (
         "the motion towards the wall is known to be too weak to exceed it only since "
         f"t = {start}, for less than half a transit ({half})"
     )
+
+
+def _loaded(force: float, chain: Chain) -> str:
+    return f"the wall is still loaded with {measure(force, 'N', chain.units)}"
+
+
+def _driving(drive: Drive, chain: Chain) -> str:
+    """How a drive continues that has not ended."""
+    if math.isfinite(drive.end):
+        return f"the drive does not end before t = {measure(drive.end, 's', chain.units)}"
+    if isinstance(drive, SineBurst):
+        return "the drive does not end"
+    last = drive.amplitude if isinstance(drive, StepDrive) else float(drive.values[-1])
+    return f"the drive does not end: a force of {measure(last, 'N', chain.units)} remains"
 
 
 def later_ends(
@@ -316,6 +337,9 @@ def incomplete_peak(wall: WallForce, end: float, ends: tuple[float, float], chai
             "waves in a precompressed chain without losses do not decay: use largest_so_far, or "
             "add a loss"
         )
+    if chain.drive is not None and math.isinf(chain.drive.end):
+        ending = "let its table end with 0, or " if isinstance(chain.drive, TableDrive) else ""
+        advice = f"{ending}use largest_so_far"
     return (
         f"the peak of the force on the {wall.side} wall is not complete: the largest until "
         f"t = {until} is {largest}; {wall.reason}; {advice}"

@@ -1554,3 +1554,37 @@ def test_constant_forces_have_no_times_in_a_comparison(page):
     rows = dict(each.split("\t", 1) for each in tab.locator("#legend-error tr").all_inner_texts())
     assert rows[f"right wall, {largest} [N]"] == "15\t30\t2"
     assert not any("time of" in each for each in rows)
+
+
+def test_the_spectrum_shows_bands_and_gaps(page):
+    static = "velocity=0+m/s&precompression=15+N&held_by=force"
+    crystal = f'cell=["10+mm","6+mm"]&cells=10&materials=steel-52100&{static}'
+    tab = page.new_tab(f"{page.origin}#{crystal}")
+    tab.click("text=Spectrum of small oscillations")
+    tab.evaluate(NEXT_FRAME)
+    spectrum = hc.spectrum(chain_of(tab.evaluate("hertzchain.state.A")))
+    (_, low), (high, top) = spectrum.band_edges() / 1e3
+    assert tab.text_content("#legend-modes") == (
+        "no plane wavesBands of an infinite chain with the same cell: "
+        f"0 to {low:.4g}, {high:.4g} to {top:.4g} kHz"
+    )
+    # The points of the modes give the scale of the axis.
+    path = tab.get_attribute("#chart-modes path.modes", "d")
+    heights = [float(each) for each in re.findall(r" ([\d.]+)h0", path)]
+    slope, zero = np.polyfit(spectrum.frequencies / 1e3, heights, 1)
+    shades = tab.locator("#chart-modes .shade").evaluate_all(
+        "all => all.map(each => ['y', 'height'].map(name => Number(each.getAttribute(name))))"
+    )
+    # Upper and lower end of each shaded range.
+    gap, above = (np.cumsum(shades, axis=1) - zero) / slope
+    assert gap == pytest.approx([high, low], abs=0.01 * top)
+    assert above[0] > 1.05 * top
+    assert above[1] == pytest.approx(top, abs=0.01 * top)
+    # A taper does not repeat.
+    taper = (
+        f"taper=forward-exponential&rate=0.05&radius=5+mm&beads=9&materials=steel-52100&{static}"
+    )
+    tab = page.new_tab(f"{page.origin}#{taper}")
+    assert tab.evaluate("hertzchain.results.A.run.arrays.has('modes.frequency')")
+    assert tab.locator("#chart-modes .shade").count() == 0
+    assert tab.text_content("#legend-modes") == ""

@@ -380,10 +380,13 @@ def _pressures(run: Run) -> dict[str, Any]:
 
 
 def _add_spectrum(chain: Chain, arrays: dict[str, Any]) -> str:
-    """Add the frequencies of small oscillations, or return the reason why there are none."""
+    """Add frequencies of small oscillations and bands, or return why there are none."""
     try:
         modes = spectrum(chain)
     except InputError as error:
         return on_the_page(error).rstrip(".")
     arrays["modes.frequency"] = modes.frequencies
+    # Only chains that repeat have bands.
+    with suppress(InputError):
+        arrays |= {"modes.bands": modes.band_edges(), "modes.gaps": modes.gaps()}
     return ""

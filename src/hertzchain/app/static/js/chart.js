@@ -6,7 +6,7 @@ import { digitsOf, percent, powers, short, spread, ticks } from "./numbers.js";
  *   points?: boolean, apart?: boolean}} Series; no line joins a last value that is `apart` */
 /** The x values of `counted` axes are numbers of beads, contacts or modes.
  * @typedef {{xLabel: string, yLabel: string, counted?: boolean, log?: boolean,
- *   percent?: boolean, message?: string, most?: number}} Axes */
+ *   percent?: boolean, message?: string, most?: number, shaded?: number[][]}} Axes; ranges of y are `shaded` */
 
 const SVG = "http://www.w3.org/2000/svg";
 /** Values below this part of the largest are cut off on logarithmic axes. */
@@ -101,6 +101,7 @@ export class Chart {
     if (y1 < 0 && y1 > 0.6 * y0) y1 = 0;
     if (y0 === y1) [y0, y1] = y0 === 0 ? [-1, 1] : [y0 - 0.1 * Math.abs(y0), y1 + 0.1 * Math.abs(y1)];
     [y0, y1] = spread(y0, y1, axes.percent ? SMALLEST_PERCENTAGE : 0);
+    if (axes.shaded) [y0, y1] = [Math.min(0, y0), 1.15 * y1];
     const room = 0.05 * (y1 - y0);
     this.y = [y0 === 0 ? 0 : y0 - room, y1 === 0 ? 0 : y1 + room];
   }
@@ -110,6 +111,10 @@ export class Chart {
     const items = [], right = this.W - RIGHT, bottom = this.H - BOTTOM, rows = Math.max(2, (bottom - TOP) / 28);
     const marks = this.log ? powers(this.y[0], this.y[1], rows) : ticks(this.y[0], this.y[1], rows);
     const digits = this.log ? 4 : digitsOf(marks);
+    for (const [low, high] of axes.shaded ?? []) {
+      const top = this.py(Math.min(high, this.y[1]));
+      items.push(svg("rect", { class: "shade", x: LEFT, y: top, width: right - LEFT, height: Math.max(0, this.py(low) - top) }));
+    }
     for (const y of marks) {
       const at = Math.round(this.py(y)) + 0.5;
       items.push(svg("line", { class: y === 0 ? "axis" : "grid", x1: LEFT, x2: right, y1: at, y2: at }));

@@ -17,6 +17,9 @@ const range = (count) => Float64Array.from({ length: count }, (_, i) => i + 1);
 const times = (values, factor) => factor === 1 ? values : Float64Array.from(values, (each) => each * factor);
 
 /** @param {ArrayLike<number>} values */
+const pairs = (values) => Array.from({ length: values.length / 2 }, (_, i) => [values[2 * i], values[2 * i + 1]]);
+
+/** @param {ArrayLike<number>} values */
 function largest(values) {
   let most = 0;
   for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) > most && Number.isFinite(values[i])) most = Math.abs(values[i]);
@@ -36,6 +39,8 @@ const PARTS = {
 };
 /** Final velocities below this part of the largest are 0: they are errors of the simulation. */
 const AT_REST = 1e-7;
+/** Bands beyond which their edges are not listed. */
+const MOST_BANDS = 6;
 const BEADS = { xLabel: "bead k", counted: true };
 
 export class Views {
@@ -145,6 +150,7 @@ export class Views {
     if (!own.ready || !motion || !own.run.header) {
       const message = whyBlank(own);
       for (const chart of [this.budget, this.force, this.modes]) chart.draw([], { xLabel: "time", yLabel: "", message }, message);
+      replace($("legend-modes"), []);
       return;
     }
     const axis = this.timeAxis(own), x = times(motion.times, axis.factor);
@@ -243,7 +249,11 @@ export class Views {
     if (own.run.header.draft && !frequencies && !message) return;
     const [factor, unit] = frequencies && own.si ? prefixed(largest(frequencies), "Hz") : [1, ""];
     const series = frequencies ? [{ name: "modes", label: "modes", x: range(frequencies.length), y: times(frequencies, factor), points: true }] : [];
-    this.modes.draw(series, { xLabel: "mode", counted: true, yLabel: inUnit("frequency", unit), message: frequencies ? "" : `No spectrum: ${message}.` }, frequencies ? `Spectrum: ${summary(series)}` : "No spectrum");
+    // Chains that do not repeat have no bands.
+    const [bands, shaded] = ["bands", "gaps"].map((each) => pairs(times(own.run.arrays.get(`modes.${each}`) ?? [], factor)));
+    const text = bands.length > MOST_BANDS ? "" : `Bands of an infinite chain with the same cell: ${bands.map((band) => band.map((each) => short(each)).join(" to ")).join(", ")} ${unit}`.trim();
+    this.modes.draw(series, { xLabel: "mode", counted: true, yLabel: inUnit("frequency", unit), message: frequencies ? "" : `No spectrum: ${message}.`, shaded: bands.length ? shaded : undefined }, frequencies ? `Spectrum: ${[summary(series), bands.length ? text : ""].filter(Boolean).join("; ")}` : "No spectrum");
+    replace($("legend-modes"), bands.length ? [make("span", { className: "key" }, make("i", { className: "swatch shade" }), "no plane waves"), make("span", {}, text)] : []);
   }
 
   /** @param {number} bead @param {number} time */

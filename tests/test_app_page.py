@@ -945,7 +945,7 @@ def test_a_saved_page_has_no_gap_between_its_views(page, tmp_path):
         assert len({each["y"] for each in boxes}) == 1
     # Nothing can be chosen in a saved page.
     warning = tab.inner_text("#warnings-count")
-    assert warning.startswith("Contacts would be dented, and forces would be lower: pressure / ")
+    assert warning.startswith("Contacts would be dented, and forces may be lower: pressure / ")
     assert "choose" not in warning
 
 
@@ -1115,7 +1115,7 @@ def test_the_legend_states_the_force_with_contacts_that_yield(page):
         tab.text_content("#legend-force"),
     )
     warning = tab.text_content("#warnings-count")
-    assert warning.startswith("Contacts would be dented, and forces would be lower: pressure / yi")
+    assert warning.startswith("Contacts would be dented, and forces may be lower: pressure / yi")
 
 
 @pytest.mark.long
@@ -1588,3 +1588,103 @@ def test_the_spectrum_shows_bands_and_gaps(page):
     assert tab.evaluate("hertzchain.results.A.run.arrays.has('modes.frequency')")
     assert tab.locator("#chart-modes .shade").count() == 0
     assert tab.text_content("#legend-modes") == ""
+
+
+def test_the_wall_can_be_dragged_at_all_its_places(page):
+    page.tab = page.new_tab(page.origin + ROW)
+    x, y, r = page.tab.evaluate("hertzchain.placeOf('A', 12)")
+    cursor = "document.getElementById('stage-A').style.cursor"
+    for place, shown in ((1, "ew-resize"), (4, "ew-resize"), (9, "ew-resize"), (-2, "nwse-resize")):
+        page.tab.mouse.move(x + r + place, y)
+        assert page.tab.evaluate(cursor) == shown
+    page.tab.mouse.move(x + r + 2, y)
+    page.tab.mouse.down()
+    page.tab.mouse.move(x + r + 12, y)
+    page.tab.mouse.move(x + r + 22, y)
+    page.tab.mouse.up()
+    page.settle()
+    chain = page.document()["chain"]
+    assert "with_defects" not in chain
+    assert chain["right_wall"]["gap"].endswith(" mm")
+
+
+# Left and right ends of the texts in the first line of a drawing.
+CAPTIONS = """(id) => {
+  const pen = document.getElementById(id).getContext("2d"), { fillText } = pen, found = [];
+  pen.fillText = function (text, x, y) {
+    const wide = this.measureText(text).width, left = this.textAlign === "right" ? x - wide : x;
+    if (y === 10) found.push([left, left + wide]);
+    fillText.call(this, text, x, y);
+  };
+  document.getElementById("speed").dispatchEvent(new Event("change"));
+  return new Promise((done) => setTimeout(() => done(found), 200));
+}"""
+
+
+@pytest.mark.parametrize("diameter", ["20+mm", "12+mm", "10+mm", "3+mm"])
+def test_nothing_overlaps_or_wraps_on_a_phone(browser, running, diameter):
+    page = Page(browser, running, viewport={"width": 360, "height": 800})
+    row = f"#diameters={diameter}&beads=20&materials=steel-52100&velocity=0.1+m/s"
+    tab = page.new_tab(page.running.address.partition("#")[0] + row)
+    found = tab.evaluate(CAPTIONS, "stage-A")
+    assert len(found) >= 2
+    for (size, end), (begin, wide) in zip(found[::2], found[1::2], strict=False):
+        assert size < end < tab.locator("#stage-A").bounding_box()["width"]
+        assert (begin, wide < size - 5) == (0, True)
+    tops = tab.locator("header .tools button").evaluate_all(
+        "all => all.map(each => each.getBoundingClientRect().top)"
+    )
+    assert len(set(tops)) == 1
+    page.context.close()
+    assert page.problems == []
+
+
+def test_the_key_of_the_help_works_in_a_menu(page):
+    page.tab.focus("#quantity")
+    page.tab.keyboard.press("?")
+    assert page.tab.locator("#help").is_visible()
+
+
+def test_numbers_of_a_previous_chain_are_dimmed(page):
+    legends = ("#legend-pulse", "#legend-budget")
+    opacity = "id => getComputedStyle(document.querySelector(id)).opacity"
+    assert [page.tab.evaluate(opacity, each) for each in legends] == ["1", "1"]
+    field = page.tab.get_by_label("beads", exact=True).first
+    field.fill("0")
+    field.press("Enter")
+    page.settle()
+    assert page.tab.locator("body.stale").count() == 1
+    assert [page.tab.evaluate(opacity, each) for each in legends] == ["0.6", "0.6"]
+
+
+def test_headings_name_the_first_ball_that_differs(page):
+    def titles(own, other, more):
+        hash_ = f"#{own}&{more}&" + "&".join(f"b.{each}" for each in f"{other}&{more}".split("&"))
+        tab = page.new_tab(page.origin + hash_)
+        return [tab.text_content(f"#title-{slot}").partition(": ")[2] for slot in "AB"]
+
+    steel = "materials=steel-52100&velocity=0.1+m/s"
+    balls = 'diameters=["10+mm","10+mm","8+mm","9+mm"]', 'diameters=["10+mm","8+mm","10+mm","9+mm"]'
+    a, b = titles(*balls, steel)
+    assert a.partition(";")[0] == b.partition(";")[0]
+    assert (a.partition("; ")[2], b.partition("; ")[2]) == ("ball 2: 10 mm", "ball 2: 8 mm")
+    struck = titles(*balls, "materials=steel-52100&struck_by.velocity=0.1+m/s")
+    assert [each.partition("; ")[2] for each in struck] == ["ball 2: 10 mm", "ball 2: 8 mm"]
+    a, b = titles(*(each.replace("+mm", "").replace('"', "") for each in balls), "exponent=1.5")
+    assert "; ball 2: radius " in a
+    assert all(";" not in each for each in titles(balls[0], balls[0], steel))
+
+
+def test_a_stiffness_without_a_unit_has_the_unit_of_its_exponent(page, tmp_path):
+    path = tmp_path / "wall.toml"
+    text = '[chain]\ndiameters = "10 mm"\nbeads = 8\nmaterials = "steel-52100"\n'
+    for exponent, unit in (("exponent = 1, ", "N/m"), ("", "N/m^1.5")):
+        path.write_text(f"{text}right_wall = {{{exponent}stiffness = 5e6}}\n")
+        open_file(page, path)
+        row = page.tab.locator(".row:has([id='c-chain.right_wall.stiffness'])")
+        assert row.locator("input[type=text]").input_value() == "5000000"
+        assert row.locator(".unit").text_content() == unit
+    path.write_text(f'{text}right_wall = {{exponent = 1, stiffness = "5 kN/mm"}}\n')
+    open_file(page, path)
+    assert row.locator("input[type=text]").input_value() == "5"
+    assert row.locator(".unit").text_content() == "kN/mm"

@@ -618,7 +618,7 @@ def test_a_run_is_described_by_its_own_warnings_and_units(client):
         hc.simulate(chain_of(pad), until=8e-3, times=0)
     # The folded line of the page shows the first warning.
     assert run["warnings"] == [on_the_page(each.message) for each in issued]
-    assert run["warnings"][0].startswith("contacts would be dented, and forces would be lower: p")
+    assert run["warnings"][0].startswith("contacts would be dented, and forces may be lower: p")
     assert run["warnings"][1].startswith("overlap / radius")
     # The run for the page ends as that of `simulate` without `until`.
     found = re.match(
@@ -779,7 +779,7 @@ def test_messages_are_in_the_words_of_the_page(client):
     headers = [header for header, _ in client.results(fast, 78)]
     warnings = [text for header in headers for text in header.get("warnings", [])]
     assert any("choose the loss elastic-plastic" in text for text in warnings)
-    dented = "contacts would be dented, and forces would be lower: pressure / yield is "
+    dented = "contacts would be dented, and forces may be lower: pressure / yield is "
     assert any(text.startswith(dented) for text in warnings)
     polymer = fast["chain"] | {"materials": "ptfe"}
     assert computed({"chain": polymer})["run"][0]["warnings"][0].startswith("pressure / yield is ")

@@ -21,7 +21,7 @@ WORDINGS: Final = (
     (r",? or until\b", ""),
     # Limits of polymers are cautious: exceeding them need not have this effect.
     (r"^pressure / yield is (?!.*cautious limit)",
-     "contacts would be dented, and forces would be lower: pressure / yield is "),
+     "contacts would be dented, and forces may be lower: pressure / yield is "),
     (r"\bgive materials, such as materials='([^']*)'", r"choose a material, such as \1"),
     (r"^\[chain\] has velocity and also velocities: omit one",
      "there are an impact velocity and a list of velocities: empty one of the two controls"),

@@ -299,6 +299,12 @@ export class Controls {
     return own || (FACTORS[key.unit] === undefined ? "" : SHOWN[key.dimension] ?? key.unit);
   }
 
+  /** Unit of a stiffness without one. @param {Path} place @param {any} key @param {any} value */
+  unitOfStiffness(place, key, value) {
+    const exponent = Number(at(this.document, [...place.slice(0, -1), "exponent"]) ?? this.chain.exponent ?? 1.5);
+    return this.si && key.dimension === "stiffness" && typeof value === "number" && exponent ? `N/m${exponent === 1 ? "" : `^${exponent}`}` : "";
+  }
+
   /** Unit of a field; if the document has an error, that of the last valid value. @param {Path} place @param {any} key */
   unitAt(place, key) {
     return this.unitOf(key, at((this.refused && this.accepted()) || this.document, place));
@@ -336,7 +342,7 @@ export class Controls {
       if (document.activeElement !== slider || Math.abs(valueAt(Number(slider.value), range) - (shown.number ?? NaN)) > 1e-9 * Math.abs(shown.number ?? 1)) slider.value = String(position);
       slider.setAttribute("aria-valuetext", shown.number === null ? "default" : `${plain(shown.number)} ${shown.unit}`);
       slider.classList.toggle("idle", value === undefined);
-      unit.textContent = shown.unit.replace("%", "");
+      unit.textContent = shown.unit.replace("%", "") || this.unitOfStiffness(place, key, value);
       clear.hidden = value === undefined || key.required || ["rate", "beads", "cells", "mass_ratio"].includes(key.name);
     });
     return make("div", { className: "row", title: key.description }, make("label", { for: id }, label), make("span", { className: "value" }, clear, box, unit), slider);

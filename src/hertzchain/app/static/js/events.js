@@ -70,7 +70,7 @@ function keys(event, app) {
     else app.undo();
     return;
   }
-  if (event.ctrlKey || event.metaKey || event.altKey || typing || target.matches("select")) return;
+  if (event.ctrlKey || event.metaKey || event.altKey || typing || (target.matches("select") && event.key !== "?")) return;
   const onStage = target.matches(".lane");
   if (onStage && /^(Arrow|Home|End)/.test(event.key)) app.activate(/** @type {any} */ (target.id.slice(-1)));
   const { bead, camera } = app.state.view, beads = app.beads();

@@ -5,7 +5,7 @@ import { KINDS, readColours } from "./colour.js";
 import { $, Controls, make } from "./controls.js";
 import { SELECTS } from "./events.js";
 import { SpaceTime } from "./map.js";
-import { gapOf, plain, timeAt } from "./numbers.js";
+import { gapOf, plain, prefixed, short, timeAt } from "./numbers.js";
 import { SLOTS, about, history, keepAddress, other, own, results, say, state } from "./page.js";
 import { Stage, around } from "./stage.js";
 import { Views, showClock, whyBlank } from "./views.js";
@@ -200,6 +200,20 @@ function drawStages() {
   }
 }
 
+/** First ball in which two chains with the same description differ. @param {Slot} slot */
+function difference(slot) {
+  const { header, arrays } = results[slot].beads, that = results[slot === "A" ? "B" : "A"].beads;
+  if (!state.B || !that.header || header.description !== that.header.description) return "";
+  for (const name of ["radii", "masses"]) {
+    const mine = arrays.get(name), theirs = that.arrays.get(name), k = mine.findIndex((/** @type {number} */ each, /** @type {number} */ i) => each !== theirs[i]);
+    if (k < 0) continue;
+    const ball = k + 1 - header.strikers, place = ball > 0 ? `ball ${ball}` : `bead ${k + 1}`;
+    const [value, si] = name === "radii" ? [2 * mine[k], "m"] : [1e3 * mine[k], "g"], [factor, unit] = prefixed(value, si);
+    return `; ${place}: ${header.units === "SI" ? `${short(value * factor)} ${unit}` : `${name === "radii" ? "radius" : "mass"} ${short(mine[k])}`}`;
+  }
+  return "";
+}
+
 function showTitles() {
   const names = [...new Set(SLOTS.flatMap((slot) => (state[slot] && results[slot].beads.header?.kinds) || []).map(([name]) => name))];
   for (const slot of SLOTS) {
@@ -208,7 +222,7 @@ function showTitles() {
     const colours = stages[slot].colours = header.kinds.map((/** @type {string[]} */ [name]) => names.indexOf(name));
     const kinds = colours.map((/** @type {number} */ i, /** @type {number} */ n) => make("span", { className: "key" },
       make("i", { className: "ring", style: `color:var(--m${i % KINDS});${i < KINDS ? "" : "border-style:dashed"}` }), header.kinds[n].join(", ")));
-    $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description, ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
+    $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description + difference(slot), ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
   }
   const beads = own().beads.header?.beads, list = SLOTS.flatMap((slot) => state[slot] ? results[slot].warnings.map((text) => (state.B ? `${slot}: ` : "") + upper(text)) : []);
   // Dents change all forces.

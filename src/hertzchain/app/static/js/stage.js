@@ -100,6 +100,8 @@ export class Stage {
 
   /** Bead at a place, or -1; and whether it is at the rim. @param {number} x @param {number} y */
   hit(x, y) {
+    // The rim of the last bead ends at the wall.
+    if (this.atWall(x) && x >= this.px(this.long)) return { bead: -1, rim: false };
     const place = x / this.look.scale + this.look.x, right = this.centres.findIndex((each, k) => each + this.radii[k] >= place);
     const low = right < 0 ? this.radii.length - 1 : right;
     const r = this.radii[low] * this.look.scale, distance = Math.hypot(x - this.px(this.centres[low]), (y - this.middle) * this.radii[low] / this.heights[low]);
@@ -214,13 +216,18 @@ export class Stage {
     pen.fillStyle = COLOURS.soft;
     pen.font = "11px system-ui, sans-serif";
     pen.textAlign = "left";
-    pen.fillText(this.scale === "bead" ? "velocity, relative to the largest of each bead" : "velocity, relative to the largest of all", 0, 10);
+    let free = W;
     if (this.si) {
       const size = ticks(0, 60 / this.look.scale, 3)[1], wide = size * this.look.scale, [factor, unit] = prefixed(size, "m");
+      const text = `${short(size * factor)} ${unit}`;
+      free = W - wide - 5 - pen.measureText(text).width - 10;
       pen.fillRect(W - wide, 5, wide, 2);
       pen.textAlign = "right";
-      pen.fillText(`${short(size * factor)} ${unit}`, W - wide - 5, 10);
+      pen.fillText(text, W - wide - 5, 10);
+      pen.textAlign = "left";
     }
+    const each = this.scale === "bead", caption = `velocity, relative to the largest of ${each ? "each bead" : "all"}`;
+    pen.fillText(pen.measureText(caption).width <= free ? caption : `velocity / largest ${each ? "of bead" : "of all"}`, 0, 10);
     if (!this.motion) return;
     for (const sign of [1, -1]) {
       pen.beginPath();

@@ -17,6 +17,7 @@ import tomllib
 import warnings
 from pathlib import Path
 
+import click
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -861,6 +862,53 @@ def test_a_page_names_its_files_strikers_and_impact(tmp_path):
         f"a<b>.toml: 2 steel-52100 beads, diameters 20 mm to 10 mm, {striker}",
         f"equal.toml: 2 steel-52100 beads, diameter 20 mm, {striker}",
     ]
+
+
+def opened(tmp_path, *options):
+    """The document and the chain that the command opens."""
+    page = tmp_path / "page.html"
+    cli.main(["app", *options, "--save", str(page)], standalone_mode=False)
+    document = stored_in(page)[0]["about"]["document"]
+    return document, chain_of(document)
+
+
+def test_the_command_accepts_the_options_of_a_chain(tmp_path):
+    taper = ("--taper", "backward-exponential", "--rate", "0.05")
+    _, chain = opened(tmp_path, *taper, "--beads", "30")
+    expected = hc.Chain.tapered("backward-exponential", 0.05, beads=30)
+    assert np.array_equal(chain.radii, expected.radii)
+    page = (tmp_path / "page.html").read_text("utf-8")
+    assert "<title>hertzchain" in page
+    steel = ("--diameter", "10 mm", "--material", "steel-52100", "--beads", "9")
+    _, chain = opened(tmp_path, *steel, "--speed", "0.2 m/s", "--striker", "2", "--wall", "same")
+    row = hc.Chain.from_materials(5e-3, "steel-52100", beads=9)
+    expected = row.struck_by(velocity=0.2, count=2).replace(right_wall=hc.Wall())
+    for name in ("radii", "masses", "velocities"):
+        assert np.array_equal(getattr(chain, name), getattr(expected, name))
+    assert (chain.strikers, chain.right_wall) == (2, expected.right_wall)
+
+
+def test_options_change_the_chain_of_a_file(tmp_path):
+    file = tmp_path / "row.toml"
+    file.write_text(
+        '[chain]\ndiameters = "10 mm"\nbeads = 9\nmaterials = "brass"\nvelocity = "1 cm/s"\n'
+    )
+    # A file that nothing changes keeps its units.
+    for given in ((str(file),), ("--chain", str(file))):
+        assert opened(tmp_path, *given)[0]["chain"]["velocity"] == "1 cm/s"
+    _, chain = opened(tmp_path, str(file), "--speed", "0.3 m/s", "--wall", "rigid")
+    assert chain.velocities.tolist() == [0.3] + 8 * [0.0]
+    assert chain.right_wall == hc.Wall.rigid()
+    assert "row.toml" in (tmp_path / "page.html").read_text("utf-8")
+    for wrong, said in (
+        ((str(file), "--beads", "3"), "give a chain FILE or --beads, not both"),
+        ((str(file), str(file)), "give one chain FILE, got 2"),
+        ((), "--save requires a chain FILE, or options such as --taper"),
+        (("--rate", "0.1"), "--rate requires --taper"),
+        (("--beads", "2001"), "at most 2000 beads"),
+    ):
+        with pytest.raises((click.UsageError, hc.InputError), match=said):
+            opened(tmp_path, *wrong)
 
 
 def test_a_saved_comparison_has_sensors_in_the_same_balls(tmp_path):

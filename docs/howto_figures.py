@@ -1,11 +1,14 @@
-"""Figures of the how-to guides on losses, and on odd beads, steps and gaps."""
+"""Figures of the how-to guides on losses, on odd beads, and on the errors of a force."""
 
+import warnings
+from dataclasses import replace
 from typing import Final
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 from page_figures import chain_rows
+from scipy.signal import find_peaks
 
 import hertzchain as hc
 from hertzchain.plotting.colours import COLOURS
@@ -183,4 +186,53 @@ def dimer_pulses() -> Figure:
     return canvas
 
 
-HOWTO_FIGURES: Final = (losses, defect_chains, defects, rattling, interfaces, gaps, dimer_pulses)
+def _harder(chain: hc.Chain, pressure: float) -> hc.Chain:
+    """Contacts that yield at a pressure, in yield strengths, instead of 1.6."""
+    return chain.replace(materials=[
+        replace(m, yield_strength=m.yield_strength * pressure / 1.6) for m in chain.materials
+    ])  # fmt: skip
+
+
+def certainty() -> Figure:
+    """Force behind a row of steel and PTFE, elastic and with contacts that yield."""
+    kinds = ["steel-52100"] * 5 + ["ptfe"] * 5 + ["steel-52100"] * 5
+    cell = hc.Wall("5 kN/mm", exponent=1, loss=hc.Elastic())
+    balls = hc.Chain.from_materials(np.linspace(6e-3, 3e-3, 15), kinds, right_wall=cell)
+    elastic = balls.struck_by(mass="30 g", velocity="0.5 m/s")
+    yielding, pressures = elastic.replace(loss=hc.ElasticPlastic()), np.linspace(1.6, 2.8, 49)
+    chains = [_harder(yielding, pressure) for pressure in pressures]
+    shown = {"elastic": elastic, "yield at 1.6 $Y$": yielding, "yield at 2.8 $Y$": chains[-1]}
+    with figure_style(), warnings.catch_warnings():
+        warnings.simplefilter("ignore", hc.ModelRangeWarning)
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.2), layout="constrained")
+        for i, (label, chain) in enumerate(shown.items()):
+            run = hc.simulate(chain, until="3 ms", times=6001)
+            left.plot(1e3 * run.times, run.sensor("wall"), color=COLOURS[i], linewidth=0.9,
+                      label=label)  # fmt: skip
+        runs = [hc.simulate(chain, until="1.2 ms", times=1201).sensor("wall") for chain in chains]
+        first = [force[find_peaks(force, prominence=0.2 * force.max())[0][0]] for force in runs]
+        table = hc.simulate_many(chains, keep=["wall_force.peak"])
+        right.plot(pressures, table["wall_force.peak"], MARKERS[0], linestyle="-", linewidth=0.7,
+                   color=COLOURS[2], label="whole run")  # fmt: skip
+        right.plot(pressures, first, color=COLOURS[1], label="first pulse")
+        left.set_xlabel("time [ms]")
+        right.set_xlabel("yield pressure / yield strength $Y$")
+        left.set_ylabel("force on the load cell [N]")
+        right.set_ylabel("largest force [N]")
+        left.set_ylim(0.0, 105.0)
+        right.set_ylim(0.0, None)
+        left.legend(loc="upper right")
+        right.legend(loc="lower right")
+    return canvas
+
+
+HOWTO_FIGURES: Final = (
+    losses,
+    defect_chains,
+    defects,
+    rattling,
+    interfaces,
+    gaps,
+    dimer_pulses,
+    certainty,
+)

@@ -226,6 +226,45 @@ def certainty() -> Figure:
     return canvas
 
 
+def localisation() -> Figure:
+    """Decay of vibrations along disordered rows under a static force, and their modes."""
+    equal = hc.Chain.from_materials("5 mm", "steel-52100", beads=300)
+    equal = equal.replace(precompression="20 N", held_by="force")
+    edge, scatter = hc.spectrum(equal).band_edges()[0, 1], 0.05
+    shares, rows = np.arange(0.2, 0.96, 0.05), 20
+    near = edge * np.add.outer(shares, np.linspace(-0.025, 0.025, 21)).ravel()
+    decays = []
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.1), layout="constrained")
+        for seed in range(rows):
+            row = equal.with_scatter(seed, relative=scatter)
+            found = hc.spectrum(row)
+            decay = -np.log(abs(found.transfer_force(near, contact=150))) / 150
+            decays.append(decay.reshape(len(shares), -1).mean(axis=1))
+            # Mode 0 is the translation of the whole row.
+            energy = row.masses[:, None] * found.modes**2
+            number = energy.sum(axis=0) ** 2 / (energy**2).sum(axis=0)
+            right.plot(found.frequencies[1:] / edge, number[1:], ".", color=COLOURS[2], markersize=1.5,
+                       rasterized=True)  # fmt: skip
+        error = np.std(decays, axis=0) / rows**0.5
+        left.errorbar(shares, np.mean(decays, axis=0), error, fmt=MARKERS[0], color=COLOURS[2],
+                      markersize=4.0, label="20 rows")  # fmt: skip
+        fine = np.linspace(0.15, 0.97, 200)
+        springs = (3.0 + (1.0 - 2.0 * fine**2) / 3.0) ** 2
+        theory = 0.5 * scatter**2 * fine**2 / (1.0 - fine**2) * springs
+        left.plot(fine, theory, color=COLOURS[1], label="weak disorder")
+        left.set_yscale("log")
+        left.set_ylim(2e-4, 0.2)
+        left.set_ylabel("decay per ball $\\gamma$")
+        left.legend(loc="lower right")
+        right.axhline(200.0, color="0.5", linewidth=0.8)
+        right.set_ylim(0.0, None)
+        right.set_ylabel("participation number of the mode")
+        for axes in (left, right):
+            axes.set_xlabel("frequency / edge of the band")
+    return canvas
+
+
 HOWTO_FIGURES: Final = (
     losses,
     defect_chains,
@@ -235,4 +274,5 @@ HOWTO_FIGURES: Final = (
     gaps,
     dimer_pulses,
     certainty,
+    localisation,
 )

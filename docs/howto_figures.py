@@ -136,6 +136,27 @@ def interfaces() -> Figure:
     return canvas
 
 
+def impurities() -> Figure:
+    """Energy reflected by one bead of another mass, with equal contacts."""
+    ratios, fine = np.geomspace(0.05, 30.0, 25), np.geomspace(0.04, 40.0, 400)
+    row, reflected = hc.Chain.uniform(120), []
+    for ratio in ratios:
+        masses = row.masses.copy()
+        masses[59] = ratio
+        run = hc.simulate(row.replace(masses=masses), until=170.0, times=1500)
+        reflected.append(run.reflection(48, 72).reflected_energy)
+    with figure_style():
+        canvas, axes = plt.subplots(figsize=(5.6, 3.2))
+        axes.loglog(fine, ((fine - 1.0) / (fine + 1.0)) ** 2, color=COLOURS[1],
+                    label="independent collisions")  # fmt: skip
+        axes.loglog(ratios, reflected, MARKERS[0], color=COLOURS[2], label="simulation")
+        axes.set_ylim(2e-4, 1.5)
+        axes.set_xlabel("mass ratio $\\mu$")
+        axes.set_ylabel("reflected part of the energy")
+        axes.legend(loc="lower right")
+    return canvas
+
+
 def gaps() -> Figure:
     """Velocity of the pulse beyond a gap, and its delay."""
     row = hc.Chain.uniform(100)
@@ -275,4 +296,5 @@ HOWTO_FIGURES: Final = (
     dimer_pulses,
     certainty,
     localisation,
+    impurities,
 )

@@ -234,6 +234,16 @@ def test_cite(run):
 
 
 @pytest.mark.parametrize(
+    "page", ["how-to/defects.md", "how-to/precompressed.md", "explanation/disorder.md"]
+)
+def test_cite_has_the_literature_of_the_pages(page, run):
+    text = (Path(__file__).parents[1] / "docs" / page).read_text(encoding="utf-8")
+    cited = re.findall(r"(?:doi\.org|arxiv\.org/abs)/([^)]+)\)", text)
+    assert cited
+    assert not [name for name in cited if name not in run("cite")[1]]
+
+
+@pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (["pulse", "--taper", "backward-exponential", "--rate", "1.5"], "between 0 and 1, got 1.5"),

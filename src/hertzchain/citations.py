@@ -31,7 +31,24 @@ CITATIONS: Final = (
     "  S. Sen, M. Manciu, Phys. Rev. E 64, 056605 (2001), doi:10.1103/PhysRevE.64.056605.",
     "Waves in precompressed chains:\n"
     "  C. Coste, E. Falcon, S. Fauve, Phys. Rev. E 56, 6104 (1997),\n"
-    "  doi:10.1103/PhysRevE.56.6104.",
+    "  doi:10.1103/PhysRevE.56.6104.\n"
+    "  N. Boechler, G. Theocharis, S. Job, P. G. Kevrekidis, M. A. Porter, C. Daraio,\n"
+    "  Phys. Rev. Lett. 104, 244302 (2010), doi:10.1103/PhysRevLett.104.244302.\n"
+    "  H. Matsuda, K. Ishii, Prog. Theor. Phys. Suppl. 45, 56 (1970), doi:10.1143/PTPS.45.56.\n"
+    "  I. F. Herrera-Gonzalez, J. A. Mendez-Bermudez, arXiv:2210.12561.",
+    "Odd beads and interfaces:\n"
+    "  E. Hascoet, H. J. Herrmann, Eur. Phys. J. B 14, 183 (2000), doi:10.1007/s100510050119.\n"
+    "  V. F. Nesterenko, C. Daraio, E. B. Herbold, S. Jin, Phys. Rev. Lett. 95, 158702 (2005),\n"
+    "  doi:10.1103/PhysRevLett.95.158702, arXiv:cond-mat/0506349.\n"
+    "  S. Job, F. Melo, A. Sokolow, S. Sen, arXiv:0712.0006.\n"
+    "  S. Job, F. Santibanez, F. Tapia, F. Melo, Phys. Rev. E 80, 025602 (2009),\n"
+    "  arXiv:0901.3532.\n"
+    "  A. M. Tichler, L. R. Gomez, N. Upadhyaya, X. Campman, V. F. Nesterenko, V. Vitelli,\n"
+    "  Phys. Rev. Lett. 111, 048001 (2013), doi:10.1103/PhysRevLett.111.048001,\n"
+    "  arXiv:1303.5890.",
+    "Disorder:\n"
+    "  L. Ponson, N. Boechler, Y. M. Lai, M. A. Porter, P. G. Kevrekidis, C. Daraio,\n"
+    "  Phys. Rev. E 82, 021301 (2010), doi:10.1103/PhysRevE.82.021301, arXiv:0904.0426.",
     "Dimers, and small beads between large ones:\n"
     "  K. R. Jayaprakash, Y. Starosvetsky, A. F. Vakakis, Phys. Rev. E 83, 036606 (2011),\n"
     "  doi:10.1103/PhysRevE.83.036606.\n"

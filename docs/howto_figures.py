@@ -265,8 +265,10 @@ def localisation() -> Figure:
             # Mode 0 is the translation of the whole row.
             energy = row.masses[:, None] * found.modes**2
             number = energy.sum(axis=0) ** 2 / (energy**2).sum(axis=0)
-            right.plot(found.frequencies[1:] / edge, number[1:], ".", color=COLOURS[2], markersize=1.5,
-                       rasterized=True)  # fmt: skip
+            right.plot(
+                found.frequencies[1:] / edge, number[1:], ".", color=COLOURS[2], markersize=1.5,
+                rasterized=True,
+            )  # fmt: skip
         error = np.std(decays, axis=0) / rows**0.5
         left.errorbar(shares, np.mean(decays, axis=0), error, fmt=MARKERS[0], color=COLOURS[2],
                       markersize=4.0, label="20 rows")  # fmt: skip

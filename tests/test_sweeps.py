@@ -689,14 +689,15 @@ def test_curves_and_maps():
         plot_sweep(found, "momentum@20")
     drawn = plot_sweep(found, "worst_error_of_velocity", approach="bca", log=True, levels=[0.4])
     labels = drawn.get_xlabel(), drawn.get_ylabel()
-    assert labels == ("rate of the taper", "number of beads $N$")
+    assert labels == ("rate of the taper $q$", "number of beads $N$")
     bar = drawn.collections[0].colorbar.ax
     assert bar.get_ylabel() == "largest error of velocity [%]"
     np.testing.assert_array_equal(
         drawn.collections[0].get_array().reshape(2, 3),
         100.0 * found.worst_error_of_velocity.sel(approach="bca").T,
     )
-    with pytest.raises(hc.InputError, match="3 remaining dimensions.* such as beads=20$"):
+    one_method = "2 remaining dimensions, .*and 2 methods.* approach='propagate', or .* beads=20$"
+    with pytest.raises(hc.InputError, match=one_method):
         plot_sweep(found, "momentum")
     with pytest.raises(hc.InputError, match="no remaining axis to plot along; omit rate or beads"):
         plot_sweep(found, "momentum", rate=0.02, beads=20)
@@ -986,7 +987,7 @@ def test_an_axis_of_percentages(entry):
     assert found.rate.units == "%"
     last = hc.propagate(hc.Chain.tapered("forward-exponential", 0.03, beads=10)).velocity[-1]
     assert found.velocity.sel(rate=3.0).item() == pytest.approx(last, rel=1e-9)
-    assert plot_sweep(found).get_xlabel() == "rate of the taper [%]"
+    assert plot_sweep(found).get_xlabel() == "rate of the taper $q$ [%]"
     found = swept(chain, {"rate": entry}, keep=["velocity"])
     assert "rate = 3%" in plot_sweep(found, rate="3%").get_title()
     plain = swept(chain, {"rate": [0.01, 0.03, 0.05]}, keep=["velocity"])

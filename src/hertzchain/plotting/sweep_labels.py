@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+from ..chain.tapers import TAPERS, rate_symbol
 from ..sweeps.kept import SWEEP_QUANTITIES, sensor_of
 from ..units import PERCENT
 from .style import literal
@@ -36,6 +38,8 @@ METHODS: Final = MappingProxyType({
 ERRORS: Final = MappingProxyType(
     {"worst_error_of_": "largest error of", "relative_error_of_": "error of"}
 )
+# Dimensions of quantities whose selected value is part of a label.
+PLACES_IN_LABELS: Final = ("bead", "contact")
 # Names of parameters with one value for each bead or contact, in a label.
 SINGULARS: Final = MappingProxyType({
     "radii": "radius", "diameters": "diameter", "masses": "mass", "velocities": "velocity",
@@ -47,8 +51,33 @@ def axis_label(coordinate: xr.DataArray) -> str:
     """Label of an axis: ``struck_by.mass`` of a specification is the mass of the striker."""
     words = str(coordinate.attrs.get("long_name", ""))
     if words in OF_AXES:
-        return _with_unit(OF_AXES[words], coordinate)
+        symbol = coordinate.attrs.get("symbol")
+        return _with_unit(f"{OF_AXES[words]} ${symbol}$" if symbol else OF_AXES[words], coordinate)
     return _parameter(coordinate)
+
+
+def with_symbols(drawn: xr.DataArray, dataset: xr.Dataset) -> xr.DataArray:
+    """Values whose rate of the taper, if it is an axis, has the symbol of this taper."""
+    taper = _specification(dataset).get("chain", {}).get("taper")
+    # The taper itself may be an axis, with both symbols.
+    if "rate" not in drawn.coords or taper not in TAPERS:
+        return drawn
+    rate = drawn["rate"]
+    return drawn.assign_coords(
+        rate=rate.assign_attrs({**rate.attrs, "symbol": rate_symbol(taper)})
+    )  # fmt: skip
+
+
+def reference_of(dataset: xr.Dataset) -> str | None:
+    """Name of the method to which errors of a sweep are relative."""
+    reference = _specification(dataset).get("sweep", {}).get("reference")
+    return reference if isinstance(reference, str) else None
+
+
+def _specification(dataset: xr.Dataset) -> dict[str, Any]:
+    """Specification of a sweep; empty for a dataset without it."""
+    found: dict[str, Any] = json.loads(dataset.attrs.get("specification", "{}"))
+    return found
 
 
 def _parameter(coordinate: xr.DataArray) -> str:
@@ -67,7 +96,7 @@ def _parameter(coordinate: xr.DataArray) -> str:
 
 
 def quantity_label(drawn: xr.DataArray) -> str:
-    """Label of the quantity with its unit; the index of the last bead is N, not k."""
+    """Label of the quantity with its unit, and with the number of a selected bead or contact."""
     name = str(drawn.name)
     if (sensor := sensor_of(name)) is not None:
         text = f"{sensor.quantity.label.removesuffix(' so far')} in {sensor.where}"
@@ -75,12 +104,25 @@ def quantity_label(drawn: xr.DataArray) -> str:
     error = next((words for prefix, words in ERRORS.items() if name.startswith(prefix)), None)
     if error is not None:
         of = name.partition("_of_")[2].replace("_", " ")
-        return _with_unit(f"{error} {of}", drawn)
+        place = next((f" of {each} {drawn[each].item()}" for each in PLACES_IN_LABELS
+                      if _is_selected(drawn, each)), "")  # fmt: skip
+        return _with_unit(f"{error} {of}{place}", drawn)
     quantity = SWEEP_QUANTITIES.get(name)
-    text = name.replace("_", " ") if quantity is None else quantity.label
-    if quantity is not None and not {"bead", "contact"} & set(drawn.coords):
-        text = text.replace("_k$", "_{N-1}$" if quantity.per == "contact" else "_{N}$")
-    return _with_unit(text, drawn)
+    if quantity is None:
+        return _with_unit(name.replace("_", " "), drawn)
+    return _with_unit(quantity.label.replace("_k$", f"_{_index(drawn, quantity.per)}$"), drawn)
+
+
+def _index(drawn: xr.DataArray, per: str) -> str:
+    """Index of a quantity: k along beads or contacts, otherwise a number or that of the last."""
+    place = "contact" if per == "contact" else "bead"
+    if place not in drawn.coords:
+        return "{N-1}" if per == "contact" else "{N}"
+    return f"{{{drawn[place].item()}}}" if _is_selected(drawn, place) else "k"
+
+
+def _is_selected(drawn: xr.DataArray, place: str) -> bool:
+    return place in drawn.coords and drawn[place].ndim == 0
 
 
 def _with_unit(text: str, values: xr.DataArray) -> str:

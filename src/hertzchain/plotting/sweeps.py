@@ -21,12 +21,20 @@ from ..units import PERCENT
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list
-from .colours import curve_colour, grey, signed_map
+from .colours import grey, signed_map
 from .legends import place_legend
-from .pulses import label_free_end
-from .style import MARKERS, figure_style, get_axes, label_log_axis, literal, set_title
-from .sweep_axes import edges_of, free_end, places_of, set_axis
-from .sweep_labels import ERRORS, coordinate_text, quantity_label, short_value
+from .style import figure_style, get_axes, label_log_axis, literal, set_title
+from .sweep_axes import edges_of, places_of, set_axis
+from .sweep_curves import draw_curves
+from .sweep_labels import (
+    ERRORS,
+    METHODS,
+    coordinate_text,
+    quantity_label,
+    reference_of,
+    short_value,
+    with_symbols,
+)
 from .widths import NARROW, figure_size
 
 if TYPE_CHECKING:
@@ -67,7 +75,9 @@ def plot_sweep(
     have failed, are missing or not complete.
 
     If one of two axes has at most six values, the plot has one curve per value of the shorter axis
-    instead of a map.
+    instead of a map.  Over one axis, there is one curve per method: if simulations and theories are
+    plotted, simulations have symbols and theories have lines, so that curves that agree do not hide
+    each other.  Errors are those of the other methods relative to the reference of the sweep.
 
     Parameters
     ----------
@@ -96,8 +106,8 @@ def plot_sweep(
     ------
     InputError
         If the quantity, a dimension or a value does not exist, if the number of remaining
-        dimensions, apart from the methods, is not 1 or 2, or if none of the points to plot is done
-        or has a value.
+        dimensions, apart from the methods, is not 1 or 2, if there are 2 and several methods, or if
+        none of the points to plot is done or has a value.
 
     Warns
     -----
@@ -128,14 +138,15 @@ def plot_sweep(
         raise InputError(_undrawable(drawn, at))
     _check_done(dataset, at)
     _check_values(drawn)
-    drawn, factor = _in_shown_units(drawn)
+    drawn, reference = _without_reference(dataset, drawn)
+    drawn, factor = _in_shown_units(with_symbols(drawn, dataset))
     levels = [factor * level for level in levels]
     by = "approach" if len(along) == 1 else None if levels else _short_axis(drawn)
     with figure_style():
         axes = get_axes(ax)
         if by is not None:
             outside = _outside(dataset, drawn, at).rename(_outside_label(dataset))
-            _curves(drawn, outside, axes, by=by, log=log)
+            draw_curves(drawn, outside, axes, by=by, log=log, first=_first_colour(dataset, drawn))
         else:
             _map(drawn, axes, log=log, levels=levels)
             _mark_cells(dataset, drawn, axes, at, own=ax is None)
@@ -145,6 +156,8 @@ def plot_sweep(
             coordinate_text(value, str(name)) for name, value in drawn.coords.items()
             if value.ndim == 0 and name not in only
         ]  # fmt: skip
+        if reference is not None:
+            caption.append(f"relative to {METHODS.get(reference, reference)}")
         for flag, words in FLAGGED_PEAKS.items():
             flagged = int(dataset[flag].any("approach").sum()) if flag in dataset else 0
             caption += [f"{counted(flagged, 'point')} {words}"] * bool(flagged)
@@ -153,6 +166,24 @@ def plot_sweep(
         if by is not None and legend and several:
             place_legend(axes, own=ax is None)
     return axes
+
+
+def _without_reference(dataset: xr.Dataset, drawn: xr.DataArray) -> tuple[xr.DataArray, str | None]:
+    """Errors without those of the reference, which are 0, and its name."""
+    reference = reference_of(dataset)
+    if "approach" not in drawn.dims or not str(drawn.name).startswith((*ERRORS,)):
+        return drawn, None
+    others = drawn["approach"].to_numpy() != reference
+    if others.all():
+        return drawn, None
+    return drawn.isel(approach=others), reference
+
+
+def _first_colour(dataset: xr.Dataset, drawn: xr.DataArray) -> int:
+    """Number of methods before the first curve, which keeps the colour it has beside them."""
+    if "approach" not in drawn.dims:
+        return 0
+    return dataset["approach"].to_numpy().tolist().index(drawn["approach"][0].item())
 
 
 def _in_shown_units(drawn: xr.DataArray) -> tuple[xr.DataArray, float]:
@@ -220,7 +251,10 @@ def _outside(dataset: xr.Dataset, drawn: xr.DataArray, at: Mapping[str, Any]) ->
     """Whether a theory was outside its range, for each plotted value."""
     if "outside_range" not in dataset or "approach" not in drawn.coords:
         return drawn.copy(data=np.zeros(drawn.shape, dtype=bool))
-    return _flags(dataset, "outside_range", at).astype(bool).broadcast_like(drawn)
+    flags = _flags(dataset, "outside_range", at).astype(bool)
+    if "approach" in flags.dims:
+        flags = flags.sel(approach=drawn["approach"])
+    return flags.broadcast_like(drawn)
 
 
 def _check_done(dataset: xr.Dataset, at: Mapping[str, Any]) -> None:
@@ -287,71 +321,25 @@ def _index(coordinate: xr.DataArray, name: str, value: Any, warn: Any) -> int:
 
 
 def _undrawable(drawn: xr.DataArray, at: Mapping[str, Any]) -> str:
-    if drawn.ndim > 2:
-        left = ", ".join(f"{name} ({size})" for name, size in drawn.sizes.items())
-        # Selecting from a long axis would be an odd choice.
-        shortest = min(drawn.dims, key=lambda name: drawn.sizes[name])
-        first = drawn[shortest].values[0]
+    """Why values cannot be plotted, and which dimension to fix, apart from the methods."""
+    axes = {name: size for name, size in drawn.sizes.items() if name != "approach"}
+    if not axes:
+        hint = f"; omit {' or '.join(map(str, at))}" if at else ""
+        return f"{drawn.name} has no remaining axis to plot along{hint}"
+    left = ", ".join(f"{name} ({size})" for name, size in axes.items())
+    # Selecting from a long axis would be an odd choice.
+    shortest = min(axes, key=lambda name: axes[name])
+    fixed = f"{shortest}={short_value(drawn[shortest].values[0])}"
+    if len(axes) > 2:
         return (
-            f"{drawn.name} has {drawn.ndim} remaining dimensions, {left}, but only 1 or 2 can be "
-            f"plotted; choose a value of the others, such as {shortest}={short_value(first)}"
+            f"{drawn.name} has {len(axes)} remaining dimensions, {left}, but only 1 or 2 can be "
+            f"plotted; choose a value of the others, such as {fixed}"
         )
-    hint = f"; omit {' or '.join(map(str, at))}" if at else ""
-    return f"{drawn.name} has no remaining axis to plot along{hint}"
-
-
-def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, log: bool) -> None:
-    """Draw one curve for each method or value of a short axis."""
-    along = next(name for name in drawn.dims if name != by)
-    names = drawn[by].values if by in drawn.dims else [None]
-    marked = free = False
-    for i, name in enumerate(names):
-        chosen = {} if name is None else {by: i}
-        curve, flags = drawn.isel(chosen), outside.isel(chosen)
-        if log and by == "approach" and len(names) > 1 and not (curve > 0.0).any():
-            # The error of the reference is 0, which a logarithmic scale cannot show.
-            continue
-        colour, places = curve_colour(axes, i), places_of(curve[along])
-        if end := free_end(curve):
-            axes.plot(places[end], curve[end], color=colour, marker=MARKERS[i % len(MARKERS)],
-                      linestyle="none")  # fmt: skip
-            free = True
-        axes.plot(
-            places[:end],
-            curve[:end],
-            color=colour,
-            linestyle="-" if _ordered(curve[along]) else "none",
-            marker=MARKERS[i % len(MARKERS)],
-            markerfacecolor="none",
-            markevery=max(1, curve.size // 40),
-            label=_curve_label(curve, by),
-        )
-        if flags.any():
-            axes.plot(places[flags.values], curve[flags.values], "o", color=colour, alpha=0.3,
-                      markersize=8.0, markeredgecolor="none")  # fmt: skip
-            marked = True
-    if free:
-        label_free_end(axes)
-    if marked:
-        axes.plot([], [], "o", color="0.6", alpha=0.5, markersize=8.0, markeredgecolor="none",
-                  label=outside.name)  # fmt: skip
-    axes.set_ylabel(quantity_label(drawn))
-    axes.set_yscale("log" if log else "linear")
-    if log:
-        label_log_axis(axes.yaxis)
-    set_axis(axes, "x", drawn[along])
-
-
-def _curve_label(curve: xr.DataArray, by: str) -> str | None:
-    if by not in curve.coords:
-        return None
-    return coordinate_text(curve[by], by)
-
-
-def _ordered(coordinate: xr.DataArray) -> bool:
-    """Whether a line between neighbouring values has a meaning: not for names and seeds."""
-    words = f"{coordinate.name} {coordinate.attrs.get('long_name', '')}"
-    return coordinate.dtype.kind in "if" and "seed" not in words
+    return (
+        f"{drawn.name} has 2 remaining dimensions, {left}, and {drawn.sizes['approach']} methods, "
+        "but only one method can be plotted over two dimensions; choose a method, such as "
+        f"approach={drawn['approach'].values[0].item()!r}, or a value, such as {fixed}"
+    )
 
 
 def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | None) -> None:

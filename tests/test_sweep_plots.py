@@ -1,0 +1,88 @@
+"""Labels, curves and legends of plots of sweeps."""
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+FORWARD = {"taper": "forward-exponential", "beads": 40}
+RATES = [0.02, 0.05, 0.08]
+
+
+def swept(chain, axes, **settings):
+    return hc.sweep({"chain": chain, "axes": axes, "sweep": settings})
+
+
+def test_too_many_dimensions_are_listed_without_the_methods():
+    axes = {"rate": RATES, "beads": [20, 30], "exponent": [1.5, 2.0, 2.5]}
+    methods = ["propagate", "local-rate"]
+    found = swept({"taper": "forward-exponential"}, axes, methods=methods, at="last")
+    with pytest.raises(hc.InputError, match="3 remaining dimensions") as raised:
+        hc.plot_sweep(found)
+    assert "approach" not in str(raised.value)
+    assert str(raised.value).endswith("choose a value of the others, such as beads=20")
+
+
+@pytest.mark.parametrize(("taper", "symbol"), [("forward-exponential", "q"),
+                                               ("forward-linear", "S")])  # fmt: skip
+def test_labels_have_the_selected_bead_and_the_symbol_of_the_rate(taper, symbol):
+    rates = [0.002, 0.004, 0.006]
+    found = swept({"taper": taper, "beads": 40}, {"rate": rates},
+                  keep=["velocity", "peak_force"], methods=["bca", "propagate"])  # fmt: skip
+    with hc.figure_style("single column"):
+        axes = hc.plot_sweep(found, "velocity", bead=33)
+        force = hc.plot_sweep(found, "peak_force", contact=7)
+        every = hc.plot_sweep(found, "velocity", approach="bca", levels=[0.5])
+    assert axes.get_ylabel() == "velocity $v_{33}$"
+    assert axes.get_xlabel() == f"rate of the taper ${symbol}$"
+    assert force.get_ylabel() == "largest force $F_{7}$"
+    # Along the beads, no bead is selected.
+    assert every.collections[0].colorbar.ax.get_ylabel() == "velocity $v_k$"
+    assert every.get_xlabel() == f"rate of the taper ${symbol}$"
+    assert hc.plot_sweep(found, "velocity", rate=0.004).get_title() == "rate = 0.004"
+
+
+def test_a_plot_of_a_dataset_without_its_specification_has_no_symbol():
+    found = swept(FORWARD, {"rate": RATES}, at="last")
+    del found.attrs["specification"]
+    assert hc.plot_sweep(found).get_xlabel() == "rate of the taper"
+
+
+def test_curves_that_agree_do_not_hide_each_other():
+    methods = ["propagate", "local-rate", "modified-bca"]
+    found = swept(FORWARD, {"rate": RATES}, methods=methods, at="last", errors=["velocity"])
+    simulated, law, bca, *_ = hc.plot_sweep(found, "velocity").lines
+    assert (simulated.get_linestyle(), simulated.get_marker()) == ("None", "o")
+    assert simulated.get_zorder() > max(law.get_zorder(), bca.get_zorder())
+    assert {law.get_marker(), bca.get_marker()} == {""}
+    assert (law.get_linestyle(), bca.get_linestyle()) == ("-", "--")
+    # A simulation on its own has a line.
+    (alone,) = hc.plot_sweep(found, "velocity", approach="propagate").lines
+    assert (alone.get_linestyle(), alone.get_marker()) == ("-", "o")
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_plots_of_errors_omit_the_reference_and_mark_the_right_curves():
+    found = swept({"taper": "forward-exponential", "beads": 30}, {"rate": [0.02, 0.05, 0.3]},
+                  methods=["propagate", "bca", "local-rate"], errors=["velocity"])  # fmt: skip
+    flagged = found.outside_range.sel(approach=["bca", "local-rate"]).values.astype(bool)
+    assert flagged.any()
+    axes = hc.plot_sweep(found, "worst_error_of_velocity")
+    handles, labels = axes.get_legend_handles_labels()
+    assert labels == ["BCA", "local-rate law", "outside the range of the method"]
+    assert axes.get_title() == "relative to propagation"
+    colours = {}
+    for handle, name in zip(handles, ["bca", "local-rate"], strict=False):
+        expected = 100.0 * found.worst_error_of_velocity.sel(approach=name)
+        np.testing.assert_array_equal(handle.get_ydata(), expected)
+        colours[name] = handle.get_color()
+    # The legend shows the marks themselves, in the colours of their curves.
+    marked = [name for name, flags in zip(colours, flagged.T, strict=True) if flags.any()]
+    assert [mark.get_color() for mark in handles[2]] == [colours[name] for name in marked]
+    for mark, name in zip(handles[2], marked, strict=True):
+        outside = found.outside_range.sel(approach=name).values.astype(bool)
+        np.testing.assert_array_equal(mark.get_xdata(), found.rate.values[outside])
+    shown = [line.get_color() for line in axes.get_legend().get_lines()]
+    assert shown[2:] == [colours[name] for name in marked]
+    # Curves have the colours that they have beside the reference.
+    assert hc.plot_sweep(found, "velocity", bead=20).lines[1].get_color() == colours["bca"]

@@ -281,3 +281,27 @@ def test_rates_at_the_limits_are_accepted_despite_rounding():
     for rate in (-0.1, 0.1):
         chain = hc.Chain.from_radii(np.exp(rate * np.arange(40)))
         assert hc.disorder(chain, 0.01).velocity_spread[20] > 0.01
+
+
+def test_the_band_of_the_spread_is_visible():
+    law = hc.disorder(hc.Chain.uniform(100), 0.005)
+    axes = law.plot()
+    low, high = axes.get_ylim()
+    inner = law.velocity[1:-1]
+    assert low < inner.min() < inner.max() < high < min(law.velocity[0], law.velocity[-1])
+    # Beads 1 and N would leave the band less than 4% of the height.
+    band = 2.0 * law.velocity_spread[50] * law.velocity[50]
+    assert band / np.ptp(law.velocity) < 0.04 < 0.1 < band / (high - low)
+    texts = [text.get_text() for text in axes.texts]
+    assert texts == ["bead 1: 1 ↑", f"bead 100: {law.velocity[-1]:.3g} ↑"]
+    # Further curves are not cut off, and the values are in the axes then.
+    hc.bca(hc.Chain.uniform(100)).plot(ax=axes)
+    assert axes.get_ylim()[1] > 1.0
+    assert not axes.texts
+    assert hc.bca(hc.Chain.uniform(100)).plot().get_ylim()[1] >= 1.0
+    # Limits that would hardly help remain, and so do those of a logarithmic axis.
+    growing = hc.disorder(hc.Chain.tapered("forward-exponential", 0.03, beads=60), 0.005)
+    assert growing.plot().get_ylim()[1] > growing.velocity[-1]
+    assert law.plot(log=True).get_ylim()[1] > 1.0
+    forces = law.plot("peak_force")
+    assert f"contact 99: {law.peak_force[-1]:.3g} ↓" in [each.get_text() for each in forces.texts]

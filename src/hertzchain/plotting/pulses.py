@@ -20,6 +20,7 @@ from ..validation.objects import check_bool, check_choice, check_list, check_typ
 from .colours import COLOURS, curve_colour, grey
 from .labels import distinguish
 from .legends import place_legend
+from .spreads import BAND, draw_spread, remove_values_beyond, show_band, spread_of
 from .style import (
     MARKERS,
     BeadLocator,
@@ -38,8 +39,6 @@ HIDDEN: Final = 0.02
 # curve with the smallest differences: a change of sign would need an infinite axis.
 RESIDUAL_TICKS: Final = 4
 RESIDUAL_DEPTH: Final = 1e-4
-# Opacity of the band of a spread.
-BAND: Final = 0.25
 # Lines of different methods, if curves of a chain share a colour.
 LINES: Final = ("-", "--", ":", "-.")
 # Labels of symbols at free ends and of bands.
@@ -65,7 +64,9 @@ def plot_pulses(
     several methods, the colour of a curve shows its chain, its line and symbol show its method,
     and the legend has one entry for each of these.  If the last bead leaves a free end at a larger
     velocity, all values of this bead have symbols without a line.  A shaded band shows the spread
-    of a pulse by `disorder`: one standard deviation over random chains.
+    of a pulse by `disorder`: one standard deviation over random chains.  If the values of the first
+    and the last bead would make this band thin, a linear axis shows those of the other beads, and
+    the values beyond it are written at its edge.
 
     Parameters
     ----------
@@ -127,13 +128,15 @@ def plot_pulses(
         raise InputError("residuals need at least two pulses: omit residuals")
     with figure_style():
         axes, lower = _axes(ax, residuals=residuals)
-        looks = _looks(words, number_of_curves(axes))
+        present = number_of_curves(axes)
+        remove_values_beyond(axes)
+        looks = _looks(words, present)
         grouped = labels is None and _share_colours(looks)
         ends = _free_ends(pulses, quantity)
         for pulse, look, name in zip(pulses, looks, names, strict=True):
             values = pulse._predicted(quantity)
             free = len(values) in ends and pulse.chain.right_wall is None
-            _draw_spread(axes, pulse, quantity, look, free=free)
+            draw_spread(axes, pulse, quantity, curve_colour(axes, look.colour), free=free)
             if free:
                 _draw_free_end(axes, len(values), values[-1], look)
             label = None if grouped else str(name)
@@ -154,6 +157,8 @@ def plot_pulses(
             _draw_residuals(lower, pulses, quantity, looks)
             lower.set_xlim(axes.get_xlim())
         set_title(axes, literal(title))
+        if not (present or log):
+            show_band(axes, pulses, quantity)
         if legend:
             place_legend(axes, own=ax is None)
     return axes
@@ -278,25 +283,6 @@ def _draw_free_end(axes: Axes, bead: int, value: float, look: _Look) -> None:
     axes.plot([bead], [value], color=colour, marker=look.marker, linestyle="none")
 
 
-def _spread(pulse: Pulse, quantity: str) -> Array | None:
-    """Standard deviation of the logarithm of a quantity over random chains, if known."""
-    name = f"{quantity}_spread"
-    return pulse.column(name) if name in COLUMN_QUANTITIES else None
-
-
-def _draw_spread(axes: Axes, pulse: Pulse, quantity: str, look: _Look, *, free: bool) -> None:
-    """A band of one standard deviation, and a bar of this height at a free end."""
-    spread = _spread(pulse, quantity)
-    if spread is None:
-        return
-    values = pulse._predicted(quantity)
-    bead, low, high = pulse.bead[: len(values)], values * np.exp(-spread), values * np.exp(spread)
-    colour, end = curve_colour(axes, look.colour), len(values) - free
-    axes.fill_between(bead[:end], low[:end], high[:end], color=colour, alpha=BAND, linewidth=0.0)
-    if free:
-        axes.vlines(bead[-1], low[-1], high[-1], color=colour, alpha=BAND, linewidth=3.0)
-
-
 def _label_parts(
     axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequence[_Look]
 ) -> None:
@@ -306,7 +292,7 @@ def _label_parts(
     for label in {LOTS, FREE_END} & present.keys():
         present[label].remove()
     banded = {look.colour for pulse, look in zip(pulses, looks, strict=True)
-              if _spread(pulse, quantity) is not None}  # fmt: skip
+              if spread_of(pulse, quantity) is not None}  # fmt: skip
     if LOTS in present or banded:
         single = len(banded) == 1 and LOTS not in present
         colour = curve_colour(axes, *banded) if single else grey(axes, 0.4)

@@ -1,0 +1,113 @@
+"""Bands of the spread of pulses, and limits that make them visible."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ..collision import Array
+from ..pulse.pulse import Pulse
+from ..pulse.quantities import COLUMN_QUANTITIES
+from .style import signed
+
+# Opacity of the band of a spread.
+BAND: Final = 0.25
+# Part of the range of all values that those of the inner beads must be below for other limits.
+MUCH_SMALLER: Final = 0.5
+# Margin of the limits, relative to their difference, with room for values beyond them.
+MARGIN: Final = 0.1
+# Distance [points] of a text from the first bead.
+DISTANCE: Final = 4.0
+# Mark of texts that state values beyond the limits.
+BEYOND: Final = "hertzchain-beyond"
+
+
+def spread_of(pulse: Pulse, quantity: str) -> Array | None:
+    """Standard deviation of the logarithm of a quantity over random chains, if known."""
+    name = f"{quantity}_spread"
+    return pulse.column(name) if name in COLUMN_QUANTITIES else None
+
+
+def draw_spread(axes: Axes, pulse: Pulse, quantity: str, colour: str, *, free: bool) -> None:
+    """A band of one standard deviation, and a bar of this height at a free end."""
+    band = _band(pulse, quantity)
+    if band is None:
+        return
+    low, high = band
+    bead, end = pulse.bead[: len(low)], len(low) - free
+    axes.fill_between(bead[:end], low[:end], high[:end], color=colour, alpha=BAND, linewidth=0.0)
+    if free:
+        axes.vlines(bead[-1], low[-1], high[-1], color=colour, alpha=BAND, linewidth=3.0)
+
+
+def show_band(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
+    """Limits from the inner beads if those of beads 1 and N make the band of a spread thin."""
+    bands = [_band(pulse, quantity) for pulse in pulses]
+    if not any(band is not None for band in bands):
+        return
+    values = [pulse._predicted(quantity) for pulse in pulses]
+    lows, highs = zip(
+        *(each if band is None else band for each, band in
+          zip([(each, each) for each in values], bands, strict=True)),
+        strict=True,
+    )  # fmt: skip
+    low, high = _range(lows, highs, inner=True)
+    least, most = _range(lows, highs, inner=False)
+    if not 0.0 < high - low < MUCH_SMALLER * (most - least):
+        return
+    margin = MARGIN * (high - low)
+    # Curves that are drawn later may change these limits.
+    axes.set_ylim(low - margin, high + margin, auto=True)
+    place = COLUMN_QUANTITIES[quantity].per
+    for i, side in ((0, "left"), (-1, "right")):
+        ends = [(int(pulse.bead[: len(each)][i]), float(each[i]))
+                for pulse, each in zip(pulses, values, strict=True)]  # fmt: skip
+        _write_beyond(axes, place, ends, side)
+
+
+def remove_values_beyond(axes: Axes) -> None:
+    """Remove the texts of `show_band`, whose limits further curves change."""
+    for text in [each for each in axes.texts if each.get_gid() == BEYOND]:
+        text.remove()
+
+
+def _band(pulse: Pulse, quantity: str) -> tuple[Array, Array] | None:
+    spread = spread_of(pulse, quantity)
+    if spread is None:
+        return None
+    values = pulse._predicted(quantity)
+    return values * np.exp(-spread), values * np.exp(spread)
+
+
+def _range(lows: Sequence[Array], highs: Sequence[Array], *, inner: bool) -> tuple[float, float]:
+    """Least and largest value, of all beads or without the first and the last."""
+    part = slice(1, -1) if inner else slice(None)
+    below, above = (np.concatenate([each[part] for each in side]) for side in (lows, highs))
+    if not (below.size and np.isfinite(below).any()):
+        return 0.0, 0.0
+    return float(np.nanmin(below)), float(np.nanmax(above))
+
+
+def _write_beyond(
+    axes: Axes, place: str, ends: Sequence[tuple[int, float]], side: Literal["left", "right"]
+) -> None:
+    """Write the values of a bead beyond the limits at the edge of the axes, with arrows."""
+    low, high = axes.get_ylim()
+    above = {f"{place} {k}: {signed(value, '.3g')} ↑": k for k, value in ends if value > high}
+    below = {f"{place} {k}: {signed(value, '.3g')} ↓": k for k, value in ends if value < low}
+    for found, edge in ((above, 1.0), (below, 0.0)):
+        if found:
+            axes.annotate(
+                "\n".join(found),
+                (next(iter(found.values())), edge),
+                (DISTANCE if side == "left" else 0.0, 0.0),
+                xycoords=axes.get_xaxis_transform(),
+                textcoords="offset points",
+                ha=side,
+                va="top" if edge else "bottom",
+                fontsize="small",
+                gid=BEYOND,
+            )

@@ -728,3 +728,17 @@ def test_the_csv_of_a_transfer_function_has_no_file():
     done = CliRunner().invoke(cli, arguments)
     assert done.exit_code == 2
     assert "--csv takes no file name, because the table is printed" in done.stderr
+
+
+def test_springs_and_dampers_have_a_short_representation():
+    held = {"precompression": 2.0, "held_by": "force"}
+    equal = hc.Chain.uniform(200).replace(**held)
+    contacts = hc.spectrum(equal).contacts
+    spring = contacts.springs[100]
+    assert repr(contacts) == f"LinearContacts(200 beads: springs {spring:.4g}; no dampers)"
+    lossy = hc.Chain.tapered("forward-linear", 0.01, beads=9).replace(loss=hc.Dashpot(0.1), **held)
+    contacts = hc.spectrum(lossy).contacts
+    inner = np.sort(contacts.springs[contacts.springs > 0.0])
+    assert repr(contacts) == (
+        f"LinearContacts(9 beads: springs {inner[0]:.4g} to {inner[-1]:.4g}; dampers up to 0.1)"
+    )

@@ -34,6 +34,7 @@ from ..chain.laws.base import ContactsAtRest
 from ..collision import Array
 from ..errors import InputError
 from ..frozen import Frozen
+from ..representation import counted, short
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +56,14 @@ class LinearContacts(Frozen):
     masses: Array
     springs: Array
     dampers: Array
+
+    def __repr__(self) -> str:
+        shown = [f"{each:.4g}" for each in np.sort(self.springs[self.springs > 0.0])]
+        springs = " to ".join(dict.fromkeys((*shown[:1], *shown[-1:]))) or "none"
+        dampers = f"dampers up to {self.dampers.max():.4g}" if self.dampers.any() else "no dampers"
+        return short(
+            "LinearContacts", counted(len(self.masses), "bead"), f"springs {springs}", dampers
+        )
 
 
 def linear_contacts(chain: Chain) -> LinearContacts:

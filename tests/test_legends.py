@@ -246,7 +246,7 @@ def test_designs_of_two_materials_show_diameters_and_all_beads(beads, rows, monk
     axes.figure.draw_without_rendering()
     # All beads are in the axes.
     assert axes.get_legend().get_window_extent().y0 >= axes.bbox.y1
-    assert {text.get_text() for text in axes.get_legend().get_texts()} == {"steel-316", "ptfe"}
+    assert {text.get_text() for text in axes.get_legend().get_texts()} == {"steel-316", "PTFE"}
     texts = [text for text in axes.texts if text.get_text() in ("10", "6")]
     boxes = [text.get_window_extent() for text in texts]
     if rows:

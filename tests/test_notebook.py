@@ -358,7 +358,7 @@ def test_no_plotting_library_is_loaded():
 def test_walls_have_numbers():
     assert "material steel-304" in parsed(hc.Wall.of("steel-304", gap="10 um"))[1]
     assert "gap 10 µm" in parsed(hc.Wall.of("steel-304", gap="10 um"))[1]
-    assert "stiffness 2e+06" in parsed(hc.Wall("2 kN/mm", exponent=1))[1]
+    assert "stiffness 2 kN/mm" in parsed(hc.Wall("2 kN/mm", exponent=1))[1]
     text = parsed(hc.Wall(loss=hc.Restitution(0.9)))[1]
     assert "material that of the bead" in text
     assert "coefficient=0.9" in text
@@ -461,3 +461,8 @@ def test_names_of_curves_are_those_of_figures():
     widths = [float(path.get("stroke-width")) for path in drawn]
     assert widths == [4.0, 1.6] * (len(drawn) // 2)
     assert all(path.get("stroke-opacity") == "0.5" for path in drawn[::2])
+
+
+def test_pages_of_walls_have_the_unit_of_a_given_stiffness():
+    assert "5 kN/mm" in hc.Wall("5000 N/mm", exponent=1)._repr_html_()
+    assert "5e+06" in hc.Wall(5e6)._repr_html_()

@@ -614,6 +614,24 @@ def test_titles_name_strikers_walls_and_losses():
             hc.Chain.dimer(diameters=["10 mm", "6 mm"], materials=["brass", "ptfe"], beads=9),
             "9 balls of brass and PTFE, 10 mm and 6 mm in turn",
         ),
+        (balls.replace(right_wall=hc.Wall(5e6, exponent=1)), "40 steel balls, 10 mm, wall 5 kN/mm"),
+        (
+            balls.replace(right_wall=hc.Wall("2 N/mm", exponent=1, gap="10 um")),
+            "40 steel balls, 10 mm, wall 2 N/mm at a distance of 10 µm",
+        ),
+        (
+            balls.replace(right_wall=hc.Wall(5e9)),
+            "40 steel balls, 10 mm, wall 5 N/µm^1.5",
+        ),
+        (balls.replace(right_wall=hc.Wall(3e5)), "40 steel balls, 10 mm, wall 3e+05 N/m^1.5"),
+        (
+            balls.replace(right_wall=hc.Wall(4e7), exponent=2.0, stiffness=1e12),
+            "40 steel balls, 10 mm, p = 2, wall 4e+07 N/m^2",
+        ),
+        (
+            hc.Chain.uniform(5).replace(right_wall=hc.Wall(5e6)),
+            "5 equal beads, wall of stiffness 5e+06",
+        ),
     ):
         assert chain_title(chain) == title
 

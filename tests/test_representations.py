@@ -240,6 +240,9 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
         (hc.Wall.of("ptfe", gap=1e-5), "Wall(ptfe, gap = 10 um)"),
         (hc.Wall(gap="2 mm", stiffness="1 N/m^1.5"),
          "Wall(stiffness = 1 N/m^1.5, gap = 2 mm)"),
+        (hc.Wall("5e6 N/m", exponent=1), "Wall(stiffness = 5 kN/mm, p = 1)"),
+        (hc.Wall("5 N/um^1.5"), "Wall(stiffness = 5 N/um^1.5)"),
+        (hc.Wall(5e6), "Wall(stiffness = 5e+06)"),
         (hc.Wall(gap=1e-5), "Wall(own material, gap = 1e-05)"),
     ],
 )  # fmt: skip

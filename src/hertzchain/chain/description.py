@@ -17,6 +17,8 @@ from .repeated_cells import cell_repeats, smallest_cell
 from .taper_sizes import SHAPES, taper_between
 from .tapers import ROUNDING, taper_named
 
+# Stiffness [N/m^1.5] from which it is in N/um^1.5.
+MICRONS: Final = 1e8
 # Beads of a chain of which one is called different.
 MIN_BEADS: Final = 4
 
@@ -263,3 +265,16 @@ def length_in_words(length: float, digits: int = 4) -> str:
     """A length in m, mm or um."""
     factor, unit = (1.0, "m") if length >= 1.0 else (1e3, "mm") if length >= 1e-4 else (1e6, "um")
     return f"{factor * length:.{digits}g} {unit}"
+
+
+def stiffness_in_words(stiffness: float, exponent: float) -> str:
+    """A stiffness in N/m^p: N/m, N/mm or kN/mm if p = 1, and N/um^1.5 for large ones of Hertz."""
+    factor, unit = 1.0, f"N/m^{exponent:g}"
+    if exponent == 1.0:
+        factor, unit = (
+            (1e-6, "kN/mm") if stiffness >= 1e6 else (1e-3, "N/mm") if stiffness >= 1e3
+            else (1.0, "N/m")
+        )  # fmt: skip
+    elif exponent == HERTZ_EXPONENT and stiffness >= MICRONS:
+        factor, unit = 1e-9, "N/um^1.5"
+    return f"{factor * stiffness:.4g} {unit}"

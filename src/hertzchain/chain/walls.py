@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from ..collision import HERTZ_EXPONENT
 from ..errors import InputError, short_repr
 from ..validation.keywords import checked_arguments, checked_fields
 from ..validation.numbers import is_word, number
-from .description import length_in_words
+from .description import length_in_words, stiffness_in_words
 from .input_checks import GAP_HINT, MAX_GAP, checked_wall_exponent
 from .laws import Loss
 from .materials import RIGID, Material, MaterialLike, material
@@ -165,12 +166,16 @@ class Wall(Part):
         kind = "own material" if self.stiffness is None else ""
         if self.material is not None:
             kind = self.material.name
-        unit = " N/m" if self.exponent == 1.0 else " N/m^1.5"
-        unit = unit if "stiffness" in self.with_units else ""
-        stiffness = "" if self.stiffness is None else f"stiffness = {self.stiffness:g}{unit}"
+        stiffness = "" if self.stiffness is None else f"stiffness = {self._stiffness_in_words()}"
         real = "gap" in self.with_units or self.material not in (None, RIGID)
         gap = length_in_words(self.gap) if real else f"{self.gap:g}"
         parts = [kind, stiffness, f"gap = {gap}" if self.gap else ""]
         parts += [f"p = {self.exponent:g}" if self.exponent is not None else ""]
         parts += [f"loss = {self.loss}" if self.loss is not None else ""]
         return f"Wall({', '.join(filter(None, parts))})"
+
+    def _stiffness_in_words(self) -> str:
+        """The given stiffness, in the unit of its contact if it was given with a unit."""
+        if self.stiffness is None or "stiffness" not in self.with_units:
+            return "" if self.stiffness is None else f"{self.stiffness:g}"
+        return stiffness_in_words(self.stiffness, 1.0 if self.exponent == 1.0 else HERTZ_EXPONENT)

@@ -182,7 +182,7 @@ def wall_html(wall: Wall) -> str:
     kind = "that of the bead" if wall.material is None else wall.material.name
     found = {
         "material": kind if wall.stiffness is None else "",
-        "stiffness": "" if wall.stiffness is None else f"{wall.stiffness:g}",
+        "stiffness": wall._stiffness_in_words(),
         "gap": engineering(wall.gap, "m", "SI" if real else "scaled") if wall.gap else "0",
         "exponent": "that of the chain" if wall.exponent is None else f"{wall.exponent:g}",
         "loss": "that of the chain" if wall.loss is None else repr(wall.loss),

@@ -21,7 +21,7 @@ from ..validation.keywords import checked_arguments
 from .colours import COLOURS, grey
 from .legends import figure_of
 from .style import figure_style, get_axes, literal, set_title
-from .titles import chain_title
+from .titles import chain_title, printed_name
 from .widths import NARROW, figure_size, journal_width
 
 # Colours of the materials of the package, and those from which other materials receive one.
@@ -191,7 +191,7 @@ def material_legend(chains: Sequence[Chain], axes: Axes, **options: Any) -> None
     if len(names) > 1:
         handles = [
             Patch(facecolor=material_colour(name), edgecolor="black", linewidth=0.4,
-                  label=literal(name or "no material"))
+                  label=literal(printed_name(name or "no material")))
             for name in names
         ]  # fmt: skip
         axes.legend(handles=handles, handlelength=1.0, **options)

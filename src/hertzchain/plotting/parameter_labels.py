@@ -6,6 +6,7 @@ from typing import Final
 
 from ..errors import InputError
 from ..fitting.names import Name, parse_name
+from .titles import printed_name
 
 # Words for the keys of names; the item in brackets follows.
 WORDS: Final = {
@@ -27,6 +28,8 @@ def parameter_in_words(text: str) -> str:
         return text
     # A number stays in the line of its ball.
     item = name.item.replace(" ", "\N{NO-BREAK SPACE}")
+    if name.key.startswith("materials."):
+        item = printed_name(item)
     if name.key in ("gap", "stiffness"):
         item = item.replace("-", "\N{EN DASH}")
     pattern = WORDS.get(name.key, _of_part(name))

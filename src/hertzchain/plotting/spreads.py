@@ -62,7 +62,8 @@ def show_band(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
     # Curves that are drawn later may change these limits.
     axes.set_ylim(low - margin, high + margin, auto=True)
     place = COLUMN_QUANTITIES[quantity].per
-    for i, side in ((0, "left"), (-1, "right")):
+    sides: tuple[tuple[int, Literal["left", "right"]], ...] = ((0, "left"), (-1, "right"))
+    for i, side in sides:
         ends = [(int(pulse.bead[: len(each)][i]), float(each[i]))
                 for pulse, each in zip(pulses, values, strict=True)]  # fmt: skip
         _write_beyond(axes, place, ends, side)

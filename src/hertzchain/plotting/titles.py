@@ -14,6 +14,7 @@ from ..chain.description import (
     length_in_words,
     odd_bead,
     sizes_in_words,
+    stiffness_in_words,
     strikers_in_words,
 )
 from ..chain.laws.restitution import Restitution
@@ -95,9 +96,13 @@ def _wall(chain: Chain) -> str:
         return ""
     kind = ""
     if wall.material is not None and wall.material not in (chain.materials or ())[-1:]:
-        (kind,) = _materials((wall.material,)).values()
+        (name,) = _materials((wall.material,)).values()
+        kind = f"{name} wall"
+    elif wall.stiffness is not None and chain.units == "SI":
+        exponent = float(chain.contact_exponents[-1])
+        kind = f"wall {stiffness_in_words(wall.stiffness, exponent)}".replace("um", "µm")
     elif wall.stiffness is not None:
-        kind = f"k = {wall.stiffness:g}"
+        kind = f"wall of stiffness {wall.stiffness:g}"
     gap = ""
     if wall.gap:
         gap = (
@@ -105,7 +110,7 @@ def _wall(chain: Chain) -> str:
             if chain.units == "SI"
             else f"{wall.gap:g}"
         )
-    parts = [f"{kind} wall".strip(), f"at a distance of {gap}" if gap else ""]
+    parts = [kind or "wall", f"at a distance of {gap}" if gap else ""]
     return " ".join(filter(None, parts)) if kind or gap else ""
 
 
@@ -124,4 +129,9 @@ def _materials(materials: Sequence[Material] | None, first: int = 0) -> dict[str
         for name, (base, _, grade) in zip(names, parts, strict=True)
     ]
     short = short if len(set(short)) == len(short) else names
-    return {name: "PTFE" if name == "ptfe" else own for name, own in zip(names, short, strict=True)}
+    return {name: printed_name(own) for name, own in zip(names, short, strict=True)}
+
+
+def printed_name(material: str) -> str:
+    """Name of a material in figures, where PTFE has capital letters."""
+    return "PTFE" if material == "ptfe" else material

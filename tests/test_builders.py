@@ -74,6 +74,24 @@ def test_defects_are_counted_from_one():
     assert [each.name for each in chain.materials] == ["glass", "brass", "glass", "brass"]
 
 
+def test_defects_have_radii_or_diameters():
+    chain = Chain.from_materials(5e-3, "brass", beads=9)
+    given = chain.with_defects(diameters={8: "8 mm", 2: 6e-3})
+    np.testing.assert_array_equal(given.radii, chain.with_defects({8: 4e-3, 2: 3e-3}).radii)
+    scaled = Chain.uniform(5).with_defects(diameters={1: 1.0})
+    np.testing.assert_array_equal(scaled.radii, [0.5, 1.0, 1.0, 1.0, 1.0])
+    for sizes, words in (
+        ({}, r"radii or diameters by bead number, such as diameters=.*: neither was given"),
+        ({"radii": {8: 4e-3}, "diameters": {8: 8e-3}}, "both were given"),
+        ({"diameters": 8e-3}, "diameters by bead number, .* got 0.008"),
+        ({"diameters": {8: -1.0}}, "diameter of bead 8 must be above 0"),
+        ({"diameters": {8: "8 kg"}}, "diameter of bead 8 must have a unit such as m"),
+        ({"diameters": {10: 8e-3}}, "from 1 to 9, got 10"),
+    ):
+        with pytest.raises(hc.InputError, match=words):
+            chain.with_defects(**sizes)
+
+
 def test_balls_scatter_within_their_grade_and_by_their_seed():
     chain = Chain.from_materials(5e-3, "steel-52100", beads=2000)
     first, second = (chain.with_scatter(seed, grade=100) for seed in (7, 7))

@@ -313,7 +313,10 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
          r"\[chain.drive\] has gain, but no file"),
         (U + '[chain.drive]\nkind = "table"\ntimes = [0, 0]\nvalues = [1, 1]', "must increase"),
         (U + "[chain.with_scatter]\nrelative = 0.1", "requires seed"),
-        (U + "[[chain.with_defects]]\nbead = 2", "requires radius"),
+        (U + "[[chain.with_defects]]\nbead = 2", r"requires radius or diameter \(radius of"),
+        (U + "[[chain.with_defects]]\nbead = 2\nradius = 1\ndiameter = 2",
+         "of bead 2 has a radius and a diameter: omit one"),
+        (SI + 'with_defects = {bead = 2, diameter = "4 kg"}', "diameter .* unit such as m"),
         (U + "[chain.decorated]\nration = 0.3", "did you mean 'ratio'"),
         (U + "[[chain.struck_by]]\nspeed = 3", r"'speed' .did you mean 'velocity'.*choose"),
         (
@@ -437,6 +440,10 @@ def test_values_of_the_wrong_type_are_rejected(tmp_path, text, said):
             'stiffness = "7 N/um^1.5"\ngaps = {list = [1, 0, 2.5], unit = "um"}',
             Chain([5e-3, 4e-3] * 2, units="SI", masses=[1e-3, 2e-3, 3e-3, 4e-3], stiffness=7e9,
                   gaps=[1e-6, 0, 2.5e-6]),
+        ),
+        (
+            SI + 'with_defects = [{bead = 2, diameter = "8 mm"}, {bead = 3, radius = "3 mm"}]',
+            Chain.from_materials(5e-3, "brass", beads=3).with_defects({2: 4e-3, 3: 3e-3}),
         ),
         (
             SI + 'with_defects = {bead = 2, radius = "4 mm"}\n'

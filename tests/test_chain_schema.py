@@ -27,8 +27,11 @@ from hertzchain.sweeps.specification import specification_schema
 from hertzchain.units import UNITS
 
 DOCS = Path(__file__).parent.parent / "docs" / "how-to"
-# Arguments with another name in Python: a mapping of radii by bead.
-RENAMED = {(hc.Chain.with_defects, "radii"): {"bead", "radius"}}
+# Arguments with another name in Python: mappings of sizes by bead.
+RENAMED = {
+    (hc.Chain.with_defects, "radii"): {"bead", "radius"},
+    (hc.Chain.with_defects, "diameters"): {"diameter"},
+}
 
 
 def parameters(function):

@@ -230,7 +230,9 @@ def public_calls(folder):
         "Chain.decorated": tried(chain.decorated, ratio=0.3, between=1, material=None),
         "Chain.decorated, by radius": tried(chain.decorated, radius=0.3),
         "Chain.decorated, of a material": tried(balls.decorated, ratio=0.3, material="brass"),
-        "Chain.with_defects": tried(chain.with_defects, radii={3: 0.5}, material=None),
+        "Chain.with_defects": tried(
+            chain.with_defects, radii={3: 0.5}, diameters=None, material=None
+        ),
         "Chain.with_scatter": tried(chain.with_scatter, seed=1, relative=0.1, beads="2:"),
         "Chain.with_scatter, by grade": tried(balls.with_scatter, seed=1, grade=100),
         "Chain.struck_by": tried(

@@ -44,6 +44,10 @@ test("changes leave the old document as it is", () => {
 test("a dragged bead becomes one defect, counted without strikers", () => {
   const once = withRadius(TAPER, 5, 2), twice = withRadius(once, 5, 3);
   assert.deepEqual(twice.chain.with_defects, [{ bead: 5, radius: 3 }]);
+  // A radius replaces a diameter.
+  const defects = [{ bead: 5, diameter: "8 mm", material: "brass" }];
+  const wide = withRadius({ chain: { beads: 9, with_defects: defects } }, 5, 3);
+  assert.deepEqual(wide.chain.with_defects, [{ bead: 5, material: "brass", radius: 3 }]);
   const struck = { chain: { ...TAPER.chain, struck_by: { count: 2 } } };
   assert.deepEqual(withRadius(struck, 5, 2).chain.with_defects, [{ bead: 3, radius: 2 }]);
 });

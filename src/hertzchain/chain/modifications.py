@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -88,45 +88,75 @@ def decorated(
 
 
 @checked_arguments("with_defects")
-def with_defects(self: C, radii: Mapping[int, float], *, material: MaterialLike | None = None) -> C:
+def with_defects(
+    self: C,
+    radii: Mapping[int, float] | None = None,
+    *,
+    diameters: Mapping[int, float] | None = None,
+    material: MaterialLike | None = None,
+) -> C:
     """Return the chain with a few beads of another size or material.
 
     A scaled chain keeps its units, also if bead 1 has another radius.
 
     Parameters
     ----------
-    radii : mapping of int to float
+    radii : mapping of int to float, optional
         Radius [scaled, or m] by bead number, counted from 1.
+    diameters : mapping of int to float, optional
+        Diameters, instead of radii.
     material : str or Material, optional
         Material of these beads, in a chain with materials.
 
     Raises
     ------
     InputError
-        If a bead does not exist, a radius is not positive, masses, stiffness, gaps, velocities,
-        exponents or losses are set per bead or contact, or there are strikers: modify the beads
-        first.
+        If there are both radii and diameters or neither, a bead does not exist, a size is not
+        positive, masses, stiffness, gaps, velocities, exponents or losses are set per bead or
+        contact, or there are strikers: modify the beads first.
 
     Examples
     --------
     >>> import hertzchain as hc
     >>> hc.Chain.uniform(5).with_defects({3: 0.5}).radii
     array([1. , 1. , 0.5, 1. , 1. ])
+    >>> balls = hc.Chain.from_materials(diameters="10 mm", materials="brass", beads=20)
+    >>> balls.with_defects(diameters={8: "8 mm"})
+    Chain(20 brass beads, diameter 10 mm, except bead 8 (8 mm), impact at 1 m/s)
     """
     row = self.radii.copy()
     kinds = None if self.materials is None else list(self.materials)
     if kinds is None and material is not None:
         raise InputError("material requires a chain with materials; use Chain.from_materials")
-    if not isinstance(radii, Mapping):
-        raise InputError(
-            f"defects must be radii by bead number, such as {{3: 0.5}}, got {short_repr(radii)}"
-        )
-    for bead, radius in radii.items():
-        bead = whole_number("number of a defect's bead", bead, least=1, most=self.beads)
-        row[bead - 1] = number(f"radius of bead {bead}", radius, unit=self._unit("m"), above=0.0)
+    for bead, radius in _radii_of_defects(self, radii, diameters):
+        row[bead - 1] = radius
         if kinds is not None and material is not None:
             kinds[bead - 1] = material_named(material)
     return _with_beads(self, "with_defects", row, None if kinds is None else tuple(kinds))
+
+
+def _radii_of_defects(
+    chain: ChainFields, radii: object, diameters: object
+) -> Iterator[tuple[int, float]]:
+    """Number and radius of each defect, from radii or diameters."""
+    example = "diameters={8: '8 mm'}" if chain.units == "SI" else "{3: 0.5}"
+    if (radii is None) == (diameters is None):
+        both = "both were given" if radii is not None else "neither was given"
+        raise InputError(
+            f"with_defects needs radii or diameters by bead number, such as {example}: {both}"
+        )
+    what, given, part = (
+        ("radius", radii, 1.0) if diameters is None else ("diameter", diameters, 0.5)
+    )
+    if not isinstance(given, Mapping):
+        words = "radii" if diameters is None else "diameters"
+        raise InputError(
+            f"defects must be {words} by bead number, such as {example}, got {short_repr(given)}"
+        )
+    for bead, size in given.items():
+        bead = whole_number("number of a defect's bead", bead, least=1, most=chain.beads)
+        found = number(f"{what} of bead {bead}", size, unit=chain._unit("m"), above=0.0)
+        yield bead, part * found
 
 
 @checked_arguments("with_scatter", aliases={"rng": "seed"})

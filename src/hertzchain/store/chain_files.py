@@ -335,7 +335,14 @@ class _ChainFile:
             if "material" in arguments:
                 arguments["material"] = self._material(arguments["material"])
             if name == "with_defects":
-                arguments["radii"] = {arguments.pop("bead"): arguments.pop("radius")}
+                if {"radius", "diameter"} <= arguments.keys():
+                    raise InputError(
+                        f"[[chain.with_defects]] of bead {arguments['bead']} has a radius and a "
+                        "diameter: omit one"
+                    )
+                size = "radius" if "radius" in arguments else "diameter"
+                sizes = {"radius": "radii", "diameter": "diameters"}[size]
+                arguments[sizes] = {arguments.pop("bead"): arguments.pop(size)}
             if name == "with_scatter" and not {"relative", "grade"} & arguments.keys():
                 raise InputError(
                     "[chain.with_scatter] has neither relative, such as 0.01, nor grade, such as "

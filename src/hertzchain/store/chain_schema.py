@@ -125,7 +125,8 @@ _DECORATED: Final = (
 )
 _DEFECTS: Final = (
     Key("bead", "integer", "number of the bead", required=True, least=1),
-    _number("radius", "radius of the bead", "length", required=True, above=0.0),
+    _number("radius", "radius of the bead", "length", required=True, unless="diameter", above=0.0),
+    _number("diameter", "diameter of the bead, instead of its radius", "length", above=0.0),
     _MATERIAL,
 )
 _SCATTER: Final = (

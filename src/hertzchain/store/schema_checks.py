@@ -136,7 +136,8 @@ def _check_keys(
     if complete:
         for key in keys:
             if key.required and table.keys().isdisjoint((key.name, key.unless)):
-                yield f"{place} requires {key.name} ({key.description})"
+                either = f"{key.name} or {key.unless}" if key.unless else key.name
+                yield f"{place} requires {either} ({key.description})"
 
 
 def _unknown_keys(names: Sequence[str], place: str, known: Sequence[str]) -> Iterator[str]:

@@ -55,7 +55,8 @@ export function withRadius(document, bead, radius) {
   const own = bead - strikersBefore(document);
   const defects = listed(document.chain.with_defects).filter((each) => each.bead !== own);
   const before = listed(document.chain.with_defects).find((each) => each.bead === own);
-  return changed(document, ["chain", "with_defects"], [...defects, { ...before, bead: own, radius }]);
+  const { diameter: _, ...kept } = before ?? {};
+  return changed(document, ["chain", "with_defects"], [...defects, { ...kept, bead: own, radius }]);
 }
 
 /** Undo and redo of documents; changes of one drag are one step. */

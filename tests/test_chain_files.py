@@ -40,6 +40,14 @@ def assert_same(one, other):
 STEEL = "steel-52100"
 
 
+@pytest.mark.parametrize("row", ['radii = ["1 mm", "2 mm"]', "[chain]\nbeads = 9"])
+def test_a_toml_file_is_not_a_table_of_beads(row, tmp_path):
+    (tmp_path / "row.toml").write_text(row)
+    (tmp_path / "chain.toml").write_text('[chain]\nfile = "row.toml"\n')
+    with pytest.raises(hc.InputError, match=r"row.toml: is a TOML file.*\(CSV.*copy the keys of"):
+        hc.load_chain(tmp_path / "chain.toml")
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [

@@ -56,6 +56,11 @@ def load_beads(path: str | os.PathLike[str], own: Mapping[str, Material] | None 
     """
     file = file_path("table of beads", path)
     with errors_at(shown_path(path)):
+        if file.suffix.lower() == ".toml":
+            raise InputError(
+                "is a TOML file, but file of [chain] is a table of beads (CSV, one row per bead); "
+                "copy the keys of [chain] from the TOML file into this chain file instead"
+            )
         return _chain_of(read_csv(file, BEAD_COLUMNS), own or {})
 
 

@@ -8,7 +8,9 @@ import pytest
 from scipy_row import FREE, RADIUS, VELOCITY, chain, recorded, traces
 
 import hertzchain as hc
+from hertzchain.fitting.parameters import free_parameters
 from hertzchain.fitting.prior_conflicts import conflict, contradicted
+from hertzchain.units import volts_per
 
 CALIBRATION = "check the diameters, masses and materials of the chain, the calibration"
 FILE = """
@@ -50,6 +52,46 @@ def test_a_fit_far_from_its_prior_says_so(mean, deviations):
     assert note in result.warnings
     assert note in result.summary().splitlines()
     assert result.as_dict()["prior_conflict"] == words
+
+
+@pytest.mark.parametrize(
+    ("factor", "error", "words"),
+    [
+        (1e-3, 6e-4, "values in the column of wall are 1,000 times too small, because the unit in its "
+         "header is wrong, such as mV instead of V"),
+        (1e3, 1.0, "are 1,000 times too large, because the unit in its header is wrong, such as V "
+         "instead of mV"),
+        (0.1, 6e-4, "are 10 times too small, because a probe or an amplifier"),
+        (0.5, 6e-4, CALIBRATION),
+    ],
+)  # fmt: skip
+def test_a_gain_that_is_wrong_by_a_power_of_ten_names_the_unit(factor, error, words):
+    times, columns = recorded()
+    known = {name: values for name, values in columns.items() if "wall" not in name}
+    header = next(name for name in columns if "wall" in name)
+    # An amplifier of 20 mV/N, whose column is read with another unit.
+    gain = 0.02
+    volts = hc.Traces.from_arrays(times, known | {"wall [V]": factor * gain * columns[header]})
+    result = hc.fit(
+        volts, chain(), free=[*FREE, "gain[wall]"], priors={"gain[wall]": (1.03 * gain, error)}
+    )
+    assert result.values["gain[wall]"] == pytest.approx(factor * gain, rel=0.02)
+    (note,) = (each for each in result.notes if "from its prior" in each)
+    assert words in note
+    assert note in result.warnings
+    assert ("diameters" in note) == (words == CALIBRATION)
+
+
+def test_a_prior_that_forbids_a_wrong_unit_names_the_column():
+    times, columns = recorded()
+    known = {name: values for name, values in columns.items() if "wall" not in name}
+    volts = hc.Traces.from_arrays(times, known | {"wall [V]": 20.0 * columns["wall [N]"]})
+    result = hc.fit(
+        volts, chain(), free=[*FREE, "gain[wall]"], priors={"gain[wall]": (0.02, 6e-4)}
+    )
+    assert not result.describes
+    assert "the values of wall multiplied by 0.001" in result.summary()
+    assert "check the unit in the header of this column" in result.summary()
 
 
 def test_a_fit_near_its_prior_does_not_mention_it():
@@ -179,10 +221,67 @@ def test_print_shows_the_whole_summary():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (("0.5 V/N", "0.1 V/N"), "must be a plain number or a percentage, got the unit 'V/N'"),
+        (("0.5 V/m", "0.1 V/m"), "must have a unit such as V/N or mV/N, got '0.5 V/m'"),
+        (("0.5 kg", "0.1"), "must have a unit such as V/N or mV/N, got '0.5 kg'"),
         ("0.5 V/N +- 0.1 V/N", "must be a value and its standard deviation > 0"),
     ],
 )
-def test_priors_of_gains_with_units_are_rejected(given, message):
+def test_priors_of_gains_with_wrong_units_are_rejected(given, message):
     with pytest.raises(hc.InputError, match=message):
         hc.fit(*hc.example_experiment(), priors={"gain[ball 11]": given})
+
+
+def test_the_gain_of_a_calibrated_sensor_has_no_unit():
+    priors = {"gain[wall]": ("1 V/N", "0.1 V/N")}
+    with pytest.raises(hc.InputError, match=r"gain\[wall\] must be a plain number.*wall is in N"):
+        hc.fit(*hc.example_experiment(), priors=priors)
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        (("0.05 V/N", "0.002 V/N"), (0.05, 0.002)),
+        (("50 mV/N", "2 mV/N"), (0.05, 0.002)),
+        (["50 V/kN", 0.002], (0.05, 0.002)),
+        ((0.05, 0.002), (0.05, 0.002)),
+    ],
+)
+def test_priors_of_gains_have_units(given, expected):
+    traces, chain = hc.example_experiment()
+    chain = hc.load_chain(chain)
+    (found,) = free_parameters(
+        traces, [chain] * 2, ["gain[ball 11]"], {"gain[ball 11]": given}, {"gain[ball 11]": 0.04}
+    )
+    assert found.prior == pytest.approx(expected, rel=1e-14)
+    (found,) = free_parameters(
+        traces, [chain] * 2, ["gain[ball 11]"], {}, {"gain[ball 11]": "40 mV/N"}
+    )
+    assert found.start == pytest.approx(0.04, rel=1e-14)
+
+
+@pytest.mark.parametrize("unit", ["V s/m", "V/(m/s)"])
+def test_gains_of_velocity_sensors_are_in_volts_seconds_per_metre(unit):
+    assert volts_per(f"0.3 {unit}", "m/s") == 0.3
+    assert volts_per(f"300 m{unit}", "m/s") == pytest.approx(0.3, rel=1e-15)
+    assert volts_per(f"0.3 {unit}", "N") is None
+
+
+def test_priors_on_the_command_line_have_units_of_gains(run, tmp_path):
+    file = hc.example_experiment()[1]
+    data = file.parent / "fast.csv"
+    row = tmp_path / "row.toml"
+    row.write_text(file.read_text().partition("[fit]")[0])
+    plan = ["forecast", row, "--sensor", "wall [V]", "--noise", "3 mV", "--interval", "1us",
+            "--free", "stiffness", "--free", "gain[wall]"]  # fmt: skip
+    done = run(*plan)
+    assert done.returncode == 2
+    advice = "add --prior 'gain[wall]=0.01 V/N,0.0003 V/N', or give it in [fit.prior] or [fit.start"
+    assert advice in done.stderr
+    prior = "gain[wall]=0.01 V/N,0.3 mV/N"
+    with_unit, plain = (
+        json.loads(run(*plan, "--prior", each, "--json").stdout)
+        for each in (prior, "gain[wall]=0.01,0.0003")
+    )
+    assert with_unit == plain
+    done = run("fit", data, row, "--free", "gain[ball 11]", "--prior", "gain[ball 11]=0.04 V/N,-1")
+    assert "such as 0.3,0.003, got" in done.stderr

@@ -50,9 +50,13 @@ def misread_columns(model: Model) -> Iterator[Misread]:
         if np.ptp(own) > 0.0
     }
     yield from _signs(model.traces, ratios)
+    # A prior of a gain is a calibration, too.
+    gains = {each.name.item for each in model.parameters
+             if each.name.key == "gain" and each.prior is not None}  # fmt: skip
     yield from _units(model.traces, {
         signal.name: ratios[signal.name]
-        for signal in signals if signal.calibrated and signal.name in ratios
+        for signal in signals
+        if signal.name in ratios and (signal.calibrated or {signal.name, ""} & gains)
     })  # fmt: skip
     yield from _order(model, predicted)
 

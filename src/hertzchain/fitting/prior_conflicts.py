@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Final
 
@@ -22,6 +23,10 @@ from .shown_values import shown_value
 CONTRADICTS: Final = 3.0
 # Larger numbers of standard deviations are not stated, because they have no meaning.
 MANY: Final = 100.0
+# Largest relative difference of a ratio from a power of ten that a wrong unit would cause.
+NEAR_POWER: Final = 0.1
+# Units that make values too small and too large by a thousand.
+UNITS: Final = ("mV instead of V", "V instead of mV")
 ADVICE: Final = (
     "check the diameters, masses and materials of the chain, the calibration of the sensors, and "
     "the prior itself"
@@ -86,6 +91,23 @@ def conflict_notes(
         if each.prior is not None and size > CONTRADICTS:
             pairs = (values[each.name], sigma), each.prior
             value, prior = (shown_value(each, traces, *pair, at_bound=False) for pair in pairs)
-            found.append(f"{each} = {value} is {_counted(size)} from its prior, {prior}: {ADVICE}")
+            advice = _wrong_unit(each.name, values[each.name] / each.prior[0]) or ADVICE
+            found.append(f"{each} = {value} is {_counted(size)} from its prior, {prior}: {advice}")
     clause = conflict(deviations)
     return tuple(found) or ((f"{clause}: {ADVICE}",) if clause else ())
+
+
+def _wrong_unit(name: Name, ratio: float) -> str:
+    """Advice on a gain whose ratio to its prior is a power of ten; empty for others."""
+    if name.key != "gain" or not ratio > 0.0 or not math.isfinite(ratio):
+        return ""
+    power = round(math.log10(ratio))
+    if power == 0 or abs(ratio / 10.0**power - 1.0) > NEAR_POWER:
+        return ""
+    factor = f"{10.0 ** abs(power):,.0f} times too {'large' if power > 0 else 'small'}"
+    column = f"the column of {name.item}" if name.item else "the columns"
+    if power % 3:
+        cause = "a probe or an amplifier has another factor, or the unit of the column is wrong"
+    else:
+        cause = f"the unit in its header is wrong, such as {UNITS[power > 0]}"
+    return f"probably the values in {column} are {factor}, because {cause}"

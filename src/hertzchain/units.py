@@ -63,6 +63,11 @@ UNITS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 )
 # Units of electrical signals, in V.
 VOLTS: Final[Mapping[str, float]] = MappingProxyType({"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6})
+# Gain of a sensor with its unit, such as 20 mV/N, 0.3 V s/m and 0.3 V/(m/s).
+_GAIN: Final = re.compile(
+    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([um\u00b5]?V)\s*(\W.*|s.*)"
+)
+_RATIO: Final = re.compile(r"/\s*\(\s*([^()/]+?)\s*/\s*([^()/]+?)\s*\)")
 # Exponent of contacts by powers of the unit of their stiffness, force/length^exponent.
 EXPONENTS: Final = {(0.0, 1.0, -2.0): "1", (-0.5, 1.0, -2.0): "1.5"}
 # Units written in other ways.
@@ -147,6 +152,18 @@ def converted(what: str, number: str | float, unit: str, si: str) -> float:
         return float(Decimal(str(number)) * given.factor / target.factor)
     except (decimal.DecimalException, OverflowError):
         return value * float(given.factor / target.factor)
+
+
+def volts_per(text: str, si: str) -> float | None:
+    """Gain such as ``20 mV/N`` in V per unit ``si``, N, m or m/s; `None` for any other text."""
+    found = _GAIN.fullmatch(text)
+    if found is None:
+        return None
+    inverse = _RATIO.sub(r"/\1*\2", found[3].strip())
+    per_si = "s/m" if si == "m/s" else f"1/{si}"
+    if not has_dimension(inverse, per_si):
+        return None
+    return float(found[1]) * VOLTS[found[2]] * converted("gain", 1.0, inverse, per_si)
 
 
 def _unknown_unit(what: str, unit: str, target: Unit, choices: tuple[str, ...]) -> InputError:

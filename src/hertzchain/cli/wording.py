@@ -43,6 +43,11 @@ WORDINGS: Final = (
     (r"\(compare_losses\)", "(--laws all)"),
     (r"\bcompare_losses compares", "--laws all compares"),
     (r"\badd '([^']*)' to the free parameters", r"add --also-free '\1'"),
+    (r"(?<=such as )\(0\.3, 0\.003\)", "0.3,0.003"),
+    (r"(gain(?:\[[^]]*\])?) is not known: give it a prior(?: in( [^,]*))?, or a start such as "
+     r"\{[^}]*\}",
+     r"\1 is not known: add --prior '\1=0.01\2,0.0003\2', or give it in [fit.prior] or [fit.start] "
+     r"of the chain file"),
     (r"\bcheck with run\.horizon\(\)", "check with --horizon"),
     (r"\bhc\.simulate\(result\.chain\)\.horizon\(\)", "hertzchain simulate --horizon"),
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),

@@ -2,7 +2,7 @@
 
 - the fit: `fit` with its `settings`, the `model` and the `problem` of `least_squares`, and its
   `starts`;
-- parameters: `names`, `parameters`, `chain_parameters`, `material_parameters`;
+- parameters: `names`, `parameters`, `chain_parameters`, `material_parameters`, `gain_units`;
 - predicted signals: `simulations`, `symmetry` of chains, `jumps` of forces, and the model of
   `sensors`;
 - errors: `uncertainty`, `weights` and `autocorrelation` of samples, `goodness`,

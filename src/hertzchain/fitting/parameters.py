@@ -21,6 +21,7 @@ from .chain_parameters import (
     loss_parameters,
     value_of,
 )
+from .gain_units import gains_in_si
 from .names import Name, parse_name
 from .sensors import COMMON_ONLY, SENSOR_KINDS
 
@@ -117,6 +118,8 @@ def free_parameters(
         for name in expanded(parse_name(text), traces):
             if name in names:
                 unit = kind_and_value(name, traces, chains)[0].unit_of_text
+                if name.key == "gain":
+                    value = gains_in_si(f"start of {name}", value, name.item, traces)
                 starts[name] = number(f"start of {name}", value, unit=unit)
             elif text not in optional:
                 raise unknown_name_error("free parameter", str(name), map(str, names))
@@ -225,6 +228,9 @@ def _checked_priors(
         if not asked:
             continue
         unit = kind_and_value(asked[0], traces, chains)[0].unit_of_text
+        for name in asked:
+            if name.key == "gain" and not isinstance(given, str):
+                given = gains_in_si(f"prior of {text}", given, name.item, traces)
         pair = []
         if not isinstance(given, str):
             pair = real_numbers(f"prior of {text}", given, unit=unit).ravel().tolist()

@@ -13,7 +13,7 @@ from ..chain.drives import Driven, TableDrive
 from ..collision import Array
 from ..errors import InputError, InputWarning, errors_at, short_repr, warn_user
 from ..representation import measure
-from ..units import UNITS, VOLTS, converted, has_dimension, quantity
+from ..units import UNITS, VOLTS, converted, has_dimension, quantity, volts_per
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import SCALED, number
 from ..validation.objects import file_path, shown_path, text
@@ -25,10 +25,8 @@ QUANTITIES: Final = {"force": "N", "displacement": "m", "velocity": "m/s"}
 _NUMBER: Final = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-z\u00b5].*?)\s*"
 )
-# Unit of a signal at the end, as in N/V, and at the beginning, as in mV/N and V/(m/s).
+# Unit of a signal at the end, as in N/V.
 _PER_VOLT: Final = re.compile(r"(.+?)\s*/\s*([um\u00b5]?V)")
-_VOLT_PER: Final = re.compile(r"([um\u00b5]?V)\s*(\W.*|s.*)")
-_RATIO: Final = re.compile(r"/\s*\(\s*([^()/]+?)\s*/\s*([^()/]+?)\s*\)")
 # Part of the largest value that a signal may have before the simulation begins.
 BEGUN: Final = 0.05
 _GAINS: Final = "'50 N/V' or '20 mV/N' for a force, '0.1 mm/V' for a displacement"
@@ -262,12 +260,9 @@ def _gain(gain: object) -> tuple[str, float]:
         of = _quantity_of(per[1])
         if of is not None:
             return of, value * converted("gain", 1.0, per[1], QUANTITIES[of]) / VOLTS[per[2]]
-    if volt := _VOLT_PER.fullmatch(unit):
-        inverse = _RATIO.sub(r"/\1*\2", volt[2])
-        for of, si in QUANTITIES.items():
-            per_si = "s/m" if of == "velocity" else f"1/{si}"
-            if has_dimension(inverse, per_si):
-                return of, 1.0 / (value * VOLTS[volt[1]] * converted("gain", 1.0, inverse, per_si))
+    for of, si in QUANTITIES.items():
+        if volts := volts_per(found[0], si):
+            return of, 1.0 / volts
     raise InputError(f"gain must have a unit such as {_GAINS}; got {short_repr(gain)}")
 
 

@@ -57,8 +57,8 @@ def test_a_fit_far_from_its_prior_says_so(mean, deviations):
 @pytest.mark.parametrize(
     ("factor", "error", "words"),
     [
-        (1e-3, 6e-4, "values in the column of wall are 1,000 times too small, because the unit in its "
-         "header is wrong, such as mV instead of V"),
+        (1e-3, 6e-4, "values in the column of wall are 1,000 times too small, because the unit in "
+         "its header is wrong, such as mV instead of V"),
         (1e3, 1.0, "are 1,000 times too large, because the unit in its header is wrong, such as V "
          "instead of mV"),
         (0.1, 6e-4, "are 10 times too small, because a probe or an amplifier"),
@@ -86,9 +86,7 @@ def test_a_prior_that_forbids_a_wrong_unit_names_the_column():
     times, columns = recorded()
     known = {name: values for name, values in columns.items() if "wall" not in name}
     volts = hc.Traces.from_arrays(times, known | {"wall [V]": 20.0 * columns["wall [N]"]})
-    result = hc.fit(
-        volts, chain(), free=[*FREE, "gain[wall]"], priors={"gain[wall]": (0.02, 6e-4)}
-    )
+    result = hc.fit(volts, chain(), free=[*FREE, "gain[wall]"], priors={"gain[wall]": (0.02, 6e-4)})
     assert not result.describes
     assert "the values of wall multiplied by 0.001" in result.summary()
     assert "check the unit in the header of this column" in result.summary()

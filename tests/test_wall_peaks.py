@@ -447,7 +447,8 @@ def test_driven_chains_end_after_their_drive(drive):
     ("drive", "reason", "advice"),
     [
         (hc.TableDrive([0.0, 1.0, 2.0], [0.0, 1.0, -0.01]),
-         "the drive does not end: a force of -0.01 remains", "; let its table end with 0, or use "),
+         "the drive does not end: a force of -0.01 remains",
+         "; let its table end with 0 (end=... of load_drive), or use "),
         (hc.TableDrive([0.0, 1.0, 2.0, 300.0], [0.0, 1.0, 0.0, 0.0]),
          "the drive does not end before t = 300", "; simulate for longer, or use "),
         (hc.StepDrive(1.0, rise=2.0),

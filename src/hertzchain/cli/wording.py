@@ -28,6 +28,7 @@ WORDINGS: Final = (
     (r"\bwith Material\(name, density=, young=, poisson=\), or \[", "as ["),
     (r"\buse Chain\.from_materials, or relative$", "give a material and sizes, or --scatter"),
     (r"\bchain\.struck_by\(\)", "struck_by = {velocity = '1 m/s'} in the chain file"),
+    (r"\(end=\.\.\. of load_drive\)", "(key end of [chain.drive])"),
     (r"\buse largest_so_far\b", "use the largest force so far"),
     (r"\bsimulate with until='([^']*)'", r"add --until '\1'"),
     (r"\buntil='([^']*)'", r"--until '\1'"),

@@ -338,7 +338,11 @@ def incomplete_peak(wall: WallForce, end: float, ends: tuple[float, float], chai
             "add a loss"
         )
     if chain.drive is not None and math.isinf(chain.drive.end):
-        ending = "let its table end with 0 (end=... of load_drive), or " if isinstance(chain.drive, TableDrive) else ""
+        ending = (
+            "let its table end with 0 (end=... of load_drive), or "
+            if isinstance(chain.drive, TableDrive)
+            else ""
+        )
         advice = f"{ending}use largest_so_far"
     return (
         f"the peak of the force on the {wall.side} wall is not complete: the largest until "

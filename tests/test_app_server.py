@@ -135,6 +135,22 @@ def test_an_impact_without_a_complete_peak_says_so():
     assert re.search("the run ends at .*; the peak on the right wall is not complete", driven[-1])
 
 
+def test_a_table_whose_time_0_is_rounded_is_shown_to_the_end_of_its_pulse():
+    times = 2e-6 * np.arange(-70, 130)
+    times[70] = 7e-21
+    force = np.where((times > 0.0) & (times < 2e-5), 10.0, 0.1)
+    drive = {"kind": "table", "of": "force", "times": times.tolist(), "values": force.tolist()}
+    row = {"diameters": "10 mm", "beads": 8, "materials": "steel-52100", "velocity": "0 m/s"}
+    parts = computed({"chain": {**row, "drive": drive, "right_wall": {}}}, sensors=[4])
+    header, arrays = parts["run"]
+    assert arrays["times"][-1] > times[-1]
+    assert header["peaks"]["right"]["largest"] > 1.0
+    assert header["warnings"][-1].endswith(
+        "the peak on the right wall is not complete: the drive does not end: a force of 0.1 N "
+        "remains"
+    )
+
+
 def test_contacts_that_are_still_closed_are_stated():
     heavy = {"diameters": "12 mm", "beads": 20, "materials": "steel-52100",
              "struck_by": {"velocity": "10 mm/s", "mass": "5 kg"}}  # fmt: skip

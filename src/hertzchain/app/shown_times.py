@@ -109,11 +109,17 @@ def _rough_pulse(chain: Chain, progress: Any) -> tuple[Pulse | None, float]:
     except InputError:
         if not _endless(chain):
             raise
-        end = 1.5 * float(transit_times(chain).sum())
+        end = _last_change(chain) + 1.5 * float(transit_times(chain).sum())
         rough = simulate(chain, until=end, times=0, rtol=ROUGH, check=False, progress=progress)
     if not rough.success and rough.beads_passed <= 1:
         raise SimulationError(rough.message)
     return pulse_of(rough), rough.end_time
+
+
+def _last_change(chain: Chain) -> float:
+    """Last time at which the drive changes other than smoothly, such as the end of a table."""
+    kinks = np.zeros(1) if chain.drive is None else np.append(0.0, chain.drive.kinks)
+    return float(kinks[np.isfinite(kinks)].max())
 
 
 def _endless(chain: Chain) -> bool:

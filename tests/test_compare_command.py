@@ -226,3 +226,36 @@ def test_exchanged_columns_are_reported_once_and_only_they(run, files):
     assert (out + err).count("check the names of these columns") == 1
     assert "check its gain" not in out + err
     assert "Warning" not in err
+
+
+@pytest.mark.parametrize(
+    ("prior", "words"),
+    [
+        ('["25 mV/N", "0.5 mV/N"]', r"standard deviations from its prior in \[fit\], 0.02500 \+- "
+         r"0.00050 V/N: check the diameters"),
+        ("[0.0175, 0.001]", r"differs by 0\.[0-5] standard deviations from its prior in \[fit\], "
+         r"0.0175 \+- 0.0010 V/N$"),
+        ("[17.5, 1.0]", "1,000 times too small, because the unit in its header is wrong, such as "
+         "mV instead of V$"),
+    ],
+)  # fmt: skip
+def test_the_gain_of_a_sensor_is_compared_with_its_prior(run, files, prior, words):
+    times, columns = recorded()
+    rows = np.column_stack([1e6 * times, 0.02 * columns["wall [N]"]])
+    np.savetxt(files / "volts.csv", rows, delimiter=",", header="time [us],wall [V]", comments="")
+    row = files / "prior.toml"
+    row.write_text(f'{hc.chain_as_toml(chain())}\n[fit.prior]\n"gain[wall]" = {prior}\n'
+                   '"gain[ball 5]" = [1.0, 0.1]\n')  # fmt: skip
+    code, out, err = run("compare", files / "volts.csv", row)
+    assert code == 0, err
+    (note,) = (line for line in out.splitlines() if "[fit]" in line)
+    assert note.startswith("the gain of wall, 0.0")
+    assert re.search(words, note), note
+    document = json.loads(run("compare", files / "volts.csv", row, "--json").stdout)
+    assert note in document["notes"]
+    # The nominal row is struck faster than that of the data.
+    data = hc.load_traces(files / "volts.csv")
+    until = float(np.ptp(data.shots[0].times))
+    (sensor,) = hc.simulate(chain(), until=until, times=4000).compare(data).sensors
+    assert document["sensors"][0]["scale"] == pytest.approx(sensor.scale, rel=1e-6)
+    assert f"wall, {sensor.scaling}, differs" in note

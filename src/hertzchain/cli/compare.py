@@ -95,7 +95,10 @@ def compare(
     import hertzchain
 
     from ..errors import InputWarning
+    from ..fitting.parameters import priors_of_gains
+    from ..fitting.prior_conflicts import gain_notes
     from ..fitting.settings import load_experiment
+    from ..traces.headers import GAIN_UNITS
     from ..validation.numbers import number
 
     noise: Any = noise_from(noises)
@@ -103,7 +106,8 @@ def compare(
         *traces, sensors=sensors_from(sensors), channels=True, noise=noise
     )
     data = _one_shot(seen, shot)
-    data, (described,), _ = load_experiment(data, chain, hertzchain.load_traces)
+    data, (described,), settings = load_experiment(data, chain, hertzchain.load_traces)
+    priors = priors_of_gains(settings.priors, data)
     if speed is not None:
         described = at_speed(described, speed)
     if loss is not None:
@@ -122,6 +126,9 @@ def compare(
         offset = seconds_from("--time-offset", time_offset)
     with ignore_warnings(InputWarning):  # the summary lists them as notes
         found = run.compare(data, time_offset=offset)
+    gains = {each.name: (each.scale, GAIN_UNITS[each.quantity]) for each in found.sensors
+             if each.unit == "V"}  # fmt: skip
+    found = dataclasses.replace(found, notes=(*found.notes, *gain_notes(gains, priors)))
     if plot is not None:
         save_figure(found.plot().axes[0], plot)
     if as_json:

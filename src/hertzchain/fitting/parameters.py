@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 from ..chain.chain import Chain
 from ..errors import InputError, short_repr, unknown_name_error
@@ -228,18 +228,7 @@ def _checked_priors(
         if not asked:
             continue
         unit = kind_and_value(asked[0], traces, chains)[0].unit_of_text
-        for name in asked:
-            if name.key == "gain" and not isinstance(given, str):
-                given = gains_in_si(f"prior of {text}", given, name.item, traces)
-        pair = []
-        if not isinstance(given, str):
-            pair = real_numbers(f"prior of {text}", given, unit=unit).ravel().tolist()
-        if len(pair) != 2 or not pair[1] > 0.0 or not math.isfinite(sum(pair)):
-            raise InputError(
-                f"the prior of {text!r} must be a value and its standard deviation > 0, such as "
-                f"(0.3, 0.003), got {short_repr(given)}"
-            )
-        mean, sigma = pair
+        mean, sigma = _pair(text, given, asked, traces, unit)
         for name in asked:
             if name in found and abs(found[name][0] - mean) > 5.0 * (found[name][1] + sigma):
                 raise InputError(
@@ -247,6 +236,38 @@ def _checked_priors(
                     f"{found[name][1]:g} and {mean:g} +- {sigma:g}; keep one"
                 )
             found[name] = mean, sigma
+    return found
+
+
+def _pair(
+    text: str, given: Any, names: Sequence[Name], traces: Traces, unit: str | None
+) -> tuple[float, float]:
+    """Value and standard deviation of a prior."""
+    for name in names:
+        if name.key == "gain" and not isinstance(given, str):
+            given = gains_in_si(f"prior of {text}", given, name.item, traces)
+    pair = []
+    if not isinstance(given, str):
+        pair = real_numbers(f"prior of {text}", given, unit=unit).ravel().tolist()
+    if len(pair) != 2 or not pair[1] > 0.0 or not math.isfinite(sum(pair)):
+        raise InputError(
+            f"the prior of {text!r} must be a value and its standard deviation > 0, such as "
+            f"(0.3, 0.003), got {short_repr(given)}"
+        )
+    return pair[0], pair[1]
+
+
+def priors_of_gains(priors: Priors, traces: Traces) -> dict[str, tuple[float, float]]:
+    """Priors of the gains of sensors, by the name of the sensor."""
+    found: dict[str, tuple[float, float]] = {}
+    for text, given in priors.items():
+        if (name := parse_name(text)).key == "gain":
+            # A gain that all sensors have in common is that of each.
+            every = Name("gain", name.item or "*", name.shot)
+            asked = [each for each in expanded(every, traces) if each.item in traces.names]
+            if asked:
+                pair = _pair(text, given, asked, traces, SENSOR_KINDS["gain"].unit_of_text)
+                found |= {each.item: pair for each in asked}
     return found
 
 

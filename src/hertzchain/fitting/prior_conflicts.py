@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from ..representation import listed
+from ..representation import listed, with_error
 from ..traces.traces import Traces
 from .names import Name
 from .parameters import Parameter
@@ -95,6 +95,24 @@ def conflict_notes(
             found.append(f"{each} = {value} is {_counted(size)} from its prior, {prior}: {advice}")
     clause = conflict(deviations)
     return tuple(found) or ((f"{clause}: {ADVICE}",) if clause else ())
+
+
+def gain_notes(
+    gains: Mapping[str, tuple[float, str]], priors: Mapping[str, tuple[float, float]]
+) -> tuple[str, ...]:
+    """Notes on gains, with units, whose priors are known, by the name of the sensor."""
+    found = []
+    for sensor in gains.keys() & priors.keys():
+        (gain, unit), (mean, sigma) = gains[sensor], priors[sensor]
+        size = abs(gain - mean) / sigma
+        note = (
+            f"the gain of {sensor}, {gain:.4g} {unit}, differs by {_counted(size)} from its prior "
+            f"in [fit], {with_error(mean, sigma)} {unit}"
+        )
+        if size > CONTRADICTS:
+            note += f": {_wrong_unit(Name('gain', sensor), gain / mean) or ADVICE}"
+        found.append(note)
+    return tuple(sorted(found))
 
 
 def _wrong_unit(name: Name, ratio: float) -> str:

@@ -1343,7 +1343,7 @@ def test_the_summary_has_the_momentum_of_the_last_bead(run):
     _, out, _ = run("simulate", *options)
     chain = hertzchain.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=0.2)
     pulse = hertzchain.propagate(chain)
-    line = out.splitlines()[-1]
+    line = out.splitlines()[-2]
     assert line == (
         f"bead 6 at the free end: velocity {pulse.velocity[-1]:.5g} m/s, momentum "
         f"{1e3 * pulse.momentum[-1]:.4g} mN s in the leading pulse"
@@ -1463,3 +1463,24 @@ def test_pulse_has_the_tolerance_of_its_simulations(run):
     code, _, err = run("pulse", "--method", "bca", "--rtol", "1e-6")
     assert code == 2
     assert "--rtol requires --method propagate or --method simulate" in err
+
+
+def test_the_final_velocities_of_a_cradle_are_printed(run):
+    balls = ("--material", "steel-52100", "--diameter", "10 mm", "--speed", "0.3 m/s", "--beads")
+    _, out, _ = run("simulate", *balls, "5")
+    document = json.loads(run("simulate", *balls, "5", "--json")[1])
+    found = np.array(document["final_velocities"])
+    # Momentum and energy are those of the impact, and all contacts are open.
+    assert document["closed_contacts"] == []
+    assert found.sum() == pytest.approx(0.3, rel=1e-12)
+    assert (found**2).sum() == pytest.approx(0.3**2, rel=1e-10)
+    assert (found < 0.0).tolist() == [True, True, True, False, False]
+    shown = ", ".join(f"{each:.5f}" for each in found)
+    assert out.splitlines()[-1] == (
+        f"velocities at the end of the run, from bead 1 to bead 5: {shown} m/s"
+    )
+    # Two equal balls exchange their velocities; others have not separated, or are too many.
+    for beads, more in ((2, ()), (5, ("--until", "60us")), (11, ("--until", "1ms"))):
+        other = (*balls, beads, *more)
+        assert "velocities at the end" not in run("simulate", *other)[1], beads
+        assert len(json.loads(run("simulate", *other, "--json")[1])["final_velocities"]) == beads

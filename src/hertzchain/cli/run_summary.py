@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import click
 
@@ -15,6 +15,11 @@ from ..simulation.yielding import (
 )
 from .output import show_table
 from .wording import on_command_line
+
+# Largest number of beads whose final velocities are printed.
+SHORT: Final = 10
+# Part of the largest velocity above which a bead moves.
+MOVES: Final = 1e-3
 
 if TYPE_CHECKING:
     from ..chain.bead_names import Side
@@ -50,6 +55,7 @@ def run_as_dict(
         ],
         "strikers": strikers_of(run),
         "last_bead": last_bead_of(run),
+        "final_velocities": run.state.velocities.tolist(),
         "peak_with_yielding_contacts": peak_with_yielding_contacts(run),
         "sensors": [_numbers(run.sensor_force(bead)) for bead in beads],
     }
@@ -106,6 +112,8 @@ def show_run(
         click.echo(_wall_lines(run, wall))
     if (last := last_bead_of(run)) is not None:
         click.echo(_last_bead_line(run, last))
+        if (final := _final_velocities_line(run)) is not None:
+            click.echo(final)
     if (peak := peak_with_yielding_contacts(run)) is not None:
         shown = measure(peak, "N", run.chain.units, 5)
         walls = elastic_in_words(walls_to_keep_elastic(run.chain))
@@ -178,6 +186,26 @@ def _last_bead_line(run: Run, last: dict[str, float]) -> str:
     return (
         f"{bead_label(run.chain, run.chain.beads)} at the free end: velocity {velocity}, momentum "
         f"{momentum} in the leading pulse"
+    )
+
+
+def _final_velocities_line(run: Run) -> str | None:
+    """Velocities after the impact of few beads, if more than one of them moves."""
+    from ..chain.bead_names import bead_label
+
+    velocities, chain = run.state.velocities, run.chain
+    moving = abs(velocities) > MOVES * abs(velocities).max()
+    over = not (len(run.closed_contacts) or run._unfinished)
+    if not over or chain.beads > SHORT or moving.sum() < 2:
+        return None
+    unit = " m/s" if chain.units == "SI" else ""
+    last = abs(velocities).max()
+    # Velocities have the decimals of the fastest bead, of which five digits are shown.
+    decimals = max(0, 4 - math.floor(math.log10(last)))
+    shown = ", ".join(f"{each:z.{decimals}f}" for each in velocities)
+    return (
+        f"velocities at the end of the run, from {bead_label(chain, 1)} to "
+        f"{bead_label(chain, chain.beads)}: {shown}{unit}"
     )
 
 

@@ -159,7 +159,7 @@ def test_files_that_are_no_channels_are_rejected(files, tmp_path):
     short = tmp_path / "ch9.csv"
     short.write_text("\n".join(files[0].read_text().splitlines()[:-1]))
     sensors = {"ch1.csv": "wall", "ch9.csv": "ball 2"}
-    with pytest.raises(hc.InputError, match=r"ch9.csv: shots of 361 and 360 samples cannot be"):
+    with pytest.raises(hc.InputError, match=r"ch9.csv: channels have 361 and 360 samples; to"):
         hc.load_traces(files[0], short, sensors=sensors, channels=True)
     empty = tmp_path / "times.csv"
     empty.write_text("Time (s),shot\n0,1\n1e-6,1\n")

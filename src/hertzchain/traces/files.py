@@ -21,7 +21,7 @@ from .noise import check_names_of_noise
 from .places import Place
 from .shots import check_times, make_shot
 from .signals import Shot
-from .traces import Traces, with_coupling
+from .traces import Traces, merged, with_coupling
 from .wanted_columns import Sensors, key_of, wanted_columns
 
 # Samples of a sensor that all increase are times if there are at least as many.
@@ -115,7 +115,7 @@ def load_traces(
         with errors_at(shown_path(path)):
             part = Traces(tuple(_shots(table, own, noise)))
             if found is not None:
-                part = found.merge(part) if channels else found + part
+                part = merged(found, part, "channels") if channels else found + part
         found = part
     assert found is not None
     check_names_of_noise(noise, found.names)

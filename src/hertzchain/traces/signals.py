@@ -128,18 +128,18 @@ class Shot(Frozen):
         return short("Shot", names, f"{len(self.times)} samples, {every}")
 
 
-def merged_shots(first: Shot, second: Shot) -> Shot:
-    """A shot with the signals of two that were recorded together."""
+def merged_shots(first: Shot, second: Shot, what: str = "shots") -> Shot:
+    """A shot with the signals of two shots or channels that were recorded together."""
     if len(first.times) != len(second.times):
         raise InputError(
-            f"shots of {len(first.times)} and {len(second.times)} samples cannot be merged; both "
+            f"{what} have {len(first.times)} and {len(second.times)} samples; to be merged, both "
             "must have the same times"
         )
     apart = float(np.abs(first.times - second.times).max())
     if apart > SAME_TIMES * float(np.diff(first.times).min()):
         raise InputError(
-            f"shots whose times differ by up to {apart:.3g} s cannot be merged; both must have the "
-            "same times"
+            f"times of {what} differ by up to {apart:.3g} s; to be merged, both must have the same "
+            "times"
         )
     names = [each.name for each in first.signals]
     for each in second.signals:

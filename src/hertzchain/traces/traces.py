@@ -150,12 +150,7 @@ class Traces:
         ('ball 6', 'wall')
         """
         check_type("other", other, Traces, "hc.load_traces returns them")
-        if len(self.shots) != len(other.shots):
-            raise InputError(
-                f"traces of {counted(len(self.shots), 'shot')} cannot be merged with "
-                f"{counted(len(other.shots), 'shot')}; both must have the same shots"
-            )
-        return Traces(tuple(map(made_again, map(merged_shots, self.shots, other.shots))))
+        return merged(self, other, "shots")
 
     def with_scaled_times(self, factor: float) -> Traces:
         """Multiply all times, such as those that are recorded in another unit than they state.
@@ -277,6 +272,17 @@ class Traces:
         every = f"{len(shot.times)} samples, every {np.median(steps):.3g} us"
         about = f"{counted(len(self.shots), 'shot')}, {', '.join(self.names)}"
         return short("Traces", about, every, f"noise {noises}", *self.notes())
+
+
+def merged(first: Traces, second: Traces, what: str) -> Traces:
+    """Traces with the sensors of two, which messages call shots or channels."""
+    if len(first.shots) != len(second.shots):
+        raise InputError(
+            f"traces of {counted(len(first.shots), 'shot')} cannot be merged with "
+            f"{counted(len(second.shots), 'shot')}; both must have the same shots"
+        )
+    shots = zip(first.shots, second.shots, strict=True)
+    return Traces(tuple(made_again(merged_shots(one, other, what)) for one, other in shots))
 
 
 def with_coupling(traces: Traces, coupling: Any) -> Traces:

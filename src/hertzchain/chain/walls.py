@@ -74,7 +74,7 @@ class Wall(Part):
     >>> hc.Wall.of("steel-52100", gap="10 um")
     Wall(steel-52100, gap = 10 um)
     >>> hc.Wall("2 kN/mm", exponent=1)
-    Wall(stiffness = 2e+06 N/m, p = 1)
+    Wall(stiffness = 2 kN/mm, p = 1)
     """
 
     stiffness: float | None = field(default=None, metadata=scale(_stiffness_unit))

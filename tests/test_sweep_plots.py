@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.cli.wording import on_command_line
 
 FORWARD = {"taper": "forward-exponential", "beads": 40}
 RATES = [0.02, 0.05, 0.08]
@@ -11,6 +12,17 @@ RATES = [0.02, 0.05, 0.08]
 
 def swept(chain, axes, **settings):
     return hc.sweep({"chain": chain, "axes": axes, "sweep": settings})
+
+
+def test_one_method_of_a_map_is_chosen_in_words_of_the_command_line():
+    axes = {"rate": RATES, "beads": [20, 30]}
+    found = swept({"taper": "forward-exponential"}, axes, methods=["propagate", "bca"], at="last")
+    with pytest.raises(hc.InputError, match="such as approach='propagate', or a value") as raised:
+        hc.plot_sweep(found)
+    words = on_command_line(str(raised.value))
+    assert words.endswith(
+        "choose a method, such as --at approach=propagate, or a value, such as --at beads=20"
+    )
 
 
 def test_too_many_dimensions_are_listed_without_the_methods():

@@ -53,6 +53,8 @@ WORDINGS: Final = (
     (r"\bhc\.simulate\(result\.chain\)\.horizon\(\)", "hertzchain simulate --horizon"),
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),
     (r"(choose a value of the others, such as) (?!--at)", r"\1 --at "),
+    (r"(choose a method, such as) approach='([^']*)', or a value, such as ",
+     r"\1 --at approach=\2, or a value, such as --at "),
 )  # fmt: skip
 
 # ... and with commands that have an option for it.

@@ -343,7 +343,9 @@ export class Controls {
       slider.setAttribute("aria-valuetext", shown.number === null ? "default" : `${plain(shown.number)} ${shown.unit}`);
       slider.classList.toggle("idle", value === undefined);
       unit.textContent = shown.unit.replace("%", "") || this.unitOfStiffness(place, key, value);
-      clear.hidden = value === undefined || key.required || ["rate", "beads", "cells", "mass_ratio"].includes(key.name);
+      // A required key may be cleared if its alternative is there, such as a diameter for a radius.
+      const required = key.required && (!key.unless || at(this.document, [...place.slice(0, -1), key.unless]) === undefined);
+      clear.hidden = value === undefined || required || ["rate", "beads", "cells", "mass_ratio"].includes(key.name);
     });
     return make("div", { className: "row", title: key.description }, make("label", { for: id }, label), make("span", { className: "value" }, clear, box, unit), slider);
   }

@@ -55,8 +55,10 @@ export function withRadius(document, bead, radius) {
   const own = bead - strikersBefore(document);
   const defects = listed(document.chain.with_defects).filter((each) => each.bead !== own);
   const before = listed(document.chain.with_defects).find((each) => each.bead === own);
-  const { diameter: _, ...kept } = before ?? {};
-  return changed(document, ["chain", "with_defects"], [...defects, { ...kept, bead: own, radius }]);
+  const kept = { ...before, bead: own, radius };
+  // A radius replaces a diameter.
+  delete kept.diameter;
+  return changed(document, ["chain", "with_defects"], [...defects, kept]);
 }
 
 /** Undo and redo of documents; changes of one drag are one step. */

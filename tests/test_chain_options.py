@@ -89,7 +89,7 @@ def test_strikers_are_beads_like_the_first_one_at_the_speed_of_the_impact(run, f
         (("--striker", "30 g, flat"), {"mass": 0.03, "radius": np.inf}, hc.Wall()),
         (("--striker", "2, 12 mm, brass"), {"count": 2, "diameter": 0.012, "material": "brass"},
          hc.Wall()),
-        (("--striker", "1", "--wall", "5 kN/mm"), {}, hc.Wall(5e6, exponent=1)),
+        (("--striker", "1", "--wall", "5 kN/mm"), {}, hc.Wall(5e6, exponent=1, loss=hc.Elastic())),
         (("--striker", "1", "--wall", "2e10 N/m^1.5"), {}, hc.Wall(2e10)),
     ],
 )  # fmt: skip

@@ -14,10 +14,20 @@ if TYPE_CHECKING:
 # Half of the width of a plate, in radii of the first ball behind the strikers.
 PLATE: Final = 0.25
 
+# Ratio to the radius of a neighbour from which a body is drawn as a plate, such as a cap that is
+# described by a sphere of 1 m.
+HUGE: Final = 50.0
+
 
 def flat_bodies(chain: ChainFields) -> Array:
-    """Whether each body is a striker with a flat face, whose size is not known; shape (N,)."""
-    return np.isinf(chain.face_radii)
+    """Whether each body is drawn as a plate: a flat striker, or far larger than its neighbour."""
+    radii = chain.radii
+    ratios = np.ones(len(radii))
+    if len(radii) > 1:
+        steps = radii[1:] / radii[:-1]
+        ratios[:-1] = 1.0 / steps
+        ratios[1:] = np.maximum(ratios[1:], steps)
+    return np.isinf(chain.face_radii) | (ratios > HUGE)
 
 
 def half_widths(chain: ChainFields) -> Array:
@@ -41,5 +51,5 @@ def body_centres(chain: ChainFields) -> Array:
 
 
 def known_radii(chain: ChainFields) -> Array:
-    """Radii of the spheres, without flat strikers."""
+    """Radii of the spheres, without bodies that are drawn as plates."""
     return chain.radii[~flat_bodies(chain)]

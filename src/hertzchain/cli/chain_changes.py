@@ -137,14 +137,17 @@ def wall_named(name: str, chain: Chain) -> Wall:
 
 
 def _wall_of_stiffness(text: str) -> Wall:
-    """A wall of a stiffness in N/m, such as a load cell, or of one in N/m^1.5."""
+    """A wall of a stiffness in N/m, such as a load cell without loss, or of one in N/m^1.5."""
+    from ..chain.laws.elastic import Elastic
     from ..chain.walls import Wall
     from ..units import has_dimension, quantity
 
     found = quantity(text)
     for unit, exponent in (("N/m", 1.0), ("N/m^1.5", None)):
         if found is not None and has_dimension(found[1], unit):
-            return Wall(text, exponent=exponent)  # type: ignore[arg-type]
+            # Laws of loss are those of spheres, and a linear spring is that of a load cell or pad.
+            loss = None if exponent is None else Elastic()
+            return Wall(text, exponent=exponent, loss=loss)  # type: ignore[arg-type]
     raise click.UsageError(
         f"--wall must be same, rigid, a material, or a stiffness such as '5 kN/mm' (exponent 1) or "
         f"'2e10 N/m^1.5', got {text!r}"
@@ -152,7 +155,7 @@ def _wall_of_stiffness(text: str) -> Wall:
 
 
 def _law_with_restitution(name: str, given: list[str], chain: Chain) -> Loss:
-    """The law of ``viscoelastic, restitution=0.93, speed=0.8 m/s`` in the first contact."""
+    """The law of ``viscoelastic, restitution=0.93, speed=0.8 m/s, contact=2``."""
     from ..chain.laws.base import LAWS
     from ..errors import InputError
 
@@ -168,8 +171,15 @@ def _law_with_restitution(name: str, given: list[str], chain: Chain) -> Loss:
     if not chain.scaled:
         require_unit_of_speed(str(values["speed"]), "speed of --loss")
     coefficient = values.pop("restitution")
+    # By default, the first contact of two balls.
+    first = chain.strikers + 1 if chain.beads > chain.strikers + 1 else 1
+    contact = values.pop("contact", first)
+    contact = int(contact) if isinstance(contact, float) and contact.is_integer() else contact
     try:
-        return LAWS[name].from_restitution(coefficient, chain=chain, **values)
+        law = LAWS[name].from_restitution(coefficient, chain=chain, contact=contact, **values)
+        click.echo(f"--loss: {law!r} from the restitution in contact {contact}; all contacts have "
+                   "this law", err=True)  # fmt: skip
+        return law
     except InputError as error:
         raise click.UsageError(f"--loss {name}: {error}") from None
 

@@ -83,8 +83,9 @@ CHAIN_OPTIONS: Final = (
         metavar="LAW",
         shell_complete=complete_losses,
         help="Loss law with its parameters, such as restitution=0.96, viscoelastic='0.6 us' or "
-        "elastic-plastic, or with its restitution at one speed, such as 'viscoelastic, "
-        "restitution=0.93, speed=0.8 m/s'; replaces that of a FILE.",
+        "elastic-plastic, or with the restitution of two balls at one speed, such as "
+        "'viscoelastic, restitution=0.93, speed=0.8 m/s', in the first contact of two balls or in "
+        "another one (contact=3); replaces that of a FILE.",
     ),
 )
 # Options that can be used with a FILE.

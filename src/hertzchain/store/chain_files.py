@@ -167,6 +167,7 @@ class _ChainFile:
         listed = (*ARRAYS, "exponent") if self._is_list("exponent") else ARRAYS
         own: dict[str, Any] = {name: self.table[name] for name in listed if name in self.table}
         changed = any(name in self.table for name in MORE_BEADS)
+        self._check_changed_radii()
         chain = self._beads({} if changed else own)
         for name in MORE_BEADS:
             for arguments in self._arguments(name):
@@ -349,6 +350,18 @@ class _ChainFile:
                     "100: give one of them"
                 )
             yield arguments
+
+    def _check_changed_radii(self) -> None:
+        """Reject masses and stiffness that would not follow changed radii, as the methods do."""
+        given = [name for name in ("masses", "stiffness") if name in self.table]
+        listed = "radii" in self.table.get("with_scatter", {})  # as written by hertzchain
+        for name in ("with_defects", "with_scatter"):
+            if given and name in self.table and not (name == "with_scatter" and listed):
+                raise InputError(
+                    f"[chain] has {' and '.join(given)}, which would not follow the radii that "
+                    f"{name} changes: omit {name} and give the radii and "
+                    f"{' and '.join(given)} of all beads, or omit {' and '.join(given)}"
+                )
 
     def _part(self, name: str) -> Any:
         if name == "loss":

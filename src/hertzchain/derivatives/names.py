@@ -88,6 +88,11 @@ def parse(chain: Chain, given: object, bead: int | str | None, until: float | No
         if at_bead is None:
             raise InputError(f"{text} belongs to a bead; give bead, or '{text}@{chain.beads}'")
         at_bead = whole_number(f"bead of {text}", at_bead, least=1, most=most)
+        if group == "sensor" and chain.held_by == "force" and at_bead in (1, chain.beads):
+            raise InputError(
+                f"{text} has no gradient in an end bead on which a force of precompression acts; "
+                "use the sensor in another bead"
+            )
     else:
         at_bead = None
     if until is None and (group in ("final", "energy") or f"{group}.{item}" in NEED_END):

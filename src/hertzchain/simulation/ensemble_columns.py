@@ -30,6 +30,7 @@ from ..pulse.quantities import (
 )
 from ..validation.objects import Progress
 from .budget import budget_of
+from .end_forces import static_forces_around
 from .ensemble_input import kernel_input
 from .run import Run
 from .run_end import Status
@@ -178,7 +179,7 @@ class _KernelResults:
         if any(name in WALL_QUANTITIES for name in keep):
             found |= self._wall()
         if any(name in SENSOR_QUANTITIES for name in keep):
-            found |= self._sensors(len(request.sensors))
+            found |= self._sensors(request.sensors)
         overlaps = self._overlaps(request)
         found["largest_overlap"] = overlaps[:, 1:-1]
         if "yield_ratio" in keep:
@@ -261,8 +262,13 @@ class _KernelResults:
             "wall_duration": duration,
         }
 
-    def _sensors(self, count: int) -> dict[str, Array]:
-        layout, sensors = self.layout, self.readings[:, 1 : 1 + count]
+    def _sensors(self, beads: Sequence[int]) -> dict[str, Array]:
+        layout, sensors = self.layout, self.readings[:, 1 : 1 + len(beads)]
+        # The kernel knows only forces of contacts.
+        outside = np.zeros((len(self.chains), len(beads)))
+        for i, chain in enumerate(self.chains):
+            if chain.held_by == "force":
+                outside[i] = [0.5 * static_forces_around(chain, bead) for bead in beads]
         heights = sensors[..., layout.MAXIMUM_0 :: 2] - sensors[..., [layout.REST]]
         largest = sensors[..., layout.PEAK] - sensors[..., layout.REST]
         kept = np.arange(layout.KEPT_MAXIMA) < sensors[..., [layout.MAXIMA]]
@@ -270,12 +276,13 @@ class _KernelResults:
         at = layout.MAXIMUM_0 + 2 * np.argmax(high, axis=-1)[..., np.newaxis]
         there = high.any(axis=-1)
         first, time = (np.take_along_axis(sensors, at + i, axis=-1)[..., 0] for i in (0, 1))
+        end = self.summary[:, [layout.END_TIME]]
         return {
-            "sensor_first_maximum": np.where(there, first, np.nan),
+            "sensor_first_maximum": np.where(there, first + outside, np.nan),
             "sensor_first_maximum_time": np.where(there, time, np.nan),
-            "sensor_largest_so_far": sensors[..., layout.PEAK],
+            "sensor_largest_so_far": sensors[..., layout.PEAK] + outside,
             "sensor_largest_so_far_time": sensors[..., layout.PEAK_TIME],
-            "sensor_impulse": sensors[..., layout.IMPULSE],
+            "sensor_impulse": sensors[..., layout.IMPULSE] + outside * end,
         }
 
     def _final(self) -> dict[str, Array]:

@@ -10,6 +10,7 @@ import numpy as np
 from ..chain.contact_groups import loading_forces
 from ..collision import Array
 from .budget import overlaps_of
+from .end_forces import force_on_end, is_driven
 from .largest_overlaps import largest_between
 from .trajectory import Trajectory
 
@@ -81,7 +82,11 @@ def _limit(run: Trajectory, bead: int) -> tuple[float, bool]:
     seen = largest_between(run.times, overlaps, run.velocities)
     whole = run.times[0] == 0.0 and run.times[-1] == run.end_time
     unseen = whole and bool(np.any(seen[sides] < SEEN * largest[sides]))
-    return 0.5 * float(loading_forces(chain.contact_groups, largest)[sides].sum()), unseen
+    outside = sum(
+        float(force_on_end(chain, contact, run.times).max()) for contact in (bead - 1, bead)
+    )
+    inside = float(loading_forces(chain.contact_groups, largest)[sides].sum())
+    return 0.5 * (inside + outside), unseen
 
 
 def _errors_between_neighbours(run: Trajectory, bead: int, force: Array) -> Array:
@@ -133,7 +138,9 @@ def _elastic_force(run: Trajectory, contact: int, used: Array) -> Curve | None:
     stiffness = float(chain.contact_stiffness[contact])
     if stiffness == 0.0:
         saved = run.forces[used, contact]
-        return None if saved.any() else np.zeros_like
+        if saved.any() or is_driven(chain, contact):
+            return None
+        return lambda t: force_on_end(chain, contact, t)
     net = run.forces[used, :-1] - run.forces[used, 1:] + chain.static_state.body_forces
     moved = np.zeros((3, len(used), chain.beads + 2))
     moved[1, :, 1:-1], moved[2, :, 1:-1] = run.velocities[used], net / chain.masses

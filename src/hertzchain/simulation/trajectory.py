@@ -25,6 +25,7 @@ from ..representation import counted
 from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from .budget import overlaps_of
+from .end_forces import force_on_end
 from .largest_overlaps import OPEN, largest_between, still_closed
 from .run_end import NATURAL_ENDS, Status
 from .run_message import FAILURES, end_message, is_sensitive
@@ -310,8 +311,8 @@ class Trajectory(ShortDir):
     def sensor(self, bead: int | str) -> Array:
         r"""Signal of a force sensor embedded in a bead: :math:`(F_{k-1} + F_k)/2`.
 
-        The usual sensor is a thin piezoelectric disc between the two halves of a bead; it
-        carries the mean of the forces on both halves if its own mass is small.
+        The usual sensor, a thin piezoelectric disc between two halves of a bead, carries the mean
+        of the forces on both.  At a free end, these include that of a drive or precompression.
 
         Parameters
         ----------
@@ -337,8 +338,6 @@ class Trajectory(ShortDir):
         >>> bool(run.sensor(10).max() < run.force(10).max())
         True
 
-        The sixth ball behind a striker is bead 7:
-
         >>> run = hc.simulate(hc.Chain.uniform(9).struck_by(), until=5.0)
         >>> bool((run.sensor("ball 6") == run.sensor(7)).all())
         True
@@ -346,7 +345,8 @@ class Trajectory(ShortDir):
         if (wall := wall_number(self.chain, bead)) is not None:
             return self.forces[:, 0 if wall == 0 else -1]
         k = bead_number(self.chain, bead, walls=True)
-        return 0.5 * (self.forces[:, k - 1] + self.forces[:, k])
+        outside = (force_on_end(self.chain, contact, self.times) for contact in (k - 1, k))
+        return 0.5 * sum(outside, self.forces[:, k - 1] + self.forces[:, k])
 
     def open_contacts(self) -> Array:
         """Determine which contacts between beads are open at the saved times.

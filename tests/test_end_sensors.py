@@ -1,0 +1,64 @@
+"""Sensors in beads at ends without walls, on which a drive or the precompression acts."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import hertzchain as hc
+
+DRIVE = hc.SineBurst(40.0, 10e3, cycles=0.5, window="none")
+
+
+def test_a_driven_end_bead_carries_the_force_of_the_drive():
+    """By SciPy: the mean of the driving force and that in the first contact."""
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=0.0)
+    mass, k = chain.masses[0], chain.stiffness[0]
+    times = np.linspace(0.0, 60e-6, 601)
+
+    def forces(x):
+        return k * np.maximum(x[:-1] - x[1:], 0.0) ** 1.5
+
+    def rhs(t, y):
+        inner = forces(y[:6])
+        outer = 40.0 * np.sin(2e4 * np.pi * t) if t < 50e-6 else 0.0
+        return np.concatenate((y[6:], (np.r_[outer, inner] - np.r_[inner, 0.0]) / mass))
+
+    done = solve_ivp(rhs, (0.0, 60e-6), np.zeros(12), t_eval=times, rtol=1e-10, atol=1e-16,
+                     max_step=1e-7)  # fmt: skip
+    outer = np.where(times < 50e-6, 40.0 * np.sin(2e4 * np.pi * times), 0.0)
+    expected = 0.5 * (outer + np.array([forces(x)[0] for x in done.y[:6].T]))
+    run = hc.simulate(chain.replace(drive=DRIVE), until=60e-6, times=601)
+    np.testing.assert_allclose(run.sensor(1), expected, atol=2e-3)
+    found = run.sensor_force(1)
+    assert found.first_maximum == pytest.approx(expected.max(), rel=1e-4)
+    assert run.sensor(2) == pytest.approx(0.5 * (run.force(1) + run.force(2)))
+
+
+def test_ends_held_by_a_force_carry_it():
+    row = hc.Chain.from_materials(5e-3, "steel-52100", beads=8, velocity=1e-4)
+    held = row.replace(precompression="20 N", held_by="force")
+    run = hc.simulate(held, until=600e-6, times=2401)
+    for bead in (1, 4, 8):
+        assert run.sensor(bead)[0] == pytest.approx(20.0, rel=1e-9)
+    assert run.sensor_force(1).first_maximum == pytest.approx(run.sensor(1).max(), rel=1e-4)
+    keep = ["sensor.first_maximum", "sensor.largest", "sensor.impulse"]
+    table = hc.simulate_many([held], keep=keep, sensors=[1, 4, 8], until=600e-6)
+    for i, bead in enumerate((1, 4, 8)):
+        assert table["sensor.largest"][0, i] == pytest.approx(run.sensor(bead).max(), rel=1e-5)
+        impulse = np.trapezoid(run.sensor(bead), run.times)
+        assert table["sensor.impulse"][0, i] == pytest.approx(impulse, rel=1e-5)
+    assert table["sensor.first_maximum"][0, 0] == pytest.approx(run.sensor_force(1).first_maximum)
+    with pytest.raises(hc.InputError, match="no gradient in an end bead on which a force of prec"):
+        hc.gradient(held, "sensor.largest@8", to=["radii"], until=600e-6)
+    # Between walls, the forces on the ends are those of the walls.
+    walls = row.replace(precompression="20 N", left_wall=hc.Wall(), right_wall=hc.Wall())
+    run = hc.simulate(walls, until=50e-6, times=101)
+    np.testing.assert_array_equal(run.sensor(8), 0.5 * (run.force(7) + run.forces[:, -1]))
+
+
+def test_ensembles_have_the_same_sensors():
+    row = hc.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=0.0)
+    driven = row.replace(drive=DRIVE, right_wall=hc.Wall())
+    table = hc.simulate_many([driven], keep=["sensor.largest"], sensors=[1], until=100e-6)
+    run = hc.simulate(driven, until=100e-6, times=4001)
+    assert table["sensor.largest"][0, 0] == pytest.approx(run.sensor(1).max(), rel=1e-3)

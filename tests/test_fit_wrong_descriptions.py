@@ -113,3 +113,17 @@ def test_a_noise_proportional_to_the_signal_is_named():
     (advice,) = hc.fit(traces(change=change), chain(), free=FREE).advice
     (size,) = re.findall(r"a noise of (\S+) times the signal", advice)
     assert float(size) == pytest.approx(0.02, rel=0.1)
+
+
+def test_a_stiffer_wall_is_named_if_only_priors_fix_the_gains():
+    """The error of the stiffness of the wall is then that of the priors, larger than its change."""
+
+    def volts(columns):
+        return {name.replace("[N]", "[V]"): 0.02 * force for name, force in columns.items()}
+
+    data = traces(np.random.default_rng(0), wall_young=215e9, change=volts)
+    priors = {f"gain[{name}]": (0.02, 1e-3) for name in ("ball 5", "ball 10", "wall")}
+    priors["struck_by.velocity"] = (VELOCITY, 0.05 * VELOCITY)
+    (advice,) = hc.fit(data, chain(), free=[*FREE, "gain[*]"], priors=priors).advice
+    assert "add 'right_wall.stiffness' to the free parameters" in advice
+    assert "the model describes the data" in advice

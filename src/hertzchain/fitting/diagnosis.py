@@ -336,7 +336,8 @@ def _exponent(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterat
 def _walls(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """The fits with the stiffness of each wall that is not free."""
     for name in fixed_walls(result.model):
-        cause = try_further(result, (name,), refit)
+        # Its error includes those of others, which only priors determine, as in `_clear_cause`.
+        cause = try_further(result, (name,), refit, least=0.0)
         if cause is not None:
             yield cause
 

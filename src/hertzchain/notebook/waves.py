@@ -114,6 +114,7 @@ def reflection_html(found: Reflection) -> str:
         "its force": engineering(incident.amplitude, "N", units),
         "counted until": engineering(found.until, "s", units),
         "energy kept": f"{found.kept_energy:.4f}",
+        "momentum kept": f"{found.kept_momentum:.4f}",
     }
     if found._unexplained:
         shown["energy unexplained"] = f"{found.unexplained_energy:.4f}"

@@ -111,6 +111,16 @@ class Reflection:
         return sum(event.impulse for event in self.transmitted) / self.incident.impulse
 
     @property
+    def kept_momentum(self) -> float:
+        """Momentum that has not left in a wave, 1 + reflected - transmitted momentum.
+
+        It is negative if waves carry away more, of beads that now move back.  Slow waves and beads
+        carry much momentum but little energy, so that momenta converge much later than energies:
+        state ``until`` with them.
+        """
+        return 1.0 + self.reflected_momentum - self.transmitted_momentum
+
+    @property
     def reflected_force(self) -> float:
         """Largest force of the reflected waves, relative to the incident wave."""
         return max((e.amplitude for e in self.reflected), default=0.0) / self.incident.amplitude
@@ -175,7 +185,8 @@ class Reflection:
         end = measure(self.until, "s", self.chain.units)
         return (
             f"Reflection(contacts {self.before} to {self.after}, until t = {end}, {ended}, "
-            f"energy kept {self.kept_energy:.4f}{self._unexplained}:\n"
+            f"energy kept {self.kept_energy:.4f}{self._unexplained}, momentum kept "
+            f"{self.kept_momentum:.4f}:\n"
             f"    reflected energy {self.reflected_energy:.4f}, momentum "
             f"{self.reflected_momentum:.4f}, {counted(len(self.reflected), 'wave')};\n"
             f"    transmitted energy {self.transmitted_energy:.4f}, momentum "

@@ -188,8 +188,8 @@ def _more_trials(result: DesignResult) -> str:
     choices = _choices(result)
     if choices is not None and choices[0] >= choices[1]:
         return ""
-    begin = ", or begin with a row that meets them (start)" if choices is not None else ""
-    return f"; give a larger budget or another seed{begin}"
+    begin = ", begin with a row that meets them (start)" if choices is not None else ""
+    return f"; give a larger budget or another seed{begin}, or relax a limit"
 
 
 def _better_if_yielding(result: DesignResult) -> list[str]:

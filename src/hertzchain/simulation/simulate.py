@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..chain.chain import Chain
+from ..chain.drives import TableDrive
 from ..chain.feature_support import require_chain
 from ..chain.hertz_range import warn_outside_hertz
 from ..chain.loss_range import warn_outside_losses
@@ -403,8 +404,10 @@ def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin:
             "until or a right_wall"
         )
     if chain.drive is not None and not np.isfinite(chain.drive.end):
+        table = isinstance(chain.drive, TableDrive)
+        ending = ", or let its table end with 0 (end=... of load_drive)" if table else ""
         raise InputError(
-            "the drive of this chain does not end, so the run would not end; give until"
+            f"the drive of this chain does not end, so the run would not end; give until{ending}"
         )
     pushes = chain.static_state.body_forces
     if chain.right_wall is None and pushes.sum() > 1e-9 * np.abs(pushes).sum():

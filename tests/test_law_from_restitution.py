@@ -76,7 +76,9 @@ def test_on_the_command_line(run):
     text = "viscoelastic, restitution=0.93, speed=0.8 m/s"
     shown = run("simulate", *options, "--loss", text).stdout
     done = run("simulate", *options, "--striker", "30 g", "--loss", text)
-    assert "from the restitution in contact 2; all contacts have this law" in done.stderr
+    assert (
+        "from the restitution in contact 2; all contacts between beads have this law" in done.stderr
+    )
     last = run("simulate", *options, "--loss", f"{text}, contact=8").stderr
     assert "contact 8" in last
     peak = f"peak {hc.simulate(chain).wall_force().peak:.4f}"[:11]

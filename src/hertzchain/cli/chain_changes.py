@@ -177,8 +177,8 @@ def _law_with_restitution(name: str, given: list[str], chain: Chain) -> Loss:
     contact = int(contact) if isinstance(contact, float) and contact.is_integer() else contact
     try:
         law = LAWS[name].from_restitution(coefficient, chain=chain, contact=contact, **values)
-        click.echo(f"--loss: {law!r} from the restitution in contact {contact}; all contacts have "
-                   "this law", err=True)  # fmt: skip
+        click.echo(f"--loss: {law!r} from the restitution in contact {contact}; all contacts "
+                   "between beads have this law", err=True)  # fmt: skip
         return law
     except InputError as error:
         raise click.UsageError(f"--loss {name}: {error}") from None

@@ -264,7 +264,7 @@ class _KernelResults:
 
     def _sensors(self, beads: Sequence[int]) -> dict[str, Array]:
         layout, sensors = self.layout, self.readings[:, 1 : 1 + len(beads)]
-        # The kernel knows only forces of contacts.
+        # The kernel adds only the forces of contacts.
         outside = np.zeros((len(self.chains), len(beads)))
         for i, chain in enumerate(self.chains):
             if chain.held_by == "force":

@@ -288,7 +288,7 @@ def public_calls(folder):
                 speed=1.0,
                 chain=Chain.uniform(4),
                 contact=1,
-                **OTHERS_OF_LAWS.get(type(law).__name__, {}),
+                given=OTHERS_OF_LAWS.get(type(law).__name__, {}),
             )
             for law in LAWS.values()
         },

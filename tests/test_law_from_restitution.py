@@ -42,7 +42,7 @@ def test_laws_with_closed_forms():
 def test_scaled_chains_and_given_parameters():
     chain = hc.Chain.uniform(3)
     for law, others in ((hc.Dashpot, {}), (hc.VelocityPower, {"alpha": 1.5})):
-        made = law.from_restitution(0.9, speed=1.0, chain=chain, contact=2, **others)
+        made = law.from_restitution(0.9, speed=1.0, chain=chain, contact=2, given=others)
         assert made.restitution(1.0, chain=chain, contact=2) == pytest.approx(0.9, abs=1e-9)
 
 
@@ -55,7 +55,7 @@ def test_scaled_chains_and_given_parameters():
         (lambda: hc.ElasticPlastic.from_restitution(0.9, speed=1.0, chain=PAIR), "yield strengths"),
         (lambda: hc.VelocityPower.from_restitution(0.9, speed=1.0, chain=PAIR),
          "not 2 .gamma, alpha.: give all but one"),
-        (lambda: hc.Dashpot.from_restitution(0.9, speed=1.0, chain=PAIR, alpha=2.0),
+        (lambda: hc.Dashpot.from_restitution(0.9, speed=1.0, chain=PAIR, given={"alpha": 2.0}),
          "dashpot has no parameter 'alpha'"),
         (lambda: hc.Elastic.from_restitution(0.9, speed=1.0, chain=PAIR), "has no parameter"),
         (lambda: hc.Dashpot.from_restitution(0.9, speed=1.0, chain=PAIR, contact=5), "contact"),

@@ -35,6 +35,7 @@ CITATIONS: Final = (
     "  N. Boechler, G. Theocharis, S. Job, P. G. Kevrekidis, M. A. Porter, C. Daraio,\n"
     "  Phys. Rev. Lett. 104, 244302 (2010), doi:10.1103/PhysRevLett.104.244302.\n"
     "  H. Matsuda, K. Ishii, Prog. Theor. Phys. Suppl. 45, 56 (1970), doi:10.1143/PTPS.45.56.\n"
+    "  M. Kappus, F. Wegner, Z. Phys. B 45, 15 (1981), doi:10.1007/BF01294272.\n"
     "  I. F. Herrera-Gonzalez, J. A. Mendez-Bermudez, arXiv:2210.12561.",
     "Odd beads and interfaces:\n"
     "  E. Hascoet, H. J. Herrmann, Eur. Phys. J. B 14, 183 (2000), doi:10.1007/s100510050119.\n"

@@ -170,13 +170,15 @@ def _law_with_restitution(name: str, given: list[str], chain: Chain) -> Loss:
         )
     if not chain.scaled:
         require_unit_of_speed(str(values["speed"]), "speed of --loss")
-    coefficient = values.pop("restitution")
+    coefficient, speed = values.pop("restitution"), values.pop("speed")
     # By default, the first contact of two balls.
     first = chain.strikers + 1 if chain.beads > chain.strikers + 1 else 1
     contact = values.pop("contact", first)
     contact = int(contact) if isinstance(contact, float) and contact.is_integer() else contact
     try:
-        law = LAWS[name].from_restitution(coefficient, chain=chain, contact=contact, **values)
+        law = LAWS[name].from_restitution(
+            coefficient, speed=speed, chain=chain, contact=contact, given=values
+        )
         click.echo(f"--loss: {law!r} from the restitution in contact {contact}; all contacts "
                    "between beads have this law", err=True)  # fmt: skip
         return law

@@ -114,7 +114,8 @@ class Reflection:
     def kept_momentum(self) -> float:
         """Momentum that has not left in a wave, 1 + reflected - transmitted momentum.
 
-        It is negative if waves carry away more, of beads that now move back.  Slow waves and beads
+        It is negative if waves carry away more, of beads that now move back; where ``after`` is a
+        wall, it includes the momentum of the wall.  Slow waves and beads
         carry much momentum but little energy, so that momenta converge much later than energies:
         state ``until`` with them.
         """
@@ -185,10 +186,10 @@ class Reflection:
         end = measure(self.until, "s", self.chain.units)
         return (
             f"Reflection(contacts {self.before} to {self.after}, until t = {end}, {ended}, "
-            f"energy kept {self.kept_energy:.4f}{self._unexplained}, momentum kept "
-            f"{self.kept_momentum:.4f}:\n"
+            f"energy kept {self.kept_energy:.4f}{self._unexplained}:\n"
             f"    reflected energy {self.reflected_energy:.4f}, momentum "
             f"{self.reflected_momentum:.4f}, {counted(len(self.reflected), 'wave')};\n"
             f"    transmitted energy {self.transmitted_energy:.4f}, momentum "
-            f"{self.transmitted_momentum:.4f}, {counted(len(self.transmitted), 'wave')})"
+            f"{self.transmitted_momentum:.4f}, {counted(len(self.transmitted), 'wave')}; "
+            f"momentum kept {self.kept_momentum:.4f})"
         )

@@ -48,6 +48,7 @@ def steady_rates(taper: str, rate: float, *, exponent: float = 1.5) -> dict[str,
     Examples
     --------
     >>> import hertzchain as hc
+    >>> import math
     >>> q, k = 0.05, 60
     >>> pulse = hc.propagate(hc.Chain.tapered("forward-exponential", q, beads=100))
     >>> f"{math.log(pulse.velocity[k] / pulse.velocity[k - 1]):.6f}"

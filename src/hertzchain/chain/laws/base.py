@@ -22,7 +22,7 @@ from ...kernels.law_kinds import LawRow
 from ...units import UNITS
 from ...validation.keywords import checked_arguments
 from ...validation.numbers import FRACTION, SCALED, has_unit, number, whole_number
-from ...validation.objects import check_bool
+from ...validation.objects import check_bool, check_type
 from ..input_checks import checked_exponent
 from ..parts import Part
 from ..scales import Scale, scale
@@ -279,8 +279,15 @@ class Loss(Part):
         return found
 
     @classmethod
+    @checked_arguments("from_restitution")
     def from_restitution(
-        cls, coefficient: float, *, speed: float, chain: Any, contact: int = 1, **others: Any
+        cls,
+        coefficient: float,
+        *,
+        speed: float,
+        chain: Any,
+        contact: int = 1,
+        given: Mapping[str, Any] | None = None,
     ) -> Self:
         """Law with a coefficient of restitution at one speed, such as that of a drop test.
 
@@ -294,8 +301,8 @@ class Loss(Part):
             Chain whose beads collide, or a bead with a wall.
         contact : int
             Number of their contact: k is that of beads k and k + 1; 0 and N are those with walls.
-        **others
-            Parameters of the law that are known, such as ``alpha`` of `VelocityPower`.
+        given : dict, optional
+            Parameters of the law that are known, such as ``{"alpha": 1.5}`` of `VelocityPower`.
 
         Returns
         -------
@@ -323,6 +330,8 @@ class Loss(Part):
         from .given_restitution import law_with_restitution
 
         contacts, si = _contact_of(chain, contact), chain.units == "SI"
+        others = {} if given is None else given
+        check_type("given", others, Mapping, "such as {'alpha': 1.5}")
         law: Any = law_with_restitution(cls, coefficient, speed, contacts, si=si, others=others)
         return law
 

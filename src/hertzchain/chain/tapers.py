@@ -108,6 +108,14 @@ def check_taper(taper: str, rate: float, beads: int = 2) -> float:
     return taper_named(taper).parameters({"rate": rate}, beads)["rate"]
 
 
+def exponential_rate(taper: str, rate: float) -> float:
+    """Check an exponential taper; the rate q of a backward taper, or -q of a forward one."""
+    check_taper(taper, rate)
+    if rate_symbol(taper) != "q":
+        raise InputError(f"a {taper} taper has no constant rate; use an exponential taper")
+    return rate if taper == "backward-exponential" else -rate
+
+
 def tapered_radii(taper: str, rate: float, beads: int) -> Array:
     """Radii of a taper whose only parameter is its rate, which is not checked."""
     return TAPERS[taper].radii_of(beads, {"rate": rate})

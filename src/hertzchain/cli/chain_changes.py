@@ -154,15 +154,18 @@ def _wall_of_stiffness(text: str) -> Wall:
     )
 
 
+def _pairs(texts: list[str]) -> list[tuple[str, str]]:
+    """Keys and values of texts such as ``alpha=1.2``."""
+    parts = (each.partition("=") for each in texts)
+    return [(key.strip(), value.strip()) for key, _, value in parts]
+
+
 def _law_with_restitution(name: str, given: list[str], chain: Chain) -> Loss:
     """The law of ``viscoelastic, restitution=0.93, speed=0.8 m/s, contact=2``."""
     from ..chain.laws.base import LAWS
     from ..errors import InputError
 
-    values: dict[str, Any] = {}
-    for each in given:
-        key, _, value = (part.strip() for part in each.partition("="))
-        values[key] = as_typed(value)
+    values: dict[str, Any] = {key: as_typed(value) for key, value in _pairs(given)}
     if not {"restitution", "speed"} <= values.keys():
         raise click.UsageError(
             f"--loss {name} with a restitution needs its speed, too: write --loss "
@@ -197,8 +200,8 @@ def law_from(text: str, chain: Chain) -> Loss:
     name, equals, value = (part.strip() for part in first.partition("="))
     check_choice("law of --loss", name, LAWS)
     parameters = LAWS[name].parameters()
-    keys = {each.partition("=")[0].strip() for each in others}
-    if not equals and {"restitution", "speed"} & keys:
+    pairs = _pairs(others)
+    if not equals and {"restitution", "speed"} & {key for key, _ in pairs}:
         return _law_with_restitution(name, others, chain)
     if equals and not parameters:
         raise click.UsageError(f"the law {name} has no parameters: write --loss {name}")
@@ -208,10 +211,7 @@ def law_from(text: str, chain: Chain) -> Loss:
             f"--loss {name} requires the value of its {required[0]}: write --loss {name}=VALUE, as "
             "in --loss restitution=0.96"
         )
-    given = [(next(iter(parameters), ""), value)] if equals else []
-    for each in others:
-        key, _, value = (part.strip() for part in each.partition("="))
-        given.append((key, value))
+    given = [*([(next(iter(parameters), ""), value)] if equals else []), *pairs]
     values: dict[str, Any] = {}
     for key, value in given:
         about = parameters.get(key)

@@ -16,17 +16,17 @@ from ..simulation.yielding import (
 from .output import show_table
 from .wording import on_command_line
 
-# Largest number of beads whose final velocities are printed.
-SHORT: Final = 10
-# Part of the largest velocity above which a bead moves.
-MOVES: Final = 1e-3
-
 if TYPE_CHECKING:
     from ..chain.bead_names import Side
     from ..chain.chain import Chain
     from ..simulation.run import Run
     from ..simulation.sensor_force import SensorForce
     from ..simulation.wall_force import WallForce
+
+# Largest number of beads whose final velocities are printed.
+SHORT: Final = 10
+# Part of the largest velocity above which a bead moves.
+MOVES: Final = 1e-3
 
 
 def run_as_dict(

@@ -11,6 +11,7 @@ from matplotlib.legend import Legend
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
+from ..sweeps.methods import SIMULATIONS
 from .colours import curve_colour
 from .pulses import LINES, label_free_end
 from .style import MARKERS, label_log_axis
@@ -20,8 +21,6 @@ from .sweep_labels import coordinate_text, quantity_label
 if TYPE_CHECKING:
     import xarray as xr
 
-# Methods that integrate the equations of motion.
-SIMULATIONS: Final = ("propagate", "simulate")
 # Largest number of symbols of a curve.
 MAX_SYMBOLS: Final = 40
 

@@ -1,4 +1,4 @@
-"""Forces from outside on beads at free ends, which a sensor in these beads measures, too."""
+"""Forces from outside on beads at ends, which a sensor in these beads measures, too."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from ..collision import Array
 
 
 def force_on_end(chain: Chain, contact: int, times: ArrayLike) -> Array:
-    """Force at times on the end of a chain without a wall: of a drive, and of precompression.
+    """Force at times on the end of a chain: of a drive, and of precompression without a wall.
 
-    0 at contacts between beads and at walls, whose forces are those of the contacts.
+    Forces of walls are those of contacts, and not included.
     """
     given = np.full(np.shape(times), static_force_on_end(chain, contact))
     if is_driven(chain, contact) and chain.drive is not None:

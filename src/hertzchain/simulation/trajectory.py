@@ -312,7 +312,7 @@ class Trajectory(ShortDir):
         r"""Signal of a force sensor embedded in a bead: :math:`(F_{k-1} + F_k)/2`.
 
         The usual sensor, a thin piezoelectric disc between two halves of a bead, carries the mean
-        of the forces on both.  At a free end, these include that of a drive or precompression.
+        of the forces on both.  At ends, these include that of a drive or of precompression.
 
         Parameters
         ----------

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.tapers import check_taper, rate_symbol
+from ..chain.tapers import check_taper, exponential_rate, rate_symbol
 from ..collision import (
     Array,
     collision_cascade,
@@ -19,7 +19,6 @@ from ..collision import (
     compression_time,
     reduced_mass,
 )
-from ..errors import InputError
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
 from ..validation.keywords import checked_arguments
@@ -227,10 +226,7 @@ def exponential_rates(taper: str, rate: float) -> dict[str, float]:
     >>> round(rates["momentum"], 5), round(rates["energy"], 5)
     (0.01496, -0.00023)
     """
-    check_taper(taper, rate)
-    if rate_symbol(taper) != "q":
-        raise InputError(f"a {taper} taper has no constant rate; use an exponential taper")
-    q = rate if taper == "backward-exponential" else -rate
+    q = exponential_rate(taper, rate)
     return {
         "velocity": float(-np.log(0.5 * (1.0 + (1.0 - q) ** -3))),
         "momentum": float(-np.log(1.0 - 1.5 * q + 1.5 * q**2 - 0.5 * q**3)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..chain.tapers import check_taper, rate_symbol
+from ..chain.tapers import exponential_rate
 from ..errors import InputError
 from ..validation.keywords import checked_arguments
 from .universal_functions import STATE, WITHIN, universal_functions
@@ -56,16 +56,13 @@ def steady_rates(taper: str, rate: float, *, exponent: float = 1.5) -> dict[str,
     >>> f"{hc.theory.steady_rates('forward-exponential', q)['velocity']:.6f}"
     '0.067482'
     """
-    check_taper(taper, rate)
-    if rate_symbol(taper) != "q":
-        raise InputError(f"a {taper} taper has no constant rate; use an exponential taper")
+    q = exponential_rate(taper, rate)
     functions = universal_functions(exponent)
-    sign = 1.0 if taper == "backward-exponential" else -1.0
-    s = -math.log1p(-sign * rate)
+    s = -math.log1p(-q)
     low, high = functions.range
     if not low <= s <= high:
-        end = low if sign < 0.0 else high
-        most = -sign * math.expm1(-end)
+        end = low if q < 0.0 else high
+        most = abs(math.expm1(-end))
         raise InputError(
             f"the rate of a {taper} taper must be at most {math.floor(1000.0 * most) / 1000.0:g}, "
             f"the end of the table, got {rate:g}; use propagate"

@@ -98,7 +98,6 @@ def compare(
     from ..fitting.parameters import priors_of_gains
     from ..fitting.prior_conflicts import gain_notes
     from ..fitting.settings import load_experiment
-    from ..traces.headers import GAIN_UNITS
     from ..validation.numbers import number
 
     noise: Any = noise_from(noises)
@@ -126,9 +125,7 @@ def compare(
         offset = seconds_from("--time-offset", time_offset)
     with ignore_warnings(InputWarning):  # the summary lists them as notes
         found = run.compare(data, time_offset=offset)
-    gains = {each.name: (each.scale, GAIN_UNITS[each.quantity]) for each in found.sensors
-             if each.unit == "V"}  # fmt: skip
-    found = dataclasses.replace(found, notes=(*found.notes, *gain_notes(gains, priors)))
+    found = dataclasses.replace(found, notes=(*found.notes, *gain_notes(found.sensors, priors)))
     if plot is not None:
         save_figure(found.plot().axes[0], plot)
     if as_json:

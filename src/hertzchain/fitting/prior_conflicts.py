@@ -10,9 +10,11 @@ import numpy as np
 
 from ..collision import Array
 from ..representation import listed, with_error
+from ..traces.headers import GAIN_UNITS
 from ..traces.traces import Traces
 from .names import Name
 from .parameters import Parameter
+from .sensor_comparison import SensorComparison
 from .shown_values import shown_value
 
 # A parameter contradicts its prior beyond this number of standard deviations; several contradict
@@ -98,12 +100,15 @@ def conflict_notes(
 
 
 def gain_notes(
-    gains: Mapping[str, tuple[float, str]], priors: Mapping[str, tuple[float, float]]
+    sensors: Sequence[SensorComparison], priors: Mapping[str, tuple[float, float]]
 ) -> tuple[str, ...]:
-    """Notes on gains, with units, whose priors are known, by the name of the sensor."""
+    """Notes on gains that a comparison has found and whose priors are known."""
     found = []
-    for sensor in gains.keys() & priors.keys():
-        (gain, unit), (mean, sigma) = gains[sensor], priors[sensor]
+    for each in sensors:
+        if each.unit != "V" or each.name not in priors:
+            continue
+        sensor, gain, unit = each.name, each.scale, GAIN_UNITS[each.quantity]
+        mean, sigma = priors[sensor]
         size = abs(gain - mean) / sigma
         note = (
             f"the gain of {sensor}, {gain:.4g} {unit}, differs by {_counted(size)} from its prior "
@@ -112,7 +117,7 @@ def gain_notes(
         if size > CONTRADICTS:
             note += f": {_wrong_unit(Name('gain', sensor), gain / mean) or ADVICE}"
         found.append(note)
-    return tuple(sorted(found))
+    return tuple(found)
 
 
 def _wrong_unit(name: Name, ratio: float) -> str:

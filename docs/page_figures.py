@@ -118,6 +118,43 @@ def teaching() -> Figure:
     return canvas
 
 
+def lab_sheet() -> Figure:
+    """Predictions for balls of a pendulum, on axes to which readings can be added by hand."""
+    speeds = np.geomspace(0.02, 1.0, 50)
+    material = {"materials": "steel-52100", "diameters": "20 mm"}
+    cradle = hc.Chain.from_materials(**material, beads=5, velocities=[0.2, 0.0, 0.0, 0.0, 0.0])
+    restitutions = np.linspace(0.9, 0.995, 15)
+    rows = {"-": 0.0, ":": "20 um"}
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 4.2), layout="constrained")
+        for diameter, colour in (("10 mm", COLOURS[1]), ("20 mm", COLOURS[0])):
+            pair = hc.Chain.from_materials(diameters=diameter, materials="steel-52100", beads=2)
+            mass = hc.collision.reduced_mass(*pair.masses)
+            times = [hc.collision.compression_time(mass, pair.stiffness[0], v) for v in speeds]
+            left.loglog(1e3 * speeds, 2e6 * np.array(times), color=colour, label=f"{diameter}")
+        left.set_xlabel("velocity [mm/s]")
+        left.set_ylabel("time of contact [µs]")
+        left.set_ylim(20.0, 200.0)
+        label_log_axis(left.yaxis)
+        label_log_axis(left.xaxis)
+        left.legend(loc="lower left")
+        for dashes, gap in rows.items():
+            after = np.array([
+                hc.simulate(cradle.replace(loss=hc.Restitution(e), gaps=gap), until="20 ms")
+                .velocities[-1] / 0.2 for e in restitutions
+            ])  # fmt: skip
+            for ball, colour in ((5, COLOURS[0]), (4, COLOURS[1]), (1, COLOURS[2])):
+                spacing = "touching" if gap == 0.0 else "gaps"
+                right.plot(restitutions, after[:, ball - 1], dashes, color=colour,
+                           label=f"ball {ball}, {spacing}")  # fmt: skip
+        right.set_xlabel("coefficient of restitution")
+        right.set_ylabel("velocity / velocity of impact")
+        right.legend(loc="center left", ncols=2, fontsize="small")
+        for axes in (left, right):
+            axes.grid(visible=True, which="both", linewidth=0.3, color="0.8")
+    return canvas
+
+
 def many_chains() -> Figure:
     """Momentum in random chains, and the sensitivity of a force to all radii."""
     equal = hc.Chain.uniform(40)
@@ -363,5 +400,5 @@ def designs() -> Figure:
 
 PAGE_FIGURES: Final = (
     real_chains, chain_files, sensor_places, many_chains, closed_forms, theory, numerics,
-    teaching, propagation, precompressed, transfer_function, design_protector, designs,
+    teaching, lab_sheet, propagation, precompressed, transfer_function, design_protector, designs,
 )  # fmt: skip

@@ -131,7 +131,7 @@ def lab_sheet() -> Figure:
             pair = hc.Chain.from_materials(diameters=diameter, materials="steel-52100", beads=2)
             mass = hc.collision.reduced_mass(*pair.masses)
             times = [hc.collision.compression_time(mass, pair.stiffness[0], v) for v in speeds]
-            left.loglog(1e3 * speeds, 2e6 * np.array(times), color=colour, label=f"{diameter}")
+            left.loglog(1e3 * speeds, 2e6 * np.array(times), color=colour, label=diameter)
         left.set_xlabel("velocity [mm/s]")
         left.set_ylabel("time of contact [µs]")
         left.set_ylim(20.0, 200.0)

@@ -263,7 +263,10 @@ def test_unfinished_runs_name_the_option_that_sets_their_end(run, tmp_path):
     file.write_text(BEADS + wall, "utf-8")
     code, _, err = run("simulate", file, "--until", 10)
     assert code == 0
-    assert "(without --until, a run ends by itself, at t = " in err
+    assert (
+        "(without --until, a run ends by itself when the peak is complete, at the latest at t = "
+        in err
+    )
     assert "because a run without --until lasts no longer" in run("simulate", file)[1]
 
 

@@ -123,7 +123,7 @@ def test_a_largest_force_after_the_first_contact_is_called_sensitive():
     assert other.sensitive
     assert "no larger force follows in this computed motion; the largest " in words(wall)
     assert "such as another tolerance: check with run.horizon()" in words(wall)
-    assert "no larger force on the right wall follows in this computed motion" in run.message
+    assert "no larger force on the right wall can follow in this computed motion" in run.message
     assert "10 transits long, wall peak not in the first contact: run.horizon()" in words(run)
     assert "small changes" in wall._repr_html_()
 

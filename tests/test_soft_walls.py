@@ -156,9 +156,9 @@ def test_the_longest_run_is_that_of_the_message():
     last = 2.0 * rebound_time(chain, 1.0)
     early = hc.simulate(chain, until=20.0, times=0)
     last += early._completion[0, 1]
-    with pytest.warns(hc.IncompleteWarning, match="ends by itself, at t = ") as caught:
+    with pytest.warns(hc.IncompleteWarning, match="at the latest at t = ") as caught:
         early.wall_force()
-    stated = float(re.search(r"itself, at t = ([\d.]+)", str(caught[0].message))[1])
+    stated = float(re.search(r"at the latest at t = ([\d.]+)", str(caught[0].message))[1])
     assert stated == pytest.approx(last, rel=1e-3)
     run = hc.simulate(chain, times=0)
     transit = run._completion[1, 1]

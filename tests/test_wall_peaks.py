@@ -323,7 +323,7 @@ def test_the_peak_between_two_walls_is_an_estimate():
     assert "peak so far" in repr(held)
     assert "a later impact may be stronger" in repr(held)
     earlier = hc.simulate(uniform(left_wall=WALL), until=held.complete_since + 1.0, times=0)
-    with pytest.warns(hc.IncompleteWarning, match="for less than half a transit"):
+    with pytest.warns(hc.IncompleteWarning, match="must be so for half a transit"):
         earlier.wall_force()
 
 
@@ -345,7 +345,7 @@ def test_the_peak_between_two_walls_may_be_exceeded_and_says_so():
     assert force.max() > 1.2 * wall.peak
     assert later.largest_so_far == pytest.approx(force.max(), rel=0.02)
     free = hc.simulate(steel(np.array(STEEL), 0.05), times=0)
-    assert "no larger force on the right wall follows" in free.message
+    assert "no larger force on the right wall can follow" in free.message
     assert "no larger force follows" in repr(free.wall_force())
 
 
@@ -796,3 +796,26 @@ def test_times_and_transits_are_counted_from_the_end_of_the_fall():
         run = hc.simulate(chain, until=0.516)
     # The fall takes 515 ms, as long as 12,000 transits.
     assert int(re.search(r"([0-9]+) transits long", " ".join(repr(run).split()))[1]) < 40
+
+
+def test_the_impulse_of_an_impact_excludes_that_of_the_static_force(run, tmp_path):
+    column = hc.Chain.from_materials(
+        diameters="10 mm", materials="steel-52100", beads=50, gravity="9.81 m/s^2",
+        right_wall=hc.Wall(),
+    ).struck_by(velocity="0.01 m/s")  # fmt: skip
+    weight = 9.81 * column.masses[1:].sum()
+    found = hc.simulate(column, times=30001)
+    wall = found.wall_force()
+    assert wall.static_force == pytest.approx(weight, rel=1e-12)
+    during = found.times <= wall.complete_since
+    excess = np.trapezoid((wall.force - weight)[during], found.times[during])
+    assert wall.excess_impulse == pytest.approx(excess, rel=1e-3)
+    duration = excess / (wall.force.max() - weight)
+    assert wall.duration == pytest.approx(duration, rel=1e-3)
+    table = hc.simulate_many([column], keep=["wall_duration"], until=found.end_time)
+    assert table["wall_duration"][0] == pytest.approx(duration, rel=1e-3)
+    with pytest.raises(hc.InputError, match="no gradient under a static force"):
+        hc.gradient(column, "wall_force.duration", until=found.end_time)
+    (tmp_path / "column.toml").write_text(hc.chain_as_toml(column))
+    _, out, _ = run("simulate", tmp_path / "column.toml")
+    assert f"in the impact above the static force of {weight:.4g} N" in out

@@ -233,8 +233,9 @@ def _wall_peaks(
         # No contact yields, or the peak includes it.
         elif isinstance(run.chain.loss, ElasticPlastic) or pressures_below_yield(run):
             yielding = first
+    above = " above the static force" if wall.static_force else ""
     impact = [
-        ("impulse of the impact", wall.impulse_of_impact, "N s"),
+        ("impulse of the impact" + above, wall.excess_impulse, "N s"),
         ("duration (impulse / peak)", wall.duration, "s"),
     ]
     # In a draft, the impact need not have ended, but the text on the page keeps its length.

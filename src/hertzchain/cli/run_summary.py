@@ -237,12 +237,13 @@ def _material(chain: Chain, side: Side) -> str | None:
 
 def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
     """All fields except the trace; null for a number that does not exist."""
+    from ..simulation.wall_force import WallForce
     from ..validation.json_types import finite
 
     found = {name: value for name, value in vars(force).items() if name not in ("times", "force")}
     found["reached"] = force.reached
-    if (duration := getattr(force, "duration", None)) is not None:
-        found["duration"] = duration
+    if isinstance(force, WallForce):
+        found |= {"duration": force.duration, "excess_impulse": force.excess_impulse}
     numbers: dict[str, object] = finite(found)
     return numbers
 
@@ -273,15 +274,18 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
     peak = f"{wall.side} wall: peak{so_far} {largest}; {wall._later}{caution}"
     if wall.complete_since is None:
         return f"{peak}; {wall.reason}\n  impulse {whole}"
-    of_impact = _impulse(wall.impulse_of_impact, wall.units)
-    parts = [f"{of_impact} in the impact ({counted(wall.touches, 'contact')})"]
+    of_impact = _impulse(wall.excess_impulse, wall.units)
+    static = measure(wall.static_force, "N", wall.units)
+    above = f" above the static force of {static}" if wall.static_force else ""
+    parts = [f"{of_impact} in the impact{above} ({counted(wall.touches, 'contact')})"]
     if wall.first_contact_impulse is not None and wall.touches > 1:
         first = _impulse(wall.first_contact_impulse, wall.units)
         parts.insert(0, f"{first} in the first contact")
     parts += [whole] * (impulse != of_impact)
     ratio = measure(wall.duration, "s", wall.units)
     impulses = ", ".join(parts)
-    return f"{peak}\n  impulse {impulses}\n  duration of the impact (impulse / peak) {ratio}"
+    both = ", both above the static force" if wall.static_force else ""
+    return f"{peak}\n  impulse {impulses}\n  duration of the impact (impulse / peak{both}) {ratio}"
 
 
 def _at(run: Run, force: float, time: float) -> str:

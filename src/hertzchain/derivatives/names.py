@@ -84,6 +84,11 @@ def parse(chain: Chain, given: object, bead: int | str | None, until: float | No
                 f"chain.replace({side}_wall=Wall())"
             )
         at_bead = None
+        if item == "duration" and chain.static_state.forces[-1 if side == "right" else 0]:
+            raise InputError(
+                f"{text} has no gradient under a static force of gravity or precompression; use "
+                f"{group}.peak or {group}.impulse"
+            )
     elif group in ("pulse", "sensor", "final", "bead"):
         if at_bead is None:
             raise InputError(f"{text} belongs to a bead; give bead, or '{text}@{chain.beads}'")

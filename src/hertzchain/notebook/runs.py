@@ -131,8 +131,8 @@ def wall_force_html(wall: WallForce) -> str:
         "peak so far" if complete and not wall.proven else "peak":
         engineering(wall.peak, "N", units) if complete else "not complete",
         "peak time": engineering(wall.peak_time, "s", units) if complete else "",
-        "impulse of the impact": engineering(wall.impulse_of_impact, "N s", units)
-        if ended else "",
+        "impulse of the impact" + " above the static force" * bool(wall.static_force):
+        engineering(wall.excess_impulse, "N s", units) if ended else "",
         "impulse of the run": engineering(wall.impulse, "N s", units),
         "contacts with the wall": f"{wall.touches}",
     }  # fmt: skip

@@ -158,6 +158,11 @@ def _scratch(kernel: Any, layout: Any, gauges: int, beads: int) -> tuple[Array, 
     return scratch
 
 
+def _static_force_on_wall(chain: Chain) -> float:
+    loaded = chain.gravity != 0.0 or chain.precompression > 0.0
+    return float(chain.static_state.forces[-1]) if loaded else 0.0
+
+
 class _KernelResults:
     """Results of the kernel for chains of one kind, as quantities."""
 
@@ -250,8 +255,10 @@ class _KernelResults:
         impact = np.where(over, self.summary[:, layout.WALL_IMPACT_IMPULSE], np.nan)
         ended = self.summary[:, layout.WALL_FIRST_END] > 0.0
         first = self.summary[:, layout.WALL_FIRST_IMPULSE]
+        static = np.array([_static_force_on_wall(chain) for chain in self.chains])
+        excess = impact - static * self.summary[:, layout.WALL_SINCE]
         with np.errstate(divide="ignore", invalid="ignore"):
-            duration = impact / peak
+            duration = excess / (peak - static)
         return {
             "wall_peak_force": peak,
             "wall_peak_time": np.where(done, wall[:, layout.PEAK_TIME], np.nan),

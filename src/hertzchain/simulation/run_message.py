@@ -80,7 +80,7 @@ def _complete(chain: Chain, at: str, *, sensitive: bool) -> str:
     """Message of a run that ended with a complete peak on the right wall."""
     if motion_can_escape(chain, RIGHT):
         motion = " in this computed motion" if sensitive else ""
-        return f"stopped {at}: no larger force on the right wall follows{motion}"
+        return f"ended {at}, since no larger force on the right wall can follow{motion}"
     return (
         f"the impact on the right wall has ended {at}; the beads can return to the wall, and a "
         "later impact may be stronger"

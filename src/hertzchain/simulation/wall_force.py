@@ -56,7 +56,8 @@ class WallForce:
         ``"left"`` or ``"right"``.
     times, force : ndarray, shape (T,)
         Force on the wall at the saved times [scaled, or s and N].  ``force.max()`` is the largest
-        of these samples; the largest force is ``peak``, which lies between saved times.
+        of these samples; the largest force is ``peak``, which lies between saved times.  All
+        forces include ``static_force``.
     peak, peak_time : float
         Largest force and its time, located within the steps, not among the saved times; NaN if
         the peak is not complete.
@@ -88,7 +89,8 @@ class WallForce:
     touches : int
         Number of separate contacts with the wall until ``complete_since``, or so far.
     impulse_of_impact : float
-        Impulse on the wall until ``complete_since``; NaN if this is `None`.
+        Impulse on the wall until ``complete_since``; NaN if this is `None`.  It includes that of
+        the static force; see ``excess_impulse``.
     first_contact_end, first_contact_impulse : float or None
         End of the first contact, and its impulse; `None` before that.  Pushes by less than 1e-9
         of the momentum are ignored, and by less than 1e-6 with the larger tolerances of
@@ -96,6 +98,8 @@ class WallForce:
     impulse : float
         Impulse of the whole run.  It exceeds that of the impact if further beads arrive later,
         as in forward tapers.
+    static_force : float
+        Force on the wall at rest, of gravity or precompression.
     units : str
         ``"scaled"`` or ``"SI"``.
     """
@@ -120,16 +124,26 @@ class WallForce:
     first_contact_end: float | None
     first_contact_impulse: float | None
     impulse: float
+    static_force: float = 0.0
     units: str = "scaled"
+
+    @property
+    def excess_impulse(self) -> float:
+        """Impulse of the impact without that of the static force [scaled, or N s]."""
+        if self.complete_since is None:
+            return math.nan
+        return self.impulse_of_impact - self.static_force * self.complete_since
 
     @property
     def duration(self) -> float:
         """Impulse / peak of the impact [scaled, or s]; NaN if it has not ended.
 
+        Both are taken without the static force of gravity or precompression.
         This is not the time in contact.  A single contact lasts longer, by a factor of about 1.6
         if its force is a half sine; an impact of several contacts may have a much shorter peak.
         """
-        return self.impulse_of_impact / self.peak if self.peak else math.nan
+        height = self.peak - self.static_force
+        return self.excess_impulse / height if height else math.nan
 
     @property
     def reached(self) -> bool:
@@ -160,7 +174,8 @@ class WallForce:
             peak = f"peak{known} {at(self.peak, self.peak_time)}; {self._later}"
             impact = self.reason
             if not impact:
-                impact = f"{measure(self.impulse_of_impact, 'N s', self.units)} of the impact"
+                above = " above the static force" if self.static_force else ""
+                impact = f"{measure(self.excess_impulse, 'N s', self.units)} of the impact{above}"
             return short(
                 "WallForce", f"{self.side} wall", peak, self._caution, f"{impulse}, {impact}",
                 touches,
@@ -252,6 +267,7 @@ def wall_force_of(
         first_contact_end=float(walls[state_layout.FIRST_END, i]) if opened else None,
         first_contact_impulse=float(walls[state_layout.FIRST_IMPULSE, i]) if opened else None,
         impulse=float(impulses[i]),
+        static_force=float(chain.static_state.forces[0 if side == "left" else -1]),
         units=chain.units,
     )
 
@@ -283,8 +299,8 @@ def _reason(
         return _loaded(force, chain)
     half, start = (measure(t, "s", chain.units) for t in (0.5 * transit, since))
     return (
-        "the motion towards the wall is known to be too weak to exceed it only since "
-        f"t = {start}, for less than half a transit ({half})"
+        f"the motion towards the wall has been too weak to exceed it since t = {start}, but must be "
+        f"so for half a transit ({half})"
     )
 
 
@@ -325,7 +341,10 @@ def incomplete_peak(wall: WallForce, end: float, ends: tuple[float, float], chai
         longer += f", until t = {measure(enough, 's', wall.units, digits=6)}"
     elif last > end:
         latest = measure(last, "s", wall.units, digits=4)
-        longer += f" (without until, a run ends by itself, at t = {latest} at the latest)"
+        longer += (
+            " (without until, a run ends by itself when the peak is complete, at the latest at "
+            f"t = {latest})"
+        )
     until = measure(end, "s", wall.units, digits=6)
     if not wall.reached:
         found = f"the pulse had not reached the {wall.side} wall at t = {until}"

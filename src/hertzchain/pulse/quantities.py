@@ -280,8 +280,8 @@ WALL_QUANTITIES: Final = _by_name(
             attribute="impulse",
         ),
         Quantity(
-            "wall_duration", "", "impulse of the impact on the right wall over its largest force, both "
-            "without the static force",
+            "wall_duration", "",
+            "impulse of the impact on the right wall over its largest force, without static force",
             unit="s", scale="time", label="impulse / peak of the impact on the wall", per="wall",
             attribute="duration",
         ),

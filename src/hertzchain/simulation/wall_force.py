@@ -299,8 +299,8 @@ def _reason(
         return _loaded(force, chain)
     half, start = (measure(t, "s", chain.units) for t in (0.5 * transit, since))
     return (
-        f"the motion towards the wall has been too weak to exceed it since t = {start}, but must be "
-        f"so for half a transit ({half})"
+        f"the motion towards the wall has been too weak to exceed it since t = {start}, but must "
+        f"be so for half a transit ({half})"
     )
 
 

@@ -59,3 +59,15 @@ def test_saved_times_that_miss_the_largest_overlaps_are_reported(loss):
         found = run.sensor_force("ball 4")
     exact = hc.simulate(row(loss=loss), times=4000).sensor_force("ball 4").largest_so_far
     assert found.largest_so_far + found.error >= exact
+
+
+def test_the_bound_includes_jumps_of_forces_that_fall_at_once():
+    balls = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=30)
+    lossy = balls.replace(loss=hc.UnloadingRatio(0.2)).struck_by(velocity="0.1 m/s")
+    found = []
+    for times in (301, 10001):
+        with pytest.warns(hc.IncompleteWarning, match="jumps whenever a contact with Unloading"):
+            found.append(hc.simulate(lossy, until="0.9 ms", times=times).sensor_force("ball 21"))
+    coarse, fine = found
+    difference = abs(coarse.first_maximum - fine.first_maximum)
+    assert 0.01 * fine.first_maximum < difference < coarse.error

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..chain.bead_names import bead_number, wall_number
+from ..chain.laws.unloading_ratio import UnloadingRatio
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, warn_user
 from ..kernels.limits import FALL, MIN_HEIGHT
@@ -58,7 +59,9 @@ class SensorForce:
         spline; the bound then assumes that the force may have a jump or a corner.  If it has none,
         as with `Restitution`, the error is about a hundredth of the bound.  Saved times that do not
         show the largest overlaps of both contacts are too few: the bound then includes the force
-        at these overlaps.
+        at these overlaps.  With `UnloadingRatio`, the force jumps whenever a contact begins to
+        open, and which maximum is the first depends on the saved times: the bound is then at least
+        that of the jumps.
     units : str
         ``"scaled"`` or ``"SI"``.
     reached : bool
@@ -170,9 +173,28 @@ def sensor_force_of(self: Trajectory, bead: int | str) -> SensorForce:
     return found
 
 
+def _jumps(run: Trajectory, bead: int) -> float:
+    """Largest sum of the jumps of the force in a sensor, of contacts with `UnloadingRatio`."""
+    laws, loads = run.chain.contact_losses, run.forces.max(axis=0)
+    return 0.5 * sum(
+        law.ratio * float(loads[contact])
+        for contact in (bead - 1, bead)
+        if isinstance(law := laws[contact], UnloadingRatio)
+    )
+
+
 def warn_if_coarse(run: Trajectory, found: SensorForce) -> None:
     """Warn if saved times are so few that the largest force is uncertain by more than 1%."""
     if found.reached and found.error > COARSE * found.largest_so_far:
+        if found.error == _jumps(run, found.bead):
+            warn_user(
+                f"the force in bead {found.bead} jumps whenever a contact with UnloadingRatio "
+                f"begins to open, so that its maxima may have errors of "
+                f"{measure(found.error, 'N', run.chain.units)}; for forces in sensors, use another "
+                "law, such as Restitution",
+                IncompleteWarning,
+            )
+            return
         warn_user(
             f"the largest force in bead {found.bead} may have an error of "
             f"{measure(found.error, 'N', run.chain.units)}, because it is interpolated between "
@@ -200,7 +222,7 @@ def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
     return replace(
         found, first_maximum=first, first_maximum_time=first_time, largest_so_far=largest,
         largest_so_far_time=largest_time,
-        error=max(bound - largest, *(top[2] for top in tops)), reached=reached,
+        error=max(bound - largest, _jumps(run, bead), *(top[2] for top in tops)), reached=reached,
     )  # fmt: skip
 
 

@@ -253,3 +253,14 @@ def test_reflection_of_strong_waves_in_a_weakly_compressed_chain():
     ]
     free, pressed = (each.reflected_energy for each in found)
     assert pressed == pytest.approx(free, rel=5e-3)
+
+
+def test_the_wall_has_a_name_and_contacts_next_to_it_cause_a_warning():
+    chain = hc.Chain.uniform(40).replace(right_wall=hc.Wall())
+    run = hc.simulate(chain, until=90.0, times=2000)
+    named, numbered = run.reflection(25, "wall"), run.reflection(25, 40)
+    assert (named.after, named.reflected_energy) == (40, numbered.reflected_energy)
+    with pytest.warns(hc.InputWarning, match="contact 39 is 1 from the end of the chain"):
+        run.reflection(25, 39)
+    with pytest.raises(hc.InputError, match="no left wall"):
+        run.reflection(25, "left wall")

@@ -24,6 +24,10 @@ BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.1)
             "bead 1 has a diameter of 20 m; if millimetres are meant, write the diameter as "
             "'20 mm' or the radius as '10 mm', or divide by 1000",
         ),
+        (
+            lambda: hc.Chain.from_materials(diameters="10 nm", materials="brass", beads=3),
+            "bead 1 has a diameter of 10 nm; .* adhere, which is not modelled: check the unit",
+        ),
         (lambda: BALLS.replace(gravity=9810), "1000 times that of the earth; .* '9810 mm/s.2'"),
         (
             lambda: BALLS.replace(right_wall=hc.Wall(gap=1)),

@@ -166,7 +166,7 @@ class ChainFields(Frozen):
         if self.units == "scaled":
             input_checks.check_unit_of_length(float(self.radii[strikers]), strikers=strikers)
         if self.units == "SI":
-            input_checks.warn_large_radius(self.radii)
+            input_checks.warn_unusual_radius(self.radii)
 
     def _check_masses_and_stiffness(self) -> None:
         """Check masses and stiffness, or compute them from radii and materials."""

@@ -33,6 +33,8 @@ GAP_HINT: Final = (
 # in millimetres; so do limits above this multiple of the largest bead.
 LARGE_RADIUS: Final = 1.0
 LARGE_RATIO: Final = 100.0
+# SI radii below this value [m] cause a warning: their contacts adhere, or the unit is wrong.
+SMALL_RADIUS: Final = 5e-7
 # SI gravity above this value [m/s^2], which is probably in mm/s^2 or cm/s^2.
 LARGE_GRAVITY: Final = 500.0
 # First radius of a scaled chain; radii in metres are below, and would give wrong times.
@@ -154,8 +156,15 @@ def positive_derived(what: str, place: str, values: Array) -> Array:
     return values
 
 
-def warn_large_radius(radii: Array) -> None:
-    """Warn about radii in metres that are probably in millimetres."""
+def warn_unusual_radius(radii: Array) -> None:
+    """Warn about radii in metres that are probably in another unit."""
+    if radii.min() < SMALL_RADIUS:
+        k = int(np.argmin(radii))
+        warn_user(
+            f"bead {k + 1} has a diameter of {2e9 * float(radii[k]):.3g} nm; contacts of beads "
+            "below about 1 um adhere, which is not modelled: check the unit",
+            InputWarning,
+        )
     if radii.max() > LARGE_RADIUS:
         k = int(np.argmax(radii))
         diameter = 2.0 * float(radii[k])

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from ..chain.bead_names import wall_number
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, InputWarning, SimulationError, warn_user
@@ -39,7 +40,7 @@ WIDTH: Final = 5
 
 
 def reflection_of(
-    self: Trajectory, before: int, after: int, *, since: float = 0.0, until: float | None = None
+    self: Trajectory, before: int, after: int | str, *, since: float = 0.0, until: float | None = None
 ) -> Reflection:
     """Evaluate reflection and transmission of a wave between two contacts.
 
@@ -48,7 +49,7 @@ def reflection_of(
     before, after : int
         Contacts on both sides of an interface or defect, in the direction of the wave, each at
         least the width of a pulse (5 contacts) from it.  For a wall or free end, ``after`` is N
-        or 0.
+        or 0; for a wall, also ``"wall"``, ``"right wall"`` or ``"left wall"``.
     since : float
         Time from which to search for the incident wave [scaled, or s].
     until : float, optional
@@ -94,7 +95,8 @@ def reflection_of(
     """
     beads = self.chain.beads
     first = whole_number("before", before, least=1, most=beads - 1)
-    second = whole_number("after", after, least=0, most=beads)
+    wall = wall_number(self.chain, after)
+    second = whole_number("after", after if wall is None else min(wall, beads), least=0, most=beads)
     if first == second:
         raise InputError(f"before and after must be two contacts, got {first} twice")
     begin = number("since", since)
@@ -151,6 +153,15 @@ def _warn_if_near(run: Trajectory, first: int, second: int) -> None:
             f"least {least} apart{f', {WIDTH} on each side of the reflecting object' * inside}",
             InputWarning,
         )
+        return
+    for contact in (first, second):
+        if 0 < (near := min(contact, run.chain.beads - contact)) < WIDTH:
+            warn_user(
+                f"contact {contact} is {near} from the end of the chain, whose reflection meets the "
+                f"waves there; choose contacts at least {WIDTH} from the ends, or the end itself, "
+                f"contact {0 if contact < WIDTH else run.chain.beads}",
+                InputWarning,
+            )
 
 
 def _events_at(run: Trajectory, contact: int) -> list[WaveEvent]:

@@ -118,8 +118,8 @@ def checked_losses(given: Any, contacts: int) -> Losses:
 def _checked_loss(given: Any) -> Loss | None:
     if given is not None and not isinstance(given, Loss):
         raise InputError(
-            f"loss must be a law of hertzchain.chain.laws or None, got {short_repr(given)}; "
-            "for example, Restitution(0.95) has the coefficient of restitution 0.95"
+            f"loss must be a law, such as Restitution(0.95) with the coefficient of restitution "
+            f"0.95, or None, got {short_repr(given)}"
         )
     return None if given == ELASTIC else given
 

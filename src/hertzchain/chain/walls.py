@@ -105,7 +105,7 @@ class Wall(Part):
         object.__setattr__(self, "gap", gap)
         if self.loss is not None and not isinstance(self.loss, Loss):
             raise InputError(
-                f"loss of a wall must be a law of hertzchain.chain.laws or None, got "
+                f"loss of a wall must be a law, such as Restitution(0.95), or None, got "
                 f"{short_repr(self.loss)}; Elastic() has no loss"
             )
 

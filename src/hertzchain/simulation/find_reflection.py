@@ -40,7 +40,12 @@ WIDTH: Final = 5
 
 
 def reflection_of(
-    self: Trajectory, before: int, after: int | str, *, since: float = 0.0, until: float | None = None
+    self: Trajectory,
+    before: int,
+    after: int | str,
+    *,
+    since: float = 0.0,
+    until: float | None = None,
 ) -> Reflection:
     """Evaluate reflection and transmission of a wave between two contacts.
 
@@ -154,14 +159,14 @@ def _warn_if_near(run: Trajectory, first: int, second: int) -> None:
             InputWarning,
         )
         return
-    for contact in (first, second):
-        if 0 < (near := min(contact, run.chain.beads - contact)) < WIDTH:
-            warn_user(
-                f"contact {contact} is {near} from the end of the chain, whose reflection meets the "
-                f"waves there; choose contacts at least {WIDTH} from the ends, or the end itself, "
-                f"contact {0 if contact < WIDTH else run.chain.beads}",
-                InputWarning,
-            )
+    near = min(second, run.chain.beads - second)
+    if 0 < near < WIDTH:
+        end = 0 if second < WIDTH else run.chain.beads
+        warn_user(
+            f"contact {second} is {near} from the end of the chain, whose reflection meets the "
+            f"waves there; choose one at least {WIDTH} from the end, or the end itself, {end}",
+            InputWarning,
+        )
 
 
 def _events_at(run: Trajectory, contact: int) -> list[WaveEvent]:

@@ -155,6 +155,55 @@ def lab_sheet() -> Figure:
     return canvas
 
 
+def solitary_waves() -> Figure:
+    """Profiles of solitary waves, and their speed under precompression."""
+    wave = hc.solitary_wave()
+    balls = {"diameters": "10 mm", "materials": "steel-52100"}
+    held = hc.Chain.from_materials(**balls, beads=100).replace(
+        precompression="10 N", held_by="force"
+    )
+    sound = hc.spectrum(held).sound_speed
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.2), layout="constrained")
+        for speed, marker, colour in (("0.05 m/s", "o", COLOURS[1]), ("0.4 m/s", "^", COLOURS[2])):
+            row = hc.Chain.from_materials(**balls, beads=60).struck_by(velocity=speed)
+            run = hc.simulate(row, times=400)
+            pulse = run.pulse()
+            steps = (run.times - pulse.peak_time[39]) / pulse.residence[39]
+            shown = np.abs(steps) < 3.0
+            scaled = run.velocities[shown, 39] / pulse.velocity[39]
+            left.plot(steps[shown], scaled, marker, color=colour, markersize=4, fillstyle="none",
+                      label=f"impact at {speed}")  # fmt: skip
+        distance = np.linspace(-3.0, 3.0, 301)
+        left.plot(distance, wave.velocity(distance), color=COLOURS[0], label="theory", zorder=0)
+        left.set_xlabel("time / time from ball to ball")
+        left.set_ylabel("velocity / largest velocity")
+        left.set_ylim(-0.05, 1.5)
+        left.legend(loc="upper right")
+        found = []
+        for speed in np.geomspace(0.003, 0.4, 12):
+            struck = held.replace(velocities=[speed] + [0.0] * 99)
+            pulse = hc.simulate(struck, until="1.3 ms", times=0).pulse()
+            found.append((pulse.peak_force[49] / 10.0, pulse.speed[39:60].mean()))
+        ratio, measured = np.array(found).T
+        right.plot(ratio, measured, "o", color=COLOURS[1], fillstyle="none", label="simulation")
+        ratios = np.geomspace(1.0001, 10.0, 100)
+        right.plot(ratios, sound * hc.theory.precompressed_speed(ratios), color=COLOURS[0],
+                   label="long-wave theory")  # fmt: skip
+        mass, stiffness = held.masses[0], held.stiffness[0]
+        forces = 10.0 * ratios
+        crest = (forces / wave.peak_force(1.0, mass, stiffness)) ** (5.0 / 6.0)
+        free = [10e-3 * wave.speed(float(v), mass, stiffness) for v in crest]
+        right.plot(ratios, free, "--", color=COLOURS[2], label="no precompression")
+        right.set_xscale("log")
+        label_log_axis(right.xaxis)
+        right.set_ylim(300.0, 900.0)
+        right.set_xlabel("largest / static force")
+        right.set_ylabel("speed [m/s]")
+        right.legend(loc="upper left")
+    return canvas
+
+
 def many_chains() -> Figure:
     """Momentum in random chains, and the sensitivity of a force to all radii."""
     equal = hc.Chain.uniform(40)
@@ -400,5 +449,6 @@ def designs() -> Figure:
 
 PAGE_FIGURES: Final = (
     real_chains, chain_files, sensor_places, many_chains, closed_forms, theory, numerics,
-    teaching, lab_sheet, propagation, precompressed, transfer_function, design_protector, designs,
+    teaching, lab_sheet, solitary_waves, propagation, precompressed, transfer_function,
+    design_protector, designs,
 )  # fmt: skip

@@ -80,6 +80,8 @@ class SineBurst(Part):
         endless = isinstance(self.cycles, float) and self.cycles == math.inf
         if endless and self.window == "none":
             return
+        if endless:
+            raise InputError("a burst with infinitely many cycles has no window: use window='none'")
         _set(self, "cycles", number("cycles", self.cycles, above=0.0))
         if (2.0 * self.cycles) % 1.0:
             raise InputError(

@@ -166,7 +166,8 @@ class Pulse(Columns):
         time :math:`T_k`; :math:`1/T_k` is the speed in beads per time.  In m/s for a chain in SI
         units, otherwise in radii :math:`R_1'` per unit of time.  `None` if the method does not
         predict residence times.  If the masses alternate, so does the speed, and that of the pulse
-        is the mean over two contacts, :math:`(D_k + D_{k+1})/(T_k + T_{k+1})`.  The speed to the
+        is the mean over two contacts, :math:`(D_k + D_{k+1})/(T_k + T_{k+1})`.  It is negative
+        where a light bead reaches its maximum before the heavy one behind it.  The speed to the
         last bead of a free end differs from the others, because no bead ahead delays the arrival.
 
         In equal beads of mass m with contacts of stiffness k, and p = 3/2, it tends to

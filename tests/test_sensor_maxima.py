@@ -71,3 +71,18 @@ def test_the_bound_includes_jumps_of_forces_that_fall_at_once():
     coarse, fine = found
     difference = abs(coarse.first_maximum - fine.first_maximum)
     assert 0.01 * fine.first_maximum < difference < coarse.error
+
+
+def test_the_static_force_of_a_sensor_is_stated(run, tmp_path):
+    column = hc.Chain.from_materials(
+        diameters="10 mm", materials="steel-52100", beads=20, gravity="9.81 m/s^2",
+        right_wall=hc.Wall(),
+    ).struck_by(velocity="0.1 m/s")  # fmt: skip
+    found = hc.simulate(column, until="0.5 ms", times=2001).sensor_force("ball 10")
+    weight = 9.81 * column.masses[1:]
+    static = weight[:9].sum() + 0.5 * weight[9]
+    assert found.static_force == pytest.approx(static, rel=1e-12)
+    assert f"with the static force of {static:.4g} N" in " ".join(repr(found).split())
+    (tmp_path / "column.toml").write_text(hc.chain_as_toml(column))
+    _, out, _ = run("simulate", tmp_path / "column.toml", "--sensor", "ball 10")
+    assert f", with the static force of {static:.4g} N" in out

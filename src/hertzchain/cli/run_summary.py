@@ -321,4 +321,7 @@ def _sensor_line(run: Run, bead: int) -> str:
     if sensor.error > SHOWN * sensor.largest_so_far:
         size = measure(sensor.error, "N", sensor.units, 2)
         error = f" (error at most {size}, from {len(sensor.times)} saved times)"
-    return f"sensor in {bead_label(run.chain, bead)}: {first}{largest}{error}"
+    static = ""
+    if sensor.static_force:
+        static = f", with the static force of {measure(sensor.static_force, 'N', sensor.units)}"
+    return f"sensor in {bead_label(run.chain, bead)}: {first}{largest}{static}{error}"

@@ -64,6 +64,9 @@ class SensorForce:
         that of the jumps.
     units : str
         ``"scaled"`` or ``"SI"``.
+    static_force : float
+        Force at rest, of gravity or precompression, which all other forces include.  A
+        piezoelectric sensor does not show it.
     reached : bool
         Whether the pulse has arrived: the force has changed by at least 1e-6 of the largest change
         of a force in the chain.
@@ -78,6 +81,7 @@ class SensorForce:
     largest_so_far_time: float
     units: str = "scaled"
     error: float = 0.0
+    static_force: float = 0.0
     reached: bool = True
 
     def __repr__(self) -> str:
@@ -93,6 +97,9 @@ class SensorForce:
         if math.isnan(self.first_maximum):
             first = "none yet"
         facts = [f"first maximum {first}", f"largest so far {largest}"]
+        if self.static_force:
+            static = measure(self.static_force, "N", self.units)
+            facts.append(f"both with the static force of {static}")
         if self.error > SHOWN * abs(self.largest_so_far):
             facts.append(f"errors at most {measure(self.error, 'N', self.units, digits=2)}")
         return short("SensorForce", f"bead {self.bead}", *facts)
@@ -222,7 +229,8 @@ def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
     return replace(
         found, first_maximum=first, first_maximum_time=first_time, largest_so_far=largest,
         largest_so_far_time=largest_time,
-        error=max(bound - largest, _jumps(run, bead), *(top[2] for top in tops)), reached=reached,
+        error=max(bound - largest, _jumps(run, bead), *(top[2] for top in tops)),
+        static_force=at_rest, reached=reached,
     )  # fmt: skip
 
 

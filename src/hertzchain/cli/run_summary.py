@@ -172,6 +172,9 @@ def last_bead_of(run: Run) -> dict[str, float] | None:
     """Velocity and momentum that the leading pulse gives the last bead of a free end."""
     if run.chain.right_wall is not None or not run._reached:
         return None
+    # A shaker that does not stop creates no pulse of its own.
+    if run.chain.drive is not None and math.isinf(run.chain.drive.end):
+        return None
     pulse = run.pulse()
     velocity, momentum = float(pulse.velocity[-1]), float(pulse.momentum[-1])
     return None if math.isnan(velocity) else {"velocity": velocity, "momentum": momentum}

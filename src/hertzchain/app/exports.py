@@ -29,7 +29,7 @@ from .documents import chain_of, document_as_toml
 from .force_curves import beads_of, run_for_forces
 from .messages import Part
 from .requests import SLOTS, Request
-from .results import Stop, limited, motion, results
+from .results import Stop, has_static_forces, limited, motion, results
 from .saved_page import saved_page
 from .wording import title, without_advice
 
@@ -268,7 +268,9 @@ def _draw(
             axes = {
                 "map": lambda: plotting.plot_run(run, "force" if forces else "velocity"),
                 "forces": lambda: plotting.plot_forces(run, _places(chain, given.get("sensors"))),
-                "budget": lambda: plotting.plot_budget(run.budget()),
+                "budget": lambda: plotting.plot_budget(
+                    run.budget(excess=has_static_forces(chain))
+                ),
             }[kind]()
     figure = axes.figure
     try:

@@ -52,6 +52,10 @@ AT_REST: Final = (
     f"nothing moves, because {NOT_STRUCK}; the spectrum shows the frequencies at which the chain "
     "can oscillate"
 )
+OVER_STATIC: Final = (
+    "excess over the static state: without the energy that contacts store at rest, and that which "
+    "the constant forces exchange with them"
+)
 # The run that is shown lasts at least until this multiple of the time of the peak on the wall.
 END_AFTER_PEAK: Final = 1.05
 
@@ -317,13 +321,13 @@ def _run_part(
     if run.success and not run._still_closed:
         arrays["final"] = run.velocities[-1]
     if not request.draft or chain.beads <= MAX_BEADS_OF_DRAFT_BUDGET:
-        arrays |= _budget_arrays(run)
+        arrays |= _budget_arrays(run, moves)
     arrays |= _pressures(whole)
     modes = "" if request.draft else _add_spectrum(chain, arrays)
     header = {
         "part": "run", **request.identity, "message": _end(run), "success": run.success,
         "peaks": peaks, "energy_drift": run.energy_drift, "spectrum": modes, "warnings": warnings,
-        "closed": run._still_closed,
+        "closed": run._still_closed, "over_static": OVER_STATIC if has_static_forces(chain) else "",
         "coarse": "" if request.draft else coarse_frames(run),
         "seconds": {"simulate": took, "pack": time.perf_counter() - began},
     }  # fmt: skip
@@ -356,15 +360,20 @@ def _unfinished_impact(run: Run, whole: Run) -> list[str]:
     return []
 
 
-def _budget_arrays(run: Run) -> dict[str, Any]:
-    """Energy and momentum by location, without locations where there is none."""
-    budget = run.budget()
+def has_static_forces(chain: Chain) -> bool:
+    """Whether precompression or gravity stores energy in the contacts."""
+    return bool(np.any(chain.static_state.overlaps > 0.0))
+
+
+def _budget_arrays(run: Run, moves: bool) -> dict[str, Any]:
+    """Excess energy and momentum by location, without locations where there is none."""
+    budget = run.budget(excess=True)
     parts = (("energy", budget.energy), ("momentum", budget.momentum))
     return {
         f"{of}.{name}": values.astype(np.float32)
         for of, items in parts
         for name, values in items.items()
-        if values.any()
+        if moves and values.any()
     }
 
 

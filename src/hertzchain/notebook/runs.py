@@ -75,6 +75,7 @@ def budget_html(budget: Budget) -> str:
     units = budget.chain.units
     slow, second = axis_unit(budget.times, "s", units)
     there = {name: values for name, values in budget.energy.items() if np.any(values > 0.0)}
+    energy = budget._name("energy")
     factor, joule = axis_unit(np.sum([*there.values()], axis=0), "J", units)
     curves, base = [], np.zeros(len(budget.times))
     for name, values in there.items():
@@ -89,9 +90,9 @@ def budget_html(budget: Budget) -> str:
         "Budget",
         budget.chain.description,
         legend((curve.label, curve.colour) for curve in curves),
-        chart(curves, f"time{second}", f"energy{joule}"),
+        chart(curves, f"time{second}", f"{energy}{joule}"),
         table(
-            (f"at t = {end}", f"energy{joule}", "", f"momentum{impulse}", ""), rows, numeric=True
+            (f"at t = {end}", f"{energy}{joule}", "", f"momentum{impulse}", ""), rows, numeric=True
         ),
         note(f"Energy and momentum add up within {worst:.0e} of the largest amount in motion."),
     )

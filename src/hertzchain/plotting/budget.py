@@ -100,12 +100,13 @@ def plot_budget(
                 axes.text(0.015, height, text, transform=axes.transAxes,
                           fontsize=rcParams["legend.fontsize"],
                           va="top" if height > 0.5 else "bottom")  # fmt: skip
-        axes.set_ylabel(of)
+        label_y = budget._name(of)
+        axes.set_ylabel(label_y)
         if budget.chain.units == "SI":
             # The energy of an impact may be a few microjoules; a prefix avoids many zeros.
             scale, prefix = _prefix(float(np.abs([above, below]).max()))
             axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: signed(value / scale)))
-            axes.set_ylabel(f"{of} [{prefix}{UNITS[of]}]")
+            axes.set_ylabel(f"{label_y} [{prefix}{UNITS[of]}]")
         axes.set_xlabel(label)
         set_title(axes, chain_title(budget.chain))
         axes.margins(x=0.0)

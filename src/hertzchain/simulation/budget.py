@@ -1,4 +1,4 @@
-"""Energy and momentum of a run over time, by location and by origin.
+r"""Energy and momentum of a run over time, by location and by origin.
 
 At every time the kinetic energy and the momentum of the beads have three parts:
 
@@ -17,12 +17,20 @@ Energy is also stored in contacts and walls, and lost in them; momentum is trans
 In addition to the impact, gravity, a drive and forces that hold the ends supply work and impulse.
 Losses, the work of the drive and the impulses of the walls are integrated along with the motion;
 all other parts follow from the saved states.
+
+Precompression and gravity store energy in the contacts before the impact.  The excess energy does
+not include it: for a contact with the static overlap :math:`d_0` and force :math:`F_0`, it is
+
+.. math:: U(d) - U(d_0) - F_0\,(d - d_0) ,
+
+which is never negative for an elastic contact.  The last term is the work of the constant forces
+that balance the static contact forces: weights, and the forces that hold the ends.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
@@ -86,6 +94,8 @@ class Budget:
         [scaled, or kg m/s].
     energy_given, momentum_given : dict of ndarray, shape (T,)
         Energy and momentum by origin: ``"start"``, ``"gravity"``, ``"drive"``, ``"held ends"``.
+    excess : bool
+        Whether the energies are those over the static state; see `Run.budget`.
 
     Examples
     --------
@@ -102,6 +112,7 @@ class Budget:
     momentum: dict[str, Array]
     energy_given: dict[str, Array]
     momentum_given: dict[str, Array]
+    excess: bool = False
 
     @property
     def kinetic_energy(self) -> Array:
@@ -148,6 +159,9 @@ class Budget:
         there, given = self._sides(of)
         difference: Array = np.sum([*there.values()], axis=0) - np.sum([*given.values()], axis=0)
         return difference / self._largest_in_motion(of)
+
+    def _name(self, of: str) -> str:
+        return "excess energy" if self.excess and of == "energy" else of
 
     def _largest_in_motion(self, of: str) -> float:
         there, _ = self._sides(of)
@@ -255,7 +269,7 @@ class Budget:
                 if amount != 0.0
             ]
             facts.append(
-                f"{of} {measure(total, QUANTITIES[of].unit, units)}, of which {', '.join(parts)}"
+                f"{self._name(of)} {measure(total, QUANTITIES[of].unit, units)}, of which {', '.join(parts)}"
             )
         worst = max(float(np.abs(self.residual(of)).max()) for of in BALANCED)
         at = f"{self.chain.description}, at t = {measure(self.times[-1], 's', units)}"
@@ -267,7 +281,7 @@ class Budget:
         lines = [f"{self.chain.description}, at the last saved time {at}"]
         for of in BALANCED:
             there, given, total = self._shown(of)
-            heading = f"{of} [{QUANTITIES[of].unit}]" if real else of
+            heading = self._name(of) + (f" [{QUANTITIES[of].unit}]" if real else "")
             lines.append(f"  {heading:<32}{'part':>9}")
             for name, amount in {**there, **{f"from {k}": v for k, v in given.items()}}.items():
                 part = f"  {amount / total:>z9.2%}" if total != 0.0 else ""
@@ -291,12 +305,15 @@ def budget_of(
     accumulators: Array,
     weights: Array,
     start: tuple[float, float],
+    *,
+    excess: bool = False,
 ) -> Budget:
-    """Compute the budget of saved states."""
+    """Compute the budget of saved states; energies over the static state for ``excess``."""
     lost, worked, pushed, from_left, to_right = accumulators.T
     momenta = chain.masses * velocities
     kinetic = 0.5 * momenta * velocities
-    stored = stored_energy(chain, overlaps_of(chain, times, positions), forces)
+    overlaps = overlaps_of(chain, times, positions)
+    stored = stored_energy(chain, overlaps, forces)
     forwards = velocities > 0.0
     parts = {
         "leading pulse": weights,
@@ -307,6 +324,15 @@ def budget_of(
     moved = positions - chain.static_state.positions
     weight = chain.masses * chain.gravity
     held = chain.static_state.body_forces - weight
+    energy_given = {
+        "start": np.full(len(times), start[0]),
+        "gravity": moved @ weight,
+        "drive": worked,
+        "held ends": moved @ held,
+    }
+    if excess:
+        stored, balanced = _over_static(chain, overlaps, stored, moved)
+        energy_given = {name: given - balanced[name] for name, given in energy_given.items()}
     return Budget(
         chain=chain,
         times=times,
@@ -322,14 +348,7 @@ def budget_of(
             {name: np.sum(momenta * part, axis=1) for name, part in parts.items()}
             | {"left wall": -from_left, "right wall": to_right}
         ),
-        energy_given=Parts(
-            {
-                "start": np.full(len(times), start[0]),
-                "gravity": moved @ weight,
-                "drive": worked,
-                "held ends": moved @ held,
-            }
-        ),
+        energy_given=Parts(energy_given),
         momentum_given=Parts(
             {
                 "start": np.full(len(times), start[1]),
@@ -338,7 +357,30 @@ def budget_of(
                 "held ends": times * held.sum(),
             }
         ),
+        excess=excess,
     )
+
+
+def _over_static(
+    chain: Chain, overlaps: Array, stored: Array, moved: Array
+) -> tuple[Array, dict[str, Any]]:
+    """Energies of contacts over the static state, and the energies given that balance the rest."""
+    state = chain.static_state
+    # Constant forces on free ends are not those of contacts.
+    forces = np.where(chain.contact_stiffness > 0.0, state.forces, 0.0)
+    at_rest = stored_energy(chain, state.overlaps[None], forces[None])
+    pressed = forces > 0.0
+    work = np.zeros_like(overlaps)
+    work[:, pressed] = forces[pressed] * (overlaps - state.overlaps)[:, pressed]
+    # Strikers fall freely.
+    supported = pressed[:-1] | pressed[1:]
+    weight = chain.masses * chain.gravity * supported
+    held = state.body_forces * supported - weight
+    balanced = {"start": at_rest.sum(), "gravity": moved @ weight, "held ends": moved @ held}
+    # The static force on a driven wall also does work.
+    rest = work.sum(axis=1) - balanced["gravity"] - balanced["held ends"]
+    balanced["drive"] = np.zeros(len(work)) if chain.drive is None else rest
+    return stored - at_rest - work, balanced
 
 
 def stored_energy(

@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { listOf, resized } from "../../src/hertzchain/app/static/js/controls.js";
+import { resized } from "../../src/hertzchain/app/static/js/controls.js";
+import { listOf } from "../../src/hertzchain/app/static/js/fields.js";
 import { FACTORS } from "../../src/hertzchain/app/static/js/numbers.js";
 import { History, VIEW, changed, copy, fromLink, toLink, withRadius } from "../../src/hertzchain/app/static/js/state.js";
 

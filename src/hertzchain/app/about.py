@@ -48,6 +48,17 @@ RANGES: Final = {
     "count": (1, 8), "between": (1, 4), "strikers": (0, 5), "cycles": (0.5, 20),
     "grade": (min(BALL_GRADES), max(BALL_GRADES)),
 }  # fmt: skip
+# Parts of a budget; see `hertzchain.simulation.budget`.
+PARTS: Final = {
+    "leading pulse": "Beads in the leading pulse, which move away from the impact",
+    "lagging": "All other beads that move away from the impact",
+    "scattered back": "Beads that move back towards the impact",
+    "contacts": "Stored in contacts between beads",
+    "walls": "Stored in the contacts with walls",
+    "left wall": "Transferred to the left wall",
+    "right wall": "Transferred to the right wall",
+    "lost": "Lost in contacts and walls",
+}
 # Values with which forms of chains and new tables begin where the schema has no default: those of
 # scaled chains, and in SI units by name or dimension.
 BEGIN: Final = {
@@ -123,6 +134,7 @@ def about(document: object = None) -> dict[str, Any]:
         },
         "factors": _factors(),
         "begin": BEGIN,
+        "parts": PARTS,
         "ranges": RANGES_OF_DIMENSIONS | {name: (each, each) for name, each in RANGES.items()},
         "theories": [*THEORIES, "effective-chain"],
         "gallery": gallery(),

@@ -345,7 +345,7 @@ def page_with_results(
     given: Mapping[str, Any], stop: Stop, names: Mapping[str, str] | None = None
 ) -> bytes:
     """The saved page of one or two chains, which may have the names of their files."""
-    raw, names = b"", names or {}
+    raw, names, heading = b"", names or {}, ""
     documents = {"A": given.get("document"), "B": given.get("other")}
     for slot, document in documents.items():
         if slot == "B" and document is None:
@@ -355,14 +355,17 @@ def page_with_results(
             if part.header["part"] in ("error", "cancelled"):
                 raise SimulationError(part.header.get("message", "the export was cancelled"))
             raw += _saved(part, names.get(slot)).pack()
-    return saved_page(given, raw, names.get("A"))
+            if slot == "A":
+                heading = part.header.get("description", heading)
+    file = f" – {names['A']}" if "A" in names else ""
+    return saved_page(given, raw, heading + file)
 
 
 def _saved(part: Part, name: str | None) -> Part:
     """A part of a saved page: with the name of the file, and without advice about choices."""
     header = dict(part.header)
     if name is not None and header["part"] == "beads":
-        header["description"] = f"{name}: {header['description']}"
+        header["file"] = name
     if "warnings" in header:
         header["warnings"] = [without_advice(each) for each in header["warnings"]]
     return Part(header, part.arrays)

@@ -15,7 +15,7 @@ from ..chain.drawn_bodies import body_centres, half_heights, half_widths
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..errors import InputError, SimulationError
-from ..notebook.drawing import engineering
+from ..notebook.drawing import axis_unit, engineering
 from ..propagation.propagate import propagate
 from ..pulse.notes import OUT_OF_ORDER, out_of_order
 from ..pulse.pulse import Pulse
@@ -52,6 +52,9 @@ AT_REST: Final = (
     f"nothing moves, because {NOT_STRUCK}; the spectrum shows the frequencies at which the chain "
     "can oscillate"
 )
+# Bands beyond which they are neither listed nor drawn, and phases at which they are drawn.
+MAX_BANDS: Final = 6
+PHASES: Final = 41
 OVER_STATIC: Final = (
     "excess over the static state: without the energy that contacts store at rest, and that which "
     "the constant forces exchange with them"
@@ -323,13 +326,13 @@ def _run_part(
     if not request.draft or chain.beads <= MAX_BEADS_OF_DRAFT_BUDGET:
         arrays |= _budget_arrays(run, moves)
     arrays |= _pressures(whole)
-    modes = "" if request.draft else _add_spectrum(chain, arrays)
+    modes = {} if request.draft else _spectrum(chain, arrays)
     header = {
         "part": "run", **request.identity, "message": _end(run), "success": run.success,
-        "peaks": peaks, "energy_drift": run.energy_drift, "spectrum": modes, "warnings": warnings,
+        "peaks": peaks, "energy_drift": run.energy_drift, "warnings": warnings,
         "closed": run._still_closed, "over_static": OVER_STATIC if has_static_forces(chain) else "",
         "coarse": "" if request.draft else coarse_frames(run),
-        "seconds": {"simulate": took, "pack": time.perf_counter() - began},
+        "seconds": {"simulate": took, "pack": time.perf_counter() - began}, **modes,
     }  # fmt: skip
     return Part(header, arrays)
 
@@ -388,14 +391,23 @@ def _pressures(run: Run) -> dict[str, Any]:
     return {"yield_ratio": ratios.astype(np.float32)} if ratios.any() else {}
 
 
-def _add_spectrum(chain: Chain, arrays: dict[str, Any]) -> str:
-    """Add frequencies of small oscillations and bands, or return why there are none."""
+def _spectrum(chain: Chain, arrays: dict[str, Any]) -> dict[str, Any]:
+    """Add frequencies of small oscillations and plane waves; return texts about them."""
     try:
         modes = spectrum(chain)
     except InputError as error:
-        return on_the_page(error).rstrip(".")
+        return {"spectrum": on_the_page(error).rstrip(".")}
     arrays["modes.frequency"] = modes.frequencies
-    # Only chains that repeat have bands.
-    with suppress(InputError):
-        arrays |= {"modes.bands": modes.band_edges(), "modes.gaps": modes.gaps()}
-    return ""
+    try:
+        edges = modes.band_edges()
+    except InputError:
+        # Only chains that repeat have bands.
+        return {}
+    arrays["modes.gaps"] = modes.gaps()
+    text = f"Sound speed {engineering(modes.sound_speed, 'm/s', chain.units)}"
+    if len(edges) <= MAX_BANDS:
+        arrays["modes.waves"] = modes.bands(np.linspace(0.0, np.pi, PHASES)).T
+        factor, unit = axis_unit(edges, "Hz", chain.units)
+        listed = ", ".join(f"{factor * low:.4g} to {factor * high:.4g}" for low, high in edges)
+        text += f"; bands of an infinite chain with the same cell: {listed} {unit[2:-1]}".rstrip()
+    return {"bands": text, "phases": PHASES}

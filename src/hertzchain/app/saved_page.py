@@ -21,7 +21,7 @@ POLICY: Final = (
 )
 
 
-def saved_page(given: Mapping[str, Any], parts: bytes, name: str | None = None) -> bytes:
+def saved_page(given: Mapping[str, Any], parts: bytes, heading: str) -> bytes:
     """The page with the messages of its requests, and the state of its views."""
     page = embedded_page(
         {
@@ -31,9 +31,7 @@ def saved_page(given: Mapping[str, Any], parts: bytes, name: str | None = None) 
             "parts": base64.b64encode(parts).decode(),
         }
     )
-    if name is None:
-        return page
-    title = f"<title>{html.escape(name)} – hertzchain</title>"
+    title = f"<title>{html.escape(heading)} – hertzchain</title>"
     return re.sub(rb"<title>.*?</title>", lambda _: title.encode(), page, count=1)
 
 

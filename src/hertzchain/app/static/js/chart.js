@@ -6,7 +6,7 @@ import { digitsOf, percent, powers, short, spread, ticks } from "./numbers.js";
  *   points?: boolean, apart?: boolean}} Series; no line joins a last value that is `apart` */
 /** The x values of `counted` axes are numbers of beads, contacts or modes.
  * @typedef {{xLabel: string, yLabel: string, counted?: boolean, log?: boolean,
- *   percent?: boolean, message?: string, most?: number, shaded?: number[][]}} Axes; ranges of y are `shaded` */
+ *   percent?: boolean, message?: string, most?: number, shaded?: number[][], top?: number}} Axes; ranges of y are `shaded` */
 
 const SVG = "http://www.w3.org/2000/svg";
 /** Values below this part of the largest are cut off on logarithmic axes. */
@@ -101,7 +101,7 @@ export class Chart {
     if (y1 < 0 && y1 > 0.6 * y0) y1 = 0;
     if (y0 === y1) [y0, y1] = y0 === 0 ? [-1, 1] : [y0 - 0.1 * Math.abs(y0), y1 + 0.1 * Math.abs(y1)];
     [y0, y1] = spread(y0, y1, axes.percent ? SMALLEST_PERCENTAGE : 0);
-    if (axes.shaded) [y0, y1] = [Math.min(0, y0), 1.15 * y1];
+    if (axes.top) [y0, y1] = [0, axes.top];
     const room = 0.05 * (y1 - y0);
     this.y = [y0 === 0 ? 0 : y0 - room, y1 === 0 ? 0 : y1 + room];
   }

@@ -1,6 +1,6 @@
 /** The time that the page shows, and the frames of its animation. */
 
-import { $ } from "./controls.js";
+import { $ } from "./fields.js";
 import { placeAt, timeAt } from "./numbers.js";
 import { own, results, state } from "./page.js";
 

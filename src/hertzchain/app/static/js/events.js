@@ -1,6 +1,6 @@
 /** Events of the page: its choices, buttons and keys. */
 
-import { $, make } from "./controls.js";
+import { $, make } from "./fields.js";
 import { fromLink } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */

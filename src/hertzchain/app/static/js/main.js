@@ -3,7 +3,7 @@
 import { change, compare, moveWall, open, openAs, redo, resize, toggleSensor, undo } from "./changes.js";
 import { clock, eachFrame, goTo, play } from "./clock.js";
 import { readColours } from "./colour.js";
-import { $ } from "./controls.js";
+import { $ } from "./fields.js";
 import { listen } from "./events.js";
 import { fixed, stored } from "./host.js";
 import { SLOTS, about, acceptAddress, own, results, say, state } from "./page.js";
@@ -14,6 +14,7 @@ import { copy, toLink } from "./state.js";
 
 /** @typedef {import("./state.js").Slot} Slot */
 
+const narrow = matchMedia("(max-width: 700px)");
 const repeat = () => request(SLOTS, false);
 
 /** A saved page has no controls; both of its chains can still be shown by all views. */
@@ -21,6 +22,16 @@ function showSaved() {
   document.body.classList.add("saved");
   $("tabs").setAttribute("aria-label", "Chain that the views show");
   $("lane-A").before($("tabs"));
+}
+
+/** In a narrow window, the forces and the controls follow the chain, also for the keyboard. */
+function arrange() {
+  const controls = $("controls"), views = $("views"), force = $("chart-force").parentElement;
+  if (narrow.matches) views.firstElementChild.after(force, controls);
+  else {
+    views.before(controls);
+    $("map").closest("section").after(force);
+  }
 }
 
 function handleEvents() {
@@ -62,6 +73,8 @@ function handleDialogs() {
 }
 
 if (fixed) showSaved();
+narrow.onchange = arrange;
+arrange();
 readColours();
 changeBy({ change, toggleSensor, resize, moveWall });
 eachAnswer(showPart);

@@ -1,6 +1,6 @@
 /** The state of the page: its chains, their results, and its address. */
 
-import { $ } from "./controls.js";
+import { $ } from "./fields.js";
 import { fixed, host, stored } from "./host.js";
 import { FACTORS, USUAL } from "./numbers.js";
 import { Results } from "./results.js";

@@ -1,7 +1,7 @@
 /** Dialogs: examples, and what can be shared or saved. */
 
 import { svg } from "./chart.js";
-import { $, make } from "./controls.js";
+import { $, make } from "./fields.js";
 import { host } from "./host.js";
 
 /** @typedef {{open: (example: any, slot: "A" | "B") => void, document: () => any, request: () => any, opened: (document: any) => void,

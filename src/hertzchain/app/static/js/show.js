@@ -2,8 +2,9 @@
 
 import { clock, goToTime, placeOf, wake } from "./clock.js";
 import { KINDS, readColours } from "./colour.js";
-import { $, Controls, make } from "./controls.js";
+import { Controls } from "./controls.js";
 import { SELECTS } from "./events.js";
+import { $, make } from "./fields.js";
 import { SpaceTime } from "./map.js";
 import { gapOf, plain, prefixed, short, timeAt } from "./numbers.js";
 import { SLOTS, about, history, keepAddress, other, own, results, say, state } from "./page.js";
@@ -222,7 +223,7 @@ function showTitles() {
     const colours = stages[slot].colours = header.kinds.map((/** @type {string[]} */ [name]) => names.indexOf(name));
     const kinds = colours.map((/** @type {number} */ i, /** @type {number} */ n) => make("span", { className: "key" },
       make("i", { className: "ring", style: `color:var(--m${i % KINDS});${i < KINDS ? "" : "border-style:dashed"}` }), header.kinds[n].join(", ")));
-    $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description + difference(slot), ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
+    $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description + difference(slot), ...(header.file ? [make("small", {}, header.file)] : []), ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
   }
   const beads = own().beads.header?.beads, list = SLOTS.flatMap((slot) => state[slot] ? results[slot].warnings.map((text) => (state.B ? `${slot}: ` : "") + upper(text)) : []);
   // Dents change all forces.

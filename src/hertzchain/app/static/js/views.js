@@ -1,7 +1,7 @@
 /** Charts and the table of a chain's results, linked by one cursor. */
 
 import { Chart, svg } from "./chart.js";
-import { $, make } from "./controls.js";
+import { $, make } from "./fields.js";
 import { fixed } from "./host.js";
 import { percent, placeAt, prefixed, short } from "./numbers.js";
 import { title } from "./results.js";
@@ -30,17 +30,8 @@ const SIMULATION = "simulation", RELATIVE = "(B − A) / A";
 /** Letters before names of curves. @param {State} state */
 const letters = ({ active, B }) => !B ? ["", ""] : active === "A" ? ["A, ", "B, "] : ["B, ", "A, "];
 
-/** Definitions of the parts of a budget, as in `budget.py`.
- * @type {Record<string, string>} */
-const PARTS = {
-  "leading pulse": "Beads in the leading pulse, which move away from the impact", lagging: "All other beads that move away from the impact",
-  "scattered back": "Beads that move back towards the impact", contacts: "Stored in contacts between beads",
-  walls: "Stored in the contacts with walls", "left wall": "Transferred to the left wall", "right wall": "Transferred to the right wall", lost: "Lost in contacts and walls",
-};
 /** Final velocities below this part of the largest are 0: they are errors of the simulation. */
 const AT_REST = 1e-7;
-/** Bands beyond which their edges are not listed. */
-const MOST_BANDS = 6;
 const BEADS = { xLabel: "bead k", counted: true };
 
 export class Views {
@@ -55,6 +46,7 @@ export class Views {
     this.budget = new Chart($("chart-budget"), picked);
     this.force = new Chart($("chart-force"), picked);
     this.modes = new Chart($("chart-modes"), () => {});
+    this.waves = new Chart($("chart-waves"), () => {});
   }
 
   /** Leading pulse and errors. @param {State} state @param {Results} own @param {Results | null} other */
@@ -172,7 +164,7 @@ export class Views {
   drawBudget(state, own, x, xLabel) {
     const of = state.view.budget, arrays = own.run.arrays, prefix = `${of}.`;
     const names = [...arrays.keys()].filter((name) => name.startsWith(prefix)).map((name) => name.slice(prefix.length));
-    if (!names.length) return; // Drafts of long chains have none: keep the last one.
+    if (!names.length && own.run.header.draft) return; // Drafts of long chains have none: keep the last one.
     const unit = own.si ? (of === "energy" ? "J" : "kg m/s") : "";
     const total = Math.max(...names.map((name) => largest(arrays.get(prefix + name))));
     const [factor, shown] = prefixed(total, unit);
@@ -187,8 +179,9 @@ export class Views {
       }
       return { name: `part ${name.replaceAll(" ", "-")}`, label: name, x, y, base };
     });
-    this.budget.draw(series, { xLabel, yLabel: inUnit(of, shown) }, `${of} by location: ${names.join(", ")}`);
-    replace($("legend-budget"), names.map((name) => make("span", { className: "key", title: PARTS[name] }, make("i", { className: `swatch part ${name.replaceAll(" ", "-")}` }), name)));
+    const note = of === "energy" && own.run.header.over_static, message = names.length ? "" : "Nothing moves.";
+    this.budget.draw(series, { xLabel, yLabel: inUnit(note ? "excess energy" : of, shown), message }, `${of} by location: ${names.join(", ")}`);
+    replace($("legend-budget"), names.map((name) => make("span", { className: "key", title: this.about.parts[name] }, make("i", { className: `swatch part ${name.replaceAll(" ", "-")}` }), name)).concat(note || []));
   }
 
   /** Forces of both chains at their times. @param {State} state @param {Results} own @param {Results | null} other @param {any} axis */
@@ -250,10 +243,14 @@ export class Views {
     const [factor, unit] = frequencies && own.si ? prefixed(largest(frequencies), "Hz") : [1, ""];
     const series = frequencies ? [{ name: "modes", label: "modes", x: range(frequencies.length), y: times(frequencies, factor), points: true }] : [];
     // Chains that do not repeat have no bands.
-    const [bands, shaded] = ["bands", "gaps"].map((each) => pairs(times(own.run.arrays.get(`modes.${each}`) ?? [], factor)));
-    const text = bands.length > MOST_BANDS ? "" : `Bands of an infinite chain with the same cell: ${bands.map((band) => band.map((each) => short(each)).join(" to ")).join(", ")} ${unit}`.trim();
-    this.modes.draw(series, { xLabel: "mode", counted: true, yLabel: inUnit("frequency", unit), message: frequencies ? "" : `No spectrum: ${message}.`, shaded: bands.length ? shaded : undefined }, frequencies ? `Spectrum: ${[summary(series), bands.length ? text : ""].filter(Boolean).join("; ")}` : "No spectrum");
-    replace($("legend-modes"), bands.length ? [make("span", { className: "key" }, make("i", { className: "swatch shade" }), "no plane waves"), make("span", {}, text)] : []);
+    const [gaps, waves] = ["gaps", "waves"].map((each) => own.run.arrays.get(`modes.${each}`) ?? []), shaded = times(gaps, factor), { bands: text, phases } = own.run.header;
+    // The frequency of the highest mode may be above all bands.
+    const axes = { yLabel: inUnit("frequency", unit), shaded: pairs(shaded), top: text && 1.15 * Math.max(largest(frequencies), shaded[shaded.length - 2]) };
+    this.modes.draw(series, { ...axes, xLabel: "mode", counted: true, message: frequencies ? "" : `No spectrum: ${message}.` }, frequencies ? `Spectrum: ${summary(series)}` : "No spectrum");
+    $("chart-waves").hidden = !waves.length;
+    const x = range(phases ?? 0).map((i) => (i - 1) / (phases - 1)), all = [...range(waves.length / phases || 0)];
+    this.waves.draw(all.map((i) => ({ ...line("modes", `band ${i}`, waves.slice((i - 1) * phases, i * phases), factor), x })), { ...axes, xLabel: "phase from cell to cell / π" }, `Plane waves: ${text}`);
+    replace($("legend-modes"), text ? [make("span", { className: "key" }, make("i", { className: "swatch shade" }), "no plane waves"), text] : []);
   }
 
   /** @param {number} bead @param {number} time */

@@ -80,4 +80,5 @@ def test_without_static_forces_all_energy_is_excess_energy():
         np.testing.assert_array_equal(values, other.energy[name])
     assert one.plot().get_ylabel() == "energy"
     assert other.plot().get_ylabel() == "excess energy"
-    assert "excess energy" in repr(other) and "excess energy" in str(other)
+    for text in (repr(other), str(other)):
+        assert "excess energy" in text

@@ -268,9 +268,7 @@ def _draw(
             axes = {
                 "map": lambda: plotting.plot_run(run, "force" if forces else "velocity"),
                 "forces": lambda: plotting.plot_forces(run, _places(chain, given.get("sensors"))),
-                "budget": lambda: plotting.plot_budget(
-                    run.budget(excess=has_static_forces(chain))
-                ),
+                "budget": lambda: plotting.plot_budget(run.budget(excess=has_static_forces(chain))),
             }[kind]()
     figure = axes.figure
     try:

@@ -56,8 +56,8 @@ AT_REST: Final = (
 MAX_BANDS: Final = 6
 PHASES: Final = 41
 OVER_STATIC: Final = (
-    "excess over the static state: without the energy that contacts store at rest, and that which "
-    "the constant forces exchange with them"
+    "Excess over the static state: without the energy that is stored at rest, and without the "
+    "work of the static forces"
 )
 # The run that is shown lasts at least until this multiple of the time of the peak on the wall.
 END_AFTER_PEAK: Final = 1.05

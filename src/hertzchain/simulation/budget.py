@@ -268,9 +268,8 @@ class Budget:
                 for name, amount in there.items()
                 if amount != 0.0
             ]
-            facts.append(
-                f"{self._name(of)} {measure(total, QUANTITIES[of].unit, units)}, of which {', '.join(parts)}"
-            )
+            amount = f"{self._name(of)} {measure(total, QUANTITIES[of].unit, units)}"
+            facts.append(f"{amount}, of which {', '.join(parts)}")
         worst = max(float(np.abs(self.residual(of)).max()) for of in BALANCED)
         at = f"{self.chain.description}, at t = {measure(self.times[-1], 's', units)}"
         return short("Budget", at, *facts, f"adds up within {worst:.0e}")

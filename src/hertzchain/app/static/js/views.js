@@ -245,7 +245,7 @@ export class Views {
     // Chains that do not repeat have no bands.
     const [gaps, waves] = ["gaps", "waves"].map((each) => own.run.arrays.get(`modes.${each}`) ?? []), shaded = times(gaps, factor), { bands: text, phases } = own.run.header;
     // The frequency of the highest mode may be above all bands.
-    const axes = { yLabel: inUnit("frequency", unit), shaded: pairs(shaded), top: text && 1.15 * Math.max(largest(frequencies), shaded[shaded.length - 2]) };
+    const axes = { yLabel: inUnit("frequency", unit), shaded: pairs(shaded), top: text && 1.15 * Math.max(factor * largest(frequencies), shaded[shaded.length - 2]) };
     this.modes.draw(series, { ...axes, xLabel: "mode", counted: true, message: frequencies ? "" : `No spectrum: ${message}.` }, frequencies ? `Spectrum: ${summary(series)}` : "No spectrum");
     $("chart-waves").hidden = !waves.length;
     const x = range(phases ?? 0).map((i) => (i - 1) / (phases - 1)), all = [...range(waves.length / phases || 0)];

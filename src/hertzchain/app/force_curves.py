@@ -10,6 +10,7 @@ import numpy as np
 
 from ..chain.bead_names import Side, bead_label
 from ..chain.chain import Chain
+from ..chain.drives import Drive
 from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..collision import Array, compression_time
 from ..errors import SimulationError
@@ -32,6 +33,8 @@ MAX_STATES: Final = 2_400_000
 UNCHANGED: Final = 1e-6
 # A collision changes a velocity by at least this fraction of the largest one.
 COLLISION: Final = 0.01
+# Times among which the largest force of a drive is found.
+TIMES_OF_DRIVE: Final = 20_001
 # Saved times in each of the two intervals next to the maximum of the force in a sensor.
 NEAR_MAXIMA: Final = 65
 
@@ -194,6 +197,18 @@ def peaks_at(
     side: Side = "left" if place == 0 else "right"
     found = _wall_peaks(whole, side, progress, float(force_at(forces, place).min()))
     return {"name": f"wall-{side}", "label": f"{side} wall", **found}
+
+
+def drive_in_words(drive: Drive, end: float) -> dict[str, Any]:
+    """Name and largest force of a drive until the end of a run."""
+    kinks = np.array([each for each in drive.kinks if 0.0 <= each <= end])
+    times = np.union1d(np.linspace(0.0, end, TIMES_OF_DRIVE), kinks)
+    values = drive.value(times)
+    k = int(np.argmax(np.abs(values)))
+    # A constant force has no time.
+    time = None if np.ptp(values) == 0.0 else float(times[k])
+    shown = [["largest", float(values[k]), time]]
+    return {"name": "drive", "label": "drive, force on bead 1", "shown": shown}
 
 
 def _sensor_peaks(run: Run, bead: int, draft: bool) -> dict[str, Any]:

@@ -31,6 +31,7 @@ from .documents import chain_of, checked_as_toml
 from .force_curves import (
     coarse_frames,
     contact_durations,
+    drive_in_words,
     force_at,
     peaks_at,
     places_of,
@@ -223,7 +224,7 @@ def _pulse_part(
     arrays, unordered = dict(compiled.arrays), ""
     if exact is not None:
         arrays |= pulse_arrays("exact", exact)
-        note = sentences([note, *exact.notes.values()])
+        note = sentences([note, *_with_quantities(exact.notes)])
         unordered = OUT_OF_ORDER if out_of_order(exact.residence) else ""
     header = {
         "part": "pulse", **request.identity, "theories": compiled.header,
@@ -231,6 +232,14 @@ def _pulse_part(
         "table_note": unordered, "seconds": time.perf_counter() - began,
     }  # fmt: skip
     return Part(header, arrays)
+
+
+def _with_quantities(notes: Mapping[str, str]) -> list[str]:
+    """Different notes, each after the quantities whose values it explains."""
+    found: dict[str, list[str]] = {}
+    for quantity, note in notes.items():
+        found.setdefault(note, []).append(quantity.replace("_", " "))
+    return [f"{', '.join(names)}: {note}" for note, names in found.items()]
 
 
 def limited(stop: Stop) -> Callable[..., None]:
@@ -321,6 +330,9 @@ def _run_part(
         arrays[f"force.{name}"] = force_at(forces, place)
         found = peaks_at(forces, whole, place, None if request.draft else progress)
         peaks[name] = {"name": colours.get(place), **found}
+    if chain.drive is not None and chain.drive.of == "force":
+        arrays["force.drive"] = chain.drive.value(forces.times)
+        peaks["drive"] = drive_in_words(chain.drive, run.end_time)
     if run.success and not run._still_closed:
         arrays["final"] = run.velocities[-1]
     if not request.draft or chain.beads <= MAX_BEADS_OF_DRAFT_BUDGET:

@@ -36,6 +36,7 @@ WORDINGS: Final = (
     (r"^struck_by omits the velocity of bead 1, (.*), because strikers hit a chain at rest; .*",
      r"the impact velocity, \1, is not used, because strikers hit a chain at rest; enter the "
      "velocity under Strikers"),
+    (r"; see Run\.fronts", ""),
     # Names of tables in chain files.
     (r" of \[chain[.\w]*\]", ""),
     # The page describes the chain, and shows the results of these functions.

@@ -96,6 +96,8 @@ export function showView() {
   $("log").checked = v.log;
   for (const slot of SLOTS) Object.assign(stages[slot], { camera: v.camera, scale: v.scale, sensors: v.sensors });
   $("bead").value = String(v.bead);
+  // A new defect is the chosen bead.
+  about.begin.other.bead = Math.max(1, ball());
   // The unit is known with the first results.
   if (document.activeElement !== $("until")) $("until").value = v.until ? plain(own().si ? 1e3 * v.until : v.until) : "";
   $("until-unit").textContent = own().si ? "ms" : "";

@@ -209,8 +209,8 @@ export class Stage {
 
   /** @param {Pen} pen @param {number} W @param {number} H @param {Float64Array} speeds */
   drawProfile(pen, W, H, speeds) {
-    // The profile ends below its caption.
-    const base = H * 0.27, tall = Math.min(H * 0.21, base - 15), count = this.radii.length;
+    // Between its caption and the beads.
+    const base = H * 0.185 + 7.5, tall = base - 15, count = this.radii.length;
     pen.fillStyle = COLOURS.line;
     pen.fillRect(0, base, W, 1);
     pen.fillStyle = COLOURS.soft;
@@ -237,7 +237,7 @@ export class Stage {
         if (x < -60 || x > W + 60) continue;
         if (first < 0) pen.moveTo((first = x), base);
         const v = speeds[k] * sign;
-        pen.lineTo(x, base - sign * tall * (v > 0 ? v : 0) * (sign > 0 ? 1 : 0.6));
+        pen.lineTo(x, base - sign * tall * (v > 0 ? v : 0));
         last = x;
       }
       pen.lineTo(last, base);

@@ -207,7 +207,7 @@ export class Views {
       });
       for (const [what, value, unit] of each.impact ?? []) {
         const [factor, shown] = own.si ? prefixed(value, unit) : [1, ""];
-        notes.push(`${what} ${short((value ?? NaN) * factor)} ${shown}`.trim());
+        notes.push(value === null ? `${what} …` : `${what} ${short(value * factor)} ${shown}`.trim());
       }
       return { name: each.name + faint, label, x: times(x, axis.factor), y: scaled(y), note: `${label}: ${notes.join("; ")}` };
     });

@@ -1448,6 +1448,100 @@ def test_nothing_overflows(browser, running, width):
     assert page.problems == []
 
 
+PLACE_OF_FOCUS = """() => {
+  const { id } = document.activeElement, place = document.activeElement.closest(".card, #controls");
+  return [id, place && place.getBoundingClientRect().top + scrollY];
+}"""
+
+
+def test_the_keyboard_follows_the_order_on_the_screen(browser, running):
+    page = Page(browser, running, viewport={"width": 400, "height": 800})
+    tab = page.tab
+
+    def reached():
+        tab.evaluate("document.activeElement.blur()")
+        tab.focus("#open-help")
+        found = {}
+        while not found or found[name] is not None:
+            tab.keyboard.press("Tab")
+            name, top = tab.evaluate(PLACE_OF_FOCUS)
+            found[name] = top
+        return [(name, top) for name, top in found.items() if top is not None]
+
+    narrow = reached()
+    tops = [top for _, top in narrow]
+    assert tops == sorted(tops)
+    names = [name for name, _ in narrow]
+    order = ["lane-A", "play", "force-scale", "c-form", "c-chain.beads", "map-of", "quantity"]
+    assert [name for name in names if name in order] == order
+    # The controls are to the left of the chain in a wide window.
+    tab.set_viewport_size({"width": 1200, "height": 800})
+    names = [name for name, _ in reached()]
+    order = ["c-form", "c-chain.beads", "lane-A", "play", "map-of", "force-scale", "quantity"]
+    assert [name for name in names if name in order] == order
+    tab.set_viewport_size({"width": 400, "height": 800})
+    assert reached() == narrow
+    page.context.close()
+    assert page.problems == []
+
+
+# Extent of the curve of the velocities above and below its axis, at two beads.
+EXTENTS = """() => {
+  const canvas = document.getElementById("stage-A"), pen = canvas.getContext("2d");
+  const { data, width, height } = pen.getImageData(0, 15, canvas.width, 0.36 * canvas.height - 15);
+  const { left } = canvas.getBoundingClientRect();
+  return [1, 5].map((bead) => {
+    const x = Math.round(hertzchain.placeOf("A", bead)[0] - left);
+    const rows = [...Array(height).keys()].filter((y) => data[4 * (y * width + x) + 3]);
+    return [rows[0], rows.at(-1)];
+  });
+}"""
+
+
+def test_the_curve_of_velocities_has_one_scale_in_both_directions(page):
+    tab = page.new_tab(f"{page.origin}#taper=uniform&beads=5&velocities=[1,0,0,0,-1]")
+    tab.evaluate(NEXT_FRAME)
+    (top, _), (axis, bottom) = tab.evaluate(EXTENTS)
+    assert axis - top > 20
+    assert bottom - axis == pytest.approx(axis - top, abs=2)
+
+
+def test_a_new_defect_is_the_chosen_bead(page):
+    page.tab.fill("#bead", "7")
+    page.tab.keyboard.press("Enter")
+    page.tab.click("summary:has-text('Defects')")
+    page.tab.click("#add-with_defects")
+    page.settle()
+    assert page.document()["chain"]["with_defects"][0]["bead"] == 7
+
+
+def test_the_budget_of_a_compressed_chain_is_that_over_the_static_state(page):
+    held = "&precompression=0.5&held_by=force&right_wall.rigid=true"
+    tab = page.new_tab(f"{page.origin}#taper=uniform&beads=12{held}")
+    assert tab.text_content("#chart-budget text.label:last-child") == "excess energy"
+    assert "Excess over the static state" in tab.text_content("#legend-budget")
+    tab.select_option("#budget-of", "momentum")
+    tab.evaluate(NEXT_FRAME)
+    assert tab.text_content("#chart-budget text.label:last-child") == "momentum"
+    assert "Excess" not in tab.text_content("#legend-budget")
+    # Nothing moves: there is no older budget either.
+    tab.select_option("#budget-of", "energy")
+    tab = page.new_tab(f"{page.origin}#taper=uniform&beads=12&velocities=0{held}")
+    assert tab.inner_text("#chart-budget .nothing") == "Nothing moves."
+
+
+def test_a_saved_page_has_its_file_after_the_description(page, tmp_path):
+    chain = hc.Chain.uniform(12)
+    document = tomllib.loads('[chain]\ntaper = "uniform"\nbeads = 12\n')
+    write_page(document, document, [], tmp_path / "page.html", {"A": "one.toml", "B": "two.toml"})
+    tab = page.tab = page.new_tab(f"file://{tmp_path}/page.html")
+    assert tab.title() == f"{chain.description} – one.toml – hertzchain"
+    for slot, name in (("A", "one.toml"), ("B", "two.toml")):
+        heading = tab.locator(f"#title-{slot}")
+        assert heading.text_content() == f"{slot}: {chain.description}{name}"
+        assert heading.locator("small").text_content() == name
+
+
 def test_forced_colours_keep_states_and_legends(browser, running):
     page = Page(browser, running, forced_colors="active")
     colours = page.tab.evaluate("""() => {
@@ -1463,9 +1557,10 @@ def test_forced_colours_keep_states_and_legends(browser, running):
 @pytest.mark.skipif(
     not AXE.exists(), reason="axe-core is not installed (npm install in tools/page)"
 )
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_no_violations_of_accessibility(browser, running, scheme):
-    page = Page(browser, running, color_scheme=scheme)
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1280), ("dark", 1280), ("light", 400)])
+def test_no_violations_of_accessibility(browser, running, scheme, width):
+    viewport = {"width": width, "height": 900}
+    page = Page(browser, running, color_scheme=scheme, viewport=viewport)
     tab = page.tab
 
     def check(name):
@@ -1564,8 +1659,8 @@ def test_the_spectrum_shows_bands_and_gaps(page):
     spectrum = hc.spectrum(chain_of(tab.evaluate("hertzchain.state.A")))
     (_, low), (high, top) = spectrum.band_edges() / 1e3
     assert tab.text_content("#legend-modes") == (
-        "no plane wavesBands of an infinite chain with the same cell: "
-        f"0 to {low:.4g}, {high:.4g} to {top:.4g} kHz"
+        f"no plane wavesSound speed {spectrum.sound_speed:.4g} m/s; bands of an infinite chain "
+        f"with the same cell: 0 to {low:.4g}, {high:.4g} to {top:.4g} kHz"
     )
     # The points of the modes give the scale of the axis.
     path = tab.get_attribute("#chart-modes path.modes", "d")
@@ -1579,6 +1674,15 @@ def test_the_spectrum_shows_bands_and_gaps(page):
     assert gap == pytest.approx([high, low], abs=0.01 * top)
     assert above[0] > 1.05 * top
     assert above[1] == pytest.approx(top, abs=0.01 * top)
+    # Both axes have one scale; the curves are those of plane waves.
+    curves = tab.locator("#chart-waves path.modes").evaluate_all(
+        "all => all.map(each => each.getAttribute('d'))"
+    )
+    waves = 1e-3 * spectrum.bands(np.linspace(0.0, np.pi, 41)).T
+    for curve, frequencies in zip(curves, waves, strict=True):
+        points = np.array(re.findall(r"([\d.]+) ([\d.]+)", curve), float)
+        assert (points[:, 1] - zero) / slope == pytest.approx(frequencies, abs=0.01 * top)
+        assert np.ptp(np.diff(points[:, 0])) < 0.21
     # A taper does not repeat.
     taper = (
         f"taper=forward-exponential&rate=0.05&radius=5+mm&beads=9&materials=steel-52100&{static}"
@@ -1587,6 +1691,7 @@ def test_the_spectrum_shows_bands_and_gaps(page):
     assert tab.evaluate("hertzchain.results.A.run.arrays.has('modes.frequency')")
     assert tab.locator("#chart-modes .shade").count() == 0
     assert tab.text_content("#legend-modes") == ""
+    assert not tab.locator("#chart-waves").is_visible()
 
 
 def test_the_wall_can_be_dragged_at_all_its_places(page):
@@ -1683,6 +1788,18 @@ def test_a_stiffness_without_a_unit_has_the_unit_of_its_exponent(page, tmp_path)
         row = page.tab.locator(".row:has([id='c-chain.right_wall.stiffness'])")
         assert row.locator("input[type=text]").input_value() == "5000000"
         assert row.locator(".unit").text_content() == unit
+    # Lists, and the unit that an empty field expects; a value may have its own.
+    row = page.tab.locator(".row:has([id='c-chain.stiffness'])")
+    several = "stiffness = [1e9, 2e9, 1e9, 2e9, 1e9, 2e9, 1e9]\n"
+    exponents = "exponent = [1.5, 1.2, 1.5, 1.2, 1.5, 1.2, 1.5]\n"
+    for lines, unit in (
+        ("", "N/m^1.5"), (several, "N/m^1.5"), (several + "exponent = 1.2\n", "N/m^1.2"),
+        (several + exponents, "N/m^exponent"), ('stiffness = "9 N/µm^1.5"\n', ""),
+    ):  # fmt: skip
+        path.write_text(text + lines)
+        open_file(page, path)
+        assert row.locator(".unit").text_content() == unit
+    row = page.tab.locator(".row:has([id='c-chain.right_wall.stiffness'])")
     path.write_text(f'{text}right_wall = {{exponent = 1, stiffness = "5 kN/mm"}}\n')
     open_file(page, path)
     assert row.locator("input[type=text]").input_value() == "5"

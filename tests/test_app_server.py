@@ -90,6 +90,34 @@ def test_runs_are_those_of_the_library():
     assert np.array_equal(pulse["exact.velocity"], run.pulse().velocity)
 
 
+def test_the_budget_of_a_compressed_chain_is_that_over_the_static_state():
+    crystal = {"taper": "uniform", "beads": 12, "precompression": 0.5, "held_by": "force"}
+    header, arrays = computed({"chain": crystal})["run"]
+    assert header["over_static"].startswith("Excess over the static state")
+    total = sum(values for name, values in arrays.items() if name.startswith("energy."))
+    assert total == pytest.approx(0.5, rel=1e-6)
+    header, _ = computed(WALL)["run"]
+    assert header["over_static"] == ""
+
+
+def test_the_force_of_a_drive_is_shown():
+    drive = {"kind": "table", "of": "force", "times": [0.0, 3.0, 7.3, 12.0],
+             "values": [0.0, -0.2, 0.5, 0.0]}  # fmt: skip
+    row = {"taper": "uniform", "beads": 9, "velocities": 0.0, "drive": drive}
+    header, arrays = computed({"chain": row}, run_until=20.0)["run"]
+    expected = hc.TableDrive(drive["times"], drive["values"]).value(arrays["forces.times"])
+    assert np.array_equal(arrays["force.drive"], expected)
+    assert header["peaks"]["drive"]["shown"] == [["largest", 0.5, 7.3]]
+    # A constant force has no time.
+    row["drive"] = {"kind": "step", "amplitude": 0.1}
+    header, _ = computed({"chain": row}, run_until=20.0)["run"]
+    assert header["peaks"]["drive"]["shown"] == [["largest", 0.1, None]]
+    # The note does not name functions of Python.
+    note = computed({"chain": row}, run_until=20.0)["pulse"][0]["note"]
+    assert "residence: bead 1: not struck" in note
+    assert "Run." not in note
+
+
 def steep(rate, beads):
     wall = {"rigid": True}
     taper = {"taper": "forward-exponential", "rate": rate, "beads": beads, "right_wall": wall}

@@ -1461,12 +1461,13 @@ def test_the_keyboard_follows_the_order_on_the_screen(browser, running):
     def reached():
         tab.evaluate("document.activeElement.blur()")
         tab.focus("#open-help")
-        found = {}
-        while not found or found[name] is not None:
+        found = []
+        while True:
             tab.keyboard.press("Tab")
             name, top = tab.evaluate(PLACE_OF_FOCUS)
-            found[name] = top
-        return [(name, top) for name, top in found.items() if top is not None]
+            if top is None:
+                return found
+            found.append((name, top))
 
     narrow = reached()
     tops = [top for _, top in narrow]

@@ -19,6 +19,7 @@ from ..propagation.propagate import propagate
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
 from ..recorded_warnings import record_warnings
+from ..simulation.budget import Budget
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
 from ..theory.catalogue import THEORIES
@@ -268,13 +269,19 @@ def _draw(
             axes = {
                 "map": lambda: plotting.plot_run(run, "force" if forces else "velocity"),
                 "forces": lambda: plotting.plot_forces(run, _places(chain, given.get("sensors"))),
-                "budget": lambda: plotting.plot_budget(run.budget(excess=has_static_forces(chain))),
+                "budget": lambda: plotting.plot_budget(_budget(run)),
             }[kind]()
     figure = axes.figure
     try:
         return figure_bytes(figure, form)  # type: ignore[arg-type]
     finally:
         plt.close(figure)  # type: ignore[arg-type]
+
+
+def _budget(run: Run) -> Budget:
+    """The budget as on the page."""
+    budget = run.budget()
+    return budget.over_static() if has_static_forces(run.chain) else budget
 
 
 def _pulse_axes(

@@ -382,7 +382,7 @@ def has_static_forces(chain: Chain) -> bool:
 
 def _budget_arrays(run: Run, moves: bool) -> dict[str, Any]:
     """Excess energy and momentum by location, without locations where there is none."""
-    budget = run.budget(excess=True)
+    budget = run.budget().over_static()
     parts = (("energy", budget.energy), ("momentum", budget.momentum))
     return {
         f"{of}.{name}": values.astype(np.float32)

@@ -29,8 +29,8 @@ that balance the static contact forces: weights, and the forces that hold the en
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, Literal
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
@@ -60,6 +60,8 @@ COLOURS: Final = {
 MOVING: Final = ("leading pulse", "lagging", "scattered back")
 # Parts of the largest amount in motion below which an amount is a rounding error, shown as 0.
 ROUNDING: Final = 1e-12
+# Relative difference of two energies that is a rounding error.
+SAME: Final = 1e-14
 
 
 class Parts(dict[str, Array]):
@@ -95,7 +97,7 @@ class Budget:
     energy_given, momentum_given : dict of ndarray, shape (T,)
         Energy and momentum by origin: ``"start"``, ``"gravity"``, ``"drive"``, ``"held ends"``.
     excess : bool
-        Whether the energies are those over the static state; see `Run.budget`.
+        Whether the energies are those over the static state; see `over_static`.
 
     Examples
     --------
@@ -113,6 +115,8 @@ class Budget:
     energy_given: dict[str, Array]
     momentum_given: dict[str, Array]
     excess: bool = False
+    # Energy by location and by origin that belongs to the static state.
+    _static: tuple[dict[str, Array], dict[str, Array]] = field(default=({}, {}), repr=False)
 
     @property
     def kinetic_energy(self) -> Array:
@@ -130,6 +134,32 @@ class Budget:
         """
         total: Array = np.sum([self.energy[name] for name in MOVING], axis=0)
         return total
+
+    def over_static(self) -> Budget:
+        """The budget with the excess energies over the static state.
+
+        They do not include the energy that precompression or gravity stores in the contacts
+        before the impact; see `hertzchain.simulation.budget`.
+
+        Examples
+        --------
+        An impact of energy 1/2 on a chain that stores 7.6 before it:
+
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(20).replace(precompression=1.0, held_by="force")
+        >>> budget = hc.simulate(chain, until=10.0).budget()
+        >>> [round(float(each.energy_given["start"][0]), 6)
+        ...  for each in (budget, budget.over_static())]
+        [8.1, 0.5]
+        """
+        there, given = self._static
+        return replace(
+            self,
+            energy=_without(self.energy, there),
+            energy_given=_without(self.energy_given, given),
+            excess=True,
+            _static=({}, {}),
+        )
 
     def residual(self, of: Balanced = "energy") -> Array:
         """Sum over locations minus sum over origins, relative to the largest amount in motion.
@@ -304,10 +334,8 @@ def budget_of(
     accumulators: Array,
     weights: Array,
     start: tuple[float, float],
-    *,
-    excess: bool = False,
 ) -> Budget:
-    """Compute the budget of saved states; energies over the static state for ``excess``."""
+    """Compute the budget of saved states."""
     lost, worked, pushed, from_left, to_right = accumulators.T
     momenta = chain.masses * velocities
     kinetic = 0.5 * momenta * velocities
@@ -323,31 +351,26 @@ def budget_of(
     moved = positions - chain.static_state.positions
     weight = chain.masses * chain.gravity
     held = chain.static_state.body_forces - weight
-    energy_given = {
-        "start": np.full(len(times), start[0]),
-        "gravity": moved @ weight,
-        "drive": worked,
-        "held ends": moved @ held,
-    }
-    if excess:
-        stored, balanced = _over_static(chain, overlaps, stored, moved)
-        energy_given = {name: given - balanced[name] for name, given in energy_given.items()}
     return Budget(
         chain=chain,
         times=times,
         energy=Parts(
             {name: np.sum(kinetic * part, axis=1) for name, part in parts.items()}
-            | {
-                "contacts": stored[:, 1:-1].sum(axis=1),
-                "walls": stored[:, 0] + stored[:, -1],
-                "lost": lost,
-            }
+            | _by_location(stored)
+            | {"lost": lost}
         ),
         momentum=Parts(
             {name: np.sum(momenta * part, axis=1) for name, part in parts.items()}
             | {"left wall": -from_left, "right wall": to_right}
         ),
-        energy_given=Parts(energy_given),
+        energy_given=Parts(
+            {
+                "start": np.full(len(times), start[0]),
+                "gravity": moved @ weight,
+                "drive": worked,
+                "held ends": moved @ held,
+            }
+        ),
         momentum_given=Parts(
             {
                 "start": np.full(len(times), start[1]),
@@ -356,14 +379,26 @@ def budget_of(
                 "held ends": times * held.sum(),
             }
         ),
-        excess=excess,
+        _static=_static_part(chain, overlaps, moved),
     )
 
 
-def _over_static(
-    chain: Chain, overlaps: Array, stored: Array, moved: Array
-) -> tuple[Array, dict[str, Any]]:
-    """Energies of contacts over the static state, and the energies given that balance the rest."""
+def _without(energy: dict[str, Array], static: dict[str, Array]) -> Parts:
+    """Energies without their static parts; 0 where the difference is a rounding error."""
+    found = Parts({name: values - static.get(name, 0.0) for name, values in energy.items()})
+    for name in static:
+        found[name][np.abs(found[name]) < SAME * np.abs(energy[name])] = 0.0
+    return found
+
+
+def _by_location(stored: Array) -> dict[str, Array]:
+    return {"contacts": stored[:, 1:-1].sum(axis=1), "walls": stored[:, 0] + stored[:, -1]}
+
+
+def _static_part(
+    chain: Chain, overlaps: Array, moved: Array
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Energy of contacts at rest with the work of static forces, and the energy given for both."""
     state = chain.static_state
     # Constant forces on free ends are not those of contacts.
     forces = np.where(chain.contact_stiffness > 0.0, state.forces, 0.0)
@@ -375,11 +410,11 @@ def _over_static(
     supported = pressed[:-1] | pressed[1:]
     weight = chain.masses * chain.gravity * supported
     held = state.body_forces * supported - weight
-    balanced = {"start": at_rest.sum(), "gravity": moved @ weight, "held ends": moved @ held}
-    # The static force on a driven wall also does work.
-    rest = work.sum(axis=1) - balanced["gravity"] - balanced["held ends"]
-    balanced["drive"] = np.zeros(len(work)) if chain.drive is None else rest
-    return stored - at_rest - work, balanced
+    given = {"start": at_rest.sum(), "gravity": moved @ weight, "held ends": moved @ held}
+    if chain.drive is not None:
+        # The static force on a driven wall also does work.
+        given["drive"] = work.sum(axis=1) - given["gravity"] - given["held ends"]
+    return _by_location(at_rest + work), given
 
 
 def stored_energy(

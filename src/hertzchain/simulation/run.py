@@ -13,7 +13,7 @@ from ..errors import IncompleteWarning, InputError, SimulationError, warn_user
 from ..pulse.pulse import Pulse
 from ..representation import short
 from ..validation.keywords import checked_methods
-from ..validation.objects import Progress, check_bool, check_choice
+from ..validation.objects import Progress, check_choice
 from .budget import Budget, budget_of
 from .energy_flux import energy_flux_of
 from .find_reflection import reflection_of
@@ -208,14 +208,8 @@ class Run(Trajectory):
             self._impulses, self.chain,
         )  # fmt: skip
 
-    def budget(self, *, excess: bool = False) -> Budget:
+    def budget(self) -> Budget:
         """Energy and momentum at every saved time, by location and by origin.
-
-        Parameters
-        ----------
-        excess : bool
-            Whether energies are those over the static state, without the energy that
-            precompression or gravity stores in the contacts before the impact.
 
         Raises
         ------
@@ -229,21 +223,12 @@ class Run(Trajectory):
         >>> budget = hc.simulate(chain).budget()
         >>> bool(abs(budget.residual("energy")).max() < 1e-9)
         True
-
-        An impact of energy 1/2 on a chain that stores more than ten times as much:
-
-        >>> chain = hc.Chain.uniform(20).replace(precompression=1.0, held_by="force")
-        >>> run = hc.simulate(chain, until=10.0)
-        >>> [round(float(run.budget(excess=each).energy_given["start"][0]), 6)
-        ...  for each in (False, True)]
-        [8.1, 0.5]
         """
-        excess = check_bool("excess", excess)
         self._require_times()
         return budget_of(
             self.chain, self.times, self.positions, self.velocities, self.forces,
             self._accumulators, self.leading_pulse().weights(self.times, self.velocities),
-            self.state.start, excess=excess,
+            self.state.start,
         )  # fmt: skip
 
     def horizon(self, *, within: float = 0.01, progress: Progress | None = None) -> Horizon:

@@ -1516,6 +1516,22 @@ def test_a_new_defect_is_the_chosen_bead(page):
     assert page.document()["chain"]["with_defects"][0]["bead"] == 7
 
 
+def test_a_diameter_replaces_a_radius_and_vice_versa(page):
+    tab = page.new_tab(f"{page.origin}#diameters=20+mm&beads=9&materials=steel-52100")
+    page.tab = tab
+    tab.click("summary:has-text('Defects')")
+    tab.click("#add-with_defects")
+    page.settle()
+    for name, other in (("diameter", "radius"), ("radius", "diameter")):
+        tab.fill(f"[id='c-chain.with_defects.0.{name}']", "12")
+        tab.keyboard.press("Tab")
+        page.settle()
+        (defect,) = page.document()["chain"]["with_defects"]
+        assert (defect[name], other in defect) == ("12 mm", False)
+        assert tab.input_value(f"[id='c-chain.with_defects.0.{other}']") == ""
+        assert page.status().startswith("The run ends")
+
+
 def test_the_budget_of_a_compressed_chain_is_that_over_the_static_state(page):
     held = "&precompression=0.5&held_by=force&right_wall.rigid=true"
     tab = page.new_tab(f"{page.origin}#taper=uniform&beads=12{held}")

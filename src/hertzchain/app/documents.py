@@ -31,7 +31,10 @@ def chain_of(document: object) -> Chain:
     if not isinstance(document, Mapping):
         raise InputError("the request has no chain file; reload the page")
     if any(_files([document.get("chain")])):
-        raise InputError("a chain in the app cannot refer to files; open the chain file instead")
+        raise InputError(
+            "a chain that is opened on the page cannot refer to files; start hertzchain app with "
+            "the chain file"
+        )
     _check_size(document.get("chain"))
     chain = chain_from(with_infinity(document))
     _check_beads(chain.beads)

@@ -63,7 +63,9 @@ export class Fields {
   /** @param {Path} path @param {any} value @param {boolean} [moving] */
   put(path, value, moving = false) {
     this.last = path.join(".");
-    this.change(changed(this.document, path, value), moving);
+    const table = path.slice(0, -1), instead = { radius: "diameter", diameter: "radius" }[path[path.length - 1]];
+    const document = changed(this.document, path, value);
+    this.change(instead && value !== undefined ? changed(document, [...table, instead], undefined) : document, moving);
   }
 
   /** @param {string} id @param {string} label @param {[string, string][]} choices @param {() => string} read

@@ -1516,6 +1516,34 @@ def test_a_new_defect_is_the_chosen_bead(page):
     assert page.document()["chain"]["with_defects"][0]["bead"] == 7
 
 
+LISTEN_TO_CANVASES = """() => {
+  const pens = CanvasRenderingContext2D.prototype, fill = pens.fillText;
+  window.texts = [];
+  pens.fillText = function (text, ...rest) {
+    window.texts.push(text);
+    return fill.call(this, text, ...rest);
+  };
+}"""
+
+
+def test_the_size_of_a_bead_is_shown_while_it_is_dragged(page):
+    tab = page.tab = page.new_tab(f"{page.origin}#diameters=20+mm&beads=9&materials=steel-52100")
+    tab.evaluate(LISTEN_TO_CANVASES)
+    x, y, radius = tab.evaluate("hertzchain.placeOf('A', 5)")
+    tab.mouse.move(x, y - radius + 1)
+    tab.mouse.down()
+    tab.mouse.move(x, y - 1.3 * radius, steps=3)
+    page.settle()
+    diameter = 2e3 * page.array("beads", "radii")[4]
+    assert diameter > 22.0
+    assert tab.evaluate("window.texts").count(f"bead 5, {diameter:.4g} mm") >= 1
+    tab.mouse.up()
+    tab.evaluate("window.texts.length = 0")
+    page.settle()
+    tab.evaluate(NEXT_FRAME)
+    assert not [text for text in tab.evaluate("window.texts") if text.startswith("bead 5,")]
+
+
 def test_a_diameter_replaces_a_radius_and_vice_versa(page):
     tab = page.new_tab(f"{page.origin}#diameters=20+mm&beads=9&materials=steel-52100")
     page.tab = tab

@@ -346,8 +346,10 @@ export class Stage {
     pen.stroke();
     pen.fillStyle = COLOURS.accent;
     pen.font = "600 12px system-ui, sans-serif";
-    const below = this.sensors.includes(this.bead - this.strikers) ? 24 : 15, at = Math.max(28, Math.min(W - 28, x));
-    const text = `bead ${this.bead}`, base = Math.min(H - 3, y + Math.max(h, 4) + below);
+    const face = this.faces[this.bead - 1], [factor, unit] = prefixed(2 * face, "m");
+    const size = this.si ? `${short(2 * face * factor)} ${unit}` : `radius ${short(face)}`, text = `bead ${this.bead}${this.drag?.moved ? `, ${size}` : ""}`;
+    const half = pen.measureText(text).width / 2 + 7, at = Math.max(half, Math.min(W - half, x));
+    const below = this.sensors.includes(this.bead - this.strikers) ? 24 : 15, base = Math.min(H - 3, y + Math.max(h, 4) + below);
     pen.strokeStyle = COLOURS.card;
     pen.lineWidth = 4;
     pen.strokeText(text, at, base);

@@ -223,7 +223,11 @@ export class Views {
     const found = new Map();
     const chains = state.active === "A" ? [own, other] : [other, own], alike = own.beads.header.strikers === other.beads.header.strikers;
     chains.forEach((chain, i) => {
-      const numbers = forcesOf(chain).flatMap(({ label, ball = label, shown, impact = [] }) => [...shown.flatMap(([what, force, time]) => [[what, force, "N"], [`time of ${what}`, time, "s"]]), ...impact].filter(([, value]) => value !== null).map(([what, value, unit]) => [`${alike ? label : ball}, ${what}`, unit, value]));
+      const numbers = forcesOf(chain).flatMap(({ label, ball = label, shown, impact = [] }) => [...shown.flatMap(([words, force, time]) => {
+        // A peak that is complete is compared with the largest force of another run.
+        const what = words.replace(/^(peak$|largest.*)/, "largest");
+        return [[what, force, "N"], [`time of ${what}`, time, "s"]];
+      }), ...impact.map(([what, ...each]) => [what.replace(/ above.*/, ""), ...each])].filter(([, value]) => value !== null).map(([what, value, unit]) => [`${alike ? label : ball}, ${what}`, unit, value]));
       numbers.push(["velocity of the last bead", "m/s", chain.exact("velocity")?.at(-1)], ["arrival there", "s", chain.exact("arrival")?.at(-1)]);
       // The peak without yield is compared with that with yield.
       for (const [label, unit, value] of numbers) found.set(label, Object.assign(found.get(label) ?? [unit, ...chains.map(({ run }) => (/yield/.test(label) && run.header.peaks.right?.yielding) || NaN)], { [i + 1]: value ?? NaN }));

@@ -11,15 +11,24 @@ from ..validation.numbers import whole_number
 from .chain import Chain
 
 Side = Literal["left", "right"]
+CAP: Final = "cap"
 NAME: Final = re.compile(r"(ball|bead) +([0-9]{1,9})")
-AT_NAME: Final = re.compile(r"@ *((?:ball|bead) +[0-9]{1,9})(?![0-9])", re.IGNORECASE)
+AT_NAME: Final = re.compile(r"@ *((?:(?:ball|bead) +[0-9]{1,9})(?![0-9])|cap\b)", re.IGNORECASE)
 
 
 def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: bool = False) -> int:
-    """Number of a bead, strikers included, from that number or a name such as ``"ball 11"``."""
+    """Number of a bead, strikers included, from that number or a name such as ``"ball 11"``.
+
+    The last bead is also named ``"cap"`` if it is one.
+    """
     if not isinstance(bead, str):
         return whole_number(what, bead, least=1, most=chain.beads)
-    found = NAME.fullmatch(" ".join(bead.lower().split()))
+    name = " ".join(bead.lower().split())
+    if name == CAP:
+        if chain.cap is None:
+            raise InputError("the chain has no cap; add one with with_cap")
+        return chain.beads
+    found = NAME.fullmatch(name)
     if found is None:
         wall = ", or 'wall'" if walls else ""
         raise InputError(
@@ -73,6 +82,8 @@ def with_bead_numbers(chain: Chain, quantity: str) -> str:
 
 
 def bead_label(chain: Chain, number: int) -> str:
-    """``bead 12``; in a chain with strikers, ``bead 12 (ball 11)``."""
+    """``bead 12``; in a chain with strikers, ``bead 12 (ball 11)``; ``bead 12 (cap)``."""
+    if chain.cap is not None and number == chain.beads:
+        return f"bead {number} ({CAP})"
     ball = number - chain.strikers
     return f"bead {number}" + (f" (ball {ball})" if chain.strikers and ball > 0 else "")

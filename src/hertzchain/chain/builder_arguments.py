@@ -22,7 +22,7 @@ from .materials import Material, MaterialLike
 OTHER_FIELDS: Final = tuple(
     item.name for item in dataclasses.fields(ChainFields)
     if item.init
-    and item.name not in ("radii", "units", "materials", "scatter", "striker_properties")
+    and item.name not in ("radii", "units", "materials", "scatter", "striker_properties", "cap")
 )  # fmt: skip
 TAPER_FIELDS: Final = tuple(name for name in OTHER_FIELDS if not name.startswith("taper"))
 DIMER_FIELDS: Final = tuple(

@@ -20,7 +20,7 @@ from ..errors import InputError
 from ..frozen import name_replace
 from ..validation.keywords import checked_fields
 from ..validation.numbers import real_numbers
-from . import contact_shapes, modifications, pieces, strikers
+from . import contact_shapes, modifications, pieces, strikers, with_cap
 from .builders import ChainBuilders
 from .contact_groups import loading_forces
 from .static_state import StaticState, static_state
@@ -82,6 +82,8 @@ class Chain(ChainBuilders):
     striker_properties : tuple of StrikerProperties
         Mass, face and contact of each striker, where they do not follow from its radius; empty if
         all do.  See `Chain.struck_by`.
+    cap : Cap or None
+        Mass and contact of the last bead, if it is a flat cap.  See `Chain.with_cap`.
     precompression : float
         Static force >= 0 on every contact after the strikers [scaled, or N]; with gravity, on
         the contact with the smallest force.
@@ -172,6 +174,7 @@ class Chain(ChainBuilders):
     with_defects = modifications.with_defects
     with_scatter = modifications.with_scatter
     struck_by = strikers.struck_by
+    with_cap = with_cap.with_cap
     with_contacts = contact_shapes.with_contacts
 
     def _repr_html_(self) -> str:

@@ -124,7 +124,7 @@ class CrossedCylinders:
         if self.radius is not None:
             return self
         if math.isinf(max(radius, other_radius)):
-            raise InputError("a flat striker is not a cylinder with a radius: give "
+            raise InputError("a flat striker or cap is not a cylinder with a radius: give "
                              "CrossedCylinders(radius), or other contacts only")  # fmt: skip
         return dataclasses.replace(self, radius=radius, other_radius=other_radius)
 

@@ -15,6 +15,7 @@ import numpy as np
 from ..collision import hertz_stiffness
 from ..errors import InputError, short_repr
 from ..validation.numbers import number
+from .cap import Cap
 from .chain import Chain as Chain
 from .feature_support import require_chain
 from .laws import Loss
@@ -147,7 +148,8 @@ def _converted_chain(chain: Chain, scales: Scales, *, to_si: bool) -> Chain:
             )  # fmt: skip
             changes[name] = converted(resolved, scales, to_si=to_si)
     flat = tuple(StrikerProperties(flat=each.flat) for each in chain.striker_properties)
-    found = chain.replace(units=wanted, **changes, striker_properties=flat)
+    cap = None if chain.cap is None else Cap()
+    found = chain.replace(units=wanted, **changes, striker_properties=flat, cap=cap)
     return _derived_where_possible(found, chain.striker_properties)
 
 
@@ -163,7 +165,8 @@ def _resolved_laws(chain: Chain) -> list[Loss]:
 def _derived_where_possible(chain: Chain, given: Sequence[StrikerProperties]) -> Chain:
     """The chain without given masses and stiffness, where they follow from its other fields.
 
-    Only those of strikers are then given that differ, or that were given to flat ones (``given``).
+    Only those of strikers and of a cap are then given that differ, or that were given to flat
+    strikers (``given``).
     """
     properties = list(given) or [SPHERE] * chain.strikers
     for name, item in (("masses", "mass"), ("stiffness", "stiffness")):
@@ -177,10 +180,14 @@ def _derived_where_possible(chain: Chain, given: Sequence[StrikerProperties]) ->
         except InputError:
             continue  # The chain has nothing from which they could be computed.
         same = np.isclose(getattr(derived, name), own, rtol=ROUNDING, atol=0.0)
-        if same[chain.strikers :].all():
-            for k in np.flatnonzero(~same).tolist():
+        last = len(own) - 1 if chain.cap is not None else len(own)
+        if same[chain.strikers : last].all():
+            for k in np.flatnonzero(~same[:last]).tolist():
                 properties[k] = _with(properties[k], item, own[k])
-            chain = derived.replace(striker_properties=properties)
+            cap = chain.cap
+            if cap is not None and not same[-1]:  # the contact with a cap of another material
+                cap = Cap(cap.mass, own[-1])
+            chain = derived.replace(striker_properties=properties, cap=cap)
     return chain
 
 

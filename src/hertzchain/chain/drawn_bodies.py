@@ -14,20 +14,10 @@ if TYPE_CHECKING:
 # Half of the width of a plate, in radii of the first ball behind the strikers.
 PLATE: Final = 0.25
 
-# Ratio to the radius of a neighbour from which a body is drawn as a plate, such as a cap that is
-# described by a sphere of 1 m.
-HUGE: Final = 50.0
-
 
 def flat_bodies(chain: ChainFields) -> Array:
-    """Whether each body is drawn as a plate: a flat striker, or far larger than its neighbour."""
-    radii = chain.radii
-    ratios = np.ones(len(radii))
-    if len(radii) > 1:
-        steps = radii[1:] / radii[:-1]
-        ratios[:-1] = 1.0 / steps
-        ratios[1:] = np.maximum(ratios[1:], steps)
-    return np.isinf(chain.face_radii) | (ratios > HUGE)
+    """Whether each body is drawn as a plate: a flat striker or a cap."""
+    return np.isinf(chain.face_radii)
 
 
 def half_widths(chain: ChainFields) -> Array:

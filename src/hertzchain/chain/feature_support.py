@@ -13,7 +13,7 @@ from .chain import Chain
 # Advice for a chain that a method does not support, perhaps depending on the features.
 Alternative: TypeAlias = str | Callable[[Sequence[str]], str]
 # Features that are named with an article in messages.
-COUNTABLE = ("left wall", "right wall", "drive", "loss")
+COUNTABLE = ("left wall", "right wall", "drive", "loss", "cap")
 
 
 def require_chain(method: str, chain: object, *, beads: int = 2) -> None:

@@ -32,17 +32,9 @@ from .boundary_checks import (
     check_part,
     check_precompression,
 )
+from .cap import Cap, checked_cap, with_radius_of_cap
 from .contact_groups import ContactGroup, group_contacts
-from .description import (
-    beads_description,
-    cells_in_words,
-    features_in_words,
-    impact_in_words,
-    implied_features,
-    law_in_words,
-    strikers_in_words,
-    taper_behind,
-)
+from .description import chain_description, impact_in_words
 from .drives import Drive
 from .laws import Loss
 from .mass_and_stiffness import contact_stiffness, sphere_masses, wall_stiffness
@@ -60,7 +52,9 @@ from .per_contact import (
 from .scattered_radii import ScatteredRadii, check_scatter_of
 from .static_forces import Loads, check_static_overlaps, static_forces
 from .striker_properties import (
+    Bodies,
     StrikerProperties,
+    bodies_with,
     checked_properties,
     face_radii,
     following,
@@ -100,6 +94,7 @@ class ChainFields(Frozen):
     gaps: Array = FROM_OTHERS
     strikers: int = 0
     striker_properties: tuple[StrikerProperties, ...] = ()
+    cap: Cap | None = None
     precompression: float = 0.0
     held_by: HeldBy = "walls"
     gravity: float = 0.0
@@ -176,14 +171,26 @@ class ChainFields(Frozen):
         own = checked_properties(self.striker_properties, self.strikers, scaled=self.scaled,
                                  exponent=float(p[0]), all_given=self.given)  # fmt: skip
         self._set("striker_properties", own)
+        cap = checked_cap(self.cap, self.beads - self.strikers - 1, scaled=self.scaled,
+                          exponent=float(p[-1]), all_given=self.given)  # fmt: skip
+        self._set("cap", cap)
         if "masses" in self.given:
             masses = per_bead_array(
                 "mass", self.masses, self.beads, "bead", unit=self._unit("kg"), above=0.0
             )
         else:
             spheres = sphere_masses(self.radii, self.materials, scaled=self.scaled)
-            masses = input_checks.positive_derived("mass", "bead", masses_with(own, spheres))
+            masses = input_checks.positive_derived(
+                "mass", "bead", masses_with(self._bodies, spheres)
+            )
         self._set("masses", masses)
+        if cap is not None:
+            self._set("cap", Cap(float(masses[-1]), cap.stiffness))
+            radii = with_radius_of_cap(self.radii, masses, self.materials, scaled=self.scaled)
+            self._set("radii", _read_only(radii))
+            if self.scatter is not None:  # which a cap does not have
+                nominal = np.append(self.scatter.radii[:-1], radii[-1])
+                self._set("scatter", self.scatter.with_radii(nominal))
         if "stiffness" in self.given:
             unit = self._unit(self._stiffness_unit)
             stiffness = per_bead_array(
@@ -191,7 +198,8 @@ class ChainFields(Frozen):
             )
         else:
             values = contact_stiffness(self.radii, self.materials, p, scaled=self.scaled)
-            values = stiffness_with(own, values, self.radii, self.materials, p, scaled=self.scaled)
+            values = stiffness_with(self._bodies, values, self.radii, self.materials, p,
+                                    scaled=self.scaled)  # fmt: skip
             stiffness = input_checks.positive_derived("stiffness", "contact", values)
         self._set("stiffness", stiffness)
 
@@ -275,7 +283,7 @@ class ChainFields(Frozen):
     def _follows(self, name: Literal["masses", "stiffness"]) -> Array:
         """Whether the mass of each bead, or the stiffness of each contact, follows from radii."""
         count, given = len(getattr(self, name)), name in self.given
-        return following(self.striker_properties, name, count, all_given=given)
+        return following(self._bodies, name, count, all_given=given)
 
     @property
     def strikers_are_spheres(self) -> bool:
@@ -284,8 +292,17 @@ class ChainFields(Frozen):
 
     @property
     def face_radii(self) -> Array:
-        """Radii of curvature at the contacts, shape (N,): infinite for flat strikers."""
-        return face_radii(self.striker_properties, self.radii)
+        """Radii of curvature at the contacts, shape (N,): infinite for flat strikers and caps."""
+        return face_radii(self._bodies, self.radii)
+
+    @property
+    def _bodies(self) -> Bodies:
+        return bodies_with(self.striker_properties, self.cap, self.beads)
+
+    @property
+    def _balls(self) -> slice:
+        """Beads between the strikers and the cap."""
+        return slice(self.strikers, self.beads - (self.cap is not None))
 
     @cached_property
     def wall_stiffness(self) -> tuple[float, float]:
@@ -385,6 +402,7 @@ class ChainFields(Frozen):
             "masses": "masses" in self.given,
             "stiffness": "stiffness" in self.given,
             "strikers": self.strikers > 0,
+            "cap": self.cap is not None,
             "velocities": "velocities" in self.given and not self._only_first_moves,
             "gaps": "gaps" in self.given and bool(self.gaps.any()),
             "precompression": self.precompression > 0.0,
@@ -414,28 +432,7 @@ class ChainFields(Frozen):
     @property
     def description(self) -> str:
         """Short description of the chain, for titles of tables and figures."""
-        return self.__dict__.get("_described_as") or self._own_description()
-
-    def _own_description(self) -> str:
-        law, own = law_in_words(self.exponents), slice(self.strikers, None)
-        shape: ChainFields | ScatteredRadii = self.scatter or self
-        scatter = self.scatter.words(self.radii, self.strikers) if self.scatter else ""
-        balls = self.masses[own] if "masses" in self.given else None
-        cells = cells_in_words(shape.radii[own], balls)
-        masses = None if self.strikers_are_spheres else self.masses
-        first = strikers_in_words(self.strikers, shape.radii, masses, self.units, self.materials)
-        taper = shape.taper, shape.taper_parameters
-        if self.strikers and self.scaled:
-            taper = taper_behind(shape.radii[own])
-        materials = self.materials[own] if self.materials else None
-        kind = shape.radii[own], materials, *taper, cells, scatter, balls
-        beads = beads_description(*kind, strikers=self.strikers, scaled=self.scaled)
-        equal = bool((self.stiffness == 1.0).all())
-        implied = implied_features(beads, scaled=self.scaled, equal_contacts=equal)
-        beads += f", and {first}" if first else ""
-        rest = features_in_words(self.features, implied, self.velocities, self.strikers)
-        still = self._at_rest_by_default and self.drive is None and not self.velocities.any()
-        return f"{beads}{law}{rest}{', at rest' * still}"
+        return self.__dict__.get("_described_as") or chain_description(self)
 
     def __repr__(self) -> str:
         return short("Chain", self.description + impact_in_words(self.velocities, self.units))

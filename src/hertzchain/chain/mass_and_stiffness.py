@@ -80,8 +80,8 @@ def wall_stiffness(
         )
     if math.isinf(radius):
         raise InputError(
-            "the stiffness of a wall behind a flat striker does not follow from materials; give "
-            "Wall(stiffness=...)"
+            "a flat striker or cap has no Hertz contact with a wall: give the stiffness of the wall, "
+            "such as Wall('5 kN/mm', exponent=1) for a load cell"
         )
     if given and (scaled or material is None):
         raise InputError(

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Final, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..collision import Array
 from ..errors import InputError, short_repr
@@ -31,7 +31,7 @@ from .random_radii import (
 C = TypeVar("C", bound=ChainFields)
 
 # Features that are set separately for each bead or contact.
-PER_BEAD_FEATURES: Final = ("masses", "stiffness", "gaps", "velocities", "strikers")
+PER_BEAD_FEATURES: Final = ("masses", "stiffness", "gaps", "velocities", "strikers", "cap")
 
 
 @checked_arguments("decorated")
@@ -61,8 +61,8 @@ def decorated(
     ------
     InputError
         If the small beads are not smaller than the large ones, or if masses, stiffness,
-        gaps, velocities, exponents or losses are set per bead or contact, or there are strikers:
-        modify the beads first.
+        gaps, velocities, exponents or losses are set per bead or contact, or there are strikers
+        or a cap: modify the beads first.
 
     Examples
     --------
@@ -97,12 +97,13 @@ def with_defects(
 ) -> C:
     """Return the chain with a few beads of another size or material.
 
-    A scaled chain keeps its units, also if bead 1 has another radius.
+    Masses and contacts of these beads follow from their new sizes; all other fields of the chain
+    are kept.  A scaled chain keeps its units, also if bead 1 has another radius.
 
     Parameters
     ----------
     radii : mapping of int to float, optional
-        Radius [scaled, or m] by bead number, counted from 1.
+        Radius [scaled, or m] by bead number, counted from 1; strikers count.
     diameters : mapping of int to float, optional
         Diameters, instead of radii.
     material : str or Material, optional
@@ -112,8 +113,8 @@ def with_defects(
     ------
     InputError
         If there are both radii and diameters or neither, a bead does not exist, a size is not
-        positive, masses, stiffness, gaps, velocities, exponents or losses are set per bead or
-        contact, or there are strikers: modify the beads first.
+        positive, or the masses or the stiffness of the chain, or the mass of one of these beads,
+        are given and do not follow from the radii.
 
     Examples
     --------
@@ -128,11 +129,31 @@ def with_defects(
     kinds = None if self.materials is None else list(self.materials)
     if kinds is None and material is not None:
         raise InputError("material requires a chain with materials; use Chain.from_materials")
+    follows = self._follows("masses")
     for bead, radius in _radii_of_defects(self, radii, diameters):
+        _require_followed(self, follows, bead)
         row[bead - 1] = radius
         if kinds is not None and material is not None:
             kinds[bead - 1] = material_named(material)
-    return _with_beads(self, "with_defects", row, None if kinds is None else tuple(kinds))
+    return self.replace(radii=row, materials=None if kinds is None else tuple(kinds))
+
+
+def _require_followed(chain: ChainFields, follows: NDArray[np.bool_], bead: int) -> None:
+    """Raise `InputError` if the mass or the contacts of a bead would not follow from its radius."""
+    if own := sorted({"masses", "stiffness"} & chain.given):
+        names = " and ".join(own)
+        raise InputError(
+            f"with_defects changes radii, but the {names} of this chain are given and would not "
+            f"follow: call with_defects first, then set {names}, or omit them with "
+            f"replace({', '.join(f'{name}=None' for name in own)}); the mass of a single body is "
+            "that of a striker (struck_by) or a cap (with_cap)"
+        )
+    if not follows[bead - 1]:
+        body = "striker" if bead <= chain.strikers else "cap"
+        raise InputError(
+            f"the mass of bead {bead}, a {body}, is given and would not follow from its radius: "
+            "choose another bead"
+        )
 
 
 def _radii_of_defects(
@@ -176,7 +197,7 @@ def with_scatter(
     chain without deviations, so its first radius is no longer 1: all results of random chains
     have the same units.
 
-    Strikers keep their sizes.  If the chain has none, bead 1 is the projectile, whose size
+    Strikers and caps keep their sizes.  If the chain has no strikers, bead 1 is the projectile, whose size
     changes the impact itself; ``beads="2:"`` keeps it.
 
     The chain remembers the scatter (``chain.scatter``) for its description, in titles and files,
@@ -196,8 +217,8 @@ def with_scatter(
         the grade, centred at the nominal diameter: 0.5 um for grade 10, 5 um for grade 100.
         The deviation that all balls of a lot have in common is not included.
     beads : str or list of int, optional
-        Beads that deviate, such as ``"2:"`` or ``[3, 4]``; by default all but the strikers.  The
-        deviation of a bead does not depend on this choice.
+        Beads that deviate, such as ``"2:"`` or ``[3, 4]``; by default all but strikers and
+        caps.  The deviation of a bead does not depend on this choice.
     radii : array_like, shape (N,), optional
         Radii of all beads [scaled, or m] instead of a seed: measured ones, or those of a chain
         file.

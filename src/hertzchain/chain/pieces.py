@@ -23,7 +23,7 @@ def part(self: C, beads: slice) -> C:
     """Return a piece of the chain: ``chain[10:]`` are all beads but the first ten.
 
     Array indices start at 0: ``chain[10:30]`` has beads 11 to 30.  What belongs to an end
-    that is cut off (its wall, the strikers, a drive) is dropped.  If none of the remaining beads
+    that is cut off (its wall, the strikers, a cap, a drive) is dropped.  If none of the remaining beads
     moves, the first one has the velocity that bead 1 had.
 
     Parameters
@@ -68,7 +68,7 @@ def part(self: C, beads: slice) -> C:
     if start > 0:
         changes |= {"left_wall": None, "drive": None, "strikers": 0, "striker_properties": ()}
     if stop < self.beads:
-        changes["right_wall"] = None
+        changes |= {"right_wall": None, "cap": None}
     if "velocities" in self.given and start > 0 and not changes["velocities"].any():
         changes["velocities"] = np.zeros(stop - start)
         changes["velocities"][0] = self.velocities[0]
@@ -85,7 +85,7 @@ def reversed_beads(self: C) -> C:
     Raises
     ------
     InputError
-        If there are strikers or beads other than bead 1 move: reverse the chain first.
+        If there are strikers or a cap, or beads other than bead 1 move: reverse the chain first.
 
     Examples
     --------
@@ -93,10 +93,10 @@ def reversed_beads(self: C) -> C:
     >>> hc.Chain.from_radii([1.0, 2.0, 4.0]).reversed().radii
     array([1.  , 0.5 , 0.25])
     """
-    if self.strikers or self.velocities[1:].any():
+    if self.strikers or self.cap is not None or self.velocities[1:].any():
         raise InputError(
-            "a chain with strikers or several moving beads cannot be reversed: call reversed "
-            "first, then struck_by or replace(velocities=...)"
+            "a chain with strikers, a cap or several moving beads cannot be reversed: call reversed "
+            "first, then struck_by, with_cap or replace(velocities=...)"
         )
     changes = {
         name: value[::-1] for name, value in _cut(self, 0, self.beads).items() if name != "scatter"
@@ -118,7 +118,8 @@ def joined(self: C, other: C) -> C:
     Parameters
     ----------
     other : Chain
-        Chain of the same units, without a left wall, strikers and a drive.
+        Chain of the same units, without a left wall, strikers and a drive.  A cap at its end is
+        kept; ``one`` must have none.
 
     Raises
     ------
@@ -139,6 +140,7 @@ def joined(self: C, other: C) -> C:
     changes: dict[str, Any] = {
         "radii": np.concatenate((self.radii, other.radii)),
         "right_wall": other.right_wall,
+        "cap": other.cap,
     }
     if self.materials is not None and other.materials is not None:
         changes["materials"] = self.materials + other.materials
@@ -206,6 +208,7 @@ def _rescaled(chain: C, changes: dict[str, Any]) -> C:
             "gravity": chain.gravity != 0.0,
             "precompression": chain.precompression > 0.0,
             "drive": changes.get("drive", chain.drive) is not None,
+            "cap": changes.get("cap", chain.cap) is not None,
             "wall": any(
                 each and (each.stiffness or each.gap or each.loss) for each in (left, right)
             ),
@@ -237,7 +240,8 @@ def _check_joint(one: ChainFields, other: ChainFields) -> None:
             f"both scaled; these are {one.description} and {other.description}"
         )
     inner = {
-        "right_wall of the first": one.right_wall, "left_wall of the second": other.left_wall,
+        "right_wall of the first": one.right_wall, "cap of the first": one.cap,
+        "left_wall of the second": other.left_wall,
         "strikers of the second": other.strikers, "drive of the second": other.drive,
     }  # fmt: skip
     present = [name for name, value in inner.items() if value]

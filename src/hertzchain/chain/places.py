@@ -10,12 +10,16 @@ from numpy.typing import NDArray
 from ..errors import InputError, short_repr
 from ..validation.numbers import whole_number
 from ..validation.objects import check_list
+from .fields import ChainFields
 
 
-def places_from(given: Any, count: int, noun: str) -> NDArray[np.int64]:
-    """Indices, from 0, of beads or contacts; numbers are from 1, both ends included."""
+def places_from(given: Any, count: int, noun: str, *, end: int | None = None) -> NDArray[np.int64]:
+    """Indices, from 0, of beads or contacts; numbers are from 1, both ends included.
+
+    A range without an end, such as ``"2:"``, ends at the number ``end``, by default the last one.
+    """
     if isinstance(given, str):
-        numbers = _range_of(given, count, noun)
+        numbers = _range_of(given, count, noun, count if end is None else end)
     else:
         listed = check_list(f"{noun}s", given, "numbers")
         numbers = [whole_number(f"{noun} number", k, least=1, most=count) for k in listed]
@@ -25,13 +29,13 @@ def places_from(given: Any, count: int, noun: str) -> NDArray[np.int64]:
     return np.array(sorted(numbers)) - 1
 
 
-def _range_of(text: str, count: int, noun: str) -> list[int]:
+def _range_of(text: str, count: int, noun: str, end: int) -> list[int]:
     parts = text.split(":")
     try:
         if not 1 <= len(parts) <= 3:
             raise ValueError
         first = int(parts[0]) if parts[0] else 1
-        last = (int(parts[1]) if parts[1] else count) if len(parts) > 1 else first
+        last = (int(parts[1]) if parts[1] else end) if len(parts) > 1 else first
         step = int(parts[2]) if len(parts) > 2 and parts[2] else 1
         if step < 1:
             raise ValueError
@@ -43,3 +47,8 @@ def _range_of(text: str, count: int, noun: str) -> list[int]:
     if not 1 <= first <= last <= count:
         raise InputError(f"{noun}s = {text!r} is outside 1 to {count}")
     return list(range(first, last + 1, step))
+
+
+def ball_places(chain: ChainFields, given: Any) -> NDArray[np.int64]:
+    """Indices of beads, where a range without an end does not include a cap."""
+    return places_from(given, chain.beads, "bead", end=chain._balls.stop)

@@ -20,7 +20,7 @@ from ..units import converted, has_dimension, quantity
 from ..validation.numbers import FRACTION, number
 from .description import sizes_in_words
 from .fields import ChainFields
-from .places import places_from
+from .places import ball_places
 from .scattered_radii import ScatteredRadii
 
 C = TypeVar("C", bound=ChainFields)
@@ -64,7 +64,7 @@ def reject_length(what: str, value: object, chain: ChainFields | None = None) ->
     if chain is None or chain.scaled:
         example = f"; for diameters of 10 mm, give '{100.0 * length / 10e-3:.3g}%'"
     else:
-        radii = chain.radii[chain.strikers :]
+        radii = chain.radii[chain._balls]
         parts = (f"'{50.0 * length / radius:.3g}%'" for radius in (radii.max(), radii.min()))
         between = " to ".join(dict.fromkeys(parts))
         example = f"; for diameters of {sizes_in_words(radii)}, give {between}"
@@ -81,7 +81,7 @@ def check_grade(grade: object) -> None:
 def check_scatter(chain: ChainFields, grade: int | None, beads: Any) -> None:
     """Raise `InputError` if the radii of a chain cannot deviate."""
     if beads is not None:
-        _check_strikers(chain, places_from(beads, chain.beads, "bead"))
+        _check_places(chain, ball_places(chain, beads))
     if own := sorted({"masses", "stiffness"} & set(chain.given)):
         raise InputError(
             f"a scatter of radii changes the {' and '.join(own)}, which this chain gives: omit them"
@@ -92,19 +92,20 @@ def check_scatter(chain: ChainFields, grade: int | None, beads: Any) -> None:
         raise InputError(
             "ball grades are tolerances in micrometres; use Chain.from_materials, or relative"
         )
-    if 0.25 * BALL_GRADES[grade] >= chain.radii.min():
+    if 0.25 * BALL_GRADES[grade] >= (smallest := chain.radii[: chain._balls.stop].min()):
         raise InputError(
-            f"a diameter of {2e3 * chain.radii.min():.4g} mm is too small for balls of grade "
+            f"a diameter of {2e3 * smallest:.4g} mm is too small for balls of grade "
             f"{grade}, whose diameters vary by {1e6 * BALL_GRADES[grade]:g} um"
         )
 
 
-def _check_strikers(chain: ChainFields, places: NDArray[np.int64]) -> None:
-    fixed = ~chain._follows("masses")[places] & (places < chain.strikers)
-    if fixed.any() and "masses" not in chain.given:
+def _check_places(chain: ChainFields, places: NDArray[np.int64]) -> None:
+    fixed = places[~chain._follows("masses")[places]]
+    if len(fixed) and "masses" not in chain.given:
+        body = "striker" if fixed[0] < chain.strikers else "cap"
         raise InputError(
-            f"the mass of bead {places[fixed][0] + 1}, a striker, is given and would not follow "
-            "its radius: let only the beads behind deviate"
+            f"the mass of bead {fixed[0] + 1}, a {body}, is given and would not follow its radius: "
+            "let only the balls deviate"
         )
 
 
@@ -119,9 +120,9 @@ def deviating_radii(
     chain: ChainFields, draws: Array, relative: float | None, grade: int | None, beads: Any
 ) -> Array:
     """Radii with the deviations of random draws, shape (..., N), of the beads that deviate."""
-    deviate: Sequence[int] | Array = range(chain.strikers, chain.beads)
+    deviate: Sequence[int] | Array = range(chain.beads)[chain._balls]
     if beads is not None:
-        deviate = places_from(beads, chain.beads, "bead")
+        deviate = ball_places(chain, beads)
     radii = np.broadcast_to(chain.radii, draws.shape).copy()
     if relative is not None:
         radii[..., deviate] *= np.exp(relative * draws[..., deviate])

@@ -41,14 +41,16 @@ class ScatteredRadii(Frozen):
     def __post_init__(self) -> None:
         self.radii.setflags(write=False)
 
-    def words(self, radii: Array, strikers: int) -> str:
+    def words(self, radii: Array, balls: slice) -> str:
         """Such as ``10% scatter``, ``grade 100`` or ``1% scatter of 3 beads``."""
-        deviating = int(np.count_nonzero(radii != self.radii))
+        # The radius of a cap is not a size.
+        deviates = (radii != self.radii)[: balls.stop]
+        deviating = int(np.count_nonzero(deviates))
         if deviating == 0:
             return ""
         size = scatter_in_words(self.relative, self.grade)
         # The bead that is struck often keeps its size.
-        if deviating >= len(radii) - strikers - 1:
+        if deviating >= len(deviates[balls]) - 1:
             return size
         return f"{size} of {deviating} bead{'s' * (deviating > 1)}"
 

@@ -1,9 +1,9 @@
-"""Properties of strikers that do not follow from their radii and materials."""
+"""Properties of strikers and caps that do not follow from their radii and materials."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
@@ -15,6 +15,7 @@ from ..validation.keywords import checked_fields
 from ..validation.numbers import number
 from ..validation.objects import check_bool, check_list, check_type
 from .boundary_checks import check_units
+from .cap import Cap
 from .materials import Materials, contact_modulus, sphere_stiffness
 from .parts import Part
 from .scales import scale
@@ -58,11 +59,12 @@ class StrikerProperties(Part):
 
 
 UNKNOWN_STIFFNESS: Final = (
-    "the stiffness of the strikers' contacts cannot be computed from radii and materials for this "
-    "chain; give stiffness"
+    "the stiffness of the contacts of strikers or of a cap cannot be computed from radii and "
+    "materials for this chain; give stiffness"
 )
 SPHERE: Final = StrikerProperties()
 Given = tuple[StrikerProperties, ...]
+Bodies = Mapping[int, StrikerProperties | Cap]
 
 
 def checked_properties(given: Iterable[StrikerProperties], strikers: int, *, scaled: bool,
@@ -88,29 +90,41 @@ def checked_properties(given: Iterable[StrikerProperties], strikers: int, *, sca
     return () if all(each == SPHERE for each in found) else found
 
 
-def masses_with(given: Given, masses: Array) -> Array:
-    """Masses of spheres with the given ones of the strikers."""
+def bodies_with(strikers: Given, cap: Cap | None, beads: int) -> Bodies:
+    """Properties of strikers and cap, by the indices of their beads."""
+    found: dict[int, StrikerProperties | Cap] = dict(enumerate(strikers))
+    return found if cap is None else found | {beads - 1: cap}
+
+
+def masses_with(bodies: Bodies, masses: Array) -> Array:
+    """Masses of spheres with the given ones of strikers and cap."""
     found = masses.copy()
-    for k, each in enumerate(given):
+    for k, each in bodies.items():
         if each.mass is not None:
             found[k] = each.mass
     return found
 
 
 def stiffness_with(
-    given: Given, stiffness: Array, radii: Array, materials: Materials, exponents: Array,
+    bodies: Bodies, stiffness: Array, radii: Array, materials: Materials, exponents: Array,
     *, scaled: bool,
 ) -> Array:  # fmt: skip
-    """Stiffness of contacts of spheres with that of contacts which strikers give or make flat."""
-    found, faces = stiffness.copy(), face_radii(given, radii)
-    for k in range(min(len(given), len(found))):
-        if (own := given[k].stiffness) is not None:
-            found[k] = own
+    """Stiffness of contacts of spheres with that of contacts which bodies give or make flat."""
+    found, faces = stiffness.copy(), face_radii(bodies, radii)
+    for bead, each in bodies.items():
+        k = _contact_of(bead, len(found))
+        if each.stiffness is not None:
+            found[k] = each.stiffness
         elif np.isinf(faces[k : k + 2]).any():
             kinds = None if scaled or materials is None else materials[k : k + 2]
             p = float(exponents[k] if len(exponents) > 1 else exponents[0])
             found[k] = face_stiffness(float(faces[k]), float(faces[k + 1]), kinds, p)
     return found
+
+
+def _contact_of(bead: int, contacts: int) -> int:
+    """Index of the contact of a striker with the next bead, or of a cap with the last ball."""
+    return min(bead, contacts - 1)
 
 
 def face_stiffness(one: float, other: float, materials: Materials, exponent: float) -> float:
@@ -125,18 +139,20 @@ def face_stiffness(one: float, other: float, materials: Materials, exponent: flo
     return float(sphere_stiffness(one, other, contact_modulus(*materials)))
 
 
-def face_radii(given: Given, radii: Array) -> Array:
-    """Radii of curvature at the contacts of the beads: infinite for flat strikers."""
+def face_radii(bodies: Bodies, radii: Array) -> Array:
+    """Radii of curvature at the contacts of the beads: infinite for flat bodies."""
     found = radii.copy()
-    found[[k for k, each in enumerate(given) if each.flat]] = math.inf
+    found[[k for k, each in bodies.items() if each.flat]] = math.inf
     return found
 
 
 def following(
-    given: Given, field: Literal["masses", "stiffness"], count: int, *, all_given: bool
+    bodies: Bodies, field: Literal["masses", "stiffness"], count: int, *, all_given: bool
 ) -> Array:
     """Whether the masses of beads, or the stiffness of contacts, follow from radii."""
     name = "mass" if field == "masses" else "stiffness"
     found = np.full(count, not all_given)
-    found[[k for k, each in enumerate(given) if getattr(each, name) is not None]] = False
+    found[
+        [_contact_of(k, count) for k, each in bodies.items() if getattr(each, name) is not None]
+    ] = False
     return found

@@ -1,4 +1,4 @@
-"""Options that change a chain, of a file or of other options: speed, strikers, wall and loss."""
+"""Options that change a chain, of a file or of others: speed, strikers, wall, cap and loss."""
 
 from __future__ import annotations
 
@@ -113,6 +113,29 @@ def _striker(text: str, chain: Chain) -> dict[str, Any]:
             "like the first"
         )
     return given
+
+
+def with_cap(chain: Chain, text: str) -> Chain:
+    """The chain with a cap from text such as ``5 g``, ``8 kHz`` or ``5 g, steel-304``."""
+    from ..units import has_dimension, quantity
+
+    dimensions = {"mass": "kg", "frequency": "Hz"}
+    given: dict[str, Any] = {}
+    for part in map(str.strip, text.split(",")):
+        found = quantity(part)
+        keys = [key for key, unit in dimensions.items() if found and has_dimension(found[1], unit)]
+        if not keys and (found is not None or not part[:1].isalpha()):
+            raise click.UsageError(
+                "--cap must be a mass or the resonance frequency on the wall, and perhaps a "
+                f"material, such as --cap '5 g, steel-304', got {part!r}"
+            )
+        key = keys[0] if keys else "material"
+        if key in given:
+            raise click.UsageError(f"--cap {text!r} has two values of the {key}: omit one")
+        given[key] = part
+    if chain.scaled:
+        raise click.UsageError(f"--cap {text!r} requires --material")
+    return chain.with_cap(**given)
 
 
 def wall_named(name: str, chain: Chain) -> Wall:

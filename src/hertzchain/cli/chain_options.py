@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from .chain_changes import at_speed, law_from, require_unit_of_speed, struck, wall_named
+from .chain_changes import at_speed, law_from, require_unit_of_speed, struck, wall_named, with_cap
 from .chain_completion import complete_losses, complete_materials, complete_tapers, complete_walls
 from .options import Fraction, as_typed
 
@@ -79,6 +79,12 @@ CHAIN_OPTIONS: Final = (
         "'5 kN/mm'; replaces that of a FILE.",
     ),
     click.option(
+        "--cap",
+        metavar="CAP",
+        help="Add the cap of a load cell, a flat last body, in front of the wall: its mass, or its "
+        "resonance frequency on the wall, and perhaps a material, such as '5 g' or '5 g, steel-304'.",
+    ),
+    click.option(
         "--loss",
         metavar="LAW",
         shell_complete=complete_losses,
@@ -89,7 +95,7 @@ CHAIN_OPTIONS: Final = (
     ),
 )
 # Options that can be used with a FILE.
-CHANGES: Final = ("speed", "striker", "wall", "loss")
+CHANGES: Final = ("speed", "striker", "wall", "cap", "loss")
 
 
 @dataclass(frozen=True)
@@ -107,6 +113,7 @@ class ChainOptions:
     speed: str | None = None
     striker: str | None = None
     wall: str | None = None
+    cap: str | None = None
     loss: str | None = None
 
 
@@ -169,11 +176,13 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
 
 
 def _changed(chain: Chain, options: ChainOptions) -> Chain:
-    """The chain with the strikers, wall and loss of the options."""
+    """The chain with the strikers, wall, cap and loss of the options."""
     if options.striker is not None:
         chain = struck(chain, options.striker)
     if options.wall is not None:
         chain = chain.replace(right_wall=wall_named(options.wall, chain))
+    if options.cap is not None:
+        chain = with_cap(chain, options.cap)
     if options.loss is not None:
         chain = chain.replace(loss=law_from(options.loss, chain))
     return chain

@@ -72,10 +72,12 @@ def contact_table(run: Run) -> Table:
 
 def _bodies(chain: Chain) -> list[str]:
     """Names of the bodies of contacts 0 to N."""
-    beads = (
+    beads = [
         f"striker {k}" if k <= chain.strikers else f"ball {k - chain.strikers}"
         for k in range(1, chain.beads + 1)
-    )
+    ]
+    if chain.cap is not None:
+        beads[-1] = "cap"
     return ["left wall", *beads, "right wall"]
 
 

@@ -181,7 +181,9 @@ def _table(
 
 
 def _place(chain: Chain, i: int) -> str:
-    """Number of a bead, and behind strikers the name of the ball."""
+    """Number of a bead, the name of a cap, and behind strikers that of the ball."""
+    if chain.cap is not None and i + 1 == chain.beads:
+        return f"{i + 1} (cap)"
     if not chain.strikers:
         return f"{i + 1}"
     return (

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from ..chain.chain import Chain
 from ..chain.materials import Material, material
-from ..chain.places import places_from
+from ..chain.places import ball_places
 from ..errors import InputError
 from ..representation import counted, short
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_bool, check_list
 from .ball_space import BallSpace
 from .balls import Ball, among, load_balls
-from .sizes import check_strikers_vary
+from .sizes import check_sizes_vary
 from .start_rows import start_row
 
 
@@ -73,7 +73,7 @@ class BallChoice:
 
     def space(self, chain: Chain) -> BallSpace:
         """The choices for a chain."""
-        places, balls = places_from(self.beads, chain.beads, "bead"), self.balls
+        places, balls = ball_places(chain, self.beads), self.balls
         _check(chain, places)
         if chain.units != "SI" or chain.materials is None:
             raise InputError(
@@ -103,7 +103,7 @@ class OrderChoice:
 
     def space(self, chain: Chain) -> BallSpace:
         """The orders for a chain."""
-        places = places_from(self.beads, chain.beads, "bead")
+        places = ball_places(chain, self.beads)
         _check(chain, places)
         kinds = chain.materials or (None,) * chain.beads
         items = [(float(chain.radii[k]), kinds[k]) for k in places]
@@ -129,7 +129,7 @@ def _check(chain: Chain, places: NDArray[np.int64]) -> None:
             f"the {' and '.join(own)} of this chain are given bead by bead, and its beads "
             "cannot be exchanged: omit them"
         )
-    check_strikers_vary(chain, places)
+    check_sizes_vary(chain, places)
 
 
 def _check_sizes(

@@ -139,7 +139,7 @@ def _range_of_rows(space: BallSpace, key: str) -> tuple[float, float]:
     else:
         counts = space.limits or [space.size] * len(space.balls)
         balls = np.repeat([_share(ball, key) for ball in space.balls], counts)
-    fixed = np.setdiff1d(np.arange(chain.strikers, chain.beads), space.places)
+    fixed = np.setdiff1d(np.arange(chain.beads)[chain._balls], space.places)
     others, ordered = float(given[key][fixed].sum()), np.sort(balls)
     # The price is that of all balls that vary.
     left_out = 0 if key == "price" else striking

@@ -30,7 +30,9 @@ def chain_text(result: DesignResult) -> str:
 
 
 def bead_table(chain: Chain) -> str:
-    """CSV with one row per bead, which `hertzchain.load_chain` reads."""
+    """CSV with one row per bead, which `hertzchain.load_chain` reads; without a cap."""
+    if chain.cap is not None:
+        chain = chain.replace(precompression=0.0)[:-1]
     si = chain.units == "SI"
     columns = {"bead": [str(k) for k in range(1, chain.beads + 1)]}
     name, factor = ("diameter [mm]", 2e3) if si else ("radius", 1.0)

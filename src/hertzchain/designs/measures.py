@@ -19,7 +19,7 @@ name                                                    meaning
 ``largest_force``                                       of all contacts and walls in the whole run
 ``yield_ratio``, ``overlap_ratio``                      largest of `hertzchain.HertzRange` in the
                                                         whole run
-``length``, ``mass``, ``beads``, ``smallest_radius``,   of the beads after the strikers
+``length``, ``mass``, ``beads``, ``smallest_radius``,   of the beads without strikers and a cap
 ``largest_radius``
 ``price``                                               of the balls that vary
 ``velocity@100/velocity@20``, ...                       ratio of two measures of the leading pulse
@@ -259,10 +259,11 @@ class Measure:
         )
 
     def from_chain(self, chain: Chain, price: float) -> float:
-        """Value of a measure that needs no simulation, for the beads after the strikers."""
-        radii, masses = chain.radii[chain.strikers :], chain.masses[chain.strikers :]
+        """Value of a measure that needs no simulation, without strikers and a cap."""
+        balls, between = chain._balls, _gaps_of_balls(chain)
+        radii, masses = chain.radii[balls], chain.masses[balls]
         values = {
-            "length": 2.0 * radii.sum() + chain.gaps[chain.strikers :].sum(),
+            "length": 2.0 * radii.sum() + chain.gaps[between].sum(),
             "mass": masses.sum(), "beads": len(radii), "price": price,
             "smallest_radius": radii.min(), "largest_radius": radii.max(),
         }  # fmt: skip
@@ -271,19 +272,31 @@ class Measure:
     def slope_of_chain(self, chain: Chain, field: str) -> Array:
         """Derivatives of a measure that needs no simulation, by a field of the chain."""
         found = np.zeros(len(getattr(chain, field)))
-        first = chain.strikers
-        own = found[first:]
+        balls = chain._balls
+        own = found[_gaps_of_balls(chain) if field == "gaps" else balls]
         if self.key == "length" and field in ("radii", "gaps"):
             own += 2.0 if field == "radii" else 1.0
         elif self.key == "mass":
             if field == "masses":
                 own += 1.0
             elif field == "radii" and "masses" not in chain.given:
-                own += 3.0 * chain.masses[first:] / chain.radii[first:]
+                own += 3.0 * chain.masses[balls] / chain.radii[balls]
         elif field == "radii" and self.key in ("smallest_radius", "largest_radius"):
-            radii = chain.radii[first:]
+            radii = chain.radii[balls]
             own[radii.argmin() if self.key == "smallest_radius" else radii.argmax()] = 1.0
         return found
+
+
+def without_in_words(chain: Chain) -> str:
+    """Such as `` without the striker and the cap``, which sums over beads do not count."""
+    strikers, cap = chain.strikers, chain.cap is not None
+    bodies = [f"the striker{'s' * (strikers > 1)}"] * (strikers > 0) + ["the cap"] * cap
+    return f" without {' and '.join(bodies)}" if bodies else ""
+
+
+def _gaps_of_balls(chain: Chain) -> slice:
+    """Gaps between balls, without those of strikers and of a cap."""
+    return slice(chain.strikers, chain._balls.stop - 1)
 
 
 def _all_yield(chain: Chain) -> bool:

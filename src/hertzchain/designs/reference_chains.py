@@ -54,18 +54,23 @@ def reference_points(problem: Design) -> dict[str, list[Any]]:
 
 
 def _kind(space: SizeSpace, point: Any) -> str:
-    """Whether all sizes are equal at a point, or only those that vary; strikers do not count.
+    """Whether all sizes of balls are equal at a point, or only those that vary.
 
     A spline that begins at a given bead of another size changes fast behind it.
     """
     values = space._changes(point)
-    if all(_all_equal(each[space.chain.strikers :]) for each in values.values()):
+    if all(_all_equal(each[_of_balls(space.chain, field)]) for field, each in values.items()):
         return EQUAL
     varying = [
         values[field][np.concatenate([b.places for b in space.blocks if b.field == field])]
         for field in values
     ]
     return EQUAL_VARYING if all(map(_all_equal, varying)) else CHANGING
+
+
+def _of_balls(chain: Chain, field: str) -> slice:
+    """Places of the balls, or of their gaps, among the values of a field."""
+    return slice(chain.strikers, chain._balls.stop - (field == "gaps"))
 
 
 def _all_equal(sizes: Array) -> bool:
@@ -76,8 +81,10 @@ def _given_size(space: SizeSpace) -> float | None:
     """Size of all given beads, as a place between the limits that is common to all blocks."""
     found = []
     for block in space.blocks:
-        own = {*block.places.tolist(), *range(space.chain.strikers)}
-        given = np.delete(getattr(space.chain, block.field), [*own])
+        balls = np.arange(len(getattr(space.chain, block.field)))[
+            _of_balls(space.chain, block.field)
+        ]
+        given = getattr(space.chain, block.field)[np.setdiff1d(balls, block.places)]
         if not len(given) or not _all_equal(given) or not block.low <= given[0] <= block.high:
             return None
         low, high = block.ends
@@ -87,7 +94,7 @@ def _given_size(space: SizeSpace) -> float | None:
 
 def _equal_name(space: BallSpace) -> str:
     """Name of rows of equal balls, after none or only arriving balls."""
-    given = np.delete(np.arange(space.chain.beads), space.places)
+    given = np.setdiff1d(np.arange(space.chain._balls.stop), space.places)
     arrives = space.chain.velocities[given] != 0.0
     return EQUAL_BALLS if arrives.all() else EQUAL_PLACES
 

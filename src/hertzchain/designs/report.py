@@ -19,7 +19,7 @@ from .comparison import (
     objective_if_yielding,
     references_in_words,
 )
-from .measures import Measure, in_words
+from .measures import Measure, in_words, without_in_words
 from .methods import SEEDED
 from .requirements import TOLERANCE
 from .size_space import SizeSpace
@@ -134,11 +134,11 @@ def _outside_in_words(found: Verified) -> str:
 
 
 def _counted(result: DesignResult, each: Measure) -> str:
-    """Whether a sum over beads counts the arriving ball, and that it counts no striker."""
+    """Whether a sum over beads counts the arriving ball, and that it counts no striker and cap."""
     if each.key not in ("length", "mass", "beads"):
         return ""
-    if strikers := result.chain.strikers:
-        return f" without the striker{'s' * (strikers > 1)}"
+    if without := without_in_words(result.chain):
+        return without
     return " with the arriving ball" if _arrives(result) else ""
 
 
@@ -365,6 +365,8 @@ def _order(result: DesignResult) -> str:
     chain, radii = result.chain, result.chain.face_radii
     balls = [FLAT_STRIKER if radius == inf else f"{2e3 * radius:g} mm {kind.name}"
              for radius, kind in zip(radii, chain.materials or (), strict=True)]  # fmt: skip
+    if chain.cap is not None:
+        balls[-1] = "cap"
     moving = chain.velocities != 0.0
     groups = itertools.groupby(zip(moving.tolist(), balls, strict=True))
     runs = []

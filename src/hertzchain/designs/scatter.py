@@ -32,7 +32,7 @@ _CVAR: Final = re.compile(r"cvar(\d\d?)")
 class Scatter:
     r"""Random deviations of the radii, and how a measure is summarised.
 
-    The deviations are those of `Chain.with_scatter`: all beads but the strikers deviate, and
+    The deviations are those of `Chain.with_scatter`: all beads but strikers and a cap deviate, and
     samples of a scaled chain are in the units of the chain without deviations.
 
     Attributes
@@ -47,8 +47,8 @@ class Scatter:
     samples : int
         Number of samples, the same for all trial designs.
     beads : str or list of int, optional
-        Beads that deviate, such as ``"2:"``, which keeps a projectile; by default all but the
-        strikers.
+        Beads that deviate, such as ``"2:"``, which keeps a projectile; by default all but
+        strikers and a cap.
 
     Examples
     --------

@@ -11,7 +11,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
-from .sizes import NOUNS, Block, Sizes, check_strikers_vary
+from .sizes import NOUNS, Block, Sizes, check_sizes_vary
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,7 @@ def size_space(chain: Chain, given: Sequence[Sizes]) -> SizeSpace:
                 "masses, or vary them"
             )
         if block.field == "radii":
-            check_strikers_vary(chain, block.places)
+            check_sizes_vary(chain, block.places)
     _check_masses_follow(taken)
     return SizeSpace(chain, blocks)
 

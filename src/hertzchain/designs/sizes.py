@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..chain.chain import Chain
 from ..chain.input_checks import warn_large_limit
-from ..chain.places import places_from
+from ..chain.places import ball_places, places_from
 from ..collision import Array
 from ..errors import InputError
 from ..representation import short
@@ -74,8 +74,10 @@ class Sizes:
                 f"the {self.field} vary from {low:g} to {high:g}, which leaves nothing to vary: "
                 "the first limit must be below the second"
             )
-        noun = "contact" if gaps else "bead"
-        places = places_from(self.beads, chain.beads - gaps, noun)
+        places = (
+            places_from(self.beads, chain.beads - 1, "contact") if gaps
+            else ball_places(chain, self.beads)
+        )  # fmt: skip
         if chain.units == "SI" and self.field == "radii":
             warn_large_limit(low, high, chain.radii)
         if chain.units == "scaled" and self.field == "radii" and chain.strikers in places:
@@ -203,12 +205,15 @@ class Block:
         return np.linalg.pinv(self.matrix)
 
 
-def check_strikers_vary(chain: Chain, places: NDArray[np.int64]) -> None:
-    """Raise `InputError` if the size of a striker varies whose mass or face is given."""
-    given = [each.mass is not None or each.flat for each in chain.striker_properties]
-    fixed = [int(k) for k in places if k < len(given) and given[k]]
-    if fixed:
+def check_sizes_vary(chain: Chain, places: NDArray[np.int64]) -> None:
+    """Raise `InputError` if the size of a striker or cap varies whose mass or face is given."""
+    given = {k for k, each in chain._bodies.items() if each.mass is not None or each.flat}
+    for k in sorted(given.intersection(places.tolist())):
+        if k >= chain.strikers:
+            raise InputError(
+                f"the size of bead {k + 1}, the cap, cannot vary: choose beads up to {k}"
+            )
         raise InputError(
-            f"the size of bead {fixed[0] + 1}, a striker, varies, but its mass is given and would "
+            f"the size of bead {k + 1}, a striker, varies, but its mass is given and would "
             f"not follow: use beads='{chain.strikers + 1}:', or give the striker no mass"
         )

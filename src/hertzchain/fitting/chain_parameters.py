@@ -233,7 +233,8 @@ def bead_indices(chain: Chain, name: Name) -> list[int]:
     """Indices of the strikers, or of balls such as ``5,10``, counted without the strikers."""
     if name.key.startswith("struck_by."):
         return [*range(chain.strikers)]
-    balls = chain.beads - chain.strikers
+    # The mass of a cap is that of the ball behind the last one.
+    balls = len(chain.radii[chain._balls]) + (chain.cap is not None and name.key == "mass")
     numbers = [part.strip() for part in name.item.split(",")]
     if not all(each.isdigit() and 1 <= int(each) <= balls for each in numbers):
         which = "is not a ball" if len(numbers) == 1 else "are not balls"
@@ -317,13 +318,16 @@ def _given_stiffness(chain: Chain, radii: Array) -> dict[str, Any]:
     """Given stiffness of Hertz contacts, which is proportional to the root of effective radii."""
     changes: dict[str, Any] = {}
     hertz, own = chain.contact_exponents == HERTZ_EXPONENT, chain.striker_properties
-    before, after = (1.0 / face_radii(own, each) for each in (chain.radii, radii))
+    before, after = (1.0 / face_radii(chain._bodies, each) for each in (chain.radii, radii))
     before, after = (each[:-1] + each[1:] for each in (before, after))
     curved = hertz[1:-1] & (after > 0.0)
     factors = np.sqrt(np.divide(before, after, out=np.ones_like(after), where=curved))
     if "stiffness" in chain.given:
         changes["stiffness"] = chain.stiffness * factors
-    elif any(each.stiffness is not None for each in own):
+        return changes
+    if chain.cap is not None and (k := chain.cap.stiffness) is not None:
+        changes["cap"] = dataclasses.replace(chain.cap, stiffness=k * factors[-1])
+    if any(each.stiffness is not None for each in own):
         changes["striker_properties"] = [
             each
             if (k := each.stiffness) is None

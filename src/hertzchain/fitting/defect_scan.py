@@ -345,8 +345,8 @@ def scan_defects(
     check_choice("kind of defect", kind, KINDS)
     callback("progress", progress)
     model = result.model
-    balls = model.chains[0].beads - model.chains[0].strikers
-    count = balls if kind == "bead" else model.chains[0].beads - 1
+    chain = model.chains[0]
+    count = len(chain.radii[chain._balls]) if kind == "bead" else chain.beads - 1
     inverse = np.linalg.pinv(result.jacobian, rcond=1e-12)
     names, improvements, sizes = [], [], []
     for i in range(count):

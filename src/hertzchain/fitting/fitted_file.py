@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..chain.cap import Cap
 from ..chain.chain import Chain
 from ..chain.laws import Loss
 from ..chain.materials import RIGID, Material, catalogue
@@ -125,6 +126,8 @@ def readable_chain(chain: Chain) -> str:
     lines = ["[chain]", *_items(_beads(chain))]
     for k in range(chain.strikers - 1, -1, -1):
         lines += ["", "[[chain.struck_by]]", *_items(_striker(chain, k))]
+    if chain.cap is not None:
+        lines += ["", "[chain.cap]", *_items(_cap(chain, chain.cap))]
     for name in ("left_wall", "right_wall"):
         wall: Wall | None = getattr(chain, name)
         if wall is not None:
@@ -155,22 +158,22 @@ def _text(value: Any) -> str:
 
 
 def _beads(chain: Chain) -> dict[str, Any]:
-    """Keys of [chain], without strikers."""
-    first = chain.strikers
-    balls = slice(first, None)
+    """Keys of [chain], without strikers; lists of contacts and velocities include a cap."""
+    balls = chain._balls
+    behind = slice(balls.start, None)
     found: dict[str, Any] = {"diameters": _one(2e3 * chain.radii[balls], "mm")}
     kinds = [each.name for each in (chain.materials or ())[balls]]
     found["materials"] = kinds[0] if len(set(kinds)) == 1 else kinds
     if not isinstance(found["diameters"], list):
-        found["beads"] = chain.beads - first
+        found["beads"] = len(chain.radii[balls])
     if "stiffness" in chain.given:
-        found["stiffness"] = _one(chain.stiffness[balls])
+        found["stiffness"] = _one(chain.stiffness[behind])
     if chain.exponents != 1.5:
         found["exponent"] = float(chain.exponents)
-    if chain.gaps[balls].any():
-        found["gaps"] = [_measure(each, "m") for each in chain.gaps[balls].tolist()]
-    if chain.velocities[balls].any():
-        found["velocities"] = [_measure(each, "m/s") for each in chain.velocities[balls].tolist()]
+    if chain.gaps[behind].any():
+        found["gaps"] = [_measure(each, "m") for each in chain.gaps[behind].tolist()]
+    if chain.velocities[behind].any():
+        found["velocities"] = [_measure(each, "m/s") for each in chain.velocities[behind].tolist()]
     if chain.precompression:
         found |= {"precompression": _measure(chain.precompression, "N"), "held_by": chain.held_by}
     return found | ({"gravity": chain.gravity} if chain.gravity else {})
@@ -203,6 +206,14 @@ def _striker(chain: Chain, k: int) -> dict[str, Any]:
     if chain.gaps[k]:
         found["gap"] = _measure(float(chain.gaps[k]), "m")
     return found
+
+
+def _cap(chain: Chain, cap: Cap) -> dict[str, Any]:
+    assert chain.materials is not None
+    found: dict[str, Any] = {"mass": f"{1e3 * float(chain.masses[-1]):.{DIGITS}g} g"}
+    if chain.materials[-1] != chain.materials[-2]:
+        found["material"] = chain.materials[-1].name
+    return found | ({} if cap.stiffness is None else {"stiffness": cap.stiffness})
 
 
 def _wall(wall: Wall) -> dict[str, Any]:

@@ -27,7 +27,7 @@ def implausible_values(
             if _beyond(value, nominal):
                 return f"{each} = {_shown(value)} is beyond the moduli of all materials"
         if name.key == "stiffness" and not name.item and chain.materials is not None:
-            nominal = chain.materials[-1].young
+            nominal = chain.materials[chain._balls][-1].young
             if _beyond(value * nominal, nominal):
                 return (
                     f"stiffness = {value:.3g} would require a modulus of "

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.description import strikers_in_words
+from ..chain.description import cap_in_words, strikers_in_words
 from ..chain.drawn_bodies import (
     body_centres,
     flat_bodies,
@@ -96,8 +96,9 @@ def _count(chain: Chain) -> str:
     """Number of beads, of which strikers are stated separately."""
     masses = None if chain.strikers_are_spheres else chain.masses
     words = strikers_in_words(chain.strikers, chain.radii, masses, chain.units, chain.materials)
-    balls = f"{chain.beads - chain.strikers}"
-    return f"{balls}, and {words}" if words else balls
+    others = " and ".join(filter(None, (words, cap_in_words(chain))))
+    balls = f"{len(chain.radii[chain._balls])}"
+    return f"{balls}, and {others}" if others else balls
 
 
 def _drawing(chain: Chain) -> str:
@@ -128,7 +129,7 @@ def _drawing(chain: Chain) -> str:
 
 
 def _shapes(chain: Chain, centres: Array, sizes: tuple[Array, Array], middle: float) -> str:
-    """Circles, and plates for flat strikers; strikers in outline."""
+    """Circles, and plates for flat bodies; strikers in outline."""
     kinds = [*dict.fromkeys(chain.materials or (None,))]
     colours = {kind: COLOURS[i % len(COLOURS)] for i, kind in enumerate(kinds)}
     found = []

@@ -43,7 +43,7 @@ LABELS, TITLE, MAX_HEIGHT = 0.55, 0.3, 2.5
 def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     """Draw a chain to scale: beads, gaps and walls; an arrow marks strikers.
 
-    A flat striker is a plate, which is not to scale because its size is not known.
+    A flat striker and a cap are plates, which are not to scale because their sizes are not known.
     Each material has the same colour in every figure; a legend names them if there are several.
 
     Parameters

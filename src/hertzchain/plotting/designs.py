@@ -18,7 +18,7 @@ from ..collision import Array
 from ..designs.comparison import shown_chains
 from ..designs.curves import Curve, compared_curves, plotted_quantity
 from ..designs.exact_gradients import PEAK
-from ..designs.measures import USUAL
+from ..designs.measures import USUAL, without_in_words
 from ..designs.objective import Objective
 from ..designs.pareto import beaten_if_yielding
 from ..designs.sensitivity import changes
@@ -264,9 +264,8 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         _draw_yielding_points(result, (second, across), (first, up), axes)
         if outside.any():
             place_legend(axes)
-        if count := result.chain.strikers:
+        if without := without_in_words(result.chain):
             # The row is drawn with them.
-            without = f" without the striker{'s' if count > 1 else ''}"
             words |= {str(each): f"{each.label}{without}" for each in result.problem.measures
                       if each.key in ("length", "mass", "beads")}  # fmt: skip
         axes.set_xlabel(f"{words[second]} [{x_unit}]" if x_unit else words[second])

@@ -153,7 +153,7 @@ def section_ends(chain: Chain) -> list[int]:
     """Last bead k of each section of equal beads but the last; empty if there are no sections."""
     kinds = chain.materials or (None,) * chain.beads
     beads = zip(chain.radii.tolist(), chain.masses.tolist(), kinds, strict=True)
-    lengths = [len(list(group)) for _, group in itertools.groupby([*beads][chain.strikers :])]
+    lengths = [len(list(group)) for _, group in itertools.groupby([*beads][chain._balls])]
     if not 1 < len(lengths) <= MAX_SECTIONS or min(lengths) < SECTION:
         return []
     return (chain.strikers + np.cumsum(lengths[:-1])).tolist()

@@ -12,6 +12,7 @@ from ..chain.description import (
     beads_of,
     law_in_words,
     length_in_words,
+    mass_in_words,
     odd_bead,
     sizes_in_words,
     stiffness_in_words,
@@ -26,16 +27,15 @@ def chain_words(chain: Chain) -> str:
     """Such as ``20 steel balls, 20 mm to 8 mm, PTFE wall``; strikers are named, not counted."""
     if chain.units == "SI":
         odd = _odd_ball(chain)
-        materials = list(_materials(chain.materials, chain.strikers).values()) or ["SI"]
+        materials = list(_materials(_of_balls(chain)).values()) or ["SI"]
         if odd is not None:
             materials = [odd.usual_material or "SI"]
-        title = (
-            f"{beads_of(chain.beads - chain.strikers, 'balls', materials)}{_strikers(chain, odd)}"
-        )
+        balls = beads_of(len(chain.radii[chain._balls]), "balls", materials)
+        title = f"{balls}{_strikers(chain, odd)}"
     else:
         title = _scaled_beads(chain)
     title += law_in_words(chain.exponents)
-    return ", ".join(filter(None, (title, _wall(chain), _loss(chain))))
+    return ", ".join(filter(None, (title, _cap(chain), _wall(chain), _loss(chain))))
 
 
 def chain_title(chain: Chain) -> str:
@@ -45,11 +45,11 @@ def chain_title(chain: Chain) -> str:
 
 def _odd_ball(chain: Chain) -> OddBead | None:
     """The ball that differs from all others, if there is one, with short names of materials."""
-    first, names = chain.strikers, _materials(chain.materials, chain.strikers)
+    kinds, names = _of_balls(chain), _materials(_of_balls(chain))
     return odd_bead(
-        (chain.scatter or chain).radii[first:],
-        [names[each.name] for each in (chain.materials or ())[first:]],
-        chain.masses[first:] if "masses" in chain.given else None,
+        (chain.scatter or chain).radii[chain._balls],
+        [names[each.name] for each in kinds],
+        chain.masses[chain._balls] if "masses" in chain.given else None,
         noun="ball",
         scaled=False,
     )
@@ -57,12 +57,12 @@ def _odd_ball(chain: Chain) -> OddBead | None:
 
 def _scaled_beads(chain: Chain) -> str:
     """Such as ``20 equal beads``, or ``given masses, 20 beads and 1 striker (mass 5)``."""
-    first, number = chain.strikers, chain.beads - chain.strikers
+    first, number = chain.strikers, len(chain.radii[chain._balls])
     count = beads_of(number, "beads")
     kind, *_ = chain.description.partition(count)
     beads = f"{kind}{count}"
     if kind == "uniform, " and number > 1:
-        equal = np.ptp(chain.masses[first:]) == 0.0
+        equal = np.ptp(chain.masses[chain._balls]) == 0.0
         beads = f"{number} equal beads" if equal else f"given masses, {count}"
     elif kind.startswith("uniform") and " except " in kind:
         beads = f"{count}, equal{kind.removeprefix('uniform').removesuffix(', ')},"
@@ -76,10 +76,10 @@ def _scaled_beads(chain: Chain) -> str:
 def _strikers(chain: Chain, odd: OddBead | None) -> str:
     """Sizes of the balls, and strikers with their size if it is another one."""
     first, radii = chain.strikers, (chain.scatter or chain).radii
-    balls = sizes_in_words(radii[first:])
+    balls = sizes_in_words(radii[chain._balls])
     if odd is not None:
         balls = f"{length_in_words(2.0 * odd.usual_radius)}, {odd.words}"
-    if chain.scatter is not None and (scatter := chain.scatter.words(chain.radii, first)):
+    if chain.scatter is not None and (scatter := chain.scatter.words(chain.radii, chain._balls)):
         balls += f", {scatter}"
     if not first:
         return f", {balls}"
@@ -87,6 +87,19 @@ def _strikers(chain: Chain, odd: OddBead | None) -> str:
     # The radius of a striker of a given mass need not be its size.
     own = sizes_in_words(radii[:first]) if chain.strikers_are_spheres else balls
     return f" and {strikers}, {balls}" if own == balls else f", {balls}, and {strikers}, {own}"
+
+
+def _of_balls(chain: Chain) -> tuple[Material, ...]:
+    """Materials of the balls, without those of strikers and a cap."""
+    return (chain.materials or ())[chain._balls]
+
+
+def _cap(chain: Chain) -> str:
+    """Such as ``cap 5 g``."""
+    if chain.cap is None:
+        return ""
+    mass = float(chain.masses[-1])
+    return f"cap of mass {mass:.4g}" if chain.scaled else f"cap {mass_in_words(mass)}"
 
 
 def _wall(chain: Chain) -> str:
@@ -120,9 +133,9 @@ def _loss(chain: Chain) -> str:
     return "" if chain.lossless else "with losses"
 
 
-def _materials(materials: Sequence[Material] | None, first: int = 0) -> dict[str, str]:
+def _materials(materials: Sequence[Material]) -> dict[str, str]:
     """Names of materials without their grades, unless two of them differ only by the grade."""
-    names = list(dict.fromkeys(each.name for each in (materials or ())[first:]))
+    names = list(dict.fromkeys(each.name for each in materials))
     parts = [name.partition("-") for name in names]
     short = [
         base if any(map(str.isdigit, grade)) else name

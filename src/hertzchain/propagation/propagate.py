@@ -40,7 +40,7 @@ from .window_choice import follow
 
 # Features of a chain, in addition to its radii, that are supported.
 SUPPORTED: Final = (
-    "SI units", "masses", "stiffness", "strikers", "velocities", "mixed exponents",
+    "SI units", "masses", "stiffness", "strikers", "velocities", "mixed exponents", "cap",
 )  # fmt: skip
 # Features that do not follow from the radii and the exponent of a chain.
 OWN: Final = frozenset(SUPPORTED) - {"SI units"}

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from ..kernels.forces import DefaultChain, GeneralChain
 
 # Features that the loop for default chains supports; all other chains use the general loop.
-DEFAULT_FEATURES: Final = frozenset({"SI units", "masses", "stiffness", "strikers", "velocities"})
+DEFAULT_FEATURES: Final = frozenset(
+    {"SI units", "masses", "stiffness", "strikers", "velocities", "cap"}
+)
 
 
 @once

@@ -20,7 +20,7 @@ from ..chain.walls import Wall
 from ..errors import InputError
 from ..simulation.state import fingerprint
 from ..validation.keywords import checked_arguments
-from .chain_files import ARRAYS, DRIVES, LATER, chain_from
+from .chain_files import ARRAYS, DRIVES, GIVEN_ONCE, LATER, chain_from
 from .compact_beads import compact_beads, in_usual_units, listed_beads, one_for_all
 from .toml_files import toml_key, toml_text
 
@@ -124,8 +124,11 @@ def _beads_entries(
     chain: Chain, names: Mapping[Material, str], kinds: Sequence[str], *, compact: bool
 ) -> dict[str, Any]:
     """Keys of [chain] that describe the beads, of which ``kinds`` are the materials."""
-    described, scatter = _without_scatter(chain)
-    entries = compact_beads(described, kinds) if compact else listed_beads(described, kinds)
+    # The keys of the beads, unlike lists of their masses and the like, exclude the cap.
+    balls = chain if chain.cap is None else chain.replace(precompression=0.0)[:-1]
+    described, scatter = _without_scatter(balls)
+    names_of_balls = kinds[: balls.beads]
+    entries = (compact_beads if compact else listed_beads)(described, names_of_balls)
     entries |= scatter
     usual = {item.name: item.default for item in dataclasses.fields(chain)}
     if isinstance(chain.exponent, MaterialPairs):
@@ -138,6 +141,12 @@ def _beads_entries(
         # Materials imply SI units.
         if (value := getattr(chain, name)) != usual[name] and not (name == "units" and kinds):
             entries[name] = value
+    if chain.cap is not None:
+        of_all = {item for name, item in GIVEN_ONCE if name in chain.given}
+        entries["cap"] = {name: each for name, each in _fields(chain.cap).items()
+                          if name not in of_all}  # fmt: skip
+        if kinds and kinds[-1] != kinds[-2]:
+            entries["cap"]["material"] = kinds[-1]
     if chain.striker_properties:
         entries["striker_properties"] = [
             {name: value for name, value in _fields(each).items() if value is not False}

@@ -22,8 +22,9 @@ A TOML file has a table ``[chain]`` with the beads in one of these forms::
 With ``materials`` (one, or one per bead; also called ``material``) the chain is in SI units; a
 taper then requires the ``radius`` of its first bead, and ``velocity`` is that of the impact.  All
 other keys are fields of `hertzchain.Chain`.  The tables ``[chain.decorated]``,
-``[[chain.with_defects]]``, ``[chain.with_scatter]``, ``[[chain.struck_by]]`` and
-``[[chain.with_contacts]]`` are its methods, applied in this order; ``[chain.left_wall]``,
+``[[chain.with_defects]]``, ``[chain.with_scatter]``, ``[chain.cap]``, ``[[chain.struck_by]]`` and
+``[[chain.with_contacts]]`` are its methods, applied in this order; lists of masses, stiffness,
+velocities and gaps include the cap, which is the last bead.  ``[chain.left_wall]``,
 ``[chain.right_wall]``, ``[chain.loss]`` and ``[chain.drive]`` are its parts.  Custom
 materials are tables ``[materials.NAME]``.
 """
@@ -66,6 +67,8 @@ LATER: Final = ("precompression", "held_by", "gravity")
 # Methods of a chain that change its beads, in the order in which they are applied.
 MORE_BEADS: Final = ("decorated", "with_defects", "with_scatter")
 BEAD_METHODS: Final = (*MORE_BEADS, "struck_by")
+# Values that the table of a striker or cap gives unless they are given for the whole chain.
+GIVEN_ONCE: Final = (("masses", "mass"), ("stiffness", "stiffness"))
 PARTS: Final = ("left_wall", "right_wall", "loss", "drive")
 SHAPES: Final[Mapping[str, type[Shape]]] = {"cone": Cone, "crossed-cylinders": CrossedCylinders}
 DRIVES: Final[Mapping[str, type[Drive]]] = {
@@ -167,12 +170,15 @@ class _ChainFile:
         listed = (*ARRAYS, "exponent") if self._is_list("exponent") else ARRAYS
         own: dict[str, Any] = {name: self.table[name] for name in listed if name in self.table}
         changed = any(name in self.table for name in MORE_BEADS)
+        capped = "cap" in self.table
         self._check_changed_radii()
-        chain = self._beads({} if changed else own)
+        chain = self._beads({} if changed else _without_last(own) if capped else own)
         for name in MORE_BEADS:
             for arguments in self._arguments(name):
                 chain = getattr(chain, name)(**arguments)
-        own = own if changed or self._form == "file" else {}
+        if capped:
+            chain = self._with_cap(chain)
+        own = own if changed or capped or self._form == "file" else {}
         if "strikers" in self.table and chain.strikers != self.table["strikers"]:
             own["strikers"] = self.table["strikers"]
         if "striker_properties" in self.table:
@@ -190,14 +196,27 @@ class _ChainFile:
             chain = chain.with_contacts(dict.fromkeys([numbers] if one else numbers, shape))
         return chain
 
+    def _with_cap(self, chain: Chain) -> Chain:
+        """The chain with its cap, whose frequency is that on the right wall."""
+        (given,) = self._arguments("cap")
+        self._check_given_once("cap", given)
+        for name, item in GIVEN_ONCE:
+            if name in self.table:
+                given[item] = np.atleast_1d(self.table[name])[-1].item()
+        if "frequency" in given and "right_wall" in self.table:
+            chain = chain.replace(right_wall=self._part("right_wall"))
+        return chain.with_cap(**given)
+
     def _striker_properties(self) -> list[StrikerProperties]:
         given = [*self._arguments("striker_properties")]
-        for name, item in (("masses", "mass"), ("stiffness", "stiffness")):
-            if name in self.table and any(item in each for each in given):
-                raise InputError(
-                    f"[chain] has {name}, and striker_properties also has {item}: omit one"
-                )
+        for each in given:
+            self._check_given_once("striker_properties", each)
         return [StrikerProperties(**each) for each in given]
+
+    def _check_given_once(self, table: str, given: Mapping[str, Any]) -> None:
+        for name, item in GIVEN_ONCE:
+            if name in self.table and item in given:
+                raise InputError(f"[chain] has {name}, and {table} also has {item}: omit one")
 
     def _is_list(self, name: str) -> bool:
         """Whether a key has one value per contact."""
@@ -419,3 +438,9 @@ class _ChainFile:
         present = [key for key in others if key in self.table]
         if present:
             raise InputError(f"[chain] has {what} and also {', '.join(present)}: {advice}")
+
+
+def _without_last(own: Mapping[str, Any]) -> dict[str, Any]:
+    """Lists of values per bead or contact without the last one, which is that of a cap."""
+    listed = (list, tuple, np.ndarray)
+    return {name: value[:-1] if isinstance(value, listed) else value for name, value in own.items()}

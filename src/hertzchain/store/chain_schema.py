@@ -152,6 +152,13 @@ _STRUCK_BY: Final = (
     Key("count", "integer", "number of strikers", default=1, least=1),
     _number("gap", "distance to the chain", "length", default=0.0, least=0.0),
 )
+_CAP: Final = (
+    _number("mass", "mass of the cap; the last of masses if these are given", "mass", above=0.0),
+    _number("frequency", "resonance frequency of the cap on the linear right wall, instead of the "
+            "mass", "frequency", above=0.0),
+    _MATERIAL,
+    _number("stiffness", "stiffness of its contact with the last ball", "stiffness", above=0.0),
+)  # fmt: skip
 _STRIKER_PROPERTIES: Final = (
     _number("mass", "mass, if it is not that of a sphere", "mass", above=0.0),
     Key("flat", "boolean", "whether the face is flat", default=False),
@@ -269,6 +276,7 @@ _LISTED: Final = (
     Section("chain.with_defects", "a bead of another size or material", _DEFECTS, repeated=True),
     Section("chain.with_scatter", "random deviations of the radii", _SCATTER, repeated=True),
     Section("chain.struck_by", "strikers in front of the chain", _STRUCK_BY, repeated=True),
+    Section("chain.cap", "the flat cap of a load cell behind the last ball", _CAP),
     Section("chain.striker_properties", "properties of one of the first beads counted by strikers",
             _STRIKER_PROPERTIES, repeated=True),
     Section("chain.exponent", "the exponent of one pair of materials", _EXPONENTS, repeated=True),

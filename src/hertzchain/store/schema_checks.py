@@ -112,6 +112,7 @@ def _example(section: Section) -> str:
     examples = {
         "chain.left_wall": ', such as {rigid = true}, {material = "brass"} or {}',
         "chain.right_wall": ', such as {rigid = true}, {material = "brass"} or {}',
+        "chain.cap": ', such as {mass = "5 g"}',
         "chain.loss": ', such as {law = "restitution", coefficient = 0.95}',
         "chain.drive": ', such as {kind = "step", amplitude = 10.0}',
         "chain.exponent": ', such as {between = ["brass", "ptfe"], value = 1.5}',

@@ -78,7 +78,7 @@ def struck_pulse(chain: Chain, method: str, theory: Callable[[Chain], Pulse]) ->
 
 def other_method(features: Sequence[str]) -> str:
     """Advice for a chain with features that theories of tapers do not support."""
-    by_both = {*features} <= {"masses", "stiffness", "SI units"}
+    by_both = {*features} <= {"masses", "stiffness", "SI units", "cap"}
     return "use propagate or simulate" if by_both else "use simulate"
 
 

@@ -1,9 +1,9 @@
 """Description of a chain: beads, materials, losses, walls, drives, strikers; builders, checks.
 
-- the chain: `chain`, its `fields`, `parts` and `description`, and its `builders` with their
-  `builder_arguments`;
+- the chain: `chain`, its `fields` and `parts`, its description in `chain_words` with
+  `description`, and its `builders` with their `builder_arguments`;
 - methods that return a modified chain: `modifications`, `pieces`, `strikers` with
-  `striker_properties`, and `contact_shapes`;
+  `striker_properties`, `with_cap` with the `cap`, and `contact_shapes`;
 - radii: `tapers`, `taper_sizes`, `random_radii`, `scattered_radii`, `repeated_cells`; sizes in
   figures: `drawn_bodies`;
 - masses and contacts: `materials`, `mass_and_stiffness`, exponents and losses `per_contact`,

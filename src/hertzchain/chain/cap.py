@@ -14,8 +14,8 @@ from ..validation.keywords import checked_fields
 from ..validation.numbers import number
 from ..validation.objects import check_type
 from .boundary_checks import check_units
-from .materials import Materials
 from .mass_and_stiffness import sphere_masses
+from .materials import Materials
 from .parts import Part
 from .scales import scale
 

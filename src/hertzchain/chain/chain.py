@@ -18,11 +18,14 @@ from numpy.typing import ArrayLike
 from ..collision import Array
 from ..errors import InputError
 from ..frozen import name_replace
+from ..representation import short
 from ..validation.keywords import checked_fields
 from ..validation.numbers import real_numbers
 from . import contact_shapes, modifications, pieces, strikers, with_cap
 from .builders import ChainBuilders
+from .chain_words import chain_description
 from .contact_groups import loading_forces
+from .description import impact_in_words
 from .static_state import StaticState, static_state
 
 
@@ -127,6 +130,14 @@ class Chain(ChainBuilders):
     >>> chain.replace(right_wall=hc.Wall(), gravity=0.01)
     Chain(backward-exponential, q = 0.05, 100 beads, gravity, right wall)
     """
+
+    @property
+    def description(self) -> str:
+        """Short description of the chain, for titles of tables and figures."""
+        return self.__dict__.get("_described_as") or chain_description(self)
+
+    def __repr__(self) -> str:
+        return short("Chain", self.description + impact_in_words(self.velocities, self.units))
 
     @cached_property
     def static_state(self) -> StaticState:

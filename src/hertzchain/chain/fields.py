@@ -12,7 +12,6 @@ import numpy as np
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import unknown_name_error
 from ..frozen import Frozen
-from ..representation import short
 from ..validation.keywords import checked_methods, show_fields
 from ..validation.numbers import (
     SCALED,
@@ -34,7 +33,6 @@ from .boundary_checks import (
 )
 from .cap import Cap, checked_cap, with_radius_of_cap
 from .contact_groups import ContactGroup, group_contacts
-from .description import chain_description, impact_in_words
 from .drives import Drive
 from .laws import Loss
 from .mass_and_stiffness import contact_stiffness, sphere_masses, wall_stiffness
@@ -428,14 +426,6 @@ class ChainFields(Frozen):
         first = float(self.velocities[0])
         expected = first == 1.0 if self.scaled else first >= 0.0
         return expected and not self.velocities[1:].any()
-
-    @property
-    def description(self) -> str:
-        """Short description of the chain, for titles of tables and figures."""
-        return self.__dict__.get("_described_as") or chain_description(self)
-
-    def __repr__(self) -> str:
-        return short("Chain", self.description + impact_in_words(self.velocities, self.units))
 
 
 def _read_only(values: Array) -> Array:

@@ -80,8 +80,8 @@ def wall_stiffness(
         )
     if math.isinf(radius):
         raise InputError(
-            "a flat striker or cap has no Hertz contact with a wall: give the stiffness of the wall, "
-            "such as Wall('5 kN/mm', exponent=1) for a load cell"
+            "a flat striker or cap has no Hertz contact with a wall: give the stiffness of the "
+            "wall, such as Wall('5 kN/mm', exponent=1) for a load cell"
         )
     if given and (scaled or material is None):
         raise InputError(

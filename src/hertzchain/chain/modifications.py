@@ -197,8 +197,8 @@ def with_scatter(
     chain without deviations, so its first radius is no longer 1: all results of random chains
     have the same units.
 
-    Strikers and caps keep their sizes.  If the chain has no strikers, bead 1 is the projectile, whose size
-    changes the impact itself; ``beads="2:"`` keeps it.
+    Strikers and caps keep their sizes.  If the chain has no strikers, bead 1 is the projectile,
+    whose size changes the impact itself; ``beads="2:"`` keeps it.
 
     The chain remembers the scatter (``chain.scatter``) for its description, in titles and files,
     until its radii are changed.

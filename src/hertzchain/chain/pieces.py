@@ -23,8 +23,8 @@ def part(self: C, beads: slice) -> C:
     """Return a piece of the chain: ``chain[10:]`` are all beads but the first ten.
 
     Array indices start at 0: ``chain[10:30]`` has beads 11 to 30.  What belongs to an end
-    that is cut off (its wall, the strikers, a cap, a drive) is dropped.  If none of the remaining beads
-    moves, the first one has the velocity that bead 1 had.
+    that is cut off (its wall, the strikers, a cap, a drive) is dropped.  If none of the remaining
+    beads moves, the first one has the velocity that bead 1 had.
 
     Parameters
     ----------
@@ -95,8 +95,8 @@ def reversed_beads(self: C) -> C:
     """
     if self.strikers or self.cap is not None or self.velocities[1:].any():
         raise InputError(
-            "a chain with strikers, a cap or several moving beads cannot be reversed: call reversed "
-            "first, then struck_by, with_cap or replace(velocities=...)"
+            "a chain with strikers, a cap or several moving beads cannot be reversed: call "
+            "reversed first, then struck_by, with_cap or replace(velocities=...)"
         )
     changes = {
         name: value[::-1] for name, value in _cut(self, 0, self.beads).items() if name != "scatter"
@@ -237,7 +237,7 @@ def _check_joint(one: ChainFields, other: ChainFields) -> None:
     if one.units != other.units or (one.materials is None) != (other.materials is None):
         raise InputError(
             "only chains of the same kind can be joined: both of materials, both in SI units or "
-            f"both scaled; these are {one.description} and {other.description}"
+            f"both scaled; these are {one} and {other}"
         )
     inner = {
         "right_wall of the first": one.right_wall, "cap of the first": one.cap,

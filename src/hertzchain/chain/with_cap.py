@@ -73,12 +73,13 @@ def with_cap(
     >>> balls = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=10)
     >>> cell = balls.replace(right_wall=hc.Wall("5 kN/mm", exponent=1))
     >>> cell.with_cap("5 g", material="steel-304")
-    Chain(10 steel-52100 beads, diameter 10 mm, and a cap (5 g, steel-304), mixed exponents, right wall, impact at 1 m/s)
+    Chain(10 steel-52100 beads, diameter 10 mm, and a cap (5 g, steel-304), right wall, mixed exponents,
+        impact at 1 m/s)
     >>> f"{1e3 * cell.with_cap(frequency='5 kHz').cap.mass:.2f} g"
     '5.07 g'
     """
     if self.cap is not None:
-        raise InputError("the chain has a cap already: omit one, or cut it off with chain[:-1]")
+        raise InputError("the chain has a cap already; omit one, or cut it off with chain[:-1]")
     checked_beads(self.beads + 1)
     if (mass is None) == (frequency is None):
         raise InputError(

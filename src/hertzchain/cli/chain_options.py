@@ -81,8 +81,8 @@ CHAIN_OPTIONS: Final = (
     click.option(
         "--cap",
         metavar="CAP",
-        help="Add the cap of a load cell, a flat last body, in front of the wall: its mass, or its "
-        "resonance frequency on the wall, and perhaps a material, such as '5 g' or '5 g, steel-304'.",
+        help="Add the cap of a load cell in front of the wall: its mass, or its resonance "
+        "frequency on the wall, and perhaps a material, such as '5 g, steel-304'.",
     ),
     click.option(
         "--loss",

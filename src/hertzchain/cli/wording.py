@@ -93,6 +93,14 @@ BY_OPTION: Final = {
         (r"\buse hertzchain\.simulate\([^)]*\)\.pulse\(\)", "use --method simulate"),
         (r"\bpiecewise_local_rate (?=for steps)", "--method piecewise-local-rate "),
     ),
+    "cap": (
+        (
+            r"such as (right_wall=)?Wall\('5 kN/mm', exponent=1\)( for a load cell)?",
+            "such as --wall '5 kN/mm'",
+        ),
+        (r"; set the wall before the cap, or give the mass", "; add --wall, or give the mass"),
+        (r"; omit one, or cut it off with chain\[:-1\]$", "; omit --cap"),
+    ),
     "loss": (
         (r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),
         (r"\(loss=ElasticPlastic\(\)\)", "(--loss elastic-plastic)"),

@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from ..chain.chain import Chain
 from ..collision import Array
 from .ball_space import BallSpace
 from .problem import Design

@@ -117,7 +117,8 @@ def known_names(chain: Chain) -> list[str]:
         names.append("struck_by.velocity")
     if chain.strikers:
         names.append("struck_by.mass")
-    if chain.strikers and chain.materials is not None and not _flat_strikers(chain):
+    flat = any(each.flat for each in chain.striker_properties)
+    if chain.strikers and chain.materials is not None and not flat:
         names.append("struck_by.radius")
     if chain.materials is not None:
         of_balls = {each.name for each in chain.materials}
@@ -129,10 +130,6 @@ def known_names(chain: Chain) -> list[str]:
         if getattr(chain, end) is not None:
             names += [f"{end}.{field}" for field in ("stiffness", "gap", "exponent")]
     return names + [f"loss.{each}" for each in loss_parameters(chain)]
-
-
-def _flat_strikers(chain: Chain) -> bool:
-    return any(each.flat for each in chain.striker_properties)
 
 
 def loss_parameters(chain: Chain) -> dict[str, Loss]:
@@ -233,8 +230,8 @@ def bead_indices(chain: Chain, name: Name) -> list[int]:
     """Indices of the strikers, or of balls such as ``5,10``, counted without the strikers."""
     if name.key.startswith("struck_by."):
         return [*range(chain.strikers)]
-    # The mass of a cap is that of the ball behind the last one.
-    balls = len(chain.radii[chain._balls]) + (chain.cap is not None and name.key == "mass")
+    # A cap has a mass, as the ball behind the last one.
+    balls = chain.beads - chain.strikers - (chain.cap is not None and name.key == "radius")
     numbers = [part.strip() for part in name.item.split(",")]
     if not all(each.isdigit() and 1 <= int(each) <= balls for each in numbers):
         which = "is not a ball" if len(numbers) == 1 else "are not balls"
@@ -324,7 +321,6 @@ def _given_stiffness(chain: Chain, radii: Array) -> dict[str, Any]:
     factors = np.sqrt(np.divide(before, after, out=np.ones_like(after), where=curved))
     if "stiffness" in chain.given:
         changes["stiffness"] = chain.stiffness * factors
-        return changes
     if chain.cap is not None and (k := chain.cap.stiffness) is not None:
         changes["cap"] = dataclasses.replace(chain.cap, stiffness=k * factors[-1])
     if any(each.stiffness is not None for each in own):

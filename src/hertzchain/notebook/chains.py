@@ -7,7 +7,8 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.description import cap_in_words, strikers_in_words
+from ..chain.chain_words import cap_in_words
+from ..chain.description import strikers_in_words
 from ..chain.drawn_bodies import (
     body_centres,
     flat_bodies,

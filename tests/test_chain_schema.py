@@ -88,7 +88,7 @@ def test_fields_of_a_chain_are_those_of_python():
         if name in ("exponent", "strikers", "precompression", "held_by", "gravity"):
             assert in_files[name].default == item.default
     assert {*FORMS} < {*KEYS}
-    others = {"cap", "with_contacts", "exponent", "striker_properties"}
+    others = {"with_contacts", "exponent", "striker_properties"}
     assert {*BEAD_METHODS, *PARTS, *others} == {*TABLES}
     assert {*LAWS.values()} == {*Loss.__subclasses__()}
 

@@ -230,9 +230,7 @@ def test_the_table_of_sensitivities_shows_flat_faces(run, tmp_path):
 
 def test_a_flat_striker_is_no_cylinder():
     chain = real_row(np.ones(3), STRIKERS["flat"])
-    with pytest.raises(
-        hc.InputError, match="a flat striker or cap is not a cylinder"
-    ):
+    with pytest.raises(hc.InputError, match="a flat striker or cap is not a cylinder"):
         chain.with_contacts(hc.CrossedCylinders())
     crossed = chain.with_contacts({2: hc.CrossedCylinders()})
     assert crossed.stiffness[0] == chain.stiffness[0]

@@ -23,7 +23,7 @@ TITLES: Final = {
     "struck_by": "Strikers", "left_wall": "Left wall", "right_wall": "Right wall",
     "loss": "Loss in contacts", "drive": "Drive", "decorated": "Small beads between",
     "with_defects": "Defects", "with_scatter": "Random scatter",
-    "with_contacts": "Shapes of contacts",
+    "with_contacts": "Shapes of contacts", "cap": "Cap of a load cell",
 }  # fmt: skip
 # Table of which files keep the entries, but which has no controls: `struck_by` adds strikers.
 WITHOUT_CONTROLS: Final = "chain.striker_properties"
@@ -76,7 +76,7 @@ BEGIN: Final = {
     "other": {"bead": 10, "radius": 2, "seed": 1, "relative": 0.05, "ratio": 0.4,
               "coefficient": 0.9, "amplitude": 0.3, "frequency": 0.1,
               "times": [0, 5, 10], "values": [0, 0.1, 0]},
-    "SI": {"radius": "20 mm", "amplitude": "10 N", "frequency": "5 kHz", "time": "10 µs",
+    "SI": {"radius": "20 mm", "mass": "5 g", "amplitude": "10 N", "frequency": "5 kHz", "time": "10 µs",
            "times": ["0 µs", "50 µs", "100 µs"], "values": ["0 N", "10 N", "0 N"]},
 }  # fmt: skip
 # Number of beads in a picture of the gallery.

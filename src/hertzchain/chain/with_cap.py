@@ -70,10 +70,10 @@ def with_cap(
     Examples
     --------
     >>> import hertzchain as hc
-    >>> balls = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=10)
+    >>> balls = hc.Chain.from_materials(diameters="10 mm", materials="brass", beads=10)
     >>> cell = balls.replace(right_wall=hc.Wall("5 kN/mm", exponent=1))
     >>> cell.with_cap("5 g", material="steel-304")
-    Chain(10 steel-52100 beads, diameter 10 mm, and a cap (5 g, steel-304), right wall, mixed exponents,
+    Chain(10 brass beads, diameter 10 mm, and a cap (5 g, steel-304), right wall, mixed exponents,
         impact at 1 m/s)
     >>> f"{1e3 * cell.with_cap(frequency='5 kHz').cap.mass:.2f} g"
     '5.07 g'
@@ -83,8 +83,8 @@ def with_cap(
     checked_beads(self.beads + 1)
     if (mass is None) == (frequency is None):
         raise InputError(
-            "a cap has no default mass: give either mass, such as '5 g', or the resonance "
-            "frequency of the cap on the right wall, such as '5 kHz'"
+            "a cap needs its mass, such as '5 g', or its resonance frequency on the right wall, "
+            f"such as '5 kHz': {'neither was' if mass is None else 'both were'} given"
         )
     if frequency is not None:
         mass = _resonant_mass(self, frequency)

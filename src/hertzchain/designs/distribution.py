@@ -210,8 +210,8 @@ def distribution(
     The radius of bead k is :math:`R_k e^{\sigma z_k}` with a standard normal :math:`z_k`, or, for
     a grade of ISO 3290-1, uniformly distributed within its tolerance.  Materials, walls and the
     impact are those of the given chain; masses and contacts follow from the radii.  Strikers and
-    caps do not deviate.  Without strikers, bead 1 is the projectile: if its radius deviates, so do the
-    momentum and energy of the impact.  To study the other beads only, use ``beads="2:"``.
+    caps do not deviate.  Without strikers, bead 1 is the projectile: if its radius deviates, so do
+    the momentum and energy of the impact.  To study the other beads only, use ``beads="2:"``.
 
     Values of a scaled chain are in the units of the chain without deviations.
 

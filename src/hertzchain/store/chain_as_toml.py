@@ -20,7 +20,7 @@ from ..chain.walls import Wall
 from ..errors import InputError
 from ..simulation.state import fingerprint
 from ..validation.keywords import checked_arguments
-from .chain_files import ARRAYS, DRIVES, GIVEN_ONCE, LATER, chain_from
+from .chain_files import ARRAYS, DRIVES, LATER, chain_from
 from .compact_beads import compact_beads, in_usual_units, listed_beads, one_for_all
 from .toml_files import toml_key, toml_text
 
@@ -142,9 +142,7 @@ def _beads_entries(
         if (value := getattr(chain, name)) != usual[name] and not (name == "units" and kinds):
             entries[name] = value
     if chain.cap is not None:
-        of_all = {item for name, item in GIVEN_ONCE if name in chain.given}
-        entries["cap"] = {name: each for name, each in _fields(chain.cap).items()
-                          if name not in of_all}  # fmt: skip
+        entries["cap"] = _fields(chain.cap)
         if kinds and kinds[-1] != kinds[-2]:
             entries["cap"]["material"] = kinds[-1]
     if chain.striker_properties:

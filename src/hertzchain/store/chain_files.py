@@ -66,9 +66,7 @@ SIZE_KEYS: Final = tuple(item.name for item in dataclasses.fields(Sizes))
 LATER: Final = ("precompression", "held_by", "gravity")
 # Methods of a chain that change its beads, in the order in which they are applied.
 MORE_BEADS: Final = ("decorated", "with_defects", "with_scatter")
-BEAD_METHODS: Final = (*MORE_BEADS, "struck_by")
-# Values that the table of a striker or cap gives unless they are given for the whole chain.
-GIVEN_ONCE: Final = (("masses", "mass"), ("stiffness", "stiffness"))
+BEAD_METHODS: Final = (*MORE_BEADS, "cap", "struck_by")
 PARTS: Final = ("left_wall", "right_wall", "loss", "drive")
 SHAPES: Final[Mapping[str, type[Shape]]] = {"cone": Cone, "crossed-cylinders": CrossedCylinders}
 DRIVES: Final[Mapping[str, type[Drive]]] = {
@@ -178,12 +176,19 @@ class _ChainFile:
                 chain = getattr(chain, name)(**arguments)
         if capped:
             chain = self._with_cap(chain)
+        mass = float(chain.masses[-1])
         own = own if changed or capped or self._form == "file" else {}
         if "strikers" in self.table and chain.strikers != self.table["strikers"]:
             own["strikers"] = self.table["strikers"]
         if "striker_properties" in self.table:
             own["striker_properties"] = self._striker_properties()
         chain = chain.replace(**own) if own else chain
+        if capped and chain.masses[-1] != mass:
+            raise InputError(
+                f"[chain] has masses, which include the cap, and the last one, "
+                f"{chain.masses[-1]:g}, is not the mass of [chain.cap], {mass:g}: omit masses or "
+                "give the same"
+            )
         for arguments in self._arguments("struck_by"):
             chain = chain.struck_by(**arguments)
         rest: dict[str, Any] = {name: self.table[name] for name in LATER if name in self.table}
@@ -199,24 +204,22 @@ class _ChainFile:
     def _with_cap(self, chain: Chain) -> Chain:
         """The chain with its cap, whose frequency is that on the right wall."""
         (given,) = self._arguments("cap")
-        self._check_given_once("cap", given)
-        for name, item in GIVEN_ONCE:
-            if name in self.table:
-                given[item] = np.atleast_1d(self.table[name])[-1].item()
+        if "stiffness" in self.table:
+            if "stiffness" in given:
+                raise InputError("[chain] has stiffness, and cap also has stiffness: omit one")
+            given["stiffness"] = np.atleast_1d(self.table["stiffness"])[-1].item()
         if "frequency" in given and "right_wall" in self.table:
             chain = chain.replace(right_wall=self._part("right_wall"))
         return chain.with_cap(**given)
 
     def _striker_properties(self) -> list[StrikerProperties]:
         given = [*self._arguments("striker_properties")]
-        for each in given:
-            self._check_given_once("striker_properties", each)
+        for name, item in (("masses", "mass"), ("stiffness", "stiffness")):
+            if name in self.table and any(item in each for each in given):
+                raise InputError(
+                    f"[chain] has {name}, and striker_properties also has {item}: omit one"
+                )
         return [StrikerProperties(**each) for each in given]
-
-    def _check_given_once(self, table: str, given: Mapping[str, Any]) -> None:
-        for name, item in GIVEN_ONCE:
-            if name in self.table and item in given:
-                raise InputError(f"[chain] has {name}, and {table} also has {item}: omit one")
 
     def _is_list(self, name: str) -> bool:
         """Whether a key has one value per contact."""

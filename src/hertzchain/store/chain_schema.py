@@ -153,7 +153,7 @@ _STRUCK_BY: Final = (
     _number("gap", "distance to the chain", "length", default=0.0, least=0.0),
 )
 _CAP: Final = (
-    _number("mass", "mass of the cap; the last of masses if these are given", "mass", above=0.0),
+    _number("mass", "mass of the cap", "mass", above=0.0, required=True, unless="frequency"),
     _number("frequency", "resonance frequency of the cap on the linear right wall, instead of the "
             "mass", "frequency", above=0.0),
     _MATERIAL,

@@ -26,13 +26,13 @@ def chain_as_document(chain: Chain, axes: Sequence[Axis] = ()) -> Any:
     if not keys:
         return to_json_types(chain_document(chain), "chain")
     document = to_json_types(listed_chain_document(chain), "chain")
-    table = document["chain"]
+    table, balls = document["chain"], chain._balls.stop  # without a cap
     if "radii" in keys and "taper" in table and chain.radii[0] == 1.0:
         for name in ("taper", "beads", *dict(chain.taper_parameters)):
             table.pop(name)
-        table["radii"] = chain.radii.tolist()
+        table["radii"] = chain.radii[:balls].tolist()
     if "diameters" in keys and chain.units == "SI":
-        table["diameters"] = (2.0 * chain.radii).tolist()
+        table["diameters"] = (2.0 * chain.radii[:balls]).tolist()
         del table["radii"]
     for key in keys & {*ARRAYS}:
         table[key] = getattr(chain, key).tolist()

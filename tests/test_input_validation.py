@@ -242,6 +242,11 @@ def public_calls(folder):
         "Chain.struck_by, of a material": tried(
             balls.replace(velocities=None).struck_by, material="brass"
         ),
+        "Chain.with_cap": tried(chain.with_cap, mass=1.0, stiffness=1.0),
+        "Chain.with_cap, by frequency": tried(
+            chain.replace(right_wall=hc.Wall(1.0, exponent=1)).with_cap, frequency=0.5
+        ),
+        "Chain.with_cap, of a material": tried(balls.with_cap, mass=1.0, material="brass"),
         "Chain.replace": tried(chain.replace, gravity=0.0),
         "Chain.loading_force": tried(chain.loading_force, overlaps=[0.1] * (chain.beads - 1)),
         "Chain.with_contacts": tried(balls.with_contacts, shapes=hc.Cone(60.0)),

@@ -34,7 +34,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..chain.bead_names import NAME, bead_number
+from ..chain.bead_names import CAP, NAME, bead_number
 from ..chain.chain import Chain
 from ..chain.hertz_range import UNKNOWN_YIELD, hertz_range
 from ..collision import Array
@@ -365,7 +365,7 @@ def parse_measure(text: object, chain: Chain | None = None) -> Measure:
     if place == "last":
         return Measure(key, 0)
     name = " ".join(place.lower().split())
-    if chain is not None and NAME.fullmatch(name):
+    if chain is not None and (name == CAP or NAME.fullmatch(name)):
         return Measure(key, bead_number(chain, name), name=name)
     try:
         bead = int(place)

@@ -45,7 +45,8 @@ def parameters(function):
 def functions():
     """Each section that is a function or class of Python, with its keys."""
     for name in BEAD_METHODS:
-        yield getattr(hc.Chain, name), SECTIONS[f"chain.{name}"].keys
+        method = "with_cap" if name == "cap" else name
+        yield getattr(hc.Chain, method), SECTIONS[f"chain.{name}"].keys
     for name, law in LAWS.items():
         yield law, SECTIONS["chain.loss"].variants[name]
     for name, shape in SHAPES.items():

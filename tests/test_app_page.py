@@ -522,6 +522,27 @@ def test_a_chain_file_with_a_striker_of_given_mass_can_be_opened(page, tmp_path)
     assert np.array_equal(page.array("beads", "masses"), chain.masses)
 
 
+def test_a_chain_with_a_cap_can_be_opened_changed_and_saved(page, tmp_path):
+    row = hc.Chain.from_materials("6 mm", "steel-52100", beads=5, velocity=0.02)
+    chain = row.replace(right_wall=hc.Wall("5 kN/mm", exponent=1)).with_cap("5 g")
+    path = tmp_path / "chain.toml"
+    path.write_text(hc.chain_as_toml(chain))
+    open_file(page, path)
+    assert chain_of(page.document()) == chain
+    assert np.array_equal(page.array("beads", "radii"), [6e-3] * 5 + [np.inf])
+    page.tab.click("text=Remove >> nth=0")
+    page.settle()
+    assert "cap" not in page.document()["chain"]
+    if not page.tab.locator("#add-cap").is_visible():
+        page.tab.click("#group-cap summary")
+    page.tab.click("#add-cap")
+    page.settle()
+    assert page.document()["chain"]["cap"] == {"mass": "5 g"}
+    assert page.tab.evaluate("hertzchain.results.A.problem") == ""
+    assert np.array_equal(page.array("beads", "masses"), chain.masses)
+    assert hc.chain_from_toml(document_as_toml(page.document())) == chain
+
+
 @pytest.mark.long
 def test_opening_a_chain_removes_an_older_chain_b(page, tmp_path):
     open_example(page, "Shock absorber")

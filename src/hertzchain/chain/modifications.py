@@ -84,7 +84,7 @@ def decorated(
         kinds = tuple(itertools.chain.from_iterable(cells))[: len(row)]
     elif material is not None:
         raise InputError("material requires a chain with materials; use Chain.from_materials")
-    return _with_beads(self, "decorated", row, kinds)
+    return _with_beads(self, row, kinds)
 
 
 @checked_arguments("with_defects")
@@ -271,16 +271,16 @@ def with_one_loss(chain: C, loss: Loss | None) -> C:
     return chain.replace(**changes)
 
 
-def _with_beads(chain: C, method: str, radii: Array, materials: tuple[Material, ...] | None) -> C:
-    """Replace the beads of a chain, unless a feature is set per bead."""
+def _with_beads(chain: C, radii: Array, materials: tuple[Material, ...] | None) -> C:
+    """Replace the beads of a decorated chain, unless a feature is set per bead."""
     own = [name for name in chain.features if name in PER_BEAD_FEATURES]
     own += ["exponents"] if isinstance(chain.exponent, np.ndarray) else []
     own += ["losses"] if isinstance(chain.loss, tuple) else []
     if own:
         names = " and ".join(own)
         raise InputError(
-            f"{method} replaces the beads of this chain, but its {names} belong to the present "
-            f"ones; call {method} first, then set {names}"
+            f"decorated replaces the beads of this chain, but its {names} belong to the present "
+            f"ones; call decorated first, then set {names}"
         )
     changes: dict[str, Any] = {"radii": radii, "materials": materials}
     changes["velocities"] = changes["gaps"] = None

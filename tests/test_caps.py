@@ -256,6 +256,13 @@ def test_converted_chains_keep_their_cap(name):
     assert peak(scaled, until=until, rtol=1e-10) * scales.force == pytest.approx(force, rel=1e-8)
 
 
+def test_the_last_bead_of_a_taper_can_become_a_cap():
+    taper = hc.Chain.tapered("forward-exponential", 0.05, beads=6)
+    chain = taper.replace(cap=Cap(4.0))
+    assert chain == taper[:-1].with_cap(4.0)
+    assert chain.replace(gravity=0.1).description.startswith("forward-exponential, q = 0.05, 5 b")
+
+
 def test_listed_masses_and_contacts_are_those_of_the_cap_too():
     chain = CHAINS["mass"].replace(masses=[1e-3] * 5 + [7e-3], stiffness=[1e9] * 4 + [2e9])
     assert chain.cap == Cap(7e-3)

@@ -186,7 +186,10 @@ class ChainFields(Frozen):
             self._set("cap", Cap(float(masses[-1]), cap.stiffness))
             radii = with_radius_of_cap(self.radii, masses, self.materials, scaled=self.scaled)
             self._set("radii", _read_only(radii))
-            if self.scatter is not None:  # which a cap does not have
+            # The cap is not part of a taper, and has no scatter.
+            self._set("taper", None)
+            self._set("taper_parameters", ())
+            if self.scatter is not None:
                 nominal = np.append(self.scatter.radii[:-1], radii[-1])
                 self._set("scatter", self.scatter.with_radii(nominal))
         if "stiffness" in self.given:

@@ -318,7 +318,7 @@ def test_every_drive_and_every_form_has_its_controls(page):
         assert page.document()["chain"]["drive"]["kind"] == kind
         assert page.tab.evaluate("hertzchain.results.A.problem") == ""
     page.tab.click("#group-drive button:has-text('Remove')")
-    for form in ("radii", "cell", "mass_ratio", "taper", "cell", "radii"):
+    for form in ("radii", "cell", "mass_ratio", "cell_diameters", "taper", "cell", "radii"):
         page.tab.select_option("[id='c-form']", form)
         page.settle()
         assert form in page.document()["chain"]

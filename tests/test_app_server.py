@@ -500,6 +500,7 @@ def test_drives_without_end_and_chains_at_rest_have_results_or_a_reason():
         ({"taper": "uniform", "beads": 1}, "beads"),
         ({"taper": "uniform", "beads": 2001}, "at most 2000 beads"),
         ({"cell": [1.0, 0.5], "cells": 10**9}, "at most 2000 beads"),
+        ({"cell_diameters": [1.0, 0.5], "cells": 1500}, "at most 2000 beads, got 3000"),
         ({"taper": "uniform", "beads": 9, "struck_by": {"count": 10**9}}, "at most 2000 beads"),
         ({"taper": "uniform", "beads": 9, "decorated": {"ratio": 0.4, "between": 10**9}}, "2000"),
         ({"file": "/etc/passwd"}, "cannot refer to files"),

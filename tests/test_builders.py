@@ -193,6 +193,9 @@ BALLS = Chain.from_materials(5e-3, "brass", beads=3)
         (lambda: Chain.dimer(0.0, beads=4), "mass ratio of a dimer must be above 0, got 0"),
         (lambda: Chain.periodic([1.0, 0.5], cells=0), "cells must be .* at least 1, got 0"),
         (lambda: Chain.periodic([1.0, -0.5], cells=2), "bead 2 is -0.5"),
+        (lambda: Chain.periodic(cells=2), "a cell needs either radii or diameters"),
+        (lambda: Chain.periodic([1, 2], diameters=[2, 4], cells=2), "either radii or diameters"),
+        (lambda: Chain.periodic(diameters=["10 mm", "1 kg"], cells=2), "diameter .* such as m"),
         (
             lambda: Chain.periodic([1.0, 0.5], cells=2, materials=["brass"]),
             "the cell has 2 beads, but 1 materials",

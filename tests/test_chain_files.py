@@ -52,6 +52,7 @@ def test_a_toml_file_is_not_a_table_of_beads(row, tmp_path):
     ("text", "expected"),
     [
         ("cell = [2, 1]\ncells = 3", Chain.periodic([2, 1], cells=3)),
+        ("cell_diameters = [4, 2]\ncells = 3", Chain.periodic([2, 1], cells=3)),
         ("mass_ratio = 0.3428\nbeads = 6", Chain.dimer(0.3428, beads=6)),
         (
             'radii = 5e-3\nbeads = 4\nmaterials = "brass"',
@@ -70,6 +71,15 @@ def test_a_toml_file_is_not_a_table_of_beads(row, tmp_path):
         (
             'cell = [5e-3, 4e-3]\ncells = 2\nmaterials = ["brass", "glass"]',
             Chain.periodic([5e-3, 4e-3], cells=2, materials=["brass", "glass"]),
+        ),
+        (
+            'cell_diameters = ["1 cm", "8 mm"]\ncells = 2\nmaterials = ["brass", "glass"]',
+            Chain.periodic([5e-3, 4e-3], cells=2, materials=["brass", "glass"]),
+        ),
+        (
+            'units = "SI"\ncell_diameters = ["1 cm", "8 mm"]\ncells = 1\nmasses = [1e-3, 2e-3]\n'
+            "stiffness = [1e9]",
+            Chain([5e-3, 4e-3], units="SI", masses=[1e-3, 2e-3], stiffness=[1e9]),
         ),
         (
             'units = "SI"\nradii = [5e-3, 4e-3]\nmasses = [1e-3, 2e-3]\nstiffness = [1e9]',
@@ -268,6 +278,8 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
         (U + "radii = [1, 2]", "has taper and also radii"),
         (U + "cells = 3", "has taper and also cells"),
         ("cell = [1, 2]", "no cells, which goes with cell"),
+        ("cell = [1, 2]\ncell_diameters = [2, 4]\ncells = 2", "cell and also cell_diameters"),
+        ("cell_diameters = [1, -2]\ncells = 2", "diameter of bead 2 .*-2"),
         (U + "velocity = 2.0", "has velocity but no materials: .* omit velocity"),
         (U + "radius = 2.0", "has radius but no materials"),
         ('taper = "uniform"\nbeads = 3\nmaterials = "brass"', "no radius, which goes with taper"),
@@ -557,11 +569,11 @@ COMPACT = {
     ),
     "dimer": (
         lambda: Chain.dimer(diameters=["10 mm", "6 mm"], materials=STEEL, beads=20),
-        {"cell": ["5 mm", "3 mm"], "cells": 10, "materials": STEEL},
+        {"cell_diameters": ["10 mm", "6 mm"], "cells": 10, "materials": STEEL},
     ),
     "two materials": (
         lambda: Chain.periodic([9.5e-3, 9.5e-3], cells=5, materials=["steel-316", "ptfe"]),
-        {"cell": ["9.5 mm", "9.5 mm"], "cells": 5, "materials": ["steel-316", "ptfe"]},
+        {"cell_diameters": ["19 mm", "19 mm"], "cells": 5, "materials": ["steel-316", "ptfe"]},
     ),
     "trimer": (
         lambda: Chain.periodic([2.0, 1.0, 0.3], cells=4),

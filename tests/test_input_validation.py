@@ -226,6 +226,7 @@ def public_calls(folder):
             gravity=0.0,
         ),
         "Chain.periodic": tried(Chain.periodic, cell=[1.0, 0.5], cells=3, materials=None),
+        "Chain.periodic, by diameters": tried(Chain.periodic, diameters=[1.0, 0.5], cells=3),
         "Chain.dimer": tried(Chain.dimer, mass_ratio=0.5, beads=5, exponent=1.5),
         "Chain.decorated": tried(chain.decorated, ratio=0.3, between=1, material=None),
         "Chain.decorated, by radius": tried(chain.decorated, radius=0.3),

@@ -86,5 +86,6 @@ test("sizes are the same, whether a material or the sizes are chosen first", () 
   assert.deepEqual(resized({ diameters: [1, 0.7] }, true), { diameters: ["10 mm", "7 mm"] });
   assert.deepEqual(resized({ first: "20 mm", last: "0.8 cm" }, false), { first: 1, last: 0.4 });
   assert.deepEqual(resized({ cell: ["5 mm", 0.003], cells: 20 }, false), { cell: [1, 0.6], cells: 20 });
+  assert.deepEqual(resized({ cell_diameters: [1, 0.6], cells: 20 }, true), { cell_diameters: ["10 mm", "6 mm"], cells: 20 });
   assert.deepEqual(resized({ taper: "uniform", beads: 9 }, true), { taper: "uniform", beads: 9 });
 });

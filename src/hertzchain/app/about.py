@@ -29,7 +29,8 @@ TITLES: Final = {
 WITHOUT_CONTROLS: Final = "chain.striker_properties"
 FORMS: Final = {
     "taper": "a taper and its rate", "first": "end radii", "first_diameter": "end diameters",
-    "radii": "a list of radii", "diameters": "a list of diameters", "cell": "a repeated cell",
+    "radii": "a list of radii", "diameters": "a list of diameters",
+    "cell": "a repeated cell of radii", "cell_diameters": "a repeated cell of diameters",
     "mass_ratio": "a dimer’s mass ratio",
 }  # fmt: skip
 # Usual ranges of sliders by dimension, in the units that the page shows, in SI units and scaled.
@@ -69,6 +70,7 @@ BEGIN: Final = {
         "diameters": {"diameters": [1, 0.7]},
         "radii": {"radii": [1, 0.8, 0.6, 0.8, 1]},
         "cell": {"cell": [1, 0.6], "cells": 20},
+        "cell_diameters": {"cell_diameters": [1, 0.6], "cells": 20},
         "mass_ratio": {"mass_ratio": 0.3428, "beads": 40},
     },
     # A soft polymer, which can be seen next to steel.

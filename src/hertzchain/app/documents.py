@@ -54,7 +54,7 @@ def _check_size(table: Any) -> None:
     """Reject long chains before any array is allocated."""
     if not isinstance(table, Mapping):
         return
-    cell = table.get("cell")
+    cell = table.get("cell", table.get("cell_diameters"))
     cells = len(cell) if isinstance(cell, list) else 1
     counts = {"beads": 1, "cells": cells}
     for key, each in counts.items():

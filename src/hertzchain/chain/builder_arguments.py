@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ..collision import Array
 from ..errors import InputError
 from ..validation.keywords import check_keywords
-from ..validation.numbers import FRACTION, number
+from ..validation.numbers import FRACTION, number, real_numbers
 from ..validation.objects import check_list
 from .fields import ChainFields
 from .input_checks import checked_beads, checked_sizes
@@ -72,6 +72,21 @@ def two_sizes(
             "Chain.periodic repeats any cell"
         )
     return np.resize(found, 2)
+
+
+def repeated_sizes(cell: Any, diameters: Any, cells: int) -> Array:
+    """Radii of the beads of a repeated cell, from the radii or diameters of its beads."""
+    if (cell is None) == (diameters is None):
+        raise InputError(
+            "a cell needs either radii or diameters, such as Chain.periodic(diameters=['10 mm', "
+            "'6 mm'], cells=20, materials='steel-52100')"
+        )
+    if diameters is None:
+        one = real_numbers("radius", cell, "bead", unit="m")
+    else:
+        one = 0.5 * checked_sizes("diameter", diameters)
+    checked_beads(cells * one.size)
+    return np.tile(np.atleast_1d(one), cells)
 
 
 def repeated_materials(

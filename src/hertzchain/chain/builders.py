@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..collision import HERTZ_EXPONENT
 from ..errors import InputError
 from ..validation.keywords import FIELD_ALIASES, checked_arguments
-from ..validation.numbers import plain_magnitude, real_numbers, whole_number
+from ..validation.numbers import plain_magnitude, whole_number
 from ..validation.objects import check_list
 from . import builder_arguments as builder
 from .fields import ChainFields
@@ -231,9 +231,10 @@ class ChainBuilders(ChainFields):
     @checked_arguments("Chain.periodic", ("velocity", *builder.OTHER_FIELDS), FIELD_ALIASES)
     def periodic(
         cls,
-        cell: ArrayLike,
+        cell: ArrayLike | None = None,
         *,
         cells: int,
+        diameters: ArrayLike | None = None,
         materials: MaterialLike | Sequence[MaterialLike] | None = None,
         **fields: Any,
     ) -> Self:
@@ -245,6 +246,8 @@ class ChainBuilders(ChainFields):
             Radii of the beads of one cell, in one arbitrary unit; in m with materials.
         cells : int
             Number of repetitions.
+        diameters : array_like, optional
+            Diameters of the beads of one cell, instead of their radii.
         materials : str, Material or sequence of them, optional
             Material of all beads, or of each bead of the cell.  The chain is then in SI units.
         **fields
@@ -253,23 +256,22 @@ class ChainBuilders(ChainFields):
         Raises
         ------
         InputError
-            If a radius is not positive, or a material unknown.
+            If a size is not positive, a material is unknown, or there is not exactly one of
+            ``cell`` and ``diameters``.
 
         Examples
         --------
         >>> import hertzchain as hc
         >>> hc.Chain.periodic([5.0, 2.5, 2.5], cells=2).radii
         array([1. , 0.5, 0.5, 1. , 0.5, 0.5])
-        >>> hc.Chain.periodic([9.5e-3, 9.5e-3], cells=20, materials=["steel-316", "ptfe"])
+        >>> hc.Chain.periodic(diameters=["19 mm"] * 2, cells=20, materials=["steel-316", "ptfe"])
         Chain(40 beads of steel-316 and ptfe, diameter 19 mm, impact at 1 m/s)
         """
         cells = whole_number("cells", cells, least=1)
-        one = real_numbers("radius", cell, "bead", unit="m")
-        checked_beads(cells * one.size)
-        radii = np.tile(np.atleast_1d(one), cells)
+        radii = builder.repeated_sizes(cell, diameters, cells)
         if materials is None:
             return cls.from_radii(radii, **fields)
-        materials = builder.repeated_materials(materials, one.size, len(radii))
+        materials = builder.repeated_materials(materials, len(radii) // cells, len(radii))
         return cls.from_materials(radii, materials, **fields)
 
     @classmethod

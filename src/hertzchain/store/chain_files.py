@@ -12,7 +12,7 @@ A TOML file has a table ``[chain]`` with the beads in one of these forms::
 
     radii = [5.0, 4.5, 4.0]          # or diameters; or one value and beads
 
-    cell = [1.0, 0.5]                # repeated, here 20 times
+    cell = [1.0, 0.5]                # radii, here repeated 20 times; or cell_diameters
     cells = 20
 
     mass_ratio = 0.3428              # a dimer with equal contacts, and beads
@@ -40,10 +40,11 @@ from typing import Any, Final
 
 import numpy as np
 
+from ..chain.builder_arguments import repeated_sizes
 from ..chain.chain import Chain
 from ..chain.contact_shapes import Cone, CrossedCylinders, Shape
 from ..chain.drives import Drive, SineBurst, StepDrive, TableDrive
-from ..chain.input_checks import checked_beads, checked_sizes
+from ..chain.input_checks import checked_sizes
 from ..chain.materials import RIGID, Material, material
 from ..chain.striker_properties import StrikerProperties
 from ..chain.taper_sizes import Sizes, si_radii
@@ -51,7 +52,7 @@ from ..chain.tapers import PARAMETERS, taper_named
 from ..chain.walls import Wall
 from ..errors import InputError, errors_at, raise_all
 from ..validation.keywords import checked_arguments
-from ..validation.numbers import number, real_numbers, whole_number
+from ..validation.numbers import number, whole_number
 from ..validation.objects import check_type, file_path, shown_path
 from .bead_tables import load_beads
 from .chain_schema import FORMS, SIGNAL_KEYS, with_usual_names, without_units
@@ -63,6 +64,8 @@ from .toml_files import parse_toml, read_toml
 ARRAYS: Final = ("masses", "stiffness", "velocities", "gaps")
 # Keys of a taper of given sizes, which are arguments of `Chain.tapered`.
 SIZE_KEYS: Final = tuple(item.name for item in dataclasses.fields(Sizes))
+# Keys of a cell, and the arguments of `Chain.periodic`.
+CELLS: Final = {"cell": "cell", "cell_diameters": "diameters"}
 LATER: Final = ("precompression", "held_by", "gravity")
 # Methods of a chain that change its beads, in the order in which they are applied.
 MORE_BEADS: Final = ("decorated", "with_defects", "with_scatter")
@@ -284,8 +287,8 @@ class _ChainFile:
             sizes = table[form]
             radii = sizes if form == "radii" else 0.5 * checked_sizes("diameter", sizes, None)
             chain = Chain.from_radii(radii, **law)
-        elif form == "cell":
-            chain = Chain.periodic(table["cell"], cells=self._needed("cells"), **law)
+        elif form in CELLS:
+            chain = Chain.periodic(**self._cell(), **law)
         elif form == "mass_ratio":
             chain = Chain.dimer(table["mass_ratio"], beads=self._needed("beads"), **law)
         else:
@@ -327,29 +330,27 @@ class _ChainFile:
             radii = si_radii(table.get("taper"), self._needed("beads"), Sizes(**given))
         elif form == "diameters":
             radii = 0.5 * checked_sizes("diameter", table[form])
+        elif form in CELLS:
+            radii = repeated_sizes(**self._cell())
         else:
             radii = table[form]
         if "materials" not in table:
             self._require_without('units = "SI" without materials', ["beads", "velocity"])
-            return Chain(self._repeated(radii), units="SI", **law, **own)
+            return Chain(radii, units="SI", **law, **own)
         kinds = self._material(table["materials"])
         fields = law | own | {"velocity": table.get("velocity")}
-        if form == "cell":
-            return Chain.periodic(radii, cells=self._needed("cells"), materials=kinds, **fields)
+        if form in CELLS:
+            return Chain.periodic(**self._cell(), materials=kinds, **fields)
         if form in ("radii", "diameters"):
             fields |= {form: table[form], "beads": table.get("beads")}
         else:
             fields["radii"] = radii
         return Chain.from_materials(materials=kinds, **fields)
 
-    def _repeated(self, radii: Any) -> Any:
-        """Repeat the radii of a cell."""
-        if self._form != "cell":
-            return radii
-        cell = real_numbers("radius", radii, "bead", unit="m")
-        cells = whole_number("cells", self._needed("cells"), least=1)
-        checked_beads(cells * cell.size)
-        return np.tile(cell, cells)
+    def _cell(self) -> dict[str, Any]:
+        """Arguments of a cell and the number of its repetitions."""
+        sizes = {argument: self.table.get(key) for key, argument in CELLS.items()}
+        return sizes | {"cells": whole_number("cells", self._needed("cells"), least=1)}
 
     def _arguments(self, name: str) -> Iterator[dict[str, Any]]:
         given = self.table.get(name, [])

@@ -64,6 +64,7 @@ FORMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "radii": ("beads",),
         "diameters": ("beads",),
         "cell": ("cells",),
+        "cell_diameters": ("cells",),
         "mass_ratio": ("beads",),
         "file": (),
     }
@@ -89,6 +90,8 @@ _CHAIN: Final = (
             per="bead", one_for_all=True),
     _number("cell", "radii of the beads of one cell", "length", above=0.0, per="bead",
             one_for_all=True),
+    _number("cell_diameters", "diameters of the beads of one cell, instead of their radii",
+            "length", above=0.0, per="bead", one_for_all=True),
     Key("cells", "integer", "number of repetitions of the cell", least=1),
     _number("mass_ratio", "mass of the light beads of a dimer over that of the heavy ones",
             fraction=True, above=0.0),

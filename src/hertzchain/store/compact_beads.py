@@ -19,7 +19,7 @@ from ..errors import InputError
 # Keys that are sizes in m, the name of the key in mm, and its multiple of the radius.
 SIZES: Final = {
     "radii": ("diameters", 2.0), "first": ("first_diameter", 2.0), "last": ("last_diameter", 2.0),
-    "radius": ("radius", 1.0), "cell": ("cell", 1.0),
+    "radius": ("radius", 1.0), "cell": ("cell_diameters", 2.0),
 }  # fmt: skip
 # Sizes [m] that are written in mm.
 MILLIMETRES: Final = (1e-5, 1.0)

@@ -6,7 +6,7 @@ import { at, changed, listed } from "./state.js";
 
 /** @typedef {import("./fields.js").Path} Path */
 
-const SIZES = ["first", "first_diameter", "radii", "diameters", "cell", "last", "last_diameter", "length"];
+const SIZES = ["first", "first_diameter", "radii", "diameters", "cell", "cell_diameters", "last", "last_diameter", "length"];
 
 /** A chain whose first bead has a radius of 5 mm, or has the size 1 in a scaled chain.
  * @param {Record<string, any>} chain @param {boolean} si */

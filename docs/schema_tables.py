@@ -116,7 +116,7 @@ def _value(key: Mapping[str, Any]) -> str:
 
 def _default(key: Mapping[str, Any]) -> str:
     if key["required"]:
-        return "required"
+        return f"required, or `{key['unless']}`" if key["unless"] else "required"
     default = key["default"]
     if default is None:
         return ""

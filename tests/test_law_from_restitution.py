@@ -91,3 +91,106 @@ def test_on_the_command_line(run):
         code, out, err = run("simulate", *options, "--loss", wrong)
         assert (code, out) == (2, "")
         assert said in " ".join(err.split())
+
+
+BALLS = 'diameters = "10 mm"\nbeads = 5\nmaterials = "steel-52100"\n'
+LAW = 'law = "viscoelastic", restitution = 0.93, speed = "0.8 m/s"'
+# Steel, PTFE, steel, PTFE in front of steel.
+MIXED = 'diameters = "10 mm"\nmaterials = ["steel-316", "ptfe", "steel-316", "ptfe"]\nright_wall = '
+
+
+def read(text):
+    return hc.chain_from_toml(f"[chain]\n{text}\n")
+
+
+def time_of(chain, contact, speed="0.8 m/s", e=0.93):
+    return hc.Viscoelastic.from_restitution(e, speed=speed, chain=chain, contact=contact).time
+
+
+@pytest.mark.parametrize(
+    ("text", "contact"),
+    [
+        ("", 1),
+        ("[chain.right_wall]", 1),
+        ('[chain.struck_by]\nmass = "30 g"', 2),
+        ('[chain.struck_by]\nmass = "30 g"\ncount = 2', 3),
+        ("with_contacts = {shape = \"crossed-cylinders\", radius = \"2 mm\"}", 1),
+    ],
+)  # fmt: skip
+def test_in_a_chain_file_it_is_that_of_the_first_contact_of_two_balls(text, contact):
+    chain = read(f"{BALLS}loss = {{{LAW}}}\n{text}")
+    assert chain.loss.time == time_of(chain, contact)
+    assert chain.loss.restitution(0.8, chain=chain, contact=contact) == pytest.approx(0.93)
+    # The file that is written has the parameter.
+    written = hc.chain_as_toml(chain)
+    assert f"time = {chain.loss.time!r}" in written
+    assert "restitution" not in written
+    assert hc.chain_from_toml(written).loss == chain.loss
+
+
+def test_a_given_contact_and_known_parameters():
+    chain = read(f"{BALLS}right_wall = {{}}\nloss = {{{LAW}, contact = 5}}")
+    assert chain.loss.time == time_of(chain, 5)
+    law = read(f'{BALLS}loss = {{law = "velocity-power", alpha = 1.5, restitution = "93%", '
+               'speed = 0.8}').loss  # fmt: skip
+    assert law.restitution(0.8, chain=PAIR) == pytest.approx(0.93, abs=1e-9)
+    scaled = read('taper = "uniform"\nbeads = 3\nloss = {law = "dashpot", restitution = 0.9, '
+                  "speed = 1.0}")  # fmt: skip
+    assert scaled.loss.restitution(1.0, chain=scaled) == pytest.approx(0.9, abs=1e-9)
+
+
+def test_pairs_lists_and_walls():
+    # Without a contact of their own in the chain, two balls of steel have the law of the wall.
+    chain = read(
+        MIXED + f'{{material = "steel-316"}}\nloss = [{{between = ["ptfe", "steel-316"], {LAW}}}]'
+    )
+    assert chain.contact_losses[-1].time == chain.contact_losses[1].time == time_of(chain, 1)
+    # All other pairs are only that of PTFE on PTFE, at the wall.
+    others = '{law = "viscoelastic", restitution = 0.5, speed = "0.8 m/s"}'
+    chain = read(MIXED + f'{{}}\nloss = [{{between = ["ptfe", "steel-316"], {LAW}}}, {others}]')
+    assert [chain.contact_losses[c].time for c in (1, 4)] == [
+        time_of(chain, 1), time_of(chain, 4, e=0.5)
+    ]  # fmt: skip
+    chain = read(MIXED + f"{{loss = {{{LAW}}}}}")
+    assert chain.right_wall.loss.time == time_of(chain, 4)
+    radii = 'diameters = ["10 mm", "8 mm", "6 mm"]\nmaterials = "brass"\n'
+    chain = read(f"{radii}loss = [{{{LAW}}}, {{{LAW}}}]")
+    assert [law.time for law in chain.loss] == [time_of(chain, 1), time_of(chain, 2)]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (BALLS + 'loss = {law = "dashpot", restitution = 0.9}',
+         r"\[chain.loss\] has restitution but no speed: .* add speed, such as speed = \"0.8 m/s"),
+        (BALLS + 'loss = {law = "dashpot", gamma = 1, speed = 1}', "has speed but no restitution"),
+        (BALLS + 'loss = {law = "viscoelastic"}', "requires time or restitution"),
+        (BALLS + f"loss = {{{LAW}, time = 1e-6}}", r"\[chain.loss\]: one .* not 0 .time."),
+        (BALLS + 'loss = {law = "dashpot", restitution = 1.9, speed = 1}', "below 1, got 1.9"),
+        (BALLS + 'loss = {law = "dashpot", restitution = 0.9, speed = "1 m"}', "speed must have"),
+        (BALLS + 'loss = {law = "elastic-plastic", restitution = 0.9, speed = 1}', "yield streng"),
+        (BALLS + f"loss = {{{LAW}, contact = 7}}", "contact must be .* got 7"),
+        (BALLS + f"loss = {{{LAW}, contact = 5}}", "end of the chain is free"),
+        (BALLS + f"right_wall = {{loss = {{{LAW}, between = ['brass', 'ptfe']}}}}", "omit between"),
+        (BALLS + f'loss = [{{between = ["brass", "ptfe"], {LAW}}}, {{law = "elastic"}}]',
+         "touch nowhere in this chain: give the contact"),
+        (f'taper = "uniform"\nbeads = 3\nloss = [{{between = ["brass", "ptfe"], {LAW}}}]', "unit"),
+    ],
+)  # fmt: skip
+def test_errors_in_chain_files(text, said):
+    with pytest.raises(hc.InputError, match=said):
+        read(text)
+
+
+def test_a_restitution_can_be_swept(tmp_path):
+    specification = {
+        "chain": {"diameters": "10 mm", "beads": 4, "materials": "steel-52100",
+                  "velocity": "0.01 m/s", "loss": {"law": "viscoelastic", "speed": "0.8 m/s"}},
+        "axes": {"loss.restitution": [0.9, 0.95]},
+        "sweep": {"methods": ["simulate"], "keep": ["velocity"]},
+    }  # fmt: skip
+    found = hc.sweep(specification, store=tmp_path / "sweep.zarr")
+    chain = hc.Chain.from_materials("5 mm", "steel-52100", beads=4, velocity=0.01)
+    lossy = chain.replace(loss=hc.Viscoelastic(time_of(chain, 1, e=0.9)))
+    expected = hc.simulate(lossy).pulse().velocity
+    assert found.velocity.sel(restitution=0.9).values.ravel() == pytest.approx(expected, rel=1e-6)

@@ -186,6 +186,7 @@ def _pairs(texts: list[str]) -> list[tuple[str, str]]:
 def _law_with_restitution(name: str, given: list[str], chain: Chain) -> Loss:
     """The law of ``viscoelastic, restitution=0.93, speed=0.8 m/s, contact=2``."""
     from ..chain.laws.base import LAWS
+    from ..chain.laws.given_restitution import usual_contact
     from ..errors import InputError
 
     values: dict[str, Any] = {key: as_typed(value) for key, value in _pairs(given)}
@@ -197,9 +198,7 @@ def _law_with_restitution(name: str, given: list[str], chain: Chain) -> Loss:
     if not chain.scaled:
         require_unit_of_speed(str(values["speed"]), "speed of --loss")
     coefficient, speed = values.pop("restitution"), values.pop("speed")
-    # By default, the first contact of two balls.
-    first = chain.strikers + 1 if chain.beads > chain.strikers + 1 else 1
-    contact = values.pop("contact", first)
+    contact = values.pop("contact", usual_contact(chain))
     contact = int(contact) if isinstance(contact, float) and contact.is_integer() else contact
     try:
         law = LAWS[name].from_restitution(

@@ -195,14 +195,15 @@ class _ChainFile:
         for arguments in self._arguments("struck_by"):
             chain = chain.struck_by(**arguments)
         rest: dict[str, Any] = {name: self.table[name] for name in LATER if name in self.table}
-        rest |= {name: self._part(name) for name in PARTS if name in self.table}
+        rest |= {name: self._part(name) for name in PARTS if name in self.table and name != "loss"}
         chain = chain.replace(**rest) if rest else chain
         for arguments in self._arguments("with_contacts"):
             numbers = arguments.pop("contacts", range(1, chain.beads))
             shape = SHAPES[arguments.pop("shape")](**arguments)
             one = isinstance(numbers, Integral)
             chain = chain.with_contacts(dict.fromkeys([numbers] if one else numbers, shape))
-        return chain
+        losses = self._losses(chain)
+        return chain.replace(**losses) if losses else chain
 
     def _with_cap(self, chain: Chain) -> Chain:
         """The chain with its cap, whose frequency is that on the right wall."""
@@ -386,18 +387,26 @@ class _ChainFile:
                     f"{' and '.join(given)} of all beads, or omit {' and '.join(given)}"
                 )
 
+    def _losses(self, chain: Chain) -> dict[str, Any]:
+        """Laws of all contacts and walls, which may follow from the restitution of a contact."""
+        found: dict[str, Any] = {}
+        for name, contact in (("left_wall", 0), ("right_wall", chain.beads)):
+            if (entry := self.table.get(name, {}).get("loss")) is None:
+                continue
+            if "between" in entry:
+                raise InputError(
+                    f"loss of [chain.{name}] has between, but is the law of one contact: omit "
+                    "between, or use [[chain.loss]]"
+                )
+            law = law_from(entry, chain, contact, f"loss of [chain.{name}]")
+            found[name] = dataclasses.replace(getattr(chain, name), loss=law)
+        if "loss" in self.table:
+            found["loss"] = losses_from(self.table["loss"], self._material, chain)
+        return found
+
     def _part(self, name: str) -> Any:
-        if name == "loss":
-            return losses_from(self.table[name], self._material)
-        entry = dict(self.table[name])
+        entry = {key: value for key, value in self.table[name].items() if key != "loss"}
         if name.endswith("wall"):
-            if "loss" in entry:
-                if "between" in entry["loss"]:
-                    raise InputError(
-                        f"loss of [chain.{name}] has between, but is the law of one contact: omit "
-                        "between, or use [[chain.loss]]"
-                    )
-                entry["loss"] = law_from(entry["loss"])
             if entry.pop("rigid", False):
                 if "material" in entry:
                     raise InputError(f"[chain.{name}] is rigid and has a material: omit one")

@@ -174,6 +174,13 @@ _BETWEEN: Final = Key(
     "the two materials whose contacts have this law; the law is for all other pairs without it",
     per="item",
 )
+_COLLISION: Final = (
+    _number("restitution", "coefficient of restitution of a collision, from which the parameter of "
+            "the law follows", fraction=True, above=0.0, below=1.0),
+    _number("speed", "relative speed before this collision", "velocity", above=0.0),
+    Key("contact", "integer", "contact of this collision, 0 and N of walls; that of the law, or "
+        "the first one of two balls that has it, if omitted", least=0),
+)  # fmt: skip
 _EXPONENTS: Final = (
     Key(
         "between",
@@ -212,7 +219,8 @@ def _law_key(name: str, about: Parameter, default: Any) -> Key:
     bounds: dict[str, Any] = dict(about.bounds)
     return Key(
         name, kind, about.description, required=required, default=None if required else default,
-        dimension=about.dimension, fraction=about.fraction, **bounds,
+        unless="restitution" if required else "", dimension=about.dimension,
+        fraction=about.fraction, **bounds,
     )  # fmt: skip
 
 
@@ -288,7 +296,7 @@ _LISTED: Final = (
     Section("chain.left_wall", "the wall behind bead 1", _WALL),
     Section("chain.right_wall", "the wall in front of the last bead", _WALL),
     Section("chain.loss", "the law of loss; or one for each contact or pair of materials",
-            (_BETWEEN,), repeated=True, variant_key="law", variants=_LAWS),
+            (_BETWEEN, *_COLLISION), repeated=True, variant_key="law", variants=_LAWS),
     Section("chain.drive", "force on bead 1 or motion of the left wall", (), variant_key="kind",
             variants=_DRIVES),
     Section("materials.NAME", "a custom material", _MATERIALS),

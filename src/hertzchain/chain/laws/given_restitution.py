@@ -17,6 +17,14 @@ RATIOS: Final = (1e-9, 1.0 - 1e-9)
 MULTIPLES: Final = (1e-8, 30.0)
 
 
+def usual_contact(chain: Any) -> int:
+    """The contact whose restitution is meant without its number: the first one of two balls.
+
+    It is that of a striker, or of a single ball with a wall, if there is no other one.
+    """
+    return chain.strikers + 1 if chain.beads > chain.strikers + 1 else 1
+
+
 def law_with_restitution(
     law: type[Any], coefficient: Any, speed: Any, contacts: Any, *, si: bool,
     others: Mapping[str, Any],

@@ -8,6 +8,9 @@ import { at, changed, listed } from "./state.js";
 
 const SIZES = ["first", "first_diameter", "radii", "diameters", "cell", "cell_diameters", "last", "last_diameter", "length"];
 
+// Keys of laws of loss that a file may contain, and whose controls are not shown otherwise.
+const ONLY_IF_GIVEN = ["between", "restitution", "speed", "contact"];
+
 /** A chain whose first bead has a radius of 5 mm, or has the size 1 in a scaled chain.
  * @param {Record<string, any>} chain @param {boolean} si */
 export function resized(chain, si) {
@@ -148,7 +151,7 @@ export class Controls extends Fields {
         (chosen) => this.put(path, this.begin({ keys: section.variants[chosen] }, { [variant]: chosen }))));
     }
     const keys = variant ? section.variants[entry[variant]] ?? [] : section.keys;
-    const common = variant ? section.keys.filter((/** @type {any} */ key) => key.name !== "between" || entry.between) : [];
+    const common = variant ? section.keys.filter((/** @type {any} */ key) => !ONLY_IF_GIVEN.includes(key.name) || key.name in entry) : [];
     for (const key of [...common, ...keys]) if (key.kind !== "file" && key.kind !== "signal") fields.push(this.field(path, key));
     return fields;
   }

@@ -56,6 +56,12 @@ def wall_peak(run, *options):
          {"right_wall": hc.Wall(), "loss": hc.ElasticPlastic()}),
         (("--wall", "same", "--loss", "velocity-power=900,alpha=1.2"),
          {"right_wall": hc.Wall(), "loss": hc.VelocityPower(900.0, 1.2)}),
+        (("--wall", "brass", "--loss", "restitution=0.9", "--wall-loss", "restitution=70%"),
+         {"right_wall": hc.Wall(material="brass", loss=hc.Restitution(0.7)),
+          "loss": hc.Restitution(0.9)}),
+        (("--wall", "same", "--wall-loss", "viscoelastic, restitution=0.9, speed=0.1 m/s"),
+         {"right_wall": hc.Wall(loss=hc.Viscoelastic.from_restitution(
+             0.9, speed=0.1, chain=row().replace(right_wall=hc.Wall()), contact=8))}),
     ],
 )  # fmt: skip
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
@@ -63,6 +69,30 @@ def test_wall_and_loss_change_described_chains_and_files(run, file, options, cha
     expected = hc.simulate(row().replace(**changes)).wall_force().peak
     assert wall_peak(run, *BALLS, "--speed", "0.1 m/s", *options) == pytest.approx(expected)
     assert wall_peak(run, file, *options) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("material", "size", "chain"),
+    [
+        ("steel-304, PTFE", "10 mm",
+         hc.Chain.dimer(diameters="10 mm", materials=["steel-304", "ptfe"], beads=5)),
+        ("steel-304,ptfe,brass", "10 mm:5 mm",
+         hc.Chain.tapered(first_diameter="10 mm", last_diameter="5 mm", beads=5,
+                          materials=["steel-304", "ptfe", "brass", "steel-304", "ptfe"])),
+        ("brass,ptfe,ptfe,brass,brass", "10 mm",
+         hc.Chain.from_materials("5 mm", ["brass", "ptfe", "ptfe", "brass", "brass"])),
+    ],
+)  # fmt: skip
+def test_several_materials_are_those_of_the_beads_in_turn(run, material, size, chain):
+    expected = hc.simulate(chain.replace(velocities=0.001 * chain.velocities,
+                                         right_wall=hc.Wall())).wall_force().peak  # fmt: skip
+    options = ("--material", material, "--diameter", size, "--beads", 5)
+    assert wall_peak(run, *options, "--speed", "1 mm/s", "--wall", "same") == pytest.approx(
+        expected
+    )
+    code, _, err = run("pulse", *options[:-1], 1)
+    assert code == 2
+    assert "materials, but there are only 1 beads: omit some" in " ".join(err.split())
 
 
 def test_strikers_are_beads_like_the_first_one_at_the_speed_of_the_impact(run, file):
@@ -138,6 +168,15 @@ def test_simulate_states_the_speed_of_the_impact(run, file):
         (("--loss", "restitution=0.9,foo=2"), "has no argument 'foo'"),
         (("--loss", "elastic=2"), "has no parameters: write --loss elastic"),
         (("--striker", "0"), "--striker must be"),
+        (("--wall", "same", "--wall-loss", "visco=2us"), "law of --wall-loss"),
+        (
+            ("--wall", "same", "--wall-loss", "viscoelastic=2"),
+            "no unit; write, for example, --wall-loss 'viscoelastic=2 us'",
+        ),
+        (
+            ("--wall", "same", "--wall-loss", "viscoelastic, restitution=0.9"),
+            "--wall-loss viscoelastic with a restitution needs its speed, too",
+        ),
         (("--wall", "butter"), "--wall must be same, rigid or a material"),
         (("--wall", "2 kg/mm"), "or a stiffness such as '5 kN/mm' (exponent 1)"),
         (("--wall", "2"), "or a stiffness such as '5 kN/mm' (exponent 1)"),
@@ -152,6 +191,12 @@ def test_bad_changes_are_rejected(run, file, options, words):
         code, out, err = run("simulate", *chain, *options)
         assert (code, out) == (2, "")
         assert words in " ".join(err.split())
+
+
+def test_a_loss_of_a_wall_needs_a_wall(run):
+    code, out, err = run("simulate", *BALLS, "--wall-loss", "restitution=0.9")
+    assert (code, out) == (2, "")
+    assert "--wall-loss is that of the contact with a wall: add --wall" in " ".join(err.split())
 
 
 def test_strikers_of_files_are_not_doubled(run, file):

@@ -1359,6 +1359,8 @@ def test_the_summary_has_the_momentum_of_the_last_bead(run):
     ("words", "found"),
     [
         ("simulate --material st", {"steel-52100", "steel-304", "steel-316"}),
+        ("simulate --material brass,pt", {"brass,ptfe"}),
+        ("simulate --wall-loss elastic", {"elastic", "elastic-plastic="}),
         ("pulse --loss v", {"velocity-power=", "viscoelastic="}),
         ("pulse --loss elastic", {"elastic", "elastic-plastic="}),
         ("simulate --wall r", {"rigid", "rubber"}),

@@ -1,4 +1,4 @@
-"""Options that change a chain, of a file or of others: speed, strikers, wall, cap and loss."""
+"""Options that change a chain, of a file or of others: speed, strikers, wall, cap, losses."""
 
 from __future__ import annotations
 
@@ -159,6 +159,15 @@ def wall_named(name: str, chain: Chain) -> Wall:
         raise click.UsageError(f"--wall must be same, rigid or a material: {error}") from None
 
 
+def wall_with_loss(text: str, chain: Chain) -> Wall:
+    """The right wall with the law of ``--wall-loss``."""
+    from dataclasses import replace
+
+    if chain.right_wall is None:
+        raise click.UsageError("--wall-loss is that of the contact with a wall: add --wall")
+    return replace(chain.right_wall, loss=law_from(text, chain, "--wall-loss"))
+
+
 def _wall_of_stiffness(text: str) -> Wall:
     """A wall of a stiffness in N/m, such as a load cell without loss, or of one in N/m^1.5."""
     from ..chain.laws.elastic import Elastic
@@ -183,7 +192,7 @@ def _pairs(texts: list[str]) -> list[tuple[str, str]]:
     return [(key.strip(), value.strip()) for key, _, value in parts]
 
 
-def _law_with_restitution(name: str, given: list[str], chain: Chain) -> Loss:
+def _law_with_restitution(name: str, given: list[str], chain: Chain, option: str) -> Loss:
     """The law of ``viscoelastic, restitution=0.93, speed=0.8 m/s, contact=2``."""
     from ..chain.laws.base import LAWS
     from ..chain.laws.given_restitution import usual_contact
@@ -192,27 +201,29 @@ def _law_with_restitution(name: str, given: list[str], chain: Chain) -> Loss:
     values: dict[str, Any] = {key: as_typed(value) for key, value in _pairs(given)}
     if not {"restitution", "speed"} <= values.keys():
         raise click.UsageError(
-            f"--loss {name} with a restitution needs its speed, too: write --loss "
+            f"{option} {name} with a restitution needs its speed, too: write {option} "
             f"'{name}, restitution=0.93, speed=0.8 m/s'"
         )
     if not chain.scaled:
-        require_unit_of_speed(str(values["speed"]), "speed of --loss")
+        require_unit_of_speed(str(values["speed"]), f"speed of {option}")
     coefficient, speed = values.pop("restitution"), values.pop("speed")
-    contact = values.pop("contact", usual_contact(chain))
+    wall = option == "--wall-loss"
+    contact = values.pop("contact", chain.beads if wall else usual_contact(chain))
     contact = int(contact) if isinstance(contact, float) and contact.is_integer() else contact
     try:
         law = LAWS[name].from_restitution(
             coefficient, speed=speed, chain=chain, contact=contact, given=values
         )
-        click.echo(f"--loss: {law!r} from the restitution in contact {contact}; all contacts "
-                   "between beads have this law", err=True)  # fmt: skip
+        where = "the wall has" if wall else "all contacts between beads have"
+        click.echo(f"{option}: {law!r} from the restitution in contact {contact}; {where} this law",
+                   err=True)  # fmt: skip
         return law
     except InputError as error:
-        raise click.UsageError(f"--loss {name}: {error}") from None
+        raise click.UsageError(f"{option} {name}: {error}") from None
 
 
-def law_from(text: str, chain: Chain) -> Loss:
-    """The law of ``--loss``: ``restitution=0.96``, or ``velocity-power=2,alpha=1.2``."""
+def law_from(text: str, chain: Chain, option: str = "--loss") -> Loss:
+    """The law of an option: ``restitution=0.96``, or ``velocity-power=2,alpha=1.2``."""
     from ..chain.laws.base import LAWS
     from ..errors import InputError
     from ..units import UNITS
@@ -220,18 +231,18 @@ def law_from(text: str, chain: Chain) -> Loss:
 
     first, *others = text.split(",")
     name, equals, value = (part.strip() for part in first.partition("="))
-    check_choice("law of --loss", name, LAWS)
+    check_choice(f"law of {option}", name, LAWS)
     parameters = LAWS[name].parameters()
     pairs = _pairs(others)
     if not equals and {"restitution", "speed"} & {key for key, _ in pairs}:
-        return _law_with_restitution(name, others, chain)
+        return _law_with_restitution(name, others, chain, option)
     if equals and not parameters:
-        raise click.UsageError(f"the law {name} has no parameters: write --loss {name}")
+        raise click.UsageError(f"the law {name} has no parameters: write {option} {name}")
     required = [each.name for each in fields(LAWS[name]) if each.default is MISSING]
     if required and not equals:
         raise click.UsageError(
-            f"--loss {name} requires the value of its {required[0]}: write --loss {name}=VALUE, as "
-            "in --loss restitution=0.96"
+            f"{option} {name} requires the value of its {required[0]}: write {option} "
+            f"{name}=VALUE, as in {option} restitution=0.96"
         )
     given = [*([(next(iter(parameters), ""), value)] if equals else []), *pairs]
     values: dict[str, Any] = {}
@@ -241,10 +252,10 @@ def law_from(text: str, chain: Chain) -> Loss:
         number = isinstance(values[key], float) and not chain.scaled
         if number and about is not None and about.dimension:
             raise click.UsageError(
-                f"{key} = {value} of --loss {name} has no unit; write, for example, --loss "
+                f"{key} = {value} of {option} {name} has no unit; write, for example, {option} "
                 f"'{name}={value} {UNITS[about.dimension][:3][-1]}'"
             )
     try:
         return LAWS[name](**values)
     except InputError as error:
-        raise click.UsageError(f"--loss {text}: {error}") from None
+        raise click.UsageError(f"{option} {text}: {error}") from None

@@ -12,10 +12,11 @@ def _beginning(names: Iterable[str], typed: str) -> list[str]:
 
 
 def complete_materials(_: Context, __: Parameter, incomplete: str) -> list[str]:
-    """Names of the catalogue that begin with the typed text."""
+    """Names of the catalogue that begin with the typed text, also after other names."""
     from ..chain.materials import catalogue
 
-    return _beginning(catalogue(), incomplete)
+    before, comma, last = incomplete.rpartition(",")
+    return [f"{before}{comma}{name}" for name in _beginning(catalogue(), last.lstrip())]
 
 
 def complete_walls(_: Context, __: Parameter, incomplete: str) -> list[str]:

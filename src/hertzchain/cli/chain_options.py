@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from .chain_changes import at_speed, law_from, require_unit_of_speed, struck, wall_named, with_cap
+from .chain_changes import (
+    at_speed,
+    law_from,
+    require_unit_of_speed,
+    struck,
+    wall_named,
+    wall_with_loss,
+    with_cap,
+)
 from .chain_completion import complete_losses, complete_materials, complete_tapers, complete_walls
 from .options import Fraction, as_typed
 
@@ -66,9 +74,10 @@ CHAIN_OPTIONS: Final = (
     click.option("--radius", metavar="FIRST[:LAST]", help="Radius, instead of the diameter."),
     click.option(
         "--material",
-        metavar="NAME",
+        metavar="NAME[,NAME]...",
         shell_complete=complete_materials,
-        help="Material of the beads, such as steel-52100 (SI units).",
+        help="Material of the beads, such as steel-52100 (SI units); several are those of the "
+        "beads in turn, such as 'steel-304, ptfe'.",
     ),
     *IMPACT,
     click.option(
@@ -93,9 +102,16 @@ CHAIN_OPTIONS: Final = (
         "'viscoelastic, restitution=0.93, speed=0.8 m/s', in the first contact of two balls or in "
         "another one (contact=3); replaces that of a FILE.",
     ),
+    click.option(
+        "--wall-loss",
+        metavar="LAW",
+        shell_complete=complete_losses,
+        help="Loss law of the contact with the wall, if it differs from that of the beads, in the "
+        "same form; a restitution is that of the last bead and the wall.",
+    ),
 )
 # Options that can be used with a FILE.
-CHANGES: Final = ("speed", "striker", "wall", "cap", "loss")
+CHANGES: Final = ("speed", "striker", "wall", "cap", "loss", "wall_loss")
 
 
 @dataclass(frozen=True)
@@ -115,6 +131,7 @@ class ChainOptions:
     wall: str | None = None
     cap: str | None = None
     loss: str | None = None
+    wall_loss: str | None = None
 
 
 def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -185,6 +202,8 @@ def _changed(chain: Chain, options: ChainOptions) -> Chain:
         chain = with_cap(chain, options.cap)
     if options.loss is not None:
         chain = chain.replace(loss=law_from(options.loss, chain))
+    if options.wall_loss is not None:
+        chain = chain.replace(right_wall=wall_with_loss(options.wall_loss, chain))
     return chain
 
 
@@ -204,7 +223,8 @@ def _described(options: ChainOptions) -> Chain:
         )
     if options.material is not None:
         _require_units(options, sizes)
-    kind: dict[str, Any] = {"materials": options.material, "velocity": options.speed}
+    materials = None if options.material is None else _materials(options.material, beads)
+    kind: dict[str, Any] = {"materials": materials, "velocity": options.speed}
     if any(name.startswith("last") for name in sizes):
         if options.rate is not None:
             raise click.UsageError("two sizes determine the rate of a taper: omit --rate")
@@ -222,6 +242,16 @@ def _described(options: ChainOptions) -> Chain:
         name = "radii" if options.diameter is None else "diameters"
         return Chain.from_materials(**{name: next(iter(sizes.values()))}, beads=beads, **kind)
     return _tapered(options.taper, options.rate, beads, sizes | kind)
+
+
+def _materials(text: str, beads: int) -> str | list[str]:
+    """The material of all beads, or those of the beads in turn."""
+    names = [name.strip() for name in text.split(",")]
+    if len(names) > beads:
+        raise click.UsageError(
+            f"--material has {len(names)} materials, but there are only {beads} beads: omit some"
+        )
+    return names[0] if len(names) == 1 else (names * beads)[:beads]
 
 
 def _require_units(options: ChainOptions, sizes: dict[str, Any]) -> None:

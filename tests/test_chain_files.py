@@ -185,6 +185,24 @@ def test_a_table_without_units_is_scaled(tmp_path):
     assert chain.units == "scaled"
 
 
+def test_an_empty_mass_is_that_of_a_sphere(tmp_path):
+    rows = "diameter [mm],material,mass [g]\n10,brass,{}\n8,glass,{}\n6,brass,{}\n"
+    spheres = Chain.from_materials(diameters=["10 mm", "8 mm", "6 mm"],
+                                   materials=["brass", "glass", "brass"])  # fmt: skip
+    chain = hc.load_chain(written(tmp_path, rows.format("", 0.5, ""), "beads.csv"))
+    masses = [spheres.masses[0], 0.5e-3, spheres.masses[2]]
+    np.testing.assert_allclose(chain.masses, masses, rtol=1e-15)
+    # A column without any mass is no column.
+    assert hc.load_chain(written(tmp_path, rows.format("", "", ""), "beads.csv")) == spheres
+    # Also of custom materials, and in scaled variables.
+    own = '[chain]\nfile = "beads.csv"\n[materials.brass]\ndensity = 4000\nyoung = 1e11\n'
+    written(tmp_path, rows.format("", 0.5, 1.0), "beads.csv")
+    light = hc.load_chain(written(tmp_path, own + "poisson = 0.3")).masses
+    assert light[0] == pytest.approx(4000.0 * 4.0 / 3.0 * np.pi * 5e-3**3)
+    scaled = hc.load_chain(written(tmp_path, "radius,mass\n2,\n1,0.5\n1,\n", "beads.csv"))
+    np.testing.assert_array_equal(scaled.masses, [1.0, 0.5, 0.125])
+
+
 def test_a_byte_order_mark_and_other_line_ends_are_read_over(tmp_path):
     path = tmp_path / "beads.csv"
     path.write_bytes("\ufeffradius [mm],material\r\n5,brass\r\n4,brass\r\n".encode())
@@ -219,6 +237,13 @@ def test_drives_from_a_table(tmp_path):
         ("radius [mm],material\n5,brass\nfive,brass\n", "row 2 of column 'radius' is 'five'"),
         ("radius [mm],material\n5,brass\n,brass\n", "row 2 of column 'radius' is empty"),
         ("radius [mm],material\n5,brass\n5,\n", "row 2 of column 'material' is empty"),
+        (
+            "radius [mm],mass [g]\n5,1\n5,\n",
+            "row 2 of column 'mass' is empty: .* add a column material, or give all masses",
+        ),
+        ("radius,velocity\n5,1\n5,\n", "row 2 of column 'velocity' is empty; write 0 for a bead"),
+        ("radius,gap\n5,\n5,\n", "row 1 of column 'gap' is empty; write 0 for beads that touch"),
+        ("radius,stiffness\n5,\n5,\n", "'stiffness' is empty; give that of every contact, or"),
         ("radius [mm],material\n5,brass\nnan,brass\n", "row 2 of column 'radius' is 'nan'"),
         (
             "diameter [mm],material\n5,brass\n-10,brass\n",

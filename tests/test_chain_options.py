@@ -199,6 +199,17 @@ def test_a_loss_of_a_wall_needs_a_wall(run):
     assert "--wall-loss is that of the contact with a wall: add --wall" in " ".join(err.split())
 
 
+@pytest.mark.filterwarnings("always::UserWarning")
+def test_the_advice_for_a_linear_wall_can_be_followed(run, file):
+    file.write_text(FILE.replace("0.1 m/s", "1 m/s").replace(
+        "rigid = true", 'stiffness = "5 kN/mm"\nexponent = 1'))  # fmt: skip
+    options = ("--loss", "elastic-plastic", "--wall-loss", "elastic")
+    assert "add --loss elastic-plastic and --wall-loss elastic" in run("simulate", file).stderr
+    wall = hc.Wall("5 kN/mm", exponent=1, loss=hc.Elastic())
+    expected = row(1.0).replace(right_wall=wall, loss=hc.ElasticPlastic())
+    assert wall_peak(run, file, *options) == pytest.approx(hc.simulate(expected).wall_force().peak)
+
+
 def test_strikers_of_files_are_not_doubled(run, file):
     at_rest = FILE.replace('velocity = "0.1 m/s"\n', "")
     file.write_text(at_rest + "[[chain.struck_by]]\nvelocity = 0.2\n")

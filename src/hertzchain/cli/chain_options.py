@@ -200,11 +200,13 @@ def _changed(chain: Chain, options: ChainOptions) -> Chain:
         chain = chain.replace(right_wall=wall_named(options.wall, chain))
     if options.cap is not None:
         chain = with_cap(chain, options.cap)
+    losses: dict[str, Any] = {}
     if options.loss is not None:
-        chain = chain.replace(loss=law_from(options.loss, chain))
+        losses["loss"] = law_from(options.loss, chain)
     if options.wall_loss is not None:
-        chain = chain.replace(right_wall=wall_with_loss(options.wall_loss, chain))
-    return chain
+        losses["right_wall"] = wall_with_loss(options.wall_loss, chain)
+    # A wall that the law of the beads does not describe has its own before it is checked.
+    return chain.replace(**losses) if losses else chain
 
 
 def _described(options: ChainOptions) -> Chain:

@@ -9,7 +9,9 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.mass_and_stiffness import sphere_masses
 from ..chain.materials import Material, material
+from ..collision import Array
 from ..errors import InputError, errors_at
 from ..validation.objects import file_path, shown_path
 from .csv_tables import Column, CsvTable, read_csv
@@ -18,11 +20,17 @@ BEAD_COLUMNS: Final = {
     "bead": Column("number"),
     "radius": Column("length", above=0.0),
     "diameter": Column("length", above=0.0),
-    "mass": Column("mass", above=0.0),
+    "mass": Column("mass", above=0.0, may_be_empty=True),
     "material": Column("text"),
-    "velocity": Column("velocity"),
-    "gap": Column("length", between_rows=True, least=0.0),
-    "stiffness": Column("stiffness", between_rows=True, above=0.0),
+    "velocity": Column("velocity", if_empty="write 0 for a bead at rest"),
+    "gap": Column("length", between_rows=True, least=0.0, if_empty="write 0 for beads that touch"),
+    "stiffness": Column(
+        "stiffness",
+        between_rows=True,
+        above=0.0,
+        if_empty="give that of every "
+        "contact, or omit the column, and it follows from the materials",
+    ),
 }
 
 
@@ -85,11 +93,29 @@ def _chain_of(table: CsvTable, own: Mapping[str, Material]) -> Chain:
     if "material" in columns:
         if not table.has_units:
             raise InputError(f"materials require sizes with a unit; write {sizes[0]} [mm]")
-        return Chain.from_materials(radii, _materials(columns["material"], own), **fields)
+        kinds = _materials(columns["material"], own)
+        if "masses" in fields:
+            spheres = sphere_masses(radii, tuple(kinds), scaled=False)
+            fields["masses"] = _with_spheres(fields["masses"], spheres)
+        return Chain.from_materials(radii, kinds, **fields)
     if table.has_units:
+        missing = np.flatnonzero(np.isnan(fields.get("masses", [])))
+        if missing.size:
+            raise InputError(
+                f"row {missing[0] + 1} of column 'mass' is empty: the mass of a sphere follows "
+                "from its material, so add a column material, or give all masses"
+            )
         return Chain(radii, units="SI", **fields)
     chain = Chain.from_radii(radii)
+    if "masses" in fields:
+        fields["masses"] = _with_spheres(fields["masses"], chain.masses)
     return chain.replace(**fields) if fields else chain
+
+
+def _with_spheres(masses: Array, spheres: Array) -> Array | None:
+    """Masses of which the missing ones are those of spheres; none if all are missing."""
+    missing = np.isnan(masses)
+    return None if missing.all() else np.where(missing, spheres, masses)
 
 
 def _materials(names: Sequence[object], own: Mapping[str, Material]) -> list[Material]:

@@ -87,9 +87,10 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
     ----------
     path : path-like
         TOML: see `hertzchain.store.chain_files`.  CSV (ending ``.csv``): one row per bead, with
-        columns ``radius [mm]`` or ``diameter [mm]``, ``material``,
-        ``mass [g]``, ``velocity [m/s]`` and, for the contact with the next bead, ``gap [um]`` and
-        ``stiffness [N/m^1.5]``; in any order and unit, or all without units for a scaled chain.
+        columns ``radius [mm]`` or ``diameter [mm]``, ``material``, ``mass [g]`` (where it is
+        empty, that of a sphere), ``velocity [m/s]`` and, for the contact with the next bead,
+        ``gap [um]`` and ``stiffness [N/m^1.5]``; in any order and unit, or all without units for a
+        scaled chain.
 
     Raises
     ------

@@ -44,19 +44,25 @@ class Column:
         Whether values belong to a row and the next one; the last row then has none.
     above, least : float or None
         Bounds of the values.
+    may_be_empty : bool
+        Whether cells of numbers may be empty; their values are NaN.
+    if_empty : str
+        Advice if a cell is empty and may not be.
 
     Examples
     --------
     >>> import hertzchain as hc
     >>> from hertzchain.store.csv_tables import Column
-    >>> Column("length")
-    Column(dimension='length', between_rows=False, above=None, least=None)
+    >>> Column("length", least=0.0).dimension
+    'length'
     """
 
     dimension: str
     between_rows: bool = False
     above: float | None = None
     least: float | None = None
+    may_be_empty: bool = False
+    if_empty: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,16 +223,21 @@ def _values(
             )
         cells = cells[:-1]
     for row, cell in enumerate(cells, start=1):
-        if not cell:
-            raise InputError(f"row {row} of column {name!r} is empty")
+        if not cell and not column.may_be_empty:
+            advice = f"; {column.if_empty}" if column.if_empty else ""
+            raise InputError(f"row {row} of column {name!r} is empty{advice}")
     if column.dimension == "text":
         return list(cells)
-    numbers = [_number(cell, row, name, unit) for row, cell in enumerate(cells, start=1)]
+    numbers = [
+        _number(cell, row, name, unit) if cell else math.nan
+        for row, cell in enumerate(cells, start=1)
+    ]
     for row, value in enumerate(numbers, start=1):
         _check_bounds(value, f"row {row} of column {name!r} is {cells[row - 1]!r}", unit, column)
     if unit is None:
         return numbers
-    return [converted(name, cell, unit, UNITS[column.dimension][0]) for cell in cells]
+    si = UNITS[column.dimension][0]
+    return [converted(name, cell, unit, si) if cell else math.nan for cell in cells]
 
 
 def _check_bounds(value: float, where: str, unit: str | None, column: Column) -> None:

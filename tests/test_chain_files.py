@@ -192,7 +192,7 @@ def test_an_empty_mass_is_that_of_a_sphere(tmp_path):
     chain = hc.load_chain(written(tmp_path, rows.format("", 0.5, ""), "beads.csv"))
     masses = [spheres.masses[0], 0.5e-3, spheres.masses[2]]
     np.testing.assert_allclose(chain.masses, masses, rtol=1e-15)
-    # A column without any mass is no column.
+    # A column without any mass has no effect.
     assert hc.load_chain(written(tmp_path, rows.format("", "", ""), "beads.csv")) == spheres
     # Also of custom materials, and in scaled variables.
     own = '[chain]\nfile = "beads.csv"\n[materials.brass]\ndensity = 4000\nyoung = 1e11\n'

@@ -106,8 +106,8 @@ def test_a_force_on_the_wall_as_that_of_a_bead(name):
             attempt()
 
 
-def test_sweeps_state_that_they_do_not_keep_largest_velocities():
+def test_sweeps_state_that_largest_velocities_need_a_bead():
     spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [5, 6]},
             "sweep": {"keep": ["largest_velocity"]}}  # fmt: skip
-    with pytest.raises(hc.InputError, match="keep velocity, that at the first maximum"):
+    with pytest.raises(hc.InputError, match="needs the bead: write largest_velocity@5 or"):
         hc.sweep(spec)

@@ -133,6 +133,44 @@ def test_real_chains_walls_and_losses():
     assert not found.incomplete.any()
 
 
+def test_reflections_and_largest_velocities_are_those_of_runs():
+    keep = ["reflection.reflected_energy@18-42", "transmitted_momentum@18-42",
+            "largest_velocity@30",
+            "largest_energy@ball 40"]  # fmt: skip
+    found = hc.sweep({
+        "chain": {"radii": [1.0] * 60, "right_wall": {"rigid": True}},
+        "axes": {"radii.30": [0.5, 2.0]},
+        "sweep": {"methods": ["simulate"], "keep": keep}, "method": {"until": 60.0},
+    }).sel(approach="simulate")  # fmt: skip
+    for i, radius in enumerate((0.5, 2.0)):
+        chain = hc.Chain.uniform(60).with_defects({30: radius}).replace(right_wall=hc.Wall.rigid())
+        run = hc.simulate(chain, until=60.0, times=4000)
+        defect = run.reflection(18, 42)
+        assert found.reflected_energy_18_42[i] == pytest.approx(defect.reflected_energy)
+        assert found.transmitted_momentum_18_42[i] == pytest.approx(defect.transmitted_momentum)
+        # Those that gradients locate within the steps.
+        for name, bead, kept in (("velocity", 30, found.largest_velocity_30),
+                                 ("energy", 40, found.largest_energy_ball_40)):  # fmt: skip
+            largest = hc.gradient(chain, f"bead.largest_{name}", bead=bead, until=60.0).value
+            assert kept[i] == pytest.approx(largest, rel=1e-5)
+    assert found.largest_velocity_30.attrs["long_name"].endswith("in the run, bead 30")
+    label = "reflected energy / incident energy, contacts 18 to 42"
+    assert plot_sweep(found, "reflected_energy@18-42").get_ylabel() == label
+    assert plot_sweep(found, "largest_velocity@30").get_ylabel() == "largest velocity of bead 30"
+
+
+def test_a_missing_reflection_has_a_reason():
+    found = hc.sweep({
+        "chain": {"taper": "uniform"}, "axes": {"beads": [20, 60]},
+        "sweep": {"methods": ["simulate"], "keep": ["transmitted_energy@10-50"]},
+        "method": {"until": 8.0},
+    })  # fmt: skip
+    assert np.isnan(found.transmitted_energy_10_50).all()
+    reasons = found.reason.values[:, 0]
+    assert "reflection.transmitted_energy@10-50: there are no such contacts among 20" in reasons[0]
+    assert "no wave towards contact 50 passes contact 10" in reasons[1]
+
+
 @pytest.mark.parametrize("coefficient", [1.0, 0.9])
 def test_forces_in_sensors_are_those_of_runs(coefficient):
     chain = {"diameters": "6 mm", "materials": "steel-52100", "beads": 6,
@@ -358,6 +396,13 @@ BAD = [
     ({"sweep": {"methods": ["simulate"], "keep": ["velocity", "sensor.largest@99"]}},
      "sweep.keep\\[2\\]: sensor.largest@99: there is no such bead in"),
     ({"sweep": {"keep": ["sensor.largest@5"]}}, "only the method 'simulate' gives it"),
+    ({"sweep": {"keep": ["largest_energy@5"]}}, "only the method 'simulate' gives it"),
+    ({"sweep": {"methods": ["simulate"], "keep": ["reflection.reflected_energy"]}},
+     "sweep.keep\\[1\\]: .* needs the contacts .* reflection.reflected_energy@20-35, or"),
+    ({"sweep": {"methods": ["simulate"], "keep": ["reflection.reflected_energy@20"]}},
+     "needs the contacts on both sides"),
+    ({"sweep": {"methods": ["simulate"], "keep": ["reflected_force@5-999"]}},
+     "reflection.reflected_force@5-999: there are no such contacts in"),
     ({"sweep": {"keep": ["velocity@5"]}}, "is velocity of one bead: keep velocity, .*at = \\[5\\]"),
     ({"sweep": {"combine": np.arange(3)}}, "sweep.combine: unknown combination \\[0, 1, 2\\]"),
     ({"sweep": {"reference": np.arange(3)}}, "sweep.reference: unknown reference"),

@@ -7,7 +7,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from ..chain.tapers import TAPERS, rate_symbol
-from ..sweeps.kept import SWEEP_QUANTITIES, sensor_of
+from ..sweeps.kept import SWEEP_QUANTITIES
+from ..sweeps.placed import placed
 from ..units import PERCENT
 from .style import literal
 
@@ -98,9 +99,8 @@ def _parameter(coordinate: xr.DataArray) -> str:
 def quantity_label(drawn: xr.DataArray) -> str:
     """Label of the quantity with its unit, and with the number of a selected bead or contact."""
     name = str(drawn.name)
-    if (sensor := sensor_of(name)) is not None:
-        text = f"{sensor.quantity.label.removesuffix(' so far')} in {sensor.where}"
-        return _with_unit(text, drawn)
+    if (at := placed(name)) is not None:
+        return _with_unit(at.label, drawn)
     error = next((words for prefix, words in ERRORS.items() if name.startswith(prefix)), None)
     if error is not None:
         of = name.partition("_of_")[2].replace("_", " ")

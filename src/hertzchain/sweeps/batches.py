@@ -16,22 +16,25 @@ from ..errors import IncompleteWarning, InputError, ModelRangeWarning, Simulatio
 from ..propagation.propagate import propagate_many
 from ..pulse.notes import notes_in_words
 from ..pulse.pulse import Pulse
-from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..pulse.quantities import QUANTITIES, SENSOR_QUANTITIES, WALL_QUANTITIES
 from ..recorded_warnings import ignore_warnings, record_warnings
-from ..simulation.ensemble_columns import largest_yield_ratio, sensors_of_run
+from ..simulation.ensemble_columns import largest_yield_ratio
 from ..simulation.ensemble_input import is_covered
 from ..simulation.run import Run
 from ..simulation.sensor_force import MANY_TIMES
 from ..simulation.simulate import DEFAULT_RTOL, simulate
 from ..simulation.simulate_many import tabulate_runs
 from ..store.sweep_store import DONE, FAILED
-from .kept import PER_PLACE, PER_RUN, sensor_of
+from .kept import PER_PLACE, PER_RUN
 from .methods import OPTIONS_OF, pulse_by
+from .placed import placed
 from .plan import Index, Plan, plan_of
 
-# Quantities of walls that do not depend on the lengths of the steps in which a run ends.
+# Quantities of walls and sensors that `simulate_many` gives and that do not depend on the lengths
+# of the steps in which a run ends, as the integral over a whole run does.
 SIMULATED_TOGETHER = {
     "wall_peak_force", "wall_peak_time", "wall_largest_so_far", "wall_first_contact_impulse",
+    *(name for name in SENSOR_QUANTITIES if name != "sensor_impulse"),
 }  # fmt: skip
 # Quantities that are known when the impact has ended, which may be later than the peak is complete.
 IMPULSES = {"wall_impulse_of_impact", "wall_duration"}
@@ -119,11 +122,11 @@ class _Batch:
         self.whole: dict[str, Array] = {
             name: np.full((*shape, PER_PLACE[name].count(plan.longest)), np.nan) for name in wide
         }
-        found = {name: sensor_of(name) for name in spec.keep}
-        self.sensors = {name: sensor for name, sensor in found.items() if sensor is not None}
+        found = {name: placed(name) for name in spec.keep}
+        self.placed = {name: each for name, each in found.items() if each is not None}
         self.single = {
             name: np.full(shape, np.nan) for name in plan.variables
-            if name in PER_RUN or name in self.sensors or name.startswith("worst_error_of_")
+            if name in PER_RUN or name in self.placed or name.startswith("worst_error_of_")
         }  # fmt: skip
         self.relative: dict[str, Array] = {}
 
@@ -160,9 +163,8 @@ class _Batch:
     def may_simulate_together(self) -> bool:
         """Whether `simulate_many` gives all that is kept, as `simulate` does."""
         walls = {name for name in self.single if name in WALL_QUANTITIES}
-        # The integral over a whole run depends on its last step, too.
-        impulses = any(each.column == "sensor_impulse" for each in self.sensors.values())
-        return not (self.varied_options or impulses) and walls <= SIMULATED_TOGETHER
+        kept = walls | {each.column for each in self.placed.values()}
+        return not self.varied_options and kept <= SIMULATED_TOGETHER
 
     def simulate_together(self, place: int) -> None:
         """Simulate all chains that the kernel of `simulate_many` covers in one call."""
@@ -173,7 +175,7 @@ class _Batch:
             try:
                 chain = self.chain(row)
                 if is_covered(chain, options.get("until")):
-                    beads = tuple(each.bead(chain) for each in self.sensors.values())
+                    beads = tuple(sum(each.numbers(chain)) for each in self.placed.values())
                     groups.setdefault(beads, []).append(row)
                     continue
             except InputError as error:
@@ -191,7 +193,7 @@ class _Batch:
         keep = [name for name in self.whole if not PER_PLACE[name].estimate]
         keep += [name for name in self.single if name in PER_RUN]
         there = {name: (each.column, bead)
-                 for (name, each), bead in zip(self.sensors.items(), sensors, strict=True)
+                 for (name, each), bead in zip(self.placed.items(), sensors, strict=True)
                  if bead}  # fmt: skip
         columns = dict.fromkeys([*keep, *(column for column, _ in there.values())])
         if not columns:
@@ -220,7 +222,7 @@ class _Batch:
                     self.whole[name][row, place, : len(found[name])] = found[name]
                 else:
                     self.single[name][row, place] = found[name]
-            reasons = [*self._missing_sensors(chains[i]), *self._unknown_yield(row, place)]
+            reasons = [*self._missing_places(chains[i]), *self._unknown_yield(row, place)]
             self.reason[row][place] = "; ".join(reasons)
             self.outside_range[row, place] = table.outside_range[i]
             self.incomplete[row, place] = bool(walls) and not table.complete[i]
@@ -262,7 +264,7 @@ class _Batch:
     def _keep(self, row: int, place: int, method: str, chain: Chain) -> None:
         options = self._options(method, self.indices[row])
         if method == "simulate":
-            times = MANY_TIMES if self.sensors else 0
+            times = MANY_TIMES if self.placed else 0
             run = simulate(chain, times=times, progress=self._check_stop, **options)
             self._keep_wall(row, place, run)
             self._keep_largest(row, place, run)
@@ -270,7 +272,7 @@ class _Batch:
                 self._keep_pulse(row, place, run.pulse())
                 if run.beads_passed < chain.beads - chain.strikers:
                     self.status[row, place] = FAILED
-            self._keep_sensors(row, place, run)
+            self._keep_placed(row, place, run)
         else:
             self._keep_pulse(row, place, pulse_by(method, chain, **options))
 
@@ -292,25 +294,22 @@ class _Batch:
                 value = getattr(wall, WALL_QUANTITIES[name].attribute)
                 self.single[name][row, place] = np.nan if value is None else value
 
-    def _keep_sensors(self, row: int, place: int, run: Run) -> None:
-        """Keep quantities of sensors, or why there are none."""
+    def _keep_placed(self, row: int, place: int, run: Run) -> None:
+        """Keep quantities at beads and between contacts, or why there are none."""
         reasons = [
-            self.reason[row][place], *self._missing_sensors(run.chain),
+            self.reason[row][place], *self._missing_places(run.chain),
             *self._unknown_yield(row, place),
         ]  # fmt: skip
-        for name, sensor in self.sensors.items():
-            if not (bead := sensor.bead(run.chain)):
-                continue
-            value = sensors_of_run(run, [bead])[sensor.column][0]
-            self.single[name][row, place] = value
-            if np.isnan(value):
-                reasons.append(f"{sensor.name}: the force has no maximum in the run")
+        for name, each in self.placed.items():
+            if each.numbers(run.chain):
+                self.single[name][row, place], notes = each.evaluate(run)
+                reasons += notes
         self.reason[row][place] = "; ".join(filter(None, reasons))
 
-    def _missing_sensors(self, chain: Chain) -> list[str]:
-        """Why a chain has no values of some sensors."""
-        return [f"{each.name}: there is no such bead among {chain.beads}"
-                for each in self.sensors.values() if not each.bead(chain)]  # fmt: skip
+    def _missing_places(self, chain: Chain) -> list[str]:
+        """Why a chain has no values at some beads or contacts."""
+        return [f"{each.absent} among {chain.beads}" for each in self.placed.values()
+                if not each.numbers(chain)]  # fmt: skip
 
     def _unknown_yield(self, row: int, place: int) -> list[str]:
         """Why a point has no ratio of pressure and yield, if it should have one."""

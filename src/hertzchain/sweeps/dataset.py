@@ -17,7 +17,8 @@ from ..store.sweep_store import FAILED, MEANINGS, plain_text
 from ..units import UNITS
 from .axes import Axis
 from .batches import Result
-from .kept import PER_PLACE, PER_RUN, sensor_of
+from .kept import PER_PLACE, PER_RUN
+from .placed import placed
 from .plan import Plan
 
 if TYPE_CHECKING:
@@ -135,9 +136,9 @@ def _kept(plan: Plan, name: str) -> Variable:
     spec = plan.specification
     if name in PER_RUN:
         return _by_method(plan, "f8", PER_RUN[name].attributes(plan.units))
-    if (sensor := sensor_of(name)) is not None:
-        attributes = sensor.quantity.attributes(plan.units)
-        label = f"{attributes['long_name']}, {sensor.where}"
+    if (at := placed(name)) is not None:
+        attributes = at.quantity.attributes(plan.units)
+        label = f"{attributes['long_name']}, {at.where}"
         return _by_method(plan, "f8", {**attributes, "long_name": label})
     if name.startswith("worst_error_of_"):
         what = name.removeprefix("worst_error_of_")

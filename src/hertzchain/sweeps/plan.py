@@ -23,7 +23,7 @@ from ..store.chain_files import BEAD_METHODS, chain_from
 from ..validation.numbers import has_unit
 from .axes import Axis
 from .change_value import document_to_change, path_in_document, with_value
-from .kept import absent_sensors
+from .kept import absent_places
 from .methods import SIMULATIONS, pulse_by
 from .specification import (
     TAKEN,
@@ -342,7 +342,7 @@ def _bad_requests(plan: Plan) -> list[str]:
     trials = [plan.trial(index) for index in plan.tried()]
     if any(name in WALL_QUANTITIES for name in spec.keep) and not any(t.has_wall for t in trials):
         problems.append("sweep.keep: the chains have no right wall: add right_wall to [chain]")
-    problems += absent_sensors(spec.keep, _chains(plan))
+    problems += absent_places(spec.keep, _chains(plan))
     if "yield_ratio" in spec.keep and not any(each.has_materials for each in trials):
         problems.append("sweep.keep: yield_ratio needs chains with materials: add materials to "
                         "[chain]")  # fmt: skip

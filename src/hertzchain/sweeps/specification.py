@@ -54,10 +54,11 @@ from .axes import (
     too_many_points,
     unequal_lengths,
 )
-from .kept import OF_RUNS, SWEEP_QUANTITIES, sensor_of, unknown_quantity, variable_name
+from .kept import OF_RUNS, SWEEP_QUANTITIES, unknown_quantity, variable_name
 from .listed_points import columns_of_points
 from .listed_values import chain_as_document, missing_parts, with_lists
 from .methods import METHODS, OPTIONS_OF, check_option
+from .placed import placed
 
 # Names that the dataset uses itself; an axis of such a name gets its full path as name.
 TAKEN: Final = ("approach", "bead", "contact", "point", "status", "reason", *FLAGS)
@@ -175,7 +176,7 @@ _SWEEP: Final = (
     Key("methods", "choice", "simulations and theories", default="propagate", choices=METHODS,
         per="item", one_for_all=True),
     Key("keep", "choice", "quantities of the pulse, the right wall or the whole run, or of "
-        "sensors, such as 'sensor.largest@ball 4'",
+        "one place, such as 'sensor.largest@ball 4'",
         default="velocity", choices=(*SWEEP_QUANTITIES,), per="item", one_for_all=True),
     Key("at", "choice", "beads to keep: every, the last, or a list of their numbers",
         default="every", choices=("every", "last")),
@@ -273,7 +274,7 @@ class _Reader:
             self._add("sweep.reference", unknown_name_error("reference", reference, methods))
         if errors and len(methods) == 1:
             self._add("sweep.errors", f"there is only one method, {methods[0]}: add others")
-        of_runs = [name for name in keep if name in OF_RUNS or sensor_of(name)]
+        of_runs = [name for name in keep if name in OF_RUNS or placed(name)]
         if "simulate" not in methods and of_runs:
             self._add("sweep.keep", f"{', '.join(of_runs)}: only the method 'simulate' gives it")
         title, batch = self._title(), self._batch(settings)
@@ -384,7 +385,7 @@ class _Reader:
         names = []
         for place, entry in enumerate(listed, start=1):
             name = variable_name(entry) if isinstance(entry, str) and key != "methods" else entry
-            if name in known or (key == "keep" and isinstance(name, str) and sensor_of(name)):
+            if name in known or (key == "keep" and isinstance(name, str) and placed(name)):
                 names.append(name)
                 continue
             if key == "methods":

@@ -1299,6 +1299,14 @@ def test_prices_come_from_a_catalogue_of_the_user(tmp_path):
     # Only one ball of steel is affordable.
     assert sum(material.name == "steel-304" for material in found.chain.materials[1:]) <= 1
     assert found.values["price"] <= 3.0
+    counts = [count for count, _ in found.parts]
+    assert np.dot(counts, found.part_prices) == pytest.approx(found.values["price"])
+    text = found.summary()
+    for (count, ball), price in zip(found.parts, found.part_prices, strict=True):
+        assert f"  {count} x {ball}: {count * price:g} ({price:g} each)\n" in text
+    assert f"  price of all: {found.values['price']:g}\n" in text
+    assert "price of one" in found._repr_html_()
+    assert [part["price"] for part in found.as_dict()["parts"]] == list(found.part_prices)
 
 
 def test_a_budget_without_a_search_is_reported():

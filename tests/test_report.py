@@ -59,6 +59,16 @@ def test_the_page_asks_for_nothing(folder):
     assert "<script" not in page
 
 
+def test_numbers_on_the_page_have_true_minus_signs(folder):
+    page = (folder / "report.html").read_text("utf-8")
+    cells = re.findall(r"<td[^>]*>([^<]*)</td>", page)
+    assert any(cell.startswith("−") for cell in cells)
+    assert not [cell for cell in cells if re.search(r"(?<!\w)-\d|\de-\d", cell)]
+    assert re.search(r"drift of energy \d\.\de−\d", page)
+    # Files with data keep the hyphens that other programs read.
+    assert "−" not in (folder / "figures" / "scoreboard.csv").read_text("utf-8")
+
+
 def test_the_page_opens_with_the_verdict(folder):
     page = (folder / "report.html").read_text("utf-8")
     opening = page[: page.index("<h2")]

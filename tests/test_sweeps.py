@@ -133,6 +133,7 @@ def test_real_chains_walls_and_losses():
     assert not found.incomplete.any()
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.InputWarning")
 def test_reflections_and_largest_velocities_are_those_of_runs():
     keep = ["reflection.reflected_energy@18-42", "transmitted_momentum@18-42",
             "largest_velocity@30",

@@ -121,10 +121,10 @@ class BallSpace:
         """Price of the balls that vary."""
         return float(sum(self.balls[i].price for i in choice if i < len(self.balls)))
 
-    def parts(self, choice: Choice) -> list[tuple[int, str]]:
-        """Parts list: number and name of each kind of ball."""
-        used = [int(i) for i in choice if i < len(self.balls)]
-        return [(used.count(i), str(self.balls[i])) for i in sorted(set(used))]
+    def parts(self, choice: Choice) -> dict[int, int]:
+        """Parts list: number of balls of each kind, by its place in the catalogue."""
+        used = sorted(int(i) for i in choice if i < len(self.balls))
+        return {i: used.count(i) for i in used}
 
     def neat(self, choice: Choice) -> Choice:
         """The choice with all empty places at the end, so that equal chains are one choice."""

@@ -21,6 +21,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number, worker_count
 from ..validation.objects import Progress, callback, check_type, file_path
 from .ball_space import BallSpace
+from .balls import Ball
 from .bounds import bounds_of, impossible, note_on_impact
 from .dry_run import Estimate, estimate
 from .measures import in_words
@@ -248,7 +249,9 @@ def _result(
     others = tuple(each for _, each in checked[1:])
     promise = found.promise
     space = problem.space
-    parts = tuple(space.parts(best.x)) if isinstance(space, BallSpace) and not space.order else ()
+    parts: list[tuple[int, Ball]] = []
+    if isinstance(space, BallSpace) and not space.order:
+        parts = [(count, space.balls[i]) for i, count in space.parts(best.x).items()]
     exceeded = excess_with_scatter(problem, verified)
     notes = (
         *notes, *note_on_impact(problem), *_differs(trials, best, verified, found.method),
@@ -265,7 +268,9 @@ def _result(
         np.array(found.finals_met, bool),
         tuple(_verified(trials, each) for each in found.optima), others,
         np.array(trials.history, float).reshape(-1, 2), (), trials.runs, trials.gradients,
-        trials.rejected, trials.journal.seconds, notes, parts,
+        trials.rejected, trials.journal.seconds, notes,
+        tuple((count, str(ball)) for count, ball in parts),
+        tuple(ball.price for _, ball in parts),
     )  # fmt: skip
 
 

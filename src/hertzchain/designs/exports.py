@@ -48,7 +48,10 @@ def bead_table(chain: Chain) -> str:
 
 def _balls(result: DesignResult) -> dict[str, Any]:
     """Beads in their order, parts, and the chain as the tables of a chain file."""
-    parts = [{"count": count, "ball": name} for count, name in result.parts]
+    parts = [
+        {"count": count, "ball": name, "price": price}
+        for (count, name), price in zip(result.parts, result.part_prices, strict=True)
+    ]
     return _beads(result.chain) | {"parts": parts}
 
 

@@ -63,7 +63,7 @@ def summary(result: DesignResult) -> str:
     ]
     if result.parts:
         lines.append("parts, without the arriving ball:" if _arrives(result) else "parts:")
-        lines += [f"  {count} x {name}" for count, name in result.parts]
+        lines += _parts(result)
     if result.problem.discrete and result.chain.materials is not None:
         lines.append(f"order: {_order(result)}")
     lines += _sizes(result)
@@ -331,6 +331,16 @@ def _ends(result: DesignResult) -> str:
 def _of_starts(result: DesignResult) -> str:
     count = len(result.finals)
     return "a single start" if count == 1 else f"best of {counted(count, 'start')}"
+
+
+def _parts(result: DesignResult) -> list[str]:
+    """The kinds of balls to buy, with their prices if the catalogue has these."""
+    lines, total = [], 0.0
+    for (count, name), price in zip(result.parts, result.part_prices, strict=True):
+        total += count * price
+        shown = f": {count * price:g} ({price:g} each)" if price == price else ""
+        lines.append(f"  {count} x {name}{shown}")
+    return lines if total != total else [*lines, f"  price of all: {total:g}"]
 
 
 def _requirement(result: DesignResult, index: int) -> str:

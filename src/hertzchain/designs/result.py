@@ -75,6 +75,10 @@ class DesignResult:
         Time used.
     notes : tuple of str
         Remarks, one sentence each.
+    parts : tuple of (int, str)
+        Number and name of each kind of ball to buy, if balls of a catalogue vary.
+    part_prices : tuple of float
+        Price of one ball of each of these kinds; NaN if it is unknown.
     """
 
     problem: Design
@@ -98,6 +102,7 @@ class DesignResult:
     seconds: float
     notes: tuple[str, ...]
     parts: tuple[tuple[int, str], ...] = field(default=())
+    part_prices: tuple[float, ...] = field(default=())
 
     @property
     def chain(self) -> Chain:

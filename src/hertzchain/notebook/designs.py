@@ -36,7 +36,13 @@ def design_html(result: DesignResult) -> str:
         found[front_in_words(result)] = counted(len(result.front), "point")
     parts = [numbers(found)]
     if result.parts:
-        parts.append(table(["count", "ball"], [[str(n), name] for n, name in result.parts]))
+        rows = [
+            [str(count), name, f"{price:g}" if price == price else ""]
+            for (count, name), price in zip(result.parts, result.part_prices, strict=True)
+        ]
+        priced = 2 + any(price for *_, price in rows)
+        head = ["count", "ball", "price of one"]
+        parts.append(table(head[:priced], [row[:priced] for row in rows]))
     parts += [note(sentence(each)) for each in result.notes]
     return page("DesignResult", str(problem.objective), *parts)
 

@@ -16,6 +16,7 @@ import functools
 import importlib.metadata
 import json
 import platform
+import re
 import tempfile
 from concurrent.futures import Executor
 from pathlib import Path
@@ -216,6 +217,7 @@ def _templates() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters["describe"] = _measured
+    environment.filters["minus"] = _with_minus
     environment.filters["typeset"] = typeset
     environment.filters["plain"] = plain
     return environment
@@ -260,6 +262,11 @@ def _rows(table: Table) -> list[list[Any]]:
     for entry in table.entries:
         by_rate.setdefault(entry.rate, []).append(entry)
     return list(by_rate.values())
+
+
+def _with_minus(text: object) -> str:
+    """Text with true minus signs in front of numbers and in their exponents."""
+    return re.sub(r"(?<!\w)-(?=\d)|(?<=\de)-(?=\d)", "−", str(text))
 
 
 def _measured(figure: Figure) -> str:

@@ -51,7 +51,7 @@ def _either(names: dict[str, Quantity]) -> str:
 
 
 _AT_BEAD: Final = re.compile(
-    rf"({_either(SENSOR_QUANTITIES | LARGEST)})_((?:ball_|bead_)?[1-9][0-9]{{0,8}}|last)"
+    rf"({_either({**SENSOR_QUANTITIES, **LARGEST})})_((?:ball_|bead_)?[1-9][0-9]{{0,8}}|last)"
 )
 _BETWEEN: Final = re.compile(
     rf"({_either(REFLECTION)})_([1-9][0-9]{{0,8}}_(?:0|[1-9][0-9]{{0,8}}|last))"
@@ -93,8 +93,9 @@ class Placed(NamedTuple):
     @property
     def absent(self) -> str:
         """That a chain does not have the place."""
-        few = self.column in REFLECTION
-        return f"{self.name}: there {'are no such contacts' if few else 'is no such bead'}"
+        contacts = self.column in REFLECTION
+        words = "there are no such contacts" if contacts else "there is no such bead"
+        return f"{self.name}: {words}"
 
     def numbers(self, chain: Chain) -> tuple[int, ...]:
         """Number of the bead, or of both contacts; none if the chain does not have them."""
@@ -159,7 +160,7 @@ def placed(variable: str) -> Placed | None:
 
 
 def example_of(column: str) -> str:
-    """What a name without a place needs, and an example."""
+    """The place that a name lacks, with an example."""
     name = full_name_of(column)
     if column in REFLECTION:
         return (

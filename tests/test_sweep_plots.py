@@ -1,7 +1,10 @@
 """Labels, curves and legends of plots of sweeps."""
 
+import itertools
+
 import numpy as np
 import pytest
+from matplotlib.legend import Legend
 
 import hertzchain as hc
 from hertzchain.cli.wording import on_command_line
@@ -18,11 +21,33 @@ def test_one_method_of_a_map_is_chosen_in_words_of_the_command_line():
     axes = {"rate": RATES, "beads": [20, 30]}
     found = swept({"taper": "forward-exponential"}, axes, methods=["propagate", "bca"], at="last")
     with pytest.raises(hc.InputError, match="such as approach='propagate', or a value") as raised:
-        hc.plot_sweep(found)
+        hc.plot_sweep(found, levels=[0.5])
     words = on_command_line(str(raised.value))
     assert words.endswith(
         "choose a method, such as --at approach=propagate, or a value, such as --at beads=20"
     )
+
+
+def test_several_methods_for_several_values_have_colours_and_looks():
+    axes = {"rate": [*RATES, 0.03], "beads": [20, 30]}
+    methods = ["propagate", "bca", "local-rate"]
+    found = swept({"taper": "forward-exponential"}, axes, methods=methods, at="last")
+    handles, labels = hc.plot_sweep(found).get_legend_handles_labels()
+    assert labels == ["beads = 20", "beads = 30", "propagation", "BCA", "local-rate law"]
+    curves = [line for line in handles[0].axes.lines if line.get_xdata().size]
+    assert len(curves) == 6
+    for i, (beads, method) in enumerate(itertools.product((20, 30), methods)):
+        expected = found.velocity.sel(beads=beads, approach=method).sortby("rate")
+        np.testing.assert_array_equal(curves[i].get_ydata(), expected)
+        value, look = handles[i // 3], handles[2 + i % 3]
+        assert curves[i].get_color() == value.get_color()
+        for get in ("get_linestyle", "get_marker"):
+            assert getattr(curves[i], get)() == getattr(look, get)()
+    assert len({curve.get_color() for curve in curves}) == 2
+    # Importing the package changes no setting of Matplotlib.
+    assert not [
+        each for each in Legend.get_default_handler_map() if "hertzchain" in each.__module__
+    ]
 
 
 def test_too_many_dimensions_are_listed_without_the_methods():
@@ -88,13 +113,15 @@ def test_plots_of_errors_omit_the_reference_and_mark_the_right_curves():
         expected = 100.0 * found.worst_error_of_velocity.sel(approach=name)
         np.testing.assert_array_equal(handle.get_ydata(), expected)
         colours[name] = handle.get_color()
-    # The legend shows the marks themselves, in the colours of their curves.
+    # Marks have the colours of their curves; that of the legend is grey if there are several.
     marked = [name for name, flags in zip(colours, flagged.T, strict=True) if flags.any()]
-    assert [mark.get_color() for mark in handles[2]] == [colours[name] for name in marked]
-    for mark, name in zip(handles[2], marked, strict=True):
+    marks = [line for line in axes.lines if line.get_alpha() and len(line.get_xdata())]
+    assert [mark.get_color() for mark in marks] == [colours[name] for name in marked]
+    for mark, name in zip(marks, marked, strict=True):
         outside = found.outside_range.sel(approach=name).values.astype(bool)
         np.testing.assert_array_equal(mark.get_xdata(), found.rate.values[outside])
-    shown = [line.get_color() for line in axes.get_legend().get_lines()]
-    assert shown[2:] == [colours[name] for name in marked]
+    shown = axes.get_legend().get_lines()[2]
+    assert shown.get_alpha() == marks[0].get_alpha()
+    assert (shown.get_color() in colours.values()) == (len(marked) == 1)
     # Curves have the colours that they have beside the reference.
     assert hc.plot_sweep(found, "velocity", bead=20).lines[1].get_color() == colours["bca"]

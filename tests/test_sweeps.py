@@ -744,7 +744,7 @@ def test_curves_and_maps():
     )
     one_method = "2 remaining dimensions, .*and 2 methods.* approach='propagate', or .* beads=20$"
     with pytest.raises(hc.InputError, match=one_method):
-        plot_sweep(found, "momentum")
+        plot_sweep(found, "momentum", levels=[1.0])
     with pytest.raises(hc.InputError, match="no remaining axis to plot along; omit rate or beads"):
         plot_sweep(found, "momentum", rate=0.02, beads=20)
     with pytest.warns(hc.InputWarning, match="beads = 21 is not .* the nearest, 20, is plotted"):

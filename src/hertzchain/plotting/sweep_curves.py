@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from matplotlib.axes import Axes
-from matplotlib.container import Container
-from matplotlib.legend import Legend
-from matplotlib.legend_handler import HandlerTuple
-from matplotlib.lines import Line2D
 
 from ..sweeps.methods import SIMULATIONS
-from .colours import curve_colour
+from .colours import curve_colour, grey
 from .pulses import LINES, label_free_end
 from .style import MARKERS, label_log_axis
 from .sweep_axes import free_end, places_of, set_axis
@@ -23,55 +19,75 @@ if TYPE_CHECKING:
 
 # Largest number of symbols of a curve.
 MAX_SYMBOLS: Final = 40
-
-
-class Marks(Container):
-    """Marks of several curves that share an entry of the legend, which shows all their colours."""
-
-
-Legend.update_default_handler_map({Marks: HandlerTuple(ndivide=None)})
+# Marks of values outside the range of a method, behind their symbols.
+MARK: Final[dict[str, Any]] = {
+    "linestyle": "none", "marker": "o", "alpha": 0.3, "markersize": 8.0, "markeredgecolor": "none",
+}  # fmt: skip
 
 
 def draw_curves(
     drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, log: bool, first: int = 0
 ) -> None:
-    """Draw one curve for each method or value of a short axis, in colours from the first one."""
-    along = next(name for name in drawn.dims if name != by)
+    """Draw one curve for each method or value of a short axis, in colours from the first one.
+
+    Of several methods for each value, the colour shows the value, and line and symbol the method.
+    """
+    grouped = by != "approach" and "approach" in drawn.dims
+    along = next(name for name in drawn.dims if name not in (by, "approach"))
     names = drawn[by].to_numpy().tolist() if by in drawn.dims else [None]
-    methods = names if by == "approach" else [None] * len(names)
+    own = drawn["approach"].to_numpy().tolist() if grouped else names if by == "approach" else []
+    methods = own or [None] * len(names)
     looks = _looks(methods, first, ordered=_ordered(drawn[along]))
-    free, marks = False, []
-    for i, (name, look) in enumerate(zip(names, looks, strict=True)):
-        chosen = {} if name is None else {by: i}
-        curve, flags = drawn.isel(chosen), outside.isel(chosen)
-        if log and by == "approach" and len(names) > 1 and not (curve > 0.0).any():
-            # Errors that are all negative have no place on a logarithmic scale.
-            continue
-        colour, places = curve_colour(axes, first + i), places_of(curve[along])
-        if end := free_end(curve):
-            axes.plot(places[end], curve[end], color=colour, linestyle="none",
-                      marker=MARKERS[(first + i) % len(MARKERS)])  # fmt: skip
-            free = True
-        axes.plot(
-            places[:end],
-            curve[:end],
-            color=colour,
-            markerfacecolor="none",
-            markevery=max(1, curve.size // MAX_SYMBOLS),
-            label=coordinate_text(curve[by], by) if by in curve.coords else None,
-            **look,
-        )
-        if flags.any():
-            marks += axes.plot(places[flags.values], curve[flags.values], "o", color=colour,
-                               alpha=0.3, markersize=8.0, markeredgecolor="none")  # fmt: skip
+    free, marked = False, set[str]()
+    for i in range(len(names)):
+        for j in range(len(methods)) if grouped else [i]:
+            chosen = {} if names[i] is None else {by: i} | ({"approach": j} if grouped else {})
+            curve, flags = drawn.isel(chosen), outside.isel(chosen)
+            if log and by == "approach" and len(names) > 1 and not (curve > 0.0).any():
+                # Errors that are all negative have no place on a logarithmic scale.
+                continue
+            colour = curve_colour(axes, i if grouped else first + i)
+            places = places_of(curve[along])
+            if end := free_end(curve):
+                axes.plot(places[end], curve[end], color=colour, linestyle="none",
+                          marker=MARKERS[(first + j) % len(MARKERS)])  # fmt: skip
+                free = True
+            labelled = by in curve.coords and not grouped
+            axes.plot(
+                places[:end],
+                curve[:end],
+                color=colour,
+                markerfacecolor="none",
+                markevery=max(1, curve.size // MAX_SYMBOLS),
+                label=coordinate_text(curve[by], by) if labelled else None,
+                **looks[j],
+            )
+            if flags.any():
+                axes.plot(places[flags.values], curve[flags.values], color=colour, **MARK)
+                marked.add(colour)
+    if grouped:
+        _label_groups(drawn, axes, by, looks)
     if free:
         label_free_end(axes)
-    _label_marks(axes, marks, str(outside.name))
+    if marked:
+        one = marked.pop() if len(marked) == 1 else grey(axes, 0.4)
+        axes.plot([], [], color=one, label=str(outside.name), **MARK)
     axes.set_ylabel(quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
     if log:
         label_log_axis(axes.yaxis)
     set_axis(axes, "x", drawn[along])
+
+
+def _label_groups(
+    drawn: xr.DataArray, axes: Axes, by: str, looks: Sequence[Mapping[str, Any]]
+) -> None:
+    """Entries of the legend for each value, in its colour, and for each method, in grey."""
+    for i, value in enumerate(drawn[by]):
+        axes.plot([], [], color=curve_colour(axes, i), label=coordinate_text(value, by))
+    for method, look in zip(drawn["approach"], looks, strict=True):
+        axes.plot([], [], color=grey(axes, 0.4), markerfacecolor="none", **look,
+                  label=coordinate_text(method, "approach"))  # fmt: skip
 
 
 def _looks(methods: Sequence[Any], first: int, *, ordered: bool) -> list[dict[str, Any]]:
@@ -92,12 +108,6 @@ def _looks(methods: Sequence[Any], first: int, *, ordered: bool) -> list[dict[st
         marker = "" if both and not simulation else MARKERS[i % len(MARKERS)]
         looks.append({"linestyle": line, "marker": marker, "zorder": 2.1 if line == "none" else 2})
     return looks
-
-
-def _label_marks(axes: Axes, marks: list[Line2D], label: str) -> None:
-    """One entry of the legend, with a mark in the colour of each marked curve."""
-    if marks:
-        axes.add_container(Marks(marks, label=label))
 
 
 def _ordered(coordinate: xr.DataArray) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -75,9 +75,11 @@ def plot_sweep(
     have failed, are missing or not complete.
 
     If one of two axes has at most six values, the plot has one curve per value of the shorter axis
-    instead of a map.  Over one axis, there is one curve per method: if simulations and theories are
-    plotted, simulations have symbols and theories have lines, so that curves that agree do not hide
-    each other.  Errors are those of the other methods relative to the reference of the sweep.
+    instead of a map; with several methods, the colour of a curve shows the value, and its line and
+    symbol show the method.  Over one axis, there is one curve per method: if simulations and
+    theories are plotted, simulations have symbols and theories have lines, so that curves that
+    agree do not hide each other.  Errors are those of the other methods relative to the reference
+    of the sweep.
 
     Parameters
     ----------
@@ -106,8 +108,8 @@ def plot_sweep(
     ------
     InputError
         If the quantity, a dimension or a value does not exist, if the number of remaining
-        dimensions, apart from the methods, is not 1 or 2, if there are 2 and several methods, or if
-        none of the points to plot is done or has a value.
+        dimensions, apart from the methods, is not 1 or 2, if a map would have several methods, or
+        if none of the points to plot is done or has a value.
 
     Warns
     -----
@@ -134,14 +136,15 @@ def plot_sweep(
     check_sweep(dataset)
     drawn = _selected(dataset, quantity, at)
     along = [name for name in drawn.dims if name != "approach"]
-    if not along or drawn.ndim > 2:
+    short = _short_axis(drawn, along) if len(along) == 2 and not levels else None
+    if not along or len(along) > 2 or (drawn.ndim == 3 and short is None):
         raise InputError(_undrawable(drawn, at))
     _check_done(dataset, at)
     _check_values(drawn)
     drawn, reference = _without_reference(dataset, drawn)
     drawn, factor = _in_shown_units(with_symbols(drawn, dataset))
     levels = [factor * level for level in levels]
-    by = "approach" if len(along) == 1 else None if levels else _short_axis(drawn)
+    by = "approach" if len(along) == 1 else short
     with figure_style():
         axes = get_axes(ax)
         if by is not None:
@@ -286,9 +289,9 @@ def _check_values(drawn: xr.DataArray) -> None:
         raise InputError(f"there is no value of {drawn.name} at {points} to plot{advice}")
 
 
-def _short_axis(drawn: xr.DataArray) -> str | None:
+def _short_axis(drawn: xr.DataArray, along: Sequence[Hashable]) -> str | None:
     """The shorter of two axes, if one curve per value is clearer than a map."""
-    short = min(reversed(drawn.dims), key=lambda name: drawn.sizes[name])
+    short = min(reversed(along), key=lambda name: drawn.sizes[name])
     return str(short) if drawn.sizes[short] <= MAX_CURVES else None
 
 
@@ -337,7 +340,7 @@ def _undrawable(drawn: xr.DataArray, at: Mapping[str, Any]) -> str:
         )
     return (
         f"{drawn.name} has 2 remaining dimensions, {left}, and {drawn.sizes['approach']} methods, "
-        "but only one method can be plotted over two dimensions; choose a method, such as "
+        "but a map has one method; choose a method, such as "
         f"approach={drawn['approach'].values[0].item()!r}, or a value, such as {fixed}"
     )
 

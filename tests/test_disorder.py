@@ -1,5 +1,6 @@
 """The disorder law against ensembles of simulated pulses."""
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -281,6 +282,28 @@ def test_rates_at_the_limits_are_accepted_despite_rounding():
     for rate in (-0.1, 0.1):
         chain = hc.Chain.from_radii(np.exp(rate * np.arange(40)))
         assert hc.disorder(chain, 0.01).velocity_spread[20] > 0.01
+
+
+@pytest.mark.parametrize("theory", [hc.propagate, lambda chain: hc.disorder(chain, 0.01)])
+def test_beads_beyond_given_limits_are_named(theory):
+    chain = hc.Chain.tapered("forward-exponential", 0.02, beads=60)
+    pulse = theory(chain)
+    _, axes = plt.subplots()
+    axes.set_ylim(0.78, 1.4)
+    hc.plot_pulses([pulse], ax=axes)
+    assert axes.get_ylim() == (0.78, 1.4)
+    v = pulse.velocity
+    low, high = np.flatnonzero(v < 0.78) + 1, np.flatnonzero(v > 1.4) + 1
+    assert low.size > 1
+    assert {text.get_text() for text in axes.texts} == {
+        f"beads {low[0]} to {low[-1]}: down to {v[low - 1].min():.3g} ↓",
+        f"beads {high[0]} to 60: up to {v[-1]:.3g} ↑",
+    }
+    # Further pulses are named, too, and the limits stay.
+    hc.plot_pulses([hc.bca(chain)], ax=axes)
+    assert axes.get_ylim() == (0.78, 1.4)
+    assert any(f"up to {hc.bca(chain).velocity[-1]:.3g} ↑" in t.get_text() for t in axes.texts)
+    plt.close(axes.figure)
 
 
 def test_the_band_of_the_spread_is_visible():

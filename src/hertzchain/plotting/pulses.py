@@ -20,7 +20,14 @@ from ..validation.objects import check_bool, check_choice, check_list, check_typ
 from .colours import COLOURS, curve_colour, grey
 from .labels import distinguish
 from .legends import place_legend
-from .spreads import BAND, draw_spread, remove_values_beyond, show_band, spread_of
+from .spreads import (
+    BAND,
+    draw_spread,
+    name_beyond,
+    remove_values_beyond,
+    show_band,
+    spread_of,
+)
 from .style import (
     MARKERS,
     BeadLocator,
@@ -65,8 +72,9 @@ def plot_pulses(
     and the legend has one entry for each of these.  If the last bead leaves a free end at a larger
     velocity, all values of this bead have symbols without a line.  A shaded band shows the spread
     of a pulse by `disorder`: one standard deviation over random chains.  If the values of the first
-    and the last bead would make this band thin, a linear axis shows those of the other beads, and
-    the values beyond it are written at its edge.
+    and the last bead would make this band thin, a linear axis shows those of the other beads.
+    Beads whose values are beyond it, or beyond the limits of given axes (``ax.set_ylim``), are
+    named at its edge.
 
     Parameters
     ----------
@@ -129,7 +137,9 @@ def plot_pulses(
     with figure_style():
         axes, lower = _axes(ax, residuals=residuals)
         present = number_of_curves(axes)
-        remove_values_beyond(axes)
+        fixed = not axes.get_autoscaley_on()
+        if not fixed:
+            remove_values_beyond(axes)
         looks = _looks(words, present)
         grouped = labels is None and _share_colours(looks)
         ends = _free_ends(pulses, quantity)
@@ -157,7 +167,9 @@ def plot_pulses(
             _draw_residuals(lower, pulses, quantity, looks)
             lower.set_xlim(axes.get_xlim())
         set_title(axes, literal(title))
-        if not (present or log):
+        if fixed:
+            name_beyond(axes, pulses, quantity)
+        elif not (present or log):
             show_band(axes, pulses, quantity)
         if legend:
             place_legend(axes, own=ax is None)

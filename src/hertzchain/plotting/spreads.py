@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final, Literal
+from typing import Final, Literal, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,6 +21,9 @@ MUCH_SMALLER: Final = 0.5
 MARGIN: Final = 0.1
 # Distance [points] of a text from the first bead.
 DISTANCE: Final = 4.0
+# Sides at which texts in the thirds of the axes are aligned.
+Side: TypeAlias = Literal["left", "center", "right"]
+SIDES: Final[tuple[Side, ...]] = ("left", "center", "right")
 # Mark of texts that state values beyond the limits.
 BEYOND: Final = "hertzchain-beyond"
 
@@ -61,16 +64,11 @@ def show_band(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
     margin = MARGIN * (high - low)
     # Curves that are drawn later may change these limits.
     axes.set_ylim(low - margin, high + margin, auto=True)
-    place = COLUMN_QUANTITIES[quantity].per
-    sides: tuple[tuple[int, Literal["left", "right"]], ...] = ((0, "left"), (-1, "right"))
-    for i, side in sides:
-        ends = [(int(pulse.bead[: len(each)][i]), float(each[i]))
-                for pulse, each in zip(pulses, values, strict=True)]  # fmt: skip
-        _write_beyond(axes, place, ends, side)
+    name_beyond(axes, pulses, quantity)
 
 
 def remove_values_beyond(axes: Axes) -> None:
-    """Remove the texts of `show_band`, whose limits further curves change."""
+    """Remove the texts of `name_beyond`, whose limits further curves change."""
     for text in [each for each in axes.texts if each.get_gid() == BEYOND]:
         text.remove()
 
@@ -92,23 +90,40 @@ def _range(lows: Sequence[Array], highs: Sequence[Array], *, inner: bool) -> tup
     return float(np.nanmin(below)), float(np.nanmax(above))
 
 
-def _write_beyond(
-    axes: Axes, place: str, ends: Sequence[tuple[int, float]], side: Literal["left", "right"]
-) -> None:
-    """Write the values of a bead beyond the limits at the edge of the axes, with arrows."""
-    low, high = axes.get_ylim()
-    above = {f"{place} {k}: {signed(value, '.3g')} ↑": k for k, value in ends if value > high}
-    below = {f"{place} {k}: {signed(value, '.3g')} ↓": k for k, value in ends if value < low}
-    for found, edge in ((above, 1.0), (below, 0.0)):
-        if found:
+def name_beyond(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
+    """Write the beads and values beyond the limits at the edges of the axes, with arrows."""
+    first, last = axes.get_xlim()
+    low, high = sorted(axes.get_ylim())
+    for limit, sign in ((high, 1.0), (low, -1.0)):
+        texts: dict[Side, dict[str, int]] = {}
+        for pulse in pulses:
+            values = pulse._predicted(quantity)
+            beyond = np.flatnonzero(sign * values > sign * limit)
+            for part in np.split(beyond, np.flatnonzero(np.diff(beyond) > 1) + 1):
+                if part.size:
+                    furthest = part[np.argmax(sign * values[part])]
+                    bead = int(pulse.bead[furthest])
+                    where = int(3.0 * (bead - first) / (last - first))
+                    text = _beyond_in_words(quantity, pulse.bead[part], values[furthest], sign)
+                    texts.setdefault(SIDES[min(max(where, 0), 2)], {})[text] = bead
+        for side, found in texts.items():
             axes.annotate(
                 "\n".join(found),
-                (next(iter(found.values())), edge),
+                (next(iter(found.values())), sign > 0.0),
                 (DISTANCE if side == "left" else 0.0, 0.0),
                 xycoords=axes.get_xaxis_transform(),
                 textcoords="offset points",
                 ha=side,
-                va="top" if edge else "bottom",
+                va="top" if sign > 0.0 else "bottom",
                 fontsize="small",
                 gid=BEYOND,
             )
+
+
+def _beyond_in_words(quantity: str, beads: Array, value: float, sign: float) -> str:
+    """Such as ``bead 1: 1.2 ↑``, or ``beads 3 to 9: up to 1.5 ↑``."""
+    place, shown = COLUMN_QUANTITIES[quantity].per, signed(value, ".3g")
+    arrow, most = ("↑", "up to") if sign > 0.0 else ("↓", "down to")
+    if len(beads) == 1:
+        return f"{place} {beads[0]:g}: {shown} {arrow}"
+    return f"{place}s {beads[0]:g} to {beads[-1]:g}: {most} {shown} {arrow}"

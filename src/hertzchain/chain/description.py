@@ -51,9 +51,7 @@ def beads_description(
     noun = "ball" if strikers else "bead"
     odd = odd_bead(radii, names, masses, noun=noun, scaled=scaled)
     if scaled and odd is not None:
-        usual = {"radius": odd.usual_radius, "mass": odd.usual_mass or 1.0}
-        sizes = " and ".join(f"{name} {size:.4g}" for name, size in usual.items() if size != 1.0)
-        return f"uniform{sizes and f' ({sizes})'} {odd.words}, {beads}"
+        return f"uniform{odd.scaled_words}, {beads}"
     if odd is not None:
         counted = beads_of(count, "beads", [odd.usual_material or "SI"])
         size = f"diameter {length_in_words(2.0 * odd.usual_radius)}"
@@ -79,6 +77,13 @@ class OddBead:
     usual_radius: float
     usual_material: str
     usual_mass: float | None
+
+    @property
+    def scaled_words(self) -> str:
+        """Such as `` (radius 0.5) except bead 1 (radius 1)``, after a word for equal beads."""
+        usual = {"radius": self.usual_radius, "mass": self.usual_mass or 1.0}
+        sizes = " and ".join(f"{name} {size:.4g}" for name, size in usual.items() if size != 1.0)
+        return f"{sizes and f' ({sizes})'} {self.words}"
 
 
 def odd_bead(

@@ -26,7 +26,7 @@ from .style import literal
 def chain_words(chain: Chain) -> str:
     """Such as ``20 steel balls, 20 mm to 8 mm, PTFE wall``; strikers are named, not counted."""
     if chain.units == "SI":
-        odd = _odd_ball(chain)
+        odd = _odd_bead(chain, "ball")
         materials = list(_materials(_of_balls(chain)).values()) or ["SI"]
         if odd is not None:
             materials = [odd.usual_material or "SI"]
@@ -43,15 +43,15 @@ def chain_title(chain: Chain) -> str:
     return literal(chain_words(chain))
 
 
-def _odd_ball(chain: Chain) -> OddBead | None:
-    """The ball that differs from all others, if there is one, with short names of materials."""
+def _odd_bead(chain: Chain, noun: str) -> OddBead | None:
+    """The bead that differs from all others, if there is one, with short names of materials."""
     kinds, names = _of_balls(chain), _materials(_of_balls(chain))
     return odd_bead(
         (chain.scatter or chain).radii[chain._balls],
         [names[each.name] for each in kinds],
         chain.masses[chain._balls] if "masses" in chain.given else None,
-        noun="ball",
-        scaled=False,
+        noun=noun,
+        scaled=chain.scaled,
     )
 
 
@@ -64,8 +64,9 @@ def _scaled_beads(chain: Chain) -> str:
     if kind == "uniform, " and number > 1:
         equal = np.ptp(chain.masses[chain._balls]) == 0.0
         beads = f"{number} equal beads" if equal else f"given masses, {count}"
-    elif kind.startswith("uniform") and " except " in kind:
-        beads = f"{count}, equal{kind.removeprefix('uniform').removesuffix(', ')},"
+    elif (odd := _odd_bead(chain, "ball" if first else "bead")) and kind.startswith("uniform"):
+        scatter = chain.scatter.words(chain.radii, first) if chain.scatter else ""
+        beads = f"{', '.join(filter(None, (f'{count}, equal{odd.scaled_words}', scatter)))},"
     if not first:
         return beads.removesuffix(",")
     masses = None if chain.strikers_are_spheres else chain.masses

@@ -23,7 +23,6 @@ from .legends import place_legend
 from .spreads import (
     BAND,
     draw_spread,
-    name_beyond,
     remove_values_beyond,
     show_band,
     spread_of,
@@ -137,9 +136,7 @@ def plot_pulses(
     with figure_style():
         axes, lower = _axes(ax, residuals=residuals)
         present = number_of_curves(axes)
-        fixed = not axes.get_autoscaley_on()
-        if not fixed:
-            remove_values_beyond(axes)
+        remove_values_beyond(axes)
         looks = _looks(words, present)
         grouped = labels is None and _share_colours(looks)
         ends = _free_ends(pulses, quantity)
@@ -167,10 +164,7 @@ def plot_pulses(
             _draw_residuals(lower, pulses, quantity, looks)
             lower.set_xlim(axes.get_xlim())
         set_title(axes, literal(title))
-        if fixed:
-            name_beyond(axes, pulses, quantity)
-        elif not (present or log):
-            show_band(axes, pulses, quantity)
+        show_band(axes, pulses, quantity, keep=bool(present) or log)
         if legend:
             place_legend(axes, own=ax is None)
     return axes

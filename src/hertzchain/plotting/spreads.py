@@ -46,8 +46,16 @@ def draw_spread(axes: Axes, pulse: Pulse, quantity: str, colour: str, *, free: b
         axes.vlines(bead[-1], low[-1], high[-1], color=colour, alpha=BAND, linewidth=3.0)
 
 
-def show_band(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
-    """Limits from the inner beads if those of beads 1 and N make the band of a spread thin."""
+def show_band(axes: Axes, pulses: Sequence[Pulse], quantity: str, *, keep: bool) -> None:
+    """Limits from the inner beads if those of beads 1 and N make the band of a spread thin.
+
+    Limits that are fixed or to ``keep`` remain; beads beyond fixed ones are named, too.
+    """
+    if not axes.get_autoscaley_on():
+        name_beyond(axes, pulses, quantity)
+        return
+    if keep:
+        return
     bands = [_band(pulse, quantity) for pulse in pulses]
     if not any(band is not None for band in bands):
         return
@@ -70,7 +78,8 @@ def show_band(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
 def remove_values_beyond(axes: Axes) -> None:
     """Remove the texts of `name_beyond`, whose limits further curves change."""
     for text in [each for each in axes.texts if each.get_gid() == BEYOND]:
-        text.remove()
+        if axes.get_autoscaley_on():
+            text.remove()
 
 
 def _band(pulse: Pulse, quantity: str) -> tuple[Array, Array] | None:

@@ -65,7 +65,7 @@ def _scaled_beads(chain: Chain) -> str:
         equal = np.ptp(chain.masses[chain._balls]) == 0.0
         beads = f"{number} equal beads" if equal else f"given masses, {count}"
     elif (odd := _odd_bead(chain, "ball" if first else "bead")) and kind.startswith("uniform"):
-        scatter = chain.scatter.words(chain.radii, first) if chain.scatter else ""
+        scatter = chain.scatter.words(chain.radii, chain._balls) if chain.scatter else ""
         beads = f"{', '.join(filter(None, (f'{count}, equal{odd.scaled_words}', scatter)))},"
     if not first:
         return beads.removesuffix(",")

@@ -28,9 +28,12 @@ from .wording import on_command_line
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
+    from ..fitting.settings import Settings
     from ..fitting.trace_comparison import TraceComparison
     from ..traces.traces import Traces
 
+# Value of --time-offset that finds it by least squares.
+FREE: Final = "free"
 # Least number of saved times; signals are interpolated between them.
 MIN_TIMES: Final = 4000
 # The pulse leaves the last contact within this number of further transits of one contact.
@@ -68,7 +71,9 @@ MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 @click.option(
     "--time-offset",
     metavar="TIME",
-    help="Time of the data at which the simulation begins.  [default: found by least squares]",
+    help="Time of the data at which the simulation begins, or 'free' to find it by least squares.  "
+    "[default: that of the table [fit] of CHAIN, or the start of a drive in the file of the "
+    "traces; otherwise free]",
 )
 @json_option()
 @figure_option("Plot data and simulation to FILE.")
@@ -104,8 +109,8 @@ def compare(
     seen = hertzchain.load_traces(
         *traces, sensors=sensors_from(sensors), channels=True, noise=noise
     )
-    data = _one_shot(seen, shot)
-    data, (described,), settings = load_experiment(data, chain, hertzchain.load_traces)
+    seen, (described, *_), settings = load_experiment(seen, chain, hertzchain.load_traces)
+    data = _one_shot(_timed(seen, settings, time_offset), shot)
     priors = priors_of_gains(settings.priors, data)
     if speed is not None:
         described = at_speed(described, speed)
@@ -120,11 +125,8 @@ def compare(
         run = hertzchain.simulate(
             described, until=end, times=max(MIN_TIMES, len(times)), progress=progress
         )
-    offset = None
-    if time_offset is not None:
-        offset = seconds_from("--time-offset", time_offset)
     with ignore_warnings(InputWarning):  # the summary lists them as notes
-        found = run.compare(data, time_offset=offset)
+        found = run.compare(data)
     found = dataclasses.replace(found, notes=(*found.notes, *gain_notes(found.sensors, priors)))
     if plot is not None:
         save_figure(found.plot().axes[0], plot)
@@ -133,6 +135,18 @@ def compare(
     else:
         shown = on_command_line(found.summary())
         click.echo("\n".join((described.description, *pressures_below_yield(run), shown)))
+
+
+def _timed(traces: Traces, settings: Settings, time_offset: str | None) -> Traces:
+    """Traces with the time offset of the option, or with those that a fit would fix."""
+    from ..fitting.clocks import with_clocks
+    from ..traces.traces import Traces, with_time_offset
+
+    if time_offset == FREE:
+        return Traces(tuple(dataclasses.replace(shot, clock=None) for shot in traces.shots))
+    if time_offset is not None:
+        return with_time_offset(traces, seconds_from("--time-offset", time_offset))
+    return with_clocks(traces, settings)[0]
 
 
 def _duration(chain: Chain, record: float) -> float:

@@ -11,7 +11,16 @@ import click
 from ..recorded_warnings import ignore_warnings
 from ..simulation.yielding import pressures_below_yield
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
-from .fit_options import also_free_option, free_option, prior_option, priors_from
+from .fit_options import (
+    also_free_option,
+    free_option,
+    prior_option,
+    priors_from,
+    start_from,
+    start_option,
+    time_offset_from,
+    time_offset_option,
+)
 from .options import (
     StrictCommand,
     check_writable,
@@ -46,6 +55,8 @@ if TYPE_CHECKING:
 @free_option
 @also_free_option
 @prior_option
+@start_option
+@time_offset_option
 @click.option(
     "--starts", type=int, default=4, show_default=True, help="Largest number of starting points."
 )
@@ -77,9 +88,9 @@ if TYPE_CHECKING:
 @json_option()
 def fit(
     files: tuple[Path, ...], sensors: tuple[str, ...], noises: tuple[str, ...], channels: bool,
-    free: tuple[str, ...], also_free: tuple[str, ...], priors: tuple[str, ...], starts: int,
-    laws: str | None, defects: bool, sample: int | None, plot: Path | None, out: Path | None,
-    as_json: bool,
+    free: tuple[str, ...], also_free: tuple[str, ...], priors: tuple[str, ...],
+    starting_values: tuple[str, ...], time_offset: tuple[str, ...], starts: int, laws: str | None,
+    defects: bool, sample: int | None, plot: Path | None, out: Path | None, as_json: bool,
 ) -> int:  # fmt: skip
     """Fit a chain and its sensors to measured traces.
 
@@ -103,11 +114,13 @@ def fit(
       hertzchain fit scope.csv experiment.toml --sensor CH1=wall
       hertzchain fit ch1.csv ch2.csv experiment.toml --channels --sensor ch1.csv=wall \\
           --sensor "ch2.csv=ball 5"
+      hertzchain fit scope.csv experiment.toml --sensor CH2=wall --time-offset -50us
       hertzchain fit data.csv experiment.toml --free stiffness --free loss.time --laws all
     """
     import hertzchain
 
     from ..fitting.diagnosis import without_tested
+    from ..traces.traces import with_time_offset
 
     if len(files) < 2:
         raise click.UsageError("give at least one CSV file of traces and, last, the chain file")
@@ -115,8 +128,10 @@ def fit(
     places = sensors_from(sensors)
     noise: Any = noise_from(noises)
     traces = hertzchain.load_traces(*files[:-1], sensors=places, channels=channels, noise=noise)
+    known = time_offset_from(time_offset)
     settings: dict[str, Any] = {
-        "free": _free(traces, files[-1], free, also_free), "priors": priors_from(priors),
+        "free": _free(with_time_offset(traces, known), files[-1], free, also_free),
+        "priors": priors_from(priors), "start": start_from(starting_values), "time_offset": known,
     }  # fmt: skip
     # The number of simulations is not known in advance.
     with progress_bar("simulations", counted=False) as progress:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from .options import as_typed
+from .options import as_typed, seconds_from
 
 free_option = click.option(
     "--free",
@@ -28,6 +28,40 @@ prior_option = click.option(
     help="Value and standard deviation of a parameter from other measurements, such as "
     "struck_by.velocity=0.3,0.003; repeatable.",
 )
+start_option = click.option(
+    "--start",
+    "starting_values",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Value from which a parameter starts, such as time_offset=80us; that of a time_offset "
+    "which is not free is its value.  Repeatable.",
+)
+time_offset_option = click.option(
+    "--time-offset",
+    multiple=True,
+    metavar="TIME",
+    help="Known time of the data at which the simulation begins, such as -50us, which is fixed; "
+    "repeat it for the times of several shots.  [default: that of the table [fit] of the chain "
+    "file, or the start of a drive in the file of the traces; otherwise free]",
+)
+
+
+def start_from(texts: tuple[str, ...]) -> dict[str, float | str]:
+    """Values from which parameters start, by name."""
+    return dict(_start(text) for text in texts)
+
+
+def _start(text: str) -> tuple[str, float | str]:
+    name, equals, value = text.rpartition("=")
+    if not (name and equals and value.strip()):
+        raise click.UsageError(f"--start must look like time_offset=80us, got {text!r}")
+    return name, as_typed(value)
+
+
+def time_offset_from(texts: tuple[str, ...]) -> float | list[float] | None:
+    """Time offsets of all shots, or of each, in seconds."""
+    times = [seconds_from("--time-offset", text) for text in texts]
+    return times if len(times) > 1 else next(iter(times), None)
 
 
 def priors_from(texts: tuple[str, ...]) -> dict[str, tuple[float | str, float | str]]:

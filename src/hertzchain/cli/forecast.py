@@ -91,4 +91,4 @@ def _usual(
 
     chain, settings = load_chain_and_settings(file)
     planned = planned_traces(chain, list(sensors), noise, interval, until)
-    return settings.free or default_names(planned, chain)
+    return settings.free or default_names(settings.timed(planned), chain)

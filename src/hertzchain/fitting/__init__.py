@@ -1,7 +1,7 @@
 """Fit chains to measured traces: materials, losses and gaps, with errors.
 
-- the fit: `fit` with its `settings`, the `model` and the `problem` of `least_squares`, and its
-  `starts`;
+- the fit: `fit` with its `settings`, the `model` and the `problem` of `least_squares`, its
+  `starts`, and `clocks` that are known;
 - parameters: `names`, `parameters`, `chain_parameters`, `material_parameters`, `gain_units`;
 - predicted signals: `simulations`, `symmetry` of chains, `jumps` of forces, and the model of
   `sensors`;

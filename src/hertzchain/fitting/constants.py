@@ -17,7 +17,6 @@ from ..chain.walls import Wall
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import listed, short
-from ..traces.signals import Shot
 from ..traces.traces import Traces
 from .chain_parameters import value_of
 from .names import ENDS, Name
@@ -176,7 +175,7 @@ def _fixed_gains(traces: Traces, free: Collection[Name]) -> Iterator[tuple[str, 
 
 def _slower(traces: Traces) -> Traces:
     """Traces whose sampling interval is longer by a small step."""
-    return Traces(tuple(Shot((1.0 + SMALL) * each.times, each.signals) for each in traces.shots))
+    return Traces(tuple(each.with_scaled_times(1.0 + SMALL) for each in traces.shots))
 
 
 def _constants(chain: Chain) -> list[Name]:

@@ -17,10 +17,11 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.modifications import with_one_loss
 from ..errors import InputError, SimulationError
-from ..representation import listed
-from .advice import considered, level_advice, nothing_explains
+from ..representation import listed, measure
+from .advice import advice_to_free, considered, level_advice, nothing_explains
 from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_walls, is_free, try_further
 from .chain_parameters import known_names, loss_parameters
+from .clocks import fixed_offsets
 from .effect_limits import limited
 from .loss_laws import typical_law
 from .misread_columns import misread_columns
@@ -28,7 +29,7 @@ from .misread_places import best_other_place
 from .misread_times import check_times, misread_times
 from .model import make_model
 from .names import Name
-from .parameters import ELASTIC
+from .parameters import ELASTIC, Parameter, kind_and_value
 from .problem import Problem
 from .result import FitResult
 from .sensor_effects import gained_by, groups_of_effects
@@ -64,11 +65,11 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if result.goodness.only_noise:
         return result
     check_times(result.model)
-    causes = [*_columns(result, start, refit)]
+    causes = [*_columns(result, start, refit), *_clock(result, start, refit)]
     misread = next((each for each in causes if each.whole and _much_better(result, each)), None)
     if misread is not None:
         return replace(result, advice=(_sentence(result, misread),), misread=True)
-    if result.meaningless and not any(_is_good(each.result) for each in causes):
+    if result.meaningless and not any(_much_better(result, each) for each in causes):
         # Effects of sensors do not make a fit meaningless, and fits far from the data take long.
         return replace(result, advice=(UNITS,))
     noise = None if causes else signal_noise_of(result)
@@ -214,6 +215,27 @@ def _columns(result: FitResult, start: Mapping[str, float], refit: Refit) -> Ite
             yield Cause(each.what, each.advice, found, 0, each.whole, misread=True)
         except SimulationError:
             continue
+
+
+def _clock(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fit in which time offsets that are fixed are free, and aligned first."""
+    model = result.model
+    fixed = fixed_offsets(model)
+    if not fixed:
+        return
+    known = [kind_and_value(name, model.traces, model.chains) for name in fixed]
+    more = [Parameter(name, *each) for name, each in zip(fixed, known, strict=True)]
+    others = {name: value for name, value in start.items() if not name.startswith("stiffness")}
+    try:
+        problem = Problem(replace(model, parameters=(*model.parameters, *more)))
+        found = refit(problem, others, 1)
+    except SimulationError:
+        return
+    rows = dict(found.rows())
+    shown = ", ".join(
+        f"{each} = {rows[str(each)]} instead of {measure(each.start, 's')}" for each in more
+    )
+    yield Cause(shown, f"{advice_to_free(fixed, model.traces)}, or correct it", found, len(more))
 
 
 def _places(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:

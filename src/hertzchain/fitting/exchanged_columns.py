@@ -30,7 +30,7 @@ def exchange_notes(shot: Shot, columns: Sequence[Array], spacing: float) -> list
         exchanged[i] = replace(signals[j], place=signals[i].place)
         exchanged[j] = replace(signals[i], place=signals[j].place)
         found[i, j] = difference_at_best_offset(
-            Shot(shot.times, tuple(exchanged)), columns, spacing
+            replace(shot, signals=tuple(exchanged)), columns, spacing
         )
     i, j = min(found, key=lambda pair: found[pair])
     if not found[i, j] < MUCH_BETTER * own:

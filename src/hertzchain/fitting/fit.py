@@ -15,12 +15,13 @@ from ..representation import counted, listed
 from ..traces.coupling import coupling_notes, resolved_coupling
 from ..traces.files import load_traces
 from ..traces.spikes import spikes, without_spikes
-from ..traces.traces import Traces
+from ..traces.traces import Traces, with_time_offset
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
 from .arrival_notes import silent_notes
 from .chain_parameters import following
+from .clocks import clock_notes, with_clocks
 from .diagnosis import diagnosed
 from .least_squares import Solution, solve, solve_again
 from .misread_columns import inversion_notes
@@ -46,6 +47,7 @@ from .weights import (
     small_residual_notes,
 )
 
+TimeOffset = float | str | Sequence[float | str] | None
 Path_ = str | os.PathLike[str]
 TracesLike = Traces | Path_ | Sequence[Path_]
 ChainLike = Chain | Path_ | Sequence[Chain]
@@ -61,6 +63,7 @@ def fit(
     free: Sequence[str] | None = None,
     priors: Priors | None = None,
     start: Mapping[str, float] | None = None,
+    time_offset: TimeOffset = None,
     starts: int = 4,
     progress: Progress | None = None,
 ) -> FitResult:
@@ -84,8 +87,8 @@ def fit(
         The data; paths are read by `hertzchain.load_traces`, one shot per file.
     chain : Chain, path-like or sequence of Chain
         The chain with nominal values, in SI units; one for all shots or one for each.  The table
-        ``[fit]`` of a chain file gives ``free``, ``prior``, ``start`` and ``coupling``; arguments
-        replace them.
+        ``[fit]`` of a chain file gives ``free``, ``prior``, ``start``, ``time_offset`` and
+        ``coupling``; arguments replace them.
     free : sequence of str, optional
         Names of the free parameters.  By default, the stiffness of all contacts (a factor), the
         striker's velocity, the parameters of the loss law, the time offset and the gains of sensors
@@ -100,7 +103,13 @@ def fit(
     priors : mapping, optional
         Value and standard deviation by name, such as ``{"struck_by.velocity": (0.3, 0.003)}``.
     start : mapping, optional
-        Values from which to start, by name; by default those of the priors or the chain.
+        Values from which to start, by name; by default those of the priors or the chain.  That of
+        a ``time_offset`` that is not free is its value.
+    time_offset : float, str or sequence, optional
+        Known time of the data at which the simulation begins [s], such as ``"-50 us"``, for all
+        shots or for each.  It is fixed unless ``time_offset`` is in ``free``, and the fit then
+        starts from it.  By default, it is that of the table ``[fit]``, or the start of the drive if
+        the chain file reads it from the file of the traces; otherwise it is free.
     starts : int
         Largest number of starts, 1 to 6; more than one is used only if the first fit is poor.
     progress : callable, optional
@@ -133,6 +142,7 @@ def fit(
     data, chains, settings = load_experiment(traces, chain, load_traces)
     callback("progress", progress)
     settings = for_sensors(settings, data).updated(free, priors, start)
+    data, settings = with_clocks(with_time_offset(data, time_offset), settings)
     count = whole_number("starts", starts, least=1, most=6)
     result = diagnosed(fit_with(data, chains, settings, count, progress), settings.start, fitted)
     # Later simulations, such as those of scans and posteriors, report their own progress.
@@ -273,6 +283,7 @@ def _gains(model: Model, values: Mapping[Name, float]) -> dict[str, float]:
 def _other_shots(model: Model) -> list[str]:
     """Notes on parameters of sensors and the clock that are free in some shots only."""
     shots = {str(k) for k in range(1, len(model.chains) + 1)}
+    known = {str(k) for k, each in enumerate(model.traces.shots, start=1) if each.clock}
     free: dict[Name, set[str]] = {}
     for name in model.names:
         if name.key in ("gain", "time_offset"):
@@ -281,13 +292,14 @@ def _other_shots(model: Model) -> list[str]:
         f"{name} is free in shot {listed(sorted(own))} only, and fixed at "
         f"{1 if name.key == 'gain' else 0} in shot {listed(sorted(shots - own))}: free "
         f"'{name}@*' for a value in each shot"
-        for name, own in free.items() if "" not in own and own != shots
-    ]  # fmt: skip
+        for name, own in free.items()
+        if "" not in own and own | (known if name.key == "time_offset" else set()) != shots
+    ]
 
 
 def _notes(model: Model, found: Uncertainty, at_bounds: tuple[str, ...]) -> tuple[str, ...]:
     """Notes on unused samples, bounds, large errors and failed runs, one sentence each."""
-    notes = list(model.traces.notes())
+    notes = [*clock_notes(model.traces), *model.traces.notes()]
     notes += [f"{name} is at its bound and has no error" for name in at_bounds]
     notes += large_error_notes(model, found)
     if {"stiffness", "exponent"} <= {name.key for name in model.names}:

@@ -62,6 +62,9 @@ def _settings(
     coupled = {signal.name: "AC" for _, signal in traces if signal.coupling == "AC"}
     if coupled:
         yield f"coupling = {toml_text(coupled)}"
+    clocks = [_measure(shot.time_offset, "s") for shot in traces.shots if shot.clock is not None]
+    if len(clocks) == len(traces.shots):
+        yield f"time_offset = {_text(clocks[0] if len({*clocks}) == 1 else clocks)}"
     units = {str(each): _unit_in_file(each.name, values) for each in parameters}
     known = [each for each in parameters if each.prior is not None]
     if known:

@@ -21,11 +21,12 @@ from ..traces.headers import UNITS, header_of, positive_noise
 from ..traces.noise import check_names_of_noise
 from ..traces.places import Place, place_named
 from ..traces.signals import Shot, Signal
-from ..traces.traces import Traces, with_coupling
+from ..traces.traces import Traces, with_coupling, with_time_offset
 from ..validation.json_types import finite
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_list, check_type
+from .clocks import with_clocks
 from .constants import FixedConstant, Optimum, fixed_constants
 from .model import make_model
 from .parameters import Parameter, Priors, free_parameters
@@ -228,7 +229,7 @@ def forecast(
     ----------
     chain : Chain or path-like
         The chain with assumed values, in SI units.  The table ``[fit]`` of a chain file gives
-        ``free``, ``prior``, ``start`` and ``coupling``; arguments replace them.
+        ``free``, ``prior``, ``start``, ``time_offset`` and ``coupling``; arguments replace them.
     sensors : sequence of str
         Places of the sensors, such as ``"ball 7"``, ``"wall"`` and ``"ball 3 velocity"``.  A sensor
         without calibration is ``"ball 7 [V]"``; a prior or ``start`` gives its gain in V/N, or,
@@ -290,6 +291,9 @@ def forecast(
     )
     with ignore_warnings():  # of other sensors in the chain file: a plan compares several sets
         settings = for_sensors(settings, traces).updated(free, priors, start)
+    traces, settings = with_clocks(settings.timed(traces), settings)
+    if traces.shots[0].clock is not None:
+        traces = with_time_offset(traces, 0.0)  # the first sample is that of the impact
     return _forecast(traces, chain, settings)
 
 

@@ -17,10 +17,12 @@ from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import listed, short
 from ..traces.files import load_traces
+from ..traces.traces import with_time_offset
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.objects import Progress, callback, check_list
 from .chain_parameters import loss_parameters
-from .fit import ChainLike, TracesLike, fit_with
+from .clocks import with_clocks
+from .fit import ChainLike, TimeOffset, TracesLike, fit_with
 from .loss_laws import typical_law
 from .names import Name, parse_name
 from .parameters import Priors, default_names
@@ -206,6 +208,7 @@ def compare_losses(
     free: Sequence[str] | None = None,
     priors: Priors | None = None,
     start: Mapping[str, float] | None = None,
+    time_offset: TimeOffset = None,
     progress: Progress | None = None,
 ) -> LossComparison:
     r"""Fit all loss laws to the same data and compare them by their BIC.
@@ -218,7 +221,7 @@ def compare_losses(
 
     Parameters
     ----------
-    traces, chain, free, priors, start
+    traces, chain, free, priors, start, time_offset
         As for `hertzchain.fit`.  Each law is assigned to all contacts; names of losses in ``free``
         are replaced by the parameters of the law.
     laws : sequence of str or Loss, optional
@@ -247,6 +250,7 @@ def compare_losses(
     """
     data, chains, settings = load_experiment(traces, chain, load_traces)
     settings = for_sensors(settings, data).updated(free, priors, start)
+    data, settings = with_clocks(with_time_offset(data, time_offset), settings)
     callback("progress", progress)
     wanted = DEFAULT_LAWS if laws is None else check_list("laws", laws, "names of laws")
     if not wanted:
@@ -346,7 +350,8 @@ def _signals(result: FitResult, factor: float) -> tuple[Array, ...]:
     stretch = units_of(struck).time / units_of(chain).time
     shot = model.traces.shots[0]
     values = model.values(result.variables)
-    offset = values.get(Name("time_offset"), values.get(Name("time_offset", shot="1"), 0.0))
+    names = (Name("time_offset"), Name("time_offset", shot="1"))
+    offset = next((values[name] for name in names if name in values), shot.time_offset)
     times = stretch * (shot.times - offset)
     run = model.simulator.signals(struck, float(times[-1]))
     parts = []

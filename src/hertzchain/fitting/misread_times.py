@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -76,7 +77,9 @@ def check_times(model: Model) -> None:
     pairs = zip(shot.signals, columns, strict=True)
     clear = [(signal, column) for signal, column in pairs if has_pulse(signal)]
     check_durations(
-        Shot(shot.times, tuple(each for each, _ in clear)), [column for _, column in clear], grid
+        replace(shot, signals=tuple(each for each, _ in clear)),
+        [column for _, column in clear],
+        grid,
     )
 
 

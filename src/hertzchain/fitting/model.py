@@ -173,7 +173,8 @@ class Model:
     def predict_shot(self, shot: int, values: Values) -> list[Array]:
         """Signals of one shot at all its times."""
         given = self._of_shot(shot, values)
-        times = self.traces.shots[shot].times - given.get(Name("time_offset"), 0.0)
+        data = self.traces.shots[shot]
+        times = data.times - given.get(Name("time_offset"), data.time_offset)
         return self._signals_at(times, shot, values)
 
     def at_rest(self, shot: int, values: Values) -> list[float]:
@@ -198,7 +199,7 @@ class Model:
         """Samples of each signal next to jumps by more than a fraction of its noise."""
         given = self._of_shot(shot, values)
         data = self.traces.shots[shot]
-        times = data.times - given.get(Name("time_offset"), 0.0)
+        times = data.times - given.get(Name("time_offset"), data.time_offset)
         run = self.simulator.signals(self.chain(shot, values), float(times[-1]))
         found = []
         for signal in data.signals:

@@ -85,7 +85,11 @@ def default_names(traces: Traces, chain: Chain) -> list[str]:
     if "struck_by.velocity" in known_names(chain):
         names.append(f"struck_by.velocity{each_shot}")
     names += [f"loss.{name}" for name in loss_parameters(chain)]
-    names.append(f"time_offset{each_shot}")
+    unknown = [k for k, shot in enumerate(traces.shots, start=1) if shot.clock is None]
+    if len(unknown) == len(traces.shots):
+        names.append(f"time_offset{each_shot}")
+    else:
+        names += [f"time_offset@{k}" for k in unknown]
     voltages = dict.fromkeys(signal.name for _, signal in traces if not signal.calibrated)
     return names + [f"gain[{name}]" for name in voltages]
 
@@ -316,7 +320,7 @@ def _allowed(kind: Kind) -> str:
 def kind_and_value(name: Name, traces: Traces, chains: Sequence[Chain]) -> tuple[Kind, float]:
     """Kind of a parameter, and its nominal value."""
     if name.key == "time_offset":
-        return TIME, 0.0
+        return TIME, traces.shots[int(name.shot or 1) - 1].time_offset
     if name.key in SENSOR_KINDS:
         if name.item and (name.item not in traces.names or name.key in COMMON_ONLY):
             known = [f"{name.key}[{each}]" for each in traces.names]

@@ -20,6 +20,8 @@ SMALL: Final = 1e-6
 # Least step of parameters of a chain whose forces jump, before the samples next to jumps are known:
 # a difference must move the jumps by a sample.
 MIN_JUMPING_STEP: Final = 5e-3
+# Smaller derivatives, whose squares would underflow, are those of parameters without any effect.
+NEGLIGIBLE: Final = 1e-100
 # Smallest jump that matters, as a fraction of the noise: differences divide it by the small step.
 MIN_JUMP: Final = 0.01
 
@@ -171,7 +173,8 @@ class Problem:
         used = ~self.skipped[:, None]
         rows = [np.where(used, np.concatenate(rows) / self.scale[:, None], 0.0)]
         priors = differences(lambda u: self.prior_residuals(self.model.values(u)), variables)
-        return np.concatenate((*rows, priors))
+        found = np.concatenate((*rows, priors))
+        return np.where(np.abs(found) < NEGLIGIBLE, 0.0, found)
 
     def _conversion(self, variables: Array, shot: int) -> Array:
         """Derivatives of the variables of a shot with respect to those of the fit."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..representation import counted, listed
 from .arrival_notes import silent_notes
+from .clocks import clock_notes
 from .goodness import NO_ERRORS
 
 if TYPE_CHECKING:
@@ -57,7 +58,8 @@ def warnings_of(result: FitResult) -> tuple[str, ...]:
     """Weak directions, effects of sensors or other causes, and notes, one sentence each."""
     if result.meaningless:
         silent = [note for shot in result.traces.shots for note in silent_notes(shot)]
-        return (*result.advice, *result.traces.notes(), *dict.fromkeys(silent))
+        own = (*clock_notes(result.traces), *result.traces.notes())
+        return (*result.advice, *own, *dict.fromkeys(silent))
     if not result.describes and not result.goodness.undecided:
         return (*result.advice, *(str(each) for each in result.weak), *result.notes)
     effects = sorted(result.effects, key=lambda each: (-each.present, -each.improvement))

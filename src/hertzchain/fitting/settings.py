@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, Final
 
 from ..chain.chain import Chain
@@ -19,11 +20,15 @@ from ..errors import (
 from ..store.chain_files import chain_from, load_chain
 from ..store.toml_files import read_toml
 from ..traces.places import place_named
-from ..traces.traces import Traces, with_coupling
+from ..traces.signals import Clock
+from ..traces.traces import Traces, with_coupling, with_time_offset
+from ..validation.numbers import number
 from ..validation.objects import file_path, shown_path
 from .names import parse_name
 from .sensors import SENSOR_KINDS
 
+# Reason of a time offset, in words.
+OF_DRIVE: Final = "the start of the drive in the same file"
 # Keys of the table [fit] of a chain file: values and meanings.
 KEYS: Final[Mapping[str, tuple[str, str]]] = {
     "free": ("list of text", "names of the free parameters; by default, the stiffness, the "
@@ -32,6 +37,9 @@ KEYS: Final[Mapping[str, tuple[str, str]]] = {
               "measurements, `[0.3, 0.003]` or with units"),
     "start": ("table", "for each name, the value from which the fit starts; that of the prior or "
               "of the chain if omitted"),
+    "time_offset": ("number, text with a unit, or list", "known time of the data at which the "
+                    "simulation begins, for all shots or for each; it is fixed unless "
+                    "`time_offset` is in `free`, and the fit then starts from it"),
     "coupling": ("`AC`, `DC` or table", "whether the signals of all sensors, or by name, contain "
                  "the static force (`DC`); by default, this is decided by the level before the "
                  "pulse"),
@@ -53,6 +61,10 @@ class Settings:
         replaces.
     coupling : str, mapping or None
         AC or DC coupling of all sensors, or by name.
+    time_offset : float, str, sequence or None
+        Known time offset of all shots, or of each.
+    drive : tuple of str and Clock, or None
+        File of a measured drive, and the time offset of traces in this file.
     """
 
     free: Sequence[str] | None = None
@@ -60,6 +72,8 @@ class Settings:
     start: Mapping[str, Any] = field(default_factory=dict)
     optional: frozenset[str] = frozenset()
     coupling: Any = None
+    time_offset: Any = None
+    drive: tuple[str, Clock] | None = None
 
     def updated(
         self, free: Sequence[str] | None, priors: Any, start: Mapping[str, float] | None
@@ -70,14 +84,23 @@ class Settings:
                 raise InputError(
                     f"{what} must be a mapping from names of parameters, got {short_repr(given)}"
                 )
-        return Settings(
-            self.free if free is None else free,
-            {**self.priors, **(priors or {})},
-            {**self.start, **(start or {})},
-            frozenset() if free is None
-            else frozenset({*self.priors, *self.start} - {*(priors or {}), *(start or {})}),
-            self.coupling,
-        )  # fmt: skip
+        given = {*(priors or {}), *(start or {})}
+        return replace(
+            self,
+            free=self.free if free is None else free,
+            priors={**self.priors, **(priors or {})},
+            start={**self.start, **(start or {})},
+            optional=frozenset(() if free is None else {*self.priors, *self.start} - given),
+        )
+
+    def timed(self, traces: Traces) -> Traces:
+        """Traces with the given time offset, or with that of a drive in the same file."""
+        if self.drive is not None:
+            file, clock = self.drive
+            traces = Traces(tuple(
+                replace(shot, clock=clock) if file in shot.files else shot for shot in traces.shots
+            ))  # fmt: skip
+        return with_time_offset(traces, self.time_offset)
 
 
 def for_sensors(settings: Settings, traces: Traces) -> Settings:
@@ -139,7 +162,7 @@ def load_experiment(
                 "traces are in SI units, but the chain is in scaled variables; build it with "
                 "Chain.from_materials"
             )
-    return with_coupling(traces, settings.coupling), tuple(chains), settings
+    return settings.timed(with_coupling(traces, settings.coupling)), tuple(chains), settings
 
 
 def load_chain_and_settings(path: str | os.PathLike[str]) -> tuple[Chain, Settings]:
@@ -156,7 +179,18 @@ def load_chain_and_settings(path: str | os.PathLike[str]) -> tuple[Chain, Settin
         for key in table:
             if key not in KEYS:
                 raise unknown_name_error("key of [fit]", key, KEYS)
-        settings = Settings(coupling=table.get("coupling")).updated(
-            table.get("free"), table.get("prior"), table.get("start")
-        )
+        settings = Settings(
+            coupling=table.get("coupling"),
+            time_offset=table.get("time_offset"),
+            drive=_clock_of_drive(document, file.parent),
+        ).updated(table.get("free"), table.get("prior"), table.get("start"))
     return chain, settings
+
+
+def _clock_of_drive(document: Mapping[str, Any], folder: Path) -> tuple[str, Clock] | None:
+    """File of a measured drive, and the time offset of traces that were recorded with it."""
+    drive = document.get("chain", {}).get("drive", {})
+    if "file" not in drive:
+        return None
+    clock = Clock(number("start", drive.get("start", 0.0), unit="s"), OF_DRIVE)
+    return os.path.realpath(folder / drive["file"]), clock

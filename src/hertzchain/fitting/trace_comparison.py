@@ -19,11 +19,10 @@ from ..traces.coupling import Gain, coupling_notes, resolved_coupling, static_fo
 from ..traces.missing_rows import gap_notes, gaps_between, with_missing_samples
 from ..traces.notes import spike_notes
 from ..traces.places import check_places
-from ..traces.signals import Shot, Signal
+from ..traces.signals import Clock, Shot, Signal
 from ..traces.spikes import without_spikes
-from ..traces.traces import Traces
+from ..traces.traces import Traces, with_time_offset
 from ..validation.keywords import checked_methods
-from ..validation.numbers import number
 from ..validation.objects import check_type
 from .arrival_notes import (
     has_pulse,
@@ -152,6 +151,11 @@ class TraceComparison:
         return tuple(map(scaled, self.traces.shots[0].signals, self.signals))
 
     @property
+    def clock(self) -> Clock | None:
+        """The time offset and its reason, if it was given."""
+        return self.traces.shots[0].clock
+
+    @property
     def time_offset_text(self) -> str:
         """Time offset with its error and unit."""
         error = self.time_offset_error
@@ -188,7 +192,7 @@ class TraceComparison:
         data from 0 s to 639 us, 100% of the record; time offset 78.81 +- 0.44 us, by least squares
         """
         begin, end = self.interval
-        how = "given" if self.time_offset_given else "by least squares"
+        how = "by least squares" if self.clock is None else self.clock.reason
         lines = [
             f"data from {measure(begin, 's')} to {measure(end, 's')}, {self.covered:.0%} of the "
             f"record; time offset {self.time_offset_text}, {how}",
@@ -276,7 +280,7 @@ def compare_traces(
     check_places((signal.place for signal in traces.shots[0].signals), run.chain)
     gaps = gaps_between(traces.shots[0].times)
     gain = _gain(run)
-    traces = resolved_coupling(_complete(traces), [run.chain], gain)
+    traces = resolved_coupling(_complete(with_time_offset(traces, time_offset)), [run.chain], gain)
     shot = traces.shots[0]
     grid, columns = _columns(run, shot)
     check_arrivals(run, shot, columns, grid)
@@ -284,11 +288,11 @@ def compare_traces(
     spacing = float(grid[1] - grid[0])
     shot = without_spikes(shot, pulse_widths(columns, grid))
     traces = Traces((shot,))
-    given, other, unexplained = time_offset is not None, None, list[str]()
+    given, other, unexplained = shot.clock is not None, None, list[str]()
     # The run may have been saved from a time after the impact.
     first_saved = float(run.times[0])
-    if time_offset is not None:
-        time_offset = number("time_offset", time_offset, unit="s")
+    if given:
+        time_offset = shot.time_offset
         begin = time_offset + first_saved
     else:
         check_contains_a_pulse(shot, columns, spacing)

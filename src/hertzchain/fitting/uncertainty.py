@@ -104,7 +104,9 @@ def _covariance(jacobian: Array, change: Array, free: Array) -> Array:
     scale = np.linalg.norm(inner, axis=0)
     scale[scale == 0.0] = 1.0
     _, singular, rows = np.linalg.svd(inner / scale, full_matrices=False)
-    inverse = (rows.T / np.maximum(singular, 1e-12 * singular[0]) ** 2) @ rows
+    # If no parameter affects the data, all singular values vanish.
+    least = 1e-12 * (singular[0] or 1.0)
+    inverse = (rows.T / np.maximum(singular, least) ** 2) @ rows
     inverse /= np.outer(scale, scale)
     whole = np.zeros((len(free), len(free)))
     whole[np.ix_(free, free)] = inverse

@@ -69,7 +69,7 @@ def trace_comparison_html(found: TraceComparison) -> str:
     ]  # fmt: skip
     shown = {
         "time offset": found.time_offset_text,
-        "found by": "given" if found.time_offset_given else "least squares",
+        "found by": "least squares" if found.clock is None else found.clock.reason,
         "compared": f"{found.covered:.0%} of the record",
     }
     return page(

@@ -405,7 +405,7 @@ class Run(Trajectory):
             Data of one shot; a path is read by `hertzchain.load_traces`.
         time_offset : float, optional
             Time of the data at which the run begins [s]; by default, that of the least squares
-            of the differences, with a free amplitude of each signal.
+            of the differences, with a free amplitude of each signal, unless the traces have one.
 
         Returns
         -------

@@ -29,6 +29,8 @@ _NUMBER: Final = re.compile(
 _PER_VOLT: Final = re.compile(r"(.+?)\s*/\s*([um\u00b5]?V)")
 # Part of the largest value that a signal may have before the simulation begins.
 BEGUN: Final = 0.05
+# Times are the same if they differ by less than this part of the least step between samples.
+SAME_TIME: Final = 1e-6
 _GAINS: Final = "'50 N/V' or '20 mV/N' for a force, '0.1 mm/V' for a displacement"
 
 
@@ -130,7 +132,7 @@ def load_drive(
         begin = 0.0 if start is None else number("start", start, unit=unit)
         if end is not None:
             times, values = _ended(of, times, values, number("end", end, unit=unit, above=begin))
-        _warn_if_begun(times, values, begin, unit)
+        _check_begin(of, times, values, begin, unit)
         times = times - begin
         if of == "velocity":
             return TableDrive(times, _integrated(times, values), "displacement")
@@ -144,19 +146,25 @@ def _ended(of: str, times: Array, values: Array, end: float) -> tuple[Array, Arr
         raise InputError(f"end is the end of a force, but the drive is a {of}; omit it")
     if end <= times[0]:
         raise InputError(f"end must be later than the first sample, at {times[0]:g} s, got {end:g}")
-    own = times < end
+    # A sample at the end that rounding moves before it would repeat its time.
+    own = times < end - SAME_TIME * float(np.diff(times).min(initial=np.inf))
     return np.append(times[own], end), np.append(values[own], 0.0)
 
 
-def _warn_if_begun(times: Array, values: Array, begin: float, unit: str) -> None:
-    """Warn about a signal that has begun before the simulation does."""
-    before, largest = np.abs(values[times < begin]), np.abs(values).max(initial=0.0)
-    if before.max(initial=0.0) > BEGUN * largest:
-        units = "SI" if unit == "s" else "scaled"
+def _check_begin(of: str, times: Array, values: Array, begin: float, unit: str) -> None:
+    """Warn about a signal that has begun before the simulation, and reject a force that is over."""
+    before, later = (
+        float(np.abs(values[own]).max(initial=0.0)) for own in (times < begin, times >= begin)
+    )
+    largest, units = max(before, later), "SI" if unit == "s" else "scaled"
+    where = f"the simulation begins, at {measure(begin, 's', units)} of the file"
+    advice = f"give start, such as '{measure(float(times[0]), 's', units)}', where the file begins"
+    if of == "force" and later < BEGUN * largest:
+        raise InputError(f"the force is over before {where}; {advice}")
+    if before > BEGUN * largest:
         warn_user(
-            f"before the simulation begins, at {measure(begin, 's', units)} of the file, the "
-            f"signal reaches {before.max() / largest:.0%} of its largest value; give start, such "
-            f"as '{measure(float(times[0]), 's', units)}', where the file begins",
+            f"before {where}, the signal reaches {before / largest:.0%} of its largest value; "
+            f"{advice}",
             InputWarning,
         )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -113,7 +114,9 @@ def load_traces(
     found: Traces | None = None
     for path, table, own in zip(paths, tables, wanted, strict=True):
         with errors_at(shown_path(path)):
-            part = Traces(tuple(_shots(table, own, noise)))
+            source = (os.path.realpath(path),)
+            shots = (replace(shot, files=source) for shot in _shots(table, own, noise))
+            part = Traces(tuple(shots))
             if found is not None:
                 part = merged(found, part, "channels") if channels else found + part
         found = part

@@ -85,9 +85,10 @@ def with_missing_samples(shot: Shot) -> Shot:
         return shot
     filled = [np.linspace(each.first, each.last, min(each.rows, len(times))) for each in gaps]
     at = np.repeat([each.before + 1 for each in gaps], list(map(len, filled)))
-    return Shot(
-        np.insert(times, at, np.concatenate(filled)),
-        tuple(_with_missing(each, at) for each in shot.signals),
+    return replace(
+        shot,
+        times=np.insert(times, at, np.concatenate(filled)),
+        signals=tuple(_with_missing(each, at) for each in shot.signals),
     )
 
 

@@ -63,7 +63,7 @@ def made_again(shot: Shot) -> Shot:
     given = {each.name: each.noise for each in shot.signals if not (each.quiet or each.noiseless)}
     made = make_shot(shot.times, columns, given).signals
     pairs = zip(made, shot.signals, strict=True)
-    return Shot(shot.times, tuple(
+    return replace(shot, signals=tuple(
         replace(new, valid=new.valid & old.valid, coupling=old.coupling, spikes=old.spikes)
         for new, old in pairs
     ))  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -16,6 +16,8 @@ from .places import Place
 
 # Errors of rounding are hardly correlated if the step is smaller than this multiple of the noise.
 COARSE: Final = 3.0
+# Reason of a time offset that a user gives.
+GIVEN: Final = "given"
 # Largest difference of times that are the same, as a part of the least step.
 SAME_TIMES: Final = 0.01
 
@@ -107,6 +109,22 @@ class Signal(Frozen):
         return self.unit != "V"
 
 
+@dataclass(frozen=True)
+class Clock:
+    """A known time offset of a shot.
+
+    Attributes
+    ----------
+    time_offset : float
+        Time of the data at which the simulation begins [s].
+    reason : str
+        Why it is known, in words.
+    """
+
+    time_offset: float
+    reason: str = GIVEN
+
+
 @dataclass(frozen=True, eq=False)
 class Shot(Frozen):
     """Signals that were recorded together.
@@ -117,10 +135,26 @@ class Shot(Frozen):
         Increasing times [s].
     signals : tuple of Signal
         Signals, in the order of the columns.
+    clock : Clock or None
+        Its time offset, if this is known.
+    files : tuple of str
+        Files from which the signals were read.
     """
 
     times: Array = field(repr=False)
     signals: tuple[Signal, ...]
+    clock: Clock | None = None
+    files: tuple[str, ...] = field(default=(), compare=False)
+
+    @property
+    def time_offset(self) -> float:
+        """Time of the data at which the simulation begins [s]; 0 if it is not known."""
+        return 0.0 if self.clock is None else self.clock.time_offset
+
+    def with_scaled_times(self, factor: float) -> Shot:
+        """The shot with all its times multiplied by a factor."""
+        clock = self.clock and replace(self.clock, time_offset=factor * self.time_offset)
+        return replace(self, times=factor * self.times, clock=clock)
 
     def __repr__(self) -> str:
         every = f"every {1e6 * float(np.median(np.diff(self.times))):.3g} us"
@@ -145,4 +179,5 @@ def merged_shots(first: Shot, second: Shot, what: str = "shots") -> Shot:
     for each in second.signals:
         if each.name in names:
             raise InputError(f"{each.name} is in both traces to merge; leave it out of one")
-    return Shot(first.times, first.signals + second.signals)
+    files = (*first.files, *(each for each in second.files if each not in first.files))
+    return replace(first, signals=first.signals + second.signals, files=files)

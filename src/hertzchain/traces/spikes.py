@@ -61,7 +61,7 @@ def without_spikes(shot: Shot, widths: Sequence[float]) -> Shot:
         for signal, places, named in zip(shot.signals, found, few, strict=True)
     )
     # Levels and estimated noises change, too.
-    return made_again(Shot(shot.times, signals))
+    return made_again(replace(shot, signals=signals))
 
 
 def _without(signal: Signal, places: Array) -> Signal:

@@ -18,7 +18,7 @@ from .headers import header_of
 from .noise import check_names_of_noise
 from .notes import trace_notes
 from .shots import check_times, made_again, make_shot
-from .signals import Shot, Signal, merged_shots
+from .signals import Clock, Shot, Signal, merged_shots
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -173,7 +173,7 @@ class Traces:
         Traces(1 shot, wall: 3 samples, every 1 us; noise 0.1 N)
         """
         factor = number("factor", factor, unit="", above=0.0)
-        return Traces(tuple(Shot(factor * shot.times, shot.signals) for shot in self.shots))
+        return Traces(tuple(shot.with_scaled_times(factor) for shot in self.shots))
 
     def __iter__(self) -> Iterator[tuple[int, Signal]]:
         """Pairs of the index of the shot and the signal."""
@@ -303,9 +303,25 @@ def with_coupling(traces: Traces, coupling: Any) -> Traces:
     )
 
 
+def with_time_offset(traces: Traces, time_offset: Any) -> Traces:
+    """Traces with a known time offset, one for all shots or for each; `None` changes nothing."""
+    if time_offset is None:
+        return traces
+    count = len(traces.shots)
+    given = list(time_offset) if isinstance(time_offset, list | tuple) else [time_offset] * count
+    if len(given) != count:
+        raise InputError(
+            f"time_offset has {counted(len(given), 'value')}, but there are "
+            f"{counted(count, 'shot')}; give one value for all, or one for each"
+        )
+    clocks = [Clock(number("time_offset", each, unit="s")) for each in given]
+    pairs = zip(traces.shots, clocks, strict=True)
+    return Traces(tuple(replace(shot, clock=clock) for shot, clock in pairs))
+
+
 def mapped(traces: Traces, change: Callable[[int, Signal], Signal]) -> Traces:
     """Traces with the signals that a function of shot and signal returns."""
     return Traces(tuple(
-        Shot(shot.times, tuple(change(index, signal) for signal in shot.signals))
+        replace(shot, signals=tuple(change(index, signal) for signal in shot.signals))
         for index, shot in enumerate(traces.shots)
     ))  # fmt: skip

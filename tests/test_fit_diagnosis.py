@@ -173,9 +173,16 @@ def test_chi2_is_stated_for_each_sensor():
         (lambda c: c | {A: -c[A], WALL: -c[WALL]}, "the opposite sign of ball 5 and wall"),
         (lambda c: c | {A: 1e-3 * c[A]}, "the values of ball 5 multiplied by 1000"),
         (lambda c: c | {WALL: 1e3 * c[WALL]}, "the values of wall multiplied by 0.001"),
+        (lambda c: c | {WALL: 10.0 * c[WALL]}, "the values of wall multiplied by 0.1"),
+        pytest.param(
+            lambda c: c | {A: 0.01 * c[A], WALL: 10.0 * c[WALL]},
+            "the values of ball 5 multiplied by 100 and the values of wall multiplied by 0.1",
+            marks=pytest.mark.long,
+        ),
         (lambda c: c | {B: 2.0 * c[B]}, "gain[ball 10] = 2"),
     ],
-    ids=["two columns", "three columns", "sign", "two signs", "kN", "mN", "gain"],
+    ids=["two columns", "three columns", "sign", "two signs", "kN", "mN", "x10 probe", "two probes",
+         "gain"],
 )  # fmt: skip
 def test_misread_columns_are_named(change, words):
     (advice,) = fitted(change).advice
@@ -397,3 +404,11 @@ def test_balls_with_one_mass_are_checked(name, words):
     row = chain().replace(radii=np.where(np.arange(BALLS + 1) == 5, 6e-3, RADIUS))
     with pytest.raises(hc.InputError, match=re.escape(words)):
         hc.fit(traces(), row, free=[*FREE, name])
+
+
+def test_a_gross_error_of_an_amplitude_is_named_before_the_effects_that_remain():
+    result = fitted(lambda c: c | {WALL: 10.0 * c[WALL], A: c[A] + 0.5})
+    first, *rest = result.advice
+    assert "the values of wall multiplied by 0.1" in first
+    assert "check the attenuation of the probe (x1, x10, x100)" in first
+    assert re.match(r"after that, with offset\[ball 5\] = 0\.(49|50)", rest[0])

@@ -178,3 +178,29 @@ def test_errors_are_the_scatter_of_fits_to_noisy_signals():
     )  # fmt: skip
     # The standard deviation of 40 values has an error of 11%.
     assert np.std(found, axis=0, ddof=1) == pytest.approx(plan.sigmas, rel=0.35)
+
+
+def test_a_noise_in_volts_is_that_of_a_sensor_without_calibration():
+    row = hc.Chain.from_materials("5 mm", "brass", beads=8).struck_by(velocity="0.1 m/s")
+    known = {"interval": "1 us", "free": ["stiffness", "gain[*]"]}
+    priors = {"gain[ball 5]": ("5 mV/N", "0.1 mV/N")}
+    named = hc.forecast(row, ["ball 5 [V]"], noise="2 mV", priors=priors, **known)
+    short = hc.forecast(row, ["ball 5"], noise={"ball 5": "2 mV"}, priors=priors, **known)
+    assert short.rows() == named.rows()
+    with pytest.raises(hc.InputError, match="if its signal is in V, name it 'ball 5 \\[V\\]'"):
+        hc.forecast(row, ["ball 5"], noise="0.02 N", priors=priors, **known)
+
+
+def test_a_driven_chain_needs_a_stop_time():
+    row = hc.Chain.from_materials("5 mm", "brass", beads=8, right_wall=hc.Wall())
+    driven = row.replace(drive=hc.SineBurst(20.0, 5e3, cycles=0.5, window="none"), velocities=None)
+    with pytest.raises(hc.InputError, match="give until"):
+        hc.forecast(driven, ["wall"], noise="0.1 N", interval="1 us")
+
+
+def test_a_forecast_fixes_a_time_offset_that_the_chain_file_fixes(tmp_path):
+    row = hc.Chain.from_materials("5 mm", "brass", beads=8).struck_by(velocity="0.1 m/s")
+    file = tmp_path / "row.toml"
+    file.write_text(hc.chain_as_toml(row) + '\n[fit]\ntime_offset = "80 us"\n')
+    names = hc.forecast(file, ["ball 5"], noise="0.02 N", interval="1 us").names
+    assert names == ("stiffness", "struck_by.velocity")

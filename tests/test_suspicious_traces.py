@@ -144,3 +144,20 @@ def test_data_that_agree_exactly_differ_by_nothing():
         pulse = np.concatenate((np.zeros(40), rough))
         traces = hc.Traces.from_arrays(times, {"ball 2 [N]": pulse}, noise=1e-3)
         assert 0.0 <= difference_at_best_offset(traces.shots[0], [pulse], 1.0) < 1e-6
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.InputWarning")
+@pytest.mark.parametrize("until", [430e-6, 700e-6])
+def test_exchanged_columns_are_named_also_if_the_run_ends_before_the_record(until):
+    traces, chain = hc.example_experiment()
+    shot = traces.shots[0]
+    columns = {f"{each.name} [{each.unit}]": each.values for each in shot.signals}
+    columns["ball 6 [N]"], columns["ball 16 [N]"] = columns["ball 16 [N]"], columns["ball 6 [N]"]
+    exchanged = hc.Traces.from_arrays(shot.times, columns)
+    run = hc.simulate(hc.load_chain(chain), until=until, times=4000)
+    words = "with the columns of ball 6 and ball 16 exchanged, the rms difference falls to"
+    try:
+        notes = run.compare(exchanged).notes
+    except hc.InputError as error:
+        notes = (str(error),)
+    assert any(words in note for note in notes)

@@ -23,7 +23,7 @@ from .wording import on_command_line
     required=True,
     metavar="PLACE",
     help="Place of a sensor, such as 'ball 7', wall, 'ball 3 velocity' or, without calibration, "
-    "'ball 7 [V]', whose gain needs a prior; repeatable.",
+    "'ball 7 [V]', whose gain needs a prior; a noise in V or mV has the same effect.  Repeatable.",
 )
 @click.option(
     "--noise",

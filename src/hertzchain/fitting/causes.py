@@ -33,6 +33,8 @@ class Cause:
     whole: bool = False
     # Whether the columns or the times are read differently, so that all values are others.
     misread: bool = False
+    # Whether amplitudes are wrong by so much that other causes mean nothing before.
+    gross: bool = False
 
     @property
     def values(self) -> str:

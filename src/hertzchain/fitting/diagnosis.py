@@ -69,6 +69,9 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     misread = next((each for each in causes if each.whole and _much_better(result, each)), None)
     if misread is not None:
         return replace(result, advice=(_sentence(result, misread),), misread=True)
+    gross = next((each for each in causes if each.gross and _much_better(result, each)), None)
+    if gross is not None:
+        return replace(result, advice=_with_next(result, gross, start, refit))
     if result.meaningless and not any(_much_better(result, each) for each in causes):
         # Effects of sensors do not make a fit meaningless, and fits far from the data take long.
         return replace(result, advice=(UNITS,))
@@ -90,6 +93,17 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if "offset" in best.what:
         levels = ()
     return replace(result, advice=(_sentence(result, best), *levels))
+
+
+def _with_next(
+    result: FitResult, cause: Cause, start: Mapping[str, float], refit: Refit
+) -> tuple[str, ...]:
+    """A cause that hides all others, and the advice that remains after its correction."""
+    if _is_good(cause.result):
+        return (_sentence(result, cause),)
+    left = diagnosed(cause.result, start, refit).advice
+    first = f"{_improved(result, cause)}: {cause.advice}"
+    return (first, *(f"after that, {each}" for each in left))
 
 
 def without_tested(result: FitResult, *tested: str) -> FitResult:
@@ -193,16 +207,21 @@ def _removed(result: FitResult, other: FitResult) -> float:
 
 
 def _sentence(result: FitResult, cause: Cause) -> str:
-    text = f"with {cause.what}, chi2 falls from {result.chi2:.0f} to {cause.result.chi2:.0f}"
     if result.describes or result.goodness.undecided:
         possible = cause.values or " with possible values"
         return f"with {cause.what}, the model describes the data{possible}: {cause.advice}"
     if cause.result.describes:
-        return f"{text}, and the model describes the data{cause.values}: {cause.advice}"
-    return (
-        f"{text}, by {_removed(result, cause.result):.0%} of its excess: {cause.advice}. The model "
-        f"still does not describe the data. {considered(result)}"
-    )
+        return f"{_improved(result, cause)}{cause.values}: {cause.advice}"
+    text = f"{_improved(result, cause)}: {cause.advice}"
+    return f"{text}. The model still does not describe the data. {considered(result)}"
+
+
+def _improved(result: FitResult, cause: Cause) -> str:
+    """By how much a cause lowers chi-squared."""
+    text = f"with {cause.what}, chi2 falls from {result.chi2:.0f} to {cause.result.chi2:.0f}"
+    if cause.result.describes:
+        return f"{text}, and the model describes the data"
+    return f"{text}, by {_removed(result, cause.result):.0%} of its excess"
 
 
 def _columns(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
@@ -212,7 +231,9 @@ def _columns(result: FitResult, start: Mapping[str, float], refit: Refit) -> Ite
         problem = Problem(replace(model, traces=each.traces))
         try:
             found = refit(problem, start, 1)
-            yield Cause(each.what, each.advice, found, 0, each.whole, misread=True)
+            yield Cause(
+                each.what, each.advice, found, 0, each.whole, misread=True, gross=each.gross
+            )
         except SimulationError:
             continue
 

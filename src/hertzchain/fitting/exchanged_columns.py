@@ -1,4 +1,4 @@
-"""Whether a simulation agrees much better with data in which two columns are exchanged."""
+"""Columns that are probably exchanged, from the differences of all signals at the best offset."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Final
 
 from ..collision import Array
 from ..traces.signals import Shot
-from .time_offsets import difference_at_best_offset
+from .time_offsets import coarse_offset
 
 # An exchange is mentioned if it reduces the rms difference to less than this part.
 MUCH_BETTER: Final = 0.5
@@ -18,24 +18,38 @@ MUCH_BETTER: Final = 0.5
 def exchange_notes(shot: Shot, columns: Sequence[Array], spacing: float) -> list[str]:
     """A note if exchanging two columns reduces the differences to less than a half.
 
-    The amplitude of each signal is free within a factor, as for the time offset.
+    The amplitude of each signal is free within a factor, as for the time offset.  Samples beyond
+    the run, which neither order explains, do not count.
     """
     signals = shot.signals
     if len(signals) < 2:
         return []
-    own = difference_at_best_offset(shot, columns, spacing)
-    found = {}
-    for i, j in itertools.combinations(range(len(signals)), 2):
-        exchanged = list(signals)
-        exchanged[i] = replace(signals[j], place=signals[i].place)
-        exchanged[j] = replace(signals[i], place=signals[j].place)
-        found[i, j] = difference_at_best_offset(
-            replace(shot, signals=tuple(exchanged)), columns, spacing
-        )
-    i, j = min(found, key=lambda pair: found[pair])
-    if not found[i, j] < MUCH_BETTER * own:
+    pairs = itertools.combinations(range(len(signals)), 2)
+    found = [(*coarse_offset(_exchanged(shot, *pair), columns, spacing), pair) for pair in pairs]
+    _, offset, (i, j) = min(found)
+    covered = _until(shot, offset + spacing * (len(columns[0]) - 1))
+    own, _ = coarse_offset(covered, columns, spacing)
+    best, _ = coarse_offset(_exchanged(covered, i, j), columns, spacing)
+    if not best < MUCH_BETTER * own:
         return []
     return [
         f"with the columns of {signals[i].name} and {signals[j].name} exchanged, the rms "
-        f"difference falls to {found[i, j] / own:.0%}: check the names of these columns"
+        f"difference falls to {best / own:.0%}: check the names of these columns"
     ]
+
+
+def _exchanged(shot: Shot, i: int, j: int) -> Shot:
+    """The shot in which two places have each other's samples."""
+    signals = list(shot.signals)
+    signals[i] = replace(shot.signals[j], place=shot.signals[i].place)
+    signals[j] = replace(shot.signals[i], place=shot.signals[j].place)
+    return replace(shot, signals=tuple(signals))
+
+
+def _until(shot: Shot, end: float) -> Shot:
+    """The shot until a time."""
+    part = slice(0, int((shot.times <= end).sum()))
+    signals = tuple(
+        replace(each, values=each.values[part], valid=each.valid[part]) for each in shot.signals
+    )
+    return replace(shot, times=shot.times[part], signals=signals)

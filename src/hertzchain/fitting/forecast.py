@@ -17,7 +17,7 @@ from ..collision import Array
 from ..errors import InputError, short_repr
 from ..recorded_warnings import ignore_warnings
 from ..representation import counted, measure, short
-from ..traces.headers import UNITS, header_of, positive_noise
+from ..traces.headers import UNITS, header_of, in_volts, positive_noise
 from ..traces.noise import check_names_of_noise
 from ..traces.places import Place, place_named
 from ..traces.signals import Shot, Signal
@@ -232,8 +232,8 @@ def forecast(
         ``free``, ``prior``, ``start``, ``time_offset`` and ``coupling``; arguments replace them.
     sensors : sequence of str
         Places of the sensors, such as ``"ball 7"``, ``"wall"`` and ``"ball 3 velocity"``.  A sensor
-        without calibration is ``"ball 7 [V]"``; a prior or ``start`` gives its gain in V/N, or,
-        for a velocity, in V s/m.
+        without calibration is ``"ball 7 [V]"``, or has a noise in V, such as ``"2 mV"``; a prior or
+        ``start`` gives its gain in V/N, or, for a velocity, in V s/m.
     noise : float, str or mapping
         Standard deviation of a sample of all sensors, or by name, in N, m/s or V, or with a unit.
     interval : float or str
@@ -341,7 +341,7 @@ def planned_traces(
     last = passing_time(chain) if until is None else number("until", until, unit="s", above=0.0)
     if not math.isfinite(last):
         raise InputError("the time in which a pulse passes this chain is not known; give until")
-    places = [_place(each, chain) for each in check_list("sensors", sensors, "names")]
+    places = [_place(each, chain, noise) for each in check_list("sensors", sensors, "names")]
     if not places:
         raise InputError("there is no sensor; name at least one, such as 'ball 6'")
     count = int(last / step * (1.0 + 1e-12)) + 1
@@ -362,14 +362,15 @@ def planned_traces(
     return Traces((Shot(step * np.arange(count), tuple(signals)),))
 
 
-def _place(text: object, chain: Chain) -> tuple[Place, str]:
-    """Place of a sensor in a chain, and the unit of its signal."""
+def _place(text: object, chain: Chain, noise: Any) -> tuple[Place, str]:
+    """Place of a sensor in a chain, and the unit of its signal, by default that of its noise."""
     try:
         if isinstance(text, str) and text.strip().endswith("]"):
             place, unit, _ = header_of(text)
         else:
             place = place_named(str(text))
-            unit = UNITS[place.quantity]
+            own = noise.get(place.name) if isinstance(noise, Mapping) else noise
+            unit = "V" if in_volts(own) else UNITS[place.quantity]
     except InputError:
         raise InputError(
             "sensors must be names such as 'ball 6', 'bead 7', 'wall', 'ball 3 velocity' or, "

@@ -30,7 +30,8 @@ def _gain(what: str, given: Any, sensor: str, traces: Traces) -> Any:
     known = next((signal for signal in signals if signal.calibrated), None)
     if known is not None:
         raise InputError(
-            f"{what} must be a plain number, because {known.name} is in {known.unit}, got {given!r}"
+            f"{what} must be a plain number, because {known.name} is in {known.unit}, got "
+            f"{given!r}; if its signal is in V, name it '{known.name} [V]'"
         )
     kinds = {signal.place.quantity for signal in signals}
     values = {volts_per(given, UNITS[kind]) for kind in kinds}

@@ -18,6 +18,9 @@ from .model import Model
 # Ratios of amplitudes that suggest another prefix of a unit, and their tolerance (a factor).
 PREFIXES: Final = (1e-6, 1e-3, 1e3, 1e6)
 TOLERANCE: Final = 3.0
+# Factors of probes and amplifiers, and their tolerance; a factor below GROSS is not gross.
+PROBES: Final = (0.01, 0.1, 10.0, 100.0)
+OF_PROBE, GROSS = 1.5, 3.0
 # Advice for signals of the opposite sign.
 POLARITY: Final = "check the polarity of the sensor and of its amplifier"
 
@@ -31,6 +34,8 @@ class Misread:
     traces: Traces
     # Whether this changes all columns or all times.
     whole: bool = False
+    # Whether amplitudes are wrong by so much that other causes mean nothing before.
+    gross: bool = False
 
 
 def prefix_of(ratio: float) -> float | None:
@@ -53,7 +58,7 @@ def misread_columns(model: Model) -> Iterator[Misread]:
     # A prior of a gain is a calibration, too.
     gains = {each.name.item for each in model.parameters
              if each.name.key == "gain" and each.prior is not None}  # fmt: skip
-    yield from _units(model.traces, {
+    yield from _amplitudes(model.traces, {
         signal.name: ratios[signal.name]
         for signal in signals
         if signal.name in ratios and (signal.calibrated or {signal.name, ""} & gains)
@@ -71,24 +76,56 @@ def _signs(traces: Traces, ratios: Mapping[str, float]) -> Iterator[Misread]:
         )
 
 
-def _units(traces: Traces, ratios: Mapping[str, float]) -> Iterator[Misread]:
-    for prefix in PREFIXES:
-        wrong = [name for name, ratio in ratios.items() if prefix_of(ratio) == prefix]
-        if len(wrong) > 1:
-            yield Misread(
-                f"the values of {listed(wrong)} multiplied by {1.0 / prefix:g}",
-                "check the unit in the header of these columns",
-                _scaled(traces, dict.fromkeys(wrong, 1.0 / prefix)),
-                whole=len(wrong) == len(ratios),
-            )
-            return
-    for name, ratio in ratios.items():
-        if (found := prefix_of(ratio)) is not None:
-            yield Misread(
-                f"the values of {name} multiplied by {1.0 / found:g}",
-                "check the unit in the header of this column",
-                _scaled(traces, {name: 1.0 / found}),
-            )
+def _amplitudes(traces: Traces, ratios: Mapping[str, float]) -> Iterator[Misread]:
+    """Traces in which the amplitudes of single sensors, or of all, are as those of the model.
+
+    A common factor near 1 of the other sensors is that of the velocity or of the losses.
+    """
+    near = [abs(ratio) for ratio in ratios.values() if 1.0 / GROSS < abs(ratio) < GROSS]
+    usual = float(np.median(near)) if near else 1.0
+    wrong = {
+        name: factor
+        for name, ratio in ratios.items()
+        if not 1.0 / GROSS < (factor := usual_factor(abs(ratio) / usual)) < GROSS
+    }
+    if not wrong:
+        return
+    by_factor: dict[float, list[str]] = {}
+    for name, factor in wrong.items():
+        by_factor.setdefault(factor, []).append(name)
+    yield Misread(
+        listed([
+            f"the values of {listed(names)} multiplied by {float(f'{1.0 / factor:.2g}'):g}"
+            for factor, names in by_factor.items()
+        ]),
+        listed([*dict.fromkeys(
+            advice_on_amplitude(factor, len(names)) for factor, names in by_factor.items()
+        )]),
+        _scaled(traces, {name: 1.0 / factor for name, factor in wrong.items()}),
+        whole=len(wrong) == len(traces.names) and all(map(prefix_of, wrong.values())),
+        gross=True,
+    )  # fmt: skip
+
+
+def usual_factor(ratio: float) -> float:
+    """The power of ten by which amplitudes are usually wrong, or the ratio with two digits."""
+    if prefix := prefix_of(ratio):
+        return prefix
+    near = (each for each in PROBES if 1.0 / OF_PROBE < ratio / each < OF_PROBE)
+    return next(near, float(f"{ratio:.2g}"))
+
+
+def advice_on_amplitude(factor: float, count: int = 1) -> str:
+    """Advice on columns whose amplitudes are wrong by a factor."""
+    column = "this column" if count == 1 else "these columns"
+    if factor in PREFIXES:
+        return f"check the unit in the header of {column}"
+    if factor in PROBES:
+        return (
+            f"check the attenuation of the probe (x1, x10, x100), the gain of the amplifier and "
+            f"the unit in the header of {column}"
+        )
+    return f"check the gain and the range of the sensor of {column}"
 
 
 def _order(model: Model, predicted: list[Array]) -> Iterator[Misread]:

@@ -25,7 +25,7 @@ from ..traces.amplitudes import (
 from ..traces.headers import GAIN_UNITS
 from ..traces.signals import Shot, Signal
 from .crossings import arrival_error, half_width, reached
-from .misread_columns import POLARITY, prefix_of
+from .misread_columns import POLARITY, PROBES, advice_on_amplitude, prefix_of, usual_factor
 from .shown_values import shown_difference, shown_part
 
 # A simulated signal that is still rising at the end of the run below this fraction of the measured
@@ -345,8 +345,8 @@ def unit_notes(sensors: Sequence[SensorComparison], outside: Collection[str]) ->
         problem = f"the measured peak of {each.name} is {ratio:.3g} times the simulated one"
         if ratio < 0.0:
             notes.append(f"{problem}: {POLARITY}")
-        elif prefix_of(ratio):
-            notes.append(f"{problem}: check the unit in the header of this column")
+        elif prefix_of(ratio) or usual_factor(ratio) in PROBES:
+            notes.append(f"{problem}: {advice_on_amplitude(usual_factor(ratio))}")
         elif ratio > 1.0 or not each.lower_bound:
             notes.append(
                 f"{problem}: check its gain and unit, and the velocity and sizes of the chain"

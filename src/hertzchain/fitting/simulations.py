@@ -146,7 +146,12 @@ class Simulator:
 
 
 def passing_time(chain: Chain) -> float:
-    """A time in which the pulse passes the chain, with a margin; infinite without an impact."""
+    """A time in which the pulse passes the chain, with a margin; infinite if it is not known.
+
+    The transit times of a driven chain depend on the pieces of its drive, not on the pulse.
+    """
+    if chain.drive is not None:
+        return np.inf
     times = transit_times(chain)
     return PASSES * float(times.sum() + 2.0 * times.max(initial=0.0))
 

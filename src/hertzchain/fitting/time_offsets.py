@@ -96,10 +96,18 @@ def best_offset(
     return _refined(pairs, found, reach, spacing), other
 
 
+def coarse_offset(shot: Shot, columns: Sequence[Array], spacing: float) -> tuple[float, float]:
+    """Rms difference over the rms of the data, and the best offset, a multiple of the spacing."""
+    pairs = _pairs(shot, columns)
+    if not pairs:
+        return 1.0, 0.0
+    offset, _, cost = _coarse(pairs, shot.times, spacing)
+    return (cost / len(pairs)) ** 0.5, offset
+
+
 def difference_at_best_offset(shot: Shot, columns: Sequence[Array], spacing: float) -> float:
     """Rms difference over the rms of the data, at the best offset that is a multiple of spacing."""
-    pairs = _pairs(shot, columns)
-    return (_coarse(pairs, shot.times, spacing)[2] / len(pairs)) ** 0.5
+    return coarse_offset(shot, columns, spacing)[0]
 
 
 def explained_by_offset(

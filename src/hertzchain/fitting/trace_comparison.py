@@ -304,7 +304,11 @@ def compare_traces(
             unexplained = [NOTHING_EXPLAINED]
     moments = shot.times - begin
     inside = _inside(moments, float(grid[-1]), time_offset)
-    check_contained(shot, inside)
+    try:
+        check_contained(shot, inside)
+    except InputError as cut:
+        exchanged = exchange_notes(shot, columns, spacing)
+        raise InputError("; ".join([str(cut), *exchanged])) from None
     try:
         signals = tuple(_at(moments, inside, column, spacing, time_offset) for column in columns)
     except InputError:

@@ -41,6 +41,12 @@ def header_of(text: str, named: str | None = None) -> tuple[Place, str, float]:
         raise InputError(f"{error}; without calibration, write V or mV") from None
 
 
+def in_volts(noise: object) -> bool:
+    """Whether a noise is text with a unit of volts, which only sensors without calibration have."""
+    found = quantity(noise) if isinstance(noise, str) else None
+    return found is not None and found[1] in VOLTS
+
+
 def positive_noise(name: str, given: object, unit: str) -> float:
     """Noise of a sensor in its unit; text such as ``"3 mV"`` is converted."""
     what = f"noise of {name}"

@@ -210,3 +210,9 @@ def test_parameters_without_any_effect_cause_no_numerical_warning(folder):
         warnings.simplefilter("error", RuntimeWarning)
         result = hc.fit(data(folder), still)
     assert result.meaningless or not result.describes
+
+
+def test_a_second_blow_after_the_end_of_a_drive_is_reported(tmp_path):
+    (tmp_path / "twice.csv").write_text("time [us],force [N]\n0,0\n10,80\n20,0\n30,40\n40,0\n")
+    with pytest.warns(hc.InputWarning, match="still reaches 50% of its largest value.*second blow"):
+        hc.load_drive(tmp_path / "twice.csv", end="20 us")

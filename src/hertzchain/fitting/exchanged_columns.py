@@ -8,7 +8,9 @@ from dataclasses import replace
 from typing import Final
 
 from ..collision import Array
+from ..errors import InputError
 from ..traces.signals import Shot
+from .sensor_comparison import check_contained
 from .time_offsets import coarse_offset
 
 # An exchange is mentioned if it reduces the rms difference to less than this part.
@@ -36,6 +38,17 @@ def exchange_notes(shot: Shot, columns: Sequence[Array], spacing: float) -> list
         f"with the columns of {signals[i].name} and {signals[j].name} exchanged, the rms "
         f"difference falls to {best / own:.0%}: check the names of these columns"
     ]
+
+
+def check_contained_or_exchanged(
+    shot: Shot, inside: Array, columns: Sequence[Array], spacing: float
+) -> None:
+    """Raise `InputError` if the run ends before a measured pulse, or columns are exchanged."""
+    try:
+        check_contained(shot, inside)
+    except InputError as error:
+        exchanged = exchange_notes(shot, columns, spacing)
+        raise InputError("; ".join([str(error), *exchanged])) from None
 
 
 def _exchanged(shot: Shot, i: int, j: int) -> Shot:

@@ -33,7 +33,7 @@ from .arrival_notes import (
     silent_notes,
     with_pulses,
 )
-from .exchanged_columns import exchange_notes
+from .exchanged_columns import check_contained_or_exchanged, exchange_notes
 from .goodness import EXPLAINED
 from .misread_columns import inversion_notes
 from .misread_times import time_notes
@@ -41,7 +41,6 @@ from .sensor_comparison import (
     HEADING,
     SensorComparison,
     check_arrivals,
-    check_contained,
     check_contains_a_pulse,
     check_durations,
     check_resolved,
@@ -304,11 +303,7 @@ def compare_traces(
             unexplained = [NOTHING_EXPLAINED]
     moments = shot.times - begin
     inside = _inside(moments, float(grid[-1]), time_offset)
-    try:
-        check_contained(shot, inside)
-    except InputError as cut:
-        exchanged = exchange_notes(shot, columns, spacing)
-        raise InputError("; ".join([str(cut), *exchanged])) from None
+    check_contained_or_exchanged(shot, inside, columns, spacing)
     try:
         signals = tuple(_at(moments, inside, column, spacing, time_offset) for column in columns)
     except InputError:

@@ -31,6 +31,8 @@ _PER_VOLT: Final = re.compile(r"(.+?)\s*/\s*([um\u00b5]?V)")
 BEGUN: Final = 0.05
 # Times are the same if they differ by less than this part of the least step between samples.
 SAME_TIME: Final = 1e-6
+# Part of the largest value that a force may have from its end on.
+LATER: Final = 0.2
 _GAINS: Final = "'50 N/V' or '20 mV/N' for a force, '0.1 mm/V' for a displacement"
 
 
@@ -94,7 +96,8 @@ def load_drive(
     Warns
     -----
     InputWarning
-        If the signal exceeds 5% of its largest value before the simulation begins.
+        If the signal exceeds 5% of its largest value before the simulation begins, or 20% from
+        ``end`` on.
 
     Examples
     --------
@@ -148,6 +151,14 @@ def _ended(of: str, times: Array, values: Array, end: float) -> tuple[Array, Arr
         raise InputError(f"end must be later than the first sample, at {times[0]:g} s, got {end:g}")
     # A sample at the end that rounding moves before it would repeat its time.
     own = times < end - SAME_TIME * float(np.diff(times).min(initial=np.inf))
+    later, largest = (float(np.abs(each).max(initial=0.0)) for each in (values[~own], values))
+    if later > LATER * largest:
+        warn_user(
+            f"from end, {measure(end, 's')} of the file, the signal still reaches "
+            f"{later / largest:.0%} of its largest value, which is not part of the drive: give a "
+            "later end if the force lasts longer, or if there is a second blow",
+            InputWarning,
+        )
     return np.append(times[own], end), np.append(values[own], 0.0)
 
 

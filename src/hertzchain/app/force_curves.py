@@ -11,6 +11,7 @@ import numpy as np
 from ..chain.bead_names import Side, bead_label
 from ..chain.chain import Chain
 from ..chain.drives import Drive
+from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..collision import Array, compression_time
 from ..errors import SimulationError
@@ -242,9 +243,11 @@ def _wall_peaks(
     shown = [[words, largest, largest_time] if first is None else ["peak", first, time]]
     yielding = None
     if side == "right" and first is not None and progress is not None:
-        yielding = peak_with_yielding_contacts(run, progress)
-        if yielding is not None:
-            shown.append(["peak if contacts yield", yielding, None])
+        found = peak_with_yielding_contacts(run, progress)
+        if found is not None:
+            outside = f", {OUTSIDE_LAW}" if found.outside else ""
+            shown.append([f"peak if contacts yield{outside}", found.value, None])
+            yielding = None if found.outside else found.value
         # No contact yields, or the peak includes it.
         elif isinstance(run.chain.loss, ElasticPlastic) or pressures_below_yield(run):
             yielding = first

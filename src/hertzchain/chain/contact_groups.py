@@ -87,6 +87,22 @@ def loading_forces(groups: Sequence[ContactGroup], overlaps: Array) -> Array:
     return forces
 
 
+def dents(groups: Sequence[ContactGroup], largest: Array) -> Array:
+    """Residual overlaps of contacts 0..N after these largest overlaps."""
+    found = np.zeros(len(largest))
+    for group in groups:
+        found[group.index] = group.law.dent(largest[group.index], group.contacts)
+    return found
+
+
+def law_yield_ratios(groups: Sequence[ContactGroup], largest: Array) -> Array:
+    """Pressure over the yield pressure of the laws of contacts 0..N; NaN if they have none."""
+    found = np.full(len(largest), np.nan)
+    for group in groups:
+        found[group.index] = group.law.yield_ratio(largest[group.index], group.contacts)
+    return found
+
+
 def loading_overlaps(groups: Sequence[ContactGroup], forces: Array) -> Array:
     """Overlaps of contacts 0..N that carry these forces for the first time; 0 at free ends."""
     overlaps = np.zeros(len(forces))

@@ -44,13 +44,17 @@ from ..representation import counted, short
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
+from .contact_groups import law_yield_ratios
 from .feature_support import require_chain
 from .hertz_ratios import (
     MAX_OVERLAP_RATIO,
     MAX_SPEED_RATIO,
+    NO_PREDICTION,
+    causes_of,
     contact_ratios,
     elastic_in_words,
     given_contacts,
+    impact_speed,
     soft_contacts,
     speed_ratio,
     springs_of,
@@ -59,7 +63,7 @@ from .hertz_ratios import (
 )
 from .impact_overlaps import impact_overlaps
 from .laws.elastic_plastic import restitution_beyond_yield
-from .per_contact import contact_name
+from .per_contact import contact_name, contacts_in_words
 
 # Pressure over that at first yield up to which yield is a small excess.
 SMALL_EXCESS: Final = 1.1
@@ -87,6 +91,9 @@ class HertzRange:
     yield_ratio : ndarray, shape (N + 1,)
         Largest pressure over the pressure at first yield; NaN if no yield strength of the two
         materials is known, or if the law of the contact describes yield itself.
+    law_yield_ratio : ndarray, shape (N + 1,)
+        Largest pressure over the yield pressure of the law, of contacts whose law describes yield
+        itself: at most 1, the value at which the contact yields; NaN at other contacts.
     speed_ratio : float
         Largest ratio of the closing speed of two neighbours at time 0 to the slower of their
         sound speeds.
@@ -141,6 +148,7 @@ class HertzRange:
     springs: NDArray[np.bool_]
     elastic_walls: tuple[str, ...]
     losses: tuple[str, ...]
+    law_yield_ratio: Array
     speed: float = 0.0
     estimated: bool = False
 
@@ -178,11 +186,16 @@ class HertzRange:
             )
         at = int(np.argmax(self.overlap_ratio))
         if (ratio := self.overlap_ratio[at]) > MAX_OVERLAP_RATIO:
+            far = (
+                f", far outside the range of the law: beyond {NO_PREDICTION:g}, forces are not a "
+                "prediction"
+            )
             advice = self._advice(ratio, self.static_overlap_ratio, MAX_OVERLAP_RATIO, 2)
             digits = 2 if ratio > 1.05 * MAX_OVERLAP_RATIO else 4
             found.append(
                 f"overlap / radius is {ratio:.{digits}g} at {_place(at, self)} "
-                f"(limit {MAX_OVERLAP_RATIO:g} of Hertz's law){self._basis(at)}; {advice}"
+                f"(limit {MAX_OVERLAP_RATIO:g} of Hertz's law){self._basis(at)}"
+                f"{far if ratio > NO_PREDICTION else ''}; {advice}"
                 f"{self._slower((ratio / MAX_OVERLAP_RATIO) ** -1.25)}"
             )
         if self.speed_ratio > MAX_SPEED_RATIO:
@@ -254,12 +267,18 @@ class HertzRange:
         advice = by_weight if load == "gravity" else f"reduce {load}{also}"
         return f"the static force alone gives {alone:.{digits}g}; {advice}"
 
-    @property
-    def _pressure(self) -> str:
-        """The largest pressure over yield and its contact."""
-        if math.isnan(self.largest_yield_ratio):
-            return f"unknown ({UNKNOWN_YIELD})"
-        return f"{self.largest_yield_ratio:.3g} at contact {self._most_loaded}"
+    def _pressure(self, limit: str = "") -> str:
+        """The largest pressure over yield and its contact, with a limit of elastic contacts."""
+        yielded = np.flatnonzero(self.law_yield_ratio >= 1.0)
+        both = self.yield_ratio if len(yielded) else np.fmax(self.yield_ratio, self.law_yield_ratio)
+        texts = []
+        if not np.isnan(both).all():
+            at = int(np.nanargmax(both))
+            texts.append(f"{both[at]:.3g} at contact {at}{limit}")
+        if len(yielded):
+            beads = len(self.overlap_ratio) - 1
+            texts.append(f"1 at {contacts_in_words(yielded, beads)}, which yield by their law")
+        return "; ".join(texts) or f"unknown ({UNKNOWN_YIELD})"
 
     def __repr__(self) -> str:
         overlap = int(np.argmax(self.overlap_ratio))
@@ -269,7 +288,7 @@ class HertzRange:
             "HertzRange",
             f"{len(self.overlap_ratio)} contacts",
             f"overlap / radius {self.overlap_ratio[overlap]:.2g} at contact {overlap}, pressure / "
-            f"yield {self._pressure}, speed / sound "
+            f"yield {self._pressure()}, speed / sound "
             f"{self.speed_ratio:.2g}{exceeded}{', estimated before a run' * self.estimated}",
         )
 
@@ -280,12 +299,11 @@ class HertzRange:
 
     def __str__(self) -> str:
         overlap = int(np.argmax(self.overlap_ratio))
-        limit = "" if math.isnan(self.largest_yield_ratio) else " (limit 1)"
         return "\n".join(
             (
                 f"overlap / radius  {self.overlap_ratio[overlap]:.2g} at contact {overlap} "
                 f"(limit {MAX_OVERLAP_RATIO:g})",
-                f"pressure / yield  {self._pressure}{limit}",
+                f"pressure / yield  {self._pressure(' (limit 1)')}",
                 f"speed / sound  {self.speed_ratio:.2g} (limit {MAX_SPEED_RATIO:g})",
                 *([ESTIMATED] if self.estimated else []),
             )
@@ -347,7 +365,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         speed_ratio=speed_ratio(chain),
         static_overlap_ratio=at_rest,
         static_yield_ratio=static_yield,
-        causes=_causes(chain),
+        causes=causes_of(chain),
         given=given_contacts(chain),
         soft=soft_contacts(chain),
         yielding=yielding_materials(chain) if (yield_ratio > 1.0).any() else (),
@@ -358,7 +376,8 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
                 law.name for law in chain.contact_losses if not law.yields and law.name != "elastic"
             )
         ),
-        speed=_speed(chain),
+        law_yield_ratio=law_yield_ratios(chain.contact_groups, d),
+        speed=impact_speed(chain),
         estimated=overlaps is None,
     )
 
@@ -404,26 +423,6 @@ def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:
         at_rest = replace(hertz_range(chain, chain.static_state.overlaps), speed_ratio=0.0)
         for violation in at_rest._violations(linear=linear):
             warn_user(violation, ModelRangeWarning)
-
-
-def _causes(chain: Chain) -> tuple[str, str]:
-    """Names of the causes of the motion and of the static force."""
-    driven = chain.drive is not None
-    motion = ["the velocity"] if chain.velocities.any() or not driven else []
-    # Of both, only the precompression can be chosen.
-    load = "the precompression" if chain.precompression > 0.0 else "gravity"
-    if driven:
-        motion.append("the drive")
-    return " or ".join(motion), load if chain.static_state.forces.any() else ""
-
-
-def _speed(chain: Chain) -> float:
-    """Velocity of the impact if overlaps are proportional to a power of it, otherwise 0."""
-    other = chain.drive is not None or chain.static_state.forces.any() or chain.gravity != 0.0
-    plastic = any(law.yields for law in chain.contact_losses)
-    if other or plastic or chain.gaps.any() or springs_of(chain).any():
-        return 0.0
-    return float(np.abs(chain.velocities).max())
 
 
 def _with_walls(chain: Chain, overlaps: ArrayLike) -> Array:

@@ -20,6 +20,9 @@ from .walls import materials_with_walls
 
 MAX_OVERLAP_RATIO: Final = 0.01
 MAX_SPEED_RATIO: Final = 0.01
+# Overlap over radius beyond which neither Hertz's law nor `ElasticPlastic` predicts forces.
+NO_PREDICTION: Final = 0.1
+OUTSIDE_LAW: Final = "outside the range of the law"
 # Ratio of the stiffness of a contact to that of its materials, or its inverse, from which yield of
 # `ElasticPlastic()`, which follows from the stiffness, differs from that of the materials.
 OTHER_STIFFNESS: Final = 2.0
@@ -116,3 +119,23 @@ def _first_to_yield(chain: Chain) -> list[Material]:
     """The weaker body of each contact."""
     pairs = itertools.pairwise(bodies_of(chain))
     return [min(pair, key=lambda each: each.yield_strength or math.inf) for pair in pairs]
+
+
+def causes_of(chain: Chain) -> tuple[str, str]:
+    """Names of the causes of the motion and of the static force."""
+    driven = chain.drive is not None
+    motion = ["the velocity"] if chain.velocities.any() or not driven else []
+    # Of both, only the precompression can be chosen.
+    load = "the precompression" if chain.precompression > 0.0 else "gravity"
+    if driven:
+        motion.append("the drive")
+    return " or ".join(motion), load if chain.static_state.forces.any() else ""
+
+
+def impact_speed(chain: Chain) -> float:
+    """Velocity of the impact if overlaps are proportional to a power of it, otherwise 0."""
+    other = chain.drive is not None or chain.static_state.forces.any() or chain.gravity != 0.0
+    plastic = any(law.yields for law in chain.contact_losses)
+    if other or plastic or chain.gaps.any() or springs_of(chain).any():
+        return 0.0
+    return float(np.abs(chain.velocities).max())

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, short_repr
+from ..representation import listed
 from ..validation.numbers import real_numbers
 from .input_checks import checked_exponent
 from .laws import Loss
@@ -23,6 +24,8 @@ Walls: TypeAlias = tuple[Wall | None, Wall | None]
 ELASTIC: Final = Elastic()
 # Name of all pairs of materials that are not given, and their key in `MaterialPairs`.
 OTHERS: Final = "others"
+# Most separate ranges of contacts that messages list.
+MAX_RANGES: Final = 4
 OTHER_PAIRS: Final[frozenset[Material]] = frozenset()
 
 
@@ -148,6 +151,19 @@ def contact_name(contact: int, beads: int) -> str:
     """Name of one of contacts 0..N in messages."""
     walls = {0: "the left wall", beads: "the right wall"}
     return walls.get(contact, f"contact {contact}")
+
+
+def contacts_in_words(contacts: Array, beads: int) -> str:
+    """``contacts 1 to 3 and 5 and the right wall``, of contacts in increasing order."""
+    walls = [contact_name(c, beads) for c in contacts.tolist() if c in (0, beads)]
+    inner = contacts[(contacts > 0) & (contacts < beads)]
+    groups = np.split(inner, np.flatnonzero(np.diff(inner) > 1) + 1) if len(inner) else []
+    ranges = [f"{each[0]} to {each[-1]}" if len(each) > 1 else f"{each[0]}" for each in groups]
+    if len(ranges) > MAX_RANGES:
+        words = [f"{len(inner)} contacts of two beads"]
+    else:
+        words = [f"contact{'s' * (len(inner) > 1)} {listed(ranges)}"] if ranges else []
+    return listed([*words, *walls])
 
 
 def spread(given: Any, own: tuple[Any, Any], materials: Materials, walls: Walls, beads: int) -> Any:

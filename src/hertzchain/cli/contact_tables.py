@@ -15,13 +15,20 @@ if TYPE_CHECKING:
 
 def contacts_as_dict(run: Run) -> dict[str, Any]:
     """Materials and contacts as plain data; unknown values are None."""
+    import numpy as np
+
+    from ..chain.contact_groups import law_yield_ratios
     from ..chain.hertz_range import hertz_range
     from ..validation.json_types import finite
 
-    chain, overlaps = run.chain, run.largest_overlaps
+    chain, overlaps = run.chain, run._furthest_overlaps
     names = _bodies(chain)
     known = chain.units == "SI" and chain.materials is not None
-    ratios = hertz_range(chain, overlaps).yield_ratio if known else [None] * len(overlaps)
+    if known:
+        found = hertz_range(chain, overlaps)
+        ratios = np.fmax(found.yield_ratio, found.law_yield_ratio)
+    else:
+        ratios = law_yield_ratios(chain.contact_groups, overlaps)
     rows = [
         {
             "contact": k,
@@ -30,15 +37,23 @@ def contacts_as_dict(run: Run) -> dict[str, Any]:
             "exponent": exponent,
             "largest_overlap": overlap,
             "pressure_over_yield": ratio,
+            "dent": dent,
         }
-        for k, (stiffness, exponent, overlap, ratio) in enumerate(
-            zip(chain.contact_stiffness, chain.contact_exponents, overlaps, ratios, strict=True)
+        for k, (stiffness, exponent, overlap, ratio, dent) in enumerate(
+            zip(
+                chain.contact_stiffness,
+                chain.contact_exponents,
+                overlaps,
+                ratios,
+                run.dents,
+                strict=True,
+            )
         )
         if stiffness > 0.0
     ]
     materials = [dataclasses.asdict(each) for each in _materials(chain)] if known else []
-    found: dict[str, Any] = finite({"materials": materials, "contacts": rows})
-    return found
+    document: dict[str, Any] = finite({"materials": materials, "contacts": rows})
+    return document
 
 
 def contact_table(run: Run) -> Table:
@@ -52,9 +67,10 @@ def contact_table(run: Run) -> Table:
     title = "\n".join([f"{len(rows)} contacts", *map(_described, _materials(chain) if si else ())])
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
     units = (" N/m^p", " um") if si else ("", "")
+    dented = [f"dent{units[1]}"] if any(law.leaves_dents for law in chain.contact_losses) else []
     for name in (
         "contact", "between", f"stiffness{units[0]}", "exponent p", f"largest overlap{units[1]}",
-        "pressure / yield",
+        "pressure / yield", *dented,
     ):  # fmt: skip
         table.add_column(name, justify="left" if name == "between" else "right", no_wrap=True)
     for row in rows:
@@ -66,6 +82,7 @@ def contact_table(run: Run) -> Table:
             f"{row['exponent']:g}",
             f"{(1e6 if si else 1.0) * row['largest_overlap']:.4g}",
             "-" if ratio is None else f"{ratio:.3g}",
+            *[f"{(1e6 if si else 1.0) * row['dent']:.4g}" for _ in dented],
         )
     return table
 

@@ -10,6 +10,7 @@ import click
 
 from ..simulation.yielding import (
     contacts_without_strength,
+    dents_in_words,
     peak_with_yielding_contacts,
     pressures_below_yield,
 )
@@ -37,7 +38,7 @@ def run_as_dict(
     from .contact_tables import contacts_as_dict
     from .wave_tables import horizon_as_dict, waves_as_list
 
-    described = document_of(run.chain)
+    described, peak = document_of(run.chain), peak_with_yielding_contacts(run)
     document: dict[str, object] = {
         **{name: described.pop(name) for name in ("schema_version", "hertzchain_version")},
         "status": run.status,
@@ -56,7 +57,9 @@ def run_as_dict(
         "strikers": strikers_of(run),
         "last_bead": last_bead_of(run),
         "final_velocities": run.state.velocities.tolist(),
-        "peak_with_yielding_contacts": peak_with_yielding_contacts(run),
+        "peak_with_yielding_contacts": None if peak is None else peak.value,
+        "yielding_overlap_ratio": None if peak is None else peak.overlap_ratio,
+        "yielding_within_range": None if peak is None else not peak.outside,
         "sensors": [_numbers(run.sensor_force(bead)) for bead in beads],
     }
     if run.known_horizon is not None:
@@ -106,7 +109,8 @@ def show_run(
     for line in _striker_lines(run):
         click.echo(line)
     unchecked = contacts_without_strength(run.chain, run.largest_overlaps)
-    for line in pressures_below_yield(run) + unchecked:
+    dented = dents_in_words(run.chain, run._furthest_overlaps)
+    for line in [*pressures_below_yield(run), *unchecked, *([dented] if dented else [])]:
         click.echo(line)
     for wall in _walls(run):
         click.echo(_wall_lines(run, wall))
@@ -115,10 +119,11 @@ def show_run(
         if (final := _final_velocities_line(run)) is not None:
             click.echo(final)
     if (peak := peak_with_yielding_contacts(run)) is not None:
-        shown = measure(peak, "N", run.chain.units, 5)
+        shown = measure(peak.value, "N", run.chain.units, 5)
         walls = elastic_in_words(walls_to_keep_elastic(run.chain))
         law = on_command_line(f"(--loss elastic-plastic{walls})")
-        click.echo(f"  peak with contacts that yield: {shown} {law}")
+        outside = f", {peak.caution}" if peak.outside else ""
+        click.echo(f"  peak with contacts that yield: {shown} {law}{outside}")
     for bead in beads:
         click.echo(_sensor_line(run, bead))
     transits = transits_between_walls(run.chain, run._walls, run.end_time)

@@ -123,11 +123,15 @@ def _part(text: str, chain: Chain) -> float:
 
 
 def _document(found: Distribution) -> dict[str, Any]:
+    from ..validation.json_types import finite
+
     return {
         "quantity": found.quantity,
         "unit": found.unit,
         "nominal": found.nominal,
         "nominal_with_yielding_contacts": None if isnan(found.yielding) else found.yielding,
+        "yielding_overlap_ratio": finite(found.yielding_overlap_ratio),
+        "yielding_within_range": None if isnan(found.yielding) else not found._with_yield.outside,
         "mean": found.mean,
         "standard_deviation": found.standard_deviation,
         "percentiles": {str(percent): found.percentile(percent) for percent in PERCENTILES},

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from ..collision import Array
     from ..derivatives.result import Gradient
     from ..designs.measures import Measure
+    from ..simulation.yielding import WithYield
 
 BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density")
 
@@ -94,7 +95,7 @@ def sensitivity(
 
 
 def _document(
-    found: Gradient, yielding: float, by: str, changes: tuple[Array, Array] | None
+    found: Gradient, yielding: WithYield, by: str, changes: tuple[Array, Array] | None
 ) -> dict[str, Any]:  # fmt: skip
     from ..validation.json_types import finite
 
@@ -102,7 +103,9 @@ def _document(
         "quantity": found.quantity,
         "value": found.value,
         "unit": found.unit,
-        "value_with_yielding_contacts": finite(yielding),
+        "value_with_yielding_contacts": finite(yielding.value),
+        "yielding_overlap_ratio": finite(yielding.overlap_ratio),
+        "yielding_within_range": None if isnan(yielding.value) else not yielding.outside,
         "parameter": by,
         "gradient": finite(found[by].tolist()),
         "gradient_unit": found.units[by],
@@ -117,7 +120,7 @@ def _document(
 
 
 def _lines(
-    found: Gradient, measure: Measure, yielding: float, by: str,
+    found: Gradient, measure: Measure, yielding: WithYield, by: str,
     changes: tuple[Array, Array] | None,
 ) -> list[str]:  # fmt: skip
     """The chain, the value, and the method of the derivatives or changes."""
@@ -128,7 +131,7 @@ def _lines(
     chain = found._chain
     assert chain is not None
     lines = [chain.description, f"{measure} = {in_words(found.value, found.unit, chain.units)}"]
-    if not isnan(yielding):
+    if not isnan(yielding.value):
         lines[1] += " with elastic contacts, to which all changes refer"
         note = yielding_note("it", measure, found.value, yielding)
         lines.append(f"  {note} (--loss elastic-plastic)")

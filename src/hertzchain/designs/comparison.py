@@ -30,6 +30,9 @@ class ReferenceComparison:
         The same with contacts that yield; of a chain whose contacts do not, the elastic value.
     met : bool
         Whether this chain meets the constraints.
+    within_range : bool
+        Whether the values with contacts that yield are within the range of their law, so that they
+        can be compared.
     """
 
     value: float
@@ -37,12 +40,13 @@ class ReferenceComparison:
     value_if_yielding: float
     own_if_yielding: float
     met: bool
+    within_range: bool = True
 
     @property
     def reversed(self) -> bool:
-        """Whether the better one of both is another one if contacts yield."""
+        """Whether the better one of both is another one if contacts yield, within the range."""
         elastic, yielding = self.own - self.value, self.own_if_yielding - self.value_if_yielding
-        return elastic * yielding < 0.0
+        return self.within_range and elastic * yielding < 0.0
 
 
 def compared(result: DesignResult, found: Verified) -> ReferenceComparison:
@@ -50,6 +54,7 @@ def compared(result: DesignResult, found: Verified) -> ReferenceComparison:
     return ReferenceComparison(
         result.objective_of(found), result.value, objective_if_yielding(result, found),
         objective_if_yielding(result, result.verified), met(result.problem, found.values),
+        not any(yields_outside_range(result, each) for each in (found, result.verified)),
     )  # fmt: skip
 
 
@@ -58,6 +63,11 @@ def has_yielding_value(result: DesignResult, found: Verified) -> bool:
     if not found.yielding or all(each.of_chain for each in result.problem.objective.measures):
         return False
     return math.isfinite(result._objective(found.yielding))
+
+
+def yields_outside_range(result: DesignResult, found: Verified) -> bool:
+    """Whether the objective with contacts that yield is outside the range of their law."""
+    return has_yielding_value(result, found) and not found.yielding_within_range
 
 
 def objective_if_yielding(result: DesignResult, found: Verified) -> float:
@@ -71,12 +81,12 @@ def better_if_yielding(result: DesignResult) -> int | None:
 
     With a scatter, runners-up are worse by its statistic, which is not that of these values.
     """
-    if result.problem.scatter is not None:
+    if result.problem.scatter is not None or yields_outside_range(result, result.verified):
         return None
     values = {
         i: result._sign * objective_if_yielding(result, each)
         for i, each in enumerate(result.runners_up)
-        if met(result.problem, each.values)
+        if met(result.problem, each.values) and not yields_outside_range(result, each)
     }
     finite = {i: value for i, value in values.items() if math.isfinite(value)}
     best = min(finite, default=None, key=lambda i: finite[i])

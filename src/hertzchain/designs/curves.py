@@ -8,15 +8,17 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.hertz_ratios import NO_PREDICTION
 from ..collision import Array
 from ..errors import IncompleteWarning, InputWarning, ModelRangeWarning
 from ..pulse.quantities import QUANTITIES
 from ..recorded_warnings import ignore_warnings
 from ..simulation.simulate import simulate
-from ..simulation.yielding import dented_chain, yields
+from ..simulation.yielding import dented_chain, largest_overlap_ratio, yields
 from .comparison import shown_chains
 
 if TYPE_CHECKING:
+    from ..simulation.run import Run
     from .result import DesignResult
 
 # Saved times of the forces.
@@ -29,7 +31,8 @@ QUIET: Final = 0.01
 class Curve(NamedTuple):
     """Force on the wall over time, or without a wall a quantity of the leading pulse by bead.
 
-    ``name`` is that of `shown_chains`; ``yields`` states whether the contacts yield.
+    ``name`` is that of `shown_chains`; ``yields`` states whether the contacts yield, ``outside``
+    whether overlaps are then outside the range of the law.
     """
 
     name: str
@@ -37,6 +40,7 @@ class Curve(NamedTuple):
     x: Array
     y: Array
     peak: float
+    outside: bool = False
 
 
 class _Motion(NamedTuple):
@@ -76,10 +80,11 @@ def plotted_quantity(result: DesignResult) -> str:
 def _pulses(result: DesignResult, motions: Sequence[_Motion]) -> list[Curve]:
     quantity, found = plotted_quantity(result), []
     for name, with_yield, chain in motions:
-        values = simulate(chain, times=0, rtol=RTOL).pulse().column(quantity)
+        run = simulate(chain, times=0, rtol=RTOL)
+        values = run.pulse().column(quantity)
         assert values is not None
-        beads = 1.0 + np.arange(len(values))
-        found.append(Curve(name, with_yield, beads, values, float(np.nanmax(values))))
+        beads, peak = 1.0 + np.arange(len(values)), float(np.nanmax(values))
+        found.append(Curve(name, with_yield, beads, values, peak, with_yield and _outside(run)))
     return found
 
 
@@ -93,11 +98,17 @@ def _forces(motions: Sequence[_Motion], until: float | None, most: float) -> lis
         ends = dict.fromkeys(ends, max(ends.values()))
     curves = []
     for name, with_yield, chain in motions:
-        wall = simulate(chain, times=TIMES, rtol=RTOL, until=ends[name]).wall_force()
-        curves.append(Curve(name, with_yield, wall.times, wall.force, wall.largest_so_far))
+        run = simulate(chain, times=TIMES, rtol=RTOL, until=ends[name])
+        wall, outside = run.wall_force(), with_yield and _outside(run)
+        curves.append(Curve(name, with_yield, wall.times, wall.force, wall.largest_so_far, outside))
     if together:
         return _until_quiet(curves)
     return [cut for name in ends for cut in _until_quiet([c for c in curves if c.name == name])]
+
+
+def _outside(run: Run) -> bool:
+    """Whether overlaps of contacts that yield are outside the range of their law."""
+    return largest_overlap_ratio(run.chain, run.largest_overlaps) > NO_PREDICTION
 
 
 def _until_quiet(curves: Sequence[Curve]) -> list[Curve]:

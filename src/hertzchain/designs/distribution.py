@@ -20,6 +20,7 @@ from ..recorded_warnings import ignore_warnings
 from ..representation import listed, short
 from ..representation import measure as with_unit
 from ..simulation.run_table import RunTable
+from ..simulation.yielding import WithYield
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback
@@ -59,6 +60,9 @@ class Distribution(Frozen):
     yielding : float
         Value of the chain without deviations with `ElasticPlastic` contacts, if its elastic ones
         exceed the pressure at first yield; otherwise NaN.
+    yielding_overlap_ratio : float
+        Largest overlap / radius of the run with these contacts; NaN without one.  Beyond 0.1,
+        ``yielding`` is outside the range of the law.
     """
 
     chain: Chain
@@ -70,6 +74,7 @@ class Distribution(Frozen):
     outside_range: int = 0
     reason: str = ""
     yielding: float = math.nan
+    yielding_overlap_ratio: float = math.nan
 
     @property
     def mean(self) -> float:
@@ -111,11 +116,15 @@ class Distribution(Frozen):
         )
 
     @property
+    def _with_yield(self) -> WithYield:
+        return WithYield(self.yielding, self.yielding_overlap_ratio)
+
+    @property
     def _yielding_note(self) -> str:
         """The nominal value with contacts that yield; an empty text if elastic ones do not."""
         if math.isnan(self.yielding):
             return ""
-        note = yielding_note("the nominal one", self._measure, self.nominal, self.yielding)
+        note = yielding_note("the nominal one", self._measure, self.nominal, self._with_yield)
         return f"all values are those of elastic contacts; {note} (loss=ElasticPlastic())"
 
     def percentile(self, percent: float) -> float:
@@ -301,7 +310,7 @@ def distribution(
     reason = next(iter(simulated.reasons), missing) if failed else ""
     return Distribution(
         chain, deviations, str(measure), float(nominal), good, failed, outside, reason,
-        value_if_yielding(chain, measure, overlaps, until),
+        *value_if_yielding(chain, measure, overlaps, until),
     )  # fmt: skip
 
 

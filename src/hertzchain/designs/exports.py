@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from .result import DesignResult
+    from .verified import Verified
 
 
 def chain_text(result: DesignResult) -> str:
@@ -65,6 +66,16 @@ def _beads(chain: Chain) -> dict[str, Any]:
     }
 
 
+def _range_of_yield(found: Verified) -> dict[str, Any]:
+    """Whether the values with contacts that yield are within the range of their law."""
+    if not found.yielding:
+        return {"yielding_overlap_ratio": None, "yielding_within_range": None}
+    return {
+        "yielding_overlap_ratio": found.yielding_overlap_ratio,
+        "yielding_within_range": found.yielding_within_range,
+    }
+
+
 def _reference(result: DesignResult, name: str) -> dict[str, Any]:
     """A chain to compare with, and whether contacts that yield reverse the comparison."""
     found = result.references[name]
@@ -72,7 +83,8 @@ def _reference(result: DesignResult, name: str) -> dict[str, Any]:
     return {
         "value": both.value,
         "value_with_yielding_contacts": both.value_if_yielding,
-        "yielding_reverses_comparison": both.reversed,
+        "yielding_reverses_comparison": both.reversed if both.within_range else None,
+        **_range_of_yield(found),
         "constraints_met": both.met,
         "balls": equal_balls(result, name) or None,
         "chain_file": chain_document(found.chain),
@@ -105,6 +117,8 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "rtol": result.verified.rtol,
         "hertz_range_kept": not result.verified.outside_range,
         "with_yielding_contacts": dict(result.verified.yielding),
+        **_range_of_yield(result.verified),
+        "dents": result.verified.dents or None,
         "better_if_yielding": _better_if_yielding(result),
         "constraints_met": result.met,
         "constraints": [str(each) for each in problem.requirements],
@@ -131,7 +145,8 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "front": [
             {"values": dict(point.values),
              "hertz_range_kept": not point.verified.outside_range,
-             "with_yielding_contacts": dict(point.verified.yielding)} | _balls(point)
+             "with_yielding_contacts": dict(point.verified.yielding),
+             **_range_of_yield(point.verified)} | _balls(point)
             for point in result.front
         ],
         "front_is_complete": result.front_is_complete if result.front else None,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..kernels.compile_notice import write_current
 from ..simulation.slow_run import INTERVAL
 from .dominance import undominated
@@ -147,20 +148,33 @@ def _notes_on_yield(front: list[DesignResult], problem: Design) -> list[str]:
     if not any(point.verified.yielding for point in front):
         return []
     beaten = len(beaten_if_yielding(front, problem))
-    verb = "is" if beaten == 1 else "are"
-    changed = (f"; with contacts that yield, {beaten} of the {len(front)} points {verb} beaten by "
-               "others" if beaten else "")  # fmt: skip
+    outside = sum(_yields_outside(point) for point in front)
+    parts = [
+        f"{count} of the {len(front)} points {'is' if count == 1 else 'are'} {what}"
+        for count, what in ((beaten, "beaten by others"), (outside, OUTSIDE_LAW)) if count
+    ]  # fmt: skip
+    changed = f"; with contacts that yield, {' and '.join(parts)}" if parts else ""
     return [f"the Pareto front is that of elastic contacts{changed}; the constraint yield_ratio = "
             "'<= 1' keeps it within the range of Hertz's law"]  # fmt: skip
 
 
 def beaten_if_yielding(front: Sequence[DesignResult], problem: Design) -> list[int]:
-    """Places of the points that another point beats if contacts yield."""
+    """Places of the points that another point beats if contacts yield.
+
+    Points outside the range of the law of yield are neither beaten nor beat others.
+    """
     names = [str(each.single) for each in problem.objectives]
-    values = [point.values | point.verified.yielding for point in front]
+    places = [i for i, point in enumerate(front) if not _yields_outside(point)]
+    values = [front[i].values | front[i].verified.yielding for i in places]
     signs = [_sign(each) for each in problem.objectives]
-    costs = np.array([[s * row[n] for s, n in zip(signs, names, strict=True)] for row in values])
-    return sorted(set(range(len(front))) - {int(i) for i in undominated(costs)})
+    costs = [[s * row[n] for s, n in zip(signs, names, strict=True)] for row in values]
+    best = undominated(np.array(costs).reshape(-1, 2))
+    return sorted(set(places) - {places[int(i)] for i in best})
+
+
+def _yields_outside(point: DesignResult) -> bool:
+    """Whether contacts of a point that yield are outside the range of the law."""
+    return bool(point.verified.yielding) and not point.verified.yielding_within_range
 
 
 def _front(found: list[DesignResult], problem: Design) -> list[DesignResult]:

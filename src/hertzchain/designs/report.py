@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..representation import counted, listed, usual_unit, with_decimals
-from ..simulation.yielding import unchecked_contacts
+from ..simulation.yielding import WithYield, unchecked_contacts
 from .ball_space import BallSpace
 from .comparison import (
     best_reference,
@@ -122,7 +122,8 @@ def point_in_words(point: DesignResult) -> str:
         name = str(each)
         text = f"{each} {in_words(point.values[name], each.unit, units)}"
         if name in yielding and not each.of_chain:
-            text += f" ({in_words(yielding[name], each.unit, units)} with contacts that yield)"
+            shown = in_words(yielding[name], each.unit, units)
+            text += f" ({shown} {point.verified.yielding_words})"
         parts.append(text)
     return ", ".join(parts) + _outside_in_words(point.verified)
 
@@ -177,8 +178,11 @@ def _heading(result: DesignResult) -> list[str]:
     lines = [first, f"  verified: the integration was repeated at rtol {found.rtol:g}"
              f"{_range_in_words(result)}"]  # fmt: skip
     if has_yielding_value(result, found):
+        caution = WithYield(result.value, found.yielding_overlap_ratio).caution
         lines.append(f"  the same chain with contacts that yield, loss=ElasticPlastic(): "
-                     f"{_shown_if_yielding(result, found)}")  # fmt: skip
+                     f"{_shown_if_yielding(result, found)}{f', {caution}' if caution else ''}"
+                     )  # fmt: skip
+        lines += [f"  {found.dents}"] if found.dents and not caution else []
         lines += _better_if_yielding(result)
     return lines
 
@@ -227,7 +231,7 @@ def _compared(result: DesignResult, found: Verified) -> str:
     text = result._shown(both.value)
     # At a small excess of the pressure, the values agree in all digits that are shown.
     if (yielding := _shown_if_yielding(result, found)) != text.strip():
-        text += f" ({yielding} with contacts that yield)"
+        text += f" ({yielding} {found.yielding_words})"
     if not both.met:
         names = violated(result.problem, found.values)
         limits = f"the limit{'s' * (len(names) > 1)} of {listed(names)}" if names else "the limits"
@@ -237,7 +241,7 @@ def _compared(result: DesignResult, found: Verified) -> str:
     part = f"{both.own / both.value:.1%}"
     yielding_part = f"{both.own_if_yielding / both.value_if_yielding:.1%}"
     text += f"; this design: {part} of this value"
-    if part != yielding_part:
+    if part != yielding_part and both.within_range:
         text += f", {yielding_part} with contacts that yield"
     return f"{text}, which reverses the comparison" if both.reversed else text
 
@@ -348,7 +352,8 @@ def _requirement(result: DesignResult, index: int) -> str:
     value, name = result.values[str(each.measure)], str(each.measure)
     text = f"  {each}: {each.shown(value)}{_counted(result, each.measure)}"
     if name in result.verified.yielding and not each.measure.of_chain:
-        text += f" ({each.shown(result.verified.yielding[name])} with contacts that yield)"
+        shown = each.shown(result.verified.yielding[name])
+        text += f" ({shown} {result.verified.yielding_words})"
     return text if each.excess(value) <= TOLERANCE else f"{text}, NOT met"
 
 

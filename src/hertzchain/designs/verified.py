@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.hertz_range import HertzRange, hertz_range
-from ..chain.hertz_ratios import MAX_OVERLAP_RATIO
+from ..chain.hertz_ratios import MAX_OVERLAP_RATIO, NO_PREDICTION, OUTSIDE_LAW
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantity_names import COLUMNS
@@ -20,7 +21,13 @@ from ..simulation.run_table import RunTable
 from ..simulation.simulate import simulate
 from ..simulation.simulate_many import tabulate_runs
 from ..simulation.wall_force import sensitive_in_words
-from ..simulation.yielding import contacts_without_strength, dented_chain, yields
+from ..simulation.yielding import (
+    contacts_without_strength,
+    dented_chain,
+    dents_in_words,
+    largest_overlap_ratio,
+    yields,
+)
 from .exact_gradients import value_in_whole_run
 from .measured import measured
 from .measures import (
@@ -50,6 +57,9 @@ NOT_A_PEAK: Final = (
     f"{LARGEST_ON_WALL} is the largest force on the wall up to the end of the run; it is not a "
     "complete peak, so a larger force may follow"
 )
+WITH_YIELD: Final = "with contacts that yield"
+# Values, overlap and dents of contacts that do not yield.
+_ELASTIC: Final[tuple[dict[str, float], float, str]] = ({}, math.nan, "")
 # Fresh samples of a scatter.
 FRESH: Final = 400
 
@@ -75,6 +85,11 @@ class Verified:
     yielding : dict
         Values of the measures with `ElasticPlastic` contacts, if elastic contacts exceed the
         pressure at first yield and the yield strengths of the materials are known.
+    yielding_overlap_ratio : float
+        Largest overlap / radius of the run with these contacts; NaN without one.  Beyond 0.1,
+        ``yielding`` is outside the range of the law.
+    dents : str
+        Contacts that yield in this run and the deepest dent, in words.
     """
 
     chain: Chain
@@ -84,11 +99,24 @@ class Verified:
     scattered: dict[str, float]
     hertz_range: HertzRange | None = None
     yielding: dict[str, float] = field(default_factory=dict)
+    yielding_overlap_ratio: float = math.nan
+    dents: str = ""
 
     @property
     def outside_range(self) -> bool:
         """Whether a contact left the range of Hertz's law at any time of the run."""
         return self.hertz_range is not None and bool(self.hertz_range.violations)
+
+    @property
+    def yielding_within_range(self) -> bool:
+        """Whether there are values with contacts that yield, within the range of their law."""
+        return bool(self.yielding) and not self.yielding_overlap_ratio > NO_PREDICTION
+
+    @property
+    def yielding_words(self) -> str:
+        """``with contacts that yield``, and whether this is outside the range of their law."""
+        outside = self.yielding and not self.yielding_within_range
+        return f"{WITH_YIELD}, {OUTSIDE_LAW}" if outside else WITH_YIELD
 
 
 def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Verified:
@@ -123,9 +151,9 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
         limits = hertz_range(chain, overlaps)
         notes += [*limits.violations, *_missing_limits(problem, limits),
                   *contacts_without_strength(chain, overlaps)]  # fmt: skip
-    yielding = _with_yielding_contacts(problem, chain, values) if yields(limits) else {}
+    yielding = _with_yielding_contacts(problem, chain, values) if yields(limits) else _ELASTIC
     scattered = {} if problem.scatter is None else _scattered(problem, chain, seed)
-    return Verified(chain, values, RTOL, tuple(notes), scattered, limits, yielding)
+    return Verified(chain, values, RTOL, tuple(notes), scattered, limits, *yielding)
 
 
 def _missing_limits(problem: Design, found: HertzRange) -> list[str]:
@@ -157,29 +185,29 @@ def _value(problem: Design, chain: Chain, measure: Measure, table: RunTable) -> 
 
 def _with_yielding_contacts(
     problem: Design, chain: Chain, values: dict[str, float]
-) -> dict[str, float]:
-    """Values with `ElasticPlastic` contacts; none if they do not apply to the chain."""
+) -> tuple[dict[str, float], float, str]:
+    """Values with `ElasticPlastic` contacts, overlap and dents; none if they do not apply."""
     measures = problem.measures
-    if any(m.key in NOT_YIELDING for m in problem.objective.measures):
-        return {}
-    if any(m.of_whole_run for m in problem.objective.measures):
-        return {}
+    if any(m.key in NOT_YIELDING or m.of_whole_run for m in problem.objective.measures):
+        return _ELASTIC
     measures = tuple(m for m in measures if m.columns and m.key not in NOT_YIELDING)
     dented = dented_chain(chain)
     names = sorted({name for each in measures for name in each.columns})
     if dented is None or not names:
-        return {}
+        return _ELASTIC
     sensors = sensors_of(measures, [dented])
     table = tabulate_runs([dented], keep=[*names, "end_time"], sensors=sensors, until=problem.until)
     if table.reasons:
-        return {}
+        return _ELASTIC
     if problem.until is None and any(np.isnan(m.from_table(table)[0]) for m in measures):
         until = LONGER * float(table["end_time"][0])
         table = tabulate_runs([dented], keep=names, sensors=sensors, until=until)
     of_chain = {name: value for name, value in values.items() if name in OF_CHAIN}
     found = {str(m): float(m.from_table(table)[0]) for m in measures}
     # Incomplete peaks have no value.
-    return of_chain | {name: value for name, value in found.items() if np.isfinite(value)}
+    known = of_chain | {name: value for name, value in found.items() if np.isfinite(value)}
+    overlaps = table._overlaps[0, : chain.beads + 1]
+    return known, largest_overlap_ratio(dented, overlaps), dents_in_words(dented, overlaps)
 
 
 def _later_motion(problem: Design, chain: Chain, values: dict[str, float]) -> list[str]:

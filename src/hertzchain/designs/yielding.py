@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 from ..chain.chain import Chain
@@ -10,7 +9,14 @@ from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..recorded_warnings import ignore_warnings
 from ..simulation.simulate_many import tabulate_runs
-from ..simulation.yielding import MAX_BEADS, dented_chain, yields
+from ..simulation.yielding import (
+    MAX_BEADS,
+    UNKNOWN,
+    WithYield,
+    dented_chain,
+    largest_overlap_ratio,
+    yields,
+)
 from .measured import measured
 from .measures import RANGE, Measure, in_words
 
@@ -20,28 +26,33 @@ NOT_YIELDING: Final = ("largest_force", *RANGE)
 
 def value_if_yielding(
     chain: Chain, measure: Measure, overlaps: Array | None = None, until: float | None = None
-) -> float:
+) -> WithYield:
     """Value of a measure with `ElasticPlastic` contacts instead of elastic ones.
 
-    NaN if elastic contacts, with these largest overlaps or those of a simulation, do not yield, or
-    if the value is not known.
+    It is NaN if elastic contacts, with these largest overlaps or those of a simulation, do not
+    yield, or if the value is not known.
     """
     if chain.units != "SI" or chain.materials is None or chain.beads > MAX_BEADS:
-        return math.nan
+        return UNKNOWN
     dented = dented_chain(chain)
     if dented is None or not measure.columns or measure.key in NOT_YIELDING:
-        return math.nan
+        return UNKNOWN
     with ignore_warnings():
         # Those of the elastic chain are shown.
         if overlaps is None:
             overlaps = tabulate_runs([chain], until=until)._overlaps[0, : chain.beads + 1]
         if not yields(hertz_range(chain, overlaps)):
-            return math.nan
-        return float(measured([dented], [measure], until=until).values[0, 0])
+            return UNKNOWN
+        found = measured([dented], [measure], until=until)
+        table = found.table or tabulate_runs([dented], until=until)
+        ratio = largest_overlap_ratio(dented, table._overlaps[0, : chain.beads + 1])
+        return WithYield(float(found.values[0, 0]), ratio)
 
 
-def yielding_note(what: str, measure: Measure, elastic: float, yielding: float) -> str:
+def yielding_note(what: str, measure: Measure, elastic: float, yielding: WithYield) -> str:
     """A sentence with the value of contacts that yield, beside the elastic one."""
-    value = in_words(yielding, measure.unit, "SI")
-    part = f", {yielding / elastic:.1%} of the elastic value" if elastic else ""
+    value = in_words(yielding.value, measure.unit, "SI")
+    if yielding.outside:
+        return f"with contacts that yield, {what} is {value}, {yielding.caution}"
+    part = f", {yielding.value / elastic:.1%} of the elastic value" if elastic else ""
     return f"with contacts that yield, {what} is {value}{part}"

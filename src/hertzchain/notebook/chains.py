@@ -207,6 +207,12 @@ def scales_html(scales: Scales) -> str:
     return page("Scales", f"p = {scales.exponent:g}", table(("variable", "unit"), rows))
 
 
+def _yield_of_law(found: HertzRange) -> list[str]:
+    """Largest pressure, contact and limit, of contacts whose law describes yield."""
+    at = int(np.nanargmax(found.law_yield_ratio))
+    return [f"{found.law_yield_ratio[at]:.3g}", f"contact {at}", "1"]
+
+
 def hertz_range_html(found: HertzRange) -> str:
     """The largest of each ratio with its limit, and what is exceeded."""
     overlap, pressure = int(np.argmax(found.overlap_ratio)), found._most_loaded
@@ -218,6 +224,8 @@ def hertz_range_html(found: HertzRange) -> str:
     cells = [
         [name, f"{value:.3g}", place, f"{limit:g}", "exceeded" if value > limit else "within"]
         if value == value
+        else [name, *_yield_of_law(found), "law of the contact"]
+        if name == "pressure / yield" and not np.isnan(found.law_yield_ratio).all()
         else [name, "unknown", "-", f"{limit:g}", UNKNOWN_YIELD]
         for name, value, place, limit in rows
     ]

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.gridspec import GridSpecBase
 
+from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..collision import Array
 from ..designs.comparison import shown_chains
 from ..designs.curves import Curve, compared_curves, plotted_quantity
@@ -22,6 +23,7 @@ from ..designs.measures import USUAL, without_in_words
 from ..designs.objective import Objective
 from ..designs.pareto import beaten_if_yielding
 from ..designs.sensitivity import changes
+from ..designs.verified import WITH_YIELD
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from .colours import COLOURS, grey
@@ -147,7 +149,10 @@ def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes)
     peaks = {each.yields: f"{each.peak:.4g}{unit}" for each in curves if each.name == name}
     parts = [f"{name}, peak {peaks[False]}" if walled else name]
     if True in peaks:
-        parts.append(f"(dashed, with yield: {peaks[True]})" if walled else "(dashed: with yield)")
+        outside = any(each.outside for each in curves if each.name == name)
+        caution = f", {OUTSIDE_LAW}" if outside else ""
+        parts.append(f"(dashed, with yield: {peaks[True]}{caution})" if walled
+                     else f"(dashed: with yield{caution})")  # fmt: skip
     violated = violations(result, shown_chains(result)[name])
     parts[-1] += "," * len(violated)
     letter = CHARACTER * FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points()
@@ -280,17 +285,17 @@ def _draw_yielding_points(
 
     Both axes are given as the name of an objective and the factor to its unit.
     """
-    shifts = []
+    ends: dict[str, list[list[float]]] = {}
     for point in result.front:
         elastic, yielding = point.values, point.values | point.verified.yielding
         if point.verified.yielding:
-            shifts.append([[factor * values[name] for name, factor in (across, up)]
-                           for values in (elastic, yielding)])  # fmt: skip
-    if not shifts:
-        return
-    for begin, end in shifts:
-        axes.plot(*zip(begin, end, strict=True), ":", color=grey(axes, 0.6), linewidth=0.8)
-    axes.plot(*np.array(shifts)[:, 1].T, "x", color=COLOURS[2], label="with contacts that yield")
+            begin, end = ([factor * values[name] for name, factor in (across, up)]
+                          for values in (elastic, yielding))  # fmt: skip
+            axes.plot(*zip(begin, end, strict=True), ":", color=grey(axes, 0.6), linewidth=0.8)
+            ends.setdefault(point.verified.yielding_words, []).append(end)
+    for words, places in sorted(ends.items()):
+        mark = "x" if words == WITH_YIELD else "+"
+        axes.plot(*np.array(places).T, mark, color=COLOURS[2], label=words)
     if beaten := beaten_if_yielding(result.front, result.problem):
         values = [result.front[i].values | result.front[i].verified.yielding for i in beaten]
         x, y = ([factor * row[name] for row in values] for name, factor in (across, up))

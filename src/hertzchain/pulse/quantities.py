@@ -365,6 +365,10 @@ LARGEST_QUANTITIES: Final = _by_name(
             unit="m", scale="length", label="largest overlap $d_k$", per="contact", values="finite",
         ),
         Quantity(
+            "dent", "d_p", "residual overlap at which the contact opens after the whole run",
+            unit="m", scale="length", label="dent $d_{p,k}$", per="contact", values="finite",
+        ),
+        Quantity(
             "yield_ratio", "",
             "largest pressure of all contacts in the whole run over that at first yield",
             unit="1", scale="1", label="pressure / pressure at first yield", per="run",

@@ -187,6 +187,7 @@ class _KernelResults:
             found |= self._sensors(request.sensors)
         overlaps = self._overlaps(request)
         found["largest_overlap"] = overlaps[:, 1:-1]
+        found["dent"] = np.zeros_like(overlaps[:, 1:-1])  # the contacts are elastic
         if "yield_ratio" in keep:
             pairs = zip(self.chains, overlaps, strict=True)
             found["yield_ratio"] = np.array([largest_yield_ratio(*each) for each in pairs])
@@ -377,7 +378,7 @@ def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:
         found |= sensors_of_run(run, request.sensors)
     if any(name in FINAL_QUANTITIES for name in keep):
         found |= _final_of(run, options)
-    found["largest_overlap"] = run.largest_overlaps[1:-1]
+    found["largest_overlap"], found["dent"] = run.largest_overlaps[1:-1], run.dents[1:-1]
     if "yield_ratio" in keep:
         found["yield_ratio"] = largest_yield_ratio(chain, run.largest_overlaps)
     columns = {name: np.asarray(found[name], float)[np.newaxis] for name in keep}

@@ -15,6 +15,7 @@ from ..representation import short
 from ..validation.keywords import checked_methods
 from ..validation.objects import Progress, check_choice
 from .budget import Budget, budget_of
+from .contact_history import ContactHistory
 from .energy_flux import energy_flux_of
 from .find_reflection import reflection_of
 from .find_waves import find_waves
@@ -25,7 +26,6 @@ from .pulse_width import pulse_width_of
 from .run_message import recommended_horizon
 from .run_pulse import pulse_of
 from .sensor_force import sensor_force_of
-from .trajectory import Trajectory
 from .velocity_peaks import velocity_peaks_of
 from .wall_force import SIDES, WallForce, incomplete_peak, later_ends, wall_force_of
 
@@ -42,7 +42,7 @@ FEW: Final = 3
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class Run(Trajectory):
+class Run(ContactHistory):
     r"""The motion of a chain; the result of `hertzchain.simulate`.
 
     Beads have numbers from 1, arrays start at 0: :doc:`/reference/numbering`.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.contact_groups import dents
 from ..chain.scales import Scale, scale
 from ..collision import Array
 from ..errors import InputError
@@ -158,6 +159,57 @@ class State:
                     f"a run of a chain with {name} cannot be reversed: use a chain without {name}"
                 )
         return new_state(self.chain, self.arrays["y"][: self.chain.beads], -self.velocities)
+
+    def struck_again(self) -> State:
+        """The same impact again: beads that touch at their dents, at time 0.
+
+        The beads have the initial velocities of the chain, and every contact keeps the largest
+        overlap of the run.  A dented contact closes at its dent and follows the steeper curve of
+        unloading until its force exceeds that of the run; beyond, it yields further.  Beads touch
+        each other and the right wall, except for the gaps of the chain.
+
+        Raises
+        ------
+        InputError
+            If the chain has static forces, in which dented contacts have another equilibrium, or a
+            drive.
+
+        Examples
+        --------
+        A second impact of two balls at the same speed loses less energy, because most of the work
+        of yielding has been done:
+
+        >>> import hertzchain as hc
+        >>> pair = hc.Chain.from_materials("5 mm", "steel-52100", beads=2, velocity="2 m/s")
+        >>> first = hc.simulate(pair.replace(loss=hc.ElasticPlastic()), until="1 ms")
+        >>> second = hc.simulate(first.chain, start=first.state.struck_again(), until="1 ms")
+        >>> for run in (first, second):
+        ...     rebound = run.velocities[-1] @ [-1.0, 1.0] / 2.0
+        ...     print(f"restitution {rebound:.3f}, dent {1e6 * run.dents[1]:.2f} um")
+        restitution 0.786, dent 5.70 um
+        restitution 0.891, dent 7.58 um
+        """
+        chain = self.chain
+        static = bool(chain.static_state.forces.any())
+        for name, present in {"static forces": static, "a drive": chain.drive is not None}.items():
+            if present:
+                raise InputError(
+                    f"a chain with {name} cannot be struck again with its dents: use a chain "
+                    f"without {name}, or simulate both impacts in one run"
+                )
+        from ..kernels.contact_law import RELEASED
+
+        # That of a contact that is still loaded is recorded when it unloads.
+        closing = -np.diff(np.pad(self.arrays["y"][: chain.beads], 1)) - chain.static_state.gaps
+        largest = np.maximum(self.arrays["largest"], closing)
+        dented = dents(chain.contact_groups, largest)
+        fresh = first_state(chain)
+        # The last bead touches the right wall at its dent, and each bead the next one.
+        fresh.arrays["y"][: chain.beads] = np.cumsum(dented[:0:-1])[::-1]
+        closed = dented > 0.0
+        fresh.arrays["largest"][closed] = largest[closed]
+        fresh.arrays["mode"][closed] = RELEASED
+        return fresh
 
     def _repr_html_(self) -> str:
         from ..notebook.waves import state_html

@@ -26,7 +26,7 @@ from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from .budget import overlaps_of
 from .end_forces import force_on_end
-from .largest_overlaps import OPEN, largest_between, still_closed
+from .largest_overlaps import largest_between, still_closed
 from .run_end import NATURAL_ENDS, Status
 from .run_message import FAILURES, end_message, is_sensitive
 from .state import ACCUMULATOR_SCALES, ROW_SCALES, State
@@ -347,26 +347,6 @@ class Trajectory(ShortDir):
         k = bead_number(self.chain, bead, walls=True)
         outside = (force_on_end(self.chain, contact, self.times) for contact in (k - 1, k))
         return 0.5 * sum(outside, self.forces[:, k - 1] + self.forces[:, k])
-
-    def open_contacts(self) -> Array:
-        """Determine which contacts between beads are open at the saved times.
-
-        Returns
-        -------
-        ndarray of bool, shape (T, N - 1)
-            True for open contacts, including those that open at a permanent dent or whose force
-            is cut off.  Successive closed contacts hold a fragment of the chain together.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> run = hc.simulate(hc.Chain.tapered("backward-exponential", 0.1, beads=20))
-        >>> bool(run.open_contacts()[-1, :10].all())
-        True
-        """
-        overlaps = overlaps_of(self.chain, self.times, self.positions)[:, 1:-1]
-        released = (self.forces[:, 1:-1] == 0.0) & (overlaps > OPEN * self.largest_overlaps[1:-1])
-        return np.asarray((overlaps < 0.0) | released)
 
     def to_xarray(self) -> xr.Dataset:
         """Labelled dataset with coordinates ``time``, ``bead`` = 1..N and ``contact`` = 0..N.

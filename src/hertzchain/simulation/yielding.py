@@ -5,7 +5,9 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
 
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
@@ -20,6 +22,64 @@ if TYPE_CHECKING:
 
 # Longest chain for which a further simulation, of contacts with kinks, takes about a second.
 MAX_BEADS: Final = 100
+
+
+class WithYield(NamedTuple):
+    """A value with contacts that yield, and the largest overlap / radius of their run."""
+
+    value: float
+    overlap_ratio: float
+
+    @property
+    def outside(self) -> bool:
+        """Whether the overlap is outside the range of the law, so that the value is unknown."""
+        from ..chain.hertz_ratios import NO_PREDICTION
+
+        return self.overlap_ratio > NO_PREDICTION
+
+    @property
+    def caution(self) -> str:
+        """Words after a value outside the range of the law; otherwise empty."""
+        from ..chain.hertz_ratios import OUTSIDE_LAW
+
+        return f"{OUTSIDE_LAW} (overlap / radius {self.overlap_ratio:.2g})" if self.outside else ""
+
+
+UNKNOWN: Final = WithYield(math.nan, math.nan)
+
+
+def largest_overlap_ratio(chain: Chain, overlaps: Array) -> float:
+    """Largest overlap / radius of a chain of materials, from the overlaps of all contacts."""
+    from ..chain.hertz_ratios import contact_ratios
+
+    return float(contact_ratios(chain, overlaps)[0].max())
+
+
+def dents_in_words(chain: Chain, overlaps: Array) -> str:
+    """Contacts that have yielded and the deepest dent; empty if no law has dents."""
+    from ..chain.contact_groups import dents, law_yield_ratios
+    from ..chain.per_contact import contact_name, contacts_in_words
+
+    ratios, found = (each(chain.contact_groups, overlaps) for each in (law_yield_ratios, dents))
+    yielded = np.flatnonzero(ratios >= 1.0)
+    if not found.any():
+        if np.isnan(ratios).all():
+            return ""
+        at = int(np.nanargmax(ratios))
+        place = contact_name(at, chain.beads)
+        return f"no contact has yielded: pressure / yield {ratios[at]:.2g} at {place}"
+    at = int(found.argmax())
+    factor, unit = (1e6, " um") if chain.units == "SI" else (1.0, "")
+    depth = f"{factor * found[at]:.3g}{unit}"
+    text = f"deepest dent {depth} at {contact_name(at, chain.beads)}"
+    if len(yielded):
+        words = contacts_in_words(yielded, chain.beads)
+        verb = "has" if len(yielded) == 1 else "have"
+        text = f"{words} {verb} yielded; {text}"
+    if chain.materials is None or chain.units != "SI":
+        return text
+    caution = WithYield(float(found[at]), largest_overlap_ratio(chain, overlaps)).caution
+    return f"{text}, {caution}" if caution else text
 
 
 def pressures_below_yield(*runs: Run) -> list[str]:
@@ -91,7 +151,7 @@ def dented_chain(chain: Chain) -> Chain | None:
         return None
 
 
-def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> float | None:
+def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> WithYield | None:
     """Peak on the right wall of an elastic run that yields; `None` if it is not complete."""
     from ..chain.hertz_range import hertz_range
     from .simulate import simulate
@@ -110,4 +170,6 @@ def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> f
         except (InputError, SimulationError):
             return None
         wall = again._wall_force("right")
-    return wall.peak if wall.complete else None
+    if not wall.complete:
+        return None
+    return WithYield(wall.peak, largest_overlap_ratio(dented, again.largest_overlaps))

@@ -318,9 +318,9 @@ class _Batch:
 
     def _keep_largest(self, row: int, place: int, run: Run) -> None:
         """Keep the largest values of the whole run."""
-        if "largest_overlap" in self.whole:
-            found = run.largest_overlaps[1:-1]
-            self.whole["largest_overlap"][row, place, : len(found)] = found
+        for name, found in (("largest_overlap", run.largest_overlaps), ("dent", run.dents)):
+            if name in self.whole:
+                self.whole[name][row, place, : len(found) - 2] = found[1:-1]
         if "yield_ratio" in self.single:
             ratio = largest_yield_ratio(run.chain, run.largest_overlaps)
             self.single["yield_ratio"][row, place] = ratio

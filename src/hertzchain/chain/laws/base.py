@@ -110,10 +110,13 @@ class Loss(Part):
         Name in chain files.
     yields : bool
         Whether the law itself describes contacts beyond first yield.
+    leaves_dents : bool
+        Whether contacts may open at a residual overlap.
     """
 
     name: ClassVar[str]
     yields: ClassVar[bool] = False
+    leaves_dents: ClassVar[bool] = False
 
     def __init_subclass__(cls, *, name: str, **more: Any) -> None:
         super().__init_subclass__(**more)
@@ -195,6 +198,14 @@ class Loss(Part):
         """Overlaps of the largest forces that energies >= 0 can cause, after any loading."""
         p = contacts.exponent
         return np.asarray(((p + 1.0) * energy / contacts.stiffness) ** (1.0 / (p + 1.0)))
+
+    def dent(self, largest: Array, contacts: ContactArrays) -> Array:
+        """Residual overlaps at which contacts open after these largest overlaps."""
+        return np.zeros(len(contacts.stiffness))
+
+    def yield_ratio(self, largest: Array, contacts: ContactArrays) -> Array:
+        """Largest pressure over the yield pressure of the law; NaN if it has none."""
+        return np.full(len(contacts.stiffness), math.nan)
 
     def damper(self, contacts: ContactsAtRest) -> Array:
         """Damping constants for small motions; `InputError` if no motion is small enough."""

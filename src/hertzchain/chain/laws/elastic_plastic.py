@@ -39,13 +39,15 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
     where R is the effective radius and :math:`E^*` the effective modulus that the stiffness
     :math:`k = \frac43 E^* \sqrt{R}` implies.  Below the largest overlap so far,
     :math:`d_m` with force :math:`F_m`, the contact unloads and reloads as a Hertz contact of the
-    larger radius :math:`R_p`, and opens at the dent :math:`d_p`:
+    larger radius :math:`R_p`, and opens at the dent :math:`d_p`, which `hertzchain.Run` has as
+    ``dents``:
 
     .. math::
 
         F = \tfrac43 E^* \sqrt{R_p}\,(d - d_p)_+^{3/2}, \qquad
         R_p = \frac{4 E^*}{3 F_m} \left(\frac{2 F_m + F_y}{2 \pi p_y}\right)^{3/2}
-            = R\,\frac{k\,d_m^{3/2}}{F_m} .
+            = R\,\frac{k\,d_m^{3/2}}{F_m} , \qquad
+        d_p = d_m - \frac{F_m}{k \sqrt{d_m}} .
 
     A collision with the speed v has the restitution (1 up to the yield speed :math:`v_y`)
 
@@ -80,6 +82,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
     """
 
     yields = True
+    leaves_dents = True
     yield_pressure: float | None = parameter(
         "yield pressure", "largest pressure in a contact", "pressure", default=None,
         above=0.0,
@@ -191,6 +194,20 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
             root = (elastic / first) ** 1.25
             most = first * _descended(step, ((root + 0.5) / 1.5) ** (1.0 / 3.0)) ** 4
         return np.where(elastic > first, most, elastic)
+
+    def dent(self, largest: Array, contacts: ContactArrays) -> Array:
+        first = self.strength(contacts)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            s = np.sqrt(largest / first)
+            # d_p = d_m - F_m/(k d_m^(1/2)) in units of the point of yield, without cancellation.
+            found = first * (s - 1.0) ** 2 * (s + 0.5) / s
+        return np.where((largest > first) & (contacts.stiffness > 0.0), found, 0.0)
+
+    def yield_ratio(self, largest: Array, contacts: ContactArrays) -> Array:
+        first = self.strength(contacts)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.minimum(np.sqrt(largest / first), 1.0)
+        return np.where(contacts.stiffness > 0.0, ratio, math.nan)
 
     def damper(self, contacts: ContactsAtRest) -> Array:
         if np.any(contacts.overlap > self.strength(contacts)):

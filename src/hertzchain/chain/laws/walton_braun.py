@@ -48,6 +48,7 @@ class WaltonBraun(Loss, name="walton-braun"):
     WaltonBraun(ratio=0.81)
     """
 
+    leaves_dents = True
     ratio: float = parameter(
         "ratio K1/K2 of loading to unloading", "stiffness of loading over that of unloading",
         fraction=True, above=0.0, most=1.0,
@@ -64,6 +65,9 @@ class WaltonBraun(Loss, name="walton-braun"):
 
     def largest_overlap(self, energy: Array, contacts: ContactArrays) -> Array:
         return super().largest_overlap(energy / self.ratio, contacts)
+
+    def dent(self, largest: Array, contacts: ContactArrays) -> Array:
+        return np.asarray((1.0 - self.ratio) * largest)
 
     def damper(self, contacts: ContactsAtRest) -> Array:
         if self.ratio < 1.0:

@@ -10,13 +10,13 @@ from hertzchain.chain.laws import Loss
 REFERENCE = Path(__file__).parent / "reference"
 # Methods that only authors of a law need (docs/how-to/extend.md).
 OF_AUTHORS = {
-    "damper", "largest_overlap", "loading_force", "loading_overlap", "resolved", "row",
-    "stored_energy", "strength",
+    "damper", "dent", "largest_overlap", "loading_force", "loading_overlap", "resolved", "row",
+    "stored_energy", "strength", "yield_ratio",
 }  # fmt: skip
 # Members of classes that have further ones, for other modules of the package.
 ONLY = {
     "Wall": {"of", "rigid"},
-    "State": {"time", "positions", "velocities", "reversed"},
+    "State": {"time", "positions", "velocities", "reversed", "struck_again"},
 }
 # Classes whose objects are results of functions; their arguments are not shown.
 MADE_BY_FUNCTIONS = {

@@ -660,7 +660,7 @@ def test_points_of_a_front_that_yield_beats_are_marked_and_the_verification_is_r
     monkeypatch.setattr(pareto, "INTERVAL", 0.0)
     monkeypatch.setattr(pareto, "write_current", lines.append)
     chain = hc.Chain.from_materials("5 mm", "steel-52100", beads=4, velocity=0.0)
-    chain = chain.struck_by(diameter="20 mm", velocity="1 m/s")
+    chain = chain.struck_by(diameter="20 mm", velocity="0.3 m/s")
     kinds = hc.vary.balls(
         materials=["steel-52100", "ptfe"], diameters=["4.7625 mm", "7.9375 mm"], beads="2:",
         optional=True,
@@ -675,8 +675,12 @@ def test_points_of_a_front_that_yield_beats_are_marked_and_the_verification_is_r
         f"hertzchain: verified {i} of {count} points of the Pareto front"
         for i in range(1, count + 1)
     ]
-    forces = [(point.values | point.verified.yielding)["wall_force.peak"] for point in found.front]
-    lengths = [point.values["length"] for point in found.front]
+    # One point is outside the range of the law of yield, and is not compared.
+    outside = [point.verified.yielding_overlap_ratio > 0.1 for point in found.front]
+    assert outside == [i == 5 for i in range(count)]
+    kept = [point for point, far in zip(found.front, outside, strict=True) if not far]
+    forces = [(point.values | point.verified.yielding)["wall_force.peak"] for point in kept]
+    lengths = [point.values["length"] for point in kept]
     beaten = [
         (1e3 * length, force) for force, length in zip(forces, lengths, strict=True)
         if any(f <= force and x <= length and (f, x) != (force, length)
@@ -686,6 +690,14 @@ def test_points_of_a_front_that_yield_beats_are_marked_and_the_verification_is_r
     axes = found.plot("front")
     (marks,) = (line for line in axes.lines if str(line.get_label()).startswith("beaten"))
     assert sorted(marks.get_xydata().tolist()) == pytest.approx(np.array(sorted(beaten)))
+    words = "with contacts that yield, outside the range of the law"
+    (cross,) = (line for line in axes.lines if line.get_label() == words)
+    assert len(cross.get_xdata()) == 1
+    assert "1 of the 7 points is outside the range of the law" in found.summary()
+    lines = [line for line in found.summary().splitlines() if re.match(r"  \d+: wall_force", line)]
+    assert [words in line for line in lines] == outside
+    ranges = [point["yielding_within_range"] for point in found.as_dict()["front"]]
+    assert ranges == [not each for each in outside]
     assert axes.get_xlabel() == "length of the chain without the striker [mm]"
     # The striker is shaded where changes of the objective are plotted.
     panel = found.plot("sensitivity")
@@ -723,6 +735,72 @@ def test_a_comparison_that_contacts_that_yield_reverse_says_so(partly_yielding):
     assert entry["value"] == 2.0 * force
     assert entry["value_with_yielding_contacts"] == 0.5 * force
     assert entry["yielding_reverses_comparison"]
+
+
+@pytest.fixture
+def far_outside():
+    """A design of PTFE and steel balls whose overlaps with yield are a third of the radius."""
+    chain = hc.Chain.from_materials(
+        "5 mm", "ptfe", beads=5, velocity=0.0, right_wall=hc.Wall.of("steel-52100")
+    )
+    chain = chain.struck_by(mass="200 g", radius=np.inf, material="steel-52100", velocity="2 m/s")
+    kinds = hc.vary.balls(materials=["steel-52100", "ptfe"], diameters=["9.525 mm"])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return hc.design(hc.Design(chain, minimise="wall_force.peak", vary=[kinds]))
+
+
+def test_values_with_yield_outside_the_range_of_the_law_are_not_compared(far_outside):
+    found, name = far_outside, "wall_force.peak"
+    dented = found.chain.replace(loss=hc.ElasticPlastic())
+    with pytest.warns(hc.ModelRangeWarning, match="beyond 0.1, forces are not a prediction"):
+        run = hc.simulate(dented)
+    ratio = hc.hertz_range(dented, run.largest_overlaps).overlap_ratio.max()
+    assert ratio > 0.1
+    assert found.verified.yielding[name] == pytest.approx(run.wall_force().peak, rel=1e-3)
+    assert found.verified.yielding_overlap_ratio == pytest.approx(ratio, rel=1e-3)
+    assert not found.verified.yielding_within_range
+    value = found.verified.yielding[name]
+    line = f"{value:.4g} N, outside the range of the law (overlap / radius {ratio:.2g})"
+    assert f"  the same chain with contacts that yield, loss=ElasticPlastic(): {line}" in (
+        found.summary()
+    )
+    assert "have yielded" not in found.summary()
+    # The other chain has a larger elastic force, and a smaller one with yield.
+    values = found.verified.values
+    other = dataclasses.replace(
+        found.verified, values=values | {name: 2.0 * found.value},
+        yielding=found.verified.yielding | {name: 0.5 * value},
+    )  # fmt: skip
+    both = dataclasses.replace(
+        found, references={"row": other}, compared={"row": 1}, runners_up=(other,)
+    )
+    (line,) = (line for line in both.summary().splitlines() if line.startswith("  row: "))
+    assert line.endswith(f"({0.5 * value:.4g} N with contacts that yield, outside the range of the "
+                         "law); this design: 50.0% of this value")  # fmt: skip
+    assert "runner-up 1" not in both.summary()
+    document = both.as_dict()
+    (entry,) = document["references"].values()
+    assert entry["yielding_reverses_comparison"] is None
+    assert document["better_if_yielding"] is None
+    for each in (entry, document):
+        assert each["yielding_within_range"] is False
+        assert each["yielding_overlap_ratio"] == pytest.approx(ratio, rel=1e-3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        axes = found.plot("forces")
+    texts = [text.get_text().replace("\n", " ") for text in axes.get_legend().get_texts()]
+    assert f"(dashed, with yield: {value:.4g} N, outside the range of the law)" in texts[-1]
+
+
+def test_the_summary_of_a_design_states_dents(partly_yielding):
+    point = next(point for point in partly_yielding.front if point.verified.yielding)
+    run = hc.simulate(point.chain.replace(loss=hc.ElasticPlastic()), rtol=1e-9)
+    text = f"deepest dent {1e6 * run.dents.max():.3g} um at contact {run.dents.argmax()}"
+    assert text in point.verified.dents
+    assert point.as_dict()["dents"] == point.verified.dents
+    single = dataclasses.replace(point, front=())
+    assert f"\n  {point.verified.dents}\n" in single.summary()
 
 
 def test_the_row_of_equal_balls_is_named_and_a_search_that_does_not_beat_it_says_so():

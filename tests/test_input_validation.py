@@ -24,7 +24,7 @@ RESULTS = (
 # Methods for internal use, whose arguments have been checked.
 INTERNAL = (
     "factors", "row", "strength", "resolved", "loading_force", "loading_overlap", "stored_energy",
-    "largest_overlap", "damper",
+    "largest_overlap", "damper", "dent", "yield_ratio",
 )  # fmt: skip
 LAWS = {
     "Dashpot": hc.Dashpot(0.1), "Elastic": hc.Elastic(), "Restitution": hc.Restitution(0.9),

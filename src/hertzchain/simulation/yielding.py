@@ -7,8 +7,6 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-import numpy as np
-
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
 from ..representation import measure
@@ -57,6 +55,8 @@ def largest_overlap_ratio(chain: Chain, overlaps: Array) -> float:
 
 def dents_in_words(chain: Chain, overlaps: Array) -> str:
     """Contacts that have yielded and the deepest dent; empty if no law has dents."""
+    import numpy as np
+
     from ..chain.contact_groups import dents, law_yield_ratios
     from ..chain.per_contact import contact_name, contacts_in_words
 

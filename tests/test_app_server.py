@@ -213,6 +213,17 @@ def test_the_peak_with_contacts_that_yield_is_stated():
     assert computed(lossy)["run"][0]["peaks"]["right"]["yielding"] is None
 
 
+def test_a_peak_with_yield_outside_the_range_of_the_law_says_so():
+    row = {"diameters": "10 mm", "beads": 5, "materials": "ptfe", "right_wall": {}}
+    peak = computed({"chain": {**row, "velocity": "20 m/s"}})["run"][0]["peaks"]["right"]
+    label, value, time = peak["shown"][1]
+    assert label == "peak if contacts yield, outside the range of the law"
+    assert 0.0 < value < peak["first"]
+    assert time is None
+    # The table of two chains does not compare it.
+    assert peak["yielding"] is None
+
+
 def test_the_pressure_of_each_contact_is_compared_with_yield():
     chain = {"diameters": ["6 mm", "4 mm", "5 mm"], "materials": "steel-52100",
              "velocity": "0.2 m/s", "right_wall": {"material": "steel-52100"}}  # fmt: skip

@@ -1086,6 +1086,36 @@ def test_sensitivity_and_scatter_of_elastic_contacts_that_would_yield(run, tmp_p
     assert slow["nominal_with_yielding_contacts"] is None
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_values_with_yield_outside_the_range_of_the_law_have_no_percentage(run):
+    fast = ("--material", "ptfe", "--diameter", "10 mm", "--beads", 5, "--speed", "20 m/s",
+            "--wall", "same")  # fmt: skip
+    chain = hertzchain.Chain.from_materials(
+        5e-3, "ptfe", beads=5, velocity=20.0, right_wall=hertzchain.Wall(),
+        loss=hertzchain.ElasticPlastic(),
+    )  # fmt: skip
+    found = hertzchain.simulate(chain)
+    ratio = hertzchain.hertz_range(chain, found.largest_overlaps).overlap_ratio.max()
+    assert ratio > 0.1
+    caution = f" N, outside the range of the law (overlap / radius {ratio:.2g})"
+    peak = found.wall_force().peak
+    for command in (("sensitivity", *fast), ("scatter", *fast, "--scatter", "1%", "--chains", 5)):
+        out = run(*command)[1]
+        assert f"{peak:.4g}{caution} (--loss elastic-plastic)" in out
+        assert "of the elastic value" not in out
+        document = json.loads(run(*command, "--json")[1])
+        assert document["yielding_within_range"] is False
+        assert document["yielding_overlap_ratio"] == pytest.approx(ratio, rel=1e-3)
+    out = run("simulate", *fast)[1]
+    shown = f"peak with contacts that yield: {peak:.5g} N (--loss elastic-plastic), {caution[4:]}"
+    assert shown in out
+    document = json.loads(run("simulate", *fast, "--json")[1])
+    assert document["yielding_within_range"] is False
+    assert document["yielding_overlap_ratio"] == pytest.approx(ratio, rel=1e-3)
+    slow = json.loads(run("simulate", *fast[:-3], "1 m/s", "--wall", "same", "--json")[1])
+    assert slow["yielding_within_range"] is True
+
+
 def test_sensitivity_of_contacts_that_yield_is_found_by_differences(run):
     dented = (*YIELDING, "--loss", "elastic-plastic")
     found = json.loads(run("sensitivity", *dented, "--json")[1])

@@ -124,8 +124,8 @@ USUAL_TIMES: Final = 400
 @click.option(
     "--contacts",
     is_flag=True,
-    help="Print the materials and, for each contact, its stiffness, largest overlap and largest "
-    "pressure over that at first yield.",
+    help="Print the materials and, for each contact, its stiffness, largest overlap, largest "
+    "pressure over that at first yield and, with a loss that leaves dents, its dent.",
 )
 @click.option(
     "--waves", is_flag=True, help="Print the travelling waves: pulses, trains and reflections."

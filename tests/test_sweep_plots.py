@@ -2,6 +2,7 @@
 
 import itertools
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.legend import Legend
@@ -125,3 +126,64 @@ def test_plots_of_errors_omit_the_reference_and_mark_the_right_curves():
     assert (shown.get_color() in colours.values()) == (len(marked) == 1)
     # Curves have the colours that they have beside the reference.
     assert hc.plot_sweep(found, "velocity", bead=20).lines[1].get_color() == colours["bca"]
+
+
+@pytest.fixture(scope="module")
+def walls():
+    """A sweep in SI units over two axes, some of whose points have flags."""
+    chain = {"radii": 5e-3, "materials": "steel-52100", "beads": 3, "right_wall": {}}
+    chain["struck_by"] = {"mass": 4e-3, "velocity": 0.1}
+    axes = {"radii": {"linspace": ["2 mm", "5 mm", 7]}, "beads": [3, 4, 5, 6, 7, 8, 9]}
+    found = swept(chain, axes, methods=["simulate"], keep=["wall_peak_force"]).load()
+    found.outside_range[0, :2] = 1
+    found["sensitive"] = (0 * found.outside_range).rename("sensitive")
+    found.sensitive[0, 1], found.sensitive[3, 4] = 1, 1
+    return found
+
+
+@pytest.mark.parametrize("title", ["", "Ten balls against a steel plate"])
+@pytest.mark.parametrize("width", [None, "single column"])
+def test_the_legend_of_a_map_is_below_its_axes(walls, title, width):
+    with hc.figure_style(width):
+        axes = hc.plot_sweep(walls.assign_attrs(title=title))
+    figure = axes.figure
+    for dpi in (100, 300):
+        figure.set_dpi(dpi)
+        figure.draw_without_rendering()
+        box = axes.get_legend().get_window_extent()
+        assert box.y1 <= axes.xaxis.label.get_window_extent().y0
+        assert min(box.x0, box.y0) >= 0.0
+        assert box.x1 <= figure.bbox.x1
+    # The figure is taller by the legend; the axes keep their height.
+    assert axes.bbox.height > 0.6 * figure.bbox.height
+
+
+def test_legends_of_maps_in_panels_are_in_the_figure(walls):
+    with hc.figure_style():
+        figure, panels = plt.subplots(1, 2, figsize=(9.6, 3.8))
+        for axes in panels:
+            hc.plot_sweep(walls, ax=axes)
+        figure.draw_without_rendering()
+    for axes in panels:
+        box = axes.get_legend().get_window_extent()
+        assert 0.0 <= box.y0 < box.y1 <= axes.xaxis.label.get_window_extent().y0
+
+
+def test_sensitive_points_of_maps_and_curves_are_marked(walls):
+    axes = hc.plot_sweep(walls)
+    assert axes.get_title().endswith("2 points sensitive to small changes")
+    marks = {each.get_label(): each.get_offsets().tolist() for each in axes.collections}
+    assert marks["sensitive to small changes"] == [[2.0, 4.0], [3.5, 7.0]]
+    curve = hc.plot_sweep(walls, beads=7)
+    handles, labels = curve.get_legend_handles_labels()
+    shown = handles[labels.index("sensitive to small changes")]
+    marks = [line for line in curve.lines if line.get_marker() == shown.get_marker() != "None"]
+    points = [line.get_xydata().tolist() for line in marks if len(line.get_xdata())]
+    assert [[3.5, float(walls.wall_peak_force[3, 4, 0])]] in points
+
+
+@pytest.mark.parametrize(("beads", "count"), [(3, ""), (4, "1 point"), (7, "1 point")])
+def test_only_points_in_the_plot_are_counted(walls, beads, count):
+    title = hc.plot_sweep(walls, beads=beads).get_title()
+    assert title.partition(" sensitive")[0].partition("; ")[2] == count
+    assert ("sensitive" in title) == bool(count)

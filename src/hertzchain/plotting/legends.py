@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any, Final
 
 import numpy as np
@@ -15,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.path import Path
 from matplotlib.text import Text
-from matplotlib.transforms import Bbox
+from matplotlib.transforms import Bbox, ScaledTranslation
 
 # Corners first.
 PLACES: Final = (
@@ -41,6 +42,8 @@ MAX_SHARE: Final = 0.5
 # Distance [points] of a title from a legend, whose height varies with the resolution of a file.
 TITLE_DISTANCE: Final = 8.0
 ROUNDING: Final = 1.05
+# Fewest letters of a line of a legend below a narrow panel, and those as wide as its handle.
+MIN_LETTERS, HANDLE_LETTERS = 12, 4
 POINTS_PER_INCH: Final = 72.0
 
 
@@ -77,6 +80,41 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
             framealpha=0.8,
             **compact,
         ).set_in_layout(False)
+
+
+def place_legend_below(axes: Axes, *, own: bool = False) -> Legend:
+    """Add a legend below the label of the x axis.
+
+    A figure that was made for these axes becomes taller by the height of the legend.
+    """
+    figure = figure_of(axes)
+    compact = {} if own else _compact(axes)
+    figure.draw_without_rendering()
+    lowest = axes.xaxis.get_tightbbox() or axes.bbox
+    # In inches, because a layout or a taller figure changes the height of the axes.
+    depth = (lowest.y0 - axes.bbox.y0) / figure.dpi
+    below = axes.transAxes + ScaledTranslation(0.0, depth, figure.dpi_scale_trans)
+    left, right = (figure.bbox.x0, figure.bbox.x1) if own else (axes.bbox.x0, axes.bbox.x1)
+    place: dict[str, Any] = {
+        "loc": "upper left", "bbox_transform": below,
+        "bbox_to_anchor": ((left - axes.bbox.x0) / axes.bbox.width, 0.0),
+    }  # fmt: skip
+    handles, labels = axes.get_legend_handles_labels()
+    for columns in range(len(labels), 0, -1):
+        legend = axes.legend(ncols=columns, **{**COMPACT, **compact}, **place)
+        width = legend.get_window_extent().width
+        if width <= right - left:
+            break
+    else:
+        # A layout would make the axes narrower.
+        letters = max(map(len, labels))
+        room = max(MIN_LETTERS, int(letters * (right - left) / width) - HANDLE_LETTERS)
+        wrapped = [textwrap.fill(label, room) for label in labels]
+        legend = axes.legend(handles, wrapped, **{**COMPACT, **compact}, **place)
+    if own:
+        height = legend.get_window_extent().height / figure.dpi
+        figure.set_figheight(figure.get_figheight() + height)
+    return legend
 
 
 def _compact(axes: Axes) -> dict[str, Any]:

@@ -13,24 +13,23 @@ from .pulses import LINES, label_free_end
 from .style import MARKERS, label_log_axis
 from .sweep_axes import free_end, places_of, set_axis
 from .sweep_labels import coordinate_text, quantity_label
+from .sweep_marks import label_marks, mark_curve
 
 if TYPE_CHECKING:
     import xarray as xr
 
 # Largest number of symbols of a curve.
 MAX_SYMBOLS: Final = 40
-# Marks of values outside the range of a method, behind their symbols.
-MARK: Final[dict[str, Any]] = {
-    "linestyle": "none", "marker": "o", "alpha": 0.3, "markersize": 8.0, "markeredgecolor": "none",
-}  # fmt: skip
 
 
 def draw_curves(
-    drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, log: bool, first: int = 0
-) -> None:
+    drawn: xr.DataArray, flags: Mapping[str, xr.DataArray], axes: Axes, *, by: str, log: bool,
+    law: bool, first: int = 0,
+) -> None:  # fmt: skip
     """Draw one curve for each method or value of a short axis, in colours from the first one.
 
     Of several methods for each value, the colour shows the value, and line and symbol the method.
+    Flagged points are marked; with ``law``, Hertz's law has a range, too.
     """
     grouped = by != "approach" and "approach" in drawn.dims
     along = next(name for name in drawn.dims if name not in (by, "approach"))
@@ -38,11 +37,11 @@ def draw_curves(
     own = drawn["approach"].to_numpy().tolist() if grouped else names if by == "approach" else []
     methods = own or [None] * len(names)
     looks = _looks(methods, first, ordered=_ordered(drawn[along]))
-    free, marked = False, set[str]()
+    free, marked = False, dict[str, set[str]]()
     for i in range(len(names)):
         for j in range(len(methods)) if grouped else [i]:
             chosen = {} if names[i] is None else {by: i} | ({"approach": j} if grouped else {})
-            curve, flags = drawn.isel(chosen), outside.isel(chosen)
+            curve = drawn.isel(chosen)
             if log and by == "approach" and len(names) > 1 and not (curve > 0.0).any():
                 # Errors that are all negative have no place on a logarithmic scale.
                 continue
@@ -62,16 +61,14 @@ def draw_curves(
                 label=coordinate_text(curve[by], by) if labelled else None,
                 **looks[j],
             )
-            if flags.any():
-                axes.plot(places[flags.values], curve[flags.values], color=colour, **MARK)
-                marked.add(colour)
+            flagged = {kind: each.isel(chosen) for kind, each in flags.items()}
+            for kind in mark_curve(axes, places, curve, flagged, colour):
+                marked.setdefault(kind, set()).add(colour)
     if grouped:
         _label_groups(drawn, axes, by, looks)
     if free:
         label_free_end(axes)
-    if marked:
-        one = marked.pop() if len(marked) == 1 else grey(axes, 0.4)
-        axes.plot([], [], color=one, label=str(outside.name), **MARK)
+    label_marks(axes, marked, law=law)
     axes.set_ylabel(quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
     if log:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Hashable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PathCollection
 from matplotlib.colors import LogNorm
 
 from ..collision import Array
@@ -21,7 +19,7 @@ from ..units import PERCENT
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list
-from .colours import grey, signed_map
+from .colours import signed_map
 from .legends import place_legend
 from .style import figure_style, get_axes, label_log_axis, literal, set_title
 from .sweep_axes import edges_of, places_of, set_axis
@@ -35,7 +33,7 @@ from .sweep_labels import (
     short_value,
     with_symbols,
 )
-from .widths import NARROW, figure_size
+from .sweep_marks import mark_cells
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,12 +48,6 @@ PLACES, SAME = ("bead", "contact", "point"), 1e-9
 MAX_CURVES: Final = 6
 # Colour map of values of one sign.
 SEQUENTIAL: Final = "viridis"
-# Total area of the markers of all cells of a map, in square points.
-MARKED_AREA: Final = 9000.0
-# Largest area of one of them, which those of the legend have, in square points.
-LEGEND_AREA: Final = 24.0
-# Longest line of the legend of a narrow figure.
-LEGEND_LINE: Final = 32
 
 
 @checked_arguments("plot_sweep")
@@ -71,8 +63,9 @@ def plot_sweep(
 ) -> Axes:
     """Plot one quantity of a sweep: curves over one axis, or a map over two.
 
-    Markers show points outside the range of a method or of Hertz's law and, in maps, points that
-    have failed, are missing or not complete.
+    Markers show points outside the range of a method or of Hertz's law, points whose largest force
+    on a wall is not complete or sensitive to small changes and, in maps, points that have failed or
+    are missing.
 
     If one of two axes has at most six values, the plot has one curve per value of the shorter axis
     instead of a map; with several methods, the colour of a curve shows the value, and its line and
@@ -147,12 +140,14 @@ def plot_sweep(
     by = "approach" if len(along) == 1 else short
     with figure_style():
         axes = get_axes(ax)
+        flagged = _flagged(dataset, drawn, at)
+        # Scaled chains have no materials, and therefore no range of Hertz's law.
+        law = dataset.attrs.get("units") == "SI"
         if by is not None:
-            outside = _outside(dataset, drawn, at).rename(_outside_label(dataset))
-            draw_curves(drawn, outside, axes, by=by, log=log, first=_first_colour(dataset, drawn))
+            draw_curves(drawn, flagged, axes, by=by, log=log, law=law,
+                        first=_first_colour(dataset, drawn))  # fmt: skip
         else:
             _map(drawn, axes, log=log, levels=levels)
-            _mark_cells(dataset, drawn, axes, at, own=ax is None)
         caption = [literal(str(dataset.attrs.get("title", "")))]
         only = {"approach"} if dataset.sizes.get("approach") == 1 else set()
         caption += [
@@ -162,9 +157,11 @@ def plot_sweep(
         if reference is not None:
             caption.append(f"relative to {METHODS.get(reference, reference)}")
         for flag, words in FLAGGED_PEAKS.items():
-            flagged = int(dataset[flag].any("approach").sum()) if flag in dataset else 0
-            caption += [f"{counted(flagged, 'point')} {words}"] * bool(flagged)
+            count = _number_of_points(flagged[flag]) if flag in flagged else 0
+            caption += [f"{counted(count, 'point')} {words}"] * bool(count)
         set_title(axes, "; ".join(part for part in caption if part))
+        if by is None:
+            mark_cells(axes, drawn, flagged, law=law, own=ax is None)
         several = by in drawn.dims or len(axes.get_legend_handles_labels()[1]) > 1
         if by is not None and legend and several:
             place_legend(axes, own=ax is None)
@@ -250,14 +247,26 @@ def _flags(dataset: xr.Dataset, name: str, at: Mapping[str, Any]) -> xr.DataArra
     return _selected_at(flags, {each: at[each] for each in at if each in known})
 
 
-def _outside(dataset: xr.Dataset, drawn: xr.DataArray, at: Mapping[str, Any]) -> xr.DataArray:
-    """Whether a theory was outside its range, for each plotted value."""
-    if "outside_range" not in dataset or "approach" not in drawn.coords:
-        return drawn.copy(data=np.zeros(drawn.shape, dtype=bool))
-    flags = _flags(dataset, "outside_range", at).astype(bool)
-    if "approach" in flags.dims:
-        flags = flags.sel(approach=drawn["approach"])
-    return flags.broadcast_like(drawn)
+def _flagged(
+    dataset: xr.Dataset, drawn: xr.DataArray, at: Mapping[str, Any]
+) -> dict[str, xr.DataArray]:
+    """Whether each plotted value failed, is missing, or is subject to a reservation, by kind."""
+    status = _flags(dataset, "status", at).broadcast_like(drawn)
+    flagged = {"failed": status == FAILED, "missing": status == MISSING}
+    for name in FLAGS:
+        if name not in dataset or "approach" not in drawn.coords:
+            continue
+        flags = _flags(dataset, name, at).astype(bool)
+        if "approach" in flags.dims:
+            flags = flags.sel(approach=drawn["approach"])
+        flagged[name] = flags.broadcast_like(drawn) & ~flagged["failed"] & ~flagged["missing"]
+    return flagged
+
+
+def _number_of_points(flags: xr.DataArray) -> int:
+    """Number of points at which at least one plotted value is flagged."""
+    within = [name for name in ("approach", *PLACES[:2]) if name in flags.dims]
+    return int(flags.any(within).sum())
 
 
 def _check_done(dataset: xr.Dataset, at: Mapping[str, Any]) -> None:
@@ -376,51 +385,3 @@ def _colours(values: Array) -> tuple[str, float | None, float | None]:
     """Colour map and limits: white at 0 if both signs occur."""
     colours, low, high = signed_map(values)
     return (colours, low, high) if low < 0.0 < high else (SEQUENTIAL, None, None)
-
-
-def _outside_label(dataset: xr.Dataset) -> str:
-    """Scaled chains have no materials, and therefore no range of Hertz's law."""
-    law = " or of Hertz's law" if dataset.attrs.get("units") == "SI" else ""
-    text = f"outside the range of the method{law}"
-    return textwrap.fill(text, LEGEND_LINE) if figure_size(NARROW, 1.0)[0] < NARROW else text
-
-
-def _mark_cells(
-    dataset: xr.Dataset, drawn: xr.DataArray, axes: Axes, at: Mapping[str, Any], *, own: bool
-) -> None:
-    """Mark cells outside the range of a method, incomplete ones and those that failed."""
-    status = _flags(dataset, "status", at).broadcast_like(drawn)
-    dark = grey(axes, 0.1)
-    kinds: dict[str, tuple[xr.DataArray, dict[str, Any]]] = {
-        "failed": (status == FAILED, {"marker": "x", "c": dark, "linewidths": 1.0}),
-        "missing, not computed yet": (
-            status == MISSING, {"marker": "_", "c": dark, "linewidths": 1.0}
-        ),
-    }  # fmt: skip
-    if "incomplete" in dataset:
-        incomplete = _flags(dataset, "incomplete", at).astype(bool).broadcast_like(drawn)
-        kinds["not complete"] = (
-            incomplete,
-            {"marker": "+", "c": dark, "linewidths": 1.0},
-        )
-    if "outside_range" in dataset:
-        kinds[_outside_label(dataset)] = (
-            _outside(dataset, drawn, at) & (status != FAILED) & (status != MISSING),
-            {"marker": "o", "c": "white", "edgecolors": "black", "linewidths": 0.5},
-        )
-    down, across = drawn.dims[1], drawn.dims[0]
-    x, y = np.meshgrid(places_of(drawn[across]), places_of(drawn[down]))
-    size = min(LEGEND_AREA, MARKED_AREA / drawn.size)
-    for label, (flags, style) in kinds.items():
-        there = flags.transpose(down, across).to_numpy().astype(bool)
-        if there.any():
-            axes.scatter(x[there], y[there], size, label=label, zorder=3.0, **style)
-    if axes.get_legend_handles_labels()[1]:
-        if own:
-            place_legend(axes, own=True)
-        else:
-            axes.legend(loc="upper left", bbox_to_anchor=(0.0, -0.15), fontsize=8)
-        # Markers of many cells are small; those of the legend are legible.
-        for handle in axes.get_legend().legend_handles:  # type: ignore[union-attr]
-            if isinstance(handle, PathCollection):
-                handle.set_sizes([LEGEND_AREA])

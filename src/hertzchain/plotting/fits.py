@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 
 from ..fitting.shown_values import SHOWN
@@ -19,7 +17,8 @@ from ..traces.noise import autocorrelation
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice
 from .colours import COLOURS, curve_colour, grey
-from .legends import POINTS_PER_INCH, place_legend
+from .force_lines import MeasuredLine, label_sources
+from .legends import COMPACT, POINTS_PER_INCH, place_legend
 from .parameter_labels import parameter_in_words
 from .signals import (
     RESIDUAL,
@@ -56,8 +55,6 @@ DATA, SIMULATION, FIT = "data", "simulation", "fit"
 # the size of the font; the correlation that would be rounded to 1.
 MIN_NUMBER, MAX_LETTERS, CHARACTER = 4.5, 6, 0.6
 ALMOST_ONE: Final = 0.995
-# Width of a handle in a legend, and of the distance to the next one, in letters.
-HANDLE: Final = 6
 # Smallest font of a corner plot, and largest number of characters of a name in one line.
 SMALLEST, LONG_NAME = 6.5, 16
 # Number of parameters from which on a legend has room in the empty corner of a corner plot; height
@@ -87,13 +84,16 @@ def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) 
                 largest = float(np.nanmax(np.abs(values)))
                 values, name = values / largest, f"{name}: {largest:.3g} {signal.unit}"
             colour = curve_colour(axes, i)
-            axes.plot(times, np.where(signal.valid, values, np.nan), color=colour, label=name)
+            measured = np.where(signal.valid, values, np.nan)
+            axes.add_line(MeasuredLine(times, measured, name, color=colour))
             unused = ~signal.valid & np.isfinite(values)
             axes.plot(times[unused], values[unused], "x", color=colour)
         axes.set_xlabel(label)
         own = " or ".join(dict.fromkeys(signal_label(signal) for _, signal in traces))
         axes.set_ylabel("signal / largest value" if relative else own)
+        axes.autoscale_view()
         axes.margins(x=0.0)
+        label_sources(axes)
         if legend:
             place_legend(axes, own=ax is None)
     return axes
@@ -143,14 +143,16 @@ def plot_fit(result: FitResult) -> Figure:
 
 
 def _legend_above(figure: Figure, *panels: Axes) -> None:
-    """A legend of all panels above them, with the labels of some of them."""
+    """A legend of these panels above all of them."""
     found = [axes.get_legend_handles_labels() for axes in panels]
     entries = {label: handle for pair in found for handle, label in zip(*pair, strict=True)}
-    letters = sum(len(label) + HANDLE for label in entries)
-    size = CHARACTER * FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points()
-    rows = int(np.ceil(letters * size / (POINTS_PER_INCH * figure.get_figwidth())))
-    figure.legend(entries.values(), entries.keys(), loc="outside upper right",
-                  ncols=-(-len(entries) // rows))  # fmt: skip
+    for rows in range(1, len(entries) + 1):
+        legend = figure.legend(entries.values(), entries.keys(), loc="outside upper right",
+                               ncols=-(-len(entries) // rows), **COMPACT)  # fmt: skip
+        if legend.get_window_extent().width <= figure.bbox.width:
+            break
+        if rows < len(entries):
+            legend.remove()
 
 
 def plot_fitted_sensor(
@@ -334,7 +336,7 @@ def plot_trace_comparison(comparison: TraceComparison) -> Figure:
                 lower.set_xlabel(label)
                 lower.tick_params(labelbottom=True)
         figure.align_ylabels()
-        _legend_above(figure, panels[0, 0], panels[1, 0])
+        _legend_above(figure, *figure.axes)
     return figure
 
 

@@ -133,6 +133,19 @@ def covers_data(legend: Legend) -> bool:
         _meets(artist, axes, box, scale)
         for artist in axes.get_children()
         if artist.get_visible() and artist not in (legend, axes.patch)
+    ) or any(
+        # The swatch of a range would merge with it, and letters on it would be hard to read.
+        box.overlaps(patch.get_window_extent())
+        for patch in axes.patches
+        if not _placed_by_data(patch, axes) and _is_explained(patch, legend)
+    )
+
+
+def _is_explained(patch: Patch, legend: Legend) -> bool:
+    """Whether a legend has an entry for shaded ranges like this one."""
+    return any(
+        isinstance(handle, Patch) and handle.get_facecolor() == patch.get_facecolor()
+        for handle in legend.legend_handles
     )
 
 
@@ -172,8 +185,11 @@ def _line_meets(line: Line2D, box: Bbox, scale: float) -> bool:
 
 def _patch_meets(patch: Patch, axes: Axes, box: Bbox) -> bool:
     """Bars and other areas; shaded ranges, which cross the whole axes, are a background."""
-    placed_by_data = patch.get_data_transform() == axes.transData
-    return placed_by_data and bool(box.overlaps(patch.get_window_extent()))
+    return _placed_by_data(patch, axes) and bool(box.overlaps(patch.get_window_extent()))
+
+
+def _placed_by_data(patch: Patch, axes: Axes) -> bool:
+    return bool(patch.get_data_transform() == axes.transData)
 
 
 def _place_above(axes: Axes, compact: dict[str, Any], *, own: bool) -> bool:

@@ -9,7 +9,6 @@ from typing import Any, Final, Literal
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 
 from ..chain.bead_names import bead_label, bead_number, wall_number, walls_of
 from ..chain.chain import Chain
@@ -24,7 +23,8 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice, check_list, text
 from .colours import curve_colour, grey, signed_map
 from .enlarged import finish_enlarged, small_groups
-from .legends import figure_of, place_legend
+from .force_lines import ForceLine, force_lines, label_and_style
+from .legends import place_legend
 from .style import (
     TIME_LABELS,
     BeadLocator,
@@ -36,31 +36,16 @@ from .style import (
     time_axis,
 )
 from .titles import chain_title
-from .widths import NARROW, figure_size
+from .widths import figure_size
 
-# Added to the legend of a wall whose force may still exceed the plotted values.
-CUT_OFF = " (peak not complete)"
 # Fewest equal beads of a section, and largest number of sections with boundaries in a map.
 SECTION, MAX_SECTIONS = 2, 8
 # Fewest times of a map.
 MAP_TIMES: Final = 1000
-# A run that ends before this part of the time axis states its end in the legend.
-SHORT_RUN: Final = 0.9
-# Widths and opacities of the curves of the first, second, ... run in the same axes: thin curves are
-# in front of broad, pale ones, so that oscillations of several runs do not hide each other.
-RUN_LINES: Final = ((2.8, 0.5), (1.3, 1.0), (0.8, 1.0))
 # Sensors of a single run differ also in print without colours; a dashed wall would look like a
 # line for reference.
 SENSOR_LINES: Final = ("-", "--", "-.", ":")
 WALL_WIDTH: Final = 1.8
-
-
-class _ForceLine(Line2D):
-    """A curve with the number of its run, and its label without the end of the run."""
-
-    def __init__(self, x: Array, y: Array, run: int, words: str, **style: Any) -> None:
-        super().__init__(x, y, **style)
-        self.run, self.words = run, words
 
 
 @checked_arguments("plot_run")
@@ -172,7 +157,9 @@ def plot_forces(
 
     Curves contain the maxima, which are located between the saved times.  If the peak force on a
     wall is not complete, its curve ends in an open circle, and the legend states it.  If one of
-    several runs in the same axes is shorter, the legend states where it ends.
+    several runs in the same axes is much shorter, the legend states where it ends; runs of almost
+    the same length are shown up to the end of the first.  Your own labels, and figures in a
+    `figure_style` for a journal, have none of these remarks.
 
     Parameters
     ----------
@@ -183,7 +170,8 @@ def plot_forces(
         as ``"ball 11"``, counted without the strikers, and ``"wall"``, or ``"left wall"`` and
         ``"right wall"`` if there are two.
     label : str
-        Name of the run in the legend, if several runs are plotted into the same axes.
+        Name of the run in the legend, if several runs are plotted into the same axes; followed by
+        the names of the beads if there are several.
     legend : bool
         Whether the axes have a legend.
     ax : matplotlib.axes.Axes, optional
@@ -218,7 +206,8 @@ def plot_forces(
     with figure_style():
         axes = get_axes(ax)
         # Curves of several runs in the same axes have different colours.
-        _draw_forces(axes, run, given, name, len(axes.lines))
+        places = not name or len(given) > 1
+        _draw_forces(axes, run, given, name, len(axes.lines), places=places, named=bool(name))
         set_title(axes, chain_title(run.chain))
         if legend:
             place_legend(axes, own=ax is None)
@@ -227,56 +216,35 @@ def plot_forces(
 
 def _draw_forces(
     axes: Axes, run: Run, beads: Sequence[int | str], name: str, first: int, *,
-    compared: int | None = None, places: bool = True,
+    compared: int | None = None, places: bool = True, named: bool = False,
 ) -> None:  # fmt: skip
     """Draw forces of a run, in the unit of time that the axes have, with colours from a first.
 
-    The label has the name of the run and, with ``places``, that of the place.  ``compared`` is the
-    number of the run in a figure of several runs; by default, runs in these axes are counted.
+    The label has the name of the run and, with ``places``, that of the place; ``named`` if a user
+    has given the name.  ``compared`` is the number of the run in a figure of several runs; by
+    default, runs in these axes are counted.
     """
     curves = [force_curve(run, each) for each in beads]
     factor, time_label = time_axis(run.chain, float(run.times[-1]))
     if axes.get_xlabel() in TIME_LABELS:
         factor, time_label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
-    number = 1 + max((line.run for line in _force_lines(axes)), default=-1)
+    number = 1 + max((line.run for line in force_lines(axes)), default=-1)
     dashes = itertools.cycle(SENSOR_LINES)
     for i, (times, force, curve, cut_off) in enumerate(curves, first):
         wall = curve.endswith("wall")
         words = filter(None, (name, curve if places else ""))
-        line = _ForceLine(
-            factor * times, force, number if compared is None else compared,
-            ", ".join(words) + CUT_OFF * cut_off, color=curve_colour(axes, i),
+        line = ForceLine(
+            factor * times, force, number if compared is None else compared, ", ".join(words),
+            cut_off=cut_off, named=named, color=curve_colour(axes, i),
             linestyle="-" if wall else next(dashes), linewidth=WALL_WIDTH if wall else None,
-            marker="o" if cut_off else None, markevery=[-1], markerfacecolor="none",
-            clip_on=not cut_off,
         )  # fmt: skip
         axes.add_line(line)
     axes.autoscale_view()
     axes.set_xlabel(time_label)
     axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
     axes.margins(x=0.0)
-    _label_and_style(axes, compared=compared is not None)
+    label_and_style(axes, compared=compared is not None)
     mark_horizon(axes, run.known_horizon, factor)
-
-
-def _force_lines(axes: Axes) -> list[_ForceLine]:
-    return [line for line in axes.lines if isinstance(line, _ForceLine)]
-
-
-def _label_and_style(axes: Axes, *, compared: bool) -> None:
-    """Label the forces in axes, those of shorter runs also with their ends; distinguish runs."""
-    lines = _force_lines(axes)
-    ends = [float(np.max(line.get_xdata())) for line in lines]
-    _, _, unit = axes.get_xlabel().rstrip("]").partition("[")
-    for line, end in zip(lines, ends, strict=True):
-        shown = f"{end:.4g} {unit}" if unit else f"$t$ = {end:.4g}"
-        line.set_label(line.words + (f", until {shown}" if end < SHORT_RUN * max(ends) else ""))
-    if compared or len({line.run for line in lines}) > 1:
-        # In a narrow figure, wide lines would cover oscillations.
-        narrower = min(1.0, figure_of(axes).get_figwidth() / NARROW)
-        for line in lines:
-            width, opacity = RUN_LINES[min(line.run, len(RUN_LINES) - 1)]
-            line.set(linestyle="-", linewidth=narrower * width, alpha=opacity)
 
 
 def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -> Axes:

@@ -26,8 +26,9 @@ SOLID, FAINTEST = 1500, 0.08
 CLOSE: Final = 3.0
 # Fewest samples of a crest that is shown enlarged.
 CREST: Final = 5
-# Half height of panels of residuals, in standard deviations, and name of the band in the legend.
-MIN_LIMIT: Final = 4.0
+# Least half height of panels of residuals, the largest at which a band of twice the noise is wider
+# than a line, both in standard deviations, and name of the band in the legend.
+MIN_LIMIT, MAX_LIMIT = 4.0, 20.0
 BAND: Final = "±2σ of the noise"
 RESIDUAL: Final = "residual\n/ noise"
 # Sensors up to which these are below each other, the widths [inches] of figures of one and of two
@@ -84,15 +85,16 @@ def draw_data_and_curve(axes: Axes, times: Array, data: Array, curve: Array, nam
 
 
 def draw_residuals(axes: Axes, times: Array, residuals: Array, limit: float | None = None) -> None:
-    """Draw residuals over the noise, with a band of two standard deviations."""
-    axes.axhspan(-2.0, 2.0, color=grey(axes, 0.87), linewidth=0.0, label=BAND)
+    """Draw residuals over the noise, with a band of two standard deviations if it is visible."""
+    limit = residual_limit([residuals]) if limit is None else limit
+    if limit <= MAX_LIMIT:
+        axes.axhspan(-2.0, 2.0, color=grey(axes, 0.87), linewidth=0.0, label=BAND)
     axes.axhline(0.0, color=grey(axes), linewidth=0.6)
     seen = int(np.isfinite(residuals).sum())
     axes.plot(times, residuals, ".", color=grey(axes, 0.25), markeredgewidth=0.0,
               markersize=1.3 if seen > CLOSE * _points_across(axes) else 2.0,
               alpha=float(np.clip(SOLID / max(seen, 1), FAINTEST, 1.0)), rasterized=seen > SOLID,
               zorder=3.0)  # fmt: skip
-    limit = residual_limit([residuals]) if limit is None else limit
     axes.set_ylim(-limit, limit)
     # More than three ticks do not fit a low panel.
     power = 10.0 ** np.floor(np.log10(limit))
@@ -131,7 +133,9 @@ def draw_crest(axes: Axes, times: Array, signal: Signal, curve: Array, name: str
     shown = slice(begin, end + 1)
     data = np.where(signal.valid, signal.values, np.nan)[shown]
     draw_data_and_curve(axes, times[shown], data, curve[shown], name)
-    axes.locator_params(nbins=3, min_n_ticks=2)
+    narrow = axes.get_figure(root=True).get_figwidth() < NARROW  # type: ignore[union-attr]
+    axes.locator_params(axis="x", nbins=1 if narrow else 3, min_n_ticks=2)
+    axes.locator_params(axis="y", nbins=3, min_n_ticks=2)
 
 
 def _crest(values: Any, curve: Any) -> tuple[int, int]:

@@ -28,10 +28,6 @@ from .titles import chain_title
 KINDS: Final = ("bands", "modes")
 # Phases of a curve.
 PHASES: Final = 201
-# Upper end of a frequency axis, relative to the highest band.
-ROOM_FOR_LEGEND: Final = 1.4
-# Width of axes [inch] for a legend in one row.
-WIDE: Final = 4.4
 # Range of the amplitudes that are drawn.
 DECADES: Final = 8.0
 # Without loss, peaks leave the frame at this multiple of the largest running median, which
@@ -67,17 +63,13 @@ def plot_spectrum(
             axes.set_xlabel("mode")
             axes.xaxis.set_major_locator(BeadLocator())
             top = spectrum.frequencies.max()
-        room = ROOM if edges is None else ROOM_FOR_LEGEND
-        axes.set_ylim(0.0, factor * room * top)
+        axes.set_ylim(0.0, factor * ROOM * top)
         gaps = None if edges is None else spectrum.gaps(cell=cell)
-        _shade(axes, axes.axhspan, gaps, factor, room * top)
-        if edges is not None:
-            # Branches may be anywhere below the top of the highest band.
-            wide = axes.get_window_extent().width / axes.figure.dpi > WIDE
-            axes.legend(loc="upper center", ncols=3 if wide else 2, frameon=True,
-                        facecolor=axes.get_facecolor(), edgecolor="none")  # fmt: skip
+        _shade(axes, axes.axhspan, gaps, factor, ROOM * top)
         axes.set_ylabel(label)
         set_title(axes, _title(spectrum.chain))
+        if edges is not None:
+            place_legend(axes, own=ax is None)
     return axes
 
 

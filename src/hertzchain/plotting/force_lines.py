@@ -1,0 +1,118 @@
+"""Curves of forces: their labels, the styles of several runs, and their ends."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from ..collision import Array
+from .colours import grey
+from .legends import figure_of
+from .widths import NARROW, journal_width
+
+# Added to the label of a wall whose force may still exceed the plotted values.
+CUT_OFF: Final = "peak not complete"
+# A run that ends before this part of the time axis states its end in the legend; others end with
+# the axis.
+SHORT_RUN: Final = 0.9
+# Widths and opacities of the curves of the first, second, ... run in the same axes: thin curves are
+# in front of broad, pale ones, so that oscillations of several runs do not hide each other.
+RUN_LINES: Final = ((2.8, 0.5), (1.3, 1.0), (0.8, 1.0))
+# Words that distinguish curves with one label.
+MEASURED, SIMULATED = "measured", "simulated"
+
+
+class ForceLine(Line2D):
+    """A simulated force with the number of its run.
+
+    Labels of users, ``named``, remain; others state the end of a short run and an incomplete peak,
+    except in a figure for a journal.
+    """
+
+    def __init__(
+        self, x: Array, y: Array, run: int, words: str, *, cut_off: bool, named: bool, **style: Any
+    ) -> None:
+        analysed = cut_off and journal_width.get() is None
+        if analysed:
+            style.update(marker="o", markevery=[-1], markerfacecolor="none", clip_on=False)
+        super().__init__(x, y, **style)
+        self.run, self.words, self.named, self.analysed = run, words, named, analysed
+
+
+class MeasuredLine(Line2D):
+    """A measured signal and its label without further words."""
+
+    def __init__(self, x: Array, y: Array, words: str, **style: Any) -> None:
+        super().__init__(x, y, label=words, **style)
+        self.words = words
+
+
+def force_lines(axes: Axes) -> list[ForceLine]:
+    """The simulated forces in axes."""
+    return [line for line in axes.lines if isinstance(line, ForceLine)]
+
+
+def label_sources(axes: Axes) -> None:
+    """State which curves are measured and which are simulated, if axes have both."""
+    simulated = force_lines(axes)
+    measured = [line for line in axes.lines if isinstance(line, MeasuredLine)]
+    if simulated and measured:
+        for line in measured:
+            line.set_label(f"{line.words}, {MEASURED}")
+        for each in simulated:
+            if not each.named:
+                each.set_label(f"{each.get_label()}, {SIMULATED}")
+
+
+def label_and_style(axes: Axes, *, compared: bool) -> None:
+    """Label the forces in axes and the ends of shorter runs; distinguish runs."""
+    lines = force_lines(axes)
+    _, _, unit = axes.get_xlabel().rstrip("]").partition("[")
+    longest = max(_end(line) for line in lines)
+    for line in lines:
+        line.set_label(line.words)
+        if line.named:
+            continue
+        words = line.words + f" ({CUT_OFF})" * line.analysed
+        if _end(line) < SHORT_RUN * longest and journal_width.get() is None:
+            end = _end(line)
+            words += f", until {end:.4g} {unit}" if unit else f", until $t$ = {end:.4g}"
+        line.set_label(words)
+    _label_circles(axes, lines)
+    label_sources(axes)
+    if compared or len({line.run for line in lines}) > 1:
+        # In a narrow figure, wide lines would cover oscillations.
+        narrower = min(1.0, figure_of(axes).get_figwidth() / NARROW)
+        for line in lines:
+            width, opacity = RUN_LINES[min(line.run, len(RUN_LINES) - 1)]
+            line.set(linestyle="-", linewidth=narrower * width, alpha=opacity)
+    _end_together(axes, lines)
+
+
+def _label_circles(axes: Axes, lines: list[ForceLine]) -> None:
+    """Explain circles at the ends of curves whose labels, which are those of a user, do not."""
+    for line in [*axes.lines]:
+        if line.get_label() == CUT_OFF:
+            line.remove()
+    if any(line.named and line.analysed for line in lines):
+        axes.plot([], [], "o", color=grey(axes, 0.4), markerfacecolor="none", label=CUT_OFF)
+
+
+def _end_together(axes: Axes, lines: list[ForceLine]) -> None:
+    """End the time axis where the first of several runs of almost the same length does.
+
+    The last rise of a force would look like a drop to nothing inside the axes.
+    """
+    ends = [_end(line) for line in lines]
+    end = min(each for each in ends if each >= SHORT_RUN * max(ends))
+    crests = [float(line.get_xdata()[np.argmax(line.get_ydata())]) for line in lines]  # type: ignore[index,arg-type]
+    if end < max(ends) and max(crests) <= end and axes.get_autoscalex_on():
+        axes.autoscale_view()
+        axes.set_xlim(right=end, auto=True)
+
+
+def _end(line: ForceLine) -> float:
+    return float(np.max(line.get_xdata()))

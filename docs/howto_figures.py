@@ -22,6 +22,8 @@ EQUIVALENT: Final = {
     "UnloadingRatio": hc.UnloadingRatio(0.0975),
     "WaltonBraun": hc.WaltonBraun(0.9025),
 }
+# Those whose restitution does not depend on the speed.
+INTERLEAVED: Final = ("Restitution", "UnloadingRatio", "WaltonBraun")
 
 
 def losses() -> Figure:
@@ -37,16 +39,25 @@ def losses() -> Figure:
         for i, (name, law) in enumerate(EQUIVALENT.items(), 1):
             e = [law.restitution(float(v), chain=chain, contact=1) for v in speeds]
             style = {"color": COLOURS[i], "linestyle": dashes[i - 1], "label": name}
-            left.semilogx(speeds, e, **style)
+            # Three laws have the same constant; their dashes follow each other.
+            same = (
+                {"linestyle": (4 * INTERLEAVED.index(name), (4, 8))} if name in INTERLEAVED else {}
+            )
+            left.semilogx(speeds, e, **style | same)
             force = hc.simulate(chain.replace(loss=law)).pulse().peak_force
             right.plot(contact, force[:19], **style)
         left.axvline(0.3, color="0.6", linewidth=0.8)
         left.set_xlabel("speed before the collision [m/s]")
         left.set_ylabel("coefficient of restitution")
+        colours = {name: COLOURS[i] for i, name in enumerate(EQUIVALENT, 1)}
+        left.text(0.035, 0.9705, "Viscoelastic", color=colours["Viscoelastic"])
+        left.text(0.035, 0.911, "Dashpot", color=colours["Dashpot"])
+        for i, name in enumerate(INTERLEAVED):
+            left.text(0.011, 0.9445 - 0.0045 * i, name, color=colours[name])
         right.set_ylim(0.0, None)
         right.set_xticks([1, 5, 10, 15, 19])
         right.set_xlabel("contact $k$")
-        right.set_ylabel("largest force [N]")
+        right.set_ylabel("largest force\nwithout damping [N]")
         right.legend(loc="lower left", ncols=2)
     return canvas
 

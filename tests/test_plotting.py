@@ -20,6 +20,7 @@ from hertzchain.plotting.colours import COLOURS, signed_map
 from hertzchain.plotting.design_beads import plot_beads
 from hertzchain.plotting.enlarged import small_groups
 from hertzchain.plotting.fits import plot_correlations
+from hertzchain.plotting.legends import covers_data
 from hertzchain.plotting.runs import (
     force_curve,
     plot_forces,
@@ -409,9 +410,10 @@ def test_differences_of_a_short_chain_end_at_its_free_end():
 def test_a_shorter_run_states_where_it_ends():
     chain = hc.Chain.uniform(9).replace(right_wall=hc.Wall())
     runs = [hc.simulate(chain, until=end, times=100) for end in (20.0, 21.0, 60.0)]
-    shown = ["a, until $t$ = 20", "b, until $t$ = 21", "c"]
-    assert legend(plot_forces_of_runs(dict(zip("abc", runs, strict=True)), dict.fromkeys("abc", [4]))
-                  ) == [each.replace(each[0], f"{each[0]}, bead 4", 1) for each in shown]  # fmt: skip
+    named = dict(zip("abc", runs, strict=True))
+    axes = plot_forces_of_runs(named, {name: [4] for name in named})
+    shown = ["a, bead 4, until $t$ = 20", "b, bead 4, until $t$ = 21", "c, bead 4"]
+    assert legend(axes) == shown
     balls = hc.Chain.from_materials("5 mm", "brass", beads=9, velocity="1 cm/s")
     axes = hc.simulate(balls, until="200 us").plot_forces([4])
     hc.simulate(balls, until="600 us").plot_forces([4], ax=axes)
@@ -763,15 +765,15 @@ def test_a_crest_with_few_samples_says_so():
     assert [text.get_text() for text in axes.texts] == ["too few samples"]
 
 
-def test_the_legend_of_bands_is_above_them():
+def test_the_legend_of_bands_covers_none():
     held = {"precompression": "0.02 N", "held_by": "force"}
     dimer = hc.Chain.dimer(diameters=["10 mm", "6 mm"], materials=["brass", "ptfe"], beads=41)
     for chain in (dimer, hc.Chain.from_materials(5e-3, "brass", beads=9)):
         axes = hc.spectrum(chain.replace(**held)).plot()
         axes.figure.canvas.draw()
         legend = axes.get_legend().get_window_extent()
-        # Inside, it would hide a part of the range above all bands.
-        assert legend.y0 >= axes.bbox.y1
+        assert not covers_data(axes.get_legend())
+        assert not any(legend.overlaps(each.get_window_extent()) for each in axes.patches)
         assert legend.x1 <= axes.figure.bbox.x1
 
 
@@ -1090,7 +1092,7 @@ def test_traces_and_simulation_share_axes_and_their_unit_of_time():
     axes = run.plot_forces(["wall"])
     assert axes.get_xlabel() == "time [ms]"
     traces.plot(ax=axes)
-    measured = next(line for line in axes.lines if line.get_label() == "wall")
+    measured = next(line for line in axes.lines if line.get_label() == "wall, measured")
     assert measured.get_xdata()[-1] == pytest.approx(1e3 * traces.shots[0].times[-1])
     assert measured.get_color() != axes.lines[0].get_color()
     assert axes.get_ylabel() == "force [N] or signal [V]"
@@ -1586,7 +1588,7 @@ def test_the_legend_of_a_map_in_a_column_leaves_it_its_size():
     assert axes.bbox.width > 0.55 * whole.width
     box = axes.get_legend().get_window_extent()
     assert whole.x0 <= box.x0 < box.x1 <= whole.x1
-    assert axes.bbox.y1 <= box.y0 < box.y1 <= whole.y1
+    assert whole.y0 <= box.y0 < box.y1 <= axes.xaxis.label.get_window_extent().y0
 
 
 @pytest.mark.parametrize(("largest", "shown"), [(15.0, True), (30.0, False)])
@@ -1684,3 +1686,22 @@ def test_runs_of_almost_the_same_length_end_together():
     axes = runs[0].plot_forces([4])
     axes.set_xlim(0.0, 50.0)
     assert runs[1].plot_forces([4], ax=axes).get_xlim() == (0.0, 50.0)
+
+
+@pytest.mark.parametrize(("change", "words"), [
+    (0.1, "design (dashed: with yield)"), (0.001, "design (with yield: the same curve)"),
+])  # fmt: skip
+def test_legends_of_designs_mention_dashes_only_if_they_are_visible(change, words, monkeypatch):
+    from hertzchain.designs.curves import Curve
+    from hertzchain.plotting import designs
+
+    balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=4, velocity=0.1)
+    sizes = hc.vary.balls(materials=["steel-52100"], diameters=["5 mm", "10 mm"])
+    found = hc.design(hc.Design(balls, maximise="momentum@last", vary=[sizes]), budget=20, seed=1)
+    beads = np.arange(1.0, 5.0)
+    dented = (1.0 - change) * beads
+    curves = [
+        Curve("design", False, beads, beads, 4.0), Curve("design", True, beads, dented, dented[-1])
+    ]  # fmt: skip
+    monkeypatch.setattr(designs, "compared_curves", lambda *_: curves)
+    assert legend(designs.plot_forces(found)) == [words]

@@ -73,7 +73,7 @@ def test_labels_have_the_selected_bead_and_the_symbol_of_the_rate(taper, symbol)
         every = hc.plot_sweep(found, "velocity", approach="bca", levels=[0.5])
     assert axes.get_ylabel() == "velocity $v_{33}$"
     assert axes.get_xlabel() == f"rate of the taper ${symbol}$"
-    assert force.get_ylabel() == "largest force $F_{7}$"
+    assert force.get_ylabel() == "largest force without damping $F_{7}$"
     # Along the beads, no bead is selected.
     assert every.collections[0].colorbar.ax.get_ylabel() == "velocity $v_k$"
     assert every.get_xlabel() == f"rate of the taper ${symbol}$"

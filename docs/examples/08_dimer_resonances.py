@@ -58,9 +58,16 @@ for i, ratio in enumerate(passing):
     passing[i] = ratio
     lowest.append(found.min())
 
+# %%
+# The curve contains the refined minima.  The smallest of them, 5e-10, is not an error of the
+# integration: ``simulate`` with ``rtol=1e-13`` gives the same four digits.
+
+everywhere = np.concatenate([ratios, passing])
+order = everywhere.argsort()
+
 figure, axes = plt.subplots(figsize=(8.0, 3.8))
-axes.loglog(ratios, np.maximum(decay, 1e-9))
-axes.plot(passing, np.maximum(lowest, 1e-9), "^", label="passes (antiresonance)")
+axes.loglog(everywhere[order], np.concatenate([decay, lowest])[order])
+axes.plot(passing, lowest, "^", label="passes (antiresonance)")
 axes.plot(stopping, decay[inner][up], "v", label="decays most (resonance)")
 axes.set_title("Decay of the velocity of a pulse in dimers")
 axes.set_xlabel("mass of a light bead over that of a heavy bead")

@@ -60,6 +60,8 @@ NEAR: Final = 1.5
 HANDLE: Final = 6
 # Largest over smallest value of a history from which its axis is logarithmic.
 WIDE: Final = 10.0
+# Least difference of two curves that is visible, relative to the largest value.
+VISIBLE: Final = 0.01
 
 
 def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
@@ -151,8 +153,12 @@ def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes)
     if True in peaks:
         outside = any(each.outside for each in curves if each.name == name)
         caution = f", {OUTSIDE_LAW}" if outside else ""
-        parts.append(f"(dashed, with yield: {peaks[True]}{caution})" if walled
-                     else f"(dashed: with yield{caution})")  # fmt: skip
+        dashed = _differ([each for each in curves if each.name == name])
+        if walled:
+            parts.append(f"({'dashed, ' * dashed}with yield: {peaks[True]}{caution})")
+        else:
+            shown = "dashed: with yield" if dashed else "with yield: the same curve"
+            parts.append(f"({shown}{caution})")
     violated = violations(result, shown_chains(result)[name])
     parts[-1] += "," * len(violated)
     letter = CHARACTER * FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points()
@@ -160,6 +166,13 @@ def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes)
     letters = int(POINTS_PER_INCH * inches / letter) - HANDLE
     text = " ".join(part.replace(" ", "\u00a0") for part in parts + violated)
     return textwrap.fill(text, max(letters, 1), break_long_words=False).replace("\u00a0", " ")
+
+
+def _differ(curves: Sequence[Curve]) -> bool:
+    """Whether the curves of a chain with and without yield are distinguishable in a plot."""
+    elastic, dented = sorted(curves, key=lambda each: each.yields)
+    change = np.interp(elastic.x, dented.x, dented.y) - elastic.y
+    return bool(np.nanmax(np.abs(change)) > VISIBLE * np.nanmax(np.abs(elastic.y)))
 
 
 def _draw_limits(result: DesignResult, axes: Axes) -> None:

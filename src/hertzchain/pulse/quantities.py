@@ -131,7 +131,7 @@ class Quantity:
         >>> import hertzchain as hc
         >>> from hertzchain.pulse.quantities import QUANTITIES
         >>> QUANTITIES["peak_force"].label_in("SI")
-        'largest force $F_k$ [N]'
+        'largest force without damping $F_k$ [N]'
         """
         unit = self.unit_in(units)
         return self.label if unit == "1" else f"{self.label} [{unit}]"
@@ -204,8 +204,8 @@ QUANTITIES: Final = _by_name(
         ),
         Quantity(
             "peak_force", "F", "largest force on the next bead, without damping forces",
-            unit="N", scale="force", label="largest force $F_k$", per="contact", scored=True,
-            inputs=("loading_force", "peak_overlap"), formula=lambda force, d: force(d),
+            unit="N", scale="force", label="largest force without damping $F_k$", per="contact",
+            scored=True, inputs=("loading_force", "peak_overlap"), formula=lambda force, d: force(d),
         ),
         Quantity(
             "velocity_spread", "sd_v", "standard deviation of ln v over random chains",

@@ -72,7 +72,7 @@ left.set_title("Radii")
 left.set_ylabel("radius")
 left.legend()
 right.set_title("Momentum of each ball at its peak velocity")
-right.set_ylabel("momentum, that of the striker being 1")
+right.set_ylabel("momentum / momentum of the striker")
 for axes in (left, right):
     axes.set_xlabel("bead $k$")
     axes.set_xticks([1, 5, 10, 15, 20])

@@ -34,7 +34,7 @@ axes.semilogx(stiffness, peak / chain_force)
 for value, name in ((np.sqrt(2), "same material "), (2 * np.sqrt(2), "rigid ")):
     axes.axvline(value, color="0.5", linestyle="--", linewidth=0.9)
     axes.text(value, 0.5 if name == "rigid " else 0.7, name, horizontalalignment="right")
-axes.text(2 * np.sqrt(2), 0.5, " concave seat of the ball")
+axes.text(2 * np.sqrt(2), 0.9, " concave seat of the ball")
 axes.axvspan(2 * np.sqrt(2), stiffness[-1], color="0.93", zorder=0)
 axes.margins(x=0)
 axes.set_title("Peak force on a wall")

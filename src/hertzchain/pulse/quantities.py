@@ -205,7 +205,8 @@ QUANTITIES: Final = _by_name(
         Quantity(
             "peak_force", "F", "largest force on the next bead, without damping forces",
             unit="N", scale="force", label="largest force without damping $F_k$", per="contact",
-            scored=True, inputs=("loading_force", "peak_overlap"), formula=lambda force, d: force(d),
+            scored=True, inputs=("loading_force", "peak_overlap"),
+            formula=lambda force, d: force(d),
         ),
         Quantity(
             "velocity_spread", "sd_v", "standard deviation of ln v over random chains",

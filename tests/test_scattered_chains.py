@@ -156,8 +156,8 @@ def test_radii_can_be_given_instead_of_a_seed():
     assert chain.description == "3 steel-316 beads, diameter 10 mm, 0.2% scatter"
     chain = STEEL[:3]
     for arguments, problem in (
-        ({"radii": [5e-3] * 3, "seed": 1}, "omit seed and beads"),
-        ({"radii": [5e-3] * 3, "beads": "2:"}, "omit seed and beads"),
+        ({"radii": [5e-3] * 3, "seed": 1}, "omit seed, beads and gaps"),
+        ({"radii": [5e-3] * 3, "beads": "2:"}, "omit seed, beads and gaps"),
         ({"radii": [5e-3] * 4}, "got 4"),
         ({}, "needs a seed of the random numbers, or radii"),
     ):

@@ -25,7 +25,7 @@ from .random_radii import (
     random_draws,
     relative_scatter,
     scattered,
-    with_random_radii,
+    with_deviations,
 )
 
 C = TypeVar("C", bound=ChainFields)
@@ -187,15 +187,19 @@ def with_scatter(
     *,
     relative: float | None = None,
     grade: int | None = None,
+    gaps: float | str | None = None,
     beads: Any = None,
     radii: ArrayLike | None = None,
 ) -> C:
-    r"""Return the chain with random deviations of its diameters and radii, like real balls.
+    r"""Return the chain with random diameters and radii, and random gaps, like real balls.
 
     The radius of bead k is :math:`R_k e^{\sigma z_k}` with a standard normal :math:`z_k`, or, for
     a grade, uniformly distributed within its tolerance.  A scaled chain stays in the units of the
     chain without deviations, so its first radius is no longer 1: all results of random chains
     have the same units.
+
+    Random gaps are half-normal: the gap of contact k grows by :math:`s |z'_k|`, with a standard
+    normal :math:`z'_k`.  Their mean is 0.80 s, and 95% of them are smaller than 1.96 s.
 
     Strikers and caps keep their sizes.  If the chain has no strikers, bead 1 is the projectile,
     whose size changes the impact itself; ``beads="2:"`` keeps it.
@@ -216,6 +220,9 @@ def with_scatter(
         units.  Diameters are distributed uniformly over the variation of ball lot diameter of
         the grade, centred at the nominal diameter: 0.5 um for grade 10, 5 um for grade 100.
         The deviation that all balls of a lot have in common is not included.
+    gaps : float or str, optional
+        The scale s of random gaps between neighbouring beads that both deviate [scaled, or m], such
+        as ``"5 um"``; alone, or in addition to deviations of the radii.  A wall has its own gap.
     beads : str or list of int, optional
         Beads that deviate, such as ``"2:"`` or ``[3, 4]``; by default all but strikers and
         caps.  The deviation of a bead does not depend on this choice.
@@ -226,9 +233,9 @@ def with_scatter(
     Raises
     ------
     InputError
-        If not exactly one of ``relative`` and ``grade`` is given, and of ``seed`` and ``radii``,
-        the grade does not exist, or the chain has given masses or stiffness, which do not follow
-        from its radii.
+        If not exactly one of ``relative`` and ``grade`` is given, or only gaps, and one of ``seed``
+        and ``radii``, the grade does not exist, the chain has given masses or stiffness, which do
+        not follow from its radii, or it is precompressed and would have gaps.
 
     Examples
     --------
@@ -240,17 +247,28 @@ def with_scatter(
     array([1.035, 1.086, 1.034, 0.878])
     >>> hc.Chain.uniform(4).with_scatter(1, relative=0.1, beads="3:").radii.round(3)
     array([1.   , 1.   , 1.034, 0.878])
+
+    Balls of 10 mm with gaps of some micrometres:
+
+    >>> balls = hc.Chain.from_materials("5 mm", "brass", beads=4)
+    >>> (1e6 * balls.with_scatter(1, gaps="5 um").gaps).round(2)
+    array([4.53, 2.23, 2.68])
     """
-    if (relative is None) == (grade is None):
-        raise InputError("give either relative, such as 0.01, or grade, such as 100")
+    if (relative is None) == (grade is None) and (relative is not None or gaps is None):
+        raise InputError(
+            "give either relative, such as 0.01, or grade, such as 100, or only gaps, such as "
+            "'5 um'"
+        )
     if relative is not None:
         relative = relative_scatter("relative scatter", relative, chain=self, least=0.0)
-    else:
+    elif grade is not None:
         check_grade(grade)
-    check_scatter(self, grade, beads)
+    size = check_scatter(self, relative, grade, gaps, beads)
     if radii is not None:
-        if seed is not None or beads is not None:
-            raise InputError("radii with a scatter are those of all beads: omit seed and beads")
+        if seed is not None or beads is not None or gaps is not None:
+            raise InputError(
+                "radii with a scatter are those of all beads: omit seed, beads and gaps"
+            )
         unit = self._unit("m")
         given = per_bead_array("radius", radii, self.beads, "bead", unit=unit, above=0.0)
         return scattered(self, given, relative, grade)
@@ -258,8 +276,8 @@ def with_scatter(
         raise InputError("with_scatter needs a seed of the random numbers, or radii")
     if not isinstance(seed, np.random.Generator):
         seed = whole_number("seed of a scatter", seed, least=0)
-    draws = random_draws(np.random.default_rng(seed), (1, self.beads), grade)
-    return with_random_radii(self, draws, relative, grade, beads)[0]
+    draws = random_draws(np.random.default_rng(seed), (1, self.beads), grade, gaps)
+    return with_deviations(self, draws, relative, grade, size, beads)[0]
 
 
 def with_one_loss(chain: C, loss: Loss | None) -> C:

@@ -1,4 +1,4 @@
-"""Random deviations of radii, for `Chain.with_scatter` and `hertzchain.Scatter`.
+"""Random deviations of radii and gaps, for `Chain.with_scatter` and `hertzchain.Scatter`.
 
 The deviation of a bead multiplies its radius, or adds to it for a ball grade, regardless of the
 units of the chain: radii of a scaled chain stay in units of the chain without deviations.
@@ -7,7 +7,6 @@ units of the chain: radii of a scaled chain stay in units of the chain without d
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
@@ -20,6 +19,7 @@ from ..units import converted, has_dimension, quantity
 from ..validation.numbers import FRACTION, number
 from .description import sizes_in_words
 from .fields import ChainFields
+from .input_checks import GAP_HINT, MAX_GAP
 from .places import ball_places
 from .scattered_radii import ScatteredRadii
 
@@ -78,8 +78,28 @@ def check_grade(grade: object) -> None:
         raise InputError(f"ISO 3290-1 has no ball grade {short_repr(grade)}; choose from {known}")
 
 
-def check_scatter(chain: ChainFields, grade: int | None, beads: Any) -> None:
-    """Raise `InputError` if the radii of a chain cannot deviate."""
+def checked_size_of_gaps(what: str, gaps: object, unit: str | None) -> float:
+    """The scale of random gaps, a length in the units of a chain."""
+    return number(what, gaps, unit=unit, above=0.0, most=MAX_GAP, hint=GAP_HINT)
+
+
+def check_scatter(
+    chain: ChainFields, relative: float | None, grade: int | None, gaps: object, beads: Any
+) -> float | None:
+    """Raise `InputError` if the radii or gaps of a chain cannot deviate; the size of the gaps."""
+    if gaps is not None:
+        gaps = checked_size_of_gaps("gaps of a scatter", gaps, chain._unit("m"))
+        if chain.precompression > 0.0:
+            raise InputError(
+                "precompressed beads touch and have no random gaps: omit the gaps of the scatter, "
+                "or the precompression"
+            )
+    if relative is not None or grade is not None:
+        _check_radii(chain, grade, beads)
+    return gaps
+
+
+def _check_radii(chain: ChainFields, grade: int | None, beads: Any) -> None:
     if beads is not None:
         _check_places(chain, ball_places(chain, beads))
     if own := sorted({"masses", "stiffness"} & set(chain.given)):
@@ -110,37 +130,45 @@ def _check_places(chain: ChainFields, places: NDArray[np.int64]) -> None:
 
 
 def random_draws(
-    rng: np.random.Generator, shape: int | tuple[int, int], grade: int | None
+    rng: np.random.Generator, shape: tuple[int, int], grade: int | None, gaps: float | str | None
 ) -> Array:
-    """Random numbers: normal, or uniform from -1 to 1 for a grade."""
-    return rng.standard_normal(shape) if grade is None else rng.uniform(-1.0, 1.0, shape)
+    """Random numbers of radii and gaps, shape (..., 2); those of radii do not depend on gaps.
+
+    They are normal; those of radii are uniform from -1 to 1 for a grade.
+    """
+    radii = rng.standard_normal(shape) if grade is None else rng.uniform(-1.0, 1.0, shape)
+    between = np.zeros(shape) if gaps is None else rng.standard_normal(shape)
+    return np.stack((radii, between), axis=-1)
 
 
-def deviating_radii(
-    chain: ChainFields, draws: Array, relative: float | None, grade: int | None, beads: Any
+def with_deviations(
+    chain: C, draws: Array, relative: float | None, grade: int | None, gaps: float | None,
+    beads: Any,
+) -> list[C]:  # fmt: skip
+    """One chain for each row of draws; masses and contacts follow from its radii.
+
+    A gap is random if both of its beads deviate.
+    """
+    places = np.arange(chain.beads)
+    deviate = np.isin(places, places[chain._balls] if beads is None else ball_places(chain, beads))
+    chains = [chain] * len(draws)
+    if relative or grade is not None:
+        radii = np.where(deviate, _random_radii(chain, draws[..., 0], relative, grade), chain.radii)
+        chains = [scattered(chain, row, relative, grade) for row in radii]
+    if gaps is None:
+        return chains
+    added = np.where(deviate[:-1] & deviate[1:], gaps * np.abs(draws[:, :-1, 1]), 0.0)
+    return [each.replace(gaps=chain.gaps + row) for each, row in zip(chains, added, strict=True)]
+
+
+def _random_radii(
+    chain: ChainFields, draws: Array, relative: float | None, grade: int | None
 ) -> Array:
-    """Radii with the deviations of random draws, shape (..., N), of the beads that deviate."""
-    deviate: Sequence[int] | Array = range(chain.beads)[chain._balls]
-    if beads is not None:
-        deviate = ball_places(chain, beads)
-    radii = np.broadcast_to(chain.radii, draws.shape).copy()
-    if relative is not None:
-        radii[..., deviate] *= np.exp(relative * draws[..., deviate])
-    else:
-        assert grade is not None
-        # The grade limits the variation of diameters, which is four times the largest deviation.
-        radii[..., deviate] += 0.25 * BALL_GRADES[grade] * draws[..., deviate]
-    return radii
-
-
-def with_random_radii(
-    chain: C, draws: Array, relative: float | None, grade: int | None, beads: Any
-) -> list[C]:
-    """One chain for each row of draws; masses and contacts follow from its radii."""
-    if relative == 0.0:
-        return [chain] * len(draws)
-    rows = deviating_radii(chain, draws, relative, grade, beads)
-    return [scattered(chain, radii, relative, grade) for radii in rows]
+    if grade is None:
+        assert relative is not None
+        return np.asarray(chain.radii * np.exp(relative * draws))
+    # The grade limits the variation of diameters, which is four times the largest deviation.
+    return chain.radii + 0.25 * BALL_GRADES[grade] * draws
 
 
 def scattered(chain: C, radii: Array, relative: float | None, grade: int | None) -> C:

@@ -124,32 +124,39 @@ def fraction_from(option: str, text: str) -> float:
 
 def time_from(option: str, text: str | None, chain: Chain) -> float | None:
     """Parse a time: a number or, for a chain in SI units, a number with a unit, such as 2ms."""
+    return None if text is None else _measure_from(option, text, chain, "s", "us")
+
+
+def length_from(option: str, text: str, chain: Chain) -> float:
+    """Parse a length: a number or, for a chain in SI units, a number with a unit, such as 5um."""
+    return _measure_from(option, text, chain, "m", "um")
+
+
+def _measure_from(option: str, text: str, chain: Chain, unit: str, small: str) -> float:
     from ..validation.numbers import SCALED, number
 
-    if text is None:
-        return None
-    value = as_typed(text)
     if chain.units == "SI":
-        _require_unit(option, text)
-    return number(option, value, unit="s" if chain.units == "SI" else SCALED, above=0.0)
+        _require_unit(option, text, unit, small)
+    return number(option, as_typed(text), unit=unit if chain.units == "SI" else SCALED, above=0.0)
 
 
 def seconds_from(option: str, text: str) -> float:
     """Parse a time with its unit."""
     from ..validation.numbers import number
 
-    _require_unit(option, text)
+    _require_unit(option, text, "s", "us")
     return number(option, as_typed(text), unit="s")
 
 
-def _require_unit(option: str, text: str) -> None:
-    """Reject a time without a unit, which could be meant in any, as lengths could."""
+def _require_unit(option: str, text: str, unit: str, small: str) -> None:
+    """Reject a time or length without a unit, which could be meant in any."""
     from ..representation import measure
 
     value = as_typed(text)
     if isinstance(value, float) and value and math.isfinite(value):
-        # Runs last microseconds to milliseconds, so a number above 1 is not meant in seconds.
-        example = measure(value, "s") if abs(value) < 1.0 else f"{value:g} us"
+        # Runs last microseconds to milliseconds, and gaps are short, so a number above 1 is not
+        # meant in seconds or metres.
+        example = measure(value, unit) if abs(value) < 1.0 else f"{value:g} {small}"
         raise click.UsageError(
             f"{option} {text} has no unit; write, for example, {option} '{example}'"
         )

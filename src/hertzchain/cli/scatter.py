@@ -1,4 +1,4 @@
-"""The command `scatter`: a quantity of many chains whose beads deviate at random."""
+"""The command `scatter`: a quantity of many chains whose beads or gaps deviate at random."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from .options import (
     as_typed,
     figure_option,
     json_option,
+    length_from,
     measure_from,
     quantity_option,
     time_from,
@@ -48,6 +49,12 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
     "10 and 5 um for grade 100.",
 )
 @click.option(
+    "--gaps",
+    metavar="LENGTH",
+    help="Random gaps between these balls, alone or with --scatter or --grade, such as 5um: the "
+    "absolute value of a normal variable with this standard deviation, which is added to each gap.",
+)
+@click.option(
     "--only",
     "some",
     metavar="BEADS",
@@ -56,22 +63,20 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @click.option(
     "--chains", "count", type=int, default=300, show_default=True, help="Number of chains."
 )
-@click.option(
-    "--seed", type=int, default=1, show_default=True, help="Seed of the random diameters."
-)
+@click.option("--seed", type=int, default=1, show_default=True, help="Seed of the random numbers.")
 @quantity_option
 @until_option
 @json_option()
 @click.option("--csv", "as_csv", is_flag=True, help="Print the values of all chains as CSV.")
 @figure_option("Plot the distribution to FILE.")
 def scatter(
-    options: ChainOptions, relative: str | None, grade: int | None, some: str | None, count: int,
-    seed: int, quantity: str | None, until: str | None, as_json: bool, as_csv: bool,
-    plot: Path | None,
+    options: ChainOptions, relative: str | None, grade: int | None, gaps: str | None,
+    some: str | None, count: int, seed: int, quantity: str | None, until: str | None,
+    as_json: bool, as_csv: bool, plot: Path | None,
 ) -> int:  # fmt: skip
-    """Show how a quantity varies if the sizes of the balls scatter.
+    """Show how a quantity varies if the sizes of the balls, or the gaps between them, scatter.
 
-    Many chains with random diameters are simulated, and the distribution of the quantity is
+    Many chains with random diameters or gaps are simulated, and the distribution of the quantity is
     printed.  All chains have the materials, walls and impact of the given one.  If there is no
     striker, bead 1 is the projectile; exclude it with --only "2:" to keep the momentum of the
     impact.  Without simulations, `hertzchain pulse --method disorder` predicts mean and spread of
@@ -82,6 +87,7 @@ def scatter(
       hertzchain scatter --material steel-52100 --diameter "10 mm" --beads 20 \\
           --speed "0.1 m/s" --wall same --scatter 1%
       hertzchain scatter chain.toml --grade 100 --quantity arrival@last --plot arrival.png
+      hertzchain scatter chain.toml --gaps 5um
     """
     import hertzchain
 
@@ -89,15 +95,19 @@ def scatter(
 
     if as_json and as_csv:
         raise click.UsageError("--json and --csv cannot be combined")
-    if (relative is None) == (grade is None):
-        both = "" if relative is None else ", not both"
-        raise click.UsageError(f"give --scatter, such as 1%, or --grade, such as 100{both}")
+    if relative is not None and grade is not None:
+        raise click.UsageError("give --scatter, such as 1%, or --grade, such as 100, not both")
+    if relative is None and grade is None and gaps is None:
+        raise click.UsageError(
+            "give --scatter, such as 1%, or --grade, such as 100, or --gaps, such as 5um"
+        )
     whole_number("--seed", seed, least=0)
     whole_number("--chains", count, least=2, most=10_000)
     chain = chain_from(options)
     part = None if relative is None else _part(relative, chain)
     name, end = str(measure_from(quantity, chain)), time_from("--until", until, chain)
-    deviations = hertzchain.Scatter(radius=part, grade=grade, samples=count, beads=some)
+    apart = None if gaps is None else length_from("--gaps", gaps, chain)
+    deviations = hertzchain.Scatter(part, grade, samples=count, beads=some, gaps=apart)
     with progress_bar("chains simulated") as progress:
         found = hertzchain.distribution(
             chain, name, deviations, until=end, seed=seed, progress=progress

@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from ..designs.measures import Measure
     from ..simulation.yielding import WithYield
 
-BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density")
+BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density", "gaps")
+OF_CONTACTS: Final = ("stiffness", "gaps")
 
 
 @click.command(cls=StrictCommand)
@@ -58,7 +59,8 @@ def sensitivity(
     The table states by how many percent the quantity changes if the radius (or another parameter)
     of one bead changes by 1%, the largest changes first.  The changes of the peak force on the wall
     are simulated, for +1% and -1%; those of other quantities follow from the derivatives, which
-    are exact or, with losses such as elastic-plastic, differences of simulations.
+    are exact or, with losses such as elastic-plastic, differences of simulations.  With --to gaps,
+    one gap after the other grows by 1 um (in scaled variables, by 0.01), in simulations.
 
     \b
     Examples:
@@ -69,7 +71,7 @@ def sensitivity(
     import hertzchain
 
     from ..designs.exact_gradients import name_of
-    from ..designs.sensitivity import changes_of_peak
+    from ..designs.sensitivity import changes_by_gaps, changes_of_peak
     from ..designs.yielding import value_if_yielding
     from ..errors import InputError
 
@@ -81,7 +83,11 @@ def sensitivity(
     end = time_from("--until", until, chain)
     with progress_bar("chains simulated") as progress:
         found = hertzchain.gradient(chain, name, to=by, until=end, progress=progress)
-        changes = changes_of_peak(chain, found, by, end, progress)
+        changes: tuple[Array, ...] | None
+        if by == "gaps":
+            changes = changes_by_gaps(chain, measure, end, progress)
+        else:
+            changes = changes_of_peak(chain, found, by, end, progress)
     yielding = value_if_yielding(chain, measure, until=end)
     if plot is not None:
         from ..plotting.gradients import plot_gradient
@@ -95,7 +101,7 @@ def sensitivity(
 
 
 def _document(
-    found: Gradient, yielding: WithYield, by: str, changes: tuple[Array, Array] | None
+    found: Gradient, yielding: WithYield, by: str, changes: tuple[Array, ...] | None
 ) -> dict[str, Any]:  # fmt: skip
     from ..validation.json_types import finite
 
@@ -114,18 +120,18 @@ def _document(
         "error": found.error,
     }
     if changes:
-        for key, values in zip(("larger", "smaller"), changes, strict=True):
+        for key, values in zip(("larger", "smaller"), changes, strict=False):
             document[f"change_if_{key}"] = finite(values.tolist())
     return document
 
 
 def _lines(
     found: Gradient, measure: Measure, yielding: WithYield, by: str,
-    changes: tuple[Array, Array] | None,
+    changes: tuple[Array, ...] | None,
 ) -> list[str]:  # fmt: skip
     """The chain, the value, and the method of the derivatives or changes."""
     from ..designs.measures import in_words
-    from ..designs.sensitivity import derivatives_mislead
+    from ..designs.sensitivity import GAP_STEP, derivatives_mislead
     from ..designs.yielding import yielding_note
 
     chain = found._chain
@@ -141,7 +147,12 @@ def _lines(
             f"{first} are {found.method} of simulations, with an estimated error of "
             f"{found.error:.1g} of the largest one"
         )
-    if changes and derivatives_mislead(found, by, changes):
+    if by == "gaps":
+        lines.append(
+            f"One gap at a time is {GAP_STEP[chain.units][1]} larger. Derivatives (--json) at "
+            "closed gaps are\none-sided, and hold only for gaps much smaller than the overlaps."
+        )
+    elif changes and derivatives_mislead(found, by, *changes):
         lines.append(
             "A small change of a bead can make another maximum of the force the largest one. The\n"
             "changes by 1% of several beads therefore do not add up: use hertzchain scatter."
@@ -150,24 +161,27 @@ def _lines(
 
 
 def _table(
-    chain: Chain, found: Gradient, by: str, changes: tuple[Array, Array] | None, every_bead: bool
+    chain: Chain, found: Gradient, by: str, changes: tuple[Array, ...] | None, every_bead: bool
 ) -> Table:
     """Changes of the quantity, and the derivative where it is the same in both directions."""
     from rich import box
     from rich.markup import escape
     from rich.table import Table
 
+    from ..designs.sensitivity import GAP_STEP
+
     absolute = found[by]
     shown = {"% per 1%": found.relative(by)}
     if changes:
-        shown = {"% for +1%": 100.0 * changes[0], "% for -1%": 100.0 * changes[1]}
+        steps = ("+1%", "-1%") if by != "gaps" else (f"+{GAP_STEP[chain.units][1]}",)
+        shown = {f"% for {step}": 100.0 * each for step, each in zip(steps, changes, strict=True)}
     rows = _by_influence([*shown.values()], absolute)
     total = len(rows)
     rows = rows if every_bead else rows[:TABLE_ROWS]
     few = f"the {len(rows)} largest of {total}; --all shows every one"
     table = Table(box=box.SIMPLE_HEAD, caption=None if len(rows) == total else few)
     unit = f" [{found.units[by]}]" if found.units[by] else ""
-    of_beads = by != "stiffness"
+    of_beads = by not in OF_CONTACTS
     columns = ["bead k" if of_beads else "contact k"]
     columns += ["diameter [mm]"] if of_beads and chain.units == "SI" else []
     columns += [*shown, *([] if changes else [f"derivative by {by}{unit}"])]

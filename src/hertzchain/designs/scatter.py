@@ -1,10 +1,10 @@
-"""Scatter of manufactured beads, and the measure of risk that a design minimises."""
+"""Scatter of manufactured and assembled beads, and the measure of risk that a design minimises."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Final
 
 import numpy as np
@@ -13,12 +13,15 @@ from ..chain.chain import Chain
 from ..chain.random_radii import (
     BALL_GRADES,
     check_scatter,
+    checked_size_of_gaps,
     random_draws,
     relative_scatter,
-    with_random_radii,
+    with_deviations,
 )
+from ..chain.scattered_radii import scatter_in_words
 from ..collision import Array
 from ..errors import InputError, short_repr
+from ..representation import measure as with_unit
 from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice, check_type, text
@@ -30,10 +33,11 @@ _CVAR: Final = re.compile(r"cvar(\d\d?)")
 @checked_methods
 @dataclass(frozen=True)
 class Scatter:
-    r"""Random deviations of the radii, and how a measure is summarised.
+    r"""Random deviations of the radii and gaps, and how a measure is summarised.
 
     The deviations are those of `Chain.with_scatter`: all beads but strikers and a cap deviate, and
-    samples of a scaled chain are in the units of the chain without deviations.
+    samples of a scaled chain are in the units of the chain without deviations.  Gaps are
+    half-normal, :math:`s |z|` with a standard normal :math:`z`, between beads that deviate.
 
     Attributes
     ----------
@@ -49,12 +53,15 @@ class Scatter:
     beads : str or list of int, optional
         Beads that deviate, such as ``"2:"``, which keeps a projectile; by default all but
         strikers and a cap.
+    gaps : float or str, optional
+        Scale s of the gaps between these beads [scaled, or m], such as ``"5 um"``, alone or in
+        addition to deviations of the radii.
 
     Examples
     --------
     >>> import hertzchain as hc
     >>> hc.Scatter(radius=0.01, measure="cvar80")
-    Scatter(radius=0.01, grade=None, measure='cvar80', samples=40, beads=None)
+    Scatter(radius=0.01, grade=None, measure='cvar80', samples=40, beads=None, gaps=None)
     """
 
     radius: float | None = None
@@ -62,14 +69,22 @@ class Scatter:
     measure: str = "cvar90"
     samples: int = 40
     beads: Any = None
+    gaps: float | str | None = None
 
     def __post_init__(self) -> None:
-        if (self.radius is None) == (self.grade is None):
-            raise InputError("Scatter needs either radius, such as 0.01, or grade, such as 100")
+        both = self.radius is not None and self.grade is not None
+        if both or (self.radius is None and self.grade is None and self.gaps is None):
+            raise InputError(
+                "Scatter needs either radius, such as 0.01, or grade, such as 100, or only gaps, "
+                "such as '5 um'"
+            )
+        if self.gaps is not None:
+            # The chain, which is not known here, decides about the unit.
+            checked_size_of_gaps("gaps of a scatter", self.gaps, "m")
         if self.radius is not None:
             spread = relative_scatter("scatter of the radius", self.radius, above=0.0)
             object.__setattr__(self, "radius", spread)
-        else:
+        elif self.grade is not None:
             check_choice("ball grade", str(self.grade), map(str, BALL_GRADES))
         if text("measure of a scatter", self.measure) != "mean" and not self.tail:
             raise InputError(
@@ -115,23 +130,35 @@ class Scatter:
         [1.0, 1.0, 1.0]
         """
         check_type("chain", chain, Chain)
-        self._check(chain)
         return self._chains(chain, self._draws(whole_number("seed", seed, least=0), chain.beads))
 
-    def _check(self, chain: Chain) -> None:
-        """Raise `InputError` if a chain cannot have the scatter."""
-        check_scatter(chain, self.grade, self.beads)
+    def _check(self, chain: Chain) -> float | None:
+        """Raise `InputError` if a chain cannot have the scatter; the size of the gaps."""
+        return check_scatter(chain, self.radius, self.grade, self.gaps, self.beads)
 
     def _draws(self, seed: int, beads: int, samples: int | None = None) -> Array:
-        """Random numbers, shape (samples, beads)."""
+        """Random numbers, shape (samples, beads, 2)."""
         shape = (samples or self.samples, beads)
-        return random_draws(np.random.default_rng(seed), shape, self.grade)
+        return random_draws(np.random.default_rng(seed), shape, self.grade, self.gaps)
 
     def _chains(self, chain: Chain, draws: Array) -> list[Chain]:
         """The chain with deviations; a shorter chain has the first draws of each row."""
-        return with_random_radii(
-            chain, draws[:, : chain.beads], self.radius, self.grade, self.beads
+        gaps = self._check(chain)
+        return with_deviations(
+            chain, draws[:, : chain.beads], self.radius, self.grade, gaps, self.beads
         )
+
+    def _in_words(self, units: str) -> str:
+        """Such as ``1% scatter, random gaps (5 um)``."""
+        radii = (
+            ""
+            if self.radius is None and self.grade is None
+            else scatter_in_words(self.radius, self.grade)
+        )
+        size = self.gaps
+        if isinstance(size, float | int):
+            size = with_unit(size, "m", units)
+        return ", ".join(filter(None, (radii, f"random gaps ({size})" if size else "")))
 
     @property
     def statistic(self) -> str:
@@ -163,7 +190,7 @@ def scatter_from(given: object) -> Scatter | None:
         return given
     if not isinstance(given, Mapping):
         raise InputError(f"scatter must be a Scatter, got {short_repr(given)}")
-    known = ("radius", "grade", "measure", "samples", "beads")
+    known = tuple(item.name for item in fields(Scatter))
     for name in given:
         check_choice("attribute of a scatter", name, known)
     return Scatter(**given)

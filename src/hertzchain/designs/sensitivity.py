@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -15,9 +16,12 @@ from ..errors import InputError
 from ..validation.objects import Progress
 from .exact_gradients import PEAK
 from .measured import measured
+from .measures import Measure
 from .problem import Design
 
 STEP, RTOL = 1e-4, 1e-9
+# By which a gap grows, and in words: derivatives by gaps hold only far below the overlaps.
+GAP_STEP: Final = MappingProxyType({"SI": (1e-6, "1 um"), "scaled": (0.01, "0.01")})
 # Derivatives that differ from the changes by 1% by a larger fraction of the largest one mislead.
 MISLEADING: Final = 0.1
 
@@ -60,9 +64,21 @@ def changes_of_peak(
     return None if np.isnan([larger, smaller]).all() else (larger, smaller)
 
 
-def derivatives_mislead(found: Gradient, by: str, changes: tuple[Array, Array]) -> bool:
+def changes_by_gaps(
+    chain: Chain,
+    measure: Measure,
+    until: float | None = None,
+    progress: Progress | None = None,
+) -> tuple[Array]:
+    """Simulated relative changes of a quantity if one gap grows by `GAP_STEP`."""
+    step = GAP_STEP[chain.units][0] * np.eye(chain.beads - 1)
+    chains = [chain, *(chain.replace(gaps=chain.gaps + row) for row in step)]
+    found = measured(chains, [measure], until=until, rtol=RTOL, progress=progress).values[:, 0]
+    return (found[1:] / found[0] - 1.0,)
+
+
+def derivatives_mislead(found: Gradient, by: str, larger: Array, smaller: Array) -> bool:
     """Whether derivatives predict other changes by 1%, as at a kink, where two maxima are equal."""
-    larger, smaller = changes
     expected = 0.01 * found.relative(by)
     differences = np.maximum(np.abs(larger - expected), np.abs(smaller + expected))
     # Chains without a complete peak have no changes.

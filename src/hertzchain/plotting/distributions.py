@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final
 
 from matplotlib.axes import Axes
 
-from ..chain.scattered_radii import scatter_in_words
 from ..representation import usual_unit
 from .colours import COLOURS, grey
 from .legends import place_legend
@@ -40,7 +39,7 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
         label_narrow_axis(axes)
         axes.set_xlabel(found.label + (f" [{with_micro(unit)}]" if unit != "1" else ""))
         axes.set_ylabel("number of chains")
-        deviations = scatter_in_words(found.scatter.radius, found.scatter.grade)
+        deviations = with_micro(found.scatter._in_words(found.chain.units))
         set_title(axes, f"{chain_title(found.chain)}, {deviations}")
         place_legend(axes, own=ax is None)
     return axes

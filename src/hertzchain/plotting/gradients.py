@@ -12,28 +12,30 @@ from ..chain.bead_names import bead_label
 from ..chain.chain import Chain
 from ..collision import Array
 from ..designs.measures import parse_measure
+from ..designs.sensitivity import GAP_STEP
 from ..errors import InputError
 from .colours import COLOURS, grey
 from .legends import place_legend
-from .style import BeadLocator, figure_style, get_axes, set_title
+from .style import BeadLocator, figure_style, get_axes, set_title, with_micro
 from .titles import chain_title
 
 if TYPE_CHECKING:
     from ..derivatives.result import Gradient
 
 NOUNS: Final = {"radii": "the radius", "masses": "the mass", "velocities": "the velocity",
-                "young": "Young's modulus"}  # fmt: skip
+                "young": "Young's modulus", "gaps": "the gap"}  # fmt: skip
 # Sum of the changes for +1% and -1%, relative to their difference, below which one suffices.
 MIRRORED: Final = 0.05
 
 
 def plot_gradient(
-    found: Gradient, name: str = "radii", *, changes: tuple[Array, Array] | None = None,
+    found: Gradient, name: str = "radii", *, changes: tuple[Array, ...] | None = None,
     ax: Axes | None = None,
 ) -> Axes:  # fmt: skip
     """Plot by how many percent a quantity changes if a parameter of each bead grows by 1%.
 
-    ``changes`` are simulated relative changes for +1% and -1%, which replace the derivatives.
+    ``changes`` are simulated relative changes for +1% and -1%, or for larger gaps, which replace
+    the derivatives.
     """
     relative = found.relative(name)
     if relative.ndim != 1:
@@ -52,7 +54,8 @@ def plot_gradient(
             axis = f"change [%] per 1% of {noun}"
         else:
             both = bars_of_changes(axes, *changes)
-            axis = f"change [%] if {noun} {'changes' if both else 'grows'} by 1%"
+            step = "1%" if name != "gaps" else with_micro(GAP_STEP[_units(found)][1])
+            axis = f"change [%] if {noun} {'changes' if both else 'grows'} by {step}"
         axes.xaxis.set_major_locator(BeadLocator())
         axes.set_xlabel("contact $k$" if joints else "bead $k$")
         axes.set_ylabel(f"{_label(found)}:\n{axis}")
@@ -68,12 +71,12 @@ def plot_gradient(
     return axes
 
 
-def bars_of_changes(axes: Axes, larger: Array, smaller: Array) -> bool:
+def bars_of_changes(axes: Axes, larger: Array, smaller: Array | None = None) -> bool:
     """Draw relative changes for +1% and -1% in percent; the first suffice if they are mirrored.
 
     Returns whether both are drawn.
     """
-    larger, smaller = 100.0 * larger, 100.0 * smaller
+    larger, smaller = 100.0 * larger, 100.0 * (-larger if smaller is None else smaller)
     beads = np.arange(1, len(larger) + 1)
     axes.axhline(0.0, color=grey(axes), linewidth=0.8)
     axes.set_xlim(0.3, len(larger) + 0.7)
@@ -96,6 +99,10 @@ def noun_of(name: str, chain: Chain | None) -> str:
     if name == "radii" and chain is not None and chain.units == "SI":
         return "the diameter"
     return NOUNS.get(name, name)
+
+
+def _units(found: Gradient) -> str:
+    return "SI" if found._chain is None else found._chain.units
 
 
 def _label(found: Gradient) -> str:

@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 
 # Markers distinguish curves in prints in grey.
 MARKERS: Final = ("o", "+", "x", "s", "^", "v", "D")
+# The letter of micro in units of times, lengths and impulses.
+MICRO: Final = re.compile(r"\bu(?=(?:s|m|N s)\b)")
 
 # Dates in the fonts of Matplotlib, which are before 1970, would be reported with each PDF file.
 logging.getLogger("fontTools.ttLib.tables._h_e_a_d").setLevel(logging.ERROR)
@@ -224,9 +226,9 @@ def signed(value: float, digits: str = "g") -> str:
     return f"{value:{digits}}".replace("-", "\N{MINUS SIGN}")
 
 
-def with_micro(unit: str) -> str:
-    """A unit with the micro sign, such as µs for us."""
-    return unit.replace("u", "µ", 1) if unit in ("us", "um") else unit
+def with_micro(text: str) -> str:
+    """Text whose units have the micro sign, such as µs for us."""
+    return MICRO.sub("µ", text)
 
 
 def label_log_axis(axis: Axis) -> None:

@@ -369,10 +369,10 @@ class _ChainFile:
                 size = "radius" if "radius" in arguments else "diameter"
                 sizes = {"radius": "radii", "diameter": "diameters"}[size]
                 arguments[sizes] = {arguments.pop("bead"): arguments.pop(size)}
-            if name == "with_scatter" and not {"relative", "grade"} & arguments.keys():
+            if name == "with_scatter" and not {"relative", "grade", "gaps"} & arguments.keys():
                 raise InputError(
                     "[chain.with_scatter] has neither relative, such as 0.01, nor grade, such as "
-                    "100: give one of them"
+                    "100, nor gaps, such as '5 um': give one of them"
                 )
             yield arguments
 

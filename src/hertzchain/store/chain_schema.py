@@ -142,6 +142,7 @@ _SCATTER: Final = (
         most=MAX_SCATTER,
     ),
     Key("grade", "integer", "ball grade of ISO 3290-1, instead of relative"),
+    _number("gaps", "scale of random, half-normal gaps between these beads", "length", above=0.0),
     Key("beads", "text", "beads that deviate, such as 2:; all but the strikers if omitted"),
     _number("radii", "radius of each bead, instead of a seed", "length", above=0.0, per="bead"),
 )
@@ -285,7 +286,8 @@ _LISTED: Final = (
     Section("chain", "beads, contacts and initial state", _CHAIN),
     Section("chain.decorated", "small beads between large ones", _DECORATED, repeated=True),
     Section("chain.with_defects", "a bead of another size or material", _DEFECTS, repeated=True),
-    Section("chain.with_scatter", "random deviations of the radii", _SCATTER, repeated=True),
+    Section("chain.with_scatter", "random deviations of the radii and gaps", _SCATTER,
+            repeated=True),
     Section("chain.struck_by", "strikers in front of the chain", _STRUCK_BY, repeated=True),
     Section("chain.cap", "the flat cap of a load cell behind the last ball", _CAP),
     Section("chain.striker_properties", "properties of one of the first beads counted by strikers",

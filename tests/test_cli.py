@@ -564,7 +564,7 @@ def test_a_chain_with_a_wall_is_reported_with_units(run, tmp_path):
     assert ", since no larger force on the right wall can follow\n" in out
     assert "right wall: peak " in out
     assert "energy [J]" in out
-    assert "momentum [kg m/s]" in out
+    assert "momentum [N s]" in out
 
 
 def test_simulate_prints_the_budget_as_json(run):

@@ -56,7 +56,7 @@ def test_every_kind_is_small_and_has_its_numbers(results):
         (pulse, ["by BCA", "last bead", "largest force", " N (contact" if si else "(contact"]),
         (run.pulse(), ["by simulation", "arrival"]),
         (run, ["time reached", f"{beads} of {beads}", "energy drift", "velocity [m" * si]),
-        (run.budget(), ["scattered back", "right wall", "add up within", "[kg m/s]" * si]),
+        (run.budget(), ["scattered back", "right wall", "add up within", "[N s]" * si]),
         (wall, [engineering(wall.largest_so_far, "N", units), "impulse of the run"]),
         (pulse.compare(hc.propagate(free)), ["of BCA with propagation", "rms error", "velocity"]),
     ):
@@ -336,7 +336,7 @@ def test_ticks_are_round_numbers_inside(low, high, whole, expected):
     ("value", "unit", "text"),
     [
         (2.349e-5, "s", "23.49 µs"), (0.0, "N", "0 N"), (1300.5, "N", "1.3 kN"),
-        (1e-3, "m", "1 mm"), (0.0311, "N s", "31.1 mN s"), (0.5, "kg m/s", "0.5 kg m/s"),
+        (1e-3, "m", "1 mm"), (0.0311, "N s", "31.1 mN s"), (0.5, "N s", "500 mN s"),
         (-0.25, "m/s", "-250 mm/s"), (1e-20, "J", "1e-08 pJ"),
     ],
 )  # fmt: skip

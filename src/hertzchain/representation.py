@@ -6,6 +6,7 @@ import math
 import re
 import textwrap
 from collections.abc import Sequence
+from types import MappingProxyType
 from typing import Any, Final
 
 MAX_LINES: Final = 3
@@ -15,13 +16,16 @@ KILONEWTONS: Final = 1e4
 # Times [s] up to which they are shown in us, and in ms.
 MICROSECONDS: Final = 0.001
 MILLISECONDS: Final = 1.0
+# Lengths [m] below which they are shown in um, and prefixes of impulses.
+MILLIMETRE: Final = 1e-3
+PREFIXES: Final = MappingProxyType({1e3: "k", 1.0: "", 1e-3: "m", 1e-6: "u", 1e-9: "n"})
 # Powers of ten of the smallest and largest values with errors that have no exponent, and the
 # largest number of their digits.
 SMALLEST, LARGEST, MAX_DIGITS = -4, 5, 12
 NO_BREAK: Final = "\N{NO-BREAK SPACE}"
 # Spaces around an equals sign, and between a number and its unit.
 KEPT_TOGETHER: Final = re.compile(
-    r" (?==)|(?<==) |(?<=\d) (?=(?:kg m/s|m/s|N s|kg|Hz|[um]s|[smNJ])\b)"
+    r" (?==)|(?<==) |(?<=\d) (?=(?:m/s|[kmun]?N s|kg|Hz|[um]s|[smNJ])\b)"
 )
 
 
@@ -65,7 +69,15 @@ def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:
 
 
 def usual_unit(value: float, unit: str) -> tuple[float, str]:
-    """Factor and unit in which a value is shown: us or ms for short times, kN, MPa or GPa."""
+    """Factor and unit in which a value is shown: us or ms for short times, kN, MPa or GPa.
+
+    Lengths below 1 mm are shown in um, impulses and momenta in N s with a prefix.
+    """
+    if unit == "N s" and 0.0 < abs(value) < math.inf:
+        size = next((each for each in PREFIXES if abs(value) >= 0.99995 * each), min(PREFIXES))
+        return 1.0 / size, f"{PREFIXES[size]}N s"
+    if unit == "m" and 0.0 < abs(value) < MILLIMETRE:
+        return 1e6, "um"
     if unit == "Pa":
         return (1e-9, "GPa") if abs(value) >= 1e9 else (1e-6, "MPa")
     if unit == "N" and abs(value) >= KILONEWTONS:

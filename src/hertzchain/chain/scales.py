@@ -154,7 +154,7 @@ class Scales:
 
     @property
     def momentum(self) -> float:
-        """Unit of momentum M_1 V_1 [kg m/s]."""
+        """Unit of momentum M_1 V_1 [N s]."""
         return self.mass * self.velocity
 
     @property

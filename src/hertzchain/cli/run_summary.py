@@ -190,7 +190,7 @@ def _last_bead_line(run: Run, last: dict[str, float]) -> str:
     from ..representation import measure
 
     velocity = measure(last["velocity"], "m/s", run.chain.units, 5)
-    momentum = _impulse(last["momentum"], run.chain.units)
+    momentum = measure(last["momentum"], "N s", run.chain.units)
     return (
         f"{bead_label(run.chain, run.chain.beads)} at the free end: velocity {velocity}, momentum "
         f"{momentum} in the leading pulse"
@@ -263,7 +263,7 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
     if not wall.reached:
         return f"{wall.side} wall: the pulse has not arrived"
     largest = _at(run, wall.largest_so_far, wall.largest_so_far_time)
-    impulse = _impulse(wall.impulse, wall.units)
+    impulse = measure(wall.impulse, "N s", wall.units)
     # Static forces never let go of the wall.
     closed = run._closed[0 if wall.side == "left" else -1]
     during = closed and not run.chain.static_state.forces.any()
@@ -282,12 +282,12 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
     peak = f"{wall.side} wall: peak{so_far} {largest}; {wall._later}{caution}"
     if wall.complete_since is None:
         return f"{peak}; {wall.reason}\n  impulse {whole}"
-    of_impact = _impulse(wall.excess_impulse, wall.units)
+    of_impact = measure(wall.excess_impulse, "N s", wall.units)
     static = measure(wall.static_force, "N", wall.units)
     above = f" above the static force of {static}" if wall.static_force else ""
     parts = [f"{of_impact} in the impact{above} ({counted(wall.touches, 'contact')})"]
     if wall.first_contact_impulse is not None and wall.touches > 1:
-        first = _impulse(wall.first_contact_impulse, wall.units)
+        first = measure(wall.first_contact_impulse, "N s", wall.units)
         parts.insert(0, f"{first} in the first contact")
     parts += [whole] * (impulse != of_impact)
     ratio = measure(wall.duration, "s", wall.units)
@@ -303,10 +303,6 @@ def _at(run: Run, force: float, time: float) -> str:
     units, horizon = run.chain.units, run.known_horizon
     later = " (after the horizon)" if horizon is not None and time > horizon.time else ""
     return f"{measure(force, 'N', units, 5)} at t = {measure(time, 's', units, 5)}{later}"
-
-
-def _impulse(value: float, units: str) -> str:
-    return f"{1e3 * value:.4g} mN s" if units == "SI" else f"{value:.4g}"
 
 
 def _sensor_line(run: Run, bead: int) -> str:

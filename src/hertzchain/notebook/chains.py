@@ -201,7 +201,7 @@ def scales_html(scales: Scales) -> str:
         ["velocity", engineering(scales.velocity, "m/s")],
         ["time", engineering(scales.time, "s")],
         ["force", engineering(scales.force, "N")],
-        ["momentum", engineering(scales.momentum, "kg m/s")],
+        ["momentum", engineering(scales.momentum, "N s")],
         ["energy", engineering(scales.energy, "J")],
     ]
     return page("Scales", f"p = {scales.exponent:g}", table(("variable", "unit"), rows))

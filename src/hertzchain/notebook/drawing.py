@@ -123,7 +123,7 @@ def engineering(value: float, unit: str, units: str = "SI") -> str:
     """A number with four digits; in SI units with its unit and a prefix."""
     if units != "SI":
         return f"{value:.4g}"
-    power = _power_of(abs(value), unit)
+    power = _power_of(abs(value))
     return f"{value / 10.0**power:.4g} {PREFIXES[power]}{unit}"
 
 
@@ -131,12 +131,12 @@ def axis_unit(values: Array, unit: str, units: str) -> tuple[float, str]:
     """Factor and unit, in brackets, of the values on an axis."""
     if units != "SI":
         return 1.0, ""
-    power = _power_of(float(np.nanmax(np.abs(values), initial=0.0)), unit)
+    power = _power_of(float(np.nanmax(np.abs(values), initial=0.0)))
     return 10.0**-power, f" [{PREFIXES[power]}{unit}]"
 
 
-def _power_of(size: float, unit: str) -> int:
-    if unit == "kg m/s" or not (0.0 < size < math.inf):
+def _power_of(size: float) -> int:
+    if not 0.0 < size < math.inf:
         return 0
     return int(np.clip(3 * math.floor(math.log10(size) / 3.0 + 1e-9), -12, 9))
 

@@ -50,7 +50,7 @@ def pulse_html(pulse: Pulse) -> str:
         figure = legend((each.label, each.colour) for each in curves) + figure
     last = "last bead (free end)" if marks else "last bead"
     found = {last: f"{beads}", "velocity": engineering(pulse.velocity[-1], "m/s", units)}
-    found["momentum"] = engineering(pulse.momentum[-1], "kg m/s", units)
+    found["momentum"] = engineering(pulse.momentum[-1], "N s", units)
     found["energy"] = engineering(pulse.energy[-1], "J", units)
     if pulse.arrival is not None:
         found["arrival"] = engineering(pulse.arrival[-1], "s", units)

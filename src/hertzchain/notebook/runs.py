@@ -84,7 +84,7 @@ def budget_html(budget: Budget) -> str:
         base = top
     rows = [*_balances(budget, factor)]
     worst = max(float(np.abs(budget.residual(of)).max()) for of in ("energy", "momentum"))
-    impulse = " [kg m/s]" if units == "SI" else ""
+    impulse = " [N s]" if units == "SI" else ""
     end = engineering(float(budget.times[-1]), "s", units)
     return page(
         "Budget",

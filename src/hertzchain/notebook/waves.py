@@ -55,7 +55,7 @@ def waves_html(waves: Waves) -> str:
             f"{engineering(wave.times.min(), 's', units)} to "
             f"{engineering(wave.times.max(), 's', units)}",
             engineering(wave.amplitude, "N", units),
-            engineering(wave.momentum, "kg m/s", units),
+            engineering(wave.momentum, "N s", units),
             engineering(wave.energy, "J", units),
         ]
         for wave in shown
@@ -80,7 +80,7 @@ def wave_html(wave: Wave) -> str:
         "contacts": f"{wave.contacts.min()} to {wave.contacts.max()}",
         "time": f"{begin} to {end}",
         "force": engineering(wave.amplitude, "N", units),
-        "momentum": engineering(wave.momentum, "kg m/s", units),
+        "momentum": engineering(wave.momentum, "N s", units),
         "energy": engineering(wave.energy, "J", units),
     }
     if np.isfinite(wave.width):
@@ -110,7 +110,7 @@ def reflection_html(found: Reflection) -> str:
     shown = {
         "incident wave at": engineering(incident.time, "s", units),
         "its energy": engineering(incident.energy, "J", units),
-        "its momentum": engineering(incident.impulse, "kg m/s", units),
+        "its momentum": engineering(incident.impulse, "N s", units),
         "its force": engineering(incident.amplitude, "N", units),
         "counted until": engineering(found.until, "s", units),
         "energy kept": f"{found.kept_energy:.4f}",
@@ -173,14 +173,14 @@ def fronts_html(fronts: Fronts) -> str:
 def leading_pulse_html(pulse: LeadingPulse) -> str:
     """Momentum of the leading pulse along the chain, and its last known values."""
     units = pulse.chain.units
-    figure = _per_contact(pulse.momentum, "kg m/s", "momentum", units)
+    figure = _per_contact(pulse.momentum, "N s", "momentum", units)
     known = np.flatnonzero(np.isfinite(pulse.momentum))
     found = {"contacts": f"{len(known)} of {len(pulse.crest)}"}
     if len(known):
         k = int(known[-1])
         found |= {
             f"crest at contact {k + 1}": engineering(float(pulse.crest[k]), "s", units),
-            "momentum": engineering(float(pulse.momentum[k]), "kg m/s", units),
+            "momentum": engineering(float(pulse.momentum[k]), "N s", units),
             "kinetic energy": engineering(float(pulse.kinetic_energy[k]), "J", units),
         }
     return page(

@@ -136,7 +136,7 @@ class Pulse(Columns):
 
     @property
     def momentum(self) -> Array:
-        """Momentum P_k = m_k v_k [scaled, or kg m/s], shape (N,)."""
+        """Momentum P_k = m_k v_k [scaled, or N s], shape (N,)."""
         found: Array = derive(self, QUANTITIES["momentum"])
         return found
 

@@ -173,7 +173,7 @@ QUANTITIES: Final = _by_name(
         ),
         Quantity(
             "momentum", "P", "momentum m v of the bead at that maximum",
-            unit="kg m/s", scale="momentum", label="momentum $P_k$", scored=True,
+            unit="N s", scale="momentum", label="momentum $P_k$", scored=True,
             inputs=("masses", "velocity"), formula=lambda m, v: m * v,
         ),
         Quantity(
@@ -402,7 +402,7 @@ WAVE_QUANTITIES: Final = _by_name(
         Quantity("first_time", "", "time at its first contact", unit="s", scale="time", per="wave"),
         Quantity("last_time", "", "time at its last contact", unit="s", scale="time", per="wave"),
         Quantity("amplitude", "F", "largest force", unit="N", scale="force", per="wave"),
-        Quantity("momentum", "P", "momentum", unit="kg m/s", scale="momentum", per="wave"),
+        Quantity("momentum", "P", "momentum", unit="N s", scale="momentum", per="wave"),
         Quantity("energy", "E", "energy", unit="J", scale="energy", per="wave"),
         Quantity("width", "", "duration of half the force", unit="s", scale="time", per="wave"),
         Quantity("speed", "V", "speed", unit="m/s", scale="radius/time", per="wave"),

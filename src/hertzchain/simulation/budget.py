@@ -93,7 +93,7 @@ class Budget:
         ``"walls"`` (in their contacts); and ``"lost"`` [scaled, or J].
     momentum : dict of ndarray, shape (T,)
         Momentum by location: the same three parts, ``"left wall"`` and ``"right wall"``
-        [scaled, or kg m/s].
+        [scaled, or N s].
     energy_given, momentum_given : dict of ndarray, shape (T,)
         Energy and momentum by origin: ``"start"``, ``"gravity"``, ``"drive"``, ``"held ends"``.
     excess : bool

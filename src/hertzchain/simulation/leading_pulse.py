@@ -63,7 +63,7 @@ class LeadingPulse:
     crest : ndarray, shape (N - 1,)
         Time :math:`s_k` of the crest at contact k, its first largest overlap [scaled, or s].
     handed_over : ndarray, shape (N - 1,)
-        Momentum :math:`J_k` that contact k has transferred until then [scaled, or kg m/s].
+        Momentum :math:`J_k` that contact k has transferred until then [scaled, or N s].
     rise_time : ndarray, shape (N - 1,)
         :math:`\tau_k` [scaled, or s].
     rear : ndarray, shape (N,)
@@ -72,7 +72,7 @@ class LeadingPulse:
         stopped, and at a free end; it may be later than the end of the run.
     momentum, kinetic_energy : ndarray, shape (N - 1,)
         Momentum and kinetic energy of the leading pulse when its crest is at contact k
-        [scaled, or kg m/s and J].
+        [scaled, or N s and J].
     notes : dict of str
         Reasons why values are NaN, by the name of the attribute.
 
@@ -176,7 +176,7 @@ class LeadingPulse:
             self.chain.description,
             f"known at {len(known)} of {len(self.crest)} contacts",
             f"at contact {k + 1} crest t = {measure(self.crest[k], 's', units)}, momentum "
-            f"{measure(self.momentum[k], 'kg m/s', units)}, kinetic energy "
+            f"{measure(self.momentum[k], 'N s', units)}, kinetic energy "
             f"{measure(self.kinetic_energy[k], 'J', units)}",
         )
 

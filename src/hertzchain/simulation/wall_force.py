@@ -85,7 +85,7 @@ class WallForce:
         move away from the wall and are turned back later are not included.
     momentum_on_its_way, energy_on_its_way : float
         Momentum of the motion towards the wall at the end of the run, and energy that can still
-        reach the wall [scaled, or kg m/s and J].
+        reach the wall [scaled, or N s and J].
     touches : int
         Number of separate contacts with the wall until ``complete_since``, or so far.
     impulse_of_impact : float

@@ -77,7 +77,7 @@ class Wave:
 
     @cached_property
     def momenta(self) -> Array:
-        """Momentum at each contact, negative towards bead 1, shape (M,) [scaled, or kg m/s]."""
+        """Momentum at each contact, negative towards bead 1, shape (M,) [scaled, or N s]."""
         return np.array([event.momentum for event in self.events])
 
     @cached_property
@@ -100,7 +100,7 @@ class Wave:
 
     @property
     def momentum(self) -> float:
-        """Median of `momenta`, negative towards bead 1 [scaled, or kg m/s].
+        """Median of `momenta`, negative towards bead 1 [scaled, or N s].
 
         Events that are `WaveEvent.merged` count only if all are.
         """
@@ -195,7 +195,7 @@ class Wave:
 
     def __repr__(self) -> str:
         first, last, units = self.events[0], self.events[-1], self.chain.units
-        facts = {"force": ("amplitude", "N"), "momentum": ("momentum", "kg m/s"),
+        facts = {"force": ("amplitude", "N"), "momentum": ("momentum", "N s"),
                  "energy": ("energy", "J")}  # fmt: skip
         values = ", ".join(
             f"{word} {' to '.join(measure(each, unit, units) for each in self._along(name))}"
@@ -375,7 +375,7 @@ class Waves:
             self._heading(),
             f"the strongest {DIRECTIONS[strongest.direction]}, force "
             f"{measure(strongest.amplitude, 'N', units)}, momentum "
-            f"{measure(strongest.momentum, 'kg m/s', units)}",
+            f"{measure(strongest.momentum, 'N s', units)}",
             "print() lists them",
         )
 

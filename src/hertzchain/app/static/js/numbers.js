@@ -81,7 +81,6 @@ export function powers(low, high, count) {
  * @param {number} largest @param {string} unit @returns {[number, string]} */
 export function prefixed(largest, unit) {
   if (unit === "1") return [1, ""];
-  if (unit === "kg m/s") unit = "N s"; // The same unit, with a prefix.
   /** @type {[number, string][]} */
   const prefixes = [[1e-9, "G"], [1e-6, "M"], [1e-3, "k"], [1, ""], [1e3, "m"], [1e6, "µ"], [1e9, "n"]];
   if (!/^(m|m\/s|s|N|N s|J|Hz|Pa|g)$/.test(unit) || !(largest > 0 && largest < Infinity)) return [1, unit];

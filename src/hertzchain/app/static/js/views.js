@@ -165,7 +165,7 @@ export class Views {
     const of = state.view.budget, arrays = own.run.arrays, prefix = `${of}.`;
     const names = [...arrays.keys()].filter((name) => name.startsWith(prefix)).map((name) => name.slice(prefix.length));
     if (!names.length && own.run.header.draft) return; // Drafts of long chains have none: keep the last one.
-    const unit = own.si ? (of === "energy" ? "J" : "kg m/s") : "";
+    const unit = own.si ? (of === "energy" ? "J" : "N s") : "";
     const total = Math.max(...names.map((name) => largest(arrays.get(prefix + name))));
     const [factor, shown] = prefixed(total, unit);
     const count = x.length, above = new Float64Array(count), below = new Float64Array(count);

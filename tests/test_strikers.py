@@ -257,3 +257,11 @@ def test_a_flat_face_can_be_given_as_text():
     )
     with pytest.raises(hc.InputError, match="must be .*finite, got 'inf m/s'"):
         balls.struck_by(mass="50 g", radius="inf mm", velocity="inf m/s")
+
+
+@pytest.mark.filterwarnings("default")
+@pytest.mark.parametrize(("count", "questioned"), [(200, True), (6, True), (5, False)])
+def test_a_number_of_strikers_that_may_be_grams_is_questioned(run, count, questioned):
+    found = run("simulate", "--material", "brass", "--diameter", "9mm", "--beads", 5,
+                "--speed", "0.1m/s", "--striker", count, "--until", "20us")  # fmt: skip
+    assert (f"for a mass, write, for example, --striker '{count} g'" in found.stderr) is questioned

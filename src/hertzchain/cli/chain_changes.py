@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from ..chain.laws import Loss
     from ..chain.walls import Wall
 
+# Largest number of strikers, if the chain has as many beads, that is certainly not a mass in grams.
+MAX_STRIKERS: Final = 20
 BOOLEANS: Final = {"true": True, "false": False}
 
 
@@ -107,6 +109,7 @@ def _striker(text: str, chain: Chain) -> dict[str, Any]:
         if key in given:
             raise click.UsageError(f"--striker {text!r} has two values of the {key}: omit one")
         given[key] = value
+    _warn_count_for_mass(given, chain)
     if chain.scaled and given.keys() != {"count"}:
         raise click.UsageError(
             f"--striker {text!r} requires --material; in scaled variables, it is a number of beads "
@@ -136,6 +139,19 @@ def with_cap(chain: Chain, text: str) -> Chain:
     if chain.scaled:
         raise click.UsageError(f"--cap {text!r} requires --material")
     return chain.with_cap(**given)
+
+
+def _warn_count_for_mass(given: dict[str, Any], chain: Chain) -> None:
+    """Warn about so many strikers that the number is probably a mass in grams."""
+    from ..errors import InputWarning, warn_user
+
+    count = given.get("count", 1)
+    if not chain.scaled and count > min(chain.beads, MAX_STRIKERS):
+        warn_user(
+            f"--striker {count} is a number of striking beads; for a mass, write, for example, "
+            f"--striker '{count} g'",
+            InputWarning,
+        )
 
 
 def wall_named(name: str, chain: Chain) -> Wall:

@@ -1033,7 +1033,7 @@ def test_sensitivity_to_larger_and_smaller_beads_at_the_kink_of_a_peak(run, tmp_
     file = tmp_path / "order.toml"
     file.write_text(hertzchain.chain_as_toml(chain))
     found = json.loads(run("sensitivity", file, "--json")[1])
-    assert "can make another maximum of the force the largest" in run("sensitivity", file)[1]
+    assert "can make another maximum of the" in run("sensitivity", file)[1]
     changed = [
         chain.replace(radii=chain.radii * np.where(np.arange(15) == i, 1.0 + part, 1.0))
         for part in (0.01, -0.01) for i in range(15)

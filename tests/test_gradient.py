@@ -684,7 +684,7 @@ def test_differences_of_balls_that_yield_have_the_powers_of_dimensional_analysis
     # Elastic contacts have the power 1.2.
     assert by_velocity < 0.9
     assert np.isnan(found["velocities"][1:]).all()
-    assert steps[-1] == (4 * (6 + 1 + 6), 4 * (6 + 1 + 6))
+    assert steps[-1] == (6 * (6 + 1 + 6), 6 * (6 + 1 + 6))
     assert "by central differences; complete" in " ".join(repr(found).split())
     pickle.loads(pickle.dumps(found))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from math import isinf, isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 
 BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density", "gaps")
 OF_CONTACTS: Final = ("stiffness", "gaps")
+# Letters of a line of a note.
+WIDTH: Final = 92
 
 
 @click.command(cls=StrictCommand)
@@ -118,6 +121,7 @@ def _document(
         "relative": found.relative(by).tolist(),
         "method": found.method,
         "error": found.error,
+        "kinks": by in found.kinks,
     }
     if changes:
         for key, values in zip(("larger", "smaller"), changes, strict=False):
@@ -130,6 +134,7 @@ def _lines(
     changes: tuple[Array, ...] | None,
 ) -> list[str]:  # fmt: skip
     """The chain, the value, and the method of the derivatives or changes."""
+    from ..derivatives.kinks import kink_note
     from ..designs.measures import in_words
     from ..designs.sensitivity import GAP_STEP, derivatives_mislead
     from ..designs.yielding import yielding_note
@@ -153,10 +158,8 @@ def _lines(
             "closed gaps are\none-sided, and hold only for gaps much smaller than the overlaps."
         )
     elif changes and derivatives_mislead(found, by, *changes):
-        lines.append(
-            "A small change of a bead can make another maximum of the force the largest one. The\n"
-            "changes by 1% of several beads therefore do not add up: use hertzchain scatter."
-        )
+        note = f"{kink_note([by])}; changes of several beads do not add up: use hertzchain scatter"
+        lines += textwrap.wrap(f"note: {note}", WIDTH)
     return lines
 
 

@@ -20,6 +20,7 @@ from ..simulation.run_table import RunTable
 from ..simulation.simulate_many import tabulate_runs
 from ..validation.objects import Progress
 from .equation import is_linear
+from .kinks import PART, mislead
 from .names import Name
 from .parameters import MATERIAL
 from .relative import value_of_parameter
@@ -28,8 +29,9 @@ from .relative import value_of_parameter
 # that yield change by 1e-5 to 1e-4 of the largest one if the step is a third of it; with steps
 # below 1e-4, errors of the integration dominate.
 STEP, RTOL = 1e-3, 1e-9
-# A second step, twice as large, shows the error.
-FACTORS: Final = (1.0 + STEP, 1.0 - STEP, 1.0 + 2.0 * STEP, 1.0 - 2.0 * STEP)
+# A second step, twice as large, shows the error, and a large one the kinks.
+STEPS: Final = (STEP, 2.0 * STEP, PART)
+FACTORS: Final = tuple(1.0 + sign * step for step in STEPS for sign in (1, -1))
 FIELDS: Final = ("radii", "masses", "stiffness", "velocities")
 
 
@@ -41,6 +43,8 @@ class Differences:
     slopes: dict[str, Array]
     # Those with the larger step.
     others: dict[str, Array]
+    # Parameters of which a change by 1% has another effect.
+    kinks: tuple[str, ...]
 
     def relative_error(self, found: Mapping[str, Array]) -> float:
         """Largest difference between both steps, relative to the largest derivative of an array."""
@@ -61,7 +65,7 @@ def differences(
     chain: Chain, names: Sequence[Name], to: Sequence[str], *, until: float | None,
     rtol: float | None, max_steps: int | None, progress: Progress | None,
 ) -> tuple[list[Differences], Array]:  # fmt: skip
-    """Simulate a chain and four others for each entry of the parameters that is not 0.
+    """Simulate a chain and six others for each entry of the parameters that is not 0.
 
     Returns derivatives of each quantity, and the largest overlaps of the chain.
     """
@@ -145,15 +149,15 @@ def _differences(
     chain: Chain, places: Mapping[str, NDArray[np.int64]], value: float, values: Array
 ) -> Differences:
     """Derivatives from the values of the chain and of the others, in their order."""
-    kept: list[dict[str, Array]] = []
-    blocks = values.reshape(len(FACTORS), -1)
-    for larger, smaller, step in ((0, 1, STEP), (2, 3, 2.0 * STEP)):
-        changes = (blocks[larger] - blocks[smaller]) / (2.0 * step)
-        slopes, begin = dict[str, Array](), 0
-        for name, some in places.items():
-            own = value_of_parameter(chain, name)
+    blocks = values.reshape(len(STEPS), 2, -1)
+    begins = np.cumsum([0, *(len(some) for some in places.values())])
+    kept: tuple[dict[str, Array], dict[str, Array]] = ({}, {})
+    kinks = []
+    for (name, some), begin in zip(places.items(), begins, strict=False):
+        own, part = value_of_parameter(chain, name), blocks[:, :, begin : begin + len(some)]
+        for slopes, (larger, smaller), step in zip(kept, part, STEPS, strict=False):
             slopes[name] = np.full(own.shape, math.nan)
-            slopes[name][some] = changes[begin : begin + len(some)] / own[some]
-            begin += len(some)
-        kept.append(slopes)
-    return Differences(value, *kept)
+            slopes[name][some] = (larger - smaller) / (2.0 * step) / own[some]
+        if len(some) and mislead(PART * own[some] * kept[0][name][some], *(part[2] - value)):
+            kinks.append(name)
+    return Differences(value, *kept, tuple(kinks))

@@ -23,6 +23,7 @@ from .dependence import Reader
 from .differences import Differences, differences, needs_differences
 from .equation import METHOD, Equation, equation_of
 from .gauges import Missing
+from .kinks import has_kinks, kinks_of_maxima
 from .names import Name, parse
 from .parameters import by_fields, checked_parameters
 from .record import run
@@ -68,9 +69,14 @@ def gradient(
     These derivatives are exact.  They exist for elastic chains and for the losses `Viscoelastic`,
     `Restitution` and `Dashpot`.  The forces of other losses, such as `ElasticPlastic`, jump when a
     contact begins to open, are not linear in the closing speed, or depend on the past.  Their
-    derivatives are central differences of four simulations per bead, in which a parameter is larger
+    derivatives are central differences of simulations, in which a parameter of a bead is larger
     and smaller by 0.1% and 0.2%: ``method`` and ``error`` of the result state this and the
     difference between both steps.
+
+    The largest force on a wall is the largest of several maxima, and has a kink where two of them
+    are equal, as is usual for a design.  ``kinks`` of the result names the parameters of which a
+    change by 1% leads beyond such a kink, so that the derivatives are valid for smaller changes
+    only; with differences, it follows from two more simulations per bead.
 
     Parameters
     ----------
@@ -314,7 +320,11 @@ def _read(
     for index, (name, (label, value, arrays, status)) in enumerate(read):
         accuracy = Accuracy(least, second, index, len(read))
         settings = _settings(chain, name, to)
-        out.append(Gradient(label, value, arrays, status, steps, accuracy, *settings, chain))
+        known = math.isfinite(value)
+        kinks = kinks_of_maxima(reader, name, arrays, settings[-1]) if known else ()
+        out.append(
+            Gradient(label, value, arrays, status, steps, accuracy, *settings, chain, kinks=kinks)
+        )
     return out
 
 
@@ -327,7 +337,7 @@ def _of_differences(chain: Chain, name: Name, found: Differences) -> Gradient:
     settings = _settings(chain, name, tuple(found.slopes))
     return Gradient(
         str(name), found.value, found.slopes, status, 0, found, *settings, chain,
-        "central differences",
+        "central differences", found.kinks if has_kinks(name) else (),
     )  # fmt: skip
 
 

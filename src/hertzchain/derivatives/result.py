@@ -17,6 +17,7 @@ from ..representation import short
 from ..validation.keywords import checked_methods
 from .accuracy import Accuracy
 from .differences import Differences
+from .kinks import kink_note
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,6 +51,9 @@ class Gradient(Frozen):
     method : str
         ``"adjoint"`` for exact derivatives, or ``"central differences"`` of simulations, for losses
         without exact ones.
+    kinks : tuple of str
+        Parameters of which a change of one entry by 1% can make another maximum of a force on a
+        wall the largest one, so that the derivatives are valid only for smaller changes.
     """
 
     quantity: str
@@ -63,6 +67,7 @@ class Gradient(Frozen):
     parameters: Mapping[str, Array] = field(default_factory=dict, repr=False)
     _chain: Chain | None = field(default=None, repr=False, compare=False)
     method: str = field(default="adjoint", repr=False)
+    kinks: tuple[str, ...] = field(default=(), repr=False)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         super().__setstate__(state)
@@ -163,6 +168,7 @@ class Gradient(Frozen):
             "Gradient", f"{self.quantity} = {value}", names,
             f"relative error about {self.error:.1g}",
             "" if self.method == "adjoint" else f"by {self.method}", self.status,
+            kink_note(self.kinks) if self.kinks else "",
         )  # fmt: skip
 
     def _repr_html_(self) -> str:

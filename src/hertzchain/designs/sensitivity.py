@@ -11,6 +11,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..derivatives.differences import FIELDS, changed
+from ..derivatives.kinks import PART, mislead
 from ..derivatives.result import Gradient
 from ..errors import InputError
 from ..validation.objects import Progress
@@ -22,8 +23,6 @@ from .problem import Design
 STEP, RTOL = 1e-4, 1e-9
 # By which a gap grows, and in words: derivatives by gaps hold only far below the overlaps.
 GAP_STEP: Final = MappingProxyType({"SI": (1e-6, "1 um"), "scaled": (0.01, "0.01")})
-# Derivatives that differ from the changes by 1% by a larger fraction of the largest one mislead.
-MISLEADING: Final = 0.1
 
 
 def sensitivity(problem: Design, chain: Chain) -> Array:
@@ -60,7 +59,7 @@ def changes_of_peak(
     def peaks(chains: list[Chain]) -> Array:
         return measured(chains, [PEAK], until=until, rtol=RTOL, progress=progress).values[:, 0]
 
-    larger, smaller = np.expm1(_changes_of_logarithm(peaks, chain, by, (1.01, 0.99)))
+    larger, smaller = np.expm1(_changes_of_logarithm(peaks, chain, by, (1.0 + PART, 1.0 - PART)))
     return None if np.isnan([larger, smaller]).all() else (larger, smaller)
 
 
@@ -79,10 +78,7 @@ def changes_by_gaps(
 
 def derivatives_mislead(found: Gradient, by: str, larger: Array, smaller: Array) -> bool:
     """Whether derivatives predict other changes by 1%, as at a kink, where two maxima are equal."""
-    expected = 0.01 * found.relative(by)
-    differences = np.maximum(np.abs(larger - expected), np.abs(smaller + expected))
-    # Chains without a complete peak have no changes.
-    return bool(np.nanmax(differences) > MISLEADING * np.abs(expected).max())
+    return by in found.kinks or mislead(PART * found.relative(by), larger, smaller)
 
 
 def _changes_of_objective(problem: Design, chain: Chain, factors: tuple[float, float]) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..collision import Array
+from ..derivatives.kinks import kink_note
 from ..derivatives.result import Gradient
 from ..representation import measure
 from .drawing import COLOURS, Curve, chart, legend, note, numbers, page, sentence, table
@@ -33,6 +34,8 @@ def gradient_html(found: Gradient) -> str:
     parts.append(table(("parameter", "largest derivative", "at"), rows))
     if found.status != "complete":
         parts.append(note(sentence(found.status)))
+    if found.kinks:
+        parts.append(note(sentence(kink_note(found.kinks))))
     return page("Gradient", found.quantity, *parts)
 
 

@@ -517,7 +517,9 @@ def test_a_chain_file_with_a_striker_of_given_mass_can_be_opened(page, tmp_path)
     path = tmp_path / "chain.toml"
     path.write_text(hc.chain_as_toml(chain))
     open_file(page, path)
-    assert page.document("A")["chain"]["striker_properties"] == [{"mass": 4.0}]
+    assert page.document("A")["chain"]["struck_by"] == [
+        {"velocity": 1.0, "mass": 4.0, "radius": 1.0}
+    ]
     assert page.tab.evaluate("hertzchain.results.A.problem") == ""
     assert np.array_equal(page.array("beads", "masses"), chain.masses)
 

@@ -571,7 +571,7 @@ COMPACT = {
     ),
     "struck": (
         lambda: Chain.from_materials("10 mm", STEEL, beads=20).struck_by(velocity=0.2),
-        {"diameters": "20 mm", "beads": 21, "strikers": 1, "velocity": "0.2 m/s"},
+        {"diameters": "20 mm", "beads": 20, "struck_by": [{"velocity": "0.2 m/s"}]},
     ),
     "uniform": (
         lambda: Chain.uniform(7, exponent=2.5),
@@ -613,7 +613,7 @@ def test_regular_chains_are_written_compactly_and_exactly(case):
     chain = make()
     text = hc.chain_as_toml(chain)
     document = tomllib.loads(text)
-    assert keys.items() <= document["chain"].items()
+    assert {key: document["chain"].get(key) for key in keys} == keys
     assert set(document) == {"chain"}
     again = chain_from(document)
     for name in ("radii", "masses", "stiffness", "velocities", "gaps"):

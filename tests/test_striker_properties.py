@@ -293,7 +293,9 @@ def test_designs_in_which_masses_would_not_follow_radii_are_rejected():
 
 
 def test_the_file_of_a_flat_striker_says_what_its_size_is():
-    text = hc.chain_as_toml(real_row(np.ones(3), STRIKERS["flat"]))
+    row = real_row(np.ones(3), STRIKERS["flat"])
+    # A striker that moves away is not one of `struck_by`.
+    text = hc.chain_as_toml(row.replace(velocities=[-1.0, *[0.0] * (row.beads - 2), 0.5]))
     said = "# The striker, bead 1, has a flat face; its size is that of a sphere of its mass."
     assert text.splitlines()[:2] == [said, "[chain]"]
     assert "#" not in hc.chain_as_toml(real_row(np.ones(3), STRIKERS["mass"]))

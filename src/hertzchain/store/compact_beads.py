@@ -57,16 +57,16 @@ def in_usual_units(entries: Mapping[str, Any]) -> dict[str, Any]:
         if key == "velocity":
             found[key] = f"{value!r} m/s"
         elif sizes.size and MILLIMETRES[0] <= sizes.min() and sizes.max() <= MILLIMETRES[1]:
-            texts = [_in_millimetres(each) for each in sizes.tolist()]
+            texts = [with_prefix(each, "mm") for each in sizes.tolist()]
             found[name] = texts if isinstance(value, list) else texts[0]
         else:
             found[key] = value
     return found
 
 
-def _in_millimetres(length: float) -> str:
-    """Text with the same decimal digits, whose value is rounded once and hence the same."""
-    return f"{Decimal(repr(length)).scaleb(3).normalize():f} mm"
+def with_prefix(value: float, unit: str) -> str:
+    """Text in mm or g with the same decimal digits, rounded once and hence the same number."""
+    return f"{Decimal(repr(value)).scaleb(3).normalize():f} {unit}"
 
 
 def _materials(names: Sequence[str]) -> dict[str, Any]:

@@ -24,7 +24,7 @@ def chain_as_document(chain: Chain, axes: Sequence[Axis] = ()) -> Any:
     # Axes change radii, which then do not have the scatter of the chain.
     chain, keys = chain.replace(scatter=None), _keys(axes)
     if not keys:
-        return to_json_types(chain_document(chain), "chain")
+        return to_json_types(chain_document(chain, struck_by=False), "chain")
     document = to_json_types(listed_chain_document(chain), "chain")
     table, balls = document["chain"], chain._balls.stop  # without a cap
     if "radii" in keys and "taper" in table and chain.radii[0] == 1.0:

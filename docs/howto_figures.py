@@ -1,4 +1,4 @@
-"""Figures of the how-to guides on losses, on odd beads, and on the errors of a force."""
+"""Figures of the how-to guides on losses, odd beads, pads, and the errors of a force."""
 
 import warnings
 from dataclasses import replace
@@ -12,7 +12,7 @@ from scipy.signal import find_peaks
 
 import hertzchain as hc
 from hertzchain.plotting.colours import COLOURS
-from hertzchain.plotting.style import MARKERS, figure_style
+from hertzchain.plotting.style import MARKERS, figure_style, label_log_axis
 
 # Laws with a restitution of 0.95 in two steel balls of 10 mm that meet at 0.3 m/s.
 EQUIVALENT: Final = {
@@ -258,6 +258,42 @@ def certainty() -> Figure:
     return canvas
 
 
+def pads() -> Figure:
+    """Force on a wall behind a pad, by its stiffness and over time."""
+    balls = hc.Chain.from_materials(diameters="20 mm", materials="steel-52100", beads=10)
+    row = balls.struck_by(velocity="0.5 m/s")
+    mass = row.masses[-1]
+
+    def behind(k: float) -> hc.Chain:
+        return row.replace(right_wall=hc.Wall(k, exponent=1, loss=hc.Elastic()))
+
+    with figure_style(), warnings.catch_warnings():
+        warnings.simplefilter("ignore", hc.ModelRangeWarning)
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.3))
+        k = np.geomspace(1e5, 1e8, 37)
+        peaks = hc.simulate_many([*map(behind, k)], keep=["wall_force.peak"])["wall_force.peak"]
+        hard = row.replace(right_wall=hc.Wall())
+        left.loglog(1e-6 * k, peaks, label="simulation")
+        left.loglog(1e-6 * k, 0.5 * np.sqrt(k * mass), "--", label=r"$v\sqrt{km}$")
+        left.axhline(hc.simulate(hard).wall_force().peak, color="0.6", linewidth=0.8,
+                     linestyle=":", label="without a pad")  # fmt: skip
+        for axis in (left.xaxis, left.yaxis):
+            label_log_axis(axis)
+        left.set_xlabel("stiffness of the pad [kN/mm]")
+        left.set_ylabel("largest force on the wall [N]")
+        left.legend()
+        # Discs of 20 mm with a modulus of 5 MPa.
+        discs = {"2 mm": 10.6e6, "3 mm": 3.43e6, "5 mm": 0.942e6}
+        rows = {"none": hard} | {name: behind(k) for name, k in discs.items()}
+        for name, chain in rows.items():
+            run = hc.simulate(chain, until="2 ms", times=4001)
+            right.plot(1e3 * run.times, run.sensor("wall"), label=name)
+        right.set_xlabel("time [ms]")
+        right.set_ylabel("force on the wall [N]")
+        right.legend(title="pad")
+    return canvas
+
+
 def localisation() -> Figure:
     """Decay of vibrations along disordered rows under a static force, and their modes."""
     equal = hc.Chain.from_materials("5 mm", "steel-52100", beads=300)
@@ -308,6 +344,7 @@ HOWTO_FIGURES: Final = (
     gaps,
     dimer_pulses,
     certainty,
+    pads,
     localisation,
     impurities,
 )

@@ -1376,7 +1376,7 @@ def test_the_summary_has_the_momentum_of_the_last_bead(run):
     line = out.splitlines()[-2]
     assert line == (
         f"bead 6 at the free end: velocity {pulse.velocity[-1]:.5g} m/s, momentum "
-        f"{1e3 * pulse.momentum[-1]:.4g} mN s in the leading pulse"
+        f"{1e6 * pulse.momentum[-1]:.4g} uN s in the leading pulse"
     )
     last = json.loads(run("simulate", *options, "--json")[1])["last_bead"]
     assert last["momentum"] == pytest.approx(pulse.momentum[-1], rel=1e-9)

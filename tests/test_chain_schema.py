@@ -13,7 +13,7 @@ import pytest
 import hertzchain as hc
 from hertzchain.chain.laws import LAWS, Loss
 from hertzchain.chain.materials import Material
-from hertzchain.store.chain_files import BEAD_METHODS, DRIVES, PARTS, SHAPES, chain_from
+from hertzchain.store.chain_files import BEAD_METHODS, PARTS, SHAPES, chain_from
 from hertzchain.store.chain_schema import (
     FORMS,
     KEYS,
@@ -22,6 +22,7 @@ from hertzchain.store.chain_schema import (
     chain_schema,
     dimensions_of,
 )
+from hertzchain.store.drive_tables import DRIVES
 from hertzchain.store.schema_checks import check_document
 from hertzchain.sweeps.specification import specification_schema
 from hertzchain.units import UNITS

@@ -42,6 +42,7 @@ def file(tmp_path):
         ("10 mV/um", "displacement", 1e-4),
     ],
 )
+@pytest.mark.filterwarnings("ignore:the force reaches")
 def test_the_unit_of_the_gain_states_what_is_driven(file, gain, of, factor):
     """The gain of a sensor in a fit is in V/N, that of an amplifier often in N/V."""
     drive = hc.load_drive(file, gain=gain, offset="12 mV")
@@ -216,3 +217,23 @@ def test_wrong_files_are_rejected(tmp_path, text, arguments, words):
 def test_a_scaled_drive_may_have_a_baseline(tmp_path):
     file = write(tmp_path / "scaled.csv", 2.0 + FORCE, head="time,force")
     np.testing.assert_allclose(hc.load_drive(file, baseline=0.0).values, FORCE, atol=1e-12)
+
+
+def test_the_sign_and_the_offset_of_a_force_are_checked(tmp_path):
+    times = np.arange(-20.0, 80.0, 2.0) * 1e-6
+    rng = np.random.default_rng(3)
+    blow = 60.0 * np.sin(np.pi * np.clip(times, 0.0, 40e-6) / 40e-6)
+    noisy = blow + rng.normal(0.0, 0.05, len(times))
+
+    def load(force, **options):
+        rows = [f"{1e6 * t:.6f},{f:.9f}" for t, f in zip(times, force, strict=True)]
+        path = tmp_path / "hammer.csv"
+        path.write_text("\n".join(["time [us],force [N]", *rows]) + "\n")
+        return hc.load_drive(path, start="-20 us", **options)
+
+    load(noisy)  # without a warning
+    with pytest.warns(hc.InputWarning, match="before the blow, the force is 1.8 N: .*baseline"):
+        load(noisy + 1.8)
+    load(noisy + 1.8, baseline="-4 us")
+    with pytest.warns(hc.InputWarning, match="the force reaches -6.* check its sign"):
+        load(-noisy)

@@ -21,8 +21,9 @@ from ..errors import InputError
 from ..recorded_warnings import ignore_warnings
 from ..simulation.state import fingerprint
 from ..validation.keywords import checked_arguments
-from .chain_files import ARRAYS, DRIVES, LATER, chain_from
+from .chain_files import ARRAYS, LATER, chain_from
 from .compact_beads import compact_beads, in_usual_units, listed_beads, one_for_all
+from .drive_tables import DRIVES
 from .strikers_as_toml import balls_of, struck_by_entries
 from .toml_files import toml_key, toml_text
 

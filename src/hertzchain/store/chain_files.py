@@ -43,7 +43,6 @@ import numpy as np
 from ..chain.builder_arguments import repeated_sizes
 from ..chain.chain import Chain
 from ..chain.contact_shapes import Cone, CrossedCylinders, Shape
-from ..chain.drives import Drive, SineBurst, StepDrive, TableDrive
 from ..chain.input_checks import checked_sizes
 from ..chain.materials import RIGID, Material, material
 from ..chain.striker_properties import StrikerProperties
@@ -55,9 +54,9 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_type, file_path, shown_path
 from .bead_tables import load_beads
-from .chain_schema import FORMS, SIGNAL_KEYS, with_usual_names, without_units
+from .chain_schema import FORMS, with_usual_names, without_units
 from .contact_values import exponent_from, law_from, losses_from
-from .drive_files import load_drive
+from .drive_tables import drive_from
 from .schema_checks import check_document, has_tables
 from .toml_files import parse_toml, read_toml
 
@@ -72,11 +71,6 @@ MORE_BEADS: Final = ("decorated", "with_defects", "with_scatter")
 BEAD_METHODS: Final = (*MORE_BEADS, "cap", "struck_by")
 PARTS: Final = ("left_wall", "right_wall", "loss", "drive")
 SHAPES: Final[Mapping[str, type[Shape]]] = {"cone": Cone, "crossed-cylinders": CrossedCylinders}
-DRIVES: Final[Mapping[str, type[Drive]]] = {
-    "sine-burst": SineBurst,
-    "step": StepDrive,
-    "table": TableDrive,
-}
 
 
 @checked_arguments("load_chain")
@@ -415,28 +409,7 @@ class _ChainFile:
             elif "material" in entry:
                 entry["material"] = self._material(entry["material"])
             return Wall(**entry)
-        return self._drive(entry)
-
-    def _drive(self, entry: dict[str, Any]) -> Drive:
-        kind = entry.pop("kind")
-        if "file" in entry:
-            if own := [key for key in entry if key != "file" and key not in SIGNAL_KEYS]:
-                raise InputError(
-                    f"[chain.drive] has file and also {', '.join(own)}: omit "
-                    f"{'it' if len(own) == 1 else 'them'}, because the file and its gain state this"
-                )
-            return load_drive(self.folder / entry.pop("file"), **entry)
-        if own := [key for key in entry if key in SIGNAL_KEYS]:
-            raise InputError(
-                f"[chain.drive] has {', '.join(own)}, but no file: these keys describe the signal "
-                "of a file"
-            )
-        for key in ("times", "values") if kind == "table" else ():
-            if key not in entry:
-                raise InputError(
-                    f"[chain.drive] has no {key}; a table has times and values or a file"
-                )
-        return DRIVES[kind](**entry)
+        return drive_from(entry, self.folder)
 
     def _material(self, given: Any) -> Any:
         if isinstance(given, str):

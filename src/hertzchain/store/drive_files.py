@@ -31,6 +31,9 @@ _PER_VOLT: Final = re.compile(r"(.+?)\s*/\s*([um\u00b5]?V)")
 BEGUN: Final = 0.05
 # Times are the same if they differ by less than this part of the least step between samples.
 SAME_TIME: Final = 1e-6
+# A force has an offset if its first samples, before it exceeds this part of the largest one, are at
+# least so many, larger than this part of it, and this many times larger than their scatter.
+FIRST_SAMPLES, LEAST_OFFSET, TIMES_SCATTER = 5, 2e-3, 4.0
 # Part of the largest value that a force may have from its end on.
 LATER: Final = 0.2
 _GAINS: Final = "'50 N/V' or '20 mV/N' for a force, '0.1 mm/V' for a displacement"
@@ -97,7 +100,7 @@ def load_drive(
     -----
     InputWarning
         If the signal exceeds 5% of its largest value before the simulation begins, or 20% from
-        ``end`` on.
+        ``end`` on; if a force has an offset before the blow, or pulls more than it pushes.
 
     Examples
     --------
@@ -136,11 +139,36 @@ def load_drive(
         if end is not None:
             times, values = _ended(of, times, values, number("end", end, unit=unit, above=begin))
         _check_begin(of, times, values, begin, unit)
+        if of == "force":
+            _check_force(times, values, "SI" if unit_of_times else "scaled")
         times = times - begin
         if of == "velocity":
             return TableDrive(times, _integrated(times, values), "displacement")
         driven: Driven = "force" if of == "force" else "displacement"
         return TableDrive(times, values, driven)
+
+
+def _check_force(times: Array, values: Array, units: str) -> None:
+    """Warn about a force that pulls more than it pushes, or does not begin at 0."""
+    if -values.min() > values.max():
+        warn_user(
+            f"the force reaches {measure(float(values.min()), 'N', units)}, but only "
+            f"{measure(float(values.max()), 'N', units)} towards the chain: check its sign, such "
+            "as that of gain",
+            InputWarning,
+        )
+    largest = float(np.abs(values).max())
+    first = values[: int(np.argmax(np.abs(values) > BEGUN * largest))]
+    if len(first) < FIRST_SAMPLES:
+        return
+    offset = float(first.mean())
+    if abs(offset) > max(LEAST_OFFSET * largest, TIMES_SCATTER * float(first.std())):
+        until = measure(float(times[len(first) - 1]), "s", units)
+        warn_user(
+            f"before the blow, the force is {measure(offset, 'N', units, 2)}: subtract it with "
+            f"offset, or with baseline, such as '{until}'",
+            InputWarning,
+        )
 
 
 def _ended(of: str, times: Array, values: Array, end: float) -> tuple[Array, Array]:

@@ -118,7 +118,7 @@ def test_comparisons_of_losses_mention_a_contradicted_prior():
     compared = hc.compare_losses(
         traces(), chain(), laws=["viscoelastic", "elastic"], free=FREE, priors=prior
     )
-    assert compared.statement.startswith("the data decide for viscoelastic")
+    assert compared.statement.startswith("of the laws compared, viscoelastic describes")
     assert compared.statement.endswith("from its prior")
 
 

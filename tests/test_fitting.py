@@ -389,7 +389,7 @@ def test_loss_law_is_identified(traces):
         traces, bench(), laws=["restitution", "viscoelastic", "elastic"], free=NINE, priors=KNOWN
     )
     assert [each.law for each in compared.fits] == ["viscoelastic", "restitution", "elastic"]
-    assert compared.statement.startswith("the data decide for viscoelastic")
+    assert compared.statement.startswith("of the laws compared, viscoelastic describes")
 
 
 def test_noise_that_hides_the_law_is_reported():

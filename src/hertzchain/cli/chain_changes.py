@@ -1,7 +1,8 @@
-"""Options that change a chain, of a file or of others: speed, strikers, wall, cap, losses."""
+"""Options that change a chain, of a file or of others: impact, wall, static forces, cap, losses."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import MISSING, fields
 from typing import TYPE_CHECKING, Any, Final
 
@@ -152,6 +153,26 @@ def _warn_count_for_mass(given: dict[str, Any], chain: Chain) -> None:
             f"--striker '{count} g'",
             InputWarning,
         )
+
+
+def under_gravity(chain: Chain, gravity: str) -> Chain:
+    """The chain under another gravity."""
+    return chain.replace(gravity=_with_unit(chain, gravity, "--gravity", "m/s^2"))
+
+
+def compressed(chain: Chain, force: str) -> Chain:
+    """The chain under a static force; free ends are then held by this force."""
+    given = _with_unit(chain, force, "--precompression", "N")
+    walls = chain.left_wall is not None and chain.right_wall is not None
+    return chain.replace(precompression=given, held_by="walls" if walls else "force")
+
+
+def _with_unit(chain: Chain, text: str, option: str, unit: str) -> str | float:
+    """A number of a scaled chain, or text with a unit."""
+    value = as_typed(text)
+    if isinstance(value, float) and math.isfinite(value) and not chain.scaled:
+        raise click.UsageError(f"{option} {text} has no unit; write '{text.strip()} {unit}'")
+    return value
 
 
 def wall_named(name: str, chain: Chain) -> Wall:

@@ -14,9 +14,11 @@ import click
 
 from .chain_changes import (
     at_speed,
+    compressed,
     law_from,
     require_unit_of_speed,
     struck,
+    under_gravity,
     wall_named,
     wall_with_loss,
     with_cap,
@@ -88,6 +90,18 @@ CHAIN_OPTIONS: Final = (
         "'5 kN/mm'; replaces that of a FILE.",
     ),
     click.option(
+        "--gravity",
+        metavar="G",
+        help="Acceleration along the chain, positive towards the last bead, such as '9.81 m/s^2' "
+        "for a column whose first bead is on top; replaces that of a FILE.",
+    ),
+    click.option(
+        "--precompression",
+        metavar="FORCE",
+        help="Static force on every contact, such as '20 N'.  A wall at rest holds its end; an end "
+        "without a wall is free to move under this constant force.  Replaces that of a FILE.",
+    ),
+    click.option(
         "--cap",
         metavar="CAP",
         help="Add the cap of a load cell in front of the wall: its mass, or its resonance "
@@ -111,7 +125,9 @@ CHAIN_OPTIONS: Final = (
     ),
 )
 # Options that can be used with a FILE.
-CHANGES: Final = ("speed", "striker", "wall", "cap", "loss", "wall_loss")
+CHANGES: Final = (
+    "speed", "striker", "wall", "gravity", "precompression", "cap", "loss", "wall_loss",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -129,6 +145,8 @@ class ChainOptions:
     speed: str | None = None
     striker: str | None = None
     wall: str | None = None
+    gravity: str | None = None
+    precompression: str | None = None
     cap: str | None = None
     loss: str | None = None
     wall_loss: str | None = None
@@ -193,11 +211,15 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
 
 
 def _changed(chain: Chain, options: ChainOptions) -> Chain:
-    """The chain with the strikers, wall, cap and loss of the options."""
+    """The chain with the strikers, wall, static forces, cap and losses of the options."""
     if options.striker is not None:
         chain = struck(chain, options.striker)
     if options.wall is not None:
         chain = chain.replace(right_wall=wall_named(options.wall, chain))
+    if options.gravity is not None:
+        chain = under_gravity(chain, options.gravity)
+    if options.precompression is not None:
+        chain = compressed(chain, options.precompression)
     if options.cap is not None:
         chain = with_cap(chain, options.cap)
     losses: dict[str, Any] = {}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .chain_options import ChainOptions, chain_at_rest_options, chain_from
-from .options import StrictCommand, as_typed, figure_option, json_option
+from .options import StrictCommand, figure_option, json_option
 from .output import save_figure, show_json
 
 if TYPE_CHECKING:
@@ -20,11 +20,6 @@ if TYPE_CHECKING:
 
 @click.command(cls=StrictCommand)
 @chain_at_rest_options
-@click.option(
-    "--precompression", metavar="FORCE",
-    help="Static force on every contact, such as '20 N'.  A wall at rest holds its end; an end "
-    "without a wall is free to move under this constant force.  [default: that of FILE]",
-)  # fmt: skip
 @click.option("--all", "every_mode", is_flag=True, help="List the frequencies of all modes.")
 @click.option(
     "--transfer", "contact", type=int, metavar="CONTACT",
@@ -40,8 +35,8 @@ if TYPE_CHECKING:
 )
 @figure_option("Plot the bands, or the modes, to FILE.")
 def spectrum(
-    options: ChainOptions, precompression: str | None, every_mode: bool, contact: int | None,
-    as_json: bool, as_csv: bool, plot: Path | None,
+    options: ChainOptions, every_mode: bool, contact: int | None, as_json: bool, as_csv: bool,
+    plot: Path | None,
 ) -> None:  # fmt: skip
     """Show frequencies, bands and gaps of a precompressed chain.
 
@@ -69,7 +64,7 @@ def spectrum(
         raise click.UsageError("--transfer requires --plot FILE or --csv")
     if as_json and as_csv:
         raise click.UsageError("--json and --csv cannot be combined")
-    found = hertzchain.spectrum(_compressed(chain_from(options), precompression))
+    found = hertzchain.spectrum(_under_load(chain_from(options)))
     table = "" if contact is None else _transfer(found, contact)
     if plot is not None:
         save_figure(found.plot() if contact is None else found.plot_transfer(contact), plot)
@@ -81,20 +76,14 @@ def spectrum(
         click.echo(_table(found, every_mode=every_mode))
 
 
-def _compressed(chain: Chain, force: str | None) -> Chain:
-    """The chain under a static force; free ends are then held by this force."""
-    if force is None:
-        if chain.precompression == 0.0 and chain.gravity == 0.0:
-            raise click.UsageError(
-                "the contacts of this chain carry no static force: give --precompression, such as "
-                "'20 N', or precompression in the chain file"
-            )
-        return chain
-    given = as_typed(force)
-    if isinstance(given, float) and math.isfinite(given) and not chain.scaled:
-        raise click.UsageError(f"--precompression {force} has no unit; write '{force.strip()} N'")
-    walls = chain.left_wall is not None and chain.right_wall is not None
-    return chain.replace(precompression=given, held_by="walls" if walls else "force")
+def _under_load(chain: Chain) -> Chain:
+    """The chain, if its contacts carry a static force."""
+    if chain.precompression == 0.0 and chain.gravity == 0.0:
+        raise click.UsageError(
+            "the contacts of this chain carry no static force: give --precompression, such as "
+            "'20 N', or precompression in the chain file"
+        )
+    return chain
 
 
 def _transfer(found: Spectrum, contact: int) -> str:

@@ -145,8 +145,9 @@ class LossComparison:
                 return f"only {first.law} was fitted"
             gap = self.fits[1].bic - first.bic
             return (
-                f"the data decide for {first.law}: the next, {self.fits[1].law}, has a BIC larger "
-                f"by {gap:.0f}"
+                f"of the laws compared, {first.law} describes the data best: the next, "
+                f"{self.fits[1].law}, has a BIC larger by {gap:.0f}; another law may describe them "
+                "as well, with other values"
             )
         text = f"the data cannot decide between {listed(self.undecided)}"
         if not self.further_shots:

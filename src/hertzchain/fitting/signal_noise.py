@@ -50,6 +50,8 @@ def signal_noise_of(result: FitResult) -> SignalNoise | None:
     large = size * np.abs(factors[best]) > 1.0
     pairs = np.flatnonzero(large[:-1] & large[1:])
     correlated = _correlated(scaled[pairs], scaled[pairs + 1])
+    # The residuals themselves, which the summary states, must be independent, too.
+    correlated |= result.goodness.correlation > MAX_CORRELATION
     if best == 2 or not good.describes or correlated:
         return None
     if best == 0:

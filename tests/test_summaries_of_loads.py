@@ -1,0 +1,38 @@
+"""Summaries of runs with drives and static forces."""
+
+import json
+
+import hertzchain as hc
+
+
+def test_an_endless_shaker_gives_no_last_bead_in_the_leading_pulse(run, tmp_path):
+    row = hc.Chain.uniform(6).replace(
+        precompression=0.1, held_by="force", velocities=[0.0] * 6, loss=hc.Dashpot(0.05)
+    )
+    shaker = {"amplitude": 0.01, "frequency": 0.2, "window": "none"}
+    found = {}
+    for name, cycles in (("endless", float("inf")), ("burst", 2.0)):
+        driven = row.replace(drive=hc.SineBurst(cycles=cycles, **shaker))
+        (tmp_path / f"{name}.toml").write_text(hc.chain_as_toml(driven))
+        _, out, _ = run("simulate", tmp_path / f"{name}.toml", "--until", "60", "--json")
+        found[name] = json.loads(out)["last_bead"]
+    assert found["endless"] is None
+    assert found["burst"] is not None
+
+
+def test_static_forces_are_options_of_chains(run):
+    row = ["--material", "steel-52100", "--diameter", "10 mm", "--beads", "9"]
+    code, out, _ = run("simulate", *row, "--speed", "10 mm/s", "--striker", "1", "--wall", "same",
+                       "--gravity", "9.81 m/s^2", "--json")  # fmt: skip
+    balls = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=9)
+    weight = 9.81 * balls.masses.sum()
+    assert code == 0
+    assert abs(json.loads(out)["walls"][0]["static_force"] / weight - 1.0) < 1e-12
+    pressed = [*row, "--speed", "1 mm/s", "--precompression", "10 N", "--until", "0.2 ms"]
+    code, out, _ = run("simulate", *pressed, "--sensor", "5")
+    assert code == 0
+    assert ", with the static force of 10 N" in out
+    for option, said in (("--gravity", "'9.81 m/s^2'"), ("--precompression", "'9.81 N'")):
+        code, _, err = run("simulate", *row, option, "9.81")
+        assert code == 2
+        assert f"{option} 9.81 has no unit; write {said}" in err

@@ -36,8 +36,8 @@ IMPACT: Final = (
         "--velocity",
         "speed",
         metavar="SPEED",
-        help="Velocity of the impact, such as '0.1 m/s'; replaces that of a FILE, whose strikers "
-        "or bead 1 get it if nothing moves.  [default: 1 m/s, at which steel balls yield]",
+        help="Velocity of the impact, such as '0.1 m/s'; replaces that of a FILE.  If nothing "
+        "moves there, the strikers or bead 1 move.  [default: 1 m/s, at which steel balls yield]",
     ),
     click.option(
         "--striker",

@@ -370,7 +370,7 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     trials = Trials(problem, budget_from(100), Journal(None, ""), seed=3)
     (outcome,) = trials.evaluate([np.full(9, 0.4)])
     chain = problem.space.chain_of(np.full(9, 0.4))
-    radii = chain.radii * np.exp(0.02 * scatter._draws(3, 10))
+    radii = chain.radii * np.exp(0.02 * scatter._draws(3, 10)[..., 0])
     peaks = [hc.simulate(chain.replace(radii=each), times=0).wall_force().peak for each in radii]
     assert outcome.score == pytest.approx(np.mean(sorted(peaks)[-2:]), rel=1e-6)
     found = hc.design(problem, budget=1600)
@@ -1656,7 +1656,7 @@ def test_search_and_verification_average_the_same_end_of_the_samples(given):
     scatter = hc.Scatter(radius=0.02, measure="cvar80", samples=10)
     problem = hc.Design(WALLED, vary=[hc.vary.radii(0.5, 1.0)], scatter=scatter, **given)
     trials = Trials(problem, budget_from(100), Journal(None, ""), seed=3)
-    radii = WALLED.radii * np.exp(0.02 * scatter._draws(3, 10))
+    radii = WALLED.radii * np.exp(0.02 * scatter._draws(3, 10)[..., 0])
     chains = [WALLED.replace(radii=row) for row in radii]
     peaks = np.sort(hc.simulate_many(chains, keep=["wall_peak_force"])["wall_peak_force"])
     outcome = trials.evaluate([problem.space.point(WALLED)])[0]

@@ -272,6 +272,7 @@ def test_only_chains_of_materials_have_limits():
         (math.inf, 5e-3, "contact 1 has stiffness inf, .* use Wall.rigid"),
     ],
 )
+@pytest.mark.filterwarnings("ignore:bead 1 has a diameter")
 def test_bodies_without_finite_mass_are_rejected(young, radius, reason):
     odd = Material("odd", density=7800.0, young=young, poisson=0.3)
     with pytest.raises(InputError, match=reason):

@@ -186,10 +186,7 @@ class HertzRange:
             )
         at = int(np.argmax(self.overlap_ratio))
         if (ratio := self.overlap_ratio[at]) > MAX_OVERLAP_RATIO:
-            far = (
-                f", far outside the range of the law: beyond {NO_PREDICTION:g}, forces are not a "
-                "prediction"
-            )
+            far = f"; beyond {NO_PREDICTION:g}, forces are not a prediction"
             advice = self._advice(ratio, self.static_overlap_ratio, MAX_OVERLAP_RATIO, 2)
             digits = 2 if ratio > 1.05 * MAX_OVERLAP_RATIO else 4
             found.append(

@@ -74,7 +74,7 @@ def scatter(
     some: str | None, count: int, seed: int, quantity: str | None, until: str | None,
     as_json: bool, as_csv: bool, plot: Path | None,
 ) -> int:  # fmt: skip
-    """Show how a quantity varies if the sizes of the balls, or the gaps between them, scatter.
+    """Show how a quantity varies if sizes or gaps of balls scatter.
 
     Many chains with random diameters or gaps are simulated, and the distribution of the quantity is
     printed.  All chains have the materials, walls and impact of the given one.  If there is no

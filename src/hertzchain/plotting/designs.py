@@ -29,11 +29,12 @@ from ..pulse.quantities import QUANTITIES
 from .colours import COLOURS, grey
 from .design_beads import CHARACTER, height_of_beads, plot_beads, violations
 from .enlarged import finish_enlarged, small_groups
-from .gradients import bars_of_changes
+from .gradients import bars_of_changes, shade_other_bodies
 from .legends import POINTS_PER_INCH, place_legend
 from .style import (
     MUCH,
     BeadLocator,
+    broken_label,
     figure_style,
     get_axes,
     label_log_axis,
@@ -225,7 +226,7 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             result.changes if own
             else changes(result.problem._with(objectives=(objective,)), result.chain, 0.01)
         )  # fmt: skip
-        _shade_arriving(result, axes)
+        _shade_given(result, axes)
         both = bars_of_changes(axes, *found)
         axes.set_xlabel("bead $k$")
         axes.xaxis.set_major_locator(BeadLocator())
@@ -235,14 +236,18 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     return axes
 
 
-def _shade_arriving(result: DesignResult, axes: Axes) -> None:
-    """Shade the strikers, whose sizes are given, as in the plot of a gradient."""
-    if count := result.chain.strikers:
-        axes.axvspan(0.5, count + 0.5, color=grey(axes, 0.9), linewidth=0.0)
-        # Above the axes, where no bar is.
-        axes.text(0.5, 1.0, f"striker{'s' if count > 1 else ''}", va="bottom",
-                  fontsize=rcParams["legend.fontsize"],
-                  transform=axes.get_xaxis_transform())  # fmt: skip
+def _shade_given(result: DesignResult, axes: Axes) -> None:
+    """Shade strikers and a cap, whose sizes are given, as in the plot of a gradient."""
+    chain = result.chain
+    if not shade_other_bodies(axes, chain):
+        return
+    # Above the axes, where no bar is.
+    words = {"va": "bottom", "fontsize": rcParams["legend.fontsize"],
+             "transform": axes.get_xaxis_transform()}  # fmt: skip
+    if count := chain.strikers:
+        axes.text(0.5, 1.0, f"striker{'s' if count > 1 else ''}", **words)
+    if chain.cap is not None:
+        axes.text(chain.beads + 0.5, 1.0, "cap", ha="right", **words)
 
 
 def _of_motion(problem: Design) -> Objective:
@@ -286,8 +291,10 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             # The row is drawn with them.
             words |= {str(each): f"{each.label}{without}" for each in result.problem.measures
                       if each.key in ("length", "mass", "beads")}  # fmt: skip
-        axes.set_xlabel(f"{words[second]} [{x_unit}]" if x_unit else words[second])
-        axes.set_ylabel(f"{words[first]} [{y_unit}]" if y_unit else words[first])
+        x_label = f"{words[second]} [{x_unit}]" if x_unit else words[second]
+        y_label = f"{words[first]} [{y_unit}]" if y_unit else words[first]
+        axes.set_xlabel(broken_label(axes, "width", x_label))
+        axes.set_ylabel(broken_label(axes, "height", y_label))
     return axes
 
 

@@ -43,10 +43,7 @@ def plot_gradient(
     with figure_style():
         axes, noun = get_axes(ax), noun_of(name, found._chain)
         joints = name in ("stiffness", "gaps")
-        strikers = 0 if found._chain is None or joints else found._chain.strikers
-        if strikers:
-            word = "striker" if strikers == 1 else f"{strikers} strikers"
-            axes.axvspan(0.5, strikers + 0.5, color=grey(axes, 0.9), linewidth=0.0, label=word)
+        shaded = False if found._chain is None or joints else shade_other_bodies(axes, found._chain)
         if changes is None:
             axes.bar(np.arange(1, 1 + len(relative)), relative, color=COLOURS[1])
             axes.axhline(0.0, color=grey(axes), linewidth=0.8)
@@ -61,14 +58,27 @@ def plot_gradient(
         axes.set_ylabel(f"{_label(found)}:\n{axis}")
         if found._chain is not None:
             set_title(axes, chain_title(found._chain))
-        if strikers:
+        if shaded:
             place_legend(axes)
             legend = axes.get_legend()
             assert legend is not None
-            # The range of the strikers may be below it.
+            # A shaded range may be below it.
             legend.set_frame_on(True)
             legend.get_frame().set(facecolor=axes.get_facecolor(), edgecolor="none", alpha=1.0)
     return axes
+
+
+def shade_other_bodies(axes: Axes, chain: Chain) -> bool:
+    """Shade strikers and a cap, with an entry in the legend; whether there are any."""
+    spans = {}
+    if count := chain.strikers:
+        spans["striker" if count == 1 else f"{count} strikers"] = (0.5, count + 0.5)
+    if chain.cap is not None:
+        spans["cap"] = (chain.beads - 0.5, chain.beads + 0.5)
+    for i, span in enumerate(spans.values()):
+        axes.axvspan(*span, color=grey(axes, 0.9), linewidth=0.0,
+                     label=None if i else " and ".join(spans))  # fmt: skip
+    return bool(spans)
 
 
 def bars_of_changes(axes: Axes, larger: Array, smaller: Array | None = None) -> bool:

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from importlib import resources
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -185,15 +185,31 @@ def set_title(axes: Axes, text: str) -> None:
     present = axes.get_title()
     if journal_width.get() is not None or present not in ("", _titles.get(axes)):
         return
-    inches = axes.get_window_extent().width / axes.figure.dpi
+    # Labels that are drawn later make the axes narrower.
+    letters = int(0.92 * _letters_along(axes, "width"))
     whole = re.sub("(?<![,;]) ", "\u00a0", text)
-    lines = textwrap.wrap(whole, max(20, int(inches / INCHES_PER_LETTER)), break_long_words=False)
-    title = "\n".join(lines).replace("\u00a0", " ")
+    parts = textwrap.wrap(whole, letters, break_long_words=False)
+    lines = [textwrap.fill(part.replace("\u00a0", " "), letters, break_long_words=False)
+             for part in parts]  # fmt: skip
+    title = "\n".join(lines)
     # The second chain is drawn into axes with the title of the first, or with neither.
     if axes in _titles and _titles[axes] == present and present != title:
         title = ""
     _titles[axes] = title
     axes.set_title(title)
+
+
+def broken_label(axes: Axes, side: Literal["width", "height"], label: str) -> str:
+    """A label along a side of axes, broken into lines that are not longer than it."""
+    # No line begins with a unit.
+    whole = re.sub(r" (?=\[[^]]*\]$)", "\u00a0", label)
+    lines = textwrap.wrap(whole, _letters_along(axes, side), break_long_words=False)
+    return "\n".join(lines).replace("\u00a0", " ")
+
+
+def _letters_along(axes: Axes, side: Literal["width", "height"]) -> int:
+    inches = getattr(axes.get_window_extent(), side) / axes.figure.dpi
+    return max(20, int(inches / INCHES_PER_LETTER))
 
 
 class BeadLocator(MaxNLocator):

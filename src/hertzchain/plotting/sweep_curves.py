@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from ..sweeps.methods import SIMULATIONS
 from .colours import curve_colour, grey
 from .pulses import LINES, label_free_end
-from .style import MARKERS, label_log_axis
+from .style import MARKERS, broken_label, label_log_axis
 from .sweep_axes import free_end, places_of, set_axis
 from .sweep_labels import coordinate_text, quantity_label
 from .sweep_marks import label_marks, mark_curve
@@ -69,7 +69,7 @@ def draw_curves(
     if free:
         label_free_end(axes)
     label_marks(axes, marked, law=law)
-    axes.set_ylabel(quantity_label(drawn))
+    axes.set_ylabel(broken_label(axes, "height", quantity_label(drawn)))
     axes.set_yscale("log" if log else "linear")
     if log:
         label_log_axis(axes.yaxis)

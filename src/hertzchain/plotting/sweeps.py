@@ -21,7 +21,7 @@ from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list
 from .colours import signed_map
 from .legends import place_legend
-from .style import figure_style, get_axes, label_log_axis, literal, set_title
+from .style import broken_label, figure_style, get_axes, label_log_axis, literal, set_title
 from .sweep_axes import edges_of, places_of, set_axis
 from .sweep_curves import draw_curves
 from .sweep_labels import (
@@ -366,7 +366,8 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
         norm, colours, low, high = LogNorm(shown.min(), shown.max()), SEQUENTIAL, None, None
     mesh = axes.pcolormesh(edges_of(x), edges_of(y), values, cmap=colours, norm=norm, vmin=low,
                            vmax=high, rasterized=True)  # fmt: skip
-    bar = axes.figure.colorbar(mesh, ax=axes, label=quantity_label(drawn))
+    label = broken_label(axes, "height", quantity_label(drawn))
+    bar = axes.figure.colorbar(mesh, ax=axes, label=label)
     if norm is not None:
         label_log_axis(bar.ax.yaxis)
     if levels:

@@ -562,8 +562,10 @@ def test_locations_have_the_same_colour_in_every_budget():
     budget = hc.simulate(chain, until=20.0).budget()
     axes = budget.plot()
     handles, labels = axes.get_legend_handles_labels()
-    drawn = {label: to_hex(handle.get_facecolor()[0]) for handle, label in
-             zip(handles, labels, strict=True) if label != "total input"}  # fmt: skip
+    drawn = {
+        label.removesuffix(" (kinetic)"): to_hex(handle.get_facecolor()[0])
+        for handle, label in zip(handles, labels, strict=True) if label != "total input"
+    }  # fmt: skip
     assert {"leading pulse", "lagging", "scattered back", "contacts", "lost"} <= set(drawn)
     static = resources.files("hertzchain.app").joinpath("static/app.css").read_text()
     html = budget._repr_html_()

@@ -202,7 +202,7 @@ def test_sizes_in_a_file_and_as_options(tmp_path, run):
     [
         (["--material", "brass"], "--material requires the size"),
         (["--diameter", "20:5:3"], "must look like"),
-        (["--diameter", "20"], "one size of a scaled chain has no meaning"),
+        (["--diameter", "20"], "the size of equal beads has no effect in scaled variables"),
         (["--speed", "1"], "--speed requires --material"),
         (["--material", "brass", "--diameter", "10"], "--diameter '10 mm'"),
         (["--material", "brass", "--radius", "10 mm:5"], "--radius 5 has no unit"),

@@ -71,9 +71,9 @@ def test_labels_have_the_selected_bead_and_the_symbol_of_the_rate(taper, symbol)
         axes = hc.plot_sweep(found, "velocity", bead=33)
         force = hc.plot_sweep(found, "peak_force", contact=7)
         every = hc.plot_sweep(found, "velocity", approach="bca", levels=[0.5])
-    assert axes.get_ylabel() == "velocity $v_{33}$"
+    assert axes.get_ylabel().replace("\n", " ") == "velocity $v_{33}$"
     assert axes.get_xlabel() == f"rate of the taper ${symbol}$"
-    assert force.get_ylabel() == "largest force without damping $F_{7}$"
+    assert force.get_ylabel().replace("\n", " ") == "largest force without damping $F_{7}$"
     # Along the beads, no bead is selected.
     assert every.collections[0].colorbar.ax.get_ylabel() == "velocity $v_k$"
     assert every.get_xlabel() == f"rate of the taper ${symbol}$"

@@ -51,10 +51,10 @@ RANGES: Final = {
 }  # fmt: skip
 # Parts of a budget; see `hertzchain.simulation.budget`.
 PARTS: Final = {
-    "leading pulse": "Beads in the leading pulse, which move away from the impact",
+    "leading pulse": "Motion of beads in the leading pulse, without the energy in its contacts",
     "lagging": "All other beads that move away from the impact",
     "scattered back": "Beads that move back towards the impact",
-    "contacts": "Stored in contacts between beads",
+    "contacts": "Stored in contacts between beads, those of the pulse included",
     "walls": "Stored in the contacts with walls",
     "left wall": "Transferred to the left wall",
     "right wall": "Transferred to the right wall",

@@ -255,8 +255,8 @@ def _described(options: ChainOptions) -> Chain:
         return Chain.tapered(options.taper, beads=beads, **sizes, **kind)
     if sizes and options.material is None:
         raise click.UsageError(
-            "one size of a scaled chain has no meaning, because its first radius is 1: add "
-            "--material, or give two sizes, such as --diameter 20:5"
+            "the size of equal beads has no effect in scaled variables, where the first radius is "
+            "1: add --material, or give two sizes, such as --diameter 20:5"
         )
     if options.taper is None or options.taper == "uniform":
         if options.rate is not None:

@@ -10,7 +10,7 @@ from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-from ..simulation.budget import BALANCED, COLOURS, Balanced, Budget
+from ..simulation.budget import BALANCED, COLOURS, MOVING, Balanced, Budget
 from ..simulation.horizon import Horizon
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_type
@@ -91,8 +91,10 @@ def plot_budget(
                         edgecolor="white", linewidth=0.0,
                     )  # fmt: skip
                 base += part
+            # The pulse has energy in its contacts, too.
+            kinetic = " (kinetic)" if of == "energy" and name in MOVING else ""
             axes.fill_between([], [], [], facecolor=colour, hatch=hatch, edgecolor="white",
-                              label=name)  # fmt: skip
+                              label=f"{name}{kinetic}")  # fmt: skip
         axes.plot(times, total, color=grey(axes), linewidth=1.0, label="total input")
         if np.any(below < 0.0):
             axes.axhline(0.0, color=grey(axes), linewidth=0.6)

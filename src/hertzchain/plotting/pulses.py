@@ -23,6 +23,7 @@ from .legends import place_legend
 from .spreads import (
     BAND,
     draw_spread,
+    draw_spread_of_difference,
     remove_values_beyond,
     show_band,
     spread_of,
@@ -348,6 +349,10 @@ def _draw_residuals(
         _draw(axes, pulse, shown[:-1] if free else shown, look, None)
         if free:
             _draw_free_end(axes, len(shown), shown[-1], look)
+        if not least:
+            draw_spread_of_difference(
+                axes, pulse, quantity, shown, curve_colour(axes, look.colour), free=free
+            )
     if least:
         axes.set_yscale("log")
         # By default, a low panel has two ticks.

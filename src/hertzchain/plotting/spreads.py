@@ -39,8 +39,23 @@ def draw_spread(axes: Axes, pulse: Pulse, quantity: str, colour: str, *, free: b
     band = _band(pulse, quantity)
     if band is None:
         return
-    low, high = band
-    bead, end = pulse.bead[: len(low)], len(low) - free
+    _draw_band(axes, *band, colour, free=free)
+
+
+def draw_spread_of_difference(
+    axes: Axes, pulse: Pulse, quantity: str, difference: Array, colour: str, *, free: bool
+) -> None:
+    """The same around relative differences of a pulse from another one, in percent."""
+    spread = spread_of(pulse, quantity)
+    if spread is None:
+        return
+    ratio, factor = 1.0 + 0.01 * difference, np.exp(spread[: len(difference)])
+    low, high = 100.0 * (ratio / factor - 1.0), 100.0 * (ratio * factor - 1.0)
+    _draw_band(axes, low, high, colour, free=free)
+
+
+def _draw_band(axes: Axes, low: Array, high: Array, colour: str, *, free: bool) -> None:
+    bead, end = np.arange(1, len(low) + 1), len(low) - free
     axes.fill_between(bead[:end], low[:end], high[:end], color=colour, alpha=BAND, linewidth=0.0)
     if free:
         axes.vlines(bead[-1], low[-1], high[-1], color=colour, alpha=BAND, linewidth=3.0)

@@ -6,6 +6,7 @@ from typing import Final
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, MultipleLocator
 
 import hertzchain as hc
 from hertzchain.plotting.chains import draw_beads, material_legend, scale_bar
@@ -126,7 +127,7 @@ def lab_sheet() -> Figure:
     restitutions = np.linspace(0.9, 0.995, 15)
     rows = {"-": 0.0, ":": "20 um"}
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 4.2), layout="constrained")
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 5.0), layout="constrained")
         for diameter, colour in (("10 mm", COLOURS[1]), ("20 mm", COLOURS[0])):
             pair = hc.Chain.from_materials(diameters=diameter, materials="steel-52100", beads=2)
             mass = hc.collision.reduced_mass(*pair.masses)
@@ -137,6 +138,9 @@ def lab_sheet() -> Figure:
         left.set_ylim(20.0, 200.0)
         label_log_axis(left.yaxis)
         label_log_axis(left.xaxis)
+        # Fine enough for readings of a few percent.
+        left.yaxis.set_minor_locator(FixedLocator([*range(22, 60, 2), *range(60, 200, 5)]))
+        left.xaxis.set_minor_locator(FixedLocator([*range(30, 100, 10), *range(100, 1000, 100)]))
         left.legend(loc="lower left")
         for dashes, gap in rows.items():
             after = np.array([
@@ -150,8 +154,12 @@ def lab_sheet() -> Figure:
         right.set_xlabel("coefficient of restitution")
         right.set_ylabel("velocity / velocity of impact")
         right.legend(loc="center left", ncols=2, fontsize="small")
+        right.xaxis.set_minor_locator(MultipleLocator(0.01))
+        right.yaxis.set_minor_locator(MultipleLocator(0.05))
         for axes in (left, right):
-            axes.grid(visible=True, which="both", linewidth=0.3, color="0.8")
+            axes.tick_params(which="minor", length=0.0, labelleft=False, labelbottom=False)
+            axes.grid(visible=True, which="minor", linewidth=0.3, color="0.85")
+            axes.grid(visible=True, which="major", linewidth=0.6, color="0.7")
     return canvas
 
 

@@ -453,3 +453,13 @@ def test_the_command_adds_a_cap(run, tmp_path):
     assert "the chain has a cap already; omit --cap" in err
     code, _, err = run("simulate", "--beads", "4", "--cap", "5 g")
     assert (code, "--cap '5 g' requires --material" in err) == (2, True)
+
+
+def test_the_summary_states_when_the_cap_leaves_the_wall(run, tmp_path):
+    row = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=6)
+    cell = hc.Wall("50 kN/mm", exponent=1)
+    row = row.replace(right_wall=cell).with_cap("5 g").struck_by(velocity="0.1 m/s")
+    end = hc.simulate(row).wall_force().first_contact_end
+    (tmp_path / "row.toml").write_text(hc.chain_as_toml(row))
+    _, out, _ = run("simulate", tmp_path / "row.toml")
+    assert f"the cap leaves the wall at t = {1e6 * end:.4g} us, because walls do not pull" in out

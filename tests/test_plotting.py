@@ -1358,7 +1358,7 @@ def test_sensitivities_name_the_chain_and_mark_its_strikers():
     (hc.Chain.from_materials(5e-3, "steel-52100", beads=6, precompression="0.2 N",
                              held_by="force"), "6 steel balls, 10 mm, under 0.2 N"),
     (hc.Chain.uniform(6).replace(gravity=0.1, precompression=1.0, held_by="force"),
-     "6 equal beads, under 1, under gravity"),
+     "6 equal beads, under gravity, under 1"),
 ])  # fmt: skip
 def test_titles_of_spectra_state_the_static_force(chain, words):
     found = hc.spectrum(chain)

@@ -42,6 +42,9 @@ def with_cap(
     their radii if they did.  Exponents and losses that are listed by contact are repeated for the
     contact with the cap.
 
+    Walls push, but do not pull: the cap rests on its spring and can leave it after the first peak,
+    whereas a cap that is bolted to its cell continues to oscillate.  The first peak is the same.
+
     Parameters
     ----------
     mass : float, optional

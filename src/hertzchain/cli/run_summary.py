@@ -114,6 +114,12 @@ def show_run(
         click.echo(line)
     for wall in _walls(run):
         click.echo(_wall_lines(run, wall))
+        if run.chain.cap is not None and wall.side == "right" and wall.first_contact_end:
+            time = measure(wall.first_contact_end, "s", wall.units)
+            click.echo(
+                f"  the cap leaves the wall at t = {time}, because walls do not pull; a cap that "
+                "is fixed to its cell then oscillates"
+            )
     if (last := last_bead_of(run)) is not None:
         click.echo(_last_bead_line(run, last))
         if (final := _final_velocities_line(run)) is not None:

@@ -126,7 +126,6 @@ def _title(chain: Chain) -> str:
     parts = [chain_title(chain)]
     if chain.precompression:
         parts.append(f"under {measure(chain.precompression, 'N', chain.units)}")
-    parts += ["under gravity"] * (chain.gravity != 0.0)
     return ", ".join(parts)
 
 

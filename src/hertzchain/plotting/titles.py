@@ -35,7 +35,8 @@ def chain_words(chain: Chain) -> str:
     else:
         title = _scaled_beads(chain)
     title += law_in_words(chain.exponents)
-    return ", ".join(filter(None, (title, _cap(chain), _wall(chain), _loss(chain))))
+    gravity = "under gravity" if chain.gravity else ""
+    return ", ".join(filter(None, (title, gravity, _cap(chain), _wall(chain), _loss(chain))))
 
 
 def chain_title(chain: Chain) -> str:

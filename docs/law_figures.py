@@ -94,7 +94,7 @@ def disorder() -> Figure:
 
 
 def attenuation() -> Figure:
-    """Velocities along equal beads with a small loss, by the closed form and by simulation."""
+    """Velocities along equal beads with a small loss, by `attenuation` and by simulation."""
     laws = (hc.Restitution(0.99), hc.Viscoelastic(2e-3), hc.Dashpot(2e-3))
     with figure_style():
         canvas, axes = plt.subplots(figsize=(7.0, 3.6))
@@ -106,7 +106,7 @@ def attenuation() -> Figure:
                 theory.append(theory[-1] * np.exp(-hc.attenuation(chain, theory[-1])))
             bead = np.arange(10, 96)
             name = type(law).__name__
-            axes.plot(bead, theory, color=COLOURS[i], label=f"{name}, closed form")
+            axes.plot(bead, theory, color=COLOURS[i], label=f"{name}, attenuation")
             axes.plot(bead, velocity[9:95], MARKERS[i], color=COLOURS[i], markerfacecolor="none",
                       markevery=(3 * i, 8), label=f"{name}, simulation")  # fmt: skip
         axes.set_xlabel("bead $k$")

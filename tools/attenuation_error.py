@@ -1,9 +1,9 @@
-"""Error of the first order in the loss, `attenuation`: ``python tools/attenuation_error.py``.
+"""Second order of `attenuation`, and its error: ``python tools/attenuation_error.py``.
 
 A wave is simulated in equal beads with each law, and its decay per bead is compared with that of
-the formula, x, at the velocity that the wave has there.  The coefficients c of the difference,
-(x - decay) / x^2, are printed for several x, as medians over the beads and with their range.  Those
-of `hertzchain.theory.attenuation` are medians over the x in brackets.  Twenty seconds of one core.
+the first order, x, at the velocity that the wave has there.  The coefficients c of the difference,
+(x - decay) / x^2, are printed for several exponents p and small x, as medians over the beads; then,
+for p = 3/2, the errors of `attenuation` and their estimates, in %.  One minute of one core.
 """
 
 import warnings
@@ -11,11 +11,13 @@ import warnings
 import numpy as np
 
 import hertzchain as hc
+from hertzchain.theory.attenuation import estimated_error, first_order
 
-# Decays per bead; coefficients are determined at those at which the warning begins.
-DECAYS, CHOSEN = (0.0025, 0.005, 0.01, 0.02), (0.01, 0.02)
+EXPONENTS = (1.5, 2.0, 3.0)
+# First-order decays per bead at which c and the errors are determined.
+SMALL, LARGE = (0.0025, 0.005, 0.01), (0.01, 0.02, 0.025, 0.03, 0.04, 0.05)
 # Beads at which the wave neither depends on the impact nor on the free end.
-BEADS, FIRST, LAST = 90, 20, 61
+BEADS, FIRST, LAST = 70, 15, 40
 # Peak velocity of the first wave.
 VELOCITY = 0.6816
 LAWS = {
@@ -33,45 +35,51 @@ def velocity_power(alpha):
     return lambda gamma: hc.VelocityPower(gamma, alpha)
 
 
-def chain_with(law, decay):
-    """Equal beads with the loss that has this decay in the middle of the beads, by the formula."""
+def chain_with(law, decay, exponent=1.5):
+    """Equal beads with the loss that has this decay in the middle of the beads, at first order."""
     velocity = VELOCITY * np.exp(-0.5 * (FIRST + LAST) * decay)
     loss = 1e-3
     for _ in range(20):
-        chain = hc.Chain.uniform(BEADS).replace(loss=law(loss))
-        loss *= decay / float(hc.attenuation(chain, velocity))
+        chain = hc.Chain.uniform(BEADS, exponent=exponent).replace(loss=law(loss))
+        loss *= decay / float(first_order(chain, velocity))
     return chain
 
 
-def coefficients(law, decay):
-    """Coefficients c at each bead."""
-    chain = chain_with(law, decay)
+def decays(chain):
+    """Decay per bead at each bead: of the first order, by `attenuation` and simulated."""
     v = hc.simulate(chain, times=0, rtol=1e-12).pulse().velocity
     k = np.arange(FIRST, LAST)
-    x = hc.attenuation(chain, v[k])
-    return (x - 0.5 * np.log(v[k - 1] / v[k + 1])) / x**2
+    simulated = 0.5 * np.log(v[k - 1] / v[k + 1])
+    return first_order(chain, v[k]), hc.attenuation(chain, v[k]), simulated
 
 
-def report(name, law):
-    """Print the coefficients of a law; return the median over the chosen decays."""
-    found = {decay: coefficients(law, decay) for decay in DECAYS}
-    median = float(np.median(np.concatenate([found[decay] for decay in CHOSEN])))
-    parts = [f"{np.median(c):6.2f} ({c.min():.2f} to {c.max():.2f})" for c in found.values()]
-    print(f"{name:20}", "".join(f"{part:26}" for part in parts), f"[{median:.2f}]", flush=True)
-    return median
+def coefficient(law, decay, exponent=1.5):
+    """Coefficient c, as the median over the beads."""
+    x, _, simulated = decays(chain_with(law, decay, exponent))
+    return float(np.median((x - simulated) / x**2))
+
+
+def errors(law, decay):
+    """Relative error of `attenuation`, and its estimate."""
+    chain = chain_with(law, decay)
+    x, found, simulated = decays(chain)
+    error = float(np.median(found / simulated)) - 1.0
+    return error, estimated_error(chain.loss, 1.5, float(np.median(x)))
 
 
 def main():
-    """Print all coefficients, and the linear function for `VelocityPower`."""
+    """Print the coefficients and the errors."""
     warnings.simplefilter("ignore", hc.ModelRangeWarning)
-    shown = (f"x = {x} in brackets" if x in CHOSEN else f"x = {x}" for x in DECAYS)
-    print(f"{'c':20}", "".join(f"{each:26}" for each in shown))
-    for name, law in LAWS.items():
-        report(name, law)
-    found = [report(f"velocity power {alpha:g}", velocity_power(alpha)) for alpha in POWERS]
-    slope, start = np.polyfit(POWERS, found, 1)
-    worst = np.abs((start + slope * np.array(POWERS)) / found - 1.0).max()
-    print(f"velocity power: {start:.1f} + {slope:.1f} alpha, within {worst:.1%}")
+    laws = LAWS | {f"velocity power {alpha:g}": velocity_power(alpha) for alpha in POWERS}
+    for p in EXPONENTS:
+        print(f"c, p = {p:g}; x =", *SMALL)
+        for name, law in laws.items():
+            print(f"{name:20}", *(f"{coefficient(law, x, p):8.2f}" for x in SMALL), flush=True)
+    print("error and its estimate, in %; x =", *LARGE)
+    for name, law in laws.items():
+        found = (errors(law, x) for x in LARGE)
+        shown = (f"{100 * error:8.2f} ({100 * estimate:.2f})" for error, estimate in found)
+        print(f"{name:20}", *shown, flush=True)
 
 
 if __name__ == "__main__":

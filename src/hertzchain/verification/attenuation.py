@@ -16,7 +16,7 @@ from ..chain.laws.velocity_power import VelocityPower
 from ..chain.laws.viscoelastic import Viscoelastic
 from ..chain.laws.walton_braun import WaltonBraun
 from ..simulation.simulate import simulate
-from ..theory.attenuation import attenuation
+from ..theory.attenuation import first_order
 from ..theory.solitary_wave import solitary_wave
 from .case import Case, shared
 
@@ -56,7 +56,7 @@ def cases() -> Iterator[Case]:
 def _closed_form(name: str, p: float) -> float:
     loss = 1e-3
     chain = Chain.uniform(2, exponent=p).replace(loss=LAWS[name][0](loss))
-    return float(attenuation(chain, 1.0)) / _variable(name, loss, p, 1.0)
+    return float(first_order(chain, 1.0)) / _variable(name, loss, p, 1.0)
 
 
 def _simulated(name: str, p: float) -> float:

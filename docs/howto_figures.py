@@ -207,9 +207,9 @@ def dimer_pulses() -> Figure:
         left.plot(radii, times, MARKERS[0], color=COLOURS[2])
         left.set_xlabel("radius of the small beads")
         left.set_ylabel("time / time without them")
-        for i, ratio in enumerate((0.342845, 0.2397, 0.574)):
-            velocity = hc.propagate(hc.Chain.dimer(ratio, beads=101)).velocity[:90:2]
-            right.plot(2 * np.arange(45) + 1, velocity, MARKERS[i], color=COLOURS[i + 1],
+        for i, ratio in enumerate((0.342845, 0.2397, 0.58)):
+            velocity = hc.propagate(hc.Chain.dimer(ratio, beads=101)).velocity[:82:2]
+            right.plot(2 * np.arange(41) + 1, velocity, MARKERS[i], color=COLOURS[i + 1],
                        markersize=3.5, label=f"mass ratio {ratio:.4g}")  # fmt: skip
         right.set_ylim(0.0, None)
         right.set_xlabel("bead $k$, heavy beads only")

@@ -181,3 +181,11 @@ def test_what_has_no_crest_yet_is_missing_with_a_reason():
     assert np.isinf(leading.rear[missing - 1]).all()
     with pytest.raises(hc.InputError, match=r"must have shape \(T, 20\), got \(1, 3\)"):
         leading.weights([1.0], [[1.0, 2.0, 3.0]])
+
+
+@pytest.mark.parametrize("ratio", [0.2, 0.54, 0.58, 0.62])
+def test_dimers_are_overtaken_near_the_resonance_only_after_bead_81(ratio):
+    run = hc.simulate(hc.Chain.dimer(ratio, beads=121), until=125.0, times=6250)
+    excess = run.velocities.max(axis=0) / run.pulse().velocity - 1
+    assert excess[40:82:2].max() < 1e-6
+    assert (excess[90:102:2].max() > 0.25) == (ratio == 0.58)

@@ -99,7 +99,7 @@ print("the pulse passes at mass ratios  ", ", ".join(f"{x:.4f}" for x in passing
 print("with a decay per cell of         ", ", ".join(f"{x:.0e}" for x in lowest[::-1]))
 print("and decays most at               ", ", ".join(f"{x:.3f}" for x in stopping[::-1]))
 worst, decrease = ratios[decay.argmax()], 1 - np.exp(-decay.max())
-print(f"at {worst:.3f}, the velocity decreases by {decrease:.1%} per cell between beads 41 and 81")
+print(f"at {worst:.3f}, the velocity decreases by {decrease:.1%} per cell (beads 41 to 81)")
 heavy = velocities([worst])[0]
 weakened = heavy / heavy[0]
 for cell in (1, 5, 10, 20, 30, 40):

@@ -1134,6 +1134,28 @@ def test_sensitivity_of_contacts_that_yield_is_found_by_differences(run):
     assert json.loads(found)["gradient"][1:] == [None] * 5
 
 
+def test_sensitivity_to_gaps_of_contacts_that_yield_is_simulated(run):
+    dented = (*YIELDING, "--loss", "elastic-plastic")
+    code, out, _ = run("sensitivity", *dented, "--to", "gaps")
+    assert code == 0
+    assert "One gap at a time is 1 um larger. This loss has no derivatives by gaps." in out
+    found = json.loads(run("sensitivity", *dented, "--to", "gaps", "--json")[1])
+    chain = json.loads(run("simulate", *dented, "--json")[1])
+    peak = chain["walls"][0]["peak"]
+    assert found["value"] == pytest.approx(peak, rel=1e-6)
+    assert set(found["gradient"]) == {None}
+    assert found["method"] == "none"
+    assert found["error"] is None
+    row = hertzchain.Chain.from_materials(
+        "5 mm", "steel-52100", beads=6, velocity=1.0, right_wall=hertzchain.Wall(),
+        loss=hertzchain.ElasticPlastic(), gaps=[0.0, 0.0, 1e-6, 0.0, 0.0],
+    )  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hertzchain.ModelRangeWarning)
+        wider = hertzchain.simulate(row).wall_force().peak
+    assert found["change_if_larger"][2] == pytest.approx(wider / peak - 1.0, rel=1e-3)
+
+
 def test_sensitivity_by_the_stiffness_of_a_scaled_chain_keeps_its_wall(run, tmp_path):
     chain = hertzchain.Chain.tapered("forward-exponential", 0.05, beads=5)
     chain = chain.replace(right_wall=hertzchain.Wall())

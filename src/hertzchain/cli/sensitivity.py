@@ -63,7 +63,8 @@ def sensitivity(
     of one bead changes by 1%, the largest changes first.  The changes of the peak force on the wall
     are simulated, for +1% and -1%; those of other quantities follow from the derivatives, which
     are exact or, with losses such as elastic-plastic, differences of simulations.  With --to gaps,
-    one gap after the other grows by 1 um (in scaled variables, by 0.01), in simulations.
+    one gap after the other grows by 1 um (in scaled variables, by 0.01), in simulations with any
+    loss.
 
     \b
     Examples:
@@ -74,7 +75,7 @@ def sensitivity(
     import hertzchain
 
     from ..designs.exact_gradients import name_of
-    from ..designs.sensitivity import changes_by_gaps, changes_of_peak
+    from ..designs.sensitivity import changes_by_gaps, changes_of_peak, gradient_by_gaps
     from ..designs.yielding import value_if_yielding
     from ..errors import InputError
 
@@ -85,11 +86,12 @@ def sensitivity(
         raise InputError(f"{measure} has no derivatives; use wall_force.peak or velocity@last")
     end = time_from("--until", until, chain)
     with progress_bar("chains simulated") as progress:
-        found = hertzchain.gradient(chain, name, to=by, until=end, progress=progress)
         changes: tuple[Array, ...] | None
         if by == "gaps":
+            found = gradient_by_gaps(chain, name, end, progress)
             changes = changes_by_gaps(chain, measure, end, progress)
         else:
+            found = hertzchain.gradient(chain, name, to=by, until=end, progress=progress)
             changes = changes_of_peak(chain, found, by, end, progress)
     yielding = value_if_yielding(chain, measure, until=end)
     if plot is not None:
@@ -118,9 +120,9 @@ def _document(
         "parameter": by,
         "gradient": finite(found[by].tolist()),
         "gradient_unit": found.units[by],
-        "relative": found.relative(by).tolist(),
+        "relative": finite(found.relative(by).tolist()),
         "method": found.method,
-        "error": found.error,
+        "error": finite(found.error),
         "kinks": by in found.kinks,
     }
     if changes:
@@ -146,16 +148,19 @@ def _lines(
         lines[1] += " with elastic contacts, to which all changes refer"
         note = yielding_note("it", measure, found.value, yielding)
         lines.append(f"  {note} (--loss elastic-plastic)")
-    if found.method != "adjoint":
+    if found.method == "central differences":
         first = "each change by 1% is simulated; derivatives (--json)" if changes else "derivatives"
         lines.append(
             f"{first} are {found.method} of simulations, with an estimated error of "
             f"{found.error:.1g} of the largest one"
         )
     if by == "gaps":
+        step = f"One gap at a time is {GAP_STEP[chain.units][1]} larger."
         lines.append(
-            f"One gap at a time is {GAP_STEP[chain.units][1]} larger. Derivatives (--json) at "
-            "closed gaps are\none-sided, and hold only for gaps much smaller than the overlaps."
+            f"{step} Derivatives (--json) at closed gaps are\none-sided, and hold only for gaps "
+            "much smaller than the overlaps."
+            if found.method == "adjoint"
+            else f"{step} This loss has no derivatives by gaps."
         )
     elif changes and derivatives_mislead(found, by, *changes):
         note = f"{kink_note([by])}; changes of several beads do not add up: use hertzchain scatter"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
@@ -10,8 +12,10 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..derivatives.differences import FIELDS, changed
+from ..derivatives.differences import FIELDS, Differences, changed, needs_differences
+from ..derivatives.gradient import gradient
 from ..derivatives.kinks import PART, mislead
+from ..derivatives.relative import per_unit, unit_of_parameter
 from ..derivatives.result import Gradient
 from ..errors import InputError
 from ..validation.objects import Progress
@@ -61,6 +65,25 @@ def changes_of_peak(
 
     larger, smaller = np.expm1(_changes_of_logarithm(peaks, chain, by, (1.0 + PART, 1.0 - PART)))
     return None if np.isnan([larger, smaller]).all() else (larger, smaller)
+
+
+def gradient_by_gaps(
+    chain: Chain, name: str, until: float | None = None, progress: Progress | None = None
+) -> Gradient:
+    """Value of a quantity and its derivatives by gaps, which are NaN if the loss has no exact ones.
+
+    Differences would depend on their step: the derivatives of closed gaps are one-sided.
+    """
+    if not needs_differences(chain):
+        return gradient(chain, name, to="gaps", until=until, progress=progress)
+    found = gradient(chain, name, to="velocities", until=until, progress=progress)
+    unknown = np.full(chain.beads - 1, math.nan)
+    unknown.setflags(write=False)
+    return replace(
+        found, gradient={"gaps": unknown}, parameters={"gaps": chain.gaps}, kinks=(),
+        units={"gaps": per_unit(found.unit, unit_of_parameter(chain, "gaps"))}, method="none",
+        _accuracy=Differences(math.nan, {}, {}, ()),
+    )  # fmt: skip
 
 
 def changes_by_gaps(

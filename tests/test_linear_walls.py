@@ -106,3 +106,26 @@ def test_the_spectrum_of_a_precompressed_row_on_a_spring():
     matrix = np.diag(k[:-1] + k[1:]) - np.diag(k[1:-1], 1) - np.diag(k[1:-1], -1)
     expected = np.sqrt(np.linalg.eigvalsh(matrix / held.masses[0])) / (2.0 * math.pi)
     np.testing.assert_allclose(hc.spectrum(held).frequencies, expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("material", [None, "rubber"])
+def test_the_contact_with_a_pad_is_not_checked(material, run, tmp_path):
+    # Over a plate, the force of the pad acts on more than one point of the ball.
+    pad = hc.Wall("2 kN/mm", exponent=1, material=material)
+    chain = hc.Chain.from_materials("5 mm", "steel-52100", beads=3, velocity=0.3, right_wall=pad)
+    found = hc.simulate(chain)
+    limits = hc.hertz_range(chain, found.largest_overlaps)
+    assert np.isnan([limits.yield_ratio[3], limits.overlap_ratio[3]]).all()
+    assert np.isfinite([limits.yield_ratio[1:3], limits.overlap_ratio[1:3]]).all()
+    assert limits.violations == ()
+    assert "nan" not in str(limits) + repr(limits) + limits._repr_html_()
+    # A wall with the exponent of spheres is checked.
+    stiff = chain.replace(right_wall=hc.Wall(1e9, material=material))
+    assert np.isfinite(hc.hertz_range(stiff, found.largest_overlaps).overlap_ratio[3])
+    path = tmp_path / "pad.toml"
+    path.write_text(hc.chain_as_toml(chain))
+    code, out, err = run("simulate", path, "--contacts")
+    assert code == 0
+    assert err == ""
+    assert "spring, not checked" in next(line for line in out.splitlines() if "ball 3 and" in line)
+    assert "no known yield strength" not in out

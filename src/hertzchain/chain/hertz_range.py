@@ -6,14 +6,15 @@ compared with sound.  Each assumption corresponds to a ratio with an upper limit
 =====================  ==============================================  ========
 ratio                  definition                                      limit
 =====================  ==============================================  ========
-overlap / radius       :math:`d/R = (a/R)^2`, a the contact radius     0.01
+overlap / radius       :math:`d/R = (a/R)^2`, a the contact radius     0.01 or 0.1
 pressure / yield       :math:`p_0/(1.60\,Y)`, first yield below the    1
                        surface (von Mises, nu = 0.3)
 speed / sound          closing speed over :math:`\sqrt{E/\rho}`        0.01
 =====================  ==============================================  ========
 
-Overlap, contact radius and pressure are those of spheres of the materials under the force of the
-contact:
+The limit 0.1 is that of contacts whose law describes yield, beyond which their forces are not a
+prediction.  Overlap, contact radius and pressure are those of spheres of the materials under the
+force of the contact:
 
 .. math::
 
@@ -21,7 +22,8 @@ contact:
     p_0 = \left(\frac{6 F E^{*2}}{\pi^3 R^2}\right)^{1/3} .
 
 This overlap is that of the simulation if the stiffness of the contact follows from the materials.
-A given stiffness or exponent only changes the force.  If the contact is softer than that of the
+A given stiffness or exponent only changes the force; contacts with exponent 1 are springs, pads or
+plates, and are not checked.  If the contact is softer than that of the
 materials, because a spring or a load cell gives way behind it, :math:`p_0` is exact; if its surface
 is softer, :math:`p_0` is an upper limit.
 
@@ -42,7 +44,6 @@ from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..representation import counted, short
 from ..validation.keywords import checked_arguments
-from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
 from .contact_groups import law_yield_ratios
 from .feature_support import require_chain
@@ -55,10 +56,14 @@ from .hertz_ratios import (
     elastic_in_words,
     given_contacts,
     impact_speed,
+    law_of_limit,
+    losses_without_yield,
+    overlap_limits,
     soft_contacts,
     speed_ratio,
     springs_of,
     walls_to_keep_elastic,
+    with_walls,
     yielding_materials,
 )
 from .impact_overlaps import impact_overlaps
@@ -87,10 +92,12 @@ class HertzRange:
     ----------
     overlap_ratio : ndarray, shape (N + 1,)
         Overlap of two spheres of the materials under the force of the contact, divided by the
-        effective radius.
+        effective radius; NaN at linear springs (exponent 1), which are not checked.
+    overlap_limit : ndarray, shape (N + 1,)
+        Limit of this ratio: 0.01, or 0.1 if the law of the contact describes yield.
     yield_ratio : ndarray, shape (N + 1,)
         Largest pressure over the pressure at first yield; NaN if no yield strength of the two
-        materials is known, or if the law of the contact describes yield itself.
+        materials is known, at linear springs, or if the law of the contact describes yield itself.
     law_yield_ratio : ndarray, shape (N + 1,)
         Largest pressure over the yield pressure of the law, of contacts whose law describes yield
         itself: at most 1, the value at which the contact yields; NaN at other contacts.
@@ -149,6 +156,7 @@ class HertzRange:
     elastic_walls: tuple[str, ...]
     losses: tuple[str, ...]
     law_yield_ratio: Array
+    overlap_limit: Array
     speed: float = 0.0
     estimated: bool = False
 
@@ -161,6 +169,23 @@ class HertzRange:
     def _most_loaded(self) -> int:
         """Contact with the largest known ``yield_ratio``."""
         return int(np.argmax(np.nan_to_num(self.yield_ratio, nan=-1.0)))
+
+    @property
+    def _most_squeezed(self) -> int:
+        """Contact whose overlap is closest to its limit, or beyond it by the largest factor."""
+        return int(np.argmax(np.nan_to_num(self.overlap_ratio / self.overlap_limit)))
+
+    @property
+    def _remark(self) -> str:
+        """A sentence on contacts that yield, beyond the limit of Hertz's law but not of theirs."""
+        at = self._most_squeezed
+        ratio, limit = self.overlap_ratio[at], self.overlap_limit[at]
+        if not MAX_OVERLAP_RATIO < ratio <= limit:
+            return ""
+        return (
+            f"overlap / radius is {ratio:.2g} at {_place(at, self)} (limit {limit:g} of "
+            f"{law_of_limit(limit)}); above {MAX_OVERLAP_RATIO:g}, Hertz's law is less accurate"
+        )
 
     @property
     def violations(self) -> tuple[str, ...]:
@@ -184,16 +209,16 @@ class HertzRange:
                 f"{self._slower(ratio**-2.5)}"
                 f"{'' if linear else self._law_with_yield(at)}"
             )
-        at = int(np.argmax(self.overlap_ratio))
-        if (ratio := self.overlap_ratio[at]) > MAX_OVERLAP_RATIO:
+        at = self._most_squeezed
+        if (ratio := self.overlap_ratio[at]) > (limit := self.overlap_limit[at]):
             far = f"; beyond {NO_PREDICTION:g}, forces are not a prediction"
-            advice = self._advice(ratio, self.static_overlap_ratio, MAX_OVERLAP_RATIO, 2)
-            digits = 2 if ratio > 1.05 * MAX_OVERLAP_RATIO else 4
+            advice = self._advice(ratio, self.static_overlap_ratio, limit, 2)
+            digits = 2 if ratio > 1.05 * limit else 4
             found.append(
                 f"overlap / radius is {ratio:.{digits}g} at {_place(at, self)} "
-                f"(limit {MAX_OVERLAP_RATIO:g} of Hertz's law){self._basis(at)}"
+                f"(limit {limit:g} of {law_of_limit(limit)}){self._basis(at)}"
                 f"{far if ratio > NO_PREDICTION else ''}; {advice}"
-                f"{self._slower((ratio / MAX_OVERLAP_RATIO) ** -1.25)}"
+                f"{self._slower((ratio / limit) ** -1.25)}"
             )
         if self.speed_ratio > MAX_SPEED_RATIO:
             found.append(
@@ -278,7 +303,7 @@ class HertzRange:
         return "; ".join(texts) or f"unknown ({UNKNOWN_YIELD})"
 
     def __repr__(self) -> str:
-        overlap = int(np.argmax(self.overlap_ratio))
+        overlap = self._most_squeezed
         count = len(self.violations)
         exceeded = f"; {counted(count, 'limit')} exceeded" if count else ""
         return short(
@@ -295,11 +320,11 @@ class HertzRange:
         return hertz_range_html(self)
 
     def __str__(self) -> str:
-        overlap = int(np.argmax(self.overlap_ratio))
+        overlap = self._most_squeezed
         return "\n".join(
             (
                 f"overlap / radius  {self.overlap_ratio[overlap]:.2g} at contact {overlap} "
-                f"(limit {MAX_OVERLAP_RATIO:g})",
+                f"(limit {self.overlap_limit[overlap]:g})",
                 f"pressure / yield  {self._pressure(' (limit 1)')}",
                 f"speed / sound  {self.speed_ratio:.2g} (limit {MAX_SPEED_RATIO:g})",
                 *([ESTIMATED] if self.estimated else []),
@@ -353,7 +378,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
             f"Chain.from_materials (chain: {chain.description})"
         )
     static = chain.static_state.overlaps
-    d = impact_overlaps(chain, static) if overlaps is None else _with_walls(chain, overlaps)
+    d = impact_overlaps(chain, static) if overlaps is None else with_walls(chain, overlaps)
     overlap_ratio, yield_ratio = contact_ratios(chain, d)
     at_rest, static_yield = contact_ratios(chain, static)
     return HertzRange(
@@ -368,12 +393,9 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         yielding=yielding_materials(chain) if (yield_ratio > 1.0).any() else (),
         springs=springs_of(chain),
         elastic_walls=walls_to_keep_elastic(chain),
-        losses=tuple(
-            dict.fromkeys(
-                law.name for law in chain.contact_losses if not law.yields and law.name != "elastic"
-            )
-        ),
+        losses=losses_without_yield(chain),
         law_yield_ratio=law_yield_ratios(chain.contact_groups, d),
+        overlap_limit=overlap_limits(chain),
         speed=impact_speed(chain),
         estimated=overlaps is None,
     )
@@ -420,13 +442,6 @@ def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:
         at_rest = replace(hertz_range(chain, chain.static_state.overlaps), speed_ratio=0.0)
         for violation in at_rest._violations(linear=linear):
             warn_user(violation, ModelRangeWarning)
-
-
-def _with_walls(chain: Chain, overlaps: ArrayLike) -> Array:
-    values = real_numbers("overlap", overlaps, "contact")
-    if values.size == chain.beads - 1:
-        values = np.pad(values.reshape(-1), 1)
-    return per_bead_array("overlap", values, chain.beads + 1, "contact", least=0.0)
 
 
 def _place(contact: int, found: HertzRange) -> str:

@@ -8,10 +8,11 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..representation import listed
+from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
 from .contact_groups import effective_radii, yield_strengths
 from .laws.elastic import Elastic
@@ -35,13 +36,32 @@ def exceeds_limits(chain: Chain, overlaps: Array) -> bool:
     overlap_ratio, yield_ratio = contact_ratios(chain, overlaps)
     return bool(
         (yield_ratio > 1.0).any()
-        or (overlap_ratio > MAX_OVERLAP_RATIO).any()
+        or (overlap_ratio > overlap_limits(chain)).any()
         or speed_ratio(chain) > MAX_SPEED_RATIO
     )
 
 
+def overlap_limits(chain: Chain) -> Array:
+    """Limits of overlap / radius: laws that describe yield hold beyond the one of Hertz's law."""
+    yields = [law.yields for law in chain.contact_losses]
+    return np.where(yields, NO_PREDICTION, MAX_OVERLAP_RATIO)
+
+
+def law_of_limit(limit: float) -> str:
+    """The law whose overlaps have this limit."""
+    return "Hertz's law" if limit == MAX_OVERLAP_RATIO else "contacts that yield"
+
+
+def with_walls(chain: Chain, overlaps: ArrayLike) -> Array:
+    """Overlaps of all N + 1 contacts; those of the walls may be missing."""
+    values = real_numbers("overlap", overlaps, "contact")
+    if values.size == chain.beads - 1:
+        values = np.pad(values.reshape(-1), 1)
+    return per_bead_array("overlap", values, chain.beads + 1, "contact", least=0.0)
+
+
 def contact_ratios(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
-    """Overlap over radius and pressure over yield of all contacts, walls included."""
+    """Overlap over radius and pressure over yield of all contacts; NaN at linear springs."""
     overlap_ratio, pressure = contact_pressures(chain, overlaps)
     strength = yield_strengths(bodies_of(chain))
     elastic = np.array([not law.yields for law in chain.contact_losses])
@@ -50,12 +70,14 @@ def contact_ratios(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
 
 
 def contact_pressures(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
-    """Overlap over radius and largest pressure [Pa] of all contacts, walls included."""
+    """Overlap over radius and largest pressure [Pa] of all contacts; NaN at linear springs."""
     bodies, radius = bodies_of(chain), effective_radii(chain.face_radii)
     modulus = contact_moduli(bodies)
     # Johnson, Eqs. (4.22) to (4.24): a^3 = 3 F R/(4 E*), a^2 = R d and p_0 = 2 E* d/(pi a).
     force = chain.contact_stiffness * overlaps**chain.contact_exponents
     d = np.cbrt(0.75 * force / (modulus * np.sqrt(radius))) ** 2
+    # The force of a pad or a plate does not act at one point of the ball.
+    d[linear_springs(chain)] = math.nan
     return d / radius, 2.0 / math.pi * modulus * np.sqrt(d / radius)
 
 
@@ -86,6 +108,11 @@ def springs_of(chain: Chain) -> NDArray[np.bool_]:
     return np.asarray((chain.contact_stiffness > 0.0) & (chain.contact_exponents != HERTZ_EXPONENT))
 
 
+def linear_springs(chain: Chain) -> NDArray[np.bool_]:
+    """Contacts with exponent 1, such as pads and load cells; none at free ends."""
+    return np.asarray((chain.contact_stiffness > 0.0) & (chain.contact_exponents == 1.0))
+
+
 def walls_to_keep_elastic(chain: Chain) -> tuple[str, ...]:
     """Walls that are springs, which no law with yield describes, without a law of their own."""
     left, *_, right = springs_of(chain)
@@ -99,6 +126,12 @@ def walls_to_keep_elastic(chain: Chain) -> tuple[str, ...]:
 def elastic_in_words(walls: Sequence[str]) -> str:
     """Words after a law with yield that keep these walls elastic."""
     return f" and loss=Elastic() for {listed(walls)}" if walls else ""
+
+
+def losses_without_yield(chain: Chain) -> tuple[str, ...]:
+    """Names of the losses of a chain that describe no yield."""
+    names = (law.name for law in chain.contact_losses if not law.yields)
+    return tuple(dict.fromkeys(name for name in names if name != "elastic"))
 
 
 def soft_contacts(chain: Chain) -> NDArray[np.bool_]:

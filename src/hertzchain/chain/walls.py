@@ -64,7 +64,8 @@ class Wall(Part):
         Exponent p of the contact of wall and bead, >= 1; that of the chain if `None`.  A linear
         spring, such as a pad or a load cell, has 1.
     loss : Restitution, Viscoelastic, ... or None
-        Law of loss of this contact; that of the chain if `None`, no loss with ``Elastic()``.
+        Law of loss of this contact; that of the chain if `None`, no loss with ``Elastic()``.  A
+        spring whose loss is not that of the balls, such as a load cell, needs its own.
 
     Examples
     --------

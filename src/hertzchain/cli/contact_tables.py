@@ -61,8 +61,10 @@ def contact_table(run: Run) -> Table:
     from rich import box
     from rich.table import Table
 
+    from ..chain.hertz_ratios import linear_springs
+
     chain = run.chain
-    rows = contacts_as_dict(run)["contacts"]
+    rows, springs = contacts_as_dict(run)["contacts"], linear_springs(chain)
     si = chain.units == "SI"
     title = "\n".join([f"{len(rows)} contacts", *map(_described, _materials(chain) if si else ())])
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
@@ -81,7 +83,11 @@ def contact_table(run: Run) -> Table:
             f"{row['stiffness']:.5g}",
             f"{row['exponent']:g}",
             f"{(1e6 if si else 1.0) * row['largest_overlap']:.4g}",
-            "-" if ratio is None else f"{ratio:.3g}",
+            "spring, not checked"
+            if springs[row["contact"]]
+            else "-"
+            if ratio is None
+            else f"{ratio:.3g}",
             *[f"{(1e6 if si else 1.0) * row['dent']:.4g}" for _ in dented],
         )
     return table

@@ -13,6 +13,7 @@ from ..simulation.yielding import (
     dents_in_words,
     peak_with_yielding_contacts,
     pressures_below_yield,
+    remark_on_overlaps,
 )
 from .output import show_table
 from .wording import on_command_line
@@ -110,7 +111,8 @@ def show_run(
         click.echo(line)
     unchecked = contacts_without_strength(run.chain, run.largest_overlaps)
     dented = dents_in_words(run.chain, run._furthest_overlaps)
-    for line in [*pressures_below_yield(run), *unchecked, *([dented] if dented else [])]:
+    remarks = [each for each in (dented, remark_on_overlaps(run)) if each]
+    for line in [*pressures_below_yield(run), *unchecked, *remarks]:
         click.echo(line)
     for wall in _walls(run):
         click.echo(_wall_lines(run, wall))

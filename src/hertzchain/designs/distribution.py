@@ -12,7 +12,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..chain.hertz_range import HertzRange, hertz_range
-from ..chain.hertz_ratios import MAX_OVERLAP_RATIO, MAX_SPEED_RATIO
+from ..chain.hertz_ratios import MAX_SPEED_RATIO
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, SimulationError, warn_user
 from ..frozen import Frozen
@@ -349,6 +349,6 @@ def _outside_range(chains: Sequence[Chain], table: RunTable | None) -> int:
 
 def _excess(found: HertzRange) -> tuple[float, ...]:
     """Factors by which the limits of Hertz's law are exceeded, in the order of `violations`."""
-    overlap = found.overlap_ratio.max() / MAX_OVERLAP_RATIO
+    overlap = np.nan_to_num(found.overlap_ratio / found.overlap_limit).max()
     ratios = found.largest_yield_ratio, overlap, found.speed_ratio / MAX_SPEED_RATIO
     return tuple(np.fmax(ratios, 1.0).tolist())

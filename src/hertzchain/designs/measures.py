@@ -255,7 +255,9 @@ class Measure:
             return float(np.max(chain.contact_stiffness * overlaps**chain.contact_exponents))
         limits = hertz_range(chain, overlaps)
         return float(
-            limits.largest_yield_ratio if self.key == "yield_ratio" else limits.overlap_ratio.max()
+            limits.largest_yield_ratio
+            if self.key == "yield_ratio"
+            else np.nan_to_num(limits.overlap_ratio).max()
         )
 
     def from_chain(self, chain: Chain, price: float) -> float:

@@ -17,7 +17,7 @@ from ..chain.drawn_bodies import (
     known_radii,
 )  # fmt: skip
 from ..chain.hertz_range import ESTIMATED, UNKNOWN_YIELD, HertzRange
-from ..chain.hertz_ratios import MAX_OVERLAP_RATIO, MAX_SPEED_RATIO
+from ..chain.hertz_ratios import MAX_SPEED_RATIO
 from ..chain.materials import RIGID, Catalogue, Material
 from ..chain.scales import Scales
 from ..chain.walls import Wall
@@ -215,9 +215,10 @@ def _yield_of_law(found: HertzRange) -> list[str]:
 
 def hertz_range_html(found: HertzRange) -> str:
     """The largest of each ratio with its limit, and what is exceeded."""
-    overlap, pressure = int(np.argmax(found.overlap_ratio)), found._most_loaded
+    overlap, pressure = found._most_squeezed, found._most_loaded
+    limit = found.overlap_limit[overlap]
     rows = (
-        ("overlap / radius", found.overlap_ratio[overlap], f"contact {overlap}", MAX_OVERLAP_RATIO),
+        ("overlap / radius", found.overlap_ratio[overlap], f"contact {overlap}", limit),
         ("pressure / yield", found.yield_ratio[pressure], f"contact {pressure}", 1.0),
         ("speed / sound", found.speed_ratio, "time 0", MAX_SPEED_RATIO),
     )

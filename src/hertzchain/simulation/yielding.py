@@ -48,9 +48,11 @@ UNKNOWN: Final = WithYield(math.nan, math.nan)
 
 def largest_overlap_ratio(chain: Chain, overlaps: Array) -> float:
     """Largest overlap / radius of a chain of materials, from the overlaps of all contacts."""
+    import numpy as np
+
     from ..chain.hertz_ratios import contact_ratios
 
-    return float(contact_ratios(chain, overlaps)[0].max())
+    return float(np.nan_to_num(contact_ratios(chain, overlaps)[0]).max())
 
 
 def dents_in_words(chain: Chain, overlaps: Array) -> str:
@@ -94,17 +96,28 @@ def pressures_below_yield(*runs: Run) -> list[str]:
     return [line] if line else []
 
 
+def remark_on_overlaps(run: Run) -> str:
+    """A sentence on contacts that yield, beyond the limit of Hertz's law but not of theirs."""
+    from ..chain.hertz_range import hertz_range
+
+    if run.chain.materials is None or run.chain.units != "SI":
+        return ""
+    return hertz_range(run.chain, run.largest_overlaps)._remark
+
+
 def unchecked_contacts(chain: Chain) -> dict[int, str]:
     """Materials, by contact, of elastic contacts without a known yield strength."""
-    from ..chain.hertz_ratios import bodies_of
+    from ..chain.hertz_ratios import bodies_of, linear_springs
 
     if chain.materials is None or chain.units != "SI":
         return {}
+    springs = linear_springs(chain)
     return {
         c: " with ".join(sorted(body.name for body in pair))
         for c, pair in enumerate(itertools.pairwise(bodies_of(chain)))
         if all(body.yield_strength is None for body in pair)
         and chain.contact_stiffness[c] > 0.0
+        and not springs[c]
         and not chain.contact_losses[c].yields
     }
 

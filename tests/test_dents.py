@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 
 import hertzchain as hc
 from hertzchain.chain.per_contact import contacts_in_words
+from hertzchain.simulation.hits import peak_of_second_hit
 from hertzchain.simulation.yielding import dents_in_words
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
@@ -261,9 +262,23 @@ def test_dents_in_words():
     (violation,) = [each for each in hc.hertz_range(row(200.0), fast.largest_overlaps).violations
                     if each.startswith("overlap")]  # fmt: skip
     assert "; beyond 0.1, forces are not a prediction" in violation
-    near = hc.hertz_range(row(5.0), hc.simulate(row(5.0), until=1e-4).largest_overlaps)
-    assert near.violations
-    assert "not a prediction" not in near.violations[0]
+
+
+def test_laws_of_yield_have_their_own_limit_of_overlaps():
+    # Steel balls of 5 mm radius at 5 m/s: overlap / radius 0.027, between both limits.
+    chain = row(5.0)
+    run = hc.simulate(chain, until=1e-4)
+    near = hc.hertz_range(chain, run.largest_overlaps)
+    assert 0.01 < near.overlap_ratio.max() < 0.1
+    assert near.violations == ()
+    assert "(limit 0.1 of contacts that yield); above 0.01" in near._remark
+    assert "(limit 0.1)" in str(near)
+    table = hc.simulate_many([chain, row(200.0)], until=1e-5)
+    assert table.outside_range.tolist() == [False, True]
+    # Elastic contacts keep the limit of Hertz's law.
+    elastic = hc.hertz_range(chain.replace(loss=None), run.largest_overlaps)
+    assert any(each.startswith("overlap / radius") for each in elastic.violations)
+    assert not elastic._remark
 
 
 ROW = ("simulate", "--material", "steel-52100", "--diameter", "10 mm", "--beads", 5, "--wall",
@@ -288,3 +303,48 @@ def test_simulate_lists_dents(run):
     assert "no contact has yielded: pressure / yield 0." in slow
     elastic = run(*ROW[:-3], "--contacts", "--speed", "0.1 m/s")[1]
     assert "dent um" not in elastic
+
+
+def test_simulate_prints_further_hits(run):
+    code, out, _ = run(*ROW[:-1], "--speed", "2 m/s", "--hits", 3, "--sensor", 4)
+    assert code == 0
+    first = hc.simulate(hc.Chain.from_materials(
+        5e-3, "steel-52100", beads=5, velocity=2.0, loss=LAW, right_wall=hc.Wall()
+    ))  # fmt: skip
+    second = hc.simulate(first.chain, start=first.state.struck_again())
+    third = hc.simulate(first.chain, start=second.state.struck_again())
+    runs = [first, second, third]
+    table = out.partition("3 hits, each with the dents of the previous ones")[2]
+    lines = [line.split() for line in table.splitlines() if line.strip()[:1] in ("1", "2", "3")]
+    assert [float(line[1]) for line in lines] == pytest.approx(
+        [each.wall_force().peak for each in runs], rel=1e-4
+    )
+    # Saved times are about as close as those of the command.
+    sensors = [hc.simulate(first.chain, start=each.state.struck_again(), times=4000)
+               .sensor_force(4).largest_so_far for each in runs[:2]]  # fmt: skip
+    assert [float(line[2]) for line in lines[1:]] == pytest.approx(sensors, rel=1e-3)
+    assert [float(line[3]) for line in lines] == pytest.approx(
+        [1e6 * each.dents.max() for each in runs], rel=1e-2
+    )
+    hits = json.loads(run(*ROW[:-1], "--speed", "2 m/s", "--hits", 2, "--json")[1])["hits"]
+    assert [each["hit"] for each in hits] == [1, 2]
+    assert hits[1]["wall_peaks"]["right"] == pytest.approx(second.wall_force().peak, rel=1e-9)
+    assert hits[1]["dents"] == pytest.approx(second.dents.tolist(), rel=1e-9)
+    code, _, err = run(*ROW[:-3], "--hits", 2)
+    assert code == 2
+    assert "--hits requires a loss that leaves dents" in err
+
+
+def test_designs_with_dents_state_the_peak_of_the_second_hit():
+    chain = hc.Chain.from_materials(
+        5e-3, "steel-52100", beads=5, velocity=2.0, loss=LAW, right_wall=hc.Wall()
+    )
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii("4 mm", "6 mm")])
+    found = problem.evaluate(chain)
+    first = hc.simulate(chain)
+    second = hc.simulate(chain, start=first.state.struck_again()).wall_force().peak
+    assert found.second_peak == pytest.approx(second, rel=1e-6)
+    assert found.dents == dents_in_words(chain, first.largest_overlaps)
+    assert np.isnan(problem.evaluate(chain.replace(loss=None)).second_peak)
+    slow = chain.replace(velocities=0.05 * chain.velocities)
+    assert np.isnan(peak_of_second_hit(slow))

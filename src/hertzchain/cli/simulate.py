@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .chain_options import ChainOptions, chain_options, chains_from
+from .hit_tables import check_hits, hit_table, hits_as_list
 from .options import (
     Fraction,
     StrictCommand,
@@ -17,7 +18,7 @@ from .options import (
     json_option,
     time_from,
 )
-from .output import save_figure, show_json
+from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 from .run_summary import run_as_dict, show_run
 from .stream import check_stream_options, stream_into
@@ -128,6 +129,13 @@ USUAL_TIMES: Final = 400
     "pressure over that at first yield and, with a loss that leaves dents, its dent.",
 )
 @click.option(
+    "--hits",
+    type=click.IntRange(min=2),
+    metavar="NUMBER",
+    help="With a loss that leaves dents, simulate this number of equal impacts, one after the "
+    "other has ended, and print the forces and the deepest dent of each.",
+)
+@click.option(
     "--waves", is_flag=True, help="Print the travelling waves: pulses, trains and reflections."
 )
 @click.option(
@@ -139,7 +147,7 @@ def simulate(
     step: str | None, drift: float | None, max_steps: int | None, out: Path | None,
     forces: Path | None, plot: Path | None, animation: Path | None, magnify: float | None,
     sensors: tuple[str, ...], stream: Path | None, budget: bool, contacts: bool, waves: bool,
-    horizon: bool, as_json: bool,
+    horizon: bool, hits: int | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
@@ -166,6 +174,7 @@ def simulate(
       hertzchain simulate experiment.toml --until 700us --sensor "ball 5" --plot forces.png
       hertzchain simulate experiment.toml --sensor "ball 5" --forces forces.csv
       hertzchain simulate equal.toml tapered.toml --plot comparison.png
+      hertzchain simulate experiment.toml --loss elastic-plastic --hits 3
       hertzchain simulate experiment.toml --until 10s --times 100000 --stream long
       hertzchain simulate --beads 50 --until 60 --times 600 --waves --horizon
     """
@@ -185,10 +194,11 @@ def simulate(
     }  # fmt: skip
     _check_times(times, stream=stream, **of_saved_times)
     if stream is not None:
-        check_stream_options(**of_saved_times, contacts=contacts, max_steps=max_steps)
+        check_stream_options(**of_saved_times, contacts=contacts, hits=hits, max_steps=max_steps)
     chains = chains_from(options)
     if len(chains) > 1 and (out or forces or animation or stream):
         raise click.UsageError("--out, --forces, --animate and --stream require one chain FILE")
+    check_hits(hits, chains.values())
     beads = {name: _beads(chain, sensors, forces) for name, chain in chains.items()}
     if stream is not None:
         (chain,) = chains.values()
@@ -206,15 +216,20 @@ def simulate(
         _save(run, beads[name], out, forces, animation, magnify)
     if plot is not None:
         save_figure(_drawn(runs, beads, forces=bool(sensors)), plot)
+    again = {name: _hits(run, hits, until, step, settings) for name, run in runs.items()}
     shown = {"waves": waves, "contacts": contacts, "budget": budget}
     if as_json:
         found = [run_as_dict(run, beads[name], **shown) for name, run in runs.items()]
+        for each, (name, every) in zip(found, again.items(), strict=True):
+            each |= {"hits": hits_as_list(every, beads[name])} if hits else {}
         show_json(found[0] if len(found) == 1 else _together(runs, found))
     else:
         for i, (name, run) in enumerate(runs.items()):
             heading = f"{name}: " if len(runs) > 1 else ""
             click.echo("\n" * (i > 0) + heading, nl=False)
             show_run(run, beads[name], **shown)
+            if hits:
+                show_table(hit_table(again[name], beads[name]))
 
 
 def _check_times(times: int, **options: object) -> None:
@@ -261,6 +276,21 @@ def _run(
         with progress_bar("beads passed, second integration") as progress:
             run.horizon(progress=progress)
     return run
+
+
+def _hits(
+    run: Run, hits: int | None, until: str | None, step: str | None, settings: dict[str, Any]
+) -> list[Run]:
+    """The run and its repetitions with the dents of the previous ones."""
+    from ..errors import ModelRangeWarning
+    from ..recorded_warnings import ignore_warnings
+    from ..simulation.hits import struck_repeatedly
+
+    end, length = time_from("--until", until, run.chain), time_from("--step", step, run.chain)
+    # Warnings are those of the first hit.
+    with ignore_warnings(ModelRangeWarning), progress_bar("beads passed, later hits") as progress:
+        options = {"until": end, "step": length, "progress": progress} | settings
+        return struck_repeatedly(run, hits or 1, **options)
 
 
 def _save(

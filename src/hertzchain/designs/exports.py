@@ -119,6 +119,7 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "with_yielding_contacts": dict(result.verified.yielding),
         **_range_of_yield(result.verified),
         "dents": result.verified.dents or None,
+        "peak_of_second_hit": result.verified.second_peak,
         "better_if_yielding": _better_if_yielding(result),
         "constraints_met": result.met,
         "constraints": [str(each) for each in problem.requirements],

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from math import inf
+from math import inf, isnan
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..representation import counted, listed, usual_unit, with_decimals
 from ..simulation.yielding import WithYield, unchecked_contacts
 from .ball_space import BallSpace
@@ -37,6 +38,7 @@ SHOWN: Final = {
 MAX_SIZES: Final = 12
 # Numbers of choices from which they are rounded.
 MAX_EXACT: Final = 1e9
+OUTSIDE_HERTZ: Final = "outside the range of Hertz's law"
 NOT_SEARCHED: Final = "No chain can meet the constraints, so nothing was searched"
 FLAT_STRIKER: Final = "striker with a flat face"
 
@@ -130,8 +132,10 @@ def point_in_words(point: DesignResult) -> str:
 
 def _outside_in_words(found: Verified) -> str:
     """A statement that contacts left Hertz's law, if no value with contacts that yield is known."""
-    outside = found.outside_range and not found.yielding
-    return ", outside the range of Hertz's law" if outside else ""
+    if not found.outside_range or found.yielding:
+        return ""
+    yields = any(law.yields for law in found.chain.contact_losses)
+    return f", {OUTSIDE_LAW if yields else OUTSIDE_HERTZ}"
 
 
 def _counted(result: DesignResult, each: Measure) -> str:
@@ -184,7 +188,17 @@ def _heading(result: DesignResult) -> list[str]:
                      )  # fmt: skip
         lines += [f"  {found.dents}"] if found.dents and not caution else []
         lines += _better_if_yielding(result)
+    elif found.dents and not result.front:
+        lines += [f"  {found.dents}", *_second_hit(found)]
     return lines
+
+
+def _second_hit(found: Verified) -> list[str]:
+    """The peak on the right wall if the chain is struck again with its dents."""
+    if isnan(found.second_peak):
+        return []
+    peak = in_words(found.second_peak, "N", found.chain.units)
+    return [f"  struck again with these dents: wall_force.peak = {peak} in the second hit"]
 
 
 def _more_trials(result: DesignResult) -> str:
@@ -222,7 +236,12 @@ def _range_in_words(result: DesignResult) -> str:
         where = " at any point of the Pareto front" if result.front else " (see the notes)"
         return f"; no known limit of Hertz's law was exceeded{where}"
     every = " of all points of the Pareto front" if result.front else ""
-    return f"; all contacts{every} stayed within the range of Hertz's law"
+    law = "their law" if any(map(_describes_yield, result.front or (result,))) else "Hertz's law"
+    return f"; all contacts{every} stayed within the range of {law}"
+
+
+def _describes_yield(result: DesignResult) -> bool:
+    return any(law.yields for law in result.chain.contact_losses)
 
 
 def _compared(result: DesignResult, found: Verified) -> str:

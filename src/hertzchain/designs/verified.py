@@ -10,13 +10,14 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.hertz_range import HertzRange, hertz_range
-from ..chain.hertz_ratios import MAX_OVERLAP_RATIO, NO_PREDICTION, OUTSIDE_LAW
+from ..chain.hertz_ratios import NO_PREDICTION, OUTSIDE_LAW
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantity_names import COLUMNS
 from ..recorded_warnings import ignore_warnings
 from ..representation import listed
 from ..representation import measure as shown
+from ..simulation.hits import leaves_dents, peak_of_second_hit
 from ..simulation.run_table import RunTable
 from ..simulation.simulate import simulate
 from ..simulation.simulate_many import tabulate_runs
@@ -89,7 +90,11 @@ class Verified:
         Largest overlap / radius of the run with these contacts; NaN without one.  Beyond 0.1,
         ``yielding`` is outside the range of the law.
     dents : str
-        Contacts that yield in this run and the deepest dent, in words.
+        Contacts that yield in this run, or in that of a chain whose law leaves dents, and the
+        deepest dent, in words.
+    second_peak : float
+        Peak on the right wall if a chain with dents is struck again (`State.struck_again`); NaN
+        without one.
     """
 
     chain: Chain
@@ -101,6 +106,7 @@ class Verified:
     yielding: dict[str, float] = field(default_factory=dict)
     yielding_overlap_ratio: float = math.nan
     dents: str = ""
+    second_peak: float = math.nan
 
     @property
     def outside_range(self) -> bool:
@@ -149,19 +155,25 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     if chain.materials is not None and chain.units == "SI" and not table.reasons:
         overlaps = table._overlaps[0, : chain.beads + 1]
         limits = hertz_range(chain, overlaps)
-        notes += [*limits.violations, *_missing_limits(problem, limits),
+        remarks = [limits._remark] if limits._remark else []
+        notes += [*limits.violations, *_missing_limits(problem, limits), *remarks,
                   *contacts_without_strength(chain, overlaps)]  # fmt: skip
     yielding = _with_yielding_contacts(problem, chain, values) if yields(limits) else _ELASTIC
+    again = math.nan
+    if leaves_dents(chain) and not table.reasons:
+        dented = dents_in_words(chain, table._overlaps[0, : chain.beads + 1])
+        yielding, again = (*_ELASTIC[:2], dented), peak_of_second_hit(chain, problem.until)
     scattered = {} if problem.scatter is None else _scattered(problem, chain, seed)
-    return Verified(chain, values, RTOL, tuple(notes), scattered, limits, *yielding)
+    return Verified(chain, values, RTOL, tuple(notes), scattered, limits, *yielding, again)
 
 
 def _missing_limits(problem: Design, found: HertzRange) -> list[str]:
     """A note on constraints that the problem does not have, and that exclude such chains."""
     limited = {each.measure.key for each in problem.requirements}
+    at = found._most_squeezed
     ratios = {
         "yield_ratio": (found.largest_yield_ratio, 1.0),
-        "overlap_ratio": (found.overlap_ratio.max(), MAX_OVERLAP_RATIO),
+        "overlap_ratio": (found.overlap_ratio[at], found.overlap_limit[at]),
     }
     missing = [f"{key} <= {limit:g}" for key, (ratio, limit) in ratios.items()
                if ratio > limit and key not in limited]  # fmt: skip

@@ -196,7 +196,7 @@ def test_the_peak_with_contacts_that_yield_is_stated():
     peak = computed(yields)["run"][0]["peaks"]["right"]
     dented = chain_of(yields).replace(loss=hc.ElasticPlastic())
     with pytest.warns(hc.ModelRangeWarning, match="overlap / radius"):
-        expected = hc.simulate(dented).wall_force().peak
+    expected = hc.simulate(dented).wall_force().peak
     assert peak["yielding"] == pytest.approx(expected, rel=1e-6)
     assert peak["first"] > 10.0 * expected
     assert [each[:2] for each in peak["shown"]] == [
@@ -232,9 +232,37 @@ def test_the_pressure_of_each_contact_is_compared_with_yield():
     assert len(ratios) == 4
     _, arrays = computed({"chain": chain})["run"]
     assert arrays["yield_ratio"] == pytest.approx(ratios[1:], rel=1e-5)
-    # Scaled chains have no materials, and the law describes the yield of these contacts.
-    for other in (WALL, {"chain": chain | {"loss": {"law": "elastic-plastic"}}}):
-        assert "yield_ratio" not in computed(other)["run"][1]
+    assert "dent" not in arrays
+    # Scaled chains have no materials.
+    assert "yield_ratio" not in computed(WALL)["run"][1]
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+@pytest.mark.parametrize(
+    "loss", [{"law": "elastic-plastic"}, {"law": "elastic"}, {"law": "restitution", "coefficient": 0.9}]
+)
+def test_largest_forces_pressures_and_dents_are_those_of_the_whole_run(loss):
+    # The second impact of the heavy flat hammer causes larger forces than the first pulse.
+    chain = {"diameters": "10 mm", "beads": 6, "materials": "steel-52100", "loss": loss,
+             "right_wall": {"stiffness": 2e7, "exponent": 1, "loss": {"law": "elastic"}},
+             "struck_by": [{"mass": "150 g", "radius": "inf", "velocity": "1.5 m/s"}]}  # fmt: skip
+    _, arrays = computed({"chain": chain})["run"]
+    own = chain_of({"chain": chain})
+    run = hc.simulate(own, until="2 ms", times=20_001, rtol=1e-10, check=False)
+    forces = np.abs(run.forces).max(axis=0)[1:]
+    assert arrays["largest_force"] == pytest.approx(forces, rel=2e-3)
+    assert (arrays["largest_force"][1:-1] > 1.5 * run.pulse().peak_force[1:]).any()
+    limits = hc.hertz_range(own, run.largest_overlaps)
+    ratios = np.fmax(limits.yield_ratio, limits.law_yield_ratio)[1:]
+    assert arrays["yield_ratio"] == pytest.approx(ratios, rel=2e-3, nan_ok=True)
+    # Pressures belong to these forces: p^3 is proportional to the force of an elastic contact.
+    if loss["law"] == "elastic":
+        parts = arrays["yield_ratio"][1:-1] ** 3 / arrays["largest_force"][1:-1]
+        assert parts == pytest.approx(parts[0], rel=1e-4)
+    if loss["law"] == "elastic-plastic":
+        assert arrays["dent"] == pytest.approx(run.dents[1:], rel=2e-3)
+    else:
+        assert "dent" not in arrays
 
 
 def test_beads_of_several_materials_are_described():

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.contact_groups import loading_forces
 from ..chain.description import sizes_in_words
 from ..chain.drawn_bodies import body_centres, half_heights, half_widths
 from ..chain.hertz_range import hertz_range
@@ -337,7 +338,7 @@ def _run_part(
         arrays["final"] = run.velocities[-1]
     if not request.draft or chain.beads <= MAX_BEADS_OF_DRAFT_BUDGET:
         arrays |= _budget_arrays(run, moves)
-    arrays |= _pressures(whole)
+    arrays |= _of_contacts(whole, forces)
     modes = {} if request.draft else _spectrum(chain, arrays)
     header = {
         "part": "run", **request.identity, "message": _end(run), "success": run.success,
@@ -392,15 +393,30 @@ def _budget_arrays(run: Run, moves: bool) -> dict[str, Any]:
     }
 
 
-def _pressures(run: Run) -> dict[str, Any]:
-    """Largest pressure over that at first yield of contacts 1 to N, if a yield strength is known.
+def _of_contacts(run: Run, forces: Run) -> dict[str, Any]:
+    """Largest forces of contacts 1 to N in the whole run, pressures over yield, and dents.
 
-    Contact N is the one with the right wall.
+    Contact N is the one with the right wall.  Pressures are omitted if no yield strength is known,
+    and dents if there are none.
     """
-    if run.chain.units != "SI" or run.chain.materials is None:
-        return {}
-    ratios = np.nan_to_num(hertz_range(run.chain, run.largest_overlaps).yield_ratio[1:])
-    return {"yield_ratio": ratios.astype(np.float32)} if ratios.any() else {}
+    chain, overlaps = run.chain, run.largest_overlaps
+    # Where the overlap is largest, its rate is 0; losses may cause a larger force before.
+    largest = loading_forces(chain.contact_groups, overlaps)
+    for each in (run, forces):
+        largest = np.maximum(largest, each.forces.max(axis=0, initial=0.0))
+    if chain.right_wall is not None:
+        largest[-1] = run._wall_force("right").largest_so_far
+    largest[chain.contact_stiffness == 0.0] = np.nan
+    found = {"largest_force": largest}
+    if chain.units == "SI" and chain.materials is not None:
+        limits = hertz_range(chain, overlaps)
+        found["yield_ratio"] = np.fmax(limits.yield_ratio, limits.law_yield_ratio)
+    found["dent"] = run.dents
+    return {
+        name: values[1:].astype(np.float32)
+        for name, values in found.items()
+        if np.nan_to_num(values[1:]).any()
+    }
 
 
 def _spectrum(chain: Chain, arrays: dict[str, Any]) -> dict[str, Any]:

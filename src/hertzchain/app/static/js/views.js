@@ -269,14 +269,14 @@ export class Views {
   drawTable(state, own) {
     if (!own.ready) return;
     const { quantity } = state.view, info = this.about.quantities[quantity];
-    const column = (/** @type {string} */ name, /** @type {any} */ values, unit = "1", empty = "") => {
+    const column = (/** @type {string} */ name, /** @type {any} */ values, unit = "1", empty = "", of = "") => {
       const [factor, shown] = own.si && values ? prefixed(largest(values), unit) : [1, ""];
-      return { head: inUnit(name.replace("_", " "), shown), values: values && times(values, factor), empty };
+      return { head: inUnit(name.replace("_", " ") + of, shown), values: values && times(values, factor), empty };
     };
-    const final = own.run.arrays.get("final") ?? [], force = own.exact("peak_force"), { arrays } = own.beads, columns = [column("radius", arrays.get("radii"), "m"), column("mass", times(arrays.get("masses"), own.si ? 1e3 : 1), "g"),
-      ...["velocity", "arrival", "residence"].map((name) => column(name, own.exact(name), this.about.quantities[name].unit)),
+    const final = own.run.arrays.get("final") ?? [], { arrays } = own.beads, columns = [column("radius", arrays.get("radii"), "m"), column("mass", times(arrays.get("masses"), own.si ? 1e3 : 1), "g"),
+      ...["velocity", "arrival", "residence"].map((name) => column(name, own.exact(name), this.about.quantities[name].unit, "", ", leading pulse")),
       column("velocity at the end", final.map((/** @type {number} */ each) => Math.abs(each) < AT_REST * largest(final) ? 0 : each), "m/s", "–"),
-      column("peak force, contact k", force && [...force, own.run.header?.peaks.right?.first ?? NaN], "N"), column("pressure / yield, contact k", own.run.arrays.get("yield_ratio")), ...own.theories.map(([name]) => column(`${quantity}, ${title(name)}`, own.theory(name, quantity), info.unit))].filter(({ values }) => values);
+      ...[["largest_force", "N"], ["largest pressure / yield", "1", "yield_ratio"], ["dent", "m"]].map(([name, unit, key = name]) => column(`${name}, contact k`, own.run.arrays.get(key), unit)), ...own.theories.map(([name]) => column(`${quantity}, ${title(name)}`, own.theory(name, quantity), info.unit))].filter(({ values }) => values);
     const rows = Array.from({ length: own.beads.header.beads }, (_, k) => [String(k + 1),
       ...columns.map(({ values, empty }) => (k < values.length && Number.isFinite(values[k]) ? String(+values[k].toPrecision(7)) : empty))]);
     const closed = own.run.header?.closed;

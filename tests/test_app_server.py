@@ -195,7 +195,6 @@ def test_the_peak_with_contacts_that_yield_is_stated():
     yields, below = ({"chain": {**row, "velocity": each}} for each in ("2 m/s", "1 mm/s"))
     peak = computed(yields)["run"][0]["peaks"]["right"]
     dented = chain_of(yields).replace(loss=hc.ElasticPlastic())
-    with pytest.warns(hc.ModelRangeWarning, match="overlap / radius"):
     expected = hc.simulate(dented).wall_force().peak
     assert peak["yielding"] == pytest.approx(expected, rel=1e-6)
     assert peak["first"] > 10.0 * expected
@@ -238,9 +237,9 @@ def test_the_pressure_of_each_contact_is_compared_with_yield():
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
-@pytest.mark.parametrize(
-    "loss", [{"law": "elastic-plastic"}, {"law": "elastic"}, {"law": "restitution", "coefficient": 0.9}]
-)
+@pytest.mark.parametrize("loss", [
+    {"law": "elastic-plastic"}, {"law": "elastic"}, {"law": "restitution", "coefficient": 0.9},
+])  # fmt: skip
 def test_largest_forces_pressures_and_dents_are_those_of_the_whole_run(loss):
     # The second impact of the heavy flat hammer causes larger forces than the first pulse.
     chain = {"diameters": "10 mm", "beads": 6, "materials": "steel-52100", "loss": loss,

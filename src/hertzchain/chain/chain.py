@@ -59,6 +59,8 @@ class Chain(ChainBuilders):
         Exponent p of the contact force, > 1; 3/2 for spheres (Hertz).  One value for all
         contacts and walls, one per contact of two beads, or one per pair of materials, such as
         ``{("steel-316", "ptfe"): 1.5, "others": 1.4}``; ``"others"`` are all pairs not listed.
+        Listed exponents of single contacts with a given stiffness can be 1, that of a linear
+        spring, such as a pad; a wall next to it then has that of the nearest other contact.
     taper : str or None
         Name of the taper, if the chain was created from one.
     taper_parameters : tuple of pairs

@@ -58,6 +58,7 @@ from .striker_properties import (
     following,
     masses_with,
     stiffness_with,
+    without_given,
 )
 from .tapers import checked_parameters
 from .walls import Wall, materials_with_walls
@@ -198,7 +199,8 @@ class ChainFields(Frozen):
                 "stiffness", self.stiffness, self.beads - 1, "contact", unit=unit, above=0.0
             )
         else:
-            values = contact_stiffness(self.radii, self.materials, p, scaled=self.scaled)
+            of_spheres = without_given(self._bodies, p, self.beads - 1)
+            values = contact_stiffness(self.radii, self.materials, of_spheres, scaled=self.scaled)
             values = stiffness_with(self._bodies, values, self.radii, self.materials, p,
                                     scaled=self.scaled)  # fmt: skip
             stiffness = input_checks.positive_derived("stiffness", "contact", values)
@@ -351,7 +353,7 @@ class ChainFields(Frozen):
     def contact_losses(self) -> tuple[Loss, ...]:
         """Laws of all contacts, walls included, length N + 1; `Elastic()` without a loss."""
         walls = self.left_wall, self.right_wall
-        return contact_losses(self.loss, self.materials, walls, self.beads)
+        return contact_losses(self.loss, self.materials, walls, self.contact_exponents)
 
     @cached_property
     def contact_groups(self) -> tuple[ContactGroup, ...]:

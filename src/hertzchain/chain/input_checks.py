@@ -56,10 +56,12 @@ def checked_exponent(exponent: float) -> float:
     )  # fmt: skip
 
 
-def checked_wall_exponent(exponent: float) -> float:
-    """Check an exponent of the contact with a wall, which may be a linear spring."""
+def checked_wall_exponent(
+    exponent: float, what: str = "exponent of the contact with a wall"
+) -> float:
+    """Check an exponent of the contact with a wall, or another one that may be a linear spring."""
     return number(
-        "exponent of the contact with a wall", exponent, least=1.0, most=MAX_EXPONENT,
+        what, exponent, least=1.0, most=MAX_EXPONENT,
         hint="Hertz contacts have 1.5, and linear springs 1",
     )  # fmt: skip
 

@@ -9,19 +9,22 @@ from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 import numpy as np
 
-from ..collision import Array
+from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, short_repr
 from ..representation import listed
 from ..validation.numbers import real_numbers
-from .input_checks import checked_exponent
+from .input_checks import checked_exponent, checked_wall_exponent
 from .laws import Loss
 from .laws.elastic import Elastic
+from .laws.elastic_plastic import ElasticPlastic
 from .materials import Material, Materials, material
 from .walls import Wall, material_of_wall, materials_with_walls
 
 T = TypeVar("T")
 Walls: TypeAlias = tuple[Wall | None, Wall | None]
 ELASTIC: Final = Elastic()
+# Exponent of a linear spring, such as a pad, which walls and strikers next to it do not share.
+LINEAR: Final = 1.0
 # Name of all pairs of materials that are not given, and their key in `MaterialPairs`.
 OTHERS: Final = "others"
 # Most separate ranges of contacts that messages list.
@@ -95,15 +98,32 @@ def checked_exponents(given: Any, contacts: int) -> Exponent:
         return _pairs("exponent", given, checked_exponent)
     listed = isinstance(given, list | tuple) or (isinstance(given, np.ndarray) and given.ndim)
     if not listed:
-        return checked_exponent(given)
+        # The only contact of two bodies can be that of a pad.
+        return checked_exponent(given) if contacts > 1 else _of_single_contact(given)
     values = real_numbers("exponent", given, "contact")
     _check_count("exponents", values.shape, contacts)
-    one = _one_if_equal([checked_exponent(each) for each in values.tolist()])
+    one = _one_if_equal([_of_single_contact(each) for each in values.tolist()])
     if not isinstance(one, tuple):
+        if one == LINEAR and contacts > 1:
+            raise InputError(
+                f"all {contacts} contacts have the exponent 1, but only some contacts of a chain "
+                "can be linear springs, such as that of a pad between two beads; Hertz contacts "
+                "have 1.5"
+            )
         return one
     array = np.array(one)
     array.setflags(write=False)
     return array
+
+
+def _of_single_contact(exponent: Any) -> float:
+    """Check the exponent of one contact, which may be that of a linear spring."""
+    return checked_wall_exponent(exponent, "exponent of the contact force")
+
+
+def usual_exponent(exponents: Iterable[float]) -> float:
+    """Exponent of a further contact: the first one that is not that of a linear spring."""
+    return next((each for each in exponents if each != LINEAR), HERTZ_EXPONENT)
 
 
 def checked_losses(given: Any, contacts: int) -> Losses:
@@ -205,17 +225,27 @@ def _any_value(given: Any) -> Any:
 def contact_exponents(exponent: Exponent, materials: Materials, walls: Walls, beads: int) -> Array:
     """Exponents of contacts 0..N."""
     own = tuple(None if wall is None else wall.exponent for wall in walls)
-    if isinstance(exponent, float) and own == (None, None):
+    if isinstance(exponent, float) and exponent != LINEAR and own == (None, None):
         return np.full(beads + 1, exponent)
-    return np.array(spread(exponent, own, materials, walls, beads))  # type: ignore[arg-type]
+    found = spread(exponent, own, materials, walls, beads)  # type: ignore[arg-type]
+    inner = found[1:-1]
+    for end, order in ((0, inner), (-1, inner[::-1])):
+        if own[end] is None and found[end] == LINEAR:
+            found[end] = usual_exponent(order)
+    return np.array(found)
 
 
 def contact_losses(
-    loss: Losses, materials: Materials, walls: Walls, beads: int
+    loss: Losses, materials: Materials, walls: Walls, exponents: Array
 ) -> tuple[Loss, ...]:
-    """Laws of contacts 0..N; `Elastic()` without one, or without the yield strength it needs."""
-    own = tuple(None if wall is None else wall.loss for wall in walls)
+    """Laws of contacts 0..N; `Elastic()` without one, or without the yield strength it needs.
+
+    A law of spheres that is given for all contacts does not apply to pads between two beads.
+    """
+    own, beads = tuple(None if wall is None else wall.loss for wall in walls), len(exponents) - 1
     laws = spread(loss, own, materials, walls, beads)  # type: ignore[arg-type]
+    if isinstance(loss, ElasticPlastic) and LINEAR in exponents[1:-1]:
+        laws[1:-1] = [None if p == LINEAR else loss for p in exponents[1:-1]]
     found = tuple(ELASTIC if each is None else each for each in laws)
     unknown = unknown_strengths(found, materials, walls)
     return tuple(ELASTIC if c in unknown else law for c, law in enumerate(found))

@@ -27,7 +27,7 @@ from ..representation import wrapped
 from ..validation.keywords import checked_arguments, checked_fields, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import text
-from .input_checks import checked_exponent
+from .input_checks import checked_wall_exponent
 
 if TYPE_CHECKING:
     from .conversion import Chain
@@ -92,7 +92,9 @@ class Scales:
         for name, unit in (("radius", "m"), ("mass", "kg"), ("velocity", "m/s"), ("length", "m")):
             value = number(f"{name} of the scales", getattr(self, name), unit=unit, above=0.0)
             object.__setattr__(self, name, value)
-        object.__setattr__(self, "exponent", checked_exponent(self.exponent))
+        object.__setattr__(
+            self, "exponent", checked_wall_exponent(self.exponent, "exponent of the scales")
+        )
         for name in ("time", "energy", "force", "stiffness", "acceleration"):
             self._check_derived(name)
 

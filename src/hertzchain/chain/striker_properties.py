@@ -122,6 +122,14 @@ def stiffness_with(
     return found
 
 
+def without_given(bodies: Bodies, exponents: Array, contacts: int) -> Array:
+    """Exponents of the contacts whose stiffness no body gives."""
+    given = {_contact_of(bead, contacts) for bead, each in bodies.items()
+             if each.stiffness is not None}  # fmt: skip
+    listed = exponents if len(exponents) == contacts else np.repeat(exponents, contacts or 1)
+    return np.delete(listed, [*given])
+
+
 def _contact_of(bead: int, contacts: int) -> int:
     """Index of the contact of a striker with the next bead, or of a cap with the last ball."""
     return min(bead, contacts - 1)

@@ -21,6 +21,7 @@ from .fields import ChainFields
 from .input_checks import GAP_HINT, MAX_GAP, MAX_VELOCITY, checked_beads
 from .materials import Material, MaterialLike
 from .materials import material as material_named
+from .per_contact import LINEAR, usual_exponent
 from .striker_properties import SPHERE, UNKNOWN_STIFFNESS, StrikerProperties, face_stiffness
 
 # Mass of a striker over that of the heaviest bead, and in kg, from which the unit is probably
@@ -136,7 +137,7 @@ def struck_by(
     if own is not None and self.materials is not None:
         new["materials"] = (own,) * count + self.materials
     if stiffness is not None:
-        unit = self._unit(self._stiffness_unit)
+        unit = self._unit(f"N/m**{_exponent(self):.15g}")
         stiffness = number("stiffness of the new contacts", stiffness, unit=unit, above=0.0)
     if "masses" in self.given:
         heavy = _sphere_mass(self, drawn, own) if mass is None else mass
@@ -149,11 +150,19 @@ def struck_by(
     return self.replace(**new, **_like_the_first(self, count))
 
 
+def _exponent(chain: ChainFields) -> float:
+    """Exponent of the contacts of further strikers."""
+    inner = chain.contact_exponents[1:-1].tolist()
+    return usual_exponent(inner) if inner else float(chain.contact_exponents[0])
+
+
 def _like_the_first(chain: ChainFields, count: int) -> dict[str, Any]:
     """Listed exponents and losses, which begin with those of strikers: those of the first."""
     listed: dict[str, Any] = {}
-    if isinstance(chain.exponent, np.ndarray):
-        listed["exponent"] = np.concatenate(([chain.exponent[0]] * count, chain.exponent))
+    # A pad behind the only bead is not one in front of it.
+    if isinstance(chain.exponent, np.ndarray) or chain.exponent == LINEAR:
+        inner = chain.contact_exponents[1:-1]
+        listed["exponent"] = np.concatenate(([_exponent(chain)] * count, inner))
     if isinstance(chain.loss, tuple):
         listed["loss"] = (chain.loss[0],) * count + chain.loss
     return listed
@@ -228,11 +237,7 @@ def _listed_stiffness(
     """Stiffness of all contacts, behind strikers, in a chain that lists it."""
     if given is not None:
         return np.concatenate(([given] * count, chain.stiffness))
-    if (
-        own is None
-        or chain.materials is None
-        or np.atleast_1d(chain.exponents)[0] != HERTZ_EXPONENT
-    ):
+    if own is None or chain.materials is None or _exponent(chain) != HERTZ_EXPONENT:
         raise InputError(UNKNOWN_STIFFNESS)
     bodies = [(radius, own)] * count + [(float(chain.face_radii[0]), chain.materials[0])]
     new = [

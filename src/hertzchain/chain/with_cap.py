@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Any, TypeVar
 
@@ -16,9 +17,10 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import number
 from .cap import Cap
 from .fields import ChainFields
-from .input_checks import checked_beads
+from .input_checks import checked_beads, checked_wall_exponent
 from .materials import Material, MaterialLike
 from .materials import material as material_named
+from .per_contact import usual_exponent
 from .striker_properties import UNKNOWN_STIFFNESS, face_stiffness
 
 C = TypeVar("C", bound=ChainFields)
@@ -33,14 +35,17 @@ def with_cap(
     frequency: float | None = None,
     material: MaterialLike | None = None,
     stiffness: float | None = None,
+    exponent: float | None = None,
 ) -> C:
     r"""Return the chain with a cap behind its last ball, such as that of a load cell.
 
     The cap is a flat body of given mass and becomes the last bead.  Its contact with the last ball
-    is that of a sphere on a flat face.  The right wall of the chain is then the wall behind the
+    is that of a sphere on a flat face, or a linear spring of given stiffness if there is a pad
+    between them (``exponent=1``).  The right wall of the chain is then the wall behind the
     cap: the spring of the load cell.  Masses and contacts of all other beads still follow from
     their radii if they did.  Exponents and losses that are listed by contact are repeated for the
-    contact with the cap.
+    contact with the cap.  A law of loss that is given for all contacts is that of a pad, too;
+    only `ElasticPlastic` does not apply to it.
 
     Walls push, but do not pull: the cap rests on its spring and can leave it after the first peak,
     whereas a cap that is bolted to its cell continues to oscillate.  The first peak is the same.
@@ -57,7 +62,10 @@ def with_cap(
         last ball.
     stiffness : float, optional
         Stiffness of the contact of ball and cap [scaled, or N/m^p].  The default is that of
-        Hertz's law.
+        Hertz's law.  A unit is allowed only if p is 3/2 or 1.
+    exponent : float, optional
+        Exponent p >= 1 of this contact, with a stiffness; 1 for a pad between the last ball and the
+        cap.  The default is that of the contact in front of it, or 3/2 if that is a linear spring.
 
     Returns
     -------
@@ -80,6 +88,12 @@ def with_cap(
         impact at 1 m/s)
     >>> f"{1e3 * cell.with_cap(frequency='5 kHz').cap.mass:.2f} g"
     '5.07 g'
+
+    A pad between the last ball and the cap:
+
+    >>> padded = cell.with_cap("5 g", stiffness="1 kN/mm", exponent=1)
+    >>> padded.contact_exponents[-3:]
+    array([1.5, 1. , 1. ])
     """
     if self.cap is not None:
         raise InputError("the chain has a cap already; omit one, or cut it off with chain[:-1]")
@@ -97,19 +111,19 @@ def with_cap(
         if own is None:
             raise InputError("material requires a chain with materials; use Chain.from_materials")
         own = material_named(material)
+    new = _exponents_with(self, exponent)
     if stiffness is not None:
-        unit = self._unit(self._stiffness_unit)
+        p = new.get("exponent", self.contact_exponents[1:-1])
+        unit = self._unit(f"N/m**{p[-1]:.15g}" if len(p) else self._stiffness_unit)
         stiffness = number("stiffness of the contact of a cap", stiffness, unit=unit, above=0.0)
-    new: dict[str, Any] = {name: np.append(getattr(self, name), 0.0)
-                           for name in ("velocities", "gaps") if name in self.given}  # fmt: skip
+    new |= {name: np.append(getattr(self, name), 0.0)
+            for name in ("velocities", "gaps") if name in self.given}  # fmt: skip
     if own is not None and self.materials is not None:
         new["materials"] = (*self.materials, own)
     if "masses" in self.given:
         new["masses"] = np.append(self.masses, heavy)
     if "stiffness" in self.given:
         new["stiffness"] = _listed_stiffness(self, stiffness, own)
-    if isinstance(self.exponent, np.ndarray):
-        new["exponent"] = np.append(self.exponent, self.exponent[-1])
     if isinstance(self.loss, tuple):
         new["loss"] = (*self.loss, self.loss[-1])
     # The radius of the cap follows from its mass.
@@ -117,6 +131,25 @@ def with_cap(
     if self.scatter is not None:
         new["scatter"] = self.scatter.with_radii(np.append(self.scatter.radii, self.radii[-1]))
     return self.replace(radii=radii, cap=Cap(heavy, stiffness), **new)
+
+
+def _exponents_with(chain: ChainFields, given: float | None) -> dict[str, Any]:
+    """The exponents of a chain with that of the contact of its cap, if these change."""
+    listed = isinstance(chain.exponent, np.ndarray)
+    if given is None and not listed:
+        return {}
+    inner = chain.contact_exponents[1:-1]
+    if given is None:
+        return {"exponent": np.append(inner, usual_exponent(inner[::-1].tolist()))}
+    p = checked_wall_exponent(given, "exponent of the contact of a cap")
+    new: dict[str, Any] = {"exponent": np.append(inner, p)}
+    inner = new["exponent"].tolist()
+    for name, end, order in (("left_wall", 0, inner), ("right_wall", -1, inner[::-1])):
+        wall, own = getattr(chain, name), float(chain.contact_exponents[end])
+        # A wall without an exponent has that of the contact next to it.
+        if wall is not None and wall.exponent is None and usual_exponent(order) != own:
+            new[name] = dataclasses.replace(wall, exponent=own)
+    return new
 
 
 def _resonant_mass(chain: ChainFields, frequency: float) -> float:

@@ -207,6 +207,13 @@ class _ChainFile:
             if "stiffness" in given:
                 raise InputError("[chain] has stiffness, and cap also has stiffness: omit one")
             given["stiffness"] = np.atleast_1d(self.table["stiffness"])[-1].item()
+        if self._is_list("exponent"):
+            if "exponent" in given:
+                raise InputError(
+                    "[chain] lists the exponents, which include that of the cap, and cap also has "
+                    "exponent: omit one"
+                )
+            given["exponent"] = np.atleast_1d(self.table["exponent"])[-1].item()
         if "frequency" in given and "right_wall" in self.table:
             chain = chain.replace(right_wall=self._part("right_wall"))
         return chain.with_cap(**given)

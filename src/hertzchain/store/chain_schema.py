@@ -96,7 +96,7 @@ _CHAIN: Final = (
     _number("mass_ratio", "mass of the light beads of a dimer over that of the heavy ones",
             fraction=True, above=0.0),
     Key("file", "file", "CSV file with one row per bead"),
-    _number("exponent", "exponent of the contact force", default=1.5, above=1.0, most=MAX_EXPONENT,
+    _number("exponent", "exponent of the contact force", default=1.5, least=1.0, most=MAX_EXPONENT,
             per="contact", one_for_all=True),
     Key("units", "choice", "units of the chain; SI follows from materials",
         choices=("scaled", "SI")),
@@ -162,6 +162,8 @@ _CAP: Final = (
             "mass", "frequency", above=0.0),
     _MATERIAL,
     _number("stiffness", "stiffness of its contact with the last ball", "stiffness", above=0.0),
+    _number("exponent", "exponent of this contact, such as 1 for a pad with a stiffness", least=1.0,
+            most=MAX_EXPONENT),
 )  # fmt: skip
 _STRIKER_PROPERTIES: Final = (
     _number("mass", "mass, if it is not that of a sphere", "mass", above=0.0),

@@ -44,6 +44,9 @@ class Axis:
         Values as specified: a list, or ``{"linspace": [first, last, number]}``, or the same with
         ``"geomspace"``; with ``"unit"`` if they are neither scaled nor in SI units.  The first and
         last value may be text with the same unit.
+    exponent : float or None
+        Exponent p of the contact of an axis of stiffness, whose unit is N/m^p; `None` if it is
+        unknown, as when it varies, too.
 
     Raises
     ------
@@ -63,6 +66,7 @@ class Axis:
 
     path: tuple[str, ...]
     entry: Mapping[str, Any] | Sequence[Any]
+    exponent: float | None = None
 
     def __repr__(self) -> str:
         ends = repr(self.values[0])
@@ -95,11 +99,18 @@ class Axis:
         return ".".join(self.path)
 
     @property
-    def dimension(self) -> str | None:
-        """Dimension of the values, a key of `hertzchain.units.UNITS`; `None` if not unique."""
+    def si_unit(self) -> str | None:
+        """SI unit of values without a unit; `None` if it is not unique."""
         possible = self._dimensions
-        # The unit of a stiffness depends on the exponent of the chain.
-        return possible[0] if len(possible) == 1 and possible[0] not in ("", "stiffness") else None
+        if possible == ["stiffness"] and self.exponent is None:
+            return None
+        return self._si_unit(possible[0]) if len(possible) == 1 and possible[0] else None
+
+    def _si_unit(self, dimension: str) -> str:
+        """SI unit of a dimension, a key of `hertzchain.units.UNITS`."""
+        if dimension == "stiffness" and self.exponent is not None:
+            return "N/m" if self.exponent == 1.0 else f"N/m^{self.exponent:.15g}"
+        return UNITS[dimension][0]
 
     @property
     def _dimensions(self) -> list[str]:
@@ -184,7 +195,7 @@ class Axis:
             raise InputError(f"has the unit {short_repr(unit)}, which must be text")
         for place, dimension in enumerate(possible, start=1):
             try:
-                return converted(possible[0], number, unit, UNITS[dimension][0])
+                return converted(possible[0], number, unit, self._si_unit(dimension))
             except InputError:
                 if place == len(possible):
                     raise

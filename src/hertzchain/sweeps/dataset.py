@@ -14,7 +14,6 @@ from .. import __version__
 from ..errors import IncompleteWarning, ModelRangeWarning, warn_user
 from ..store.sweep_layout import STATUS, Variable
 from ..store.sweep_store import FAILED, MEANINGS, plain_text
-from ..units import UNITS
 from .axes import Axis
 from .batches import Result
 from .kept import PER_PLACE, PER_RUN
@@ -184,8 +183,8 @@ def _coordinates(plan: Plan) -> dict[str, Variable]:
 def _axis_labels(axis: Axis, plan: Plan) -> dict[str, str]:
     labels = {"long_name": axis.long_name}
     if axis.coordinate().dtype.kind in "if":
-        known = axis.dimension if plan.units == "SI" else None
-        labels["units"] = axis.unit or (UNITS[known][0] if known else "1")
+        known = axis.si_unit if plan.units == "SI" else None
+        labels["units"] = axis.unit or known or "1"
     return labels
 
 

@@ -15,7 +15,7 @@ from ..validation.json_types import to_json_types
 from .axes import Axis
 
 # Keys of [chain] with one value for all beads, or one per bead.
-FOR_ALL: Final = ("radii", "diameters", "materials")
+FOR_ALL: Final = ("radii", "diameters", "materials", "masses")
 OTHER_SIZE: Final = {"radii": "diameters", "diameters": "radii"}
 
 
@@ -44,12 +44,15 @@ def chain_as_document(chain: Chain, axes: Sequence[Axis] = ()) -> Any:
 def with_lists(table: Mapping[str, Any], axes: Sequence[Axis]) -> dict[str, Any]:
     """[chain] with a list instead of one value for all beads, if their number does not vary."""
     found = dict(table)
-    counts = [len(table[key]) for key in FOR_ALL if isinstance(table.get(key), list)]
+    beads = [key for key in FOR_ALL if key != "masses"]
+    counts = [len(table[key]) for key in beads if isinstance(table.get(key), list)]
     counts += [each for each in [table.get("beads")] if isinstance(each, int)]
     if counts and ("beads",) not in [axis.path for axis in axes]:
         for key in _keys(axes) & {*FOR_ALL}:
             if isinstance(found.get(key), str | int | float):
-                found[key] = [found[key]] * counts[0]
+                # Masses include that of a cap.
+                extra = 1 if key == "masses" and "cap" in table else 0
+                found[key] = [found[key]] * (counts[0] + extra)
     if any(isinstance(found.get(key), list) for key in _keys(axes) & OTHER_SIZE.keys()):
         found.pop("beads", None)
     return found
@@ -86,6 +89,8 @@ def missing_parts(
             continue
         has = f"one value of {key}, {table[key]!r}, for all" if key in table else f"no list {key}"
         advice = f"list the {key}"
+        if key == "masses" and key not in table:
+            advice = "give masses, one for all beads or a list"
         if OTHER_SIZE.get(key) in table:
             advice = f"list the {key}, or vary {OTHER_SIZE[key]}.{axis.path[1]}"
         problems.append(f"axes.{axis.long_name}: [chain] has {has}: {advice}")

@@ -59,6 +59,7 @@ from .listed_points import columns_of_points
 from .listed_values import chain_as_document, missing_parts, with_lists
 from .methods import METHODS, OPTIONS_OF, check_option
 from .placed import placed
+from .stiffness_axes import stiffness_exponent
 
 # Names that the dataset uses itself; an axis of such a name gets its full path as name.
 TAKEN: Final = ("approach", "bead", "contact", "point", "status", "reason", *FLAGS)
@@ -121,12 +122,9 @@ class Specification:
     def __repr__(self) -> str:
         axes = [f"{axis.long_name} ({len(axis)})" for axis in self.axes]
         return short(
-            "Specification",
-            self.title,
-            f"{self.combine} of {', '.join(axes) or 'no axes'}",
-            f"methods {', '.join(self.methods)}",
-            f"keep {', '.join(self.keep)}",
-        )
+            "Specification", self.title, f"{self.combine} of {', '.join(axes) or 'no axes'}",
+            f"methods {', '.join(self.methods)}", f"keep {', '.join(self.keep)}",
+        )  # fmt: skip
 
     def as_json(self) -> str:
         """Convert to JSON text, which is the same for the same sweep.
@@ -312,7 +310,7 @@ class _Reader:
             # Workers may run on other machines, which get the specification but no files.
             document = {"chain": self._table("chain"), "materials": materials}
             found = self._try("chain", chain_from, document, self.folder)
-            return self._inlined(found) if found is not None else ({}, materials)
+            return ({}, materials) if found is None else self._inlined(found)
         plain = self._try("chain", to_json_types, given)
         if plain is not None:
             # An axis may provide the keys that are missing.
@@ -348,12 +346,12 @@ class _Reader:
             self.problems += excess
             return (), combine
         place = "points" if points is not None else "axes"
-        read = [self._axis(place, path, entry) for path, entry in entries.items()]
+        read = [self._axis(place, path, entries) for path in entries]
         axes = tuple(axis for axis in read if axis is not None)
         self.problems += unequal_lengths(axes) if combine == "zip" else duplicates(axes)
         return axes, combine
 
-    def _axis(self, place: str, path: tuple[str, ...], entry: Any) -> Axis | None:
+    def _axis(self, place: str, path: tuple[str, ...], entries: Mapping[Any, Any]) -> Axis | None:
         where = f"{place}.{'.'.join(path)}"
         if path[0] == "method" and len(path) == 2:
             if path[1] not in METHOD_KEYS:
@@ -366,7 +364,8 @@ class _Reader:
             self._add(where, "has no effect, because with_scatter has the radii of the beads: give "
                       "it a seed instead")  # fmt: skip
             return None
-        return self._try(where, Axis, path, entry)
+        exponent = stiffness_exponent(path, self.inlined or self.document.get("chain"), entries)
+        return self._try(where, Axis, path, entries[path], exponent)
 
     def _has_scattered_radii(self) -> bool:
         chain = self.document.get("chain")

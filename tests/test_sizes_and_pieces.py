@@ -68,9 +68,11 @@ def test_sizes_that_are_refused(arguments, said):
 
 
 def test_radii_or_diameters_are_required():
-    for given in ({}, {"materials": "ptfe"}, {"radii": 1e-3, "diameters": 2e-3}):
+    for given in ({}, {"materials": "ptfe"}):
         with pytest.raises(hc.InputError, match="needs materials and either radii or diameters"):
             hc.Chain.from_materials(**given)
+    with pytest.raises(hc.InputError, match="has both radii and diameters: omit one"):
+        hc.Chain.from_materials(radii=1e-3, diameters=2e-3, materials="ptfe")
 
 
 def test_a_piece_has_the_beads_and_contacts_of_the_chain():

@@ -69,9 +69,13 @@ def numbered_bead(chain: Chain, body: str, number: int) -> int:
     count = chain.beads - shift
     if not 1 <= number <= count:
         after = " after its strikers" if shift else ""
+        # A cap is the last bead, but not a ball.
+        capped = body == "ball" and chain.cap is not None
+        also, name = (f" and a {CAP}", f", or {CAP!r}") if capped else ("", "")
+        count -= capped
         raise InputError(
-            f"there is no {body} {number}: the chain has {counted(count, body)}{after}; give a "
-            f"number from 1 to {count}"
+            f"there is no {body} {number}: the chain has {counted(count, body)}{also}{after}; give "
+            f"a number from 1 to {count}{name}"
         )
     return number + shift
 

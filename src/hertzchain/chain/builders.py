@@ -214,7 +214,9 @@ class ChainBuilders(ChainFields):
         >>> hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=20)
         Chain(20 steel-52100 beads, diameter 10 mm, impact at 1 m/s)
         """
-        if materials is None or (radii is None) == (diameters is None):
+        if radii is not None and diameters is not None:
+            raise InputError("Chain.from_materials has both radii and diameters: omit one")
+        if materials is None or (radii is None and diameters is None):
             raise InputError(
                 "Chain.from_materials needs materials and either radii or diameters, such as "
                 "Chain.from_materials(diameters='10 mm', materials='steel-52100', beads=20)"

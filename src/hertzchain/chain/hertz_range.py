@@ -299,7 +299,8 @@ class HertzRange:
             texts.append(f"{both[at]:.3g} at contact {at}{limit}")
         if len(yielded):
             beads = len(self.overlap_ratio) - 1
-            texts.append(f"1 at {contacts_in_words(yielded, beads)}, which yield by their law")
+            by_law = "which yields by its law" if len(yielded) == 1 else "which yield by their law"
+            texts.append(f"1 at {contacts_in_words(yielded, beads)}, {by_law}")
         return "; ".join(texts) or f"unknown ({UNKNOWN_YIELD})"
 
     def __repr__(self) -> str:

@@ -103,9 +103,11 @@ def with_defects(
     Parameters
     ----------
     radii : mapping of int to float, optional
-        Radius [scaled, or m] by bead number, counted from 1; strikers count.
+        Radius [scaled, or m] by bead number, counted from 1; strikers count.  The first argument
+        contains radii also if the chain was built from diameters: ``{3: "4 mm"}`` is a bead of 8 mm
+        diameter.
     diameters : mapping of int to float, optional
-        Diameters, instead of radii.
+        Diameters, instead of radii, such as ``diameters={3: "8 mm"}``.
     material : str or Material, optional
         Material of these beads, in a chain with materials.
 
@@ -254,6 +256,11 @@ def with_scatter(
     >>> (1e6 * balls.with_scatter(1, gaps="5 um").gaps).round(2)
     array([4.53, 2.23, 2.68])
     """
+    if isinstance(seed, str | float | np.floating) and relative is None and grade is None:
+        raise InputError(
+            "the first argument of with_scatter is the seed of the random numbers, a whole number, "
+            f"got {short_repr(seed)}; give the scatter by keyword, relative={short_repr(seed)}"
+        )
     if (relative is None) == (grade is None) and (relative is not None or gaps is None):
         raise InputError(
             "give either relative, such as 0.01, or grade, such as 100, or only gaps, such as "

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from numbers import Real
 from typing import Any, TypeVar
 
 import numpy as np
@@ -27,6 +28,8 @@ from .striker_properties import SPHERE, UNKNOWN_STIFFNESS, StrikerProperties, fa
 # Mass of a striker over that of the heaviest bead, and in kg, from which the unit is probably
 # wrong: grams given as kg are a thousand times too heavy, but so are small hammers on small balls.
 HEAVY, HEAVY_KG = 1000.0, 1.0
+# The same of a sphere whose mass has no unit.
+HEAVY_SPHERE = 100.0
 C = TypeVar("C", bound=ChainFields)
 
 
@@ -112,6 +115,7 @@ def struck_by(
         if radius is not None:
             raise InputError("a striker has a radius or a diameter, not both: omit one")
         radius = _half(diameter, self._unit("m"))
+    plain = float(mass) if isinstance(mass, Real) else 0.0
     own, radius, mass, drawn = _striker(self, radius, mass, material)
     speed = number("velocity of the strikers", velocity, unit=self._unit("m/s"), least=0.0,
                    most=MAX_VELOCITY, hint="positive velocities are towards the chain")  # fmt: skip
@@ -123,6 +127,13 @@ def struck_by(
         warn_user(
             f"the striker has {times:,.0f} times the mass of the heaviest bead; masses are in kg, "
             "and radii in m, so check the unit",
+            InputWarning,
+        )
+    elif self.units == "SI" and plain > HEAVY_KG and times > HEAVY_SPHERE and radius < math.inf:
+        warn_user(
+            f"the striker has {times:,.0f} times the mass of the heaviest bead, and a mass of "
+            f"{plain:g} without a unit is in kg; if grams are meant, write mass='{plain:g} g', "
+            f"otherwise mass='{plain:g} kg'",
             InputWarning,
         )
     behind = _velocities_without_impact(self)

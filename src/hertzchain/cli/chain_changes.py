@@ -74,10 +74,15 @@ def struck(chain: Chain, striker: str) -> Chain:
             "--striker requires the velocity of the impact, and no bead of the file moves: add "
             "--speed"
         )
-    if chain.velocities[1:].any() or chain.velocities[0] < 0.0:
+    if chain.velocities[1:].any():
         raise click.UsageError(
-            "--striker replaces the impact of bead 1, but in the file other beads move, or bead 1 "
-            "moves away from the chain: add strikers to the file"
+            "--striker replaces the impact of bead 1, but in the file other beads move: add "
+            "strikers to the file"
+        )
+    if chain.velocities[0] < 0.0:
+        raise click.UsageError(
+            f"--striker requires a speed towards the chain, above 0, but that of the impact is "
+            f"{chain.velocities[0]:g}: give a positive --speed"
         )
     velocity = float(chain.velocities[0])
     return chain.replace(velocities=None).struck_by(velocity=velocity, **given)

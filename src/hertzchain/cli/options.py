@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 import os
 from collections.abc import Callable
@@ -49,6 +50,7 @@ class StrictCommand(click.Command):
                     option = " or ".join(param.opts)
                     raise click.UsageError(f"{option} is given {order.count(param)} times; give "
                                            "it once", ctx)  # fmt: skip
+            _check_no_file_of_json(self, args, ctx)
         return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -57,6 +59,18 @@ class StrictCommand(click.Command):
 
         with in_words_of_the_command():
             return super().invoke(ctx)
+
+
+def _check_no_file_of_json(command: click.Command, args: list[str], ctx: click.Context) -> None:
+    """Reject a file after ``--json``, which other options for results take."""
+    flags = {name for param in command.params if param.name == "as_json" for name in param.opts}
+    for option, after in itertools.pairwise(args):
+        if option in flags and after.endswith(".json"):
+            raise click.UsageError(
+                "--json prints to the terminal and takes no file: to write one, redirect the "
+                f"output, --json > {after}",
+                ctx,
+            )
 
 
 # Names of options that are keys of chain files, where these differ.

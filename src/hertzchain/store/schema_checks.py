@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..errors import short_repr, similar_names, unknown_name_error
-from ..units import UNITS, comma_advice, quantity
+from ..errors import InputError, short_repr, similar_names, unknown_name_error
+from ..units import PERCENT, UNITS, comma_advice, converted, quantity
 from ..validation.json_types import FLAT_FACES
 from ..validation.numbers import whole_hint
 from .chain_schema import KEYS, SECTIONS, TABLES
@@ -223,7 +223,7 @@ def _problem_of_one(key: Key, value: Any, what: str, *, several: bool = False) -
             given = f"{short_repr(value)} ({key.description}){whole_hint(value)}"
             yield f"{what} must be a whole number, got {given}"
     elif isinstance(value, str) and _is_number_as_text(key, value):
-        return
+        yield from _problem_of_unit(key, value, what)
     elif isinstance(value, bool) or not isinstance(value, numbers.Real):
         units = UNITS[key.dimension] if key.dimension else ()
         with_unit = f", or text with a unit such as '5 {units[:3][-1]}'" if units else ""
@@ -239,6 +239,19 @@ def _is_number_as_text(key: Key, value: str) -> bool:
     if key.name in ("radius", "diameter") and value in FLAT_FACES:
         return True
     return _may_be_text(key) and quantity(value) is not None
+
+
+def _problem_of_unit(key: Key, value: str, what: str) -> Iterator[str]:
+    """Check the unit of text, unless it depends on the exponent or on what a drive prescribes."""
+    found = quantity(value)
+    if found is None or key.dimension in ("", "stiffness") or key.dimension_if_displacement:
+        return
+    if key.dimension not in UNITS or (key.fraction and found[1] == PERCENT):
+        return
+    try:
+        converted(what, *found, UNITS[key.dimension][0])
+    except InputError as error:
+        yield str(error)
 
 
 def _may_be_text(key: Key) -> bool:

@@ -6,11 +6,12 @@ import dataclasses
 import difflib
 import functools
 import inspect
+import re
 from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import Any, Final, ParamSpec, TypeVar
 
-from ..errors import NEAR, InputError
+from ..errors import NEAR, InputError, short_repr
 
 # Other words for arguments, which are not similar to their names.
 SYNONYMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
@@ -37,6 +38,7 @@ ELSEWHERE: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
 MATERIALS: Final = frozenset(("material", "materials"))
 # Other names of fields of a chain, accepted by builders, chain files and sweeps.
 FIELD_ALIASES: Final[Mapping[str, str]] = MappingProxyType({"material": "materials"})
+_TWICE: Final = re.compile(r"multiple values for argument '(\w+)'")
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -124,8 +126,34 @@ def _check_call(
         inspect.signature(function).bind(*given, **keywords)
     except TypeError as error:
         reason = str(error).replace("a required argument: ", "the argument ")
+        if found := _TWICE.fullmatch(reason):
+            raise InputError(_given_twice(label, function, found[1], given, keywords)) from None
         takes = ", ".join(known) or "no arguments"
         raise InputError(f"{label}: {reason}; it takes {takes}") from None
+
+
+def _given_twice(
+    label: str,
+    function: Callable[..., Any],
+    name: str,
+    given: tuple[Any, ...],
+    keywords: Mapping[str, Any],
+) -> str:
+    """Sentence about an argument that is given by position and by keyword."""
+    parameters = inspect.signature(function).parameters
+    position = [*parameters].index(name)
+    value = short_repr(given[position])
+    left = [each.name for each in parameters.values()
+            if each.kind == each.KEYWORD_ONLY and each.name not in keywords]  # fmt: skip
+    other = next(iter(left), "")
+    before = {"self", "cls"}.isdisjoint(parameters)
+    place = ("first", "second", "third")[min(position - (not before), 2)]
+    simple = other and isinstance(given[position], int | float | str)
+    example = f"; give others by keyword, such as {other}={value}" if simple else "; give it once"
+    return (
+        f"{label}: the {place} argument is {name}, which is given twice, as {value} and as "
+        f"{name}={short_repr(keywords[name])}{example}"
+    )
 
 
 def checked_fields(cls: type[R]) -> type[R]:

@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from ...errors import InputError
+from ...representation import listed
 from ...validation.numbers import FRACTION, SCALED, number
 from ..scales import Scales
 
@@ -68,6 +69,10 @@ def _free_parameter(law: type[Any], others: Mapping[str, Any]) -> str:
             f"the restitution of {law.name} follows from the yield strengths of the materials, not "
             "from one coefficient: choose another law"
         )
+    if not left:
+        all_given = f"{listed(['restitution', *numbers])} are {'all' if numbers[1:] else 'both'}"
+        of_them = f"one of {listed(numbers)}" if numbers[1:] else numbers[0]
+        raise InputError(f"{all_given} given, but the restitution determines {of_them}: omit one")
     if len(left) != 1:
         raise InputError(
             f"one coefficient of restitution determines one parameter of {law.name}, not "

@@ -22,7 +22,7 @@ STEEL = "steel-52100"
     (lambda: hc.Chain.tapered(**BALLS, materials=STEEL, material=STEEL),
      "materials and material are the same: give one of them"),
     (lambda: hc.Chain.periodic([1e-2], cells=4, material="brass", materials="ptfe"), "the same"),
-    (lambda: hc.Chain.uniform(5).with_scatter(1, seed=1, relative=0.1), "multiple values"),
+    (lambda: hc.Chain.uniform(5).with_scatter(1, seed=1, relative=0.1), "seed, which is given"),
     (lambda: hc.Chain.uniform(5).with_scatter(rng=1, seed=1, relative=0.1), "seed and rng are the"),
     (lambda: chain_from({"chain": {"radii": 5e-3, "beads": 3, "material": STEEL,
                                    "materials": STEEL}}),

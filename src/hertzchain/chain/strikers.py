@@ -115,27 +115,12 @@ def struck_by(
         if radius is not None:
             raise InputError("a striker has a radius or a diameter, not both: omit one")
         radius = _half(diameter, self._unit("m"))
-    plain = float(mass) if isinstance(mass, Real) else 0.0
+    plain = mass if isinstance(mass, Real) else 0.0
     own, radius, mass, drawn = _striker(self, radius, mass, material)
     speed = number("velocity of the strikers", velocity, unit=self._unit("m/s"), least=0.0,
                    most=MAX_VELOCITY, hint="positive velocities are towards the chain")  # fmt: skip
     distance = number("gap", gap, unit=self._unit("m"), least=0.0, most=MAX_GAP, hint=GAP_HINT)
-    # A sphere has the mass of its radius, which is then not given.
-    with np.errstate(over="ignore"):
-        times = (drawn / self.radii.max()) ** 3 if mass is None else mass / self.masses.max()
-    if self.units == "SI" and times > HEAVY and times * self.masses.max() >= HEAVY_KG:
-        warn_user(
-            f"the striker has {times:,.0f} times the mass of the heaviest bead; masses are in kg, "
-            "and radii in m, so check the unit",
-            InputWarning,
-        )
-    elif self.units == "SI" and plain > HEAVY_KG and times > HEAVY_SPHERE and radius < math.inf:
-        warn_user(
-            f"the striker has {times:,.0f} times the mass of the heaviest bead, and a mass of "
-            f"{plain:g} without a unit is in kg; if grams are meant, write mass='{plain:g} g', "
-            f"otherwise mass='{plain:g} kg'",
-            InputWarning,
-        )
+    _warn_heavy(self, drawn, mass, plain=0.0 if math.isinf(radius) else plain)
     behind = _velocities_without_impact(self)
     new: dict[str, Any] = {
         "radii": np.concatenate((np.full(count, drawn), self.radii)),
@@ -159,6 +144,28 @@ def struck_by(
     properties = StrikerProperties(mass, math.isinf(radius), stiffness)
     new["striker_properties"] = (properties,) * count + earlier
     return self.replace(**new, **_like_the_first(self, count))
+
+
+def _warn_heavy(chain: ChainFields, drawn: float, mass: float | None, *, plain: Any) -> None:
+    """Warn about a mass that is probably in another unit; ``plain`` is that typed for a sphere."""
+    # A sphere has the mass of its radius, which is then not given.
+    with np.errstate(over="ignore"):
+        times = (drawn / chain.radii.max()) ** 3 if mass is None else mass / chain.masses.max()
+    if chain.units != "SI":
+        return
+    if times > HEAVY and times * chain.masses.max() >= HEAVY_KG:
+        warn_user(
+            f"the striker has {times:,.0f} times the mass of the heaviest bead; masses are in kg, "
+            "and radii in m, so check the unit",
+            InputWarning,
+        )
+    elif plain > HEAVY_KG and times > HEAVY_SPHERE:
+        warn_user(
+            f"the striker has {times:,.0f} times the mass of the heaviest bead, and a mass of "
+            f"{plain:g} without a unit is in kg; if grams are meant, write mass='{plain:g} g', "
+            f"otherwise mass='{plain:g} kg'",
+            InputWarning,
+        )
 
 
 def _exponent(chain: ChainFields) -> float:

@@ -244,7 +244,13 @@ def _is_number_as_text(key: Key, value: str) -> bool:
 def _problem_of_unit(key: Key, value: str, what: str) -> Iterator[str]:
     """Check the unit of text, unless it depends on the exponent or on what a drive prescribes."""
     found = quantity(value)
-    if found is None or key.dimension in ("", "stiffness") or key.dimension_if_displacement:
+    # A range such as "20 mm:8 mm" has its own message.
+    if (
+        found is None
+        or ":" in value
+        or key.dimension in ("", "stiffness")
+        or key.dimension_if_displacement
+    ):
         return
     if key.dimension not in UNITS or (key.fraction and found[1] == PERCENT):
         return

@@ -392,6 +392,38 @@ def test_loss_law_is_identified(traces):
     assert compared.statement.startswith("of the laws compared, viscoelastic describes")
 
 
+@pytest.fixture(scope="module")
+def cell():
+    """A lossy row of ten balls in front of a linear, elastic load cell, and its traces."""
+    row = bench(LAW, beads=10, behind=3)
+    row = row.replace(right_wall=hc.Wall("50 kN/mm", exponent=1, loss=hc.Elastic()))
+    return row, measured(row, np.random.default_rng(5), balls=(3, 6), duration=400e-6)
+
+
+def test_comparisons_of_losses_keep_the_law_of_an_elastic_load_cell(cell):
+    """The fit with the true law is that of `fit`; without the law of the wall, it is poor."""
+    row, data = cell
+    free = ["stiffness[3-4]", "loss.time", "time_offset"]
+    compared = hc.compare_losses(data, row, laws=["restitution", "viscoelastic"], free=free)
+    assert [each.law for each in compared.fits] == ["viscoelastic", "restitution"]
+    assert compared.best.describes
+    assert compared.best.chi2 == pytest.approx(hc.fit(data, row, free=free).chi2, rel=1e-6)
+    assert compared.best.chain.right_wall.loss == hc.Elastic()
+    lossy = row.replace(right_wall=hc.Wall("50 kN/mm", exponent=1))
+    assert not hc.compare_losses(data, lossy, laws=["viscoelastic"], free=free).best.describes
+
+
+def test_comparisons_of_losses_keep_the_free_parameters_of_a_wall_with_its_own_law(cell):
+    row, data = cell
+    row = row.replace(right_wall=hc.Wall("50 kN/mm", exponent=1, loss=hc.Restitution(0.99)))
+    free = ["loss.time", "time_offset", "right_wall.loss.coefficient"]
+    compared = hc.compare_losses(data, row, laws=["viscoelastic", "dashpot"], free=free)
+    assert set(compared.fits[1].result.names) == {
+        "loss.gamma", "time_offset", "right_wall.loss.coefficient"
+    }  # fmt: skip
+    assert compared.best.values["right_wall.loss.coefficient"] == pytest.approx(1.0, abs=0.01)
+
+
 def test_noise_that_hides_the_law_is_reported():
     chain = bench(hc.Viscoelastic(0.2e-6), velocity=0.2)
     noisy = measured(chain, np.random.default_rng(2), noise=1.0)

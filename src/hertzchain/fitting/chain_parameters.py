@@ -16,7 +16,6 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.drives import with_factor
 from ..chain.laws import Loss
-from ..chain.laws.base import LAWS
 from ..chain.per_contact import MaterialPairs
 from ..chain.striker_properties import face_radii
 from ..chain.walls import Wall
@@ -25,6 +24,7 @@ from ..errors import InputError, unknown_name_error
 from ..recorded_warnings import ignore_warnings
 from ..units import is_unit
 from ..validation.numbers import FRACTION
+from .law_parameters import SMOOTH_STEP, SWITCHING, SWITCHING_STEP, TYPICAL, has, loss_parameters
 from .material_parameters import constant_of, named_materials, with_constants
 from .names import ENDS, Name
 
@@ -74,24 +74,6 @@ KINDS: Final[Mapping[str, Kind]] = {
     "wall.exponent": Kind(lower=1.05, upper=4.0, step=3e-5),
     "wall.gap": Kind("m", "length", lower=0.0, typical=0.1, step=1e-2),
 }
-# Typical values of the parameters of each law in units of the motion, from which a fit starts if
-# the chain has no loss.  Laws with switching contacts use larger steps, because their signals are
-# less smooth functions of the parameters.
-TYPICAL: Final[Mapping[type[Loss], Mapping[str, float]]] = {
-    LAWS["viscoelastic"]: {"time": 0.03},
-    LAWS["dashpot"]: {"gamma": 0.015},
-    LAWS["velocity-power"]: {"gamma": 0.01, "alpha": 1.5},
-    LAWS["restitution"]: {"coefficient": 0.97},
-    LAWS["unloading-ratio"]: {"ratio": 0.05},
-    LAWS["walton-braun"]: {"ratio": 0.95},
-    LAWS["elastic-plastic"]: {"yield_overlap": 1.0},
-}
-SWITCHING: Final = tuple(
-    LAWS[name] for name in ("unloading-ratio", "walton-braun", "elastic-plastic")
-)
-SMOOTH_STEP, SWITCHING_STEP = 1e-3, 2e-2
-# Laws whose force jumps when a contact closes, begins to unload or opens.
-JUMPING: Final = tuple(LAWS[name] for name in ("unloading-ratio", "dashpot", "velocity-power"))
 # Smaller exponents of `VelocityPower` need very short steps.
 MIN_ALPHA: Final = 0.5
 # Relative difference up to which radii or masses are equal.
@@ -130,16 +112,6 @@ def known_names(chain: Chain) -> list[str]:
         if getattr(chain, end) is not None:
             names += [f"{end}.{field}" for field in ("stiffness", "gap", "exponent")]
     return names + [f"loss.{each}" for each in loss_parameters(chain)]
-
-
-def loss_parameters(chain: Chain) -> dict[str, Loss]:
-    """Parameters of the laws of a chain, each with the first law that has it."""
-    found: dict[str, Loss] = {}
-    for law in chain.contact_losses:
-        for name, about in law.parameters().items():
-            if not about.boolean and getattr(law, name) is not None:
-                found.setdefault(name, law)
-    return found
 
 
 def kind_of(chain: Chain, name: Name) -> Kind:
@@ -197,16 +169,11 @@ def _law_with(chain: Chain, name: Name, field: str) -> Loss:
     elif name.item:
         laws = [losses[contact_index(chain, name) + 1]]
     else:
-        laws = [each for each in losses if _has(each, field)]
+        laws = [each for each in losses if has(each, field)]
     for law in laws:
-        if _has(law, field):
+        if has(law, field):
             return law
     raise UnknownParameterError(chain, name)
-
-
-def _has(law: Loss, field: str) -> bool:
-    about = law.parameters().get(field)
-    return about is not None and not about.boolean and getattr(law, field) is not None
 
 
 def contact_index(chain: Chain, name: Name) -> int:
@@ -429,7 +396,7 @@ def _changed_laws(
     elif name.item:
         chosen = {contact_index(chain, name) + 1}
     else:
-        chosen = {k for k, law in enumerate(laws) if _has(law, field)}
+        chosen = {k for k, law in enumerate(laws) if has(law, field)}
     made: dict[int, Loss] = {}
     change: dict[str, Any] = {field: value}
     out = list(laws)

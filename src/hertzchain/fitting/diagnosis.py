@@ -15,14 +15,14 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.modifications import with_one_loss
 from ..errors import InputError, SimulationError
 from ..representation import listed, measure
 from .advice import advice_to_free, considered, level_advice, nothing_explains
 from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_walls, is_free, try_further
-from .chain_parameters import known_names, loss_parameters
+from .chain_parameters import known_names
 from .clocks import fixed_offsets
 from .effect_limits import limited
+from .law_parameters import loss_parameters
 from .loss_laws import typical_law
 from .misread_columns import misread_columns
 from .misread_places import best_other_place
@@ -324,7 +324,7 @@ def _losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
                 yield cause
         return
     law = typical_law(LOSS, model.chains[0])
-    chains = tuple(with_one_loss(chain, law) for chain in model.chains)
+    chains = tuple(chain.replace(loss=law) for chain in model.chains)
     name = Name("loss.time")
     lossy = replace(model, chains=chains)
     cause = try_further(result, (name,), refit, lossy, neutral=0.0)

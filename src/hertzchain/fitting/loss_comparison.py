@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -11,7 +12,6 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.laws import Loss
 from ..chain.laws.elastic import Elastic
-from ..chain.modifications import with_one_loss
 from ..chain.per_contact import MaterialPairs
 from ..collision import Array
 from ..errors import InputError, SimulationError
@@ -20,9 +20,9 @@ from ..traces.files import load_traces
 from ..traces.traces import with_time_offset
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.objects import Progress, callback, check_list
-from .chain_parameters import loss_parameters
 from .clocks import with_clocks
 from .fit import ChainLike, TimeOffset, TracesLike, fit_with
+from .law_parameters import free_parameters_of, loss_parameters
 from .loss_laws import typical_law
 from .names import Name, parse_name
 from .parameters import Priors, default_names
@@ -223,8 +223,10 @@ def compare_losses(
     Parameters
     ----------
     traces, chain, free, priors, start, time_offset
-        As for `hertzchain.fit`.  Each law is assigned to all contacts; names of losses in ``free``
-        are replaced by the parameters of the law.
+        As for `hertzchain.fit`.  Each law is assigned to all contacts of beads, and to those walls
+        that have no law of their own; a law given for a wall, such as ``Elastic()`` for a load
+        cell, is kept in all fits.  Names of losses in ``free`` are replaced by the parameters of
+        the law, except those of a wall with its own law, such as ``right_wall.loss.time``.
     laws : sequence of str or Loss, optional
         Names of laws, or laws with the values from which to start.  By default, all laws except
         `ElasticPlastic`.
@@ -261,14 +263,20 @@ def compare_losses(
         if settings.free is None
         else check_list("free", settings.free, "names")
     )
-    kept = [name for name in names if not _is_of_loss(name)]
+    of_law = partial(_is_of_law, chain=chains[0])
+    kept = [name for name in names if not of_law(name)]
     fits = []
     # Names are checked before the first fit, which may take long.
     for done, law in enumerate([typical_law(each, chains[0]) for each in wanted], start=1):
-        lossy = [with_one_loss(one, law) for one in chains]
-        own = [f"loss.{name}" for name in loss_parameters(lossy[0])]
-        known = {n: v for n, v in settings.priors.items() if n in own or not _is_of_loss(n)}
-        given = {n: v for n, v in settings.start.items() if n in own or not _is_of_loss(n)}
+        lossy = [one.replace(loss=law) for one in chains]
+        of_this = free_parameters_of(law)
+        own = [
+            f"loss.{name}" for name in loss_parameters(lossy[0])
+            # A wall that keeps its law may have further parameters.
+            if name in of_this or f"loss.{name}" in names
+        ]  # fmt: skip
+        known = {n: v for n, v in settings.priors.items() if n in own or not of_law(n)}
+        given = {n: v for n, v in settings.start.items() if n in own or not of_law(n)}
         try:
             chosen = Settings(kept + own, known, given, settings.optional)
             found = fit_with(data, lossy, chosen, STARTS)
@@ -283,8 +291,11 @@ def compare_losses(
     return replace(comparison, further_shots=_further_shots(comparison))
 
 
-def _is_of_loss(name: str) -> bool:
-    return "loss." in parse_name(name).key
+def _is_of_law(name: str, chain: Chain) -> bool:
+    """Whether a name is of the laws that are compared, and not of a wall with its own law."""
+    end, *rest = parse_name(name).key.split("loss.")
+    wall = getattr(chain, end.rstrip("."), None) if end else None
+    return bool(rest) and (wall is None or wall.loss is None)
 
 
 def _ranked(fits: Sequence[LossFit]) -> tuple[LossFit, ...]:

@@ -7,7 +7,7 @@ from typing import Final
 from ..chain.chain import Chain
 from ..chain.laws import LAWS, Loss
 from ..errors import InputError, short_repr, unknown_name_error
-from .chain_parameters import TYPICAL
+from .law_parameters import TYPICAL
 from .symmetry import units_of
 
 ONE_LAW: Final = (

@@ -18,10 +18,10 @@ from .chain_parameters import (
     UnknownParameterError,
     kind_of,
     known_names,
-    loss_parameters,
     value_of,
 )
 from .gain_units import gains_in_si
+from .law_parameters import loss_parameters
 from .names import Name, parse_name
 from .sensors import COMMON_ONLY, SENSOR_KINDS
 

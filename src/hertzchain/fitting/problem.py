@@ -11,7 +11,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, SimulationError
-from .chain_parameters import JUMPING
+from .law_parameters import JUMPING
 from .model import Model
 from .names import Name
 

@@ -18,7 +18,7 @@ from ..simulation.simulate import simulate
 from ..simulation.time_scales import transit_times
 from ..traces.places import Place
 from ..traces.signals import Signal
-from .chain_parameters import JUMPING
+from .law_parameters import JUMPING
 from .symmetry import Units, similarity_key, units_of
 
 # Tolerance of trial runs.  Their traces are accurate to 5e-9 of the peak, sufficient for finite

@@ -8,7 +8,8 @@ from typing import Final
 from ..chain.chain import Chain
 from ..errors import InputError
 from ..traces.traces import Traces
-from .chain_parameters import is_motion, loss_parameters, with_motion, with_sizes
+from .chain_parameters import is_motion, with_motion, with_sizes
+from .law_parameters import loss_parameters
 from .names import Name
 from .parameters import Parameter
 from .symmetry import similarity_key, units_of

@@ -47,6 +47,57 @@ def test_changes_per_percent_of_a_constant_are_those_of_fits_with_another_one():
     assert "right_wall.stiffness" not in [each.name for each in more.constants]
 
 
+@pytest.fixture(scope="module")
+def capped():
+    """Ten balls in front of the cap of a load cell, and their traces."""
+    row = bench(hc.Viscoelastic("0.6 us"), beads=10, behind=3)
+    row = row.replace(right_wall=hc.Wall("50 kN/mm", exponent=1, loss=hc.Elastic()))
+    row = row.with_cap("5 g")
+    return row, measured(row, np.random.default_rng(3), balls=(3, 6), duration=400e-6)
+
+
+def test_the_mass_of_a_cap_is_a_constant_whose_changes_are_those_of_fits(capped):
+    """The same data are fitted with a cap that is heavier by 0.25%."""
+    row, traces = capped
+    free = ["materials[steel].young", "loss.time", "time_offset"]
+    exact = hc.fit(traces, row, free=free)
+    (cap,) = [each for each in exact.constants if each.name == "cap.mass"]
+    heavy = row.replace(cap=dataclasses.replace(row.cap, mass=1.0025 * row.cap.mass))
+    refitted = hc.fit(traces, heavy, free=free)
+    for key in free:
+        moved = refitted.values[key] - exact.values[key]
+        assert moved == pytest.approx(
+            0.25 * cap.changes[key], rel=0.05, abs=0.05 * exact.errors[key]
+        )
+    planned = hc.forecast(row, ["ball 3", "wall"], noise="0.1 N", interval="1 us", free=free)
+    assert any(each.name == "cap.mass" for each in planned.constants)
+
+
+@pytest.mark.parametrize("name", ["cap.mass", "mass[11]"])
+def test_the_mass_of_a_cap_can_be_free_by_both_of_its_names(capped, name):
+    row, traces = capped
+    result = hc.fit(traces, row, free=["loss.time", "time_offset", name])
+    assert result.values[name] == pytest.approx(5e-3, abs=4.0 * result.errors[name])
+    assert "cap.mass" not in [each.name for each in result.constants]
+
+
+def test_a_chain_without_a_cap_has_no_mass_of_a_cap():
+    traces = measured(bench(beads=8, behind=3), np.random.default_rng(3), balls=(3,))
+    with pytest.raises(hc.InputError, match=r"'cap\.mass'"):
+        hc.fit(traces, bench(beads=8, behind=3), free=["cap.mass"])
+
+
+def test_a_wrong_mass_of_a_cap_is_named_before_the_stiffness_of_the_cell(capped):
+    row, traces = capped
+    heavy = row.replace(cap=dataclasses.replace(row.cap, mass=1.05 * row.cap.mass))
+    free = ["materials[steel].young", "loss.time", "time_offset"]
+    result = hc.fit(traces, heavy, free=free)
+    assert "with cap.mass = 0.00" in result.advice[0]
+    assert "right_wall.stiffness" not in result.advice[0]
+    soft = row.replace(right_wall=hc.Wall("45 kN/mm", exponent=1, loss=hc.Elastic()))
+    assert "with right_wall.stiffness" in hc.fit(traces, soft, free=free).advice[0]
+
+
 def test_changes_per_percent_of_gains_and_times_are_those_of_fits_to_other_data():
     """The forces of the data are divided, or their times multiplied, by 1.0025."""
     row = bench(beads=8, behind=3)

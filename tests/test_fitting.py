@@ -424,6 +424,28 @@ def test_comparisons_of_losses_keep_the_free_parameters_of_a_wall_with_its_own_l
     assert compared.best.values["right_wall.loss.coefficient"] == pytest.approx(1.0, abs=0.01)
 
 
+def test_a_poor_fit_is_started_again_from_other_losses():
+    """A start of twice the loss leads to another minimum, which one start does not leave."""
+    cell = hc.Wall("50 kN/mm", exponent=1, loss=hc.Elastic())
+    row = bench(LAW).replace(right_wall=cell).with_cap("5 g")
+    data = measured(row, np.random.default_rng(5), balls=(6, 14), duration=800e-6)
+    lossy = row.replace(loss=hc.Viscoelastic(2.0 * LAW.time))
+    free = ["materials[steel].young", "loss.time", "time_offset"]
+    result = hc.fit(data, lossy, free=free)
+    assert result.describes
+    assert result.values["loss.time"] == pytest.approx(
+        LAW.time, abs=4.0 * result.errors["loss.time"]
+    )
+    assert result.notes[-1] == (
+        "from loss.time = 1.24 us, the search ended at a larger chi2; this fit starts from "
+        "loss.time = 0.62 us"
+    )
+    assert result.scan == "loss.time from 0.124 us to 6.2 us"
+    once = hc.fit(data, lossy, free=free, starts=1)
+    assert once.chi2 > 10.0 * result.chi2
+    assert once.scan == ""
+
+
 def test_noise_that_hides_the_law_is_reported():
     chain = bench(hc.Viscoelastic(0.2e-6), velocity=0.2)
     noisy = measured(chain, np.random.default_rng(2), noise=1.0)

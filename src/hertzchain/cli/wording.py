@@ -42,6 +42,7 @@ WORDINGS: Final = (
     (r"\btraces\.with_scaled_times\((\S+)\) corrects them", r"multiply them by \1 in the file"),
     (r"\(scan_defects\)", "(--defects)"),
     (r"\(compare_losses\)", "(--laws all)"),
+    (r"\(start=\{'([^']*)': \.\.\.\}\)", r"(--start '\1=...')"),
     (r"\bcompare_losses compares", "--laws all compares"),
     (r"\badd '([^']*)' to the free parameters", r"add --also-free '\1'"),
     (r"(?<=such as )\(0\.3, 0\.003\)", "0.3,0.003"),

@@ -69,6 +69,11 @@ def considered(result: FitResult, tested: Collection[str] = ()) -> str:
     walls = [end for end in ENDS if getattr(chain, end) is not None]
     bodies = ["striker"] * (chain.strikers > 0) + ["balls"] + ["wall"] * bool(walls)
     causes = [cause for cause in (DEFECTS, LAWS) if cause not in tested]
+    if not result.converged:
+        of_chain = [each.name for each in result.model.parameters if each.of_chain]
+        lossy = [name for name in of_chain if "loss." in name.key]
+        example = next(iter(lossy or of_chain or result.model.names))
+        causes.insert(0, f"another start (start={{'{example}': ...}})")
     if any(f"{end}.exponent" not in free for end in walls):
         causes.append("the exponent of the wall")
     first = "".join(f"{cause}, " for cause in causes) + "and " * bool(causes)
@@ -88,6 +93,7 @@ def nothing_explains(result: FitResult, tried: Iterable[str]) -> str:
         if of_sensors else "",
         f"{listed(columns)} of the column{'s' * several}", "the unit of the times",
         *(key for key in tested if key not in EFFECTS_IN_WORDS), *tried,
+        f"starts of {result.scan}" if result.scan else "",
     ]  # fmt: skip
     shown = ", ".join(each for each in causes if each)
     return f"none of the effects tested explains the residuals ({shown}). {considered(result)}"

@@ -8,8 +8,10 @@ from typing import Final
 
 from ..errors import SimulationError
 from .advice import advice_to_free
+from .chain_parameters import constants_of_ends
+from .chain_parameters import is_free as is_free_constant
 from .model import Model
-from .names import ENDS, Name
+from .names import Name
 from .parameters import Parameter, kind_and_value
 from .problem import Problem
 from .result import FitResult
@@ -87,8 +89,7 @@ def is_free(key: str, model: Model) -> bool:
     return any(each.key == key and not each.item for each in model.names)
 
 
-def fixed_walls(model: Model) -> list[Name]:
-    """Stiffnesses of walls that are not free."""
-    there = [end for end in ENDS if getattr(model.chains[0], end) is not None]
-    names = [Name(f"{end}.stiffness") for end in there]
-    return [name for name in names if not is_free(name.key, model)]
+def fixed_ends(model: Model) -> list[Name]:
+    """The mass of a cap and the stiffness of walls, if they are not free."""
+    chain, free = model.chains[0], {replace(each, shot="") for each in model.names}
+    return [name for name in constants_of_ends(chain) if not is_free_constant(name, free, chain)]

@@ -67,6 +67,7 @@ KINDS: Final[Mapping[str, Kind]] = {
     "materials.poisson": Kind(lower=-0.99, upper=0.499, typical=0.3),
     "radius": Kind("m", lower=1e-9, factor=True),
     "mass": Kind("kg", lower=1e-15, factor=True),
+    "cap.mass": Kind("kg", lower=1e-15, factor=True),
     "gap": Kind("m", "length", lower=0.0, typical=0.1, step=1e-2),
     "precompression": Kind("N", "force", lower=0.0, typical=0.1, step=1e-3),
     "gravity": Kind("m/s^2", "acceleration", typical=0.1, step=1e-3),
@@ -108,6 +109,8 @@ def known_names(chain: Chain) -> list[str]:
             fields = ("young", "poisson", "density") if kind in of_balls else ("young", "poisson")
             names += [f"materials[{kind}].{field}" for field in fields]
         names.append("radius[8]")
+    if chain.cap is not None:
+        names.append("cap.mass")
     for end in ENDS:
         if getattr(chain, end) is not None:
             names += [f"{end}.{field}" for field in ("stiffness", "gap", "exponent")]
@@ -128,7 +131,7 @@ def kind_of(chain: Chain, name: Name) -> Kind:
     example = {"materials": "materials[NAME].", "radius": "radius[8]", "mass": "mass[8]"}
     known = known_names(chain)
     shown = {each.split("[")[0].split(".")[0] for each in known} | {"wall"}
-    absent = key.startswith("struck_by.") and key not in known
+    absent = key.startswith(("struck_by.", "cap.")) and key not in known
     if key not in KINDS or key.split(".")[0] not in shown or absent:
         raise UnknownParameterError(chain, name)
     if key == "exponent" and "exponent" not in known:
@@ -197,6 +200,8 @@ def bead_indices(chain: Chain, name: Name) -> list[int]:
     """Indices of the strikers, or of balls such as ``5,10``, counted without the strikers."""
     if name.key.startswith("struck_by."):
         return [*range(chain.strikers)]
+    if name.key == "cap.mass":
+        return [chain.beads - 1]
     # A cap has a mass, as the ball behind the last one.
     balls = chain.beads - chain.strikers - (chain.cap is not None and name.key == "radius")
     numbers = [part.strip() for part in name.item.split(",")]
@@ -208,7 +213,7 @@ def bead_indices(chain: Chain, name: Name) -> list[int]:
 
 def _common(chain: Chain, name: Name) -> float:
     """Radius or mass that one or several balls have in common."""
-    key = name.key.removeprefix("struck_by.")
+    key = name.key.removeprefix("struck_by.").removeprefix("cap.")
     values = (chain.radii if key == "radius" else chain.masses)[bead_indices(chain, name)]
     if np.ptp(values) > SAME * values[0]:
         raise InputError(
@@ -225,7 +230,7 @@ def value_of(chain: Chain, name: Name) -> float:
         if name.item:
             contact_index(chain, name)
         return 1.0
-    if key.removeprefix("struck_by.") in ("radius", "mass"):
+    if key.removeprefix("struck_by.") in ("radius", "mass", "cap.mass"):
         return _common(chain, name)
     if key == "gap":
         return float(chain.gaps[contact_index(chain, name)])
@@ -270,7 +275,7 @@ def with_sizes(chain: Chain, values: Mapping[Name, float], reference: float) -> 
 
 def _with_values(chain: Chain, key: str, own: Array, values: Mapping[Name, float]) -> Array | None:
     """Radii or masses with the values of the parameters of this key; None without them."""
-    keys = (key, f"struck_by.{key}")
+    keys = (key, f"struck_by.{key}", f"cap.{key}")
     chosen = {name: value for name, value in values.items() if name.key in keys}
     found = own.copy()
     for name, value in chosen.items():
@@ -346,6 +351,20 @@ def _forces_and_speeds(
                     exponent=wall.exponent if exponents[side] is None else exponents[side],
                 )  # fmt: skip
     return changes
+
+
+def constants_of_ends(chain: Chain) -> list[Name]:
+    """Names of the mass of a cap and of the stiffness of walls."""
+    cap = [Name("cap.mass")] if chain.cap is not None else []
+    return cap + [Name(f"{end}.stiffness") for end in ENDS if getattr(chain, end) is not None]
+
+
+def is_free(name: Name, free: Collection[Name], chain: Chain) -> bool:
+    """Whether a constant is free, by its name or, if it is the mass of a cap, by its number."""
+    if name in free or name.key != "cap.mass":
+        return name in free
+    number = str(chain.beads - chain.strikers)
+    return any(each.key == "mass" and number in each.item.split(",") for each in free)
 
 
 def following(chain: Chain, names: Collection[Name]) -> list[bool]:

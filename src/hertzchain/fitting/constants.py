@@ -18,7 +18,7 @@ from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import listed, short
 from ..traces.traces import Traces
-from .chain_parameters import value_of
+from .chain_parameters import constants_of_ends, is_free, value_of
 from .names import ENDS, Name
 from .problem import SMALL, Problem, differences
 from .weights import remaining_weights
@@ -109,8 +109,8 @@ class Optimum:
 def fixed_constants(optimum: Optimum) -> tuple[FixedConstant, ...]:
     """Constants that are not free, and on which a fit depends.
 
-    These are moduli, densities, the stiffness of walls, the factor of a drive, gains of calibrated
-    sensors, and the sampling interval.
+    These are moduli, densities, the mass of a cap, the stiffness of walls, the factor of a drive,
+    gains of calibrated sensors, and the sampling interval.
     """
     model = optimum.problem.model
     weights = remaining_weights(optimum.problem, optimum.residuals)
@@ -131,7 +131,7 @@ def _derivatives(optimum: Optimum) -> Iterator[tuple[str, str, Array]]:
     free = {replace(each, shot="") for each in model.names}
     values = model.values(optimum.variables)
     for name in _constants(optimum.chains[0]):
-        if name in free or _follows(name, free, optimum.chains[0]):
+        if is_free(name, free, optimum.chains[0]) or _follows(name, free, optimum.chains[0]):
             continue
         base, moved = dict(values), dict(values)
         for shot, chain in enumerate(optimum.chains, start=1):
@@ -179,14 +179,14 @@ def _slower(traces: Traces) -> Traces:
 
 
 def _constants(chain: Chain) -> list[Name]:
-    """Constants of drives, materials and walls by the names with which they can be free."""
+    """Constants of drives, materials, caps and walls by the names with which they can be free."""
     materials = dict.fromkeys(each.name for each in chain.materials or ())
     found = [
         Name(f"materials.{field}", each) for each in materials for field in ("young", "density")
     ]
     if chain.drive is not None:
         found.append(Name("drive.factor"))
-    return found + [Name(f"{end}.stiffness") for end in ENDS if getattr(chain, end) is not None]
+    return found + constants_of_ends(chain)
 
 
 def _follows(name: Name, free: Collection[Name], chain: Chain) -> bool:

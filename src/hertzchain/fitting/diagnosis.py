@@ -18,7 +18,7 @@ from ..chain.chain import Chain
 from ..errors import InputError, SimulationError
 from ..representation import listed, measure
 from .advice import advice_to_free, considered, level_advice, nothing_explains
-from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_walls, is_free, try_further
+from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_ends, is_free, try_further
 from .chain_parameters import known_names
 from .clocks import fixed_offsets
 from .effect_limits import limited
@@ -155,10 +155,10 @@ def _with_effect(result: FitResult, refit: Refit) -> FitResult:
 
 
 def _clear_effects(result: FitResult) -> list[Name]:
-    """Effects of sensors, and walls, that reduce chi-squared clearly, the clearest first."""
+    """Effects of sensors, and ends, that reduce chi-squared clearly, the clearest first."""
     gained = {Name(each.name): each.improvement for each in result.effects}
     singles = [names for names in groups_of_effects(result) if len(names) == 1 and names[0].item]
-    singles += [(name,) for name in fixed_walls(result.model)]
+    singles += [(name,) for name in fixed_ends(result.model)]
     if singles and not result.goodness.noiseless:
         falls = gained_by(result, singles)
         gained |= {names[0]: each for names, each in zip(singles, falls, strict=True)}
@@ -169,7 +169,7 @@ def _clear_effects(result: FitResult) -> list[Name]:
 
 def _clear_cause(result: FitResult, name: Name, refit: Refit) -> Cause | None:
     """The fit with an effect, if it confirms it."""
-    if name in fixed_walls(result.model):
+    if name in fixed_ends(result.model):
         # The error of this stiffness includes those of the others, which only priors determine.
         cause = try_further(result, (name,), refit, least=0.0)
         fallen = 0.0 if cause is None else result.chi2 - cause.result.chi2
@@ -376,9 +376,21 @@ def _exponent(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterat
             yield cause
 
 
-def _walls(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """The fits with the stiffness of each wall that is not free."""
-    for name in fixed_walls(result.model):
+def _cap(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fits with the mass of a cap, and with the stiffness of the walls behind it."""
+    if result.chain.cap is not None:
+        yield from _ends(result, start, refit)
+
+
+def _walls(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fits with the stiffness of the walls of a chain without a cap."""
+    if result.chain.cap is None:
+        yield from _ends(result, start, refit)
+
+
+def _ends(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fits with the stiffness of each wall that is not free, and with the mass of a cap."""
+    for name in fixed_ends(result.model):
         # Its error includes those of others, which only priors determine, as in `_clear_cause`.
         cause = try_further(result, (name,), refit, least=0.0)
         if cause is not None:
@@ -424,6 +436,7 @@ FURTHER: Final[Mapping[Callable[[FitResult, Mapping[str, float], Refit], Iterato
     _shots: "another velocity or time offset in each shot",
     _losses: "the loss",
     _exponent: "the exponent",
+    _cap: "the mass of the cap, the stiffness of the walls",
     _walls: "the stiffness of the walls",
     _moduli: "the moduli of several materials",
     _masses: "the mass of balls with sensors",

@@ -111,7 +111,9 @@ def fit(
         starts from it.  By default, it is that of the table ``[fit]``, or the start of the drive if
         the chain file reads it from the file of the traces; otherwise it is free.
     starts : int
-        Largest number of starts, 1 to 6; more than one is used only if the first fit is poor.
+        Largest number of starts, 1 to 6; more than one is used only if the first fit is poor or has
+        not converged.  If a loss is free, a coarse scan over a tenth to five times its start then
+        chooses one more start.
     progress : callable, optional
         Called as ``progress(simulations, 0)`` after each simulation.
 
@@ -260,13 +262,13 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
         *inversion_notes(_gains(model, values)),
         *coupling_notes(model.traces, chains, lambda k, each: model.gain(k, each, values)),
         *small_residual_notes(problem, solution.residuals),
-        *range_notes(chains[0], duration),
+        *range_notes(chains[0], duration), *filter(None, (solution.note,)),
     )  # fmt: skip
     penalty = float(solution.residuals[count:] @ solution.residuals[count:])
     return FitResult(
         names, estimates, sigmas, found.covariance, good, solution.converged, solution.reason, weak,
         effects, at_bounds, chains, notes, simulations, solution.starts, penalty,
-        problem, variables, solution.jacobian, solution.residuals,
+        problem, variables, solution.jacobian, solution.residuals, scan=solution.scan,
     )  # fmt: skip
 
 

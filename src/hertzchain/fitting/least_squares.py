@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -10,9 +12,19 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import SimulationError
+from ..representation import measure
+from .model import Model
 from .names import Name
+from .parameters import Parameter
 from .problem import Problem
-from .starts import MASSES, aligned, further_starts
+from .starts import (
+    MASSES,
+    SCAN,
+    aligned,
+    further_starts,
+    scaled_losses,
+    with_other_losses,
+)
 
 FTOL, XTOL, GTOL = 1e-7, 1e-9, 1e-10
 # Tolerance before the samples next to jumps are known, when chi-squared is not smooth.
@@ -20,6 +32,8 @@ ROUGH_FTOL: Final = 1e-3
 # Largest number of searches without the samples next to jumps.
 MAX_ROUNDS: Final = 8
 MAX_EVALUATIONS: Final = 60
+# Evaluations from each start of a scan of the loss, which are enough to recognise the best optimum.
+SCAN_EVALUATIONS: Final = 4
 # No further start is tried if chi-squared per sample is below this value.
 GOOD: Final = 1.3
 # Sums of squares whose relative difference is less than this belong to the same optimum.
@@ -42,6 +56,10 @@ class Solution:
         Reason for the end of the search.
     starts : int
         Number of starts.
+    scan : str
+        Losses from which other starts were tried, in words; empty without a scan.
+    note : str
+        Sentence on the start that the scan has found, if it led to the best solution.
     """
 
     variables: Array
@@ -50,6 +68,8 @@ class Solution:
     converged: bool
     reason: str
     starts: int
+    scan: str = ""
+    note: str = ""
 
     @property
     def cost(self) -> float:
@@ -61,27 +81,73 @@ def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bo
     """The best solution of at most this many starts; more than one only if the first is poor."""
     first = aligned(problem.model, values) if align else dict(values)
     best = _from(problem, problem.model.variables(first))
-    tried = 1
+    tried, scan, note = 1, "", ""
     # A mass has one optimum above and one below that of the other balls.
     least = 2 if any(name.key in MASSES for name in problem.model.names) else 1
-    if best.cost > GOOD * problem.expected:
-        for start in further_starts(problem.model, first, starts):
+    if best.cost > GOOD * problem.expected or not best.converged:
+        others = further_starts(problem.model, first, starts)
+        if starts > 1 and (lossy := scaled_losses(problem.model)):
+            scan = _between(lossy[0], problem.model, first)
+            others = itertools.chain(_scanned(problem, first, align=align), others)
+        for start in others:
             found = _from(problem, problem.model.variables(start))
             tried += 1
             # Two starts with the same optimum have probably found the global one.
             same = abs(found.cost - best.cost) < SAME * best.cost
+            if found.cost < (1.0 - SAME) * best.cost and scan:
+                note = _start_note(lossy[0], first, start)
             if found.cost < best.cost:
                 best = found
             if (same and tried > least) or best.cost <= GOOD * problem.expected:
                 break
     if problem.jumps:
         best = _without_jumps(problem, best)
-    return replace(best, starts=tried)
+    return replace(best, starts=tried, scan=scan, note=note)
+
+
+def _scanned(
+    problem: Problem, first: dict[Name, float], *, align: bool
+) -> Iterator[dict[Name, float]]:
+    """The start with another loss whose first steps lead to the least chi-squared."""
+    model = problem.model
+    best, least = None, np.inf
+    for factor in SCAN:
+        start = with_other_losses(model, first, factor)
+        try:
+            start = aligned(model, start) if align else start
+            found = _from(problem, model.variables(start), ROUGH_FTOL, SCAN_EVALUATIONS)
+        except SimulationError:
+            continue
+        if found.cost < least:
+            best, least = start, found.cost
+    if best is not None:
+        yield best
+
+
+def _between(each: Parameter, model: Model, first: dict[Name, float]) -> str:
+    """The losses from which a scan starts, in words."""
+    ends = [with_other_losses(model, first, factor)[each.name] for factor in SCAN]
+    return f"{each.name} from {_shown(each, min(ends))} to {_shown(each, max(ends))}"
+
+
+def _start_note(each: Parameter, first: dict[Name, float], start: dict[Name, float]) -> str:
+    """The loss from which a better solution was found than from the first start."""
+    old, new = (_shown(each, values[each.name]) for values in (first, start))
+    return (
+        f"from {each.name} = {old}, the search ended at a larger chi2; this fit starts from "
+        f"{each.name} = {new}"
+    )
+
+
+def _shown(each: Parameter, value: float) -> str:
+    unit = each.kind.unit
+    return measure(value, unit) if unit == "s" else f"{value:.4g} {unit}".rstrip()
 
 
 def solve_again(problem: Problem, solution: Solution) -> Solution:
     """The solution with other weights of the samples, from one with the former weights."""
-    return replace(_from(problem, solution.variables), starts=solution.starts)
+    again = _from(problem, solution.variables)
+    return replace(again, starts=solution.starts, scan=solution.scan, note=solution.note)
 
 
 def roughly_solved(problem: Problem) -> Solution:
@@ -100,7 +166,9 @@ def _without_jumps(problem: Problem, best: Solution) -> Solution:
     return best
 
 
-def _from(problem: Problem, start: Array, tolerance: float = FTOL) -> Solution:
+def _from(
+    problem: Problem, start: Array, tolerance: float = FTOL, evaluations: int | None = None
+) -> Solution:
     from scipy.optimize import least_squares
 
     low, high = problem.bounds()
@@ -117,7 +185,7 @@ def _from(problem: Problem, start: Array, tolerance: float = FTOL) -> Solution:
         warnings.simplefilter("ignore", RuntimeWarning)
         found = least_squares(
             problem.residuals, start, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
-            ftol=ftol, xtol=XTOL, gtol=GTOL, max_nfev=MAX_EVALUATIONS,
+            ftol=ftol, xtol=XTOL, gtol=GTOL, max_nfev=evaluations or MAX_EVALUATIONS,
         )  # fmt: skip
     reason = found.message.rstrip(".").replace("`", "")
     if found.status == 0:

@@ -75,6 +75,9 @@ class FitResult(Estimates):
         show, with its value in another fit.
     misread : bool
         Whether the model describes the data only if the unit of all columns or times is changed.
+    scan : str
+        Losses from which a poor fit was started again, in words; empty without a free loss, or if
+        the first start was good.
     """
 
     goodness: Goodness
@@ -94,6 +97,7 @@ class FitResult(Estimates):
     residual_vector: Array = field(repr=False)
     advice: tuple[str, ...] = ()
     misread: bool = False
+    scan: str = ""
 
     @property
     def chain(self) -> Chain:

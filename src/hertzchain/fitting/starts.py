@@ -13,11 +13,14 @@ from ..traces.amplitudes import first_sign, level_of, ratio_of_amplitudes
 from ..traces.signals import Signal
 from .model import Model
 from .names import Name
+from .parameters import Parameter
 from .sensors import sampled
 
 # Factors of time that are tried if the stiffness is free, and points of the even grid.
 STRETCHES: Final = tuple(np.exp(np.linspace(-0.3, 0.3, 25)).tolist())
 POINTS: Final = 2048
+# Factors of the losses from which a few steps are tried, if a fit is poor.
+SCAN: Final = (0.1, 0.2, 0.35, 0.5, 0.7, 1.4, 2.5, 5.0)
 # Factors of the losses and masses, and changes of the exponent, in further starts.
 LOSS_FACTORS: Final = (1.0, 0.2, 4.0, 1.0, 1.0, 0.05)
 MASSES: Final = ("mass", "struck_by.mass")
@@ -135,14 +138,9 @@ def further_starts(
         return
     changes = zip(LOSS_FACTORS, MASS_FACTORS, EXPONENT_SHIFTS, strict=True)
     for factor, mass, shift in list(changes)[1:count]:
-        out = dict(values)
+        out = with_other_losses(model, values, factor)
         for each in model.parameters:
-            if "loss." in each.name.key:
-                share = each.kind.scale == "1" and each.kind.upper <= 1.0
-                high = each.name.key.endswith("coefficient") or (share and each.start > 0.5)
-                value = out[each.name]
-                value = 1.0 - (1.0 - value) * factor if high else value * factor
-            elif each.name.key in MASSES:
+            if each.name.key in MASSES:
                 value = out[each.name] * mass
             elif each.name.key == "exponent":
                 value = out[each.name] + shift
@@ -150,3 +148,25 @@ def further_starts(
                 continue
             out[each.name] = min(max(value, each.kind.lower), each.kind.upper)
         yield out
+
+
+def scaled_losses(model: Model) -> list[Parameter]:
+    """Free parameters of losses that are proportional to the loss, or to what is left of 1."""
+    return [
+        each for each in model.parameters
+        if "loss." in each.name.key and not each.name.key.endswith("alpha")
+    ]  # fmt: skip
+
+
+def with_other_losses(
+    model: Model, values: Mapping[Name, float], factor: float
+) -> dict[Name, float]:
+    """Values whose losses are larger by a factor, clipped to their bounds."""
+    out = dict(values)
+    for each in scaled_losses(model):
+        share = each.kind.scale == "1" and each.kind.upper <= 1.0
+        high = each.name.key.endswith("coefficient") or (share and each.start > 0.5)
+        value = out[each.name]
+        value = 1.0 - (1.0 - value) * factor if high else value * factor
+        out[each.name] = min(max(value, each.kind.lower), each.kind.upper)
+    return out

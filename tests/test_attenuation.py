@@ -119,6 +119,12 @@ def test_a_large_loss_is_announced():
         hc.attenuation(hc.Chain.uniform(3).replace(loss=hc.Restitution(0.7)), 1.0)
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_huge_loss_does_not_overflow():
+    with pytest.warns(hc.ModelRangeWarning, match="more than 30%"):
+        assert hc.attenuation(hc.Chain.uniform(3).replace(loss=hc.Dashpot(1e200)), 1.0) > 0.0
+
+
 @pytest.mark.parametrize("p", [1.5, 1.75, 2.5])
 @pytest.mark.parametrize(
     "law",

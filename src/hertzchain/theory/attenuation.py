@@ -53,6 +53,8 @@ RANGES: Final = {
 }  # fmt: skip
 # Range of custom laws, whose second order is not known.
 FIRST_ORDER_RANGE: Final = 0.001, 1.0
+# Number whose powers do not overflow; decays of such losses have no meaning.
+HUGE: Final = 1e9
 # Relative difference of equal beads, from rounding.
 ROUNDING: Final = 1e-9
 # Points of an integral over half the wave, which is then exact to 1e-12.
@@ -131,7 +133,7 @@ def attenuation(chain: Chain, velocity: ArrayLike) -> Array:
     if overlaps.size:
         warn_outside_hertz(chain, np.full(chain.beads - 1, overlaps.max()))
         _warn_about_error(group.law, p, float(x.max()))
-    y = second_order(group.law, p) * x
+    y = np.clip(second_order(group.law, p) * x, -HUGE, HUGE)
     return np.asarray(x / (1.0 + y + y * y))
 
 
@@ -156,7 +158,7 @@ def estimated_error(law: Loss, exponent: float, decay: float) -> float:
     limit, power = RANGES.get(law.name, FIRST_ORDER_RANGE)
     # Below p = 3/2, c grows fast and is not accurately known.
     limit *= min(1.0, (2.0 * (exponent - 1.0)) ** 3)
-    return float(MAX_ERROR * (decay / limit) ** power)
+    return float(MAX_ERROR * min(decay / limit, HUGE) ** power)
 
 
 def _warn_about_error(law: Loss, exponent: float, decay: float) -> None:

@@ -348,3 +348,21 @@ def test_designs_with_dents_state_the_peak_of_the_second_hit():
     assert np.isnan(problem.evaluate(chain.replace(loss=None)).second_peak)
     slow = chain.replace(velocities=0.05 * chain.velocities)
     assert np.isnan(peak_of_second_hit(slow))
+
+
+def test_designs_and_scatter_within_the_range_of_the_law_of_yield():
+    # Overlap / radius is between the limits of Hertz's law and of contacts that yield.
+    chain = row(5.0).replace(right_wall=hc.Wall(), loss=LAW)
+    found = hc.distribution(chain, "wall_force.peak", hc.Scatter(radius=0.001, samples=3))
+    assert found.outside_range == 0
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii("4.9 mm", "5.1 mm")])
+    result = hc.design(problem, budget=90, seed=1)
+    assert not result.verified.outside_range
+    first, second, third, fourth, *_ = result.summary().splitlines()
+    assert "outside the range" not in first
+    assert second.endswith("stayed within the range of their law")
+    assert third == f"  {result.verified.dents}"
+    peak = f"{result.verified.second_peak:.4g} N in the second hit"
+    assert fourth == f"  struck again with these dents: wall_force.peak = {peak}"
+    (remark,) = [each for each in result.notes if each.startswith("overlap / radius")]
+    assert remark.endswith("above 0.01, Hertz's law is less accurate")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import dataclasses
 import math
 
 import numpy as np
@@ -238,6 +239,8 @@ def test_the_range_of_a_run_states_the_contacts_that_have_yielded():
     assert np.isnan(found.law_yield_ratio[-1])
     assert found.yield_ratio[-1] > 1.0
     assert "; 1 at contacts 1 to 3, which yield by their law" in str(found)
+    one = dataclasses.replace(found, law_yield_ratio=np.array([0.0, 0.0, 1.0, 0.0, 0.0]))
+    assert "1 at contact 2, which yields by its law" in str(one)
 
 
 def test_dents_in_words():

@@ -321,7 +321,7 @@ def _forces_and_speeds(
         if name.key == "stiffness" and name.item:
             stiffness[contact_index(chain, name)] *= value
         elif name.key == "stiffness":
-            stiffness, walls = stiffness * value, walls * value
+            stiffness, walls = stiffness * value, np.where(springs(chain), walls, walls * value)
         elif name.key == "exponent":
             factor = reference ** (float(chain.exponents) - value)
             stiffness = stiffness * factor
@@ -351,6 +351,19 @@ def _forces_and_speeds(
                     exponent=wall.exponent if exponents[side] is None else exponents[side],
                 )  # fmt: skip
     return changes
+
+
+def springs(chain: Chain) -> list[bool]:
+    """Whether each wall has its own stiffness and exponent, as the spring of a load cell.
+
+    A wall of a material has a given stiffness, too, in the file of a fitted chain.
+    """
+    return [
+        (wall := getattr(chain, end)) is not None
+        and wall.stiffness is not None
+        and wall.exponent not in (None, chain.contact_exponents[1])
+        for end in ENDS
+    ]
 
 
 def constants_of_ends(chain: Chain) -> list[Name]:

@@ -90,11 +90,12 @@ def fit(
         ``[fit]`` of a chain file gives ``free``, ``prior``, ``start``, ``time_offset`` and
         ``coupling``; arguments replace them.
     free : sequence of str, optional
-        Names of the free parameters.  By default, the stiffness of all contacts (a factor), the
-        striker's velocity, the parameters of the loss law, the time offset and the gains of sensors
-        without calibration.  Of the chain: ``stiffness``, ``exponent``, ``loss.time``, ...,
-        ``struck_by.velocity``, ``materials[NAME].young``, ``gap[8-9]``, ``stiffness[8-9]``,
-        ``loss[8-9].time``, ``radius[8]``, ``mass[8]``, ``mass[5,10]`` (common),
+        Names of the free parameters.  By default, the stiffness of all contacts (a factor, which
+        does not include linear springs of walls), the striker's velocity, the parameters of the
+        loss law, the time offset and the gains of sensors without calibration.  Of the chain:
+        ``stiffness``, ``exponent``, ``loss.time``, ..., ``stiffness[8-9]``, ``gap[8-9]``,
+        ``struck_by.velocity``, ``materials[NAME].young``,
+        ``loss[8-9].time``, ``radius[8]``, ``mass[8]``, ``mass[5,10]`` (common), ``cap.mass``,
         ``precompression``, ``gravity``, ``right_wall.stiffness``, ...; balls are counted without
         strikers.  Of the sensors: ``gain[ball 6]``, ``gain[*]`` for each, ``offset[...]``,
         ``delay[...]``, ``lag``, ``highpass`` (1/time constant), ``crosstalk``.  Of the clock:

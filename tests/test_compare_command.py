@@ -228,13 +228,30 @@ def test_exchanged_columns_are_reported_once_and_only_they(run, files):
     assert "Warning" not in err
 
 
+def test_exchanged_columns_are_not_also_wrong_gains_or_signs(run, files):
+    times, columns = recorded()
+    rows = np.column_stack([1e6 * times, 0.02 * columns["wall [N]"], 0.02 * columns["ball 5 [N]"]])
+    for head in ("ball 5 [V],wall [V]", "wall [V],ball 5 [V]"):
+        np.savetxt(files / "v.csv", rows, delimiter=",", header=f"time [us],{head}", comments="")
+        row = files / "gains.toml"
+        priors = "".join(f'"gain[{name}]" = [0.0175, 0.0001]\n' for name in ("wall", "ball 5"))
+        row.write_text(f"{hc.chain_as_toml(chain())}\n[fit.prior]\n{priors}")
+        code, out, err = run("compare", files / "v.csv", row)
+        assert code == 0, err
+        exchanged = head.startswith("ball 5")
+        assert ("check the names of these columns" in out) == exchanged
+        assert ("its prior in [fit]" in out) != exchanged
+        assert "is inverted" not in out
+
+
 @pytest.mark.parametrize(
     ("prior", "words"),
     [
         ('["25 mV/N", "0.5 mV/N"]', r"standard deviations from its prior in \[fit\], 0.02500 \+- "
          r"0.00050 V/N: check the diameters"),
-        ("[0.0175, 0.001]", r"differs by 0\.[0-5] standard deviations from its prior in \[fit\], "
-         r"0.0175 \+- 0.0010 V/N$"),
+        ("[0.0175, 0.001]", r"agrees with its prior in \[fit\], 0.0175 \+- 0.0010 V/N$"),
+        ("[0.0192, 0.001]", r"differs by [12]\.\d standard deviations from its prior in \[fit\], "
+         r"0.0192 \+- 0.0010 V/N$"),
         ("[17.5, 1.0]", "1,000 times too small, because the unit in its header is wrong, such as "
          "mV instead of V$"),
     ],
@@ -258,4 +275,4 @@ def test_the_gain_of_a_sensor_is_compared_with_its_prior(run, files, prior, word
     until = float(np.ptp(data.shots[0].times))
     (sensor,) = hc.simulate(chain(), until=until, times=4000).compare(data).sensors
     assert document["sensors"][0]["scale"] == pytest.approx(sensor.scale, rel=1e-6)
-    assert f"wall, {sensor.scaling}, differs" in note
+    assert f"wall, {sensor.scaling}, " in note

@@ -127,7 +127,8 @@ def compare(
         )
     with ignore_warnings(InputWarning):  # the summary lists them as notes
         found = run.compare(data)
-    found = dataclasses.replace(found, notes=(*found.notes, *gain_notes(found.sensors, priors)))
+    if not found.exchanged:
+        found = dataclasses.replace(found, notes=(*found.notes, *gain_notes(found.sensors, priors)))
     if plot is not None:
         save_figure(found.plot().axes[0], plot)
     if as_json:

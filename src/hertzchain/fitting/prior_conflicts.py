@@ -23,6 +23,8 @@ from .shown_values import shown_value
 # 1 - (error/s)^2 and not 1.  If this is small, so is a deviation, and errors of a nonlinear fit or
 # of its noise would cause false alarms if one was divided by the other.
 CONTRADICTS: Final = 3.0
+# Up to this number of standard deviations, a gain of a comparison agrees with its prior.
+AGREES: Final = 1.0
 # Larger numbers of standard deviations are not stated, because they have no meaning.
 MANY: Final = 100.0
 # Largest relative difference of a ratio from a power of ten that a wrong unit would cause.
@@ -110,9 +112,10 @@ def gain_notes(
         sensor, gain, unit = each.name, each.scale, GAIN_UNITS[each.quantity]
         mean, sigma = priors[sensor]
         size = abs(gain - mean) / sigma
+        relation = "agrees with" if size <= AGREES else f"differs by {_counted(size)} from"
         note = (
-            f"the gain of {sensor}, {gain:.4g} {unit}, differs by {_counted(size)} from its prior "
-            f"in [fit], {with_error(mean, sigma)} {unit}"
+            f"the gain of {sensor}, {gain:.4g} {unit}, {relation} its prior in [fit], "
+            f"{with_error(mean, sigma)} {unit}"
         )
         if size > CONTRADICTS:
             note += f": {_wrong_unit(Name('gain', sensor), gain / mean) or ADVICE}"

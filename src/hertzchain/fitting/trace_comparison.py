@@ -91,6 +91,8 @@ class TraceComparison:
         peaks, times and peaks that suggest another unit, arrivals in another order or outside the
         record, another time offset that agrees almost as well, saturated sensors, and sensors
         without the static force.
+    exchanged : bool
+        Whether columns are probably exchanged; amplitudes and signs then have no meaning.
 
     Examples
     --------
@@ -108,6 +110,7 @@ class TraceComparison:
     time_offset_given: bool = False
     time_offset_error: float = np.nan
     notes: tuple[str, ...] = ()
+    exchanged: bool = False
 
     @cached_property
     def sensors(self) -> tuple[SensorComparison, ...]:
@@ -279,7 +282,8 @@ def compare_traces(
     check_places((signal.place for signal in traces.shots[0].signals), run.chain)
     gaps = gaps_between(traces.shots[0].times)
     gain = _gain(run)
-    traces = resolved_coupling(_complete(with_time_offset(traces, time_offset)), [run.chain], gain)
+    complete = map(with_missing_samples, with_time_offset(traces, time_offset).shots)
+    traces = resolved_coupling(Traces(tuple(complete)), [run.chain], gain)
     shot = traces.shots[0]
     grid, columns = _columns(run, shot)
     check_arrivals(run, shot, columns, grid)
@@ -312,8 +316,9 @@ def compare_traces(
         raise
     error = np.nan if given else offset_error(shot, signals)
     found = TraceComparison(traces, signals, float(time_offset), given, error)
+    exchanged, other_places = _suspicious(found, columns, grid, begin, other)
     suspicious = [
-        *_suspicious(found, columns, grid, begin, other),
+        *other_places,
         *spike_notes(shot),
         *(silent_notes(shot, inside) or unexplained),
     ]
@@ -322,13 +327,13 @@ def compare_traces(
     notes = (
         *suspicious,
         *gap_notes(gaps),
-        *inversion_notes({each.name: each.scale for each in found.sensors}),
+        *inversion_notes({} if exchanged else {each.name: each.scale for each in found.sensors}),
         *level_notes(shot, signals, columns),
         *missing_notes(found.sensors),
         *pulse_notes(run, shot, columns, inside, float(shot.times[-1]) - time_offset),
         *coupling_notes(traces, [run.chain], gain),
     )
-    return replace(found, notes=notes)
+    return replace(found, notes=notes, exchanged=exchanged)
 
 
 def _suspicious(
@@ -337,24 +342,23 @@ def _suspicious(
     grid: Array,
     begin: float,
     other: tuple[float, float] | None,
-) -> list[str]:
-    """Sentences on columns that are probably exchanged, or in other units or elsewhere."""
+) -> tuple[bool, list[str]]:
+    """Whether columns are probably exchanged, and sentences on this, on units and on places."""
     (shot,) = found.traces.shots
     outside = sensors_outside(shot, columns, found.signals)
     silent = [signal.name for signal in shot.signals if not has_pulse(signal)]
     units = unit_notes(found.sensors, [*outside, *silent])
     # Wrong times, or columns that are exchanged, cause most of the other differences.
     if notes := time_notes(shot, columns, grid):
-        return [*notes, *units]
-    return (
-        exchange_notes(shot, columns, float(grid[1] - grid[0]))
-        or order_notes(shot, columns, grid)
-        or [
-            *units,
-            *outside_notes(shot, columns, grid, begin, outside),
-            *other_offset_notes(shot, found.time_offset, other),
-        ]
-    )
+        return False, [*notes, *units]
+    spacing = float(grid[1] - grid[0])
+    if notes := exchange_notes(shot, columns, spacing) or order_notes(shot, columns, grid):
+        return True, notes
+    return False, [
+        *units,
+        *outside_notes(shot, columns, grid, begin, outside),
+        *other_offset_notes(shot, found.time_offset, other),
+    ]
 
 
 def _gain(run: Run) -> Gain:
@@ -368,11 +372,6 @@ def _gain(run: Run) -> Gain:
         return float(np.abs(seen - level_of(signal)).max()) / size if size > 0.0 else 0.0
 
     return gain
-
-
-def _complete(traces: Traces) -> Traces:
-    """Traces with missing samples in place of missing rows."""
-    return Traces(tuple(map(with_missing_samples, traces.shots)))
 
 
 def check_unit_of_times(run: Run, traces: Traces) -> None:

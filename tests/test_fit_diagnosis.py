@@ -53,6 +53,27 @@ def test_one_offset_is_named_alone():
     assert "add 'offset[ball 10]' to" in advice
 
 
+@pytest.mark.parametrize("size", [0.5, 0.2])
+def test_a_second_pulse_is_named_with_its_time_and_size(size):
+    delay = round(120e-6 / SPACING)
+
+    def change(columns):
+        late = {name: np.pad(each, (delay, 0))[: len(each)] for name, each in columns.items()}
+        return {name: each + size * late[name] for name, each in columns.items()}
+
+    result = fitted(change)
+    (advice,) = result.advice
+    assert DESCRIBES in advice
+    words = r"there is a second pulse at t = ([\d.]+) us in ball 5, about (\d+)% of the first"
+    time, percent = map(float, re.search(words, advice).groups())
+    seen = traces().shots[0]
+    onset = seen.times[np.argmax(seen.signals[0].values > 0.05 * seen.signals[0].values.max())]
+    assert time == pytest.approx(1e6 * onset + 120.0, abs=8.0)
+    assert percent == pytest.approx(100.0 * size, rel=0.25)
+    stiffness = re.search(r"stiffness = ([\d.]+)", advice)
+    assert float(stiffness[1]) == pytest.approx(TRUTH["stiffness"], rel=0.02)
+
+
 def two_shots(change, free, first=None):
     """A fit to two shots, whose columns may differ from those of SciPy."""
     shots = [traces(seed, change=each).shots[0] for seed, each in enumerate((first, change))]

@@ -32,6 +32,7 @@ from .names import Name
 from .parameters import ELASTIC, Parameter, kind_and_value
 from .problem import Problem
 from .result import FitResult
+from .second_pulse import without_second_pulse
 from .sensor_effects import gained_by, groups_of_effects
 from .signal_noise import signal_noise_of
 from .systematics import PRESENT
@@ -431,6 +432,7 @@ def _masses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
 
 # Causes that are tried one after the other, with words for those that other functions do not name.
 FURTHER: Final[Mapping[Callable[[FitResult, Mapping[str, float], Refit], Iterator[Cause]], str]] = {
+    without_second_pulse: "",
     _places: "",
     _effects: "",
     _shots: "another velocity or time offset in each shot",

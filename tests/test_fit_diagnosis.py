@@ -1,6 +1,7 @@
 """Causes that a fit names if the model does not describe the data, which are from SciPy."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ from scipy.signal import lsim
 from scipy_row import BALLS, BEFORE, FREE, RADIUS, SPACING, TRUTH, chain, forces, traces
 
 import hertzchain as hc
-from hertzchain.fitting.advice import DEFECTS, LAWS
+from hertzchain.cli.wording import on_command_line
+from hertzchain.fitting.advice import DEFECTS, LAWS, considered
 from hertzchain.fitting.diagnosis import _exponent, _losses, without_tested
 from hertzchain.fitting.fit import fitted as solved
 
@@ -72,6 +74,14 @@ def test_a_second_pulse_is_named_with_its_time_and_size(size):
     assert percent == pytest.approx(100.0 * size, rel=0.25)
     stiffness = re.search(r"stiffness = ([\d.]+)", advice)
     assert float(stiffness[1]) == pytest.approx(TRUTH["stiffness"], rel=0.02)
+
+
+def test_another_start_is_advised_if_the_search_has_not_converged():
+    result = hc.fit(traces(), chain(), free=FREE)
+    assert "another start" not in considered(result)
+    text = considered(replace(result, converged=False))
+    assert text.startswith("Consider another start (start={'loss.time': ...}), gaps and odd balls")
+    assert "another start (--start 'loss.time=...')" in on_command_line(text)
 
 
 def two_shots(change, free, first=None):

@@ -40,7 +40,7 @@ class SecondPulse:
 
     @property
     def advice(self) -> str:
-        """What to do with the data."""
+        """Sentence on the pulse, and the advice to end the record before it."""
         return (
             f"there is a second pulse at t = {measure(self.time, 's')} in {self.sensor}, about "
             f"{self.size:.0%} of the first, which the model does not have: end the record before "

@@ -189,7 +189,7 @@ def solitary_waves() -> Figure:
         left.set_ylim(-0.05, 1.5)
         left.legend(loc="upper right")
         found = []
-        for speed in np.geomspace(0.003, 0.38, 12):
+        for speed in np.geomspace(0.003, 0.37, 12):
             struck = held.replace(velocities=[speed] + [0.0] * 99)
             pulse = hc.simulate(struck, until="1.3 ms", times=0).pulse()
             found.append((pulse.peak_force[49] / 10.0, pulse.speed[39:60].mean()))

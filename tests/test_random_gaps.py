@@ -76,8 +76,20 @@ def test_impossible_gaps_are_rejected(gaps: object) -> None:
 
 def test_precompressed_beads_have_no_random_gaps() -> None:
     held = BALLS.replace(left_wall=hc.Wall(), precompression="10 N")
-    with pytest.raises(hc.InputError, match="precompressed beads touch and have no random gaps"):
+    with pytest.raises(hc.InputError, match="precompressed beads touch and have no gaps"):
         held.with_scatter(1, gaps=SIZE)
+
+
+def test_beads_at_rest_under_gravity_have_no_random_gaps(run, tmp_path) -> None:
+    column = BALLS.replace(right_wall=hc.Wall(), gravity="9.81 m/s^2")
+    with pytest.raises(hc.InputError, match="a chain with gaps would fall: omit the gaps, or the"):
+        column.with_scatter(1, gaps=SIZE)
+    falling = column.replace(right_wall=None).with_scatter(1, gaps=SIZE)
+    assert (falling.gaps > 0.0).all()
+    (tmp_path / "column.toml").write_text(hc.chain_as_toml(column))
+    code, _, err = run("sensitivity", tmp_path / "column.toml", "--to", "gaps", "--until", "1 ms")
+    assert code == 2
+    assert "a chain with gaps would fall" in err
 
 
 def test_chain_file_with_random_gaps() -> None:

@@ -22,6 +22,7 @@ from .fields import ChainFields
 from .input_checks import GAP_HINT, MAX_GAP
 from .places import ball_places
 from .scattered_radii import ScatteredRadii
+from .static_forces import static_forces
 
 C = TypeVar("C", bound=ChainFields)
 
@@ -83,17 +84,26 @@ def checked_size_of_gaps(what: str, gaps: object, unit: str | None) -> float:
     return number(what, gaps, unit=unit, above=0.0, most=MAX_GAP, hint=GAP_HINT)
 
 
+def check_gaps_can_open(chain: ChainFields) -> None:
+    """Raise `InputError` if static forces close all gaps of a chain."""
+    if chain.precompression > 0.0:
+        raise InputError(
+            "precompressed beads touch and have no gaps: omit the gaps, or the precompression"
+        )
+    if static_forces(chain.loads).any():
+        raise InputError(
+            "the beads of this chain rest on each other under gravity, and a chain with gaps would "
+            "fall: omit the gaps, or the gravity"
+        )
+
+
 def check_scatter(
     chain: ChainFields, relative: float | None, grade: int | None, gaps: object, beads: Any
 ) -> float | None:
     """Raise `InputError` if the radii or gaps of a chain cannot deviate; the size of the gaps."""
     if gaps is not None:
         gaps = checked_size_of_gaps("gaps of a scatter", gaps, chain._unit("m"))
-        if chain.precompression > 0.0:
-            raise InputError(
-                "precompressed beads touch and have no random gaps: omit the gaps of the scatter, "
-                "or the precompression"
-            )
+        check_gaps_can_open(chain)
     if relative is not None or grade is not None:
         _check_radii(chain, grade, beads)
     return gaps

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.random_radii import check_gaps_can_open
 from ..collision import Array
 from ..derivatives.differences import FIELDS, Differences, changed, needs_differences
 from ..derivatives.gradient import gradient
@@ -74,6 +75,7 @@ def gradient_by_gaps(
 
     Differences would depend on their step: the derivatives of closed gaps are one-sided.
     """
+    check_gaps_can_open(chain)
     if not needs_differences(chain):
         return gradient(chain, name, to="gaps", until=until, progress=progress)
     found = gradient(chain, name, to="velocities", until=until, progress=progress)

@@ -216,3 +216,20 @@ def test_a_second_blow_after_the_end_of_a_drive_is_reported(tmp_path):
     (tmp_path / "twice.csv").write_text("time [us],force [N]\n0,0\n10,80\n20,0\n30,40\n40,0\n")
     with pytest.warns(hc.InputWarning, match="still reaches 50% of its largest value.*second blow"):
         hc.load_drive(tmp_path / "twice.csv", end="20 us")
+
+
+def test_a_given_time_offset_replaces_the_start_of_the_file():
+    from hertzchain.fitting.settings import Settings
+
+    file = Settings(start={"time_offset": 9e-5, "stiffness": 1.1})
+    assert file.updated(None, None, None, 5e-5).start == {"stiffness": 1.1}
+    assert file.updated(None, None, {"time_offset": 6e-5}, 5e-5).start["time_offset"] == 6e-5
+    assert file.updated(None, None, None).start == file.start
+
+
+@pytest.mark.parametrize("name", ["time_offsets", "time_offset[ball 6]"])
+def test_starts_of_unknown_time_offsets_are_rejected(folder, name):
+    path = chain_file(folder, name="unknown.toml")
+    traces = hc.load_traces(folder / "scope.csv", sensors=SENSORS)
+    with pytest.raises(hc.InputError, match=name.partition("[")[0]):
+        hc.fit(traces, path, start={name: 1e-6})

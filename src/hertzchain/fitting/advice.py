@@ -93,7 +93,7 @@ def nothing_explains(result: FitResult, tried: Iterable[str]) -> str:
         if of_sensors else "",
         f"{listed(columns)} of the column{'s' * several}", "the unit of the times",
         *(key for key in tested if key not in EFFECTS_IN_WORDS), *tried,
-        f"starts of {result.scan}" if result.scan else "",
+        f"starts with {result.scan}" if result.scan else "",
     ]  # fmt: skip
     shown = ", ".join(each for each in causes if each)
     return f"none of the effects tested explains the residuals ({shown}). {considered(result)}"

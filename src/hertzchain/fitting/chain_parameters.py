@@ -377,7 +377,9 @@ def is_free(name: Name, free: Collection[Name], chain: Chain) -> bool:
     if name in free or name.key != "cap.mass":
         return name in free
     number = str(chain.beads - chain.strikers)
-    return any(each.key == "mass" and number in each.item.split(",") for each in free)
+    return any(
+        each.key == "mass" and number in map(str.strip, each.item.split(",")) for each in free
+    )
 
 
 def following(chain: Chain, names: Collection[Name]) -> list[bool]:

@@ -12,11 +12,11 @@ from ..validation.numbers import number
 from ..validation.objects import check_list
 from .advice import advice_to_free
 from .model import Model
-from .names import Name, parse_name
+from .names import TIME_OFFSET, Name, is_time_offset, parse_name
 from .parameters import expanded
 from .settings import Settings
 
-KEY: Final = "time_offset"
+KEY: Final = TIME_OFFSET
 
 
 def with_clocks(traces: Traces, settings: Settings) -> tuple[Traces, Settings]:
@@ -26,7 +26,7 @@ def with_clocks(traces: Traces, settings: Settings) -> tuple[Traces, Settings]:
     """
     free = _free_offsets(traces, settings)
     start, fixed = dict(settings.start), dict[Name, float]()
-    for text in [each for each in start if each.startswith(KEY)]:
+    for text in [each for each in start if is_time_offset(each)]:
         names = expanded(parse_name(text), traces)
         if not free & {*names}:
             value = number(f"start of {text}", start.pop(text), unit="s")
@@ -51,7 +51,7 @@ def _free_offsets(traces: Traces, settings: Settings) -> set[Name]:
         every = {Name(KEY, shot=str(k)) for k in unknown}
         return every | {Name(KEY)} if len(unknown) == len(traces.shots) else every
     given = check_list("free", settings.free, "names")
-    named = [each for each in given if str(each).startswith(KEY)]
+    named = [each for each in given if is_time_offset(str(each))]
     return {name for text in named for name in expanded(parse_name(text), traces)}
 
 

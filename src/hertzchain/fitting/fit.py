@@ -144,7 +144,7 @@ def fit(
     """
     data, chains, settings = load_experiment(traces, chain, load_traces)
     callback("progress", progress)
-    settings = for_sensors(settings, data).updated(free, priors, start)
+    settings = for_sensors(settings, data).updated(free, priors, start, time_offset)
     data, settings = with_clocks(with_time_offset(data, time_offset), settings)
     count = whole_number("starts", starts, least=1, most=6)
     result = diagnosed(fit_with(data, chains, settings, count, progress), settings.start, fitted)

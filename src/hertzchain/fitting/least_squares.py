@@ -94,9 +94,10 @@ def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bo
             tried += 1
             # Two starts with the same optimum have probably found the global one.
             same = abs(found.cost - best.cost) < SAME * best.cost
-            if found.cost < (1.0 - SAME) * best.cost and scan:
-                note = _start_note(lossy[0], first, start)
             if found.cost < best.cost:
+                if found.cost < (1.0 - SAME) * best.cost:
+                    moved = bool(scan) and start[lossy[0].name] != first[lossy[0].name]
+                    note = _start_note(lossy[0], first, start) if moved else ""
                 best = found
             if (same and tried > least) or best.cost <= GOOD * problem.expected:
                 break

@@ -252,7 +252,7 @@ def compare_losses(
     ['viscoelastic', 'elastic']
     """
     data, chains, settings = load_experiment(traces, chain, load_traces)
-    settings = for_sensors(settings, data).updated(free, priors, start)
+    settings = for_sensors(settings, data).updated(free, priors, start, time_offset)
     data, settings = with_clocks(with_time_offset(data, time_offset), settings)
     callback("progress", progress)
     wanted = DEFAULT_LAWS if laws is None else check_list("laws", laws, "names of laws")

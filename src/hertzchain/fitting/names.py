@@ -10,6 +10,7 @@ from ..errors import InputError, short_repr
 
 # Walls, whose names begin those of their parameters.
 ENDS: Final = ("left_wall", "right_wall")
+TIME_OFFSET: Final = "time_offset"
 NAME: Final = re.compile(
     r"(?P<base>[a-z_.]+?)(?:\[(?P<item>[^\]]+)\])?(?:\.(?P<field>[a-z_.]+))?(?:@(?P<shot>\d+|\*))?"
 )
@@ -51,3 +52,9 @@ def parse_name(text: object) -> Name:
         )
     key = found["base"] + (f".{found['field']}" if found["field"] else "")
     return Name(key, found["item"] or "", found["shot"] or "")
+
+
+def is_time_offset(text: object) -> bool:
+    """Whether a name is that of the time offset of all shots or of one."""
+    found = parse_name(text)
+    return found.key == TIME_OFFSET and not found.item

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
@@ -73,7 +74,7 @@ def second_pulse(result: FitResult) -> SecondPulse | None:
         if found is None:
             continue
         delay, size = found
-        onsets = [float(shot.times[np.argmax(np.abs(f) > ONSET * np.abs(f).max())]) for f in own]
+        onsets = [_onset(shot.times, f) for f in own]
         first = int(np.argmin(onsets))
         shots[index] = replace(shot, signals=tuple(
             replace(signal, valid=signal.valid & (shot.times < onset + delay))
@@ -84,13 +85,20 @@ def second_pulse(result: FitResult) -> SecondPulse | None:
     return None
 
 
+def _onset(times: Array, signal: Array) -> float:
+    """Time at which a signal begins; infinite if it vanishes."""
+    if not signal.any():
+        return math.inf
+    return float(times[np.argmax(np.abs(signal) > ONSET * np.abs(signal).max())])
+
+
 def _copy(shot: Shot, own: list[Array], rests: list[float]) -> tuple[float, float] | None:
     """Delay and relative size of the copy that explains most of the residuals of a shot."""
     from scipy.signal import correlate
 
     count = len(shot.times)
     step = float(shot.times[-1] - shot.times[0]) / (count - 1)
-    least = APART * max(half_width(shot.times, f) for f in own if f.any())
+    least = APART * max((half_width(shot.times, f) for f in own if f.any()), default=math.inf)
     product, size, total = np.zeros(count), np.zeros(count), 0.0
     for signal, f, rest in zip(shot.signals, own, rests, strict=True):
         left = np.where(signal.valid, signal.values - rest - f, 0.0) / signal.sigma

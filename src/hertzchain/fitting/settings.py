@@ -24,7 +24,7 @@ from ..traces.signals import Clock
 from ..traces.traces import Traces, with_coupling, with_time_offset
 from ..validation.numbers import number
 from ..validation.objects import file_path, shown_path
-from .names import parse_name
+from .names import is_time_offset, parse_name
 from .sensors import SENSOR_KINDS
 
 # Reason of a time offset, in words.
@@ -76,20 +76,28 @@ class Settings:
     drive: tuple[str, Clock] | None = None
 
     def updated(
-        self, free: Sequence[str] | None, priors: Any, start: Mapping[str, float] | None
-    ) -> Settings:
-        """Settings in which arguments replace those of the file."""
+        self, free: Sequence[str] | None, priors: Any, start: Mapping[str, float] | None,
+        time_offset: object = None,
+    ) -> Settings:  # fmt: skip
+        """Settings in which arguments replace those of the file.
+
+        A given time offset replaces the start of time offsets in the file.
+        """
         for what, given in (("priors", priors), ("start", start)):
             if given is not None and not isinstance(given, Mapping):
                 raise InputError(
                     f"{what} must be a mapping from names of parameters, got {short_repr(given)}"
                 )
         given = {*(priors or {}), *(start or {})}
+        own = {
+            name: value for name, value in self.start.items()
+            if time_offset is None or not is_time_offset(name)
+        }  # fmt: skip
         return replace(
             self,
             free=self.free if free is None else free,
             priors={**self.priors, **(priors or {})},
-            start={**self.start, **(start or {})},
+            start={**own, **(start or {})},
             optional=frozenset(() if free is None else {*self.priors, *self.start} - given),
         )
 

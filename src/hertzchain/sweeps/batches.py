@@ -175,7 +175,9 @@ class _Batch:
             try:
                 chain = self.chain(row)
                 if is_covered(chain, options.get("until")):
-                    beads = tuple(sum(each.numbers(chain)) for each in self.placed.values())
+                    beads = tuple(
+                        next(iter(each.numbers(chain)), 0) for each in self.placed.values()
+                    )
                     groups.setdefault(beads, []).append(row)
                     continue
             except InputError as error:

@@ -114,8 +114,8 @@ class Reflection:
     def kept_momentum(self) -> float:
         """Momentum that has not left in a wave, 1 + reflected - transmitted momentum.
 
-        It is negative if waves carry away more, of beads that now move back; where ``after`` is a
-        wall, it includes the momentum of the wall.  Slow waves and beads
+        It is negative if the beads left behind move back on the whole; where ``after`` is a wall,
+        it includes the momentum given to the wall.  Slow waves and beads
         carry much momentum but little energy, so that momenta converge much later than energies:
         state ``until`` with them.
         """

@@ -143,7 +143,7 @@ _SCATTER: Final = (
     ),
     Key("grade", "integer", "ball grade of ISO 3290-1, instead of relative"),
     _number("gaps", "scale of random, half-normal gaps between these beads", "length", above=0.0),
-    Key("beads", "text", "beads that deviate, such as 2:; all but the strikers if omitted"),
+    Key("beads", "text", "beads that deviate, such as 2:; all but strikers and a cap if omitted"),
     _number("radii", "radius of each bead, instead of a seed", "length", above=0.0, per="bead"),
 )
 _STRUCK_BY: Final = (

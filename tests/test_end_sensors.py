@@ -62,3 +62,28 @@ def test_ensembles_have_the_same_sensors():
     table = hc.simulate_many([driven], keep=["sensor.largest"], sensors=[1], until=100e-6)
     run = hc.simulate(driven, until=100e-6, times=4001)
     assert table["sensor.largest"][0, 0] == pytest.approx(run.sensor(1).max(), rel=1e-3)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
+@pytest.mark.parametrize("side", ["left_wall", "right_wall"])
+def test_the_force_on_a_free_end_under_gravity_is_that_of_equilibrium(side):
+    towards = 0.01 if side == "right_wall" else -0.01
+    chain = hc.Chain.uniform(5).replace(
+        **{side: hc.Wall()}, gravity=towards, precompression=0.1, held_by="force",
+        velocities=np.zeros(5),
+    )  # fmt: skip
+    run, forces = hc.simulate(chain, until=1.0, times=21), hc.equilibrium(chain).forces
+    for bead in range(1, 6):
+        expected = 0.5 * (forces[bead - 1] + forces[bead])
+        np.testing.assert_allclose(run.sensor(bead), expected, rtol=1e-9)
+        assert run.sensor_force(bead).static_force == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
+def test_the_force_on_the_end_acts_behind_the_strikers():
+    held = hc.Chain.uniform(5).replace(precompression=0.1, held_by="force")
+    run = hc.simulate(held.struck_by(velocity=0.1, gap=1.0), until=5.0, times=21)
+    np.testing.assert_allclose(run.sensor(1), 0.0, atol=1e-15)
+    np.testing.assert_allclose(run.sensor(2), 0.1, rtol=1e-9)
+    assert run.sensor_force(1).static_force == 0.0
+    assert run.sensor_force(2).static_force == pytest.approx(0.1)

@@ -10,6 +10,7 @@ from ..chain.chain import Chain
 from ..errors import InputError, unknown_name_error
 from ..pulse.quantities import QUANTITIES
 from ..pulse.quantity_names import full_name
+from ..simulation.end_forces import static_forces_around
 from ..validation.numbers import whole_number
 
 PULSE: Final = (
@@ -93,7 +94,7 @@ def parse(chain: Chain, given: object, bead: int | str | None, until: float | No
         if at_bead is None:
             raise InputError(f"{text} belongs to a bead; give bead, or '{text}@{chain.beads}'")
         at_bead = whole_number(f"bead of {text}", at_bead, least=1, most=most)
-        if group == "sensor" and chain.held_by == "force" and at_bead in (1, chain.beads):
+        if group == "sensor" and static_forces_around(chain, at_bead):
             raise InputError(
                 f"{text} has no gradient in an end bead on which a force of precompression acts; "
                 "use the sensor in another bead"

@@ -10,25 +10,22 @@ from ..collision import Array
 
 
 def force_on_end(chain: Chain, contact: int, times: ArrayLike) -> Array:
-    """Force at times on the end of a chain: of a drive, and of precompression without a wall.
-
-    Forces of walls are those of contacts, and not included.
-    """
-    given = np.full(np.shape(times), static_force_on_end(chain, contact))
+    """Force at times on the end of a chain from a drive; forces of walls are those of contacts."""
     if is_driven(chain, contact) and chain.drive is not None:
-        given += chain.drive.value(times)
-    return given
-
-
-def static_force_on_end(chain: Chain, contact: int) -> float:
-    """The part of the precompression."""
-    free = contact in (0, chain.beads) and chain.contact_stiffness[contact] == 0.0
-    return float(chain.precompression) if free and chain.held_by == "force" else 0.0
+        return chain.drive.value(times)
+    return np.zeros(np.shape(times))
 
 
 def static_forces_around(chain: Chain, bead: int) -> float:
-    """Sum of the forces of precompression on both ends of a bead that are ends of the chain."""
-    return static_force_on_end(chain, bead - 1) + static_force_on_end(chain, bead)
+    """Sum of the static forces from outside on a bead, at free ends of a precompressed chain."""
+    if chain.precompression == 0.0:
+        return 0.0
+    forces, found = chain.static_state.forces, 0.0
+    if chain.left_wall is None and bead == chain.strikers + 1:
+        found += float(forces[chain.strikers])
+    if chain.right_wall is None and bead == chain.beads:
+        found += float(forces[-1])
+    return found
 
 
 def is_driven(chain: Chain, contact: int) -> bool:

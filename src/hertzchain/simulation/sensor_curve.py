@@ -10,7 +10,7 @@ import numpy as np
 from ..chain.contact_groups import loading_forces
 from ..collision import Array
 from .budget import overlaps_of
-from .end_forces import force_on_end, is_driven
+from .end_forces import force_on_end, is_driven, static_forces_around
 from .largest_overlaps import largest_between
 from .trajectory import Trajectory
 
@@ -85,6 +85,7 @@ def _limit(run: Trajectory, bead: int) -> tuple[float, bool]:
     outside = sum(
         float(force_on_end(chain, contact, run.times).max()) for contact in (bead - 1, bead)
     )
+    outside += static_forces_around(chain, bead)
     inside = float(loading_forces(chain.contact_groups, largest)[sides].sum())
     return 0.5 * (inside + outside), unseen
 
@@ -122,7 +123,8 @@ def _curve(run: Trajectory, bead: int, force: Array, used: Array) -> tuple[Curve
 
     sides = [_elastic_force(run, contact, used) for contact in (bead - 1, bead)]
     if all(side is not None for side in sides):
-        return lambda t: 0.5 * sum(side(t) for side in sides), True  # type: ignore[misc]
+        rest = static_forces_around(run.chain, bead)
+        return lambda t: 0.5 * (rest + sum(side(t) for side in sides)), True  # type: ignore[misc]
     if len(used) < 4:
         return lambda t: np.interp(t, run.times[used], force[used]), False
     return CubicSpline(run.times[used], force[used]), False

@@ -214,7 +214,9 @@ def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
     """As `sensor_force_of`, without warnings."""
     run._require_times()
     force = run.sensor(bead)
-    at_rest = 0.5 * float(run.chain.static_state.forces[bead - 1 : bead + 1].sum())
+    # The first force is that on the end behind the strikers, which carry none.
+    static = run.chain.static_state.forces[bead - 1 : bead + 1]
+    at_rest = 0.5 * float(static.sum()) if bead > run.chain.strikers else 0.0
     found = find_maxima(bead, run.times, force, at_rest, run.chain.units)
     place, bound = place_and_bound_of_largest(run, bead, force)
     near = [place]

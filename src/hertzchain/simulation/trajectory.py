@@ -25,7 +25,7 @@ from ..representation import counted
 from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from .budget import overlaps_of
-from .end_forces import force_on_end
+from .end_forces import force_on_end, static_forces_around
 from .largest_overlaps import largest_between, still_closed
 from .run_end import NATURAL_ENDS, Status
 from .run_message import FAILURES, end_message, is_sensitive
@@ -346,7 +346,8 @@ class Trajectory(ShortDir):
             return self.forces[:, 0 if wall == 0 else -1]
         k = bead_number(self.chain, bead, walls=True)
         outside = (force_on_end(self.chain, contact, self.times) for contact in (k - 1, k))
-        return 0.5 * sum(outside, self.forces[:, k - 1] + self.forces[:, k])
+        held = static_forces_around(self.chain, k)
+        return 0.5 * (held + sum(outside, self.forces[:, k - 1] + self.forces[:, k]))
 
     def to_xarray(self) -> xr.Dataset:
         """Labelled dataset with coordinates ``time``, ``bead`` = 1..N and ``contact`` = 0..N.

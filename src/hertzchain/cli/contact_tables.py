@@ -62,6 +62,7 @@ def contact_table(run: Run) -> Table:
     from rich.table import Table
 
     from ..chain.hertz_ratios import linear_springs
+    from ..simulation.hits import leaves_dents
 
     chain = run.chain
     rows, springs = contacts_as_dict(run)["contacts"], linear_springs(chain)
@@ -69,7 +70,7 @@ def contact_table(run: Run) -> Table:
     title = "\n".join([f"{len(rows)} contacts", *map(_described, _materials(chain) if si else ())])
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
     units = (" N/m^p", " um") if si else ("", "")
-    dented = [f"dent{units[1]}"] if any(law.leaves_dents for law in chain.contact_losses) else []
+    dented = [f"dent{units[1]}"] if leaves_dents(chain) else []
     for name in (
         "contact", "between", f"stiffness{units[0]}", "exponent p", f"largest overlap{units[1]}",
         "pressure / yield", *dented,

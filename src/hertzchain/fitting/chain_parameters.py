@@ -377,9 +377,8 @@ def is_free(name: Name, free: Collection[Name], chain: Chain) -> bool:
     if name in free or name.key != "cap.mass":
         return name in free
     number = str(chain.beads - chain.strikers)
-    return any(
-        each.key == "mass" and number in map(str.strip, each.item.split(",")) for each in free
-    )
+    listed = (each.item.replace(" ", "").split(",") for each in free if each.key == "mass")
+    return any(number in numbers for numbers in listed)
 
 
 def following(chain: Chain, names: Collection[Name]) -> list[bool]:

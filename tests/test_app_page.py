@@ -1491,6 +1491,14 @@ PLACE_OF_FOCUS = """() => {
 }"""
 
 
+# Whether the controls are behind the chain in the document, as on narrow screens.
+CONTROLS_BEHIND = """wanted => {
+  const chain = document.getElementById("lane-A"), controls = document.getElementById("controls");
+  const behind = chain.compareDocumentPosition(controls) & Node.DOCUMENT_POSITION_FOLLOWING;
+  return Boolean(behind) === wanted;
+}"""
+
+
 def test_the_keyboard_follows_the_order_on_the_screen(browser, running):
     page = Page(browser, running, viewport={"width": 400, "height": 800})
     tab = page.tab
@@ -1514,10 +1522,12 @@ def test_the_keyboard_follows_the_order_on_the_screen(browser, running):
     assert [name for name in names if name in order] == order
     # The controls are to the left of the chain in a wide window.
     tab.set_viewport_size({"width": 1200, "height": 800})
+    tab.wait_for_function(CONTROLS_BEHIND, arg=False)
     names = [name for name, _ in reached()]
     order = ["c-form", "c-chain.beads", "lane-A", "play", "map-of", "force-scale", "quantity"]
     assert [name for name in names if name in order] == order
     tab.set_viewport_size({"width": 400, "height": 800})
+    tab.wait_for_function(CONTROLS_BEHIND, arg=True)
     assert reached() == narrow
     page.context.close()
     assert page.problems == []

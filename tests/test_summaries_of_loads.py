@@ -35,4 +35,21 @@ def test_static_forces_are_options_of_chains(run):
     for option, said in (("--gravity", "'9.81 m/s^2'"), ("--precompression", "'9.81 N'")):
         code, _, err = run("simulate", *row, option, "9.81")
         assert code == 2
-        assert f"{option} 9.81 has no unit; write {said}" in err
+        assert f"{option} 9.81 has no unit; write, for example, {option} {said}" in err
+
+
+def test_zero_requires_no_unit_and_other_numbers_of_options_do(run):
+    row = ["simulate", "--material", "brass", "--diameter", "10 mm", "--beads", "3"]
+    assert run(*row, "--speed", "1 cm/s", "--gravity", "0", "--json")[0] == 0
+    for option, text, example in (
+        ("--speed", "2", "2 m/s"), ("--until", "0.5", "500 ms"), ("--until", "5", "5 us"),
+        ("--precompression", "-1e-3", "-1e-3 N"),
+    ):  # fmt: skip
+        code, _, err = run(*row, option, text)
+        assert code == 2
+        assert err.strip().endswith(
+            f"{option} {text} has no unit; write, for example, {option} '{example}'"
+        )
+    code, _, err = run(*row, "--speed", "0")
+    assert code == 2
+    assert "is not struck" in err

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import MISSING, fields
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from .options import as_typed
+from .options import as_typed, require_unit
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -43,20 +42,9 @@ def at_speed(chain: Chain, speed: str) -> Chain:
             "velocities: change them there"
         )
     if not chain.scaled:
-        require_unit_of_speed(speed)
+        require_unit("--speed", speed, "m/s")
     value = number("--speed", as_typed(speed), unit=chain._unit("m/s"), above=0.0)
     return chain.replace(velocities=np.where(moving, value, 0.0))
-
-
-def require_unit_of_speed(speed: str, option: str = "--speed") -> None:
-    """Reject a speed without a unit, which could be meant in any."""
-    from ..validation.numbers import number
-
-    value = as_typed(speed)
-    if isinstance(value, float):
-        number(option, value)
-        raise click.UsageError(f"{option} {speed} has no unit; write, for example, "
-                               f"{option} '{speed.strip()} m/s'")  # fmt: skip
 
 
 def struck(chain: Chain, striker: str) -> Chain:
@@ -174,10 +162,9 @@ def compressed(chain: Chain, force: str) -> Chain:
 
 def _with_unit(chain: Chain, text: str, option: str, unit: str) -> str | float:
     """A number of a scaled chain, or text with a unit."""
-    value = as_typed(text)
-    if isinstance(value, float) and math.isfinite(value) and not chain.scaled:
-        raise click.UsageError(f"{option} {text} has no unit; write '{text.strip()} {unit}'")
-    return value
+    if not chain.scaled:
+        require_unit(option, text, unit)
+    return as_typed(text)
 
 
 def wall_named(name: str, chain: Chain) -> Wall:
@@ -247,7 +234,7 @@ def _law_with_restitution(name: str, given: list[str], chain: Chain, option: str
             f"'{name}, restitution=0.93, speed=0.8 m/s'"
         )
     if not chain.scaled:
-        require_unit_of_speed(str(values["speed"]), f"speed of {option}")
+        require_unit(f"speed of {option}", str(values["speed"]), "m/s")
     coefficient, speed = values.pop("restitution"), values.pop("speed")
     wall = option == "--wall-loss"
     contact = values.pop("contact", chain.beads if wall else usual_contact(chain))

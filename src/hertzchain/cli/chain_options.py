@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -16,7 +15,6 @@ from .chain_changes import (
     at_speed,
     compressed,
     law_from,
-    require_unit_of_speed,
     struck,
     under_gravity,
     wall_named,
@@ -24,7 +22,7 @@ from .chain_changes import (
     with_cap,
 )
 from .chain_completion import complete_losses, complete_materials, complete_tapers, complete_walls
-from .options import Fraction, as_typed
+from .options import Fraction, as_typed, require_unit
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -233,6 +231,7 @@ def _changed(chain: Chain, options: ChainOptions) -> Chain:
 
 def _described(options: ChainOptions) -> Chain:
     from ..chain.chain import Chain
+    from ..validation.numbers import number
 
     beads = 100 if options.beads is None else options.beads
     sizes = _sizes(options)
@@ -248,7 +247,9 @@ def _described(options: ChainOptions) -> Chain:
     if options.material is not None:
         _require_units(options, sizes)
     materials = None if options.material is None else _materials(options.material, beads)
-    kind: dict[str, Any] = {"materials": materials, "velocity": options.speed}
+    kind: dict[str, Any] = {"materials": materials, "velocity": None}
+    if options.speed is not None:
+        kind["velocity"] = number("--speed", as_typed(options.speed), unit="m/s")
     if any(name.startswith("last") for name in sizes):
         if options.rate is not None:
             raise click.UsageError("two sizes determine the rate of a taper: omit --rate")
@@ -282,11 +283,9 @@ def _require_units(options: ChainOptions, sizes: dict[str, Any]) -> None:
     """Reject a length or a speed without a unit, which could be meant in any."""
     option = "--radius" if options.diameter is None else "--diameter"
     for size in sizes.values():
-        if isinstance(size, float) and math.isfinite(size):
-            raise click.UsageError(f"{option} {size:g} has no unit; write, for example, "
-                                   f"{option} '{size:g} mm'")  # fmt: skip
+        require_unit(option, f"{size:g}" if isinstance(size, float) else size, "mm")
     if options.speed is not None:
-        require_unit_of_speed(options.speed)
+        require_unit("--speed", options.speed, "m/s")
 
 
 def _refuse_rate(options: ChainOptions) -> None:

@@ -150,7 +150,9 @@ def _measure_from(option: str, text: str, chain: Chain, unit: str, small: str) -
     from ..validation.numbers import SCALED, number
 
     if chain.units == "SI":
-        _require_unit(option, text, unit, small)
+        # Runs last microseconds to milliseconds, and gaps are short, so a number above 1 is not
+        # meant in seconds or metres.
+        require_unit(option, text, unit, small)
     return number(option, as_typed(text), unit=unit if chain.units == "SI" else SCALED, above=0.0)
 
 
@@ -158,21 +160,24 @@ def seconds_from(option: str, text: str) -> float:
     """Parse a time with its unit."""
     from ..validation.numbers import number
 
-    _require_unit(option, text, "s", "us")
+    require_unit(option, text, "s", "us")
     return number(option, as_typed(text), unit="s")
 
 
-def _require_unit(option: str, text: str, unit: str, small: str) -> None:
-    """Reject a time or length without a unit, which could be meant in any."""
+def require_unit(option: str, text: str, unit: str, small: str | None = None) -> None:
+    """Reject a number without a unit, which could be meant in any; 0 requires none.
+
+    Numbers from 1 on are meant in the unit ``small`` if it is given.
+    """
     from ..representation import measure
 
     value = as_typed(text)
     if isinstance(value, float) and value and math.isfinite(value):
-        # Runs last microseconds to milliseconds, and gaps are short, so a number above 1 is not
-        # meant in seconds or metres.
-        example = measure(value, unit) if abs(value) < 1.0 else f"{value:g} {small}"
+        usual = f"{text.strip()} {unit}"
+        if small is not None:
+            usual = f"{value:g} {small}" if abs(value) >= 1.0 else measure(value, unit)
         raise click.UsageError(
-            f"{option} {text} has no unit; write, for example, {option} '{example}'"
+            f"{option} {text.strip()} has no unit; write, for example, {option} '{usual}'"
         )
 
 

@@ -13,7 +13,7 @@ import hertzchain as hc
 from hertzchain import Chain, InputError, Material, Scales, Wall
 from hertzchain.chain.materials import RIGID, catalogue, contact_modulus, sphere_stiffness
 from hertzchain.recorded_warnings import ignore_warnings
-from hertzchain.simulation.yielding import dented_chain
+from hertzchain.simulation.yielding import dented_chain, peak_with_yielding_contacts
 
 STEEL = hc.material("steel-52100")
 
@@ -330,6 +330,61 @@ def test_the_material_that_yields_is_named():
     # Two equal bodies yield together.
     equal = hc.hertz_range(row.replace(velocities=[2.0, 0.0], right_wall=None)).violations[0]
     assert "at contact 1 (limit 1 of Hertz's law)" in equal
+
+
+def advice_on_yield(chain):
+    """The advice after the pressure of a run, and the chain that follows it, if there is one."""
+    with ignore_warnings(hc.ModelRangeWarning):
+        overlaps = hc.simulate(chain, times=0).largest_overlaps
+    (pressure, *_) = hc.hertz_range(chain, overlaps).violations
+    assert pressure.startswith("pressure / yield is")
+    return pressure.partition("ElasticPlastic")[2]
+
+
+@pytest.mark.parametrize(("wall", "advised"), [
+    (hc.Wall.of("aluminium"), True),
+    # The wall yields first, and keeps its own law.
+    (replace(hc.Wall.of("aluminium"), loss=hc.Elastic()), False),
+    (replace(hc.Wall.of("aluminium"), loss=hc.Restitution(0.9)), False),
+    # A spring with a law of its own keeps it, and the balls yield.
+    (hc.Wall("1 kN/mm", exponent=1, loss=hc.Dashpot("1 kg/s")), True),
+])  # fmt: skip
+def test_a_law_that_yields_is_advised_where_the_contact_then_has_it(wall, advised):
+    row = Chain.from_materials(5e-3, STEEL, beads=4, velocity=1.0, right_wall=wall)
+    text = advice_on_yield(row)
+    assert text == ("()" if advised else "")
+    if advised:
+        after = row.replace(loss=hc.ElasticPlastic())
+        assert after.right_wall.loss == wall.loss
+        overlaps = hc.simulate(after, times=0).largest_overlaps
+        assert not any("yield is" in each for each in hc.hertz_range(after, overlaps).violations)
+
+
+def test_a_law_that_yields_is_not_advised_where_it_is_given_or_rejected():
+    row = Chain.from_materials(5e-3, STEEL, beads=4, velocity=1.0)
+    listed = row.replace(loss=[hc.ElasticPlastic("5 GPa"), None, None])
+    assert advice_on_yield(row) == "()"
+    assert advice_on_yield(listed) == ""
+    cone = row.with_contacts({1: hc.Cone(80.0)})
+    assert advice_on_yield(cone) == ""
+    with pytest.raises(hc.InputError, match="law of spheres"):
+        cone.replace(loss=hc.ElasticPlastic())
+    # A linear spring between the last ball and a cap stays elastic without a law of its own.
+    pad = row.with_cap("5 g", stiffness="1 kN/mm", exponent=1.0)
+    assert advice_on_yield(pad) == "()"
+    laws = pad.replace(loss=hc.ElasticPlastic()).contact_losses
+    assert [law.yields for law in laws] == [True] * 4 + [False, True]
+
+
+def test_the_peak_with_contacts_that_yield_needs_a_contact_that_yields():
+    wall = replace(hc.Wall.of("aluminium"), loss=hc.Elastic())
+    row = Chain.from_materials(5e-3, STEEL, beads=4, velocity=0.2)
+    with ignore_warnings(hc.ModelRangeWarning):
+        own = hc.simulate(row.replace(right_wall=wall))
+        free = hc.simulate(row.replace(right_wall=replace(wall, loss=None)))
+    assert hc.hertz_range(own.chain, own.largest_overlaps).largest_yield_ratio > 1.0
+    assert peak_with_yielding_contacts(own) is None
+    assert peak_with_yielding_contacts(free).value < 0.9 * free.wall_force().peak
 
 
 @pytest.mark.parametrize("side", ["left", "right"])

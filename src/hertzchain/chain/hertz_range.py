@@ -58,10 +58,10 @@ from .hertz_ratios import (
     impact_speed,
     law_of_limit,
     losses_without_yield,
+    may_yield,
     overlap_limits,
     soft_contacts,
     speed_ratio,
-    springs_of,
     walls_to_keep_elastic,
     with_walls,
     yielding_materials,
@@ -117,8 +117,8 @@ class HertzRange:
     yielding : tuple of str
         If a contact yields, the material that yields first at each contact of two materials, and
         an empty text at the others.
-    springs : ndarray of bool, shape (N + 1,)
-        Whether the exponent of a contact is not 3/2, so that no law with yield describes it.
+    may_yield : ndarray of bool, shape (N + 1,)
+        Whether the contact yields if the chain has the loss `ElasticPlastic`.
     elastic_walls : tuple of str
         Walls that need the law `Elastic` of their own if the other contacts yield.
     losses : tuple of str
@@ -152,7 +152,7 @@ class HertzRange:
     given: NDArray[np.bool_]
     soft: NDArray[np.bool_]
     yielding: tuple[str, ...]
-    springs: NDArray[np.bool_]
+    may_yield: NDArray[np.bool_]
     elastic_walls: tuple[str, ...]
     losses: tuple[str, ...]
     law_yield_ratio: Array
@@ -250,8 +250,8 @@ class HertzRange:
         return f"the excess is small (yield alone would cost {100.0 * lost:.1g}% of the velocity); "
 
     def _law_with_yield(self, contact: int) -> str:
-        """Advice to use a law with yield, unless this contact or one of two beads is a spring."""
-        if self.springs[contact] or self.springs[1:-1].any():
+        """Advice to use a law with yield, if it applies to the chain and changes this contact."""
+        if not self.may_yield[contact]:
             return ""
         argument = "yield_overlap=..." if self.given[contact] else ""
         walls = elastic_in_words(self.elastic_walls)
@@ -392,7 +392,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         given=given_contacts(chain),
         soft=soft_contacts(chain),
         yielding=yielding_materials(chain) if (yield_ratio > 1.0).any() else (),
-        springs=springs_of(chain),
+        may_yield=may_yield(chain) if (yield_ratio > 1.0).any() else np.zeros(len(d), bool),
         elastic_walls=walls_to_keep_elastic(chain),
         losses=losses_without_yield(chain),
         law_yield_ratio=law_yield_ratios(chain.contact_groups, d),

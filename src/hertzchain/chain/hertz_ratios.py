@@ -5,17 +5,20 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from typing import Final
+from dataclasses import replace
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..collision import HERTZ_EXPONENT, Array
+from ..errors import InputError
 from ..representation import listed
 from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
 from .contact_groups import effective_radii, yield_strengths
 from .laws.elastic import Elastic
+from .laws.elastic_plastic import ElasticPlastic
 from .materials import FIRST_YIELD, Material, contact_moduli
 from .walls import materials_with_walls
 
@@ -118,9 +121,39 @@ def walls_to_keep_elastic(chain: Chain) -> tuple[str, ...]:
     left, *_, right = springs_of(chain)
     walls = (("left_wall", chain.left_wall, left), ("right_wall", chain.right_wall, right))
     return tuple(
-        name for name, wall, spring in walls
-        if wall is not None and spring and wall.loss != Elastic()
-    )  # fmt: skip
+        name for name, wall, spring in walls if wall is not None and spring and wall.loss is None
+    )
+
+
+def with_yield(chain: Chain, law: ElasticPlastic) -> Chain | None:
+    """The chain with a law that yields; None if this law does not apply to it.
+
+    Walls of another exponent, such as pads, remain elastic, and walls keep laws of their own.
+    """
+    elastic: dict[str, Any] = {
+        name: replace(getattr(chain, name), loss=Elastic()) for name in walls_to_keep_elastic(chain)
+    }
+    try:
+        return chain.replace(loss=law, **elastic)
+    except InputError:
+        return None
+
+
+def may_yield(chain: Chain) -> NDArray[np.bool_]:
+    """Contacts that yield if the chain has the loss `ElasticPlastic`, and not without it.
+
+    None if some contacts have such a law already, which another loss would replace.
+    """
+    given = given_contacts(chain)
+    found = np.zeros(len(given), bool)
+    if any(law.yields for law in chain.contact_losses):
+        return found
+    # Contacts of a given stiffness need the overlap at yield; its value is without effect here.
+    for law, which in ((ElasticPlastic(), ~given), (ElasticPlastic(yield_overlap=1.0), given)):
+        dented = with_yield(chain, law) if which.any() else None
+        if dented is not None:
+            found |= which & np.array([each.yields for each in dented.contact_losses])
+    return found
 
 
 def elastic_in_words(walls: Sequence[str]) -> str:
@@ -129,8 +162,11 @@ def elastic_in_words(walls: Sequence[str]) -> str:
 
 
 def losses_without_yield(chain: Chain) -> tuple[str, ...]:
-    """Names of the losses of a chain that describe no yield."""
-    names = (law.name for law in chain.contact_losses if not law.yields)
+    """Names of the losses of a chain that describe no yield, without those that walls keep."""
+    walls = (chain.left_wall, chain.right_wall)
+    first, last = (wall is not None and wall.loss is not None for wall in walls)
+    laws = chain.contact_losses[first : chain.beads + 1 - last]
+    names = (law.name for law in laws if not law.yields)
     return tuple(dict.fromkeys(name for name in names if name != "elastic"))
 
 

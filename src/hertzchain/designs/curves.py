@@ -14,7 +14,7 @@ from ..errors import IncompleteWarning, InputWarning, ModelRangeWarning
 from ..pulse.quantities import QUANTITIES
 from ..recorded_warnings import ignore_warnings
 from ..simulation.simulate import simulate
-from ..simulation.yielding import dented_chain, largest_overlap_ratio, yields
+from ..simulation.yielding import dented_chain, largest_overlap_ratio, may_dent
 from .comparison import shown_chains
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def compared_curves(result: DesignResult, most: float) -> list[Curve]:
         # The result has the limits of the models among its notes.
         for name, found in shown_chains(result).items():
             motions.append(_Motion(name, False, found.chain))
-            dented = dented_chain(found.chain) if yields(found.hertz_range) else None
+            dented = dented_chain(found.chain) if may_dent(found.hertz_range) else None
             if dented is not None:
                 motions.append(_Motion(name, True, dented))
         if result.chain.right_wall is None:

@@ -15,7 +15,7 @@ from ..simulation.yielding import (
     WithYield,
     dented_chain,
     largest_overlap_ratio,
-    yields,
+    may_dent,
 )
 from .measured import measured
 from .measures import RANGE, Measure, in_words
@@ -41,7 +41,7 @@ def value_if_yielding(
         # Those of the elastic chain are shown.
         if overlaps is None:
             overlaps = tabulate_runs([chain], until=until)._overlaps[0, : chain.beads + 1]
-        if not yields(hertz_range(chain, overlaps)):
+        if not may_dent(hertz_range(chain, overlaps)):
             return UNKNOWN
         found = measured([dented], [measure], until=until)
         table = found.table or tabulate_runs([dented], until=until)

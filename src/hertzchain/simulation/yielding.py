@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from ..errors import InputError, SimulationError
@@ -144,24 +143,20 @@ def yields(limits: HertzRange | None) -> bool:
     return limits is not None and limits.largest_yield_ratio > 1.0
 
 
+def may_dent(limits: HertzRange) -> bool:
+    """Whether a contact that exceeds this pressure yields in the `dented_chain`."""
+    return bool((limits.may_yield & (limits.yield_ratio > 1.0)).any())
+
+
 def dented_chain(chain: Chain) -> Chain | None:
     """The chain with `ElasticPlastic` contacts; None if they do not apply to it.
 
     Walls of another exponent, such as pads, remain elastic.
     """
-    from ..chain.hertz_ratios import walls_to_keep_elastic
-    from ..chain.laws.elastic import Elastic
+    from ..chain.hertz_ratios import with_yield
     from ..chain.laws.elastic_plastic import ElasticPlastic
 
-    if not chain.lossless:
-        return None
-    elastic = {
-        name: replace(getattr(chain, name), loss=Elastic()) for name in walls_to_keep_elastic(chain)
-    }
-    try:
-        return chain.replace(loss=ElasticPlastic(), **elastic)
-    except InputError:
-        return None
+    return with_yield(chain, ElasticPlastic()) if chain.lossless else None
 
 
 def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> WithYield | None:
@@ -175,7 +170,7 @@ def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> W
     if chain.right_wall is None or not run._wall_force("right").complete:
         return None
     dented = dented_chain(chain)
-    if dented is None or not yields(hertz_range(chain, run.largest_overlaps)):
+    if dented is None or not may_dent(hertz_range(chain, run.largest_overlaps)):
         return None
     with ignore_warnings():  # those of the elastic run are shown
         try:

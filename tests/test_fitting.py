@@ -17,7 +17,7 @@ from synthetic_traces import bench, measured, recorded, signals
 import hertzchain as hc
 from hertzchain.fitting import least_squares
 from hertzchain.fitting.autocorrelation import correlation_length
-from hertzchain.fitting.chain_parameters import with_motion, with_sizes
+from hertzchain.fitting.chain_parameters import value_of, with_motion, with_sizes
 from hertzchain.fitting.defect_scan import fit_of_defect
 from hertzchain.fitting.effect_limits import _limit as largest_effect
 from hertzchain.fitting.goodness import Goodness, goodness_of
@@ -959,7 +959,8 @@ GIVEN = {"stiffness": bench(LAW).stiffness, "right_wall": hc.Wall(bench(LAW).wal
         ({"masses": bench(LAW).masses}, "materials[steel].density", "free 'mass[8]' of single"),
         (
             GIVEN | {"masses": bench(LAW).masses, "exponent": 1.6}, "radius[8]",
-            "its mass and the stiffness of its contacts are given; free 'mass[8]' or 'stiffness'",
+            "its mass and the stiffness of its contacts are given; free 'mass[8]', "
+            "'stiffness[7-8]' or 'stiffness[8-9]' instead",
         ),
     ],
 )  # fmt: skip
@@ -967,6 +968,29 @@ def test_parameters_without_an_effect_are_refused(fields, name, words, traces, m
     monkeypatch.setattr("hertzchain.fitting.simulations.simulate", None)  # before the search
     with pytest.raises(hc.InputError, match=re.escape(words)):
         hc.fit(traces, bench(LAW).replace(**fields), free=["time_offset", name])
+
+
+def test_the_contacts_of_a_ball_or_a_material_are_named_as_parameters(traces):
+    chain = bench(LAW)
+    given = GIVEN | {"masses": chain.masses, "exponent": 1.6}
+    kinds = [*chain.materials]
+    kinds[-1] = dataclasses.replace(kinds[-1], name="other")
+    kinds[4] = dataclasses.replace(kinds[4], name="third")
+    mixed = chain.replace(**given, materials=kinds)
+    balls = mixed.beads - mixed.strikers
+    last, ball = f"stiffness[{balls - 1}-{balls}]", 5 - mixed.strikers
+    around = [f"stiffness[{ball - 1}-{ball}]", f"stiffness[{ball}-{ball + 1}]"]
+    for name, advised in (
+        (f"radius[{balls}]", [f"mass[{balls}]", last]), ("materials[other].young", [last]),
+        ("materials[third].young", around),
+    ):  # fmt: skip
+        with pytest.raises(hc.InputError) as caught:
+            hc.fit(traces, mixed, free=["time_offset", name])
+        words = str(caught.value).partition("; free ")[2]
+        assert words == f"{' or '.join(map(repr, advised))} instead"
+        # The names that are advised are accepted.
+        for each in advised:
+            assert value_of(mixed, parse_name(each)) > 0.0
 
 
 def test_crosstalk_between_different_units_is_refused(traces):

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 from ..chain.chain import Chain
 from ..errors import InputError
+from ..representation import listed
 from ..traces.traces import Traces
-from .chain_parameters import is_motion, with_motion, with_sizes
+from .chain_parameters import bead_indices, is_motion, with_motion, with_sizes
 from .law_parameters import loss_parameters
 from .names import Name
 from .parameters import Parameter
@@ -18,12 +20,14 @@ from .symmetry import similarity_key, units_of
 MOVED: Final = 1e-3
 # Reason why a parameter has no effect, and parameters that can be free instead.
 REASONS: Final = {
-    "materials.young": ("the stiffness of all its contacts is given", "'stiffness'"),
-    "materials.poisson": ("the stiffness of all its contacts is given", "'stiffness'"),
+    "materials.young": ("the stiffness of all its contacts is given", "{contacts}"),
+    "materials.poisson": ("the stiffness of all its contacts is given", "{contacts}"),
     "materials.density": ("the masses are given", "'mass[8]' of single balls"),
-    "radius": ("its mass and the stiffness of its contacts are given", "{masses} or 'stiffness'"),
+    "radius": ("its mass and the stiffness of its contacts are given", "{parts}"),
     "crosstalk": ("no neighbouring column has the same unit", "'gain[*]' or 'offset[*]'"),
 }
+# Contacts of which each is named; of more, one is an example.
+MAX_NAMED: Final = 2
 # The same for the density of a material of which no ball is made.
 OF_WALL: Final = ("only a wall is made of this material, and it does not move", "'{young}'")
 
@@ -74,5 +78,24 @@ def _sentence(parameter: Parameter, chain: Chain) -> str:
         reason, others = OF_WALL
     if not others:
         others = ", ".join(f"'loss.{each}'" for each in loss_parameters(chain)) or "'stiffness'"
-    others = others.format(masses=f"'mass[{name.item}]'", young=Name("materials.young", name.item))
+    contacts, mass = _contact_names(name, chain), repr(str(replace(name, key="mass")))
+    others = others.format(
+        contacts=listed(contacts, "or"), parts=listed([mass, *contacts], "or"),
+        young=Name("materials.young", name.item),
+    )  # fmt: skip
     return f"{str(name)!r} has no effect, because {reason}; free {others} instead"
+
+
+def _contact_names(name: Name, chain: Chain) -> list[str]:
+    """Names of the factors of the contacts of a ball or a material, or of one of many."""
+    if name.key == "radius":
+        touching = {*bead_indices(chain, name)}
+    else:
+        touching = {i for i, kind in enumerate(chain.materials or ()) if kind.name == name.item}
+    contacts = [i for i in range(chain.beads - 1) if {i, i + 1} & touching]
+    # The names of contacts of balls begin with 0, the last striker.
+    numbers = [i - chain.strikers + 1 for i in contacts if i >= chain.strikers - 1]
+    names = [repr(str(Name("stiffness", f"{k}-{k + 1}", name.shot))) for k in numbers]
+    if not names or len(contacts) == chain.beads - 1:
+        return [repr(str(Name("stiffness", shot=name.shot)))]
+    return names if len(names) <= MAX_NAMED else [f"{names[0]} of single contacts"]

@@ -675,3 +675,25 @@ def test_the_text_of_a_chain_file_is_read_like_the_file(tmp_path):
     ):  # fmt: skip
         with pytest.raises(InputError, match=re.escape(message)):
             hc.chain_from_toml(wrong)
+
+
+@pytest.mark.parametrize("cap", [False, True])
+def test_random_gaps_of_a_file_keep_its_masses_and_add_to_its_gaps(cap):
+    text = (
+        '[chain]\nmaterials = "brass"\nradii = ["5 mm", "5 mm", "4 mm"]\n'
+        'masses = ["4 g", "5 g", "3 g"LAST]\ngaps = ["1 um", "2 um"NONE]\n'
+        '[chain.with_scatter]\nseed = 1\ngaps = "5 um"\n'
+    )
+    last, none = (', "6 g"', ", 0") if cap else ("", "")
+    text = text.replace("LAST", last).replace("NONE", none)
+    read = hc.chain_from_toml(text + '[chain.cap]\nmass = "6 g"\n' * cap)
+    same = hc.Chain.from_materials(["5 mm", "5 mm", "4 mm"], "brass")
+    same = same.replace(masses=[4e-3, 5e-3, 3e-3], gaps=["1 um", "2 um"])
+    same = same.with_scatter(1, gaps="5 um")
+    balls = slice(None, 3)
+    np.testing.assert_allclose(read.masses[balls], same.masses, rtol=1e-15)
+    np.testing.assert_allclose(read.gaps[:2], same.gaps, rtol=1e-12)
+    assert np.all(same.gaps > [1e-6, 2e-6])
+    assert read.gaps[2:].tolist() == [0.0] * cap
+    with pytest.raises(hc.InputError, match="has masses, which would not follow the radii"):
+        hc.chain_from_toml(text + 'relative = "1%"\n')

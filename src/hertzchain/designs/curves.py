@@ -62,8 +62,9 @@ def compared_curves(result: DesignResult, most: float) -> list[Curve]:
         # The result has the limits of the models among its notes.
         for name, found in shown_chains(result).items():
             motions.append(_Motion(name, False, found.chain))
-            dented = dented_chain(found.chain) if may_dent(found.hertz_range) else None
-            if dented is not None:
+            limits = found.hertz_range
+            denting = limits is not None and may_dent(limits)
+            if denting and (dented := dented_chain(found.chain)) is not None:
                 motions.append(_Motion(name, True, dented))
         if result.chain.right_wall is None:
             return _pulses(result, motions)

@@ -170,8 +170,11 @@ class _ChainFile:
         self._check_changed_radii()
         chain = self._beads({} if changed else _without_last(own) if capped else own)
         for name in MORE_BEADS:
+            before = chain.gaps
             for arguments in self._arguments(name):
                 chain = getattr(chain, name)(**arguments)
+        # The last of these methods adds random gaps.
+        random = chain.gaps - before if "with_scatter" in self.table else np.zeros(0)
         if capped:
             chain = self._with_cap(chain)
         mass = float(chain.masses[-1])
@@ -181,6 +184,9 @@ class _ChainFile:
         if "striker_properties" in self.table:
             own["striker_properties"] = self._striker_properties()
         chain = chain.replace(**own) if own else chain
+        if "gaps" in own and random.any():
+            random = np.pad(random, (0, len(chain.gaps) - len(random)))  # none at a cap
+            chain = chain.replace(gaps=chain.gaps + random)
         if capped and chain.masses[-1] != mass:
             raise InputError(
                 f"[chain] has masses, which include the cap, and the last one, "
@@ -380,9 +386,11 @@ class _ChainFile:
     def _check_changed_radii(self) -> None:
         """Reject masses and stiffness that would not follow changed radii, as the methods do."""
         given = [name for name in ("masses", "stiffness") if name in self.table]
-        listed = "radii" in self.table.get("with_scatter", {})  # as written by hertzchain
+        scatter = self.table.get("with_scatter", {})
+        # Random gaps change no radii, and files that hertzchain writes list the radii.
+        kept = "radii" in scatter or not {"relative", "grade"} & scatter.keys()
         for name in ("with_defects", "with_scatter"):
-            if given and name in self.table and not (name == "with_scatter" and listed):
+            if given and name in self.table and not (name == "with_scatter" and kept):
                 raise InputError(
                     f"[chain] has {' and '.join(given)}, which would not follow the radii that "
                     f"{name} changes: omit {name} and give the radii and "

@@ -158,6 +158,21 @@ def test_the_fitted_file_keeps_the_time_offset(folder):
     assert hc.fit(data(folder), folder / "fitted.toml").describes
 
 
+def test_the_fitted_file_keeps_the_time_offsets_of_some_shots(folder):
+    traces = data(folder, "other.csv")
+    # That of shot 1 is free, and that of shot 2 is known.
+    free = ["stiffness", "gain[wall]", "time_offset@1"]
+    given = {"start": {"time_offset@2": "-50 us"}, "starts": 1}
+    first = hc.fit(traces + traces, chain_file(folder), free=free, **given)
+    text = first.chain_toml()
+    assert '"time_offset@2" = "-50 us"' in text.split("[fit.start]")[1].splitlines()
+    (folder / "some.toml").write_text(text)
+    again = hc.fit(traces + traces, folder / "some.toml", starts=1)
+    assert "time_offset of shot 2 is fixed at -50 us, as given" in again.summary()
+    assert [*again.values] == free
+    assert again.chi2 == pytest.approx(first.chi2, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("more", "shown"),
     [

@@ -24,7 +24,7 @@ from ..store.chain_as_toml import chain_as_toml
 from ..store.chain_files import chain_from
 from ..store.toml_files import toml_key, toml_text
 from ..traces.traces import Traces
-from .names import Name
+from .names import TIME_OFFSET, Name
 from .parameters import Parameter
 
 # Digits of numbers: errors of fits are much larger than the rounding.
@@ -73,11 +73,23 @@ def _settings(
             prior = [_shown(each, x / units[str(each)]) for x in each.prior or ()]
             yield f"{toml_key(str(each))} = {_text(prior)}"
     start = [each for each in parameters if not each.of_chain or each.shot]
-    if start:
+    fixed = {} if len(clocks) == len(traces.shots) else _known_offsets(traces)
+    if start or fixed:
         yield from ("", "[fit.start]")
+        for key, text in fixed.items():
+            yield f"{toml_key(key)} = {_text(text)}"
         for each in start:
             value = values[str(each)] / units[str(each)]
             yield f"{toml_key(str(each))} = {_text(_shown(each, value))}"
+
+
+def _known_offsets(traces: Traces) -> dict[str, Any]:
+    """Time offsets of the shots that have a known one; as starts of others, they are fixed."""
+    return {
+        str(Name(TIME_OFFSET, shot=str(k))): _measure(shot.time_offset, "s")
+        for k, shot in enumerate(traces.shots, start=1)
+        if shot.clock is not None
+    }
 
 
 def _unit_in_file(name: Name, values: Mapping[str, float]) -> float:

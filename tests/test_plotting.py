@@ -1707,3 +1707,17 @@ def test_legends_of_designs_mention_dashes_only_if_they_are_visible(change, word
     ]  # fmt: skip
     monkeypatch.setattr(designs, "compared_curves", lambda *_: curves)
     assert legend(designs.plot_forces(found)) == [words]
+
+
+def test_the_label_of_peak_forces_excludes_damping_only_where_a_law_has_it():
+    chain = hc.Chain.uniform(5)
+    usual, without = "largest force $F_k$", "largest force without damping $F_k$"
+    # That of a wall acts on no bead of the row.
+    wall = chain.replace(right_wall=hc.Wall(loss=hc.Restitution(0.9)))
+    for each, label in (
+        (chain, usual), (chain.replace(loss=hc.UnloadingRatio(0.9)), usual), (wall, usual),
+        (chain.replace(loss=hc.Restitution(0.9)), without),
+        (chain.replace(loss=[None, hc.Viscoelastic(0.01), None, None]), without),
+    ):  # fmt: skip
+        pulse = hc.simulate(each, until=8.0).pulse()
+        assert pulse.plot("peak_force").get_ylabel() == label

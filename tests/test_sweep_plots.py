@@ -73,11 +73,29 @@ def test_labels_have_the_selected_bead_and_the_symbol_of_the_rate(taper, symbol)
         every = hc.plot_sweep(found, "velocity", approach="bca", levels=[0.5])
     assert axes.get_ylabel().replace("\n", " ") == "velocity $v_{33}$"
     assert axes.get_xlabel() == f"rate of the taper ${symbol}$"
-    assert force.get_ylabel().replace("\n", " ") == "largest force without damping $F_{7}$"
+    assert force.get_ylabel().replace("\n", " ") == "largest force $F_{7}$"
     # Along the beads, no bead is selected.
     assert every.collections[0].colorbar.ax.get_ylabel() == "velocity $v_k$"
     assert every.get_xlabel() == f"rate of the taper ${symbol}$"
     assert hc.plot_sweep(found, "velocity", rate=0.004).get_title() == "rate = 0.004"
+
+
+@pytest.mark.parametrize(("chain", "axes", "damped"), [
+    ({"loss": {"law": "viscoelastic", "time": 0.01}}, {"beads": [4, 5]}, True),
+    ({"loss": {"law": "unloading-ratio", "ratio": 0.9}}, {"beads": [4, 5]}, False),
+    ({"beads": 4, "loss": {"law": "restitution", "coefficient": 0.9}},
+     {"loss.coefficient": [0.8, 0.9]}, True),
+])  # fmt: skip
+def test_the_label_of_forces_excludes_damping_where_the_sweep_has_it(chain, axes, damped):
+    found = swept({"taper": "uniform"} | chain, axes, keep=["peak_force"], methods=["simulate"],
+                  at="last")  # fmt: skip
+    label = hc.plot_sweep(found, "peak_force").get_ylabel().replace("\n", " ")
+    words = "largest force without damping" if damped else "largest force"
+    assert label == f"{words} $F_{{N-1}}$"
+    # The chains of a dataset without its specification are not known.
+    del found.attrs["specification"]
+    label = hc.plot_sweep(found, "peak_force").get_ylabel().replace("\n", " ")
+    assert label == "largest force without damping $F_{N-1}$"
 
 
 def test_a_plot_of_a_dataset_without_its_specification_has_no_symbol():

@@ -368,6 +368,11 @@ class ChainFields(Frozen):
         )  # fmt: skip
 
     @property
+    def _damped(self) -> bool:
+        """Whether forces between beads have a part of damping."""
+        return any(law.damps for law in self.contact_losses[1:-1])
+
+    @property
     def lossless(self) -> bool:
         """Whether no contact has a loss."""
         walls = self.left_wall, self.right_wall

@@ -138,8 +138,8 @@ def _draw_curves(
     if not walled:
         axes.xaxis.set_major_locator(BeadLocator())
     quantity = QUANTITIES[plotted_quantity(result)]
-    name, unit = ("force on the wall", "N") if walled else (quantity.label, quantity.unit)
-    axes.set_ylabel(f"{name} [{unit}]" if si and unit != "1" else name)
+    label = quantity.label_in(result.chain.units, damped=result.chain._damped)
+    axes.set_ylabel(("force on the wall [N]" if si else "force on the wall") if walled else label)
     axes.margins(x=0.0)
     place_legend(axes)
     return axes

@@ -52,7 +52,8 @@ def plot_pulse_table(table: PulseTable, quantity: str, *, ax: Axes | None = None
         if ends and FREE_END not in axes.get_legend_handles_labels()[1]:
             label_free_end(axes)
         axes.set_xlabel(f"{row.per} $k$")
-        axes.set_ylabel(row.label_in(table.units))
+        damped = any(chain is not None and chain._damped for chain in table.chains)
+        axes.set_ylabel(row.label_in(table.units, damped=damped))
         axes.xaxis.set_major_locator(BeadLocator())
         good = len(table) - len(table.reasons)
         up_to = "" if len(set(table.beads.tolist())) == 1 else "up to "

@@ -153,7 +153,8 @@ def plot_pulses(
             _label_groups(axes, words, looks)
         _label_parts(axes, pulses, quantity, looks)
         row = COLUMN_QUANTITIES[quantity]
-        axes.set_ylabel(row.label_in(pulses[0].chain.units))
+        damped = any(pulse.chain._damped for pulse in pulses)
+        axes.set_ylabel(row.label_in(pulses[0].chain.units, damped=damped))
         axes.set_yscale("log" if log else "linear")
         if log:
             label_log_axis(axes.yaxis)

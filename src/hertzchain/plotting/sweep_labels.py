@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+from ..chain.laws.base import LAWS
 from ..chain.tapers import TAPERS, rate_symbol
 from ..sweeps.kept import SWEEP_QUANTITIES
 from ..sweeps.placed import placed
@@ -69,6 +71,27 @@ def with_symbols(drawn: xr.DataArray, dataset: xr.Dataset) -> xr.DataArray:
     )  # fmt: skip
 
 
+def with_damping(drawn: xr.DataArray, dataset: xr.Dataset) -> xr.DataArray:
+    """Values with the attribute ``damped`` if chains of the sweep may have damping forces."""
+    known = "specification" in dataset.attrs
+    laws = (LAWS.get(name) for name in _laws(_specification(dataset)))
+    if known and not any(law is not None and law.damps for law in laws):
+        return drawn
+    return drawn.assign_attrs({**drawn.attrs, "damped": True})
+
+
+def _laws(entry: Any, *, named: bool = False) -> Iterator[str]:
+    """Names of the laws in a specification, which are values of ``law`` or ``loss.law``."""
+    if isinstance(entry, dict):
+        for key, each in entry.items():
+            yield from _laws(each, named=named or key.endswith("law"))
+    elif isinstance(entry, list):
+        for each in entry:
+            yield from _laws(each, named=named)
+    elif named and isinstance(entry, str):
+        yield entry
+
+
 def reference_of(dataset: xr.Dataset) -> str | None:
     """Name of the method to which errors of a sweep are relative."""
     reference = _specification(dataset).get("sweep", {}).get("reference")
@@ -110,7 +133,10 @@ def quantity_label(drawn: xr.DataArray) -> str:
     quantity = SWEEP_QUANTITIES.get(name)
     if quantity is None:
         return _with_unit(name.replace("_", " "), drawn)
-    return _with_unit(quantity.label.replace("_k$", f"_{_index(drawn, quantity.per)}$"), drawn)
+    label = quantity.label
+    if "damped" in drawn.attrs and quantity.without_damping:
+        label = quantity.without_damping
+    return _with_unit(label.replace("_k$", f"_{_index(drawn, quantity.per)}$"), drawn)
 
 
 def _index(drawn: xr.DataArray, per: str) -> str:

@@ -31,6 +31,7 @@ from .sweep_labels import (
     quantity_label,
     reference_of,
     short_value,
+    with_damping,
     with_symbols,
 )
 from .sweep_marks import mark_cells
@@ -135,7 +136,7 @@ def plot_sweep(
     _check_done(dataset, at)
     _check_values(drawn)
     drawn, reference = _without_reference(dataset, drawn)
-    drawn, factor = _in_shown_units(with_symbols(drawn, dataset))
+    drawn, factor = _in_shown_units(with_damping(with_symbols(drawn, dataset), dataset))
     levels = [factor * level for level in levels]
     by = "approach" if len(along) == 1 else short
     with figure_style():

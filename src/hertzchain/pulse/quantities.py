@@ -48,6 +48,9 @@ class Quantity:
     values : str
         Allowed values, where they are given: ``"positive"``, ``"positive after the strikers"``,
         ``"nonzero"`` or ``"finite"``.
+    without_damping : str
+        The label if contacts have damping forces, which the quantity excludes; empty for the usual
+        one.
     estimate : bool
         Whether only some theories give it, as an estimated error or a spread over random chains;
         it is not compared.
@@ -72,6 +75,7 @@ class Quantity:
     unit: str
     scale: str
     label: str = ""
+    without_damping: str = ""
     per: Place = "bead"
     inputs: tuple[str, ...] = ()
     formula: Callable[..., Any] | None = None
@@ -118,23 +122,27 @@ class Quantity:
         """
         return self.unit if units == "SI" else "1"
 
-    def label_in(self, units: str) -> str:
+    def label_in(self, units: str, *, damped: bool = False) -> str:
         """Label of an axis, with the unit if the chain is in SI units.
 
         Parameters
         ----------
         units : str
             ``"SI"`` or ``"scaled"``, the units of the chain.
+        damped : bool
+            Whether contacts between the beads have damping forces.
 
         Examples
         --------
         >>> import hertzchain as hc
         >>> from hertzchain.pulse.quantities import QUANTITIES
         >>> QUANTITIES["peak_force"].label_in("SI")
+        'largest force $F_k$ [N]'
+        >>> QUANTITIES["peak_force"].label_in("SI", damped=True)
         'largest force without damping $F_k$ [N]'
         """
-        unit = self.unit_in(units)
-        return self.label if unit == "1" else f"{self.label} [{unit}]"
+        unit, label = self.unit_in(units), (damped and self.without_damping) or self.label
+        return label if unit == "1" else f"{label} [{unit}]"
 
     def attributes(self, units: str) -> dict[str, str]:
         """Attributes of a variable of a dataset.
@@ -204,9 +212,9 @@ QUANTITIES: Final = _by_name(
         ),
         Quantity(
             "peak_force", "F", "largest force on the next bead, without damping forces",
-            unit="N", scale="force", label="largest force without damping $F_k$", per="contact",
-            scored=True, inputs=("loading_force", "peak_overlap"),
-            formula=lambda force, d: force(d),
+            unit="N", scale="force", label="largest force $F_k$", per="contact",
+            without_damping="largest force without damping $F_k$", scored=True,
+            inputs=("loading_force", "peak_overlap"), formula=lambda force, d: force(d),
         ),
         Quantity(
             "velocity_spread", "sd_v", "standard deviation of ln v over random chains",

@@ -112,11 +112,14 @@ class Loss(Part):
         Whether the law itself describes contacts beyond first yield.
     leaves_dents : bool
         Whether contacts may open at a residual overlap.
+    damps : bool
+        Whether a part of the force is one of damping.
     """
 
     name: ClassVar[str]
     yields: ClassVar[bool] = False
     leaves_dents: ClassVar[bool] = False
+    damps: ClassVar[bool] = False
 
     def __init_subclass__(cls, *, name: str, **more: Any) -> None:
         super().__init_subclass__(**more)

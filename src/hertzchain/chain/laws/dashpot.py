@@ -36,6 +36,7 @@ class Dashpot(Loss, name="dashpot"):
     Dashpot(gamma=6.0, attractive=True)
     """
 
+    damps = True
     gamma: float = parameter("gamma", "damping constant", "damping", least=0.0)
     attractive: bool = may_pull(default=True)
 

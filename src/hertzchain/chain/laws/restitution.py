@@ -52,6 +52,7 @@ class Restitution(Loss, name="restitution"):
     0.07495
     """
 
+    damps = True
     coefficient: float = parameter(
         "coefficient of restitution",
         "coefficient of restitution",

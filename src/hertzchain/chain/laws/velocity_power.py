@@ -39,6 +39,7 @@ class VelocityPower(Loss, name="velocity-power"):
     VelocityPower(gamma=0.1, alpha=1.81, attractive=True)
     """
 
+    damps = True
     gamma: float = parameter(
         "gamma", "strength [scaled, or N (s/m)^alpha]", least=0.0,
         unit=lambda law: f"force/velocity^{law.alpha}",

@@ -41,6 +41,7 @@ class Viscoelastic(Loss, name="viscoelastic"):
     Viscoelastic(time=1e-06, attractive=False)
     """
 
+    damps = True
     time: float = parameter("relaxation time", "relaxation time of the material", "time", least=0.0)
     attractive: bool = may_pull(default=False)
 

@@ -1,5 +1,6 @@
 """Caps of load cells: flat last bodies of given mass, in chains whose other beads follow."""
 
+import json
 import math
 import pickle
 
@@ -454,6 +455,43 @@ def test_the_command_adds_a_cap(run, tmp_path):
     assert "the chain has a cap already; omit --cap" in err
     code, _, err = run("simulate", "--beads", "4", "--cap", "5 g")
     assert (code, "--cap '5 g' requires --material" in err) == (2, True)
+
+
+@pytest.mark.parametrize(("cap", "file", "arguments"), [
+    ("5 g, 1 kN/mm", 'mass = "5 g"\nstiffness = "1 kN/mm"\nexponent = 1',
+     {"mass": "5 g", "stiffness": "1 kN/mm", "exponent": 1}),
+    ("3e8 N/m^1.5, tungsten-carbide, 5 kHz",
+     'frequency = "5 kHz"\nmaterial = "tungsten-carbide"\nstiffness = "3e8 N/m^1.5"',
+     {"frequency": "5 kHz", "material": "tungsten-carbide", "stiffness": "3e8 N/m^1.5"}),
+])  # fmt: skip
+def test_option_file_and_method_agree_on_a_cap_with_stiffness(run, tmp_path, cap, file, arguments):
+    command = ["simulate", "--until", "1 ms", "--json"]
+    described = ["--material", STEEL, "--diameter", "10 mm", "--beads", "4", "--speed", "0.05 m/s"]
+    _, out, _ = run(*command, *described, "--wall", "5 kN/mm", "--cap", cap)
+    path = tmp_path / "chain.toml"
+    path.write_text(
+        f'[chain]\ndiameters = "10 mm"\nbeads = 4\nmaterials = "{STEEL}"\nvelocity = "0.05 m/s"\n'
+        f'[chain.right_wall]\nstiffness = "5 kN/mm"\nexponent = 1\n[chain.cap]\n{file}\n'
+    )
+    _, of_file, _ = run(*command, path)
+    row = hc.Chain.from_materials(diameters="10 mm", materials=STEEL, beads=4, velocity=0.05)
+    row = row.replace(right_wall=hc.Wall("5 kN/mm", exponent=1)).with_cap(**arguments)
+    assert hc.load_chain(path) == row
+    peak = hc.simulate(row, until="1 ms").wall_force().peak
+    hertz = row[:-1].with_cap(row.masses[-1]).replace(right_wall=row.right_wall)
+    assert peak < 0.99 * hc.simulate(hertz, until="1 ms").wall_force().peak
+    for each in (out, of_file):
+        assert json.loads(each)["walls"][0]["peak"] == pytest.approx(peak, rel=1e-9)
+
+
+def test_a_cap_has_one_stiffness_and_the_unit_of_its_exponent(run):
+    described = ["--material", STEEL, "--diameter", "10 mm", "--beads", "4", "--wall", "5 kN/mm"]
+    for cap, said in {
+        "5 g, 1 kN/mm, 2 kN/mm": "has two values of the stiffness: omit one",
+        "1 kN/mm": "neither was given", "5 g, 1e9": "or '5 g, 1 kN/mm' with a pad, got '1e9'",
+    }.items():  # fmt: skip
+        code, _, err = run("simulate", *described, "--cap", cap)
+        assert (code, said in err) == (2, True)
 
 
 def test_the_summary_states_when_the_cap_leaves_the_wall(run, tmp_path):

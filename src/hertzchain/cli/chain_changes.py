@@ -113,23 +113,26 @@ def _striker(text: str, chain: Chain) -> dict[str, Any]:
 
 
 def with_cap(chain: Chain, text: str) -> Chain:
-    """The chain with a cap from text such as ``5 g``, ``8 kHz`` or ``5 g, steel-304``."""
+    """The chain with a cap from text such as ``5 g``, ``8 kHz`` or ``5 g, steel-304, 1 kN/mm``."""
     from ..units import has_dimension, quantity
 
-    dimensions = {"mass": "kg", "frequency": "Hz"}
+    units = {"kg": "mass", "Hz": "frequency", "N/m": "stiffness", "N/m^1.5": "stiffness"}
     given: dict[str, Any] = {}
     for part in map(str.strip, text.split(",")):
         found = quantity(part)
-        keys = [key for key, unit in dimensions.items() if found and has_dimension(found[1], unit)]
-        if not keys and (found is not None or not part[:1].isalpha()):
+        unit = next((each for each in units if found and has_dimension(found[1], each)), "")
+        if not unit and (found is not None or not part[:1].isalpha()):
             raise click.UsageError(
                 "--cap must be a mass or the resonance frequency on the wall, and perhaps a "
-                f"material, such as --cap '5 g, steel-304', got {part!r}"
+                "material and the stiffness of its contact with the last bead, such as --cap "
+                f"'5 g, steel-304', or '5 g, 1 kN/mm' with a pad, got {part!r}"
             )
-        key = keys[0] if keys else "material"
+        key = units.get(unit, "material")
         if key in given:
             raise click.UsageError(f"--cap {text!r} has two values of the {key}: omit one")
         given[key] = part
+        if unit == "N/m":
+            given["exponent"] = 1.0
     if chain.scaled:
         raise click.UsageError(f"--cap {text!r} requires --material")
     return chain.with_cap(**given)

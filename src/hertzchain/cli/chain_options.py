@@ -103,7 +103,8 @@ CHAIN_OPTIONS: Final = (
         "--cap",
         metavar="CAP",
         help="Add the cap of a load cell in front of the wall: its mass, or its resonance "
-        "frequency on the wall, and perhaps a material, such as '5 g, steel-304'.",
+        "frequency on the wall, and perhaps a material, such as '5 g, steel-304', and the "
+        "stiffness of a pad or spring between the last bead and the cap, such as '5 g, 1 kN/mm'.",
     ),
     click.option(
         "--loss",

@@ -25,7 +25,7 @@ from hertzchain.fitting.jumps import next_to_jumps
 from hertzchain.fitting.loss_comparison import LossComparison, LossFit
 from hertzchain.fitting.model import make_model
 from hertzchain.fitting.names import Name, parse_name
-from hertzchain.fitting.parameters import free_parameters
+from hertzchain.fitting.parameters import default_names, every_name, free_parameters
 from hertzchain.fitting.posterior import MIN_WALKERS, steps_needed
 from hertzchain.fitting.problem import Problem
 from hertzchain.fitting.sensors import Sensor, filtered
@@ -422,6 +422,58 @@ def test_comparisons_of_losses_keep_the_free_parameters_of_a_wall_with_its_own_l
         "loss.gamma", "time_offset", "right_wall.loss.coefficient"
     }  # fmt: skip
     assert compared.best.values["right_wall.loss.coefficient"] == pytest.approx(1.0, abs=0.01)
+
+
+def laws_with(chain, **values):
+    """Times of the laws between beads and of the right wall, with values of parameters."""
+    names = {parse_name(name): value for name, value in values.items()}
+    losses = with_motion(chain, names).contact_losses
+    return [law.time for law in losses[1:-1]], losses[-1].time
+
+
+def test_the_loss_of_the_balls_is_not_that_of_a_wall_with_its_own_law():
+    usual = hc.Chain.uniform(4).replace(loss=hc.Viscoelastic(0.01), right_wall=hc.Wall())
+    own = usual.replace(right_wall=hc.Wall(loss=hc.Viscoelastic(0.02)))
+    free, wall = {"loss.time": 0.05}, {"right_wall.loss.time": 0.03}
+    assert laws_with(usual, **free) == ([0.05] * 3, 0.05)
+    assert laws_with(own, **free) == ([0.05] * 3, 0.02)
+    for chain in (usual, own):
+        # The order of the names has no effect.
+        for values in (free | wall, wall | free):
+            assert laws_with(chain, **values) == ([0.05] * 3, 0.03)
+        assert laws_with(chain, **wall) == ([0.01] * 3, 0.03)
+    assert laws_with(usual, **{"loss.time[2-3]": 0.07}, **free) == ([0.05, 0.07, 0.05], 0.05)
+    last = {"loss.time[3-4]": 0.07}
+    assert laws_with(usual, **last) == ([0.01, 0.01, 0.07], 0.01)
+    # Walls of a chain with listed laws follow their neighbours in the result, too.
+    listed = usual.replace(loss=[hc.Viscoelastic(0.01)] * 3)
+    assert laws_with(listed, **free) == ([0.05] * 3, 0.05)
+    assert with_motion(listed, {Name("loss.time"): 0.05}).right_wall.loss is None
+
+
+def test_names_of_losses_are_those_of_balls_and_of_walls_with_their_own_law(cell):
+    row, data = cell
+    own = hc.Wall("50 kN/mm", exponent=1, loss=hc.Restitution(0.9))
+    chain = row.replace(right_wall=own)
+    names = [name for name in every_name(data, chain) if "loss." in name]
+    assert names == ["loss.time", "right_wall.loss.coefficient"]
+    assert [name for name in default_names(data, chain) if "loss." in name] == ["loss.time"]
+    elastic = chain.replace(loss=None)
+    assert not any("loss." in name for name in default_names(data, elastic))
+    with pytest.raises(hc.InputError, match=r"right_wall\.loss\.coefficient"):
+        hc.fit(data, elastic, free=["time_offset", "loss.coefficient"])
+
+
+def test_a_fit_keeps_the_law_that_was_given_to_the_wall():
+    wall = hc.Wall(loss=hc.Viscoelastic("3 us"))
+    truth = bench(LAW, beads=8, behind=3).replace(right_wall=wall)
+    data = measured(truth, np.random.default_rng(5), balls=(3, 6), duration=400e-6)
+    start = truth.replace(loss=hc.Viscoelastic("1 us"))
+    result = hc.fit(data, start, free=["loss.time", "time_offset"], starts=1)
+    assert result.chain.right_wall.loss == wall.loss
+    error = result.errors["loss.time"]
+    assert result.values["loss.time"] == pytest.approx(LAW.time, abs=4.0 * error)
+    assert result.describes
 
 
 def test_the_factor_of_the_stiffness_does_not_include_the_spring_of_a_cell(cell):

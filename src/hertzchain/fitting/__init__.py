@@ -2,8 +2,8 @@
 
 - the fit: `fit` with its `settings`, the `model` and the `problem` of `least_squares`, its
   `starts`, and `clocks` that are known;
-- parameters: `names`, `parameters`, `chain_parameters`, `law_parameters`,
-  `material_parameters`, `gain_units`;
+- parameters: `names`, `parameters`, `chain_parameters`, `law_parameters` with
+  `loss_values`, `material_parameters`, `gain_units`;
 - predicted signals: `simulations`, `symmetry` of chains, `jumps` of forces, and the model of
   `sensors`;
 - errors: `uncertainty`, `weights` and `autocorrelation` of samples, `goodness`,

@@ -16,7 +16,6 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.drives import with_factor
 from ..chain.laws import Loss
-from ..chain.per_contact import MaterialPairs
 from ..chain.striker_properties import face_radii
 from ..chain.walls import Wall
 from ..collision import HERTZ_EXPONENT, Array
@@ -24,7 +23,16 @@ from ..errors import InputError, unknown_name_error
 from ..recorded_warnings import ignore_warnings
 from ..units import is_unit
 from ..validation.numbers import FRACTION
-from .law_parameters import SMOOTH_STEP, SWITCHING, SWITCHING_STEP, TYPICAL, has, loss_parameters
+from .law_parameters import (
+    SMOOTH_STEP,
+    SWITCHING,
+    SWITCHING_STEP,
+    TYPICAL,
+    has,
+    names_of_losses,
+    walls_with_own_laws,
+)
+from .loss_values import changed_losses, contact_index
 from .material_parameters import constant_of, named_materials, with_constants
 from .names import ENDS, Name
 
@@ -114,7 +122,7 @@ def known_names(chain: Chain) -> list[str]:
     for end in ENDS:
         if getattr(chain, end) is not None:
             names += [f"{end}.{field}" for field in ("stiffness", "gap", "exponent")]
-    return names + [f"loss.{each}" for each in loss_parameters(chain)]
+    return names + names_of_losses(chain)
 
 
 def kind_of(chain: Chain, name: Name) -> Kind:
@@ -172,28 +180,12 @@ def _law_with(chain: Chain, name: Name, field: str) -> Loss:
     elif name.item:
         laws = [losses[contact_index(chain, name) + 1]]
     else:
-        laws = [each for each in losses if has(each, field)]
+        own = walls_with_own_laws(chain).values()
+        laws = [each for k, each in enumerate(losses) if k not in own]
     for law in laws:
         if has(law, field):
             return law
     raise UnknownParameterError(chain, name)
-
-
-def contact_index(chain: Chain, name: Name) -> int:
-    """Index of the contact of two balls, such as ``8-9``; ball 0 is the last striker."""
-    try:
-        first, second = (int(part) for part in name.item.split("-"))
-    except ValueError:
-        raise InputError(
-            f"{name} must name two neighbouring balls, such as {Name(name.key, '8-9')}"
-        ) from None
-    index = first + chain.strikers - 1
-    if second != first + 1 or not 0 <= index < chain.beads - 1:
-        raise InputError(
-            f"{name} is not a contact of this chain, whose balls are 1 to "
-            f"{chain.beads - chain.strikers}; name two neighbours, such as {Name(name.key, '8-9')}"
-        )
-    return index
 
 
 def bead_indices(chain: Chain, name: Name) -> list[int]:
@@ -393,9 +385,6 @@ def with_motion(chain: Chain, values: Mapping[Name, float]) -> Chain:
     """The chain with other losses, gaps, precompression and gravity."""
     changes: dict[str, Any] = {}
     gaps = chain.gaps.copy()
-    laws = list(chain.contact_losses)
-    one = not isinstance(chain.loss, tuple | MaterialPairs)
-    changed_laws = False
     for name, value in values.items():
         if name.key == "gap":
             gaps[contact_index(chain, name)] = value
@@ -407,38 +396,13 @@ def with_motion(chain: Chain, values: Mapping[Name, float]) -> Chain:
         elif name.key.endswith("_wall.gap"):
             end = name.key.split(".")[0]
             changes[end] = dataclasses.replace(getattr(chain, end), gap=value)
-        elif "loss." in name.key:
-            field = name.key.rsplit(".", 1)[1]
-            laws = _changed_laws(chain, laws, name, field, value)
-            changed_laws, one = True, one and not name.item and name.key.startswith("loss.")
-    if changed_laws:
-        changes["loss"] = laws[1] if one else laws[1:-1]
-        for end, side in zip(ENDS, (0, -1), strict=True):
+    if losses := {name: value for name, value in values.items() if "loss." in name.key}:
+        of_chain, of_walls = changed_losses(chain, losses)
+        changes |= of_chain
+        for end, law in of_walls.items():
             wall = changes.get(end, getattr(chain, end))
-            if wall is not None and (wall.loss is not None or not one):
-                changes[end] = dataclasses.replace(wall, loss=laws[side])
+            changes[end] = dataclasses.replace(wall, loss=law)
     return chain.replace(**changes) if changes else chain
-
-
-def _changed_laws(
-    chain: Chain, laws: list[Loss], name: Name, field: str, value: float
-) -> list[Loss]:
-    """Laws of all contacts with one parameter changed; shared law objects remain shared."""
-    if name.key.startswith(ENDS):
-        chosen = {0 if name.key.startswith("left") else chain.beads}
-    elif name.item:
-        chosen = {contact_index(chain, name) + 1}
-    else:
-        chosen = {k for k, law in enumerate(laws) if has(law, field)}
-    made: dict[int, Loss] = {}
-    change: dict[str, Any] = {field: value}
-    out = list(laws)
-    for k in chosen:
-        law = laws[k]
-        if id(law) not in made:
-            made[id(law)] = dataclasses.replace(law, **change)
-        out[k] = made[id(law)]
-    return out
 
 
 def is_motion(name: Name) -> bool:

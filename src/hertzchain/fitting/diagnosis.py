@@ -22,7 +22,7 @@ from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_ends, is_free, try_furth
 from .chain_parameters import known_names
 from .clocks import fixed_offsets
 from .effect_limits import limited
-from .law_parameters import loss_parameters
+from .law_parameters import names_of_losses
 from .loss_laws import typical_law
 from .misread_columns import misread_columns
 from .misread_places import best_other_place
@@ -318,8 +318,8 @@ def _losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
     """Fits with a loss, if the chains have none, or with the parameters of their losses."""
     model = result.model
     if not all(chain.lossless for chain in model.chains):
-        for key in loss_parameters(result.chain):
-            name = Name(f"loss.{key}")
+        for key in names_of_losses(result.chain):
+            name = Name(key)
             cause = None if is_free(name.key, model) else try_further(result, (name,), refit)
             if cause is not None:
                 yield cause

@@ -8,6 +8,7 @@ from typing import Final
 from ..chain.chain import Chain
 from ..chain.laws import Loss
 from ..chain.laws.base import LAWS
+from .names import ENDS
 
 # Typical values of the parameters of each law in units of the motion, from which a fit starts if
 # the chain has no loss.  Laws with switching contacts use larger steps, because their signals are
@@ -30,12 +31,35 @@ JUMPING: Final = tuple(LAWS[name] for name in ("unloading-ratio", "dashpot", "ve
 
 
 def loss_parameters(chain: Chain) -> dict[str, Loss]:
-    """Parameters of the laws of a chain, each with the first law that has it."""
+    """Parameters of the laws of a chain, each with the first law that has it.
+
+    Those of walls with their own law are not among them.
+    """
     found: dict[str, Loss] = {}
-    for law in chain.contact_losses:
-        for name in free_parameters_of(law):
+    own = walls_with_own_laws(chain).values()
+    for contact, law in enumerate(chain.contact_losses):
+        for name in free_parameters_of(law) if contact not in own else ():
             found.setdefault(name, law)
     return found
+
+
+def walls_with_own_laws(chain: Chain) -> dict[str, int]:
+    """Walls for which a law is given, and their contacts, 0 and N."""
+    return {
+        end: contact
+        for end, contact in zip(ENDS, (0, chain.beads), strict=True)
+        if (wall := getattr(chain, end)) is not None and wall.loss is not None
+    }
+
+
+def names_of_losses(chain: Chain) -> list[str]:
+    """Names of the parameters of the laws of a chain, and of walls with their own law."""
+    own = [
+        f"{end}.loss.{name}"
+        for end, contact in walls_with_own_laws(chain).items()
+        for name in free_parameters_of(chain.contact_losses[contact])
+    ]
+    return [*(f"loss.{name}" for name in loss_parameters(chain)), *own]
 
 
 def free_parameters_of(law: Loss) -> list[str]:

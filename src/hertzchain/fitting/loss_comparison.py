@@ -22,7 +22,7 @@ from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.objects import Progress, callback, check_list
 from .clocks import with_clocks
 from .fit import ChainLike, TimeOffset, TracesLike, fit_with
-from .law_parameters import free_parameters_of, loss_parameters
+from .law_parameters import loss_parameters
 from .loss_laws import typical_law
 from .names import Name, parse_name
 from .parameters import Priors, default_names
@@ -269,12 +269,7 @@ def compare_losses(
     # Names are checked before the first fit, which may take long.
     for done, law in enumerate([typical_law(each, chains[0]) for each in wanted], start=1):
         lossy = [one.replace(loss=law) for one in chains]
-        of_this = free_parameters_of(law)
-        own = [
-            f"loss.{name}" for name in loss_parameters(lossy[0])
-            # A wall that keeps its law may have further parameters.
-            if name in of_this or f"loss.{name}" in names
-        ]  # fmt: skip
+        own = [f"loss.{name}" for name in loss_parameters(lossy[0])]
         known = {n: v for n, v in settings.priors.items() if n in own or not of_law(n)}
         given = {n: v for n, v in settings.start.items() if n in own or not of_law(n)}
         try:

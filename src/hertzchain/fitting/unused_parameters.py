@@ -11,7 +11,7 @@ from ..errors import InputError
 from ..representation import listed
 from ..traces.traces import Traces
 from .chain_parameters import bead_indices, is_motion, with_motion, with_sizes
-from .law_parameters import loss_parameters
+from .law_parameters import names_of_losses
 from .names import Name
 from .parameters import Parameter
 from .symmetry import similarity_key, units_of
@@ -77,7 +77,7 @@ def _sentence(parameter: Parameter, chain: Chain) -> str:
     ):
         reason, others = OF_WALL
     if not others:
-        others = ", ".join(f"'loss.{each}'" for each in loss_parameters(chain)) or "'stiffness'"
+        others = ", ".join(map(repr, names_of_losses(chain))) or "'stiffness'"
     contacts, mass = _contact_names(name, chain), repr(str(replace(name, key="mass")))
     others = others.format(
         contacts=listed(contacts, "or"), parts=listed([mass, *contacts], "or"),

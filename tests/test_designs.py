@@ -759,7 +759,7 @@ def test_values_with_yield_outside_the_range_of_the_law_are_not_compared(far_out
     assert ratio > 0.1
     assert found.verified.yielding[name] == pytest.approx(run.wall_force().peak, rel=1e-3)
     assert found.verified.yielding_overlap_ratio == pytest.approx(ratio, rel=1e-3)
-    assert not found.verified.yielding_within_range
+    assert found.verified.yielding_outside_range
     value = found.verified.yielding[name]
     line = f"{value:.4g} N, outside the range of the law (overlap / radius {ratio:.2g})"
     assert f"  the same chain with contacts that yield, loss=ElasticPlastic(): {line}" in (

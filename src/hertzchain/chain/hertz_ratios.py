@@ -50,6 +50,13 @@ def overlap_limits(chain: Chain) -> Array:
     return np.where(yields, NO_PREDICTION, MAX_OVERLAP_RATIO)
 
 
+def caution_outside_law(overlap_ratio: float) -> str:
+    """Words after a value that is outside the range of the law of yield; otherwise empty."""
+    if not overlap_ratio > NO_PREDICTION:
+        return ""
+    return f"{OUTSIDE_LAW} (overlap / radius {overlap_ratio:.2g})"
+
+
 def law_of_limit(limit: float) -> str:
     """The law whose overlaps have this limit."""
     return "Hertz's law" if limit == MAX_OVERLAP_RATIO else "contacts that yield"

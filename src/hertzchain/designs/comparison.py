@@ -12,6 +12,7 @@ from .reference_chains import EQUAL_BALLS, EQUAL_PLACES, SORTED_BALLS
 from .verified import Verified, met
 
 if TYPE_CHECKING:
+    from ..chain.chain import Chain
     from .result import DesignResult
 
 # Relative difference of values that is not reported.
@@ -54,7 +55,7 @@ def compared(result: DesignResult, found: Verified) -> ReferenceComparison:
     return ReferenceComparison(
         result.objective_of(found), result.value, objective_if_yielding(result, found),
         objective_if_yielding(result, result.verified), met(result.problem, found.values),
-        not any(yields_outside_range(result, each) for each in (found, result.verified)),
+        not any(each.yielding_outside_range for each in (found, result.verified)),
     )  # fmt: skip
 
 
@@ -63,11 +64,6 @@ def has_yielding_value(result: DesignResult, found: Verified) -> bool:
     if not found.yielding or all(each.of_chain for each in result.problem.objective.measures):
         return False
     return math.isfinite(result._objective(found.yielding))
-
-
-def yields_outside_range(result: DesignResult, found: Verified) -> bool:
-    """Whether the objective with contacts that yield is outside the range of their law."""
-    return has_yielding_value(result, found) and not found.yielding_within_range
 
 
 def objective_if_yielding(result: DesignResult, found: Verified) -> float:
@@ -81,12 +77,12 @@ def better_if_yielding(result: DesignResult) -> int | None:
 
     With a scatter, runners-up are worse by its statistic, which is not that of these values.
     """
-    if result.problem.scatter is not None or yields_outside_range(result, result.verified):
+    if result.problem.scatter is not None or result.verified.yielding_outside_range:
         return None
     values = {
         i: result._sign * objective_if_yielding(result, each)
         for i, each in enumerate(result.runners_up)
-        if met(result.problem, each.values) and not yields_outside_range(result, each)
+        if met(result.problem, each.values) and not each.yielding_outside_range
     }
     finite = {i: value for i, value in values.items() if math.isfinite(value)}
     best = min(finite, default=None, key=lambda i: finite[i])
@@ -151,8 +147,7 @@ def _sorted_balls(result: DesignResult, name: str) -> str:
     space, chain = result.problem.space, result.references[name].chain
     if name != SORTED_BALLS or not isinstance(space, BallSpace):
         return ""
-    count = chain.beads - (result.problem.chain.beads - space.size)
-    sizes = chain.radii[space.places[0] :][:count]
+    sizes = chain.radii[space.places[0] :][: _chosen_balls(result, chain, space)]
     factor, unit = (2e3, " mm") if chain.units == "SI" else (1.0, "")
     return " to ".join(f"{factor * sizes[i]:g}{unit}" for i in (0, -1))
 
@@ -166,8 +161,12 @@ def equal_balls(result: DesignResult, name: str) -> str:
         or chain.materials is None
     ):
         return ""
-    first = int(space.places[0])
-    count = chain.beads - (result.problem.chain.beads - space.size)
+    first, count = int(space.places[0]), _chosen_balls(result, chain, space)
     return (
         f"{counted(count, 'ball')} of {2e3 * chain.radii[first]:g} mm {chain.materials[first].name}"
     )
+
+
+def _chosen_balls(result: DesignResult, chain: Chain, space: BallSpace) -> int:
+    """Number of balls of a chain in the places that vary, some of which may be empty."""
+    return chain.beads - (result.problem.chain.beads - space.size)

@@ -72,7 +72,7 @@ def _range_of_yield(found: Verified) -> dict[str, Any]:
         return {"yielding_overlap_ratio": None, "yielding_within_range": None}
     return {
         "yielding_overlap_ratio": found.yielding_overlap_ratio,
-        "yielding_within_range": found.yielding_within_range,
+        "yielding_within_range": not found.yielding_outside_range,
     }
 
 

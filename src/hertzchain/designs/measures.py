@@ -262,7 +262,7 @@ class Measure:
 
     def from_chain(self, chain: Chain, price: float) -> float:
         """Value of a measure that needs no simulation, without strikers and a cap."""
-        balls, between = chain._balls, _gaps_of_balls(chain)
+        balls, between = chain._balls, places_of_balls(chain, "gaps")
         radii, masses = chain.radii[balls], chain.masses[balls]
         values = {
             "length": 2.0 * radii.sum() + chain.gaps[between].sum(),
@@ -275,7 +275,7 @@ class Measure:
         """Derivatives of a measure that needs no simulation, by a field of the chain."""
         found = np.zeros(len(getattr(chain, field)))
         balls = chain._balls
-        own = found[_gaps_of_balls(chain) if field == "gaps" else balls]
+        own = found[places_of_balls(chain, field)]
         if self.key == "length" and field in ("radii", "gaps"):
             own += 2.0 if field == "radii" else 1.0
         elif self.key == "mass":
@@ -296,9 +296,13 @@ def without_in_words(chain: Chain) -> str:
     return f" without {' and '.join(bodies)}" if bodies else ""
 
 
-def _gaps_of_balls(chain: Chain) -> slice:
-    """Gaps between balls, without those of strikers and of a cap."""
-    return slice(chain.strikers, chain._balls.stop - 1)
+def places_of_balls(chain: Chain, field: str) -> slice:
+    """Places of the balls, or of the gaps between them, among the values of a field.
+
+    They are without those of strikers and of a cap.
+    """
+    balls = chain._balls
+    return slice(balls.start, balls.stop - (field == "gaps"))
 
 
 def _all_yield(chain: Chain) -> bool:

@@ -40,6 +40,11 @@ class Objective:
         """The measure, if there is only one."""
         return self.measures[0] if len(self.measures) == 1 and self.targets is None else None
 
+    @property
+    def sign(self) -> float:
+        """-1 if a single measure is maximised, otherwise 1."""
+        return 1.0 if self.single is None else float(np.sign(self.weights[0]))
+
     def score(self, values: Array) -> Array:
         """Scores of rows of values, shape (C,)."""
         if self.targets is None:

@@ -20,7 +20,6 @@ from .requirements import Requirement
 from .trials import Outcome, Trials
 
 if TYPE_CHECKING:
-    from .objective import Objective
     from .problem import Design
     from .result import DesignResult
 
@@ -76,7 +75,7 @@ def _searched(trials: Trials, method: str, points: int, finish: Finish) -> list[
     assert measure is not None
     shares = iter(np.arange(1, points + 1) / points)
     ends = [_solve(trials, problem._only(i), method, next(shares), finish) for i in (0, 1)]
-    sign, scattered = float(np.sign(second.weights[0])), problem.scatter is not None
+    sign, scattered = second.sign, problem.scatter is not None
     found = [ends[0]]
     levels = [end.values[str(measure)] for end in ends]
     for level in np.linspace(levels[0], levels[1], points)[1:-1]:
@@ -97,7 +96,7 @@ def _searched_together(trials: Trials, finish: Finish) -> DesignResult:
         parts.append(part)
     first, second = parts
     first.references = evaluated_references(first)
-    one, other = (_sign(each) for each in trials.problem.objectives)
+    one, other = (each.sign for each in trials.problem.objectives)
     ends = search_front(first, second, trials.seed, (one, other))
     trials.add_counts(first)
     return finish(first, Found("genetic", ends), ())
@@ -112,7 +111,7 @@ def _of_all_trials(trials: Trials) -> list[tuple[Outcome, float]]:
         [point for point, _ in known.values()], np.array([values for _, values in known.values()])
     )
     good = [each for each in outcomes if each.met and np.isfinite(each.score)]
-    measured = ((_sign(o), trials.position[o.measures[0]]) for o in trials.problem.objectives)
+    measured = ((o.sign, trials.position[o.measures[0]]) for o in trials.problem.objectives)
     costs = np.column_stack([[s * each.values[p] for each in good] for s, p in measured])
     return [(good[i], float(costs[i, 1])) for i in undominated(costs)]
 
@@ -148,7 +147,7 @@ def _notes_on_yield(front: list[DesignResult], problem: Design) -> list[str]:
     if not any(point.verified.yielding for point in front):
         return []
     beaten = len(beaten_if_yielding(front, problem))
-    outside = sum(_yields_outside(point) for point in front)
+    outside = sum(point.verified.yielding_outside_range for point in front)
     parts = [
         f"{count} of the {len(front)} points {'is' if count == 1 else 'are'} {what}"
         for count, what in ((beaten, "beaten by others"), (outside, OUTSIDE_LAW)) if count
@@ -164,28 +163,19 @@ def beaten_if_yielding(front: Sequence[DesignResult], problem: Design) -> list[i
     Points outside the range of the law of yield are neither beaten nor beat others.
     """
     names = [str(each.single) for each in problem.objectives]
-    places = [i for i, point in enumerate(front) if not _yields_outside(point)]
+    places = [i for i, point in enumerate(front) if not point.verified.yielding_outside_range]
     values = [front[i].values | front[i].verified.yielding for i in places]
-    signs = [_sign(each) for each in problem.objectives]
+    signs = [each.sign for each in problem.objectives]
     costs = [[s * row[n] for s, n in zip(signs, names, strict=True)] for row in values]
     best = undominated(np.array(costs).reshape(-1, 2))
     return sorted(set(places) - {places[int(i)] for i in best})
 
 
-def _yields_outside(point: DesignResult) -> bool:
-    """Whether contacts of a point that yield are outside the range of the law."""
-    return bool(point.verified.yielding) and not point.verified.yielding_within_range
-
-
 def _front(found: list[DesignResult], problem: Design) -> list[DesignResult]:
     """Designs that meet the constraints and that no other one beats, once each."""
     met = [each for each in found if each.met]
-    costs = [[_sign(o) * each.values[str(o.single)] for o in problem.objectives] for each in met]
+    costs = [[o.sign * each.values[str(o.single)] for o in problem.objectives] for each in met]
     return [met[i] for i in undominated(np.array(costs).reshape(-1, 2))]
-
-
-def _sign(objective: Objective) -> float:
-    return float(np.sign(objective.weights[0]))
 
 
 def compared_points(problem: Design) -> int:

@@ -6,9 +6,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..chain.chain import Chain
 from ..collision import Array
 from .ball_space import BallSpace
+from .measures import places_of_balls
 from .problem import Design
 from .size_space import SizeSpace
 from .trials import Reference, Trials
@@ -60,18 +60,13 @@ def _kind(space: SizeSpace, point: Any) -> str:
     A spline that begins at a given bead of another size changes fast behind it.
     """
     values = space._changes(point)
-    if all(_all_equal(each[_of_balls(space.chain, field)]) for field, each in values.items()):
+    if all(_all_equal(each[places_of_balls(space.chain, field)]) for field, each in values.items()):
         return EQUAL
     varying = [
         values[field][np.concatenate([b.places for b in space.blocks if b.field == field])]
         for field in values
     ]
     return EQUAL_VARYING if all(map(_all_equal, varying)) else CHANGING
-
-
-def _of_balls(chain: Chain, field: str) -> slice:
-    """Places of the balls, or of their gaps, among the values of a field."""
-    return slice(chain.strikers, chain._balls.stop - (field == "gaps"))
 
 
 def _all_equal(sizes: Array) -> bool:
@@ -83,7 +78,7 @@ def _given_size(space: SizeSpace) -> float | None:
     found = []
     for block in space.blocks:
         balls = np.arange(len(getattr(space.chain, block.field)))[
-            _of_balls(space.chain, block.field)
+            places_of_balls(space.chain, block.field)
         ]
         given = getattr(space.chain, block.field)[np.setdiff1d(balls, block.places)]
         if not len(given) or not _all_equal(given) or not block.low <= given[0] <= block.high:

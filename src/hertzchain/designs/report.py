@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ..chain.hertz_ratios import OUTSIDE_LAW
+from ..chain.hertz_ratios import OUTSIDE_LAW, caution_outside_law
 from ..representation import counted, listed, usual_unit, with_decimals
-from ..simulation.yielding import WithYield, unchecked_contacts
+from ..simulation.yielding import unchecked_contacts
 from .ball_space import BallSpace
 from .comparison import (
     best_reference,
@@ -182,7 +182,7 @@ def _heading(result: DesignResult) -> list[str]:
     lines = [first, f"  verified: the integration was repeated at rtol {found.rtol:g}"
              f"{_range_in_words(result)}"]  # fmt: skip
     if has_yielding_value(result, found):
-        caution = WithYield(result.value, found.yielding_overlap_ratio).caution
+        caution = caution_outside_law(found.yielding_overlap_ratio)
         lines.append(f"  the same chain with contacts that yield, loss=ElasticPlastic(): "
                      f"{_shown_if_yielding(result, found)}{f', {caution}' if caution else ''}"
                      )  # fmt: skip

@@ -186,8 +186,7 @@ class DesignResult:
 
     @property
     def _sign(self) -> float:
-        objective = self.problem.objective
-        return float(np.sign(objective.weights[0])) if objective.single is not None else 1.0
+        return self.problem.objective.sign
 
     def _shown(self, value: float) -> str:
         """A value of the objective with its unit."""

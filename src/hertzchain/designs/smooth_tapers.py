@@ -82,7 +82,7 @@ class Law:
         assert measure is not None
         self.problem, self.space, self.quantity = problem, space, measure.key
         self.bead = measure.index(problem.chain.beads) + 1
-        self.sign = float(np.sign(problem.objective.weights[0]))
+        self.sign = problem.objective.sign
 
     def chain(self, x: Array) -> Chain:
         """The chain at a point, which may be slightly outside the limits."""

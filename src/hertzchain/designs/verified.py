@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -59,8 +59,6 @@ NOT_A_PEAK: Final = (
     "complete peak, so a larger force may follow"
 )
 WITH_YIELD: Final = "with contacts that yield"
-# Values, overlap and dents of contacts that do not yield.
-_ELASTIC: Final[tuple[dict[str, float], float, str]] = ({}, math.nan, "")
 # Fresh samples of a scatter.
 FRESH: Final = 400
 
@@ -114,15 +112,26 @@ class Verified:
         return self.hertz_range is not None and bool(self.hertz_range.violations)
 
     @property
-    def yielding_within_range(self) -> bool:
-        """Whether there are values with contacts that yield, within the range of their law."""
-        return bool(self.yielding) and not self.yielding_overlap_ratio > NO_PREDICTION
+    def yielding_outside_range(self) -> bool:
+        """Whether there are values with contacts that yield, outside the range of their law."""
+        return bool(self.yielding) and self.yielding_overlap_ratio > NO_PREDICTION
 
     @property
     def yielding_words(self) -> str:
         """``with contacts that yield``, and whether this is outside the range of their law."""
-        outside = self.yielding and not self.yielding_within_range
-        return f"{WITH_YIELD}, {OUTSIDE_LAW}" if outside else WITH_YIELD
+        return f"{WITH_YIELD}, {OUTSIDE_LAW}" if self.yielding_outside_range else WITH_YIELD
+
+
+class _Yield(NamedTuple):
+    """The last four attributes of `Verified`; the default ones are those of elastic contacts."""
+
+    values: dict[str, float]
+    overlap_ratio: float = math.nan
+    dents: str = ""
+    second_peak: float = math.nan
+
+
+_ELASTIC: Final = _Yield({})
 
 
 def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Verified:
@@ -159,12 +168,12 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
         notes += [*limits.violations, *_missing_limits(problem, limits), *remarks,
                   *contacts_without_strength(chain, overlaps)]  # fmt: skip
     yielding = _with_yielding_contacts(problem, chain, values) if yields(limits) else _ELASTIC
-    again = math.nan
     if leaves_dents(chain) and not table.reasons:
-        dented = dents_in_words(chain, table._overlaps[0, : chain.beads + 1])
-        yielding, again = (*_ELASTIC[:2], dented), peak_of_second_hit(chain, problem.until)
+        dents = dents_in_words(chain, table._overlaps[0, : chain.beads + 1])
+        again = peak_of_second_hit(chain, problem.until)
+        yielding = _ELASTIC._replace(dents=dents, second_peak=again)
     scattered = {} if problem.scatter is None else _scattered(problem, chain, seed)
-    return Verified(chain, values, RTOL, tuple(notes), scattered, limits, *yielding, again)
+    return Verified(chain, values, RTOL, tuple(notes), scattered, limits, *yielding)
 
 
 def _missing_limits(problem: Design, found: HertzRange) -> list[str]:
@@ -195,9 +204,7 @@ def _value(problem: Design, chain: Chain, measure: Measure, table: RunTable) -> 
     return value
 
 
-def _with_yielding_contacts(
-    problem: Design, chain: Chain, values: dict[str, float]
-) -> tuple[dict[str, float], float, str]:
+def _with_yielding_contacts(problem: Design, chain: Chain, values: dict[str, float]) -> _Yield:
     """Values with `ElasticPlastic` contacts, overlap and dents; none if they do not apply."""
     measures = problem.measures
     if any(m.key in NOT_YIELDING or m.of_whole_run for m in problem.objective.measures):
@@ -219,7 +226,8 @@ def _with_yielding_contacts(
     # Incomplete peaks have no value.
     known = of_chain | {name: value for name, value in found.items() if np.isfinite(value)}
     overlaps = table._overlaps[0, : chain.beads + 1]
-    return known, largest_overlap_ratio(dented, overlaps), dents_in_words(dented, overlaps)
+    ratio = largest_overlap_ratio(dented, overlaps)
+    return _Yield(known, ratio, dents_in_words(dented, overlaps))
 
 
 def _later_motion(problem: Design, chain: Chain, values: dict[str, float]) -> list[str]:

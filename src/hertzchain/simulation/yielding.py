@@ -37,9 +37,9 @@ class WithYield(NamedTuple):
     @property
     def caution(self) -> str:
         """Words after a value outside the range of the law; otherwise empty."""
-        from ..chain.hertz_ratios import OUTSIDE_LAW
+        from ..chain.hertz_ratios import caution_outside_law
 
-        return f"{OUTSIDE_LAW} (overlap / radius {self.overlap_ratio:.2g})" if self.outside else ""
+        return caution_outside_law(self.overlap_ratio)
 
 
 UNKNOWN: Final = WithYield(math.nan, math.nan)
@@ -59,6 +59,7 @@ def dents_in_words(chain: Chain, overlaps: Array) -> str:
     import numpy as np
 
     from ..chain.contact_groups import dents, law_yield_ratios
+    from ..chain.hertz_ratios import caution_outside_law
     from ..chain.per_contact import contact_name, contacts_in_words
 
     ratios, found = (each(chain.contact_groups, overlaps) for each in (law_yield_ratios, dents))
@@ -79,7 +80,7 @@ def dents_in_words(chain: Chain, overlaps: Array) -> str:
         text = f"{words} {verb} yielded; {text}"
     if chain.materials is None or chain.units != "SI":
         return text
-    caution = WithYield(float(found[at]), largest_overlap_ratio(chain, overlaps)).caution
+    caution = caution_outside_law(largest_overlap_ratio(chain, overlaps))
     return f"{text}, {caution}" if caution else text
 
 

@@ -3,7 +3,8 @@
 A wave is simulated in equal beads with each law, and its decay per bead is compared with that of
 the first order, x, at the velocity that the wave has there.  The coefficients c of the difference,
 (x - decay) / x^2, are printed for several exponents p and small x, as medians over the beads; then,
-for p = 3/2, the errors of `attenuation` and their estimates, in %.  One minute of one core.
+for p = 3/2, the errors of `attenuation` and their estimates, in %, and those of contacts that yield
+by the overlap over that at yield.  One minute of one core.
 """
 
 import warnings
@@ -27,6 +28,8 @@ LAWS = {
     "walton-braun": lambda loss: hc.WaltonBraun(1.0 - loss),
     "unloading-ratio": hc.UnloadingRatio,
 }
+# Overlaps over that at yield in the first wave, without its loss.
+RATIOS = (1.2, 1.5, 2.2, 3.0, 4.5, 6.0, 7.0, 8.0)
 POWERS = (0.6, 1.0, 1.5, 1.81, 2.4, 3.0)
 
 
@@ -67,6 +70,21 @@ def errors(law, decay):
     return error, estimated_error(chain.loss, 1.5, float(np.median(x)))
 
 
+def chain_that_yields(ratio):
+    """Equal beads that yield; the wave without loss has this overlap / yield overlap."""
+    overlap = hc.solitary_wave().peak_force(VELOCITY) ** (2 / 3)
+    return hc.Chain.uniform(BEADS).replace(loss=hc.ElasticPlastic(yield_overlap=overlap / ratio))
+
+
+def yielding_decays(ratio, first=FIRST):
+    """Overlaps / yield overlap, and decays per bead by `attenuation` and simulated."""
+    chain = chain_that_yields(ratio)
+    v = hc.simulate(chain, times=0, rtol=1e-12).pulse().velocity
+    k = np.arange(first, LAST)
+    simulated = 0.5 * np.log(v[k - 1] / v[k + 1])
+    return ratio * (v[k] / VELOCITY) ** 0.8, hc.attenuation(chain, v[k]), simulated
+
+
 def main():
     """Print the coefficients and the errors."""
     warnings.simplefilter("ignore", hc.ModelRangeWarning)
@@ -80,6 +98,12 @@ def main():
         found = (errors(law, x) for x in LARGE)
         shown = (f"{100 * error:8.2f} ({100 * estimate:.2f})" for error, estimate in found)
         print(f"{name:20}", *shown, flush=True)
+    print("contacts that yield: error in %, at overlap / yield overlap")
+    for ratio in RATIOS:
+        overlaps, found, simulated = yielding_decays(ratio)
+        error = 100 * (found / simulated - 1)
+        shown = (f"{error[i]:8.2f} ({overlaps[i]:.2f})" for i in range(0, len(error), 6))
+        print(f"first wave {ratio:9g}", *shown, flush=True)
 
 
 if __name__ == "__main__":

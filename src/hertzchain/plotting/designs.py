@@ -30,7 +30,7 @@ from .colours import COLOURS, grey
 from .design_beads import CHARACTER, height_of_beads, plot_beads, violations
 from .enlarged import finish_enlarged, small_groups
 from .gradients import bars_of_changes, shade_other_bodies
-from .legends import POINTS_PER_INCH, place_legend
+from .legends import POINTS_PER_INCH, covers_data, place_legend, put_legend_above
 from .style import (
     MUCH,
     BeadLocator,
@@ -153,19 +153,24 @@ def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes)
     parts = [f"{name}, peak {peaks[False]}" if walled else name]
     if True in peaks:
         outside = any(each.outside for each in curves if each.name == name)
-        caution = f", {OUTSIDE_LAW}" if outside else ""
+        caution = [f"{OUTSIDE_LAW})"] if outside else []
         dashed = _differ([each for each in curves if each.name == name])
         if walled:
-            parts.append(f"({'dashed, ' * dashed}with yield: {peaks[True]}{caution})")
+            shown = f"{'dashed, ' * dashed}with yield: {peaks[True]}"
         else:
             shown = "dashed: with yield" if dashed else "with yield: the same curve"
-            parts.append(f"({shown}{caution})")
+        parts += [f"({shown}{',' if outside else ')'}", *caution]
     violated = violations(result, shown_chains(result)[name])
     parts[-1] += "," * len(violated)
+    return _wrapped(axes, parts + violated)
+
+
+def _wrapped(axes: Axes, parts: Sequence[str]) -> str:
+    """Parts of a label, in lines that fit a legend of the width of axes."""
     letter = CHARACTER * FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points()
     inches = axes.get_window_extent().width / axes.figure.dpi
     letters = int(POINTS_PER_INCH * inches / letter) - HANDLE
-    text = " ".join(part.replace(" ", "\u00a0") for part in parts + violated)
+    text = " ".join(part.replace(" ", "\u00a0") for part in parts)
     return textwrap.fill(text, max(letters, 1), break_long_words=False).replace("\u00a0", " ")
 
 
@@ -315,7 +320,8 @@ def _draw_yielding_points(
             ends.setdefault(point.verified.yielding_words, []).append(end)
     for words, places in sorted(ends.items()):
         mark = "x" if words == WITH_YIELD else "+"
-        axes.plot(*np.array(places).T, mark, color=COLOURS[2], label=words)
+        label = _wrapped(axes, words.replace(", ", ",\n").split("\n"))
+        axes.plot(*np.array(places).T, mark, color=COLOURS[2], label=label)
     if beaten := beaten_if_yielding(result.front, result.problem):
         values = [result.front[i].values | result.front[i].verified.yielding for i in beaten]
         x, y = ([factor * row[name] for row in values] for name, factor in (across, up))
@@ -354,16 +360,26 @@ def plot_design(result: DesignResult) -> Figure:
         grid = figure.add_gridspec(len(heights), 1 if narrow else 2, height_ratios=heights)
         plot_beads(result, ax=figure.add_subplot(grid[0, :]))
         if small:
-            _draw_panels(result, curves, small, grid[1, :].subgridspec(1 + len(small), 1))
+            parts = grid[1, :].subgridspec(1 + len(small), 1)
+            forces = _draw_panels(result, curves, small, parts)
         else:
-            _draw_curves(result, curves, figure.add_subplot(grid[1, :]))
+            forces = _draw_curves(result, curves, figure.add_subplot(grid[1, :]))
         plot_history(result, ax=figure.add_subplot(grid[2, 0]))
-        _draw_last(result, figure.add_subplot(grid[-1, -1]))
+        last = figure.add_subplot(grid[-1, -1])
+        _draw_last(result, last)
         for axes in figure.axes:
             # No line begins with a unit.
             lines = axes.get_ylabel().replace(" [", "\u00a0[").split("\n")
             width = NARROW_LABEL if narrow else LABEL
             axes.set_ylabel("\n".join(textwrap.fill(line, width) for line in lines))
+        figure.draw_without_rendering()
+        for row, axes in ((1, forces), (-1, last)):
+            legend = axes.get_legend()
+            if legend is not None and covers_data(legend):
+                # The row becomes taller by the height of the legend.
+                heights[row] += put_legend_above(axes)
+        grid.set_height_ratios(heights)
+        figure.set_figheight(sum(heights))
     return figure
 
 

@@ -82,6 +82,12 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
         ).set_in_layout(False)
 
 
+def put_legend_above(axes: Axes) -> float:
+    """Put the legend above axes without a title in a layout; return its height [inch]."""
+    _, legend = _in_columns(axes, _compact(axes), axes.bbox.width)
+    return float(legend.get_window_extent().height / figure_of(axes).dpi)
+
+
 def place_legend_below(axes: Axes, *, own: bool = False) -> Legend:
     """Add a legend below the label of the x axis.
 

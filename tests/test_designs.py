@@ -386,6 +386,28 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     assert found.plot("history").get_ylabel() == "CVaR80 of peak force on the wall"
 
 
+@pytest.mark.parametrize("budget", [900, 2000])
+def test_starts_with_scatter_are_compared_by_its_statistic(budget):
+    """With the smaller budget, no descent with scatter begins."""
+    scatter = hc.Scatter(radius=0.01, samples=10)
+    varied = hc.vary.radii("1.5 mm", "4 mm", beads="2:")
+    chain = hc.Chain.from_materials("3.175 mm", "steel-52100", beads=9, velocity="0.3 m/s")
+    problem = hc.Design(
+        chain.replace(right_wall=hc.Wall()), minimise="wall_force.peak", vary=[varied],
+        scatter=scatter,
+    )  # fmt: skip
+    found = hc.design(problem, budget=budget)
+    assert found.expected > 1.01 * found.value
+    assert found.finals.min() == pytest.approx(found.expected, rel=1e-12)
+    lines = found.summary().splitlines()
+    if len(found.finals) > 1:
+        (line,) = (each for each in lines if " starts (" in each)
+        assert f"(CVaR90: best {found._shown(found.expected).strip()}, median " in line
+    assert any(
+        re.search(r"equal sizes.*: \S+ N( \(.*\))? without scatter;", each) for each in lines
+    )
+
+
 @pytest.mark.parametrize(("measure", "tail"), [("cvar80", "CVaR80"), ("mean", "CVaR90")])
 def test_samples_that_exceed_a_limit_are_marked(measure, tail):
     scatter = hc.Scatter(radius=0.02, measure=measure, samples=10, beads="2:")

@@ -267,7 +267,8 @@ def _robust(trials: Trials, method: str, end: float) -> Found:
             ends.append(descend(trials, start_at.x, end))
         except Spent:
             break
-    return Found(found.method, ends or found.ends)
+    # Those of the search without scatter have values of another objective.
+    return Found(found.method, ends or starts)
 
 
 def _search_without_scatter(trials: Trials, method: str, end: float) -> tuple[Trials, Found]:

@@ -251,6 +251,8 @@ def _compared(result: DesignResult, found: Verified) -> str:
     # At a small excess of the pressure, the values agree in all digits that are shown.
     if (yielding := _shown_if_yielding(result, found)) != text.strip():
         text += f" ({yielding} {found.yielding_words})"
+    if result.problem.scatter is not None:
+        text += " without scatter"
     if not both.met:
         names = violated(result.problem, found.values)
         limits = f"the limit{'s' * (len(names) > 1)} of {listed(names)}" if names else "the limits"
@@ -344,11 +346,15 @@ def _ends(result: DesignResult) -> str:
         )
     best, median = map(result._shown, result.spread)
     others = f"; not counting {outside} outside the constraints" if outside else ""
-    improved = result._sign * (result.value - result.spread[0]) < 0.0
-    if improved and best != result._shown(result.value):
-        return (f" (the best one ended at {best}, the median at {median}{others}; further trials "
-                "improved it)")  # fmt: skip
-    return f" (best {best}, median {median}{others})"
+    scatter, value = result.problem.scatter, result.value
+    kind = ""
+    if scatter is not None:
+        kind, value = f"{scatter.statistic}: ", result._sign * result.expected
+    improved = result._sign * (value - result.spread[0]) < 0.0
+    if improved and best != result._shown(value):
+        return (f" ({kind}the best one ended at {best}, the median at {median}{others}; further "
+                "trials improved it)")  # fmt: skip
+    return f" ({kind}best {best}, median {median}{others})"
 
 
 def _of_starts(result: DesignResult) -> str:

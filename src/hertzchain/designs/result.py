@@ -58,7 +58,7 @@ class DesignResult:
     method : str
         The method.
     finals : ndarray
-        Objectives at the ends of all starts.
+        Objectives at the ends of all starts; with a scatter, their mean or CVaR.
     finals_met : ndarray of bool
         Whether these ends meet all constraints.
     optima : tuple of Verified

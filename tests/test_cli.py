@@ -708,6 +708,11 @@ def test_simulate_says_what_a_wall_has_not_felt(run, tmp_path):
             code, early, err = run(*command, "--plot", tmp_path / "map.svg")
             assert (code, err.count(told)) == (0, 1)
             assert "right wall: peak not complete, largest so far " in early
+            force = hertzchain.simulate(hertzchain.load_chain(file), until=until).wall_force().force
+            falling = force[-1] < force.max()
+            words = (", a maximum from which the force has fallen; up to ",
+                     ", where the force is still rising; up to ")  # fmt: skip
+            assert [each in early and each in err for each in words] == [falling, not falling]
         document = json.loads(run(*command, "--json")[1])
         assert document["walls"][0]["peak"] is None
         assert document["walls"][0]["complete"] is False

@@ -267,6 +267,7 @@ def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
 def _wall_lines(run: Run, wall: WallForce) -> str:
     """Describe the force on a wall; an incomplete one has no peak."""
     from ..representation import counted, measure
+    from ..simulation.wall_force import largest_in_words
 
     if not wall.reached:
         return f"{wall.side} wall: the pulse has not arrived"
@@ -282,8 +283,8 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
     caution = on_command_line(caution)
     if not wall.complete:
         return (
-            f"{wall.side} wall: peak not complete, largest so far {largest}; {wall.reason}"
-            f"{caution}\n"
+            f"{wall.side} wall: peak not complete, largest so far {largest}"
+            f"{largest_in_words(wall, run.end_time)}; {wall.reason}{caution}\n"
             f"  impulse {whole}"
         )
     so_far = "" if wall.proven else " so far"

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SIDES: Final[tuple[Side, ...]] = ("left", "right")
+# Relative difference of times and forces, from rounding.
+ROUNDING: Final = 1e-9
 # Fraction of the force that may follow, below which the pulse has not reached a wall.
 NEGLIGIBLE: Final = 1e-6
 # Relative excess of a sufficient time, which messages round.
@@ -334,6 +336,15 @@ def later_ends(
     return enough, float(approaches[-1, i]) if side == "right" else math.nan
 
 
+def largest_in_words(wall: WallForce, end: float) -> str:
+    """Words after the largest force of an incomplete peak: a maximum, or still rising at the end."""
+    if wall.largest_so_far_time >= end * (1.0 - ROUNDING):
+        return ", where the force is still rising"
+    # A static force has no maximum.
+    moved = wall.largest_so_far > wall.static_force * (1.0 + ROUNDING)
+    return ", a maximum from which the force has fallen" if moved else ""
+
+
 def incomplete_peak(wall: WallForce, end: float, ends: tuple[float, float], chain: Chain) -> str:
     """State in a sentence why the peak on a wall is not complete; ``ends`` are of `later_ends`."""
     longer, (enough, last) = "simulate for longer", ends
@@ -365,5 +376,5 @@ def incomplete_peak(wall: WallForce, end: float, ends: tuple[float, float], chai
         advice = f"{ending}use largest_so_far"
     return (
         f"the peak of the force on the {wall.side} wall is not complete: the largest until "
-        f"t = {until} is {largest}; {wall.reason}; {advice}"
+        f"t = {until} is {largest}{largest_in_words(wall, end)}; {wall.reason}; {advice}"
     )

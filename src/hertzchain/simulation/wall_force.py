@@ -337,7 +337,7 @@ def later_ends(
 
 
 def largest_in_words(wall: WallForce, end: float) -> str:
-    """Words after the largest force of an incomplete peak: a maximum, or still rising at the end."""
+    """Words after the largest force of an incomplete peak: a maximum, or still rising."""
     if wall.largest_so_far_time >= end * (1.0 - ROUNDING):
         return ", where the force is still rising"
     # A static force has no maximum.

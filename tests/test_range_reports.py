@@ -314,3 +314,19 @@ def test_designs_do_not_claim_limits_that_are_unknown():
     assert "all contacts" not in text
     assert "note: contacts of glass with glass have no known yield strength; their pressure" in text
     assert "steel-52100" not in text.partition("note: contacts of")[2].splitlines()[0]
+
+
+def test_advice_of_an_unfinished_run_states_that_larger_overlaps_may_follow():
+    balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=10, velocity="1 m/s")
+    with pytest.warns(hc.ModelRangeWarning, match="pressure / yield is 1.29") as early:
+        run = hc.simulate(balls, until="10 us")
+    assert run.beads_passed < 10
+    (said,) = (str(each.message) for each in early)
+    assert said.endswith(
+        f"this is the largest value so far: the run ends when the pulse has passed "
+        f"{run.beads_passed} of 10 beads, and a larger one may follow"
+    )
+    for until in ("0.3 ms", None):
+        with pytest.warns(hc.ModelRangeWarning, match="pressure / yield is 1.4") as late:
+            assert hc.simulate(balls, until=until).beads_passed == 10
+        assert "so far" not in str(late[0].message)

@@ -402,7 +402,9 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     )
 
 
-def warn_outside_hertz(chain: Chain, overlaps: ArrayLike | None = None) -> None:
+def warn_outside_hertz(
+    chain: Chain, overlaps: ArrayLike | None = None, unfinished: str = ""
+) -> None:
     """Issue a warning for each limit of Hertz's law that a chain in SI units exceeds.
 
     Parameters
@@ -411,6 +413,8 @@ def warn_outside_hertz(chain: Chain, overlaps: ArrayLike | None = None) -> None:
         Any chain; there is no warning if it has no materials.
     overlaps : array_like, optional
         Largest overlap of each contact, as for `hertz_range`.
+    unfinished : str
+        Words to add if larger overlaps may follow.
 
     Examples
     --------
@@ -420,7 +424,9 @@ def warn_outside_hertz(chain: Chain, overlaps: ArrayLike | None = None) -> None:
     """
     if chain.units == "SI" and chain.materials is not None:
         for violation in hertz_range(chain, overlaps).violations:
-            warn_user(violation, ModelRangeWarning)
+            # The speed of the impact does not grow.
+            more = f"; {unfinished}" if unfinished and "/ sound" not in violation else ""
+            warn_user(f"{violation}{more}", ModelRangeWarning)
 
 
 def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:

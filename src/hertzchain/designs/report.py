@@ -198,8 +198,8 @@ def _second_hit(found: Verified) -> list[str]:
     if isnan(found.second_peak):
         return []
     peak = in_words(found.second_peak, "N", found.chain.units)
-    return [f"  struck again with these dents: wall_force.peak = {peak} in the second hit; the search "
-            "compares the first hit only"]  # fmt: skip
+    return [f"  struck again with these dents: wall_force.peak = {peak} in the second hit; the "
+            "search compares the first hit only"]  # fmt: skip
 
 
 def _more_trials(result: DesignResult) -> str:

@@ -19,7 +19,7 @@ from ..chain.hertz_range import warn_outside_hertz
 from ..chain.loss_range import warn_outside_losses
 from ..collision import Array
 from ..errors import InputError, SimulationError
-from ..representation import measure
+from ..representation import counted, measure
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback, check_bool
@@ -28,7 +28,7 @@ from .fixed_steps import FixedLoop, FixedSteps, fixed_steps
 from .frames import Frames
 from .kernel_input import kernel_chain
 from .run import Run
-from .run_end import RunEnd, Status
+from .run_end import NATURAL_ENDS, RunEnd, Status
 from .run_message import NOT_STRUCK
 from .slow_run import slow_run_notice
 from .state import State, contacts_of, first_state
@@ -186,8 +186,19 @@ def simulate(
     if fixed is not None:
         fixed.warn(run.energy_drift)
     if chain.materials is not None:
-        warn_outside_hertz(chain, run.largest_overlaps)
+        warn_outside_hertz(chain, run.largest_overlaps, _before_the_end(run))
     return run
+
+
+def _before_the_end(run: Run) -> str:
+    """That overlaps may still grow if a run ends before the pulse; empty otherwise."""
+    beads = run.chain.beads - run.chain.strikers
+    if run.status in NATURAL_ENDS or run.beads_passed >= beads:
+        return ""
+    return (
+        f"this is the largest value so far: the run ends when the pulse has passed "
+        f"{run.beads_passed} of {counted(beads, 'bead')}, and a larger one may follow"
+    )
 
 
 def simulate_to_peak(

@@ -254,21 +254,18 @@ class HertzRange:
         if not self.may_yield[contact]:
             return ""
         argument = "yield_overlap=..." if self.given[contact] else ""
-        walls = elastic_in_words(self.elastic_walls)
-        return f" or use loss=ElasticPlastic({argument}){walls}{self._replaced}"
+        law = f" or use loss=ElasticPlastic({argument})"
+        return f"{law}{elastic_in_words(self.elastic_walls)}{self._replaced}"
 
     @property
     def _replaced(self) -> str:
-        if not self.losses:
-            return ""
-        several = "es" if len(self.losses) > 1 else ""
-        return f", which replaces the loss{several} of the chain ({', '.join(self.losses)})"
+        several, names = "es" * (len(self.losses) > 1), ", ".join(self.losses)
+        return f", which replaces the loss{several} of the chain ({names})" * bool(names)
 
     def _slower(self, factor: float) -> str:
         """Velocity of the impact to which to reduce it, if it is known; rounded down."""
-        if not self.speed:
+        if not (speed := factor * self.speed):
             return ""
-        speed = factor * self.speed
         step = 10.0 ** (math.floor(math.log10(speed)) - 1)
         return f" to about {math.floor(speed / step) * step:.2g} m/s"
 
@@ -402,9 +399,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     )
 
 
-def warn_outside_hertz(
-    chain: Chain, overlaps: ArrayLike | None = None, unfinished: str = ""
-) -> None:
+def warn_outside_hertz(chain: Chain, overlaps: ArrayLike | None = None, later: str = "") -> None:
     """Issue a warning for each limit of Hertz's law that a chain in SI units exceeds.
 
     Parameters
@@ -413,7 +408,7 @@ def warn_outside_hertz(
         Any chain; there is no warning if it has no materials.
     overlaps : array_like, optional
         Largest overlap of each contact, as for `hertz_range`.
-    unfinished : str
+    later : str
         Words to add if larger overlaps may follow.
 
     Examples
@@ -424,8 +419,7 @@ def warn_outside_hertz(
     """
     if chain.units == "SI" and chain.materials is not None:
         for violation in hertz_range(chain, overlaps).violations:
-            # The speed of the impact does not grow.
-            more = f"; {unfinished}" if unfinished and "/ sound" not in violation else ""
+            more = f"; {later}" * bool(later and "/ sound" not in violation)
             warn_user(f"{violation}{more}", ModelRangeWarning)
 
 

@@ -554,7 +554,7 @@ def test_all_plots_of_a_run_have_the_same_title():
     gap = chain.replace(gaps=[0.0] * 5 + [1e-6] + [0.0] * 3)
     axes = hc.plot_pulses([run.pulse(), hc.simulate(gap).pulse()])
     assert len(set(legend(axes))) == 2
-    assert legend(axes)[1] == "gaps"
+    assert legend(axes)[:2] == ["no gaps", "gap of 1 µm in contact 6"]
 
 
 def test_locations_have_the_same_colour_in_every_budget():

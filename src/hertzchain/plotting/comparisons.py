@@ -11,11 +11,14 @@ from matplotlib.axes import Axes
 from ..pulse.free_end import ends_free
 from ..pulse.quantities import COLUMN_QUANTITIES
 from .colours import curve_colour, grey
+from .differences import words_of_chains
+from .labels import distinguish
 from .legends import place_legend
 from .style import MARKERS, BeadLocator, figure_style, get_axes, label_log_axis, set_title
 
 if TYPE_CHECKING:
     from ..pulse.comparison import Comparison
+    from ..pulse.pulse import Pulse
 
 
 def plot_comparison(
@@ -54,7 +57,17 @@ def plot_comparison(
         axes.set_ylabel("|error| [%]" if log else "error [%]")
         axes.xaxis.set_major_locator(BeadLocator())
         ours, theirs = comparison.pulse, comparison.reference
-        set_title(axes, f"{ours.method} against {theirs.method}, {ours.chain.description}")
+        set_title(axes, _title(ours, theirs))
         if legend:
             place_legend(axes)
     return axes
+
+
+def _title(ours: Pulse, theirs: Pulse) -> str:
+    """Both methods and the chain, or the properties in which the chains of the pulses differ."""
+    chains = words_of_chains([ours.chain, theirs.chain])
+    if chains[0] == chains[1]:
+        return f"{ours.method} against {theirs.method}, {ours.chain.description}"
+    words = [[each.method, *own] for each, own in zip((ours, theirs), chains, strict=True)]
+    names, common = distinguish(words)
+    return f"{' against '.join(names)}, {common}"

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from ..chain.chain import Chain
 from ..collision import Array
 from .colours import grey
+from .differences import words_of_chains
+from .labels import distinguish
 from .legends import figure_of
+from .style import literal
 from .widths import NARROW, journal_width
 
 # Added to the label of a wall whose force may still exceed the plotted values.
@@ -29,17 +34,20 @@ class ForceLine(Line2D):
     """A simulated force with the number of its run.
 
     Labels of users, ``named``, remain; others state the end of a short run and an incomplete peak,
-    except in a figure for a journal.
+    except in a figure for a journal.  A run without a name has its chain, by whose properties
+    several of them are distinguished.
     """
 
     def __init__(
-        self, x: Array, y: Array, run: int, words: str, *, cut_off: bool, named: bool, **style: Any
-    ) -> None:
+        self, x: Array, y: Array, run: int, words: str, *, cut_off: bool, named: bool,
+        chain: Chain | None = None, **style: Any,
+    ) -> None:  # fmt: skip
         analysed = cut_off and journal_width.get() is None
         if analysed:
             style.update(marker="o", markevery=[-1], markerfacecolor="none", clip_on=False)
         super().__init__(x, y, **style)
         self.run, self.words, self.named, self.analysed = run, words, named, analysed
+        self.chain = chain
 
 
 class MeasuredLine(Line2D):
@@ -72,11 +80,13 @@ def label_and_style(axes: Axes, *, compared: bool) -> None:
     lines = force_lines(axes)
     _, _, unit = axes.get_xlabel().rstrip("]").partition("[")
     longest = max(_end(line) for line in lines)
+    differences = _differences(lines)
     for line in lines:
         line.set_label(line.words)
         if line.named:
             continue
-        words = line.words + f" ({CUT_OFF})" * line.analysed
+        words = ", ".join(filter(None, (line.words, differences.get(line.run, ""))))
+        words += f" ({CUT_OFF})" * line.analysed
         if _end(line) < SHORT_RUN * longest and journal_width.get() is None:
             end = _end(line)
             words += f", until {end:.4g} {unit}" if unit else f", until $t$ = {end:.4g}"
@@ -90,6 +100,14 @@ def label_and_style(axes: Axes, *, compared: bool) -> None:
             width, opacity = RUN_LINES[min(line.run, len(RUN_LINES) - 1)]
             line.set(linestyle="-", linewidth=narrower * width, alpha=opacity)
     _end_together(axes, lines)
+
+
+def _differences(lines: Sequence[ForceLine]) -> dict[int, str]:
+    """The properties in which the chains of several runs without names differ."""
+    chains = {line.run: line.chain for line in lines if line.chain is not None}
+    words = words_of_chains([*chains.values()]) if len(chains) > 1 else []
+    labels = distinguish([["", *each] for each in words])[0] if words else []
+    return dict(zip(chains, map(literal, labels), strict=False))
 
 
 def _label_circles(axes: Axes, lines: list[ForceLine]) -> None:

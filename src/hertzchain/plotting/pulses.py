@@ -18,7 +18,8 @@ from ..pulse.quantities import COLUMN_QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_list, check_type
 from .colours import COLOURS, curve_colour, grey
-from .labels import distinguish
+from .differences import words_of_chains
+from .labels import distinguish, numbered
 from .legends import place_legend
 from .spreads import (
     BAND,
@@ -38,7 +39,6 @@ from .style import (
     literal,
     set_title,
 )
-from .titles import chain_words
 
 # Differences below this fraction of the largest ones are not visible on a linear axis.
 HIDDEN: Final = 0.02
@@ -66,8 +66,9 @@ def plot_pulses(
 ) -> Axes:
     r"""Plot one quantity of several pulses against the bead number.
 
-    By default a label states what distinguishes a pulse from the others (its method, taper, rate,
-    number of beads, ...); the title has the parts that all of them share.  For several chains and
+    By default a label names every property in which a pulse differs from the others (its method,
+    taper, number of beads, loss law, impact speed, walls, ...); the title has the parts that all
+    of them share.  Pulses without a difference are numbered.  For several chains and
     several methods, the colour of a curve shows its chain, its line and symbol show its method,
     and the legend has one entry for each of these.  If the last bead leaves a free end at a larger
     velocity, all values of this bead have symbols without a line.  A shaded band shows the spread
@@ -127,7 +128,7 @@ def plot_pulses(
     legend = check_bool("legend", legend)
     words = _words(pulses)
     names, title = distinguish(words)
-    names = [literal(name) for name in names]
+    names = [literal(name) for name in numbered(names)]
     if labels is not None:
         names = check_list("labels", labels, "labels")
         if len(names) != len(pulses):
@@ -196,13 +197,8 @@ def _checked(pulses: Sequence[Pulse], quantity: str) -> list[Pulse]:
 
 def _words(pulses: Sequence[Pulse]) -> list[list[str]]:
     """Method and chain of each pulse, in parts that can be compared."""
-    described = [[pulse.method, *pulse.chain.description.split(", ")] for pulse in pulses]
-    if any(pulse.chain.scaled for pulse in pulses):
-        return described
-    # The words of other plots of these chains, unless these do not distinguish the pulses.
-    titles = [[pulse.method, *chain_words(pulse.chain).split(", ")] for pulse in pulses]
-    count = [len({*map(tuple, each)}) for each in (titles, described)]
-    return titles if count[0] == count[1] else described
+    chains = words_of_chains([pulse.chain for pulse in pulses])
+    return [[pulse.method, *words] for pulse, words in zip(pulses, chains, strict=True)]
 
 
 @dataclass(frozen=True)

@@ -171,7 +171,8 @@ def plot_forces(
         ``"right wall"`` if there are two.
     label : str
         Name of the run in the legend, if several runs are plotted into the same axes; followed by
-        the names of the beads if there are several.
+        the names of the beads if there are several.  By default, the properties in which the
+        chains of these runs differ are added to the names of the beads.
     legend : bool
         Whether the axes have a legend.
     ax : matplotlib.axes.Axes, optional
@@ -235,8 +236,9 @@ def _draw_forces(
         words = filter(None, (name, curve if places else ""))
         line = ForceLine(
             factor * times, force, number if compared is None else compared, ", ".join(words),
-            cut_off=cut_off, named=named, color=curve_colour(axes, i),
-            linestyle="-" if wall else next(dashes), linewidth=WALL_WIDTH if wall else None,
+            cut_off=cut_off, named=named, chain=None if name else run.chain,
+            color=curve_colour(axes, i), linestyle="-" if wall else next(dashes),
+            linewidth=WALL_WIDTH if wall else None,
         )  # fmt: skip
         axes.add_line(line)
     axes.autoscale_view()

@@ -20,6 +20,7 @@ from ..chain.description import (
 )
 from ..chain.laws.restitution import Restitution
 from ..chain.materials import Material
+from ..chain.walls import Wall
 from .style import literal
 
 
@@ -36,7 +37,18 @@ def chain_words(chain: Chain) -> str:
         title = _scaled_beads(chain)
     title += law_in_words(chain.exponents)
     gravity = "under gravity" if chain.gravity else ""
-    return ", ".join(filter(None, (title, gravity, _cap(chain), _wall(chain), _loss(chain))))
+    return ", ".join(
+        filter(
+            None,
+            (
+                title,
+                gravity,
+                cap_in_title(chain),
+                wall_in_words(chain, chain.right_wall),
+                loss_in_title(chain),
+            ),
+        )
+    )
 
 
 def chain_title(chain: Chain) -> str:
@@ -96,7 +108,7 @@ def _of_balls(chain: Chain) -> tuple[Material, ...]:
     return (chain.materials or ())[chain._balls]
 
 
-def _cap(chain: Chain) -> str:
+def cap_in_title(chain: Chain) -> str:
     """Such as ``cap 5 g``."""
     if chain.cap is None:
         return ""
@@ -104,17 +116,16 @@ def _cap(chain: Chain) -> str:
     return f"cap of mass {mass:.4g}" if chain.scaled else f"cap {mass_in_words(mass)}"
 
 
-def _wall(chain: Chain) -> str:
-    """A right wall that is not simply one of the material of the beads."""
-    wall = chain.right_wall
+def wall_in_words(chain: Chain, wall: Wall | None, end: int = -1) -> str:
+    """A wall that is not simply one of the material of the bead at this end of the chain."""
     if wall is None:
         return ""
     kind = ""
-    if wall.material is not None and wall.material not in (chain.materials or ())[-1:]:
+    if wall.material is not None and wall.material not in [(chain.materials or (None,))[end]]:
         (name,) = _materials((wall.material,)).values()
         kind = f"{name} wall"
     elif wall.stiffness is not None and chain.units == "SI":
-        exponent = float(chain.contact_exponents[-1])
+        exponent = float(chain.contact_exponents[end])
         kind = f"wall {stiffness_in_words(wall.stiffness, exponent)}".replace("um", "µm")
     elif wall.stiffness is not None:
         kind = f"wall of stiffness {wall.stiffness:g}"
@@ -129,7 +140,8 @@ def _wall(chain: Chain) -> str:
     return " ".join(filter(None, parts)) if kind or gap else ""
 
 
-def _loss(chain: Chain) -> str:
+def loss_in_title(chain: Chain) -> str:
+    """Such as ``restitution 0.95``, or ``with losses``."""
     if isinstance(chain.loss, Restitution):
         return f"restitution {chain.loss.coefficient:g}"
     return "" if chain.lossless else "with losses"

@@ -878,7 +878,7 @@ def test_axes_of_pictures_say_what_varies():
     across = plot_sweep(found, levels=[0.05], **{"struck_by.mass": 6.0})
     across.figure.canvas.draw()
     assert [tick.get_text() for tick in across.get_xticklabels()] == kinds
-    assert across.get_ylabel() == "loss coefficient"
+    assert across.get_ylabel() == "coefficient of restitution"
     assert across.get_title() == "striker mass = 6 g"
     assert across.collections[0].colorbar.ax.get_ylabel() == "velocity $v_{N}$ [m/s]"
     along = plot_sweep(found, materials="ptfe", coefficient=0.9)

@@ -17,6 +17,7 @@ from ..validation.objects import check_bool, check_choice, check_type
 from .colours import grey
 from .legends import figure_of, place_legend
 from .runs import check_times
+from .shared_axes import label_below
 from .style import (
     figure_style,
     get_axes,
@@ -109,7 +110,7 @@ def plot_budget(
             scale, prefix = _prefix(float(np.abs([above, below]).max()))
             axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: signed(value / scale)))
             axes.set_ylabel(f"{label_y} [{prefix}{UNITS[of]}]")
-        axes.set_xlabel(label)
+        label_below(axes, label)
         set_title(axes, chain_title(budget.chain))
         axes.margins(x=0.0)
         mark_horizon(axes, horizon, factor)

@@ -14,6 +14,7 @@ from .colours import curve_colour, grey
 from .differences import words_of_chains
 from .labels import distinguish
 from .legends import place_legend
+from .shared_axes import label_below
 from .style import MARKERS, BeadLocator, figure_style, get_axes, label_log_axis, set_title
 
 if TYPE_CHECKING:
@@ -52,8 +53,8 @@ def plot_comparison(
         else:
             axes.axhline(0.0, color=grey(axes), linewidth=0.8)
         contacts = {COLUMN_QUANTITIES[name].per == "contact" for name in quantities}
-        axes.set_xlabel("bead or contact $k$" if len(contacts) > 1 else
-                        "contact $k$" if contacts == {True} else "bead $k$")  # fmt: skip
+        label_below(axes, "bead or contact $k$" if len(contacts) > 1 else
+                    "contact $k$" if contacts == {True} else "bead $k$")  # fmt: skip
         axes.set_ylabel("|error| [%]" if log else "error [%]")
         axes.xaxis.set_major_locator(BeadLocator())
         ours, theirs = comparison.pulse, comparison.reference

@@ -215,7 +215,7 @@ def _gravity(chain: Chain, digits: int) -> str:
 
 
 def _striker(chain: Chain, digits: int) -> str:
-    """Masses of strikers that are no spheres; the words of scaled chains contain them."""
+    """Masses of flat or other strikers; the words of scaled chains contain them."""
     if chain.scaled or not chain.strikers or chain.strikers_are_spheres:
         return ""
     mass = 1e3 * float(chain.masses[: chain.strikers].sum())

@@ -16,6 +16,7 @@ from ..designs.sensitivity import GAP_STEP
 from ..errors import InputError
 from .colours import COLOURS, grey
 from .legends import place_legend
+from .shared_axes import label_below
 from .style import BeadLocator, figure_style, get_axes, set_title, with_micro
 from .titles import chain_title
 
@@ -54,7 +55,7 @@ def plot_gradient(
             step = "1%" if name != "gaps" else with_micro(GAP_STEP[_units(found)][1])
             axis = f"change [%] if {noun} {'changes' if both else 'grows'} by {step}"
         axes.xaxis.set_major_locator(BeadLocator())
-        axes.set_xlabel("contact $k$" if joints else "bead $k$")
+        label_below(axes, "contact $k$" if joints else "bead $k$")
         axes.set_ylabel(f"{_label(found)}:\n{axis}")
         if found._chain is not None:
             set_title(axes, chain_title(found._chain))

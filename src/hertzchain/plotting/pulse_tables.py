@@ -14,6 +14,7 @@ from ..validation.objects import check_choice
 from .colours import curve_colour
 from .legends import place_legend
 from .pulses import FREE_END, label_free_end, number_of_curves
+from .shared_axes import label_below
 from .style import MARKERS, BeadLocator, figure_style, get_axes, set_title
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def plot_pulse_table(table: PulseTable, quantity: str, *, ax: Axes | None = None
             axes.vlines(bead, lowest, highest, color=colour, alpha=BAND, linewidth=3.0)
         if ends and FREE_END not in axes.get_legend_handles_labels()[1]:
             label_free_end(axes)
-        axes.set_xlabel(f"{row.per} $k$")
+        label_below(axes, f"{row.per} $k$")
         damped = any(chain is not None and chain._damped for chain in table.chains)
         axes.set_ylabel(row.label_in(table.units, damped=damped))
         axes.xaxis.set_major_locator(BeadLocator())

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator
 
 from ..collision import Array
@@ -21,6 +22,7 @@ from .colours import COLOURS, curve_colour, grey
 from .differences import words_of_chains
 from .labels import distinguish, numbered
 from .legends import place_legend
+from .shared_axes import label_quantities, note_curve
 from .spreads import (
     BAND,
     draw_spread,
@@ -98,7 +100,8 @@ def plot_pulses(
     ax : matplotlib.axes.Axes, optional
         Axes to draw into; with residuals a pair of axes, of which the second is for the residuals.
         By default, a new figure is created.  The colours continue those of pulses that the axes
-        already have.
+        already have.  If these have another quantity, the legend and the label of the y axis name
+        both quantities.
 
     Returns
     -------
@@ -149,18 +152,19 @@ def plot_pulses(
             if free:
                 _draw_free_end(axes, len(values), values[-1], look)
             label = None if grouped else str(name)
-            _draw(axes, pulse, values[:-1] if free else values, look, label)
+            line = _draw(axes, pulse, values[:-1] if free else values, look, label)
+            note_curve(line, quantity, pulse.chain, label if labels is None else None)
         if grouped:
             _label_groups(axes, words, looks)
         _label_parts(axes, pulses, quantity, looks)
-        row = COLUMN_QUANTITIES[quantity]
-        damped = any(pulse.chain._damped for pulse in pulses)
-        axes.set_ylabel(row.label_in(pulses[0].chain.units, damped=damped))
+        label_quantities(axes)
         axes.set_yscale("log" if log else "linear")
         if log:
             label_log_axis(axes.yaxis)
         lowest = axes if lower is None else lower
-        lowest.set_xlabel(f"{row.per} $k$")
+        if lower is not None:
+            lower.set_xlabel(f"{COLUMN_QUANTITIES[quantity].per} $k$")
+            axes.set_xlabel("")
         for each in {axes, lowest}:
             each.xaxis.set_major_locator(BeadLocator())
         if lower is not None:
@@ -305,9 +309,9 @@ def _label_parts(
         label_free_end(axes)
 
 
-def _draw(axes: Axes, pulse: Pulse, values: Array, look: _Look, label: str | None) -> None:
+def _draw(axes: Axes, pulse: Pulse, values: Array, look: _Look, label: str | None) -> Line2D:
     beads = pulse.chain.beads
-    axes.plot(
+    (line,) = axes.plot(
         pulse.bead[: len(values)],
         values,
         color=curve_colour(axes, look.colour),
@@ -316,6 +320,7 @@ def _draw(axes: Axes, pulse: Pulse, values: Array, look: _Look, label: str | Non
         label=label,
         **_line(look),
     )
+    return line
 
 
 def _hidden(differences: Sequence[Array]) -> float:

@@ -25,6 +25,7 @@ from .colours import curve_colour, grey, signed_map
 from .enlarged import finish_enlarged, small_groups
 from .force_lines import ForceLine, force_lines, label_and_style
 from .legends import place_legend
+from .shared_axes import label_below, numbers_are_below
 from .style import (
     TIME_LABELS,
     BeadLocator,
@@ -115,7 +116,7 @@ def plot_run(
             rasterized=True,
         )
         axes.figure.colorbar(mesh, ax=axes, label=label)
-        axes.set_xlabel(time_label)
+        label_below(axes, time_label)
         axes.set_ylabel(f"{drawn.per} $k$")
         axes.yaxis.set_major_locator(BeadLocator(int(numbers[0])))
         for k in section_ends(run.chain):
@@ -242,7 +243,8 @@ def _draw_forces(
         )  # fmt: skip
         axes.add_line(line)
     axes.autoscale_view()
-    axes.set_xlabel(time_label)
+    # A further run in these axes has the unit of this label, also if it is not shown.
+    axes.set_xlabel(time_label, visible=not numbers_are_below(axes))
     axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
     axes.margins(x=0.0)
     label_and_style(axes, compared=compared is not None)
@@ -329,8 +331,6 @@ def _draw_places(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) ->
                 _draw_forces(axes, run, [number], literal(name), i, compared=i, places=not alone)
             if alone:
                 axes.set_title(words.pop(), loc="left")
-            if axes is not grid[-1, 0]:
-                axes.set_xlabel("")
             labels.append(axes.get_legend_handles_labels()[1])
             # Such as that of a wall whose peak is not complete.
             if labels[-1] != labels[0] or len(labels) == 1:

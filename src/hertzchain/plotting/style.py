@@ -58,6 +58,8 @@ LOG_DIGITS: Final = (
     (6.0, (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)),
     (MAX_PLAIN, (1.0, 2.0, 5.0)),
 )
+# Range of the limits of an axis with more decades, whose ticks remain plain numbers.
+PLAIN: Final = (1e-4, 1e5)
 # Times [s] above which they are in ms, and ratio above which curves need axes of their own.
 LONG, MUCH = 2e-3, 5.0
 # Factors of the labels of time axes in SI units.
@@ -248,13 +250,19 @@ def with_micro(text: str) -> str:
 
 
 def label_log_axis(axis: Axis) -> None:
-    """Label an axis with few decades by plain numbers, such as 0.2, 0.5 and 1."""
+    """Label an axis by plain numbers, such as 0.2, 0.5 and 1, or 0.1, 1 and 10 for more decades.
+
+    Much smaller and larger numbers remain powers of ten.
+    """
     low, high = sorted(map(float, axis.get_view_interval()))
-    if low > 0.0 and high < MAX_PLAIN * low:
+    if low <= 0.0:
+        return
+    if high < MAX_PLAIN * low:
         digits = next(each for ratio, each in LOG_DIGITS if high < ratio * low)
         axis.set_major_locator(LogLocator(subs=digits))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_locator(NullLocator())
+    if high < MAX_PLAIN * low or (low > PLAIN[0] and high < PLAIN[1]):
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def label_narrow_axis(axes: Axes) -> None:

@@ -12,7 +12,7 @@ from ..chain.tapers import TAPERS, rate_symbol
 from ..sweeps.kept import SWEEP_QUANTITIES
 from ..sweeps.placed import placed
 from ..units import PERCENT
-from .style import literal
+from .style import literal, with_micro
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,11 +23,23 @@ LABELS: Final = MappingProxyType(
         "ratio": "last radius / first radius",
         "mass_ratio": "mass of light beads / heavy beads",
         "decorated.ratio": "small radius / mean of neighbours",
+        "struck_by.count": "number of strikers",
         "with_scatter.relative": "scatter of the radii",
         "with_scatter.grade": "ball grade",
         "with_scatter.seed": "seed of the radii",
     }
 )
+# Parameters of laws of loss; the meaning of a ratio depends on the law.
+OF_LOSSES: Final = MappingProxyType({
+    "coefficient": "coefficient of restitution", "restitution": "coefficient of restitution",
+    "time": "relaxation time", "gamma": r"damping $\gamma$",
+    "alpha": r"exponent $\alpha$ of damping",
+    "yield_pressure": "yield pressure", "yield_overlap": "overlap at yield",
+    "speed": "speed of the collision", "law": "law of loss", "attractive": "loss with pull",
+})  # fmt: skip
+RATIOS: Final = MappingProxyType({
+    "walton-braun": "loading / unloading stiffness", "unloading-ratio": "unloading ratio $w$",
+})  # fmt: skip
 # Labels of axes that do not introduce values, as ``beads = 20`` does.
 OF_AXES: Final = MappingProxyType({"rate": "rate of the taper", "beads": "number of beads $N$"})
 # Names of methods, as in plots of pulses.
@@ -61,7 +73,8 @@ def axis_label(coordinate: xr.DataArray) -> str:
 
 def with_symbols(drawn: xr.DataArray, dataset: xr.Dataset) -> xr.DataArray:
     """Values whose rate of the taper, if it is an axis, has the symbol of this taper."""
-    taper = _specification(dataset).get("chain", {}).get("taper")
+    chain = _specification(dataset).get("chain", {})
+    drawn, taper = _with_ratio(drawn, chain), chain.get("taper")
     # The taper itself may be an axis, with both symbols.
     if "rate" not in drawn.coords or taper not in TAPERS:
         return drawn
@@ -92,6 +105,15 @@ def _laws(entry: Any, *, named: bool = False) -> Iterator[str]:
         yield entry
 
 
+def _with_ratio(drawn: xr.DataArray, chain: dict[str, Any]) -> xr.DataArray:
+    """Values whose ratio of a law of loss, if it is an axis, is named as in this law."""
+    ratio, losses = drawn.coords.get("ratio"), chain.get("loss", {})
+    law = losses.get("law") if isinstance(losses, dict) else None
+    if ratio is None or law not in RATIOS or ratio.attrs.get("long_name") != "loss.ratio":
+        return drawn
+    return drawn.assign_coords(ratio=ratio.assign_attrs({**ratio.attrs, "law": law}))
+
+
 def reference_of(dataset: xr.Dataset) -> str | None:
     """Name of the method to which errors of a sweep are relative."""
     reference = _specification(dataset).get("sweep", {}).get("reference")
@@ -112,6 +134,12 @@ def _parameter(coordinate: xr.DataArray) -> str:
     words = coordinate.attrs.get("long_name", name) if name not in ("approach", "point") else name
     if words in LABELS:
         return _with_unit(LABELS[words], coordinate)
+    part, _, field = words.rpartition(".")
+    if part.rpartition(".")[2] == "loss" and (field in OF_LOSSES or "law" in coordinate.attrs):
+        of_law = RATIOS.get(coordinate.attrs.get("law", ""), "ratio")
+        wall = part.removesuffix(".loss").replace("_", " ") if part != "loss" else ""
+        place = f" of the {wall}" if wall.endswith("wall") else ""
+        return _with_unit(f"{OF_LOSSES.get(field, of_law)}{place}", coordinate)
     plain = words.removeprefix("method.").removeprefix("with_").replace("struck_by", "striker")
     parts = [SINGULARS.get(part, part) for part in plain.split(".")]
     if parts[-1].isdigit() and parts[0] in SINGULARS.values():
@@ -153,7 +181,7 @@ def _is_selected(drawn: xr.DataArray, place: str) -> bool:
 
 def _with_unit(text: str, values: xr.DataArray) -> str:
     unit = values.attrs.get("units", "1")
-    return text if unit == "1" else f"{text} [{unit}]"
+    return text if unit == "1" else f"{text} [{with_micro(unit)}]"
 
 
 def coordinate_text(value: xr.DataArray, name: str) -> str:
@@ -161,8 +189,8 @@ def coordinate_text(value: xr.DataArray, name: str) -> str:
     if name == "approach":
         return METHODS.get(value.item(), literal(str(value.item())))
     unit = value.attrs.get("units", "1")
-    label = _parameter(value).removesuffix(f" [{unit}]")
-    shown = "" if unit == "1" else unit if unit == PERCENT else f" {unit}"
+    label = _parameter(value).removesuffix(f" [{with_micro(unit)}]")
+    shown = "" if unit == "1" else unit if unit == PERCENT else f" {with_micro(unit)}"
     return f"{label} = {short_value(value.item())}{shown}"
 
 

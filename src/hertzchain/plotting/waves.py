@@ -9,6 +9,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool
 from .colours import COLOURS
 from .legends import place_legend
+from .shared_axes import label_below
 from .style import BeadLocator, figure_style, get_axes, set_title, time_axis
 from .titles import chain_title
 
@@ -52,7 +53,7 @@ def plot_waves(waves: Waves, *, legend: bool = True, ax: Axes | None = None) -> 
         for sign in dict.fromkeys(sorted((wave.direction for wave in waves), reverse=True)):
             axes.plot([], [], color=LINES[sign][0], linestyle=LINES[sign][1],
                       label=f"to the {DIRECTIONS[sign]}")  # fmt: skip
-        axes.set_xlabel(label)
+        label_below(axes, label)
         axes.set_ylabel("contact $k$")
         axes.yaxis.set_major_locator(BeadLocator(0))
         set_title(axes, chain_title(waves.chain))

@@ -339,7 +339,8 @@ class Pulse(Columns):
         legend : bool
             Whether the axes have a legend.
         ax : matplotlib.axes.Axes, optional
-            Axes to draw into, which may have other pulses.  By default, a new figure is created.
+            Axes to draw into, which may have other pulses or another quantity, which the legend
+            and the label of the y axis then name.  By default, a new figure is created.
 
         Examples
         --------

@@ -1,0 +1,56 @@
+"""Labels of axes that several quantities or several panels share."""
+
+from __future__ import annotations
+
+import weakref
+from typing import Final
+
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from ..chain.chain import Chain
+from ..pulse.quantities import COLUMN_QUANTITIES
+
+# Quantity, chain and label of the curves of pulses; no label if a user has given it.
+_curves: Final[weakref.WeakKeyDictionary[Line2D, tuple[str, Chain, str | None]]] = (
+    weakref.WeakKeyDictionary()
+)
+
+
+def note_curve(line: Line2D, quantity: str, chain: Chain, label: str | None) -> None:
+    """Remember the quantity of a curve, for curves of others in the same axes."""
+    _curves[line] = quantity, chain, label
+
+
+def label_quantities(axes: Axes) -> None:
+    """Label axes with the quantity of their curves; with several, the curves name theirs, too."""
+    curves = {line: _curves[line] for line in axes.lines if line in _curves}
+    rows = {quantity: COLUMN_QUANTITIES[quantity] for quantity, *_ in curves.values()}
+    damped = any(chain._damped for _, chain, _ in curves.values())
+    labels = {
+        (quantity, chain.units): rows[quantity].label_in(chain.units, damped=damped)
+        for quantity, chain, _ in curves.values()
+    }
+    places = dict.fromkeys(row.per for row in rows.values())
+    label_below(axes, f"{' or '.join(places)} $k$")
+    if len(labels) == 1:
+        axes.set_ylabel(next(iter(labels.values())))
+        return
+    # The legend has their names.
+    axes.set_ylabel(", ".join(each[max(each.find("$"), 0) :] for each in labels.values()))
+    several = len({label for *_, label in curves.values()}) > 1
+    for line, (quantity, chain, label) in curves.items():
+        if label is not None:
+            words = f"{label}, " if several else ""
+            line.set_label(f"{words}{labels[quantity, chain.units].partition(' [')[0]}")
+
+
+def label_below(axes: Axes, label: str) -> None:
+    """Label the x axis, unless a panel below shares it and has its numbers."""
+    axes.set_xlabel("" if numbers_are_below(axes) else label)
+
+
+def numbers_are_below(axes: Axes) -> bool:
+    """Whether axes share their x axis, and only another panel has its numbers."""
+    shared = len(axes.get_shared_x_axes().get_siblings(axes)) > 1
+    return shared and not axes.xaxis.get_tick_params().get("labelbottom", True)

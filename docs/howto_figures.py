@@ -334,6 +334,26 @@ def localisation() -> Figure:
     return canvas
 
 
+def light_bead() -> Figure:
+    """Modes of a precompressed row with a light bead, and the localised one."""
+    balls = hc.Chain.from_materials(diameters="19.05 mm", materials="steel-52100", beads=41)
+    row = balls.with_defects(diameters={21: "10 mm"})
+    found = hc.spectrum(row.replace(precompression="20 N", held_by="force"))
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.1), layout="constrained")
+        found.plot(ax=left)
+        left.set_title("")
+        (mode,) = found.localised
+        beads = np.arange(1, row.beads + 1)
+        shape = found.modes[:, mode] / found.modes[20, mode]
+        right.axhline(0.0, color="0.5", linewidth=0.8)
+        right.plot(beads, shape, marker=MARKERS[0], color=COLOURS[2], markersize=4.0)
+        right.set_xlim(11, 31)
+        right.set_xlabel("bead $k$")
+        right.set_ylabel("displacement / that of bead 21")
+    return canvas
+
+
 HOWTO_FIGURES: Final = (
     losses,
     defect_chains,
@@ -345,5 +365,6 @@ HOWTO_FIGURES: Final = (
     certainty,
     pads,
     localisation,
+    light_bead,
     impurities,
 )

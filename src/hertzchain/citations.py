@@ -34,6 +34,8 @@ CITATIONS: Final = (
     "  doi:10.1103/PhysRevE.56.6104.\n"
     "  N. Boechler, G. Theocharis, S. Job, P. G. Kevrekidis, M. A. Porter, C. Daraio,\n"
     "  Phys. Rev. Lett. 104, 244302 (2010), doi:10.1103/PhysRevLett.104.244302.\n"
+    "  G. Theocharis, M. Kavousanakis, P. G. Kevrekidis, C. Daraio, M. A. Porter,\n"
+    "  I. G. Kevrekidis, Phys. Rev. E 80, 066601 (2009), doi:10.1103/PhysRevE.80.066601.\n"
     "  H. Matsuda, K. Ishii, Prog. Theor. Phys. Suppl. 45, 56 (1970), doi:10.1143/PTPS.45.56.\n"
     "  M. Kappus, F. Wegner, Z. Phys. B 45, 15 (1981), doi:10.1007/BF01294272.\n"
     "  I. F. Herrera-Gonzalez, J. A. Mendez-Bermudez, arXiv:2210.12561.",

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -16,6 +17,9 @@ from .output import save_figure, show_json
 if TYPE_CHECKING:
     from ..chain.chain import Chain
     from ..theory.spectrum import Spectrum
+
+# Localised modes that are listed.
+MAX_LISTED: Final = 5
 
 
 @click.command(cls=StrictCommand)
@@ -108,6 +112,38 @@ def _bands(found: Spectrum) -> tuple[Any, Any, float | None]:
     return None, None, None
 
 
+def _host(found: Spectrum) -> Any:
+    """Edges of the bands of the host, if most beads repeat a cell."""
+    from ..errors import InputError
+
+    with suppress(InputError):
+        return found.host_edges.tolist()
+    return None
+
+
+def _host_lines(found: Spectrum, shown: Callable[[float, float], str]) -> list[str]:
+    """Bands of the host of a chain that repeats no cell."""
+    host = _host(found)
+    if host is None:
+        return ["  no bands: masses or springs do not repeat"]
+    return [f"  host band {i}  {shown(*band)}" for i, band in enumerate(host, 1)]
+
+
+def _localised_lines(found: Spectrum, factor: float, unit: str) -> list[str]:
+    """Localised modes with the bead that has most of their energy."""
+    import numpy as np
+
+    energy = found.chain.masses[:, np.newaxis] * np.abs(found.modes) ** 2
+    chosen = found.localised
+    lines = [
+        f"  localised    {factor * found.frequencies[j]:.5g}{unit}, around bead "
+        f"{int(energy[:, j].argmax()) + 1}, participation {found.participation[j]:.3g}"
+        for j in chosen[:MAX_LISTED]
+    ]
+    more = len(chosen) - len(lines)
+    return [*lines, f"  localised    {more} more modes"] if more > 0 else lines
+
+
 def _document(found: Spectrum) -> dict[str, Any]:
     from ..validation.json_types import finite
 
@@ -119,6 +155,12 @@ def _document(found: Spectrum) -> dict[str, Any]:
         "bands": bands,
         "gaps": gaps,
         "sound_speed": speed,
+        "host_bands": _host(found),
+        "localised_modes": [
+            {"mode": int(j) + 1, "frequency": float(found.frequencies[j]),
+             "participation": float(found.participation[j])}
+            for j in found.localised
+        ],
     })  # fmt: skip
     return document
 
@@ -139,11 +181,12 @@ def _table(found: Spectrum, *, every_mode: bool) -> str:
     f = found.frequencies
     lines = [found.chain.description, f"  {len(f)} modes     {shown(f[0], f[-1])}"]
     if bands is None:
-        lines.append("  no bands: masses or springs do not repeat")
+        lines += _host_lines(found, shown)
     else:
         lines += [f"  band {i}       {shown(*band)}" for i, band in enumerate(bands, 1)]
         lines += [f"  no waves     {shown(*gap)}" for gap in gaps]
         lines.append(f"  sound speed  {measure(speed or 0.0, 'm/s', units)}")
+    lines += _localised_lines(found, factor, unit)
     if every_mode:
         heading = "frequency [kHz]" if unit else "frequency"
         lines.append(f"{'mode':>6}{heading:>18}")

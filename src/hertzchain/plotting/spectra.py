@@ -63,12 +63,15 @@ def plot_spectrum(
             axes.set_xlabel("mode")
             axes.xaxis.set_major_locator(BeadLocator())
             top = spectrum.frequencies.max()
+            if (local := spectrum.localised).size:
+                axes.plot(number[local], factor * spectrum.frequencies[local], "o", markersize=5.0,
+                          color=COLOURS[2], clip_on=False, label="localised mode")  # fmt: skip
         axes.set_ylim(0.0, factor * ROOM * top)
-        gaps = None if edges is None else spectrum.gaps(cell=cell)
+        gaps = _host_gaps(spectrum) if edges is None else spectrum.gaps(cell=cell)
         _shade(axes, axes.axhspan, gaps, factor, ROOM * top)
         axes.set_ylabel(label)
         set_title(axes, _title(spectrum.chain))
-        if edges is not None:
+        if gaps is not None:
             place_legend(axes, own=ax is None)
     return axes
 
@@ -183,6 +186,15 @@ def _edges(spectrum: Spectrum, cell: int | None, *, required: bool) -> Array | N
         if required:
             raise
         return None
+
+
+def _host_gaps(spectrum: Spectrum) -> Array | None:
+    """Ranges without plane waves in the periodic host of a chain with a few other beads."""
+    try:
+        edges = spectrum.host_edges
+    except InputError:
+        return None
+    return np.column_stack((edges[:, 1], np.append(edges[1:, 0], np.inf)))
 
 
 def _draw_bands(axes: Axes, spectrum: Spectrum, cell: int | None, factor: float) -> None:

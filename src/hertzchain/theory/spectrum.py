@@ -28,8 +28,8 @@ from ..errors import InputError
 from ..representation import measure, short
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import bounded_numbers, whole_number
-from .band_structure import BandStructure
 from .eigenmodes import eigenmodes
+from .host_bands import HostBands
 from .linear_contacts import LinearContacts, linear_contacts
 from .response import Complex, Response, WallName, driven_place
 
@@ -43,7 +43,7 @@ FREQUENCIES, ROOM = 2001, 1.25
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class Spectrum(BandStructure):
+class Spectrum(HostBands):
     r"""Small oscillations of a chain, as returned by `spectrum`.
 
     Frequencies are in cycles per unit time, like those of drives (Hz for a chain in SI units).
@@ -235,7 +235,8 @@ class Spectrum(BandStructure):
         kind : str, optional
             ``"bands"`` shows the frequencies of plane waves over the phase q from cell to cell,
             with the band gaps shaded and the modes of the chain as ticks at the right axis.
-            ``"modes"`` shows the frequency of each mode, also in a chain that does not repeat.
+            ``"modes"`` shows the frequency of each mode, also in a chain that does not repeat;
+            frequencies outside the bands of its host (`host_edges`) are shaded.
             The default is ``"bands"`` if the chain repeats, otherwise ``"modes"``.
         cell : int, optional
             Number of beads per cell, as for `bands`.
@@ -317,6 +318,10 @@ class Spectrum(BandStructure):
             about += f", sound speed {measure(self.sound_speed, 'm/s', self.chain.units)}"
             gaps = [f"{low:g} .. {high:g}" for low, high in self.gaps()[:-1]]
             about += f", gap{'s' * (len(gaps) > 1)} {' and '.join(gaps)}{unit}" if gaps else ""
+        if len(local := self.localised):
+            modes = " and ".join(f"{self.frequencies[j]:g}" for j in local[:3])
+            about += f", localised at {modes}{unit}" if len(local) <= 3 else (
+                f", {len(local)} localised modes")  # fmt: skip
         return short("Spectrum", about, self.chain.description)
 
     def _repr_html_(self) -> str:

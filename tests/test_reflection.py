@@ -264,3 +264,11 @@ def test_the_wall_has_a_name_and_contacts_next_to_it_cause_a_warning():
         run.reflection(25, 39)
     with pytest.raises(hc.InputError, match="no left wall"):
         run.reflection(25, "left wall")
+
+
+def test_times_of_a_reflection_have_units():
+    balls = hc.Chain.from_materials(diameters="10 mm", materials="brass", beads=60)
+    run = hc.simulate(balls.struck_by(velocity="0.02 m/s"), until="4 ms", times=2000)
+    found, same = (run.reflection(20, 40, until=end) for end in (2.5e-3, "2.5 ms"))
+    assert found.until == same.until
+    assert found.transmitted_energy == same.transmitted_energy

@@ -260,3 +260,19 @@ def test_precompressed_speed_is_smooth_where_its_two_forms_meet():
 def test_bad_input_is_rejected(call, said):
     with pytest.raises(hc.InputError, match=said):
         call()
+
+
+def test_arguments_of_a_wave_have_units():
+    wave = hc.solitary_wave()
+    plain, words = (0.05, 4e-3, 7e9), ("5 cm/s", "4 g", "7 N/um^1.5")
+    for name in ("speed", "peak_force"):
+        method = getattr(wave, name)
+        assert method(*words) == pytest.approx(method(*plain), rel=1e-14)
+        assert method(words[0], *plain[1:]) == pytest.approx(method(*plain), rel=1e-14)
+    for name in ("momentum", "energy"):
+        method = getattr(wave, name)
+        assert method(*words[:2]) == pytest.approx(method(*plain[:2]), rel=1e-14)
+    with pytest.raises(hc.InputError, match="mass and stiffness must be given in SI units"):
+        wave.speed("0.05 m/s")
+    with pytest.raises(hc.InputError, match="velocity"):
+        wave.speed("5 mm", 1e-3, 1e9)

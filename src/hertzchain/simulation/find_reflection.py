@@ -104,8 +104,9 @@ def reflection_of(
     second = whole_number("after", after if wall is None else min(wall, beads), least=0, most=beads)
     if first == second:
         raise InputError(f"before and after must be two contacts, got {first} twice")
-    begin = number("since", since)
-    stop = np.inf if until is None else number("until", until, above=begin)
+    unit = self.chain._unit("s")
+    begin = number("since", since, unit=unit)
+    stop = np.inf if until is None else number("until", until, unit=unit, above=begin)
     check_saved_times(self)
     sign = 1 if second > first else -1
     near = [event for event in _events_at(self, first) if event.time >= begin]

@@ -19,8 +19,9 @@ from typing import Final
 import numpy as np
 
 from ..collision import HERTZ_EXPONENT, Array
+from ..errors import InputError
 from ..validation.keywords import checked_arguments, checked_methods
-from ..validation.numbers import number
+from ..validation.numbers import has_unit, number
 from .solitary_wave_solver import (
     POINTS_PER_BEAD,
     box_transform,
@@ -94,7 +95,8 @@ class SolitaryWave:
         ----------
         velocity, mass, stiffness : float
             Peak velocity of a bead, its mass, and the stiffness of its contacts, in scaled or
-            any other consistent units; all must be positive.
+            any other consistent units; all must be positive.  If one is text with a unit, such as
+            ``"0.05 m/s"``, the others are in SI units and must be given.
 
         Returns
         -------
@@ -104,7 +106,7 @@ class SolitaryWave:
         Raises
         ------
         InputError
-            If an argument is not positive and finite.
+            If an argument is not positive and finite, or one has a unit and another is omitted.
 
         Examples
         --------
@@ -115,7 +117,7 @@ class SolitaryWave:
         >>> round(speed * 0.010, 3)
         674.659
         """
-        v, m, k = _checked_wave(velocity, mass, stiffness)
+        v, m, k = self._checked(velocity, mass, stiffness)
         s = 1.0 / (self.exponent + 1.0)
         return self.speed_constant * (k / m) ** s * v ** ((self.exponent - 1.0) * s)
 
@@ -141,7 +143,7 @@ class SolitaryWave:
         >>> round(hc.solitary_wave().momentum(0.681631548571), 9)
         1.138305089
         """
-        v, m, _ = _checked_wave(velocity, mass, 1.0)
+        v, m, _ = self._checked(velocity, mass)
         return self.momentum_constant * m * v
 
     def energy(self, velocity: float, mass: float = 1.0) -> float:
@@ -165,7 +167,7 @@ class SolitaryWave:
         >>> round(2 * hc.solitary_wave().energy(0.681631548571), 9)
         0.993661008
         """
-        v, m, _ = _checked_wave(velocity, mass, 1.0)
+        v, m, _ = self._checked(velocity, mass)
         return self.energy_constant * m * v**2
 
     def peak_force(self, velocity: float, mass: float = 1.0, stiffness: float = 1.0) -> float:
@@ -187,9 +189,31 @@ class SolitaryWave:
         >>> round(hc.solitary_wave().peak_force(0.681631548571), 9)
         0.639554232
         """
-        v, m, k = _checked_wave(velocity, mass, stiffness)
+        v, m, k = self._checked(velocity, mass, stiffness)
         s = 1.0 / (self.exponent + 1.0)
         return self.force_constant * k**s * (m * v**2) ** (self.exponent * s)
+
+    def _checked(
+        self, velocity: float, mass: float, stiffness: float | None = None
+    ) -> tuple[float, float, float]:
+        """Velocity, mass and stiffness as positive numbers, in SI if one has a unit."""
+        units = {"velocity": "m/s", "mass": "kg", "stiffness": f"N/m**{self.exponent}"}
+        given = {"velocity": velocity, "mass": mass, "stiffness": stiffness}
+        given = {name: value for name, value in given.items() if value is not None}
+        if any(map(has_unit, given.values())):
+            # The defaults are those of scaled variables.
+            omitted = [name for name, value in given.items() if type(value) is float and value == 1]
+            if omitted:
+                raise InputError(
+                    f"an argument has a unit, so {' and '.join(omitted)} must be given in SI units "
+                    "too, such as mass='4.07 g' and stiffness=chain.stiffness[0]"
+                )
+        v, m, k = (
+            number(f"{name} of a solitary wave", given.get(name, 1.0), unit=units[name],
+                   least=1.0 / MAX_SCALE, most=MAX_SCALE)
+            for name in units
+        )  # fmt: skip
+        return v, m, k
 
     @property
     def kinetic_fraction(self) -> float:
@@ -282,11 +306,3 @@ def _checked_exponent(exponent: float) -> float:
         "exponent of a solitary wave", exponent, least=MIN_EXPONENT, most=MAX_EXPONENT,
         hint="Hertz contacts have 1.5",
     )  # fmt: skip
-
-
-def _checked_wave(velocity: float, mass: float, stiffness: float) -> tuple[float, float, float]:
-    v, m, k = (
-        number(f"{name} of a solitary wave", value, least=1.0 / MAX_SCALE, most=MAX_SCALE)
-        for name, value in (("velocity", velocity), ("mass", mass), ("stiffness", stiffness))
-    )
-    return v, m, k

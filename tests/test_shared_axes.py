@@ -22,8 +22,7 @@ def test_several_quantities_in_the_same_axes_are_named():
     assert texts(axes)[0] == "propagation"
     for quantity in ("momentum", "peak_force"):
         pulse.plot(quantity, ax=axes)
-    assert texts(axes)[:3] == ["velocity $v_k$", "momentum $P_k$",
-                                "largest force without damping $F_k$"]  # fmt: skip
+    assert texts(axes)[:3] == ["velocity $v_k$", "momentum $P_k$", "largest force $F_k$"]
     assert axes.get_ylabel() == "$v_k$ [m/s], $P_k$ [N s], $F_k$ [N]"
     assert axes.get_xlabel() == "bead or contact $k$"
     # Several methods are named, too; so is a user's own label.

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.designs.new_samples import FRESH
 from hertzchain.designs.sensitivity import GAP_STEP
-from hertzchain.designs.verified import FRESH
 
 BALLS = hc.Chain.from_materials("5 mm", "steel-52100", beads=8, right_wall=hc.Wall())
 ROW = BALLS.struck_by(velocity="0.1 m/s")

@@ -1,65 +1,92 @@
-import json
+"""Verification after a search: which trials need new samples, their journal, and progress."""
 
+import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import hertzchain as hc
-from hertzchain.verification.case import ORIGINS, Case
-from hertzchain.verification.cases import cases
-from hertzchain.verification.verify import Verdict, verify
+from hertzchain.designs import verification
+from hertzchain.designs.new_samples import FRESH, OTHER_SEED
+from hertzchain.designs.search_budget import budget_from
+from hertzchain.designs.trials import Trials
+from hertzchain.designs.verification import Verification
+from hertzchain.store.journal import Journal
+
+SCATTER = hc.Scatter(radius=0.02, samples=4)
+WALLED = hc.Chain.uniform(5).replace(right_wall=hc.Wall())
+PROBLEM = hc.Design(
+    WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)], scatter=SCATTER
+)
 
 
-@pytest.mark.parametrize("case", cases(), ids=lambda case: f"{case.group}: {case.name}")
-def test_known_value(case):
-    verdict = Verdict(case, case.compute())
-    assert verdict.agrees, f"{verdict.ours!r} instead of {case.expected!r}"
+def cvar90(chain, seed):
+    """CVaR90 of the peak on the wall in the new samples of a verification."""
+    chains = SCATTER._chains(chain, SCATTER._draws(seed + OTHER_SEED, chain.beads, FRESH))
+    peaks = np.sort(hc.simulate_many(chains, keep=["wall_peak_force"])["wall_peak_force"])
+    return peaks[-FRESH // 10 :].mean()
 
 
-def test_a_wrong_value_is_outside():
-    case = Case("a group", "a number", 1.0, 1e-9, "nowhere", lambda: 1.0 + 2e-9)
-    assert not Verdict(case, case.compute()).agrees
+def test_the_design_and_the_references_have_the_same_new_samples():
+    found = hc.design(PROBLEM, budget=600, seed=2)
+    for each in (found.verified, *found.references.values()):
+        sampled = each.scattered["CVaR90 of wall_force.peak"]
+        assert sampled == pytest.approx(cvar90(each.chain, 2), rel=1e-6)
+    assert len(found.runners_up) == 4
+    assert not any(each.scattered for each in found.runners_up)
 
 
-def test_an_unknown_group_is_rejected():
-    with pytest.raises(hc.InputError, match=r"unknown group of cases 'wals'.*did you mean 'walls'"):
-        verify(["wals"])
+def test_new_samples_are_read_from_the_journal(tmp_path, monkeypatch):
+    given = {"budget": 600, "store": tmp_path}
+    found = hc.design(PROBLEM, **given)
+    monkeypatch.delattr(verification, "sampled_values")
+    again = hc.design(PROBLEM, **given)
+    assert again.summary() == found.summary()
+    assert again.verified.scattered == found.verified.scattered
+    assert again.seconds == found.seconds
 
 
-def test_command_line(run):
-    agreeing = sum(case.group == "restitution" for case in cases())
-    command = "verify", "--only", "restitution"
-    shown = run(*command).stdout
-    assert f"{agreeing} of {agreeing} cases agree" in shown
-    # The table has the numbers of the sources, which are listed below it.
-    assert "[2]" in shown.partition("Tsuji")[0]
-    assert "Tsuji et al., Powder Technol. 71, 239 (1992) (derived)" in shown
-    assert json.loads(run(*command, "--json").stdout)["agreeing"] == agreeing
+@pytest.mark.parametrize(
+    ("excess", "sampled"),
+    [([0, 0, 0, 0], 1), ([1, 0, 0, 0], 2), ([1, 2, 0, 3], 3), ([4, 3, 2, 1], 4), ([1, 1, 1, 1], 4)],
+)
+def test_new_samples_are_simulated_until_the_best_trial_is_known(monkeypatch, excess, sampled):
+    """The order is that of a comparison of all trials."""
+    trials = Trials(PROBLEM, budget_from(100), Journal(None, ""), seed=0)
+    points = [np.full(4, level) for level in (0.2, 0.4, 0.6, 0.8)]
+    tops = sorted(trials.evaluate(points), key=lambda each: each.rank)
+    verify = Verification(trials, len(tops))
+    amounts = {verify.numbers(top).chain: each for top, each in zip(tops, excess, strict=True)}
+    asked = []
+
+    def excess_of(_, found):
+        asked.append(found.chain)
+        return {"limit": float(amounts[found.chain])}
+
+    monkeypatch.setattr(verification, "sampled_values", lambda *_: np.ones((FRESH, 1)))
+    monkeypatch.setattr(verification, "excess_with_scatter", excess_of)
+    best, _, others = verify.best(tops)
+    ranks = [(top.rank[0] + each, top.rank[1]) for top, each in zip(tops, excess, strict=True)]
+    assert best is tops[int(np.argmin([first for first, _ in ranks]))]
+    assert len(asked) == sampled
+    assert len(others) == 3
 
 
-def test_every_case_has_its_place_and_origin():
-    every = cases()
-    assert len({(case.group, case.name) for case in every}) == len(every) > 120
-    for case in every:
-        assert case.origin in ORIGINS
-        assert case.source
-        # An exact number of waves; anything else has a last digit.
-        assert case.tolerance > 0.0 or case.name.startswith("number of waves")
+def test_lines_state_what_is_verified(monkeypatch):
+    lines = []
+    monkeypatch.setattr(verification, "INTERVAL", 0.0)
+    monkeypatch.setattr(verification, "write_current", lines.append)
+    hc.design(PROBLEM, budget=600)
+    assert lines == []
+    hc.design(PROBLEM, budget=600, progress=lambda *_: None)
+    begin = "hertzchain: verifying the result: "
+    assert lines
+    assert all(line.startswith(begin) for line in lines)
+    texts = [line.removeprefix(begin) for line in lines]
+    assert any(text.endswith("of 8 is integrated again at rtol 1e-11") for text in texts)
+    for what in ("design", "chain to compare with"):
+        assert f"{FRESH} of {FRESH} new samples of the scatter, {what}" in texts
 
 
-def test_the_table_is_at_most_100_columns_wide(monkeypatch):
-    import hertzchain.cli.verify as command
-
-    monkeypatch.setattr("hertzchain.verify", lambda *_, **__: [
-        Verdict(case, case.expected + (case.group == "walls")) for case in cases()
-    ])  # fmt: skip
-    shown = CliRunner().invoke(command.verify, ["--only", "walls"], standalone_mode=False)
-    lines = [line.rstrip() for line in shown.stdout.splitlines()]
-    assert max(map(len, lines)) <= 100
-    assert shown.return_value == 3
-    assert "cases marked ! are outside" in lines[0]
-    assert sum(line.startswith(" !") for line in lines) == 3
-
-
-def test_what_a_truncated_series_is_allowed_is_its_next_term():
-    (wide,) = (c for c in cases() if c.name == "attractive, B = 0.05, to second order")
-    assert abs(Verdict(wide, wide.compute()).difference) > 0.9 * wide.tolerance
+def test_the_initial_chain_of_a_figure_needs_no_new_samples():
+    found = hc.design(PROBLEM, budget=600)
+    assert found._initial.scattered == {}
+    assert found.problem.evaluate(WALLED).scattered["mean of wall_force.peak"] > 0.0

@@ -10,8 +10,8 @@
   `dominance`;
 - values and derivatives: `measured`, theories in `models`, `exact_gradients`,
   `finite_differences`, contacts in `yielding`;
-- the result: `result`, `verified`, `bounds`, `reference_chains`, `comparison`, `curves`,
-  `rejections`, `report`, `exports`;
+- the result: `result`, `verification`, `verified`, `new_samples`, `bounds`, `reference_chains`,
+  `comparison`, `curves`, `rejections`, `report`, `exports`;
 - deviations of beads: `sensitivity`, `distribution`.
 """
 

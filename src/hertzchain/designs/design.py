@@ -33,7 +33,8 @@ from .rejections import notes_on_rejections, why_rejected
 from .result import DesignResult
 from .search_budget import Budget, budget_from, simulations_within
 from .trials import Outcome, Reference, Trials
-from .verified import Verified, excess_with_scatter, met, quietly
+from .verification import Verification
+from .verified import Verified, excess_with_scatter, met
 
 RUNNERS_UP: Final = 4
 # Relative difference of an objective between search and verification that causes a note.
@@ -241,12 +242,13 @@ def _result(
 ) -> DesignResult:  # fmt: skip
     problem = trials.problem
     tops = [given] if given is not None else trials.best[: RUNNERS_UP + 1]
-    checked = [(top, _verified(trials, top)) for top in tops if np.isfinite(top.score)]
-    if not checked:
+    tops = [top for top in tops if np.isfinite(top.score)]
+    if not tops:
         raise InputError(f"{'; '.join(notes)}, and the given chain has no value to report")
-    checked.sort(key=lambda pair: _verified_rank(trials, pair))
-    best, verified = checked[0]
-    others = tuple(each for _, each in checked[1:])
+    compared = {name: each.outcome for name, each in references.items()
+                if np.isfinite(each.outcome.score)}  # fmt: skip
+    verification = Verification(trials, len(tops) + len(compared) + len(found.optima))
+    best, verified, others = verification.best(tops)
     promise = found.promise
     space = problem.space
     parts: list[tuple[int, Ball]] = []
@@ -261,12 +263,11 @@ def _result(
     return DesignResult(
         problem, verified, met(problem, verified.values) and not exceeded, best.score,
         None if promise is None else (promise.value, promise.error),
-        {name: _verified(trials, each.outcome) for name, each in references.items()
-         if np.isfinite(each.outcome.score)},
+        {name: verification.reference(each) for name, each in compared.items()},
         {name: each.tried for name, each in references.items()},
         bounds_of(problem), found.method, np.array(found.finals),
         np.array(found.finals_met, bool),
-        tuple(_verified(trials, each) for each in found.optima), others,
+        tuple(map(verification.numbers, found.optima)), others,
         np.array(trials.history, float).reshape(-1, 2), (), trials.runs, trials.gradients,
         trials.rejected, trials.journal.seconds, notes,
         tuple((count, str(ball)) for count, ball in parts),
@@ -311,24 +312,3 @@ def _differs(trials: Trials, best: Outcome, verified: Verified, method: str) -> 
         f"{measure} was {before} in the search and is {after} in the verification: it jumps "
         f"between designs that hardly differ{advice}"
     ]
-
-
-def _verified(trials: Trials, outcome: Outcome) -> Verified:
-    problem, key = trials.problem, np.ascontiguousarray(outcome.x).tobytes()
-    if key not in trials.verified:
-        chain, price = problem.space.chain_of(outcome.x), problem.space.price(outcome.x)
-        trials.verified[key] = quietly(problem, chain, price, trials.seed)
-    return trials.verified[key]
-
-
-def _verified_rank(trials: Trials, pair: tuple[Outcome, Verified]) -> tuple[float, float]:
-    """Order by verified values; with a scatter, by those of the search, which are summaries.
-
-    A violation in new samples counts as one in the search.
-    """
-    outcome, verified = pair
-    if trials.problem.scatter is not None:
-        first, second = outcome.rank
-        return first + sum(excess_with_scatter(trials.problem, verified).values()), second
-    values = np.array([[verified.values[str(each)] for each in trials.measures]])
-    return trials.outcomes([outcome.x], values)[0].rank

@@ -22,10 +22,11 @@ from .comparison import (
 )
 from .measures import Measure, in_words, without_in_words
 from .methods import SEEDED
+from .new_samples import FRESH
 from .requirements import TOLERANCE
 from .size_space import SizeSpace
 from .start_rows import ARRIVES
-from .verified import FRESH, Verified, excess_with_scatter, met, violated
+from .verified import Verified, excess_with_scatter, met, violated
 
 if TYPE_CHECKING:
     from .result import DesignResult

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import nan
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -20,7 +21,7 @@ from .ball_space import BallSpace
 from .bounds import Bound
 from .measures import in_words
 from .problem import Design
-from .verified import Verified
+from .verified import Verified, quietly
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -158,7 +159,7 @@ class DesignResult:
     @cached_property
     def _initial(self) -> Verified:
         """Numbers of the chain of the problem."""
-        return self.problem.evaluate(self.problem.chain)
+        return quietly(self.problem, self.problem.chain, nan, None)
 
     @property
     def front_is_complete(self) -> bool:

@@ -328,6 +328,18 @@ class Trials:
         ])  # fmt: skip
         return values, summary
 
+    def new_samples(self, point: Any, compute: Callable[[], Array]) -> Array:
+        """Values of new samples after the search, from the journal if they are known.
+
+        They do not count as time of the search.
+        """
+        key = _key("new samples", [point])
+        known = self.journal.take(key)
+        if known is None:
+            known = compute()
+            self.journal.add(key, self.journal.seconds, known)
+        return known
+
     def chain_of(self, point: Any) -> Chain | None:
         """The chain at a point; `None`, and counted, if there is no such chain."""
         try:
@@ -346,8 +358,7 @@ class Trials:
         self.rejected, self.failures = part.rejected, part.failures
 
     def _journalled(self, what: str, points: Sequence[Any], compute: Callable[[], Array]) -> Array:
-        joined = b"".join(np.ascontiguousarray(point).tobytes() for point in points)
-        key = hashlib.sha256(what.encode() + joined).hexdigest()[:16]
+        key = _key(what, points)
         known = self.journal.take(key)
         if known is None:
             known = compute()
@@ -385,3 +396,9 @@ class Trials:
                     self.history.append((self.runs, each.score))
         known = {np.ascontiguousarray(each.x).tobytes(): each for each in [*self.best, *found]}
         self.best = sorted(known.values(), key=lambda each: each.rank)[: self.kept]
+
+
+def _key(what: str, points: Sequence[Any]) -> str:
+    """Key of a record of the journal."""
+    joined = b"".join(np.ascontiguousarray(point).tobytes() for point in points)
+    return hashlib.sha256(what.encode() + joined).hexdigest()[:16]

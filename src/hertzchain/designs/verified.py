@@ -12,7 +12,6 @@ from ..chain.chain import Chain
 from ..chain.hertz_range import HertzRange, hertz_range
 from ..chain.hertz_ratios import NO_PREDICTION, OUTSIDE_LAW
 from ..collision import Array
-from ..errors import InputError
 from ..pulse.quantity_names import COLUMNS
 from ..recorded_warnings import ignore_warnings
 from ..representation import listed
@@ -29,6 +28,7 @@ from ..simulation.yielding import (
     largest_overlap_ratio,
     yields,
 )
+from ..validation.objects import Progress
 from .exact_gradients import value_in_whole_run
 from .measured import measured
 from .measures import (
@@ -40,9 +40,9 @@ from .measures import (
     in_words,
     sensors_of,
 )
+from .new_samples import sampled_values, summary_of_samples
 from .problem import Design
 from .requirements import TOLERANCE, violation
-from .scatter import worst
 from .yielding import NOT_YIELDING
 
 RTOL: Final = 1e-11
@@ -59,8 +59,6 @@ NOT_A_PEAK: Final = (
     "complete peak, so a larger force may follow"
 )
 WITH_YIELD: Final = "with contacts that yield"
-# Fresh samples of a scatter.
-FRESH: Final = 400
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +76,8 @@ class Verified:
     notes : tuple of str
         Limits of Hertz's law that are exceeded, and incomplete or later peaks.
     scattered : dict
-        With a scatter, the summary of 400 new samples, by measure.
+        With a scatter, the summary of 400 new samples, by measure.  Those of runners-up are
+        simulated only if samples of better chains violate a limit; otherwise it is empty.
     hertz_range : HertzRange or None
         Limits of Hertz's law in the whole run, of a chain with materials.
     yielding : dict
@@ -134,8 +133,11 @@ class _Yield(NamedTuple):
 _ELASTIC: Final = _Yield({})
 
 
-def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Verified:
-    """Simulate a chain again."""
+def verify_chain(
+    problem: Design, chain: Chain, price: float, seed: int | None,
+    progress: Progress | None = None,
+) -> Verified:  # fmt: skip
+    """Simulate a chain again; with a scatter and a seed, also new samples."""
     measures, notes = problem.measures, list[str]()
     names = sorted({name for each in measures for name in each.columns})
     names += ["end_time", "largest_overlap"]
@@ -143,14 +145,17 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     names += ["wall_largest_so_far", "wall_peak_force"] if walled else []
     keep = list(dict.fromkeys(names))
     sensors = sensors_of(measures, [chain])
-    table = tabulate_runs([chain], keep=keep, sensors=sensors, rtol=RTOL, until=problem.until)
+    table = tabulate_runs(
+        [chain], keep=keep, sensors=sensors, rtol=RTOL, until=problem.until, progress=progress
+    )
     notes += table.reasons.values()
     values = {
         str(m): m.from_chain(chain, price) if m.of_chain else _value(problem, chain, m, table)
         for m in measures
     }
     if not table.reasons and walled and problem.until is None:
-        notes += _later_peak(chain, table["wall_peak_force"][0], float(table["end_time"][0]))
+        end, peak = float(table["end_time"][0]), float(table["wall_peak_force"][0])
+        notes += _later_peak(chain, peak, end, progress)
     if any(m.key.startswith("wall_force") for m in measures):
         if table.sensitive[0]:
             notes.append(sensitive_in_words("hc.simulate(result.chain)", " on the wall"))
@@ -172,7 +177,10 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
         dents = dents_in_words(chain, table._overlaps[0, : chain.beads + 1])
         again = peak_of_second_hit(chain, problem.until)
         yielding = _ELASTIC._replace(dents=dents, second_peak=again)
-    scattered = {} if problem.scatter is None else _scattered(problem, chain, seed)
+    scattered = dict[str, float]()
+    if problem.scatter is not None and seed is not None:
+        sampled = sampled_values(problem, chain, seed, progress=progress)
+        scattered = summary_of_samples(problem, sampled)
     return Verified(chain, values, RTOL, tuple(notes), scattered, limits, *yielding)
 
 
@@ -293,33 +301,18 @@ def _speed(chain: Chain, value: float) -> str:
     return shown(value, "m/s" if chain.units == "SI" else "", chain.units)
 
 
-def _later_peak(chain: Chain, peak: float, end: float) -> list[str]:
+def _later_peak(
+    chain: Chain, peak: float, end: float, progress: Progress | None
+) -> list[str]:  # fmt: skip
     """A note if the force on the wall is larger after the end of the run."""
-    longer = tabulate_runs([chain], keep=["wall_largest_so_far"], until=LONGER * end, rtol=RTOL)
+    longer = tabulate_runs(
+        [chain], keep=["wall_largest_so_far"], until=LONGER * end, rtol=RTOL, progress=progress
+    )
     later = float(longer["wall_largest_so_far"][0]) if not longer.reasons else np.nan
     if np.isfinite(peak) and not later > (1.0 + SAME) * peak:
         return []
     force = in_words(later, "N", chain.units)
     return [f"the largest force on the wall is {force} in a run of twice the duration"]
-
-
-def _scattered(problem: Design, chain: Chain, seed: int) -> dict[str, float]:
-    """Mean, CVaR and worst of all measures of the motion with new samples."""
-    scatter = problem.scatter
-    draws = scatter._draws(seed + 1_000_003, chain.beads, FRESH)
-    try:
-        chains = scatter._chains(chain, draws)
-    except InputError:
-        return {}
-    found: dict[str, float] = {}
-    measures = [m for m in problem.measures if not m.of_chain]
-    columns = measured(chains, measures, until=problem.until).values
-    for measure, values in zip(measures, columns.T, strict=True):
-        sign = problem.bad_sides[measure]
-        for name, tail in (("mean", 0.0), ("CVaR90", 0.1), (scatter.statistic, scatter.tail)):
-            found[f"{name} of {measure}"] = float(values[worst(values, sign, tail)].mean())
-        found[f"worst of {measure}"] = sign * float((sign * values).max())
-    return found
 
 
 def met(problem: Design, values: dict[str, float]) -> bool:
@@ -354,7 +347,10 @@ def violated(problem: Design, values: dict[str, float]) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def quietly(problem: Design, chain: Chain, price: float, seed: int) -> Verified:
+def quietly(
+    problem: Design, chain: Chain, price: float, seed: int | None,
+    progress: Progress | None = None,
+) -> Verified:  # fmt: skip
     """Verification without warnings, which are notes of the result."""
     with ignore_warnings():
-        return verify_chain(problem, chain, price, seed)
+        return verify_chain(problem, chain, price, seed, progress)

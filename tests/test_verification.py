@@ -1,5 +1,8 @@
 """Verification after a search: which trials need new samples, their journal, and progress."""
 
+import dataclasses
+import re
+
 import numpy as np
 import pytest
 
@@ -32,6 +35,36 @@ def test_the_design_and_the_references_have_the_same_new_samples():
         assert sampled == pytest.approx(cvar90(each.chain, 2), rel=1e-6)
     assert len(found.runners_up) == 4
     assert not any(each.scattered for each in found.runners_up)
+
+
+def test_references_are_compared_by_the_statistic_of_the_scatter():
+    found = hc.design(PROBLEM, budget=600, seed=2)
+    own = cvar90(found.chain, 2)
+    lines = found.summary().splitlines()
+    assert len(found.references) == 3
+    for name, each in found.references.items():
+        (line,) = (text for text in lines if re.match(rf"  (best )?{name}\b", text))
+        said = (r".*: CVaR90 (\S+) in 400 new samples; this design: (\S+)% of this value; "
+                r"(\S+) without scatter; this design: (\S+)% of this value")  # fmt: skip
+        value, part, nominal, nominal_part = map(float, re.fullmatch(said, line).groups())
+        assert value == pytest.approx(cvar90(each.chain, 2), rel=5e-4)
+        assert part == pytest.approx(100 * own / cvar90(each.chain, 2), abs=0.051)
+        peaks = [hc.simulate(chain).wall_force().peak for chain in (each.chain, found.chain)]
+        assert nominal == pytest.approx(peaks[0], rel=5e-4)
+        assert nominal_part == pytest.approx(100 * peaks[1] / peaks[0], abs=0.051)
+
+
+def test_references_that_violate_a_limit_in_new_samples_are_not_compared():
+    found = hc.design(PROBLEM, budget=600)
+    name, other = next(iter(found.references.items()))
+    worse = 1.01 * other.values["wall_force.peak"]
+    assert worse < other.scattered["CVaR90 of wall_force.peak"]
+    limited = dataclasses.replace(PROBLEM, subject_to={"wall_force.peak": f"<= {worse}"})
+    lines = dataclasses.replace(found, problem=limited).summary().splitlines()
+    (line,) = (text for text in lines if name in text and "without scatter" in text)
+    said = "in 400 new samples, which do NOT meet CVaR90 of wall_force.peak <= "
+    assert said in line
+    assert "NOT" not in found.summary()
 
 
 def test_new_samples_are_read_from_the_journal(tmp_path, monkeypatch):

@@ -59,6 +59,14 @@ def compared(result: DesignResult, found: Verified) -> ReferenceComparison:
     )  # fmt: skip
 
 
+def value_in_samples(result: DesignResult, found: Verified) -> float:
+    """The statistic of the objective in new samples of the scatter; NaN if there is none."""
+    scatter, single = result.problem.scatter, result.problem.objective.single
+    if scatter is None or single is None:
+        return math.nan
+    return found.scattered.get(f"{scatter.statistic} of {single}", math.nan)
+
+
 def has_yielding_value(result: DesignResult, found: Verified) -> bool:
     """Whether the objective has another value with contacts that yield."""
     if not found.yielding or all(each.of_chain for each in result.problem.objective.measures):

@@ -86,6 +86,7 @@ def _reference(result: DesignResult, name: str) -> dict[str, Any]:
         "yielding_reverses_comparison": both.reversed if both.within_range else None,
         **_range_of_yield(found),
         "constraints_met": both.met,
+        "scattered": dict(found.scattered),
         "balls": equal_balls(result, name) or None,
         "chain_file": chain_document(found.chain),
     }

@@ -19,6 +19,7 @@ from .comparison import (
     has_yielding_value,
     objective_if_yielding,
     references_in_words,
+    value_in_samples,
 )
 from .measures import Measure, in_words, without_in_words
 from .methods import SEEDED
@@ -247,7 +248,26 @@ def _describes_yield(result: DesignResult) -> bool:
 
 
 def _compared(result: DesignResult, found: Verified) -> str:
-    """Value of a chain to compare with, and which part of it the design has."""
+    """Values of a chain to compare with, and which part of each the design has."""
+    sampled = _compared_in_samples(result, found)
+    return "; ".join([*sampled, _compared_values(result, found)])
+
+
+def _compared_in_samples(result: DesignResult, found: Verified) -> list[str]:
+    """The statistic of a scatter in new samples of a chain to compare with, if it has a value."""
+    value, own = (value_in_samples(result, each) for each in (found, result.verified))
+    if isnan(value):
+        return []
+    text = (
+        f"{result.problem.scatter.statistic} {result._shown(value).strip()} in {FRESH} new samples"
+    )
+    if exceeded := excess_with_scatter(result.problem, found):
+        return [f"{text}, which do NOT meet {listed(list(exceeded))}"]
+    return [f"{text}; this design: {own / value:.1%} of this value" if value else text]
+
+
+def _compared_values(result: DesignResult, found: Verified) -> str:
+    """The verified value of a chain to compare with, which has no scatter."""
     both = compared(result, found)
     text = result._shown(both.value)
     # At a small excess of the pressure, the values agree in all digits that are shown.

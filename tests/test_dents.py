@@ -370,5 +370,15 @@ def test_designs_and_scatter_within_the_range_of_the_law_of_yield():
         f"  struck again with these dents: wall_force.peak = {peak}; the search compares the first "
         "hit only"
     )
+    # The chains to compare with have a second hit, too.
+    lines = [line for line in result.summary().splitlines() if "second hit; this design" in line]
+    assert len(lines) == len(result.references) > 0
+    for line, each in zip(lines, result.references.values(), strict=True):
+        again = hc.simulate(each.chain, start=hc.simulate(each.chain).state.struck_again())
+        own = hc.simulate(result.chain, start=hc.simulate(result.chain).state.struck_again())
+        peaks = [hit.wall_force().peak for hit in (again, own)]
+        assert line.endswith(f"; wall_force.peak = {peaks[0]:.4g} N in the second hit; this "
+                             f"design: {peaks[1] / peaks[0]:.1%} of this value")  # fmt: skip
+        assert each.second_peak == pytest.approx(peaks[0], rel=1e-6)
     (remark,) = [each for each in result.notes if each.startswith("overlap / radius")]
     assert remark.endswith("above 0.01, Hertz's law is less accurate")

@@ -404,7 +404,7 @@ def test_starts_with_scatter_are_compared_by_its_statistic(budget):
         (line,) = (each for each in lines if " starts (" in each)
         assert f"(CVaR90: best {found._shown(found.expected).strip()}, median " in line
     assert any(
-        re.search(r"equal sizes.*: \S+ N( \(.*\))? without scatter;", each) for each in lines
+        re.search(r"equal sizes.*; \S+ N( \(.*\))? without scatter;", each) for each in lines
     )
 
 

@@ -87,6 +87,7 @@ def _reference(result: DesignResult, name: str) -> dict[str, Any]:
         **_range_of_yield(found),
         "constraints_met": both.met,
         "scattered": dict(found.scattered),
+        "peak_of_second_hit": found.second_peak,
         "balls": equal_balls(result, name) or None,
         "chain_file": chain_document(found.chain),
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from math import inf, isnan
+from math import inf
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -12,14 +12,12 @@ from ..chain.hertz_ratios import OUTSIDE_LAW, caution_outside_law
 from ..representation import counted, listed, usual_unit, with_decimals
 from ..simulation.yielding import unchecked_contacts
 from .ball_space import BallSpace
+from .compared_in_words import compared_in_words, second_hit_in_words, shown_if_yielding
 from .comparison import (
     best_reference,
     better_if_yielding,
-    compared,
     has_yielding_value,
-    objective_if_yielding,
     references_in_words,
-    value_in_samples,
 )
 from .measures import Measure, in_words, without_in_words
 from .methods import SEEDED
@@ -27,7 +25,7 @@ from .new_samples import FRESH
 from .requirements import TOLERANCE
 from .size_space import SizeSpace
 from .start_rows import ARRIVES
-from .verified import Verified, excess_with_scatter, met, violated
+from .verified import Verified, excess_with_scatter, met
 
 if TYPE_CHECKING:
     from .result import DesignResult
@@ -53,7 +51,7 @@ def summary(result: DesignResult) -> str:
     lines = [*_heading(result)]
     lines += [f"  {text}" for text in _starts(result)]
     for name, found in references_in_words(result).items():
-        lines.append(f"  {name}: {_compared(result, found)}")
+        lines.append(f"  {name}: {compared_in_words(result, found)}")
     lines += _no_better(result)
     if result.promise is not None:
         value, error = result.promise
@@ -186,22 +184,13 @@ def _heading(result: DesignResult) -> list[str]:
     if has_yielding_value(result, found):
         caution = caution_outside_law(found.yielding_overlap_ratio)
         lines.append(f"  the same chain with contacts that yield, loss=ElasticPlastic(): "
-                     f"{_shown_if_yielding(result, found)}{f', {caution}' if caution else ''}"
+                     f"{shown_if_yielding(result, found)}{f', {caution}' if caution else ''}"
                      )  # fmt: skip
         lines += [f"  {found.dents}"] if found.dents and not caution else []
         lines += _better_if_yielding(result)
     elif found.dents and not result.front:
-        lines += [f"  {found.dents}", *_second_hit(found)]
+        lines += [f"  {found.dents}", *second_hit_in_words(found)]
     return lines
-
-
-def _second_hit(found: Verified) -> list[str]:
-    """The peak on the right wall if the chain is struck again with its dents."""
-    if isnan(found.second_peak):
-        return []
-    peak = in_words(found.second_peak, "N", found.chain.units)
-    return [f"  struck again with these dents: wall_force.peak = {peak} in the second hit; the "
-            "search compares the first hit only"]  # fmt: skip
 
 
 def _more_trials(result: DesignResult) -> str:
@@ -218,7 +207,7 @@ def _better_if_yielding(result: DesignResult) -> list[str]:
     place = better_if_yielding(result)
     if place is None:
         return []
-    shown = _shown_if_yielding(result, result.runners_up[place])
+    shown = shown_if_yielding(result, result.runners_up[place])
     return [f"  runner-up {place + 1}, which is worse with elastic contacts, has {shown} with "
             "contacts that yield (runners_up in Python, better_if_yielding in --json)"]  # fmt: skip
 
@@ -247,48 +236,6 @@ def _describes_yield(result: DesignResult) -> bool:
     return any(law.yields for law in result.chain.contact_losses)
 
 
-def _compared(result: DesignResult, found: Verified) -> str:
-    """Values of a chain to compare with, and which part of each the design has."""
-    sampled = _compared_in_samples(result, found)
-    return "; ".join([*sampled, _compared_values(result, found)])
-
-
-def _compared_in_samples(result: DesignResult, found: Verified) -> list[str]:
-    """The statistic of a scatter in new samples of a chain to compare with, if it has a value."""
-    value, own = (value_in_samples(result, each) for each in (found, result.verified))
-    if isnan(value):
-        return []
-    text = (
-        f"{result.problem.scatter.statistic} {result._shown(value).strip()} in {FRESH} new samples"
-    )
-    if exceeded := excess_with_scatter(result.problem, found):
-        return [f"{text}, which do NOT meet {listed(list(exceeded))}"]
-    return [f"{text}; this design: {own / value:.1%} of this value" if value else text]
-
-
-def _compared_values(result: DesignResult, found: Verified) -> str:
-    """The verified value of a chain to compare with, which has no scatter."""
-    both = compared(result, found)
-    text = result._shown(both.value)
-    # At a small excess of the pressure, the values agree in all digits that are shown.
-    if (yielding := _shown_if_yielding(result, found)) != text.strip():
-        text += f" ({yielding} {found.yielding_words})"
-    if result.problem.scatter is not None:
-        text += " without scatter"
-    if not both.met:
-        names = violated(result.problem, found.values)
-        limits = f"the limit{'s' * (len(names) > 1)} of {listed(names)}" if names else "the limits"
-        return f"{text}, which does NOT meet {limits}"
-    if not both.value:
-        return text
-    part = f"{both.own / both.value:.1%}"
-    yielding_part = f"{both.own_if_yielding / both.value_if_yielding:.1%}"
-    text += f"; this design: {part} of this value"
-    if part != yielding_part and both.within_range:
-        text += f", {yielding_part} with contacts that yield"
-    return f"{text}, which reverses the comparison" if both.reversed else text
-
-
 def _no_better(result: DesignResult) -> list[str]:
     """A statement that the search has improved nothing, and what to try."""
     name = best_reference(result)
@@ -300,10 +247,6 @@ def _no_better(result: DesignResult) -> list[str]:
         simulated = " that has a value" if result.rejected else ""
         return [f"  no other choice{simulated} is better than {best}"]
     return [f"  the search found nothing better than {best}; give a larger budget or another seed"]
-
-
-def _shown_if_yielding(result: DesignResult, found: Verified) -> str:
-    return result._shown(objective_if_yielding(result, found)).strip()
 
 
 def _first_upper(text: str) -> str:

@@ -420,7 +420,8 @@ def test_samples_that_exceed_a_limit_are_marked(measure, tail):
         WALLED, scatter=scatter, subject_to={"wall_force.peak": f"<= {limit}"}, **given
     )
     result = dataclasses.replace(free, problem=limited)
-    (line,) = (each for each in result.summary().splitlines() if "400 new samples" in each)
+    lines = result.summary().splitlines()
+    (line,) = (each for each in lines if each.startswith("  with scatter, 400 new samples"))
     assert line.endswith(f"({tail} and worst value exceed the limit)")
     assert "exceed" not in free.summary()
 

@@ -376,7 +376,7 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     found = hc.design(problem, budget=1600)
     assert found.verified.scattered["CVaR90 of wall_force.peak"] > found.value * 0.98
     # The first line states what was minimised: the mean of the two worst of ten samples.
-    radii = found.chain.radii * np.exp(0.02 * scatter._draws(0, 10))
+    radii = found.chain.radii * np.exp(0.02 * scatter._draws(0, 10)[..., 0])
     peaks = [hc.simulate(found.chain.replace(radii=each), times=0).wall_force().peak
              for each in radii]  # fmt: skip
     first = found.summary().splitlines()[0]

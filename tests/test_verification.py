@@ -52,6 +52,9 @@ def test_references_are_compared_by_the_statistic_of_the_scatter():
         peaks = [hc.simulate(chain).wall_force().peak for chain in (each.chain, found.chain)]
         assert nominal == pytest.approx(peaks[0], rel=5e-4)
         assert nominal_part == pytest.approx(100 * peaks[1] / peaks[0], abs=0.051)
+        # Notebooks show the same words.
+        assert line.partition(": ")[2] in found._repr_html_()
+    assert "CVaR90 in the search" in found._repr_html_()
 
 
 def test_references_that_violate_a_limit_in_new_samples_are_not_compared():

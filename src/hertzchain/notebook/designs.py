@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from ..designs.compared_in_words import compared_in_words
 from ..designs.comparison import references_in_words
 from ..designs.distribution import Distribution
 from ..designs.report import front_in_words, search_in_words
@@ -20,12 +21,13 @@ PERCENTILES: Final = (5, 50, 95)
 def design_html(result: DesignResult) -> str:
     """Value, comparison, constraints, parts and notes."""
     problem, shown = result.problem, result._shown
-    found = {
-        "value": shown(result.value).strip(),
-        "search": f"{search_in_words(result)}, {result.runs} simulations",
-    }
+    found = {"value": shown(result.value).strip()}
+    if problem.scatter is not None:
+        found = {f"{problem.scatter.statistic} in the search": shown(result._sign * result.expected),
+                 "value without scatter": found["value"]}  # fmt: skip
+    found["search"] = f"{search_in_words(result)}, {result.runs} simulations"
     found |= {
-        name: shown(result.objective_of(each)).strip()
+        name: compared_in_words(result, each).strip()
         for name, each in references_in_words(result).items()
     }
     for each in problem.requirements:

@@ -23,8 +23,11 @@ def design_html(result: DesignResult) -> str:
     problem, shown = result.problem, result._shown
     found = {"value": shown(result.value).strip()}
     if problem.scatter is not None:
-        found = {f"{problem.scatter.statistic} in the search": shown(result._sign * result.expected),
-                 "value without scatter": found["value"]}  # fmt: skip
+        expected = shown(result._sign * result.expected).strip()
+        found = {
+            f"{problem.scatter.statistic} in the search": expected,
+            "value without scatter": found["value"],
+        }
     found["search"] = f"{search_in_words(result)}, {result.runs} simulations"
     found |= {
         name: compared_in_words(result, each).strip()

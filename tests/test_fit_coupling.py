@@ -95,13 +95,19 @@ def test_voltages_are_recognised_by_a_level_of_zero():
         assert other.values[name] == pytest.approx(0.05, rel=0.01)
 
 
-def small_static(level, noise=0.01):
-    """Traces in V of a row whose static force, 0.2 N, is less than 2% of the peaks."""
+def small_static(level, noise=0.01, unit="V", smooth=1):
+    """Traces of a row whose static force, 0.2 N, is less than 2% of the peaks.
+
+    The noise is that of means of ``smooth`` samples, and of each sensor or of all.
+    """
     rng, found = np.random.default_rng(3), {}
-    for name, force in forces(static=0.2, velocity=0.25).items():
+    of_sensors = np.broadcast_to(noise, 3)
+    series = forces(static=0.2, velocity=0.25)
+    for size, (name, force) in zip(of_sensors, series.items(), strict=True):
         seen = np.concatenate((np.full(120, 0.2), force)) - 0.2 + level
-        noisy = seen + noise * rng.standard_normal(len(seen))
-        found[f"{NAMES[name]} [V]"] = 0.05 * noisy
+        white = rng.standard_normal(len(seen) + smooth - 1)
+        noisy = seen + size * np.convolve(white, np.full(smooth, smooth**-0.5), "valid")
+        found[f"{NAMES[name]} [{unit}]"] = noisy if unit == "N" else 0.05 * noisy
     return hc.Traces.from_arrays(SPACING * np.arange(len(seen)), found)
 
 
@@ -129,6 +135,38 @@ def test_a_level_that_shows_no_coupling_is_named():
     result = hc.fit(small_static(0.2, noise=3.0), chain, free=free)
     assert "the level of bead 6, bead 11 and wall is too uncertain to show it" in result.summary()
     assert 'if it does, set coupling = "DC"' in result.summary()
+
+
+def small_run():
+    chain = held(precompression=0.2, velocities=[0.25] + [0.0] * BALLS)
+    return hc.simulate(chain, times=np.arange(0.0, 7e-4, 0.1e-6))
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_forces_below_the_noise_of_a_sample_are_seen_in_the_level():
+    # The static force is twice the noise of a sample, and about 20 times the error of a level.
+    run = small_run()
+    absent = " ".join(run.compare(small_static(0.0, 0.1, "N")).notes)
+    assert "AC coupling of bead 6, bead 11, wall" in absent
+    assert "too uncertain" not in absent
+    assert "before the pulse" not in absent
+    present = " ".join(run.compare(small_static(0.2, 0.1, "N")).notes)
+    assert "AC coupling" not in present
+    assert "before the pulse" not in present
+    # The means of 60 samples leave few independent ones before the pulse.
+    slow = run.compare(small_static(0.0, 0.1, "N", smooth=60))
+    assert "the level of bead 6 and bead 11 is too uncertain" in " ".join(slow.notes)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+@pytest.mark.parametrize(("level", "coupling"), [(0.2, ""), (0.0, "bead 6, bead 11, wall")])
+def test_an_uncertain_level_follows_the_clear_ones(level, coupling):
+    compared = small_run().compare(small_static(level, (0.1, 3.0, 0.1), "N"))
+    text = " ".join(compared.notes)
+    assert ("AC coupling" in text) == bool(coupling)
+    if coupling:
+        assert f"AC coupling of {coupling}" in text
+        assert "the level of bead 11 is too uncertain to show it" in text
 
 
 def test_static_forces_of_sensors():

@@ -24,26 +24,38 @@ Gain = Callable[[int, Signal], float]
 
 
 def resolved_coupling(traces: Traces, chains: Sequence[Chain], gain: Gain) -> Traces:
-    """Traces in which all sensors have a coupling: by default, that which their level shows."""
+    """Traces in which all sensors have a coupling: by default, that which their level shows.
 
-    def resolved(shot: int, signal: Signal) -> Signal:
+    Sensors whose level is too uncertain are like the others of their shot if these all have DC
+    coupling, and have AC coupling otherwise.
+    """
+    shown: dict[int, set[str]] = {}
+
+    def of_level(shot: int, signal: Signal) -> Signal:
         if signal.coupling:
             return signal
         static = static_force(signal.place, chains[shot])
-        hidden = static and _shows_no_static_force(signal, gain(shot, signal) * static)
-        return replace(signal, coupling="AC" if hidden else "DC")
+        if not static:
+            return replace(signal, coupling="DC")
+        found = _shown_coupling(signal, gain(shot, signal) * static)
+        shown.setdefault(shot, set()).add(found)
+        return replace(signal, coupling=found)
 
-    return mapped(traces, resolved)
+    def of_others(shot: int, signal: Signal) -> Signal:
+        if signal.coupling:
+            return signal
+        return replace(signal, coupling="DC" if shown[shot] - {""} == {"DC"} else "AC")
+
+    return mapped(mapped(traces, of_level), of_others)
 
 
-def _shows_no_static_force(signal: Signal, expected: float) -> bool:
-    """Whether the level before the pulse is nearer to zero than to that of the static force."""
+def _shown_coupling(signal: Signal, expected: float) -> str:
+    """The coupling whose level is nearer to that before the pulse; empty if neither is clear."""
     if not np.isfinite(signal.level):
-        return False
-    if signal.calibrated:
-        noticed = abs(expected) > CERTAIN * signal.sigma
-        return noticed and abs(signal.level) < 0.5 * abs(expected)
-    return not _can_be_seen(signal, expected) or abs(signal.level) < 0.5 * abs(expected)
+        return "DC"
+    if not _can_be_seen(signal, expected):
+        return ""
+    return "AC" if abs(signal.level) < 0.5 * abs(expected) else "DC"
 
 
 def _can_be_seen(signal: Signal, expected: float) -> bool:

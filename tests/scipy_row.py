@@ -34,7 +34,7 @@ def chain(**fields):
 @functools.cache
 def forces(
     spacing=SPACING, gap=0.0, behind=8, exponent=1.5, static=0.0, velocity=VELOCITY, heavier=1.0,
-    wall_young=WALL_YOUNG,
+    wall_young=WALL_YOUNG, gravity=0.0,
 ):  # fmt: skip
     """Forces of the sensors after the impact, by name."""
     count = BALLS + 1
@@ -47,7 +47,9 @@ def forces(
     k = FACTOR * np.array([inner] * (count - 1) + [wall]) * 2e-6 ** (1.5 - exponent)
     gaps = np.zeros(count)
     gaps[behind] = gap
-    at_rest = (static / k) ** (1.0 / exponent) - gaps
+    # The striker does not rest on the balls.
+    weights = gravity * np.concatenate(([0.0], np.cumsum(masses[1:])))
+    at_rest = ((static + weights) / k) ** (1.0 / exponent) - gaps
 
     def forces_of(x, v):
         overlap = (
@@ -62,7 +64,7 @@ def forces(
     def derivatives(_, y):
         force = forces_of(y[:count], y[count:])
         push = np.concatenate(([static], force[:-1])) - force
-        return np.concatenate((y[count:], push / masses))
+        return np.concatenate((y[count:], push / masses + gravity))
 
     times = np.arange(0.0, 7e-4, spacing)
     start = np.concatenate((np.zeros(count), [velocity], np.zeros(count - 1)))

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from scipy.interpolate import make_interp_spline
-from scipy_row import FREE, POISSON, RADIUS, TRUTH, VELOCITY, YOUNG, chain, recorded, traces
+from scipy_row import BEFORE, FREE, POISSON, RADIUS, TRUTH, VELOCITY, YOUNG, chain, recorded, traces
 
 import hertzchain as hc
 
@@ -40,6 +40,48 @@ def test_a_softer_wall_is_named():
     compliance = (1.0 - POISSON**2) * (1.0 / YOUNG + 1.0 / softer)
     expected = 4.0 / 3.0 * RADIUS**0.5 / compliance * TRUTH["stiffness"]
     assert abs(value - expected) < 3.5 * error < 0.01 * expected
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("dynamic", [False, True])
+def test_missing_gravity_is_named(dynamic):
+    """Also for sensors with AC coupling, which do not show the weight."""
+
+    def change(columns):
+        levels = {name: each[:BEFORE].mean() * dynamic for name, each in columns.items()}
+        return {name: each - levels[name] for name, each in columns.items()}
+
+    data = traces(gravity=9.81, noise=0.05, change=change)
+    result = hc.fit(data, chain(), free=FREE)
+    assert not result.describes
+    advice = result.advice[0]
+    assert "and the model describes the data" in advice
+    assert "give gravity, its component along the row towards the last ball" in advice
+    value, error = map(float, re.search(r"gravity = (\S+) \+- (\S+) m/s\^2", advice).groups())
+    assert abs(value - 9.81) < 3.5 * error < 1.0
+    vertical = hc.fit(data, chain().replace(gravity=9.81), free=FREE)
+    assert vertical.describes
+
+
+@pytest.mark.long
+def test_a_missing_precompression_is_named():
+    # The force holds the bead that strikes, too.
+    row = hc.Chain.from_materials(RADIUS, "steel-52100", beads=16).replace(
+        right_wall=hc.Wall.of("steel-304"), loss=hc.Viscoelastic(0.4e-6),
+        velocities=[VELOCITY] + [0.0] * 15,
+    )  # fmt: skip
+    free = ["stiffness", "loss.time", "time_offset"]
+    names = {"ball 5 [N]": "bead 6 [N]", "ball 10 [N]": "bead 11 [N]", "wall [N]": "wall [N]"}
+
+    def renamed(columns):
+        return {names[name]: each for name, each in columns.items()}
+
+    result = hc.fit(traces(static=5.0, change=renamed), row, free=free)
+    assert not result.describes
+    advice = result.advice[0]
+    value, error = map(float, re.search(r"precompression = (\S+) \+- (\S+) N", advice).groups())
+    assert abs(value - 5.0) < 3.5 * error < 0.5
+    assert "give precompression in the chain" in advice
 
 
 @pytest.mark.long

@@ -10,8 +10,8 @@
   `weak_directions`, `posterior`, and the `forecast` for a planned experiment;
 - systematic errors: `systematics` with `effect_limits`, `sensor_effects`, `signal_noise`, and
   `constants` that are taken as exact;
-- fits that mean less than they seem to: `diagnosis` with its `causes`, `advice` and
-  `second_pulse`, `plausibility`, `prior_conflicts`, `unused_parameters`;
+- fits that mean less than they seem to: `diagnosis` with its `causes`, `static_causes`,
+  `advice` and `second_pulse`, `plausibility`, `prior_conflicts`, `unused_parameters`;
 - the result: `result`, `result_text`, `result_document`, `shown_values`, `fitted_file`;
 - further questions: `loss_comparison` of all `loss_laws`, and `defect_scan`;
 - data compared with a simulation, without a fit: `trace_comparison`, `sensor_comparison`,

@@ -35,6 +35,7 @@ from .result import FitResult
 from .second_pulse import without_second_pulse
 from .sensor_effects import gained_by, groups_of_effects
 from .signal_noise import signal_noise_of
+from .static_causes import static_causes
 from .systematics import PRESENT
 
 # Part of the excess of chi-squared that a cause must remove, and the part that it must remove in
@@ -437,6 +438,7 @@ FURTHER: Final[Mapping[Callable[[FitResult, Mapping[str, float], Refit], Iterato
     _effects: "",
     _shots: "another velocity or time offset in each shot",
     _losses: "the loss",
+    static_causes: "gravity and a precompression",
     _exponent: "the exponent",
     _cap: "the mass of the cap, the stiffness of the walls",
     _walls: "the stiffness of the walls",

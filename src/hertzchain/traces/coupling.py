@@ -24,7 +24,7 @@ Gain = Callable[[int, Signal], float]
 
 
 def resolved_coupling(traces: Traces, chains: Sequence[Chain], gain: Gain) -> Traces:
-    """Traces in which all sensors have a coupling: by default, that which their level shows.
+    """Traces in which sensors with a static force have a coupling: by default, as their level.
 
     Sensors whose level is too uncertain are like the others of their shot if these all have DC
     coupling, and have AC coupling otherwise.
@@ -36,13 +36,13 @@ def resolved_coupling(traces: Traces, chains: Sequence[Chain], gain: Gain) -> Tr
             return signal
         static = static_force(signal.place, chains[shot])
         if not static:
-            return replace(signal, coupling="DC")
+            return signal
         found = _shown_coupling(signal, gain(shot, signal) * static)
         shown.setdefault(shot, set()).add(found)
         return replace(signal, coupling=found)
 
     def of_others(shot: int, signal: Signal) -> Signal:
-        if signal.coupling:
+        if signal.coupling or not static_force(signal.place, chains[shot]):
             return signal
         return replace(signal, coupling="DC" if shown[shot] - {""} == {"DC"} else "AC")
 

@@ -50,7 +50,7 @@ class Signal(Frozen):
         Number of these samples.
     coupling : str
         ``"DC"`` if the signal contains the static force, ``"AC"`` if it does not, or empty if this
-        is decided by the level.
+        is decided by the level, once a chain has a static force.
     noiseless : bool
         Whether the samples before the pulse have less noise than the simulated signals of a fit
         have errors, so that ``noise`` is the accuracy of these.

@@ -1,0 +1,87 @@
+"""Gravity and precompression that the chain of a fit does not have, as causes of residuals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Final
+
+from ..chain.chain import Chain
+from ..errors import InputError
+from ..traces.amplitudes import extreme, from_level
+from ..traces.coupling import resolved_coupling
+from .causes import Cause, Refit, is_free, try_further
+from .chain_parameters import with_motion
+from .model import Model, make_model
+from .names import Name
+from .result import FitResult
+
+# Acceleration of free fall [m/s^2]: the largest component of gravity along a chain.
+FREE_FALL: Final = 9.81
+# Standard errors by which a fitted component of gravity may exceed it.
+ALLOWED: Final = 3.0
+# Start of a precompression, as a part of the largest measured force.
+PART_OF_PEAK: Final = 0.03
+GRAVITY: Final = (
+    "if the row is not horizontal, give gravity, its component along the row towards the last "
+    f"ball (gravity = {FREE_FALL} if the row is vertical and struck from above)"
+)
+PRECOMPRESSION: Final = (
+    "if the row is compressed, give precompression in the chain, and add 'precompression' to the "
+    "free parameters"
+)
+
+
+def static_causes(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fits with gravity and with a precompression, if the chains have neither."""
+    if any(chain.gravity or chain.precompression for chain in result.model.chains):
+        return
+    if any(is_free(key, result.model) for key in ("gravity", "precompression")):
+        return
+    for start in _accelerations(result):
+        cause = _with_static(result, Name("gravity"), start, refit)
+        if cause is not None:
+            value, error = (each["gravity"] for each in (cause.result.values, cause.result.errors))
+            if abs(value) < FREE_FALL + ALLOWED * error:
+                yield replace(cause, advice=GRAVITY)
+    forces = [
+        abs(extreme(from_level(signal)))
+        for _, signal in result.traces if signal.calibrated and signal.place.quantity == "force"
+    ]  # fmt: skip
+    if forces:
+        start = PART_OF_PEAK * max(forces)
+        cause = _with_static(result, Name("precompression"), start, refit)
+        if cause is not None:
+            yield replace(cause, advice=PRECOMPRESSION)
+
+
+def _accelerations(result: FitResult) -> list[float]:
+    """Starts of gravity, towards the walls that can carry the weight."""
+    ends = (FREE_FALL, result.chain.right_wall), (-FREE_FALL, result.chain.left_wall)
+    return [start for start, wall in ends if wall is not None]
+
+
+def _with_static(result: FitResult, name: Name, start: float, refit: Refit) -> Cause | None:
+    """The fit with a static force, which AC coupling hides; the derivative at zero is infinite."""
+    try:
+        model = _model_with(result, name, start)
+        return try_further(result, (name,), refit, model, neutral=0.0)
+    except InputError:
+        # The weight or the precompression has no support.
+        return None
+
+
+def _model_with(result: FitResult, name: Name, start: float) -> Model:
+    """The model of the chains with a static force, and the coupling that the levels then show."""
+    model, values = result.model, result.model.values(result.variables)
+    chains = tuple(_with_value(chain, name, start) for chain in model.chains)
+    traces = resolved_coupling(
+        model.traces, chains, lambda shot, signal: model.gain(shot, signal, values)
+    )
+    return make_model(traces, chains, model.parameters, model.simulator)
+
+
+def _with_value(chain: Chain, name: Name, value: float) -> Chain:
+    if name.key == "precompression" and None in (chain.left_wall, chain.right_wall):
+        chain = chain.replace(precompression=value, held_by="force")
+    return with_motion(chain, {name: value})

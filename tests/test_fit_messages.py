@@ -1,5 +1,6 @@
 """Warnings and advice of fits to traces that SciPy computed."""
 
+import itertools
 import re
 from types import SimpleNamespace
 
@@ -110,7 +111,31 @@ def test_a_record_that_ends_before_the_pulse_is_not_regarded_as_clipped():
     data = hc.Traces.from_arrays(times[:330], columns)
     assert not any("saturated" in note for note in data.notes())
     result = hc.fit(data, chain(), free=["time_offset"])
-    assert "the data of wall have no pulse above their noise" in result.summary()
+    assert ". The data of wall have no pulse above their noise" in result.verdict
+
+
+def test_the_gain_of_a_sensor_without_a_pulse_is_not_determined(tmp_path):
+    times, columns = recorded()
+    # The record ends before the pulse arrives at the wall.
+    columns = {name: values[:330] for name, values in columns.items()}
+    data = hc.Traces.from_arrays(times[:330], columns)
+    result = hc.fit(data, chain(), free=["time_offset", "stiffness", "gain[ball 5]", "gain[wall]"])
+    assert result.undetermined == ("gain[wall]",)
+    assert dict(result.rows())["gain[wall]"] == "not determined"
+    assert "wall have no pulse above their noise, so gain[wall] is not determined" in result.verdict
+    assert "bound" not in result.summary()
+    # A gain with a prior is known without a pulse, and a pulse determines a gain.
+    known = hc.fit(
+        data, chain(), free=["time_offset", "gain[wall]"], priors={"gain[wall]": (1.0, 0.1)}
+    )
+    assert known.undetermined == ()
+    file, chain_file = tmp_path / "data.csv", tmp_path / "chain.toml"
+    table = np.column_stack((1e6 * times[:330], *columns.values()))
+    np.savetxt(file, table, "%.6f", ",", header=f"time [us],{','.join(columns)}", comments="")
+    chain_file.write_text(hc.chain_as_toml(chain()))
+    command = ["fit", str(file), str(chain_file), *itertools.chain(*(("--free", x) for x in FREE))]
+    for more, code in (([], 0), (["--free", "gain[wall]"], 3)):
+        assert cli.main([*command, *more], standalone_mode=False) == code
 
 
 @pytest.mark.parametrize("limit", [30.0, 45.0])

@@ -100,12 +100,13 @@ def fit(
     parameters and priors.
 
     The exit code is 1 if the search does not converge, and 3 if the model does not describe the
-    data within their noise, if this cannot be decided, or if a value contradicts its prior.  If
-    --defects finds a gap or an odd ball, the fit that includes it is printed first, and the exit
-    code, --out, --plot and --sample refer to this fit.  The same holds for the fit with the best of
-    --laws if the data reject the law of the chain file.  All results are printed and written before
-    sampling begins, so only the posterior is lost if sampling is interrupted; with --json, they are
-    printed at the end.
+    data within their noise, if this cannot be decided, if a value contradicts its prior, or if the
+    data of a sensor whose gain or delay is free contain no pulse.  If --defects finds a gap or an
+    odd ball, the fit that includes it is printed first, and the exit code, --out, --plot and
+    --sample refer to this fit.  The same holds for the fit with the best of --laws if the data
+    reject the law of the chain file.  All results are printed and written before sampling begins,
+    so only the posterior is lost if sampling is interrupted; with --json, they are printed at the
+    end.
 
     \b
     Examples:
@@ -167,7 +168,8 @@ def fit(
         show_json(document)
     if not result.converged and not result.meaningless:
         return FAILED
-    good = result.describes and not result.prior_conflict and not result.meaningless
+    good = result.describes and not (result.prior_conflict or result.undetermined)
+    good = good and not result.meaningless
     return DONE if good else OUTSIDE_TOLERANCE
 
 

@@ -19,7 +19,6 @@ from ..traces.traces import Traces, with_time_offset
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
-from .arrival_notes import silent_notes
 from .chain_parameters import following
 from .clocks import clock_notes, with_clocks
 from .diagnosis import diagnosed
@@ -34,6 +33,7 @@ from .problem import Problem
 from .result import FitResult
 from .sensor_comparison import pulse_widths
 from .settings import Settings, for_sensors, load_experiment
+from .silent_sensors import undetermined
 from .simulations import Simulator, range_notes
 from .starts import with_gains
 from .symmetry import units_of
@@ -249,7 +249,13 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     chains = tuple(model.chain(shot, values) for shot in range(len(model.chains)))
     at_bounds = tuple(name for name, there in zip(names, bound, strict=True) if there)
     notes = conflict_notes(model.parameters, model.traces, values, sigmas)
-    notes += (*_other_shots(model), *_notes(model, found, at_bounds))
+    of_silent = undetermined(
+        model.parameters, model.traces, *(
+            dict(zip(names, each.tolist(), strict=True)) for each in (estimates, sigmas)
+        ),
+    )  # fmt: skip
+    ends = tuple(each for each in at_bounds if each not in of_silent)
+    notes += (*_other_shots(model), *_notes(model, found, ends))
     if good.skipped:
         notes += (
             f"{counted(good.skipped, 'sample')} next to jumps of the force "
@@ -259,7 +265,6 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     simulations = model.simulator.count
     duration = float(model.traces.shots[0].times[-1] - model.traces.shots[0].times[0])
     notes += (
-        *dict.fromkeys(note for shot in model.traces.shots for note in silent_notes(shot)),
         *inversion_notes(_gains(model, values)),
         *coupling_notes(model.traces, chains, lambda k, each: model.gain(k, each, values)),
         *small_residual_notes(problem, solution.residuals),

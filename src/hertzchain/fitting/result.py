@@ -26,6 +26,7 @@ from .plausibility import implausible_values
 from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
 from .shown_values import shown_diameter, shown_value
+from .silent_sensors import undetermined
 from .systematics import Effect
 from .uncertainty import Estimates
 from .weak_directions import WeakDirection
@@ -251,8 +252,9 @@ class FitResult(Estimates):
         if self.meaningless:
             return [(name, "not determined") for name in self.names]
         triples = zip(self.model.parameters, self.estimates, self.sigmas, strict=True)
+        unknown = self.undetermined
         return [
-            (str(each), shown_value(
+            (str(each), "not determined" if str(each) in unknown else shown_value(
                 each, self.traces, value, sigma, at_bound=str(each) in self.at_bounds
             ) + shown_diameter(each, self.traces, self.model.chains, value, sigma))
             for each, value, sigma in triples
@@ -271,6 +273,11 @@ class FitResult(Estimates):
         from .result_text import warnings_of
 
         return warnings_of(self)
+
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """Gains and delays of sensors whose data contain no pulse, so that they mean nothing."""
+        return undetermined(self.model.parameters, self.traces, self.values, self.errors)
 
     @property
     def implausible(self) -> str:

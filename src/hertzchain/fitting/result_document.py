@@ -42,7 +42,8 @@ def result_document(result: FitResult) -> dict[str, Any]:
         "effective_samples": result.goodness.effective_samples,
         "bic": result.bic(), "converged": result.converged, "reason": result.reason,
         "chi2_per_sample": result.chi2_per_sample,
-        "describes": result.describes, "prior_deviations": result.prior_deviations,
+        "describes": result.describes, "undetermined": list(result.undetermined),
+        "prior_deviations": result.prior_deviations,
         "prior_conflict": result.prior_conflict, "warnings": list(result.warnings),
         "effects": [
             dataclasses.asdict(each) | {"present": each.present} for each in result.effects

@@ -12,6 +12,7 @@ from ..representation import counted, listed
 from .arrival_notes import silent_notes
 from .clocks import clock_notes
 from .goodness import NO_ERRORS
+from .silent_sensors import silent_clause
 
 if TYPE_CHECKING:
     from .result import FitResult
@@ -48,7 +49,7 @@ def verdict_of(result: FitResult) -> str:
         return f"{good}: the data and the chain differ in units, so the fit is meaningless"
     if not result.converged:
         return f"{good}: the fit has {result.reason}{NO_ERRORS}"
-    text = f"{good}{good.verdict}"
+    text = f"{good}{good.verdict}{silent_clause(result.traces, result.undetermined)}"
     if not result.prior_conflict or result.meaningless:
         return text
     return f"{text}. {'However' if result.describes else 'In addition'}, {result.prior_conflict}"

@@ -1,11 +1,16 @@
 """Records of noise, with spikes, exchanged columns or few samples, and gains of single shots."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from synthetic_traces import bench, measured, signals
 
 import hertzchain as hc
+from hertzchain.fitting.compared_part import check_reached
 from hertzchain.fitting.time_offsets import difference_at_best_offset
+from hertzchain.traces.signals import Clock
 
 NAMES = ("ball 3 [N]", "ball 6 [N]", "wall [N]")
 CHAIN = bench(hc.Viscoelastic(0.6e-6), beads=8, behind=3)
@@ -156,8 +161,55 @@ def test_exchanged_columns_are_named_also_if_the_run_ends_before_the_record(unti
     exchanged = hc.Traces.from_arrays(shot.times, columns)
     run = hc.simulate(hc.load_chain(chain), until=until, times=4000)
     words = "with the columns of ball 6 and ball 16 exchanged, the rms difference falls to"
-    try:
-        notes = run.compare(exchanged).notes
-    except hc.InputError as error:
-        notes = (str(error),)
-    assert any(words in note for note in notes)
+    compared = run.compare(exchanged)
+    assert compared.exchanged
+    # This is the first note, and the table is complete.
+    assert compared.notes[0].startswith(words)
+    assert "of its value: check the names" in compared.notes[0]
+    assert len(compared.sensors) == 4
+
+
+def test_a_record_that_ends_before_a_pulse_says_so(recorded):
+    times, seen = recorded
+    (shot,) = traces_of(times[:200], seen[:200]).shots
+    grid = 0.1e-6 * np.arange(4000)
+    # Parabolic pulses that reach half of their peaks at 50, 250 and 310 us.
+    half = 20e-6 * 0.5**0.5
+    columns = [
+        np.maximum(1.0 - ((grid - at - half) / 20e-6) ** 2, 0.0) for at in (5e-5, 25e-5, 31e-5)
+    ]
+    moments = shot.times - 10e-6
+    end = f"the record ends at {1e6 * shot.times[-1]:.4g} us, before the simulated pulse reaches "
+    words = "ball 6 and wall (at 260 us and 320 us, with time_offset = 10 us); "
+    advice = "record for longer, or omit the columns of these sensors"
+    with pytest.raises(hc.InputError, match=re.escape(end + words + advice)):
+        check_reached(shot, moments, columns, grid, 10e-6)
+    known = replace(shot, clock=Clock(10e-6))
+    with pytest.raises(hc.InputError, match="give an earlier time_offset, or record for longer"):
+        check_reached(known, moments, columns, grid, 10e-6)
+    check_reached(shot, moments, columns[:1] * 3, grid, 10e-6)
+
+
+def test_the_number_of_missing_samples_is_stated(run, recorded):
+    times, seen = recorded
+    seen = seen.copy()
+    seen[[3, 7, 8], 1] = np.nan
+    notes = run.compare(traces_of(times, seen)).notes
+    assert "3 samples of ball 6 are missing and not used" in notes
+
+
+def test_a_wrong_unit_is_noted_with_the_ratio_of_the_table(run, recorded):
+    times, seen = recorded
+    with pytest.warns(hc.InputWarning, match="check the unit in the header"):
+        compared = run.compare(traces_of(times, seen * [1.0, 1.0, 1e3]))
+    ratio = compared.sensors[2].cells[2]
+    assert ratio.endswith(" times")
+    assert f"the simulated peak of wall is {ratio} the measured one" in " ".join(compared.notes)
+
+
+def test_few_samples_before_the_pulse_are_counted(recorded):
+    times, seen = recorded
+    early = np.argmax(np.abs(seen[:, 0]) > 1.0) - 12
+    words = "only 1?[0-9] valid samples precede its foot; record at least"
+    with pytest.raises(hc.InputError, match=words):
+        traces_of(times[early:], seen[early:])

@@ -36,19 +36,22 @@ def exchange_notes(shot: Shot, columns: Sequence[Array], spacing: float) -> list
         return []
     return [
         f"with the columns of {signals[i].name} and {signals[j].name} exchanged, the rms "
-        f"difference falls to {best / own:.0%}: check the names of these columns"
+        f"difference falls to {best / own:.0%} of its value: check the names of these columns"
     ]
 
 
 def check_contained_or_exchanged(
     shot: Shot, inside: Array, columns: Sequence[Array], spacing: float
 ) -> None:
-    """Raise `InputError` if the run ends before a measured pulse, or columns are exchanged."""
+    """Raise `InputError` if the run ends before a measured pulse, unless columns are exchanged.
+
+    The time offset is then wrong, and the comparison names the columns.
+    """
     try:
         check_contained(shot, inside)
-    except InputError as error:
-        exchanged = exchange_notes(shot, columns, spacing)
-        raise InputError("; ".join([str(error), *exchanged])) from None
+    except InputError:
+        if not exchange_notes(shot, columns, spacing):
+            raise
 
 
 def _exchanged(shot: Shot, i: int, j: int) -> Shot:

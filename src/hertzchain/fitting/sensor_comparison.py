@@ -26,7 +26,7 @@ from ..traces.headers import GAIN_UNITS
 from ..traces.signals import Shot, Signal
 from .crossings import arrival_error, half_width, reached
 from .misread_columns import POLARITY, PROBES, advice_on_amplitude, prefix_of, usual_factor
-from .shown_values import shown_difference, shown_part
+from .shown_values import shown_difference, shown_part, shown_ratio
 
 # A simulated signal that is still rising at the end of the run below this fraction of the measured
 # peak, or of the largest value anywhere in the run, shows that the pulse has not arrived.
@@ -342,7 +342,9 @@ def unit_notes(sensors: Sequence[SensorComparison], outside: Collection[str]) ->
             ratio = abs(ratio)  # reflected waves change the sign of the largest velocity
         if each.unit == "V" or 1.0 / NOTED < ratio < NOTED:
             continue
-        problem = f"the measured peak of {each.name} is {ratio:.3g} times the simulated one"
+        problem = (
+            f"the simulated peak of {each.name} is {shown_ratio(1.0 / ratio)} the measured one"
+        )
         if ratio < 0.0:
             notes.append(f"{problem}: {POLARITY}")
         elif prefix_of(ratio) or usual_factor(ratio) in PROBES:

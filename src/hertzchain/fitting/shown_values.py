@@ -79,6 +79,11 @@ def _times(ratio: float) -> str:
     """A ratio in words, unless it only states that one of two signals vanishes."""
     if not NO_AGREEMENT < ratio < 1.0 / NO_AGREEMENT:
         return "no agreement"
+    return shown_ratio(ratio)
+
+
+def shown_ratio(ratio: float) -> str:
+    """A ratio as a factor, such as ``1010 times``."""
     return f"{ratio:.3g} times" if ratio < 999.0 else f"{ratio:.0f} times"
 
 

@@ -17,7 +17,7 @@ from ..simulation.run import Run
 from ..traces.amplitudes import level_of
 from ..traces.coupling import Gain, coupling_notes, resolved_coupling, static_force
 from ..traces.missing_rows import gap_notes, gaps_between, with_missing_samples
-from ..traces.notes import spike_notes
+from ..traces.notes import missing_sample_notes, spike_notes
 from ..traces.places import check_places
 from ..traces.signals import Clock, Shot, Signal
 from ..traces.spikes import without_spikes
@@ -33,6 +33,7 @@ from .arrival_notes import (
     silent_notes,
     with_pulses,
 )
+from .compared_part import check_reached, covered_part
 from .exchanged_columns import check_contained_or_exchanged, exchange_notes
 from .goodness import EXPLAINED
 from .misread_columns import inversion_notes
@@ -282,6 +283,7 @@ def compare_traces(
     check_places((signal.place for signal in traces.shots[0].signals), run.chain)
     gaps = gaps_between(traces.shots[0].times)
     gain = _gain(run)
+    empty_notes = missing_sample_notes(traces.shots[0])
     complete = map(with_missing_samples, with_time_offset(traces, time_offset).shots)
     traces = resolved_coupling(Traces(tuple(complete)), [run.chain], gain)
     shot = traces.shots[0]
@@ -306,14 +308,15 @@ def compare_traces(
         if explained_by_offset(*aligned, spacing, begin) < least:
             unexplained = [NOTHING_EXPLAINED]
     moments = shot.times - begin
-    inside = _inside(moments, float(grid[-1]), time_offset)
+    inside = covered_part(moments, float(grid[-1]), time_offset)
     check_contained_or_exchanged(shot, inside, columns, spacing)
     try:
-        signals = tuple(_at(moments, inside, column, spacing, time_offset) for column in columns)
+        check_reached(shot, moments, columns, grid, float(time_offset))
     except InputError:
         if unexplained:
             raise InputError(NOTHING_EXPLAINED) from None
         raise
+    signals = tuple(_at(moments, inside, column, spacing) for column in columns)
     error = np.nan if given else offset_error(shot, signals)
     found = TraceComparison(traces, signals, float(time_offset), given, error)
     exchanged, other_places = _suspicious(found, columns, grid, begin, other)
@@ -327,10 +330,15 @@ def compare_traces(
     notes = (
         *suspicious,
         *gap_notes(gaps),
+        *empty_notes,
         *inversion_notes({} if exchanged else {each.name: each.scale for each in found.sensors}),
         *level_notes(shot, signals, columns),
-        *missing_notes(found.sensors),
-        *pulse_notes(run, shot, columns, inside, float(shot.times[-1]) - time_offset),
+        *([] if exchanged else missing_notes(found.sensors)),
+        *(
+            []
+            if exchanged
+            else pulse_notes(run, shot, columns, inside, float(shot.times[-1]) - time_offset)
+        ),
         *coupling_notes(traces, [run.chain], gain),
     )
     return replace(found, notes=notes, exchanged=exchanged)
@@ -408,33 +416,10 @@ def _require_comparable(run: Run, traces: Traces) -> None:
         )
 
 
-def _inside(moments: Array, duration: float, time_offset: float) -> NDArray[np.bool_]:
-    """Mask of the samples up to the end of the run."""
-    inside = moments <= duration
-    if not inside.any():
-        raise InputError(
-            f"with time_offset = {time_offset:g} s, the run ends before the first sample of the "
-            "traces; give another one, or simulate for longer"
-        )
-    if moments[-1] <= 0.0:
-        raise InputError(
-            f"with time_offset = {time_offset:g} s, the run begins after the last sample of the "
-            "traces; give an earlier one"
-        )
-    return inside
-
-
-def _at(
-    moments: Array, inside: NDArray[np.bool_], column: Array, spacing: float, time_offset: float
-) -> Array:
+def _at(moments: Array, inside: NDArray[np.bool_], column: Array, spacing: float) -> Array:
     """A simulated signal at the times of the data; NaN beyond the end of the run."""
     values = np.full(len(moments), np.nan)
     values[inside] = sampled(column, spacing, moments[inside])
-    if np.ptp(values[inside]) == 0.0:
-        raise InputError(
-            f"with time_offset = {time_offset:g} s, the simulated pulse arrives after the last "
-            "sample of the traces; give an earlier one"
-        )
     return values
 
 

@@ -13,7 +13,7 @@ from .missing_rows import gap_notes, gaps_between
 from .noise import ACCURACY
 
 if TYPE_CHECKING:
-    from .signals import Shot
+    from .signals import Shot, Signal
 
 # Sampling is uneven if the relative difference of time steps exceeds this value.
 EVEN: Final = 1e-3
@@ -40,15 +40,31 @@ def trace_notes(shots: Sequence[Shot]) -> tuple[str, ...]:
             )
         found += [*_coarse_notes(shot, index), *_noiseless_notes(shot, index)]
         for signal in shot.signals:
-            missing = int(np.isnan(signal.values).sum())
-            flat = int((~signal.valid).sum()) - missing
-            for count, what in ((missing - len(signal.spikes), "missing"), (flat, "saturated")):
-                if count:
-                    found.append(
-                        f"{counted(count, 'sample')} of {signal.name} in shot {index} "
-                        f"{'is' if count == 1 else 'are'} {what} and not used"
-                    )
+            found += _unused_notes(signal, "missing", _missing(signal), index)
+            flat = int((~signal.valid & np.isfinite(signal.values)).sum())
+            found += _unused_notes(signal, "saturated", flat, index)
     return tuple(found)
+
+
+def missing_sample_notes(shot: Shot) -> list[str]:
+    """Notes on the number of missing samples of each signal of a single shot."""
+    return [
+        note for each in shot.signals for note in _unused_notes(each, "missing", _missing(each))
+    ]
+
+
+def _missing(signal: Signal) -> int:
+    """Number of missing samples, without spikes."""
+    return int(np.isnan(signal.values).sum()) - len(signal.spikes)
+
+
+def _unused_notes(signal: Signal, what: str, count: int, number: int | None = None) -> list[str]:
+    """A note on samples that are not used, with the number of the shot if there may be several."""
+    if not count:
+        return []
+    shot = "" if number is None else f" in shot {number}"
+    verb = "is" if count == 1 else "are"
+    return [f"{counted(count, 'sample')} of {signal.name}{shot} {verb} {what} and not used"]
 
 
 def _repeated_notes(shots: Sequence[Shot]) -> list[str]:

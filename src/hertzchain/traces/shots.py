@@ -158,9 +158,9 @@ def _estimated_noise(place: Place, before: Array, step: float, first: int) -> fl
     if len(before) < MIN_QUIET:
         raise InputError(
             f"the noise of {place.name} cannot be estimated: a pulse, or slow noise, begins after "
-            f"{counted(first, 'sample')}, and the first {len(before)} that are clear of it and "
-            f"valid are too few; record at least {MIN_BEFORE} samples before the pulse, or give "
-            "noise"
+            f"{counted(first, 'sample')}, and only {counted(len(before), 'valid sample')} "
+            f"{'precedes' if len(before) == 1 else 'precede'} its foot; record at least "
+            f"{MIN_BEFORE} samples before the pulse, or give noise"
         )
     found = noise_of(before)
     return found if found >= step else noise_before_rounding(before, step)

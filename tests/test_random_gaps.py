@@ -145,3 +145,15 @@ def test_titles_name_the_gaps() -> None:
     scatter = hc.Scatter(radius="1%", gaps=SIZE, samples=2)
     title = hc.distribution(ROW, "wall_force.peak", scatter).plot().get_title()
     assert title.replace("\n", " ").endswith("1% scatter, random gaps (5 µm)")
+
+
+def test_percentiles_far_from_the_nominal_value_are_in_the_legend() -> None:
+    found = hc.distribution(ROW, "wall_force.peak", hc.Scatter(gaps="10 um", samples=150))
+    axes = found.plot()
+    factor = 1.0 if found.unit == "N" else 1e-3
+    labels = [each.get_text() for each in axes.get_legend().get_texts()]
+    values = ", ".join(f"{factor * found.percentile(each):.4g}" for each in (5.0, 50.0, 95.0))
+    assert any(each.startswith(f"5%, median, 95%: {values}") for each in labels)
+    assert any(each.startswith("mean: ") for each in labels)
+    # No label stands at a line, where it could cover another.
+    assert not axes.texts

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from ..designs.distribution import Distribution
 
 
-# Percentiles that are marked, and the height of their lines relative to the axes; labels are above.
+# Percentiles that are marked, and digits of their values in the legend.
 MARKED: Final = {5.0: "5%", 50.0: "median", 95.0: "95%"}
-HEIGHT: Final = 0.9
+DIGITS: Final = 4
 
 
 def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
@@ -30,12 +30,13 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
         axes.hist(factor * found.values, bins="auto", color=COLOURS[5],
                   edgecolor=axes.get_facecolor(), linewidth=0.5)  # fmt: skip
         elastic = "" if math.isnan(found.yielding) else ", elastic contacts"
-        axes.set_ylim(top=axes.get_ylim()[1] / HEIGHT)
-        axes.axvline(factor * found.nominal, ymax=HEIGHT, color=grey(axes),
-                     label=f"nominal chain{elastic}")  # fmt: skip
-        axes.axvline(factor * found.mean, ymax=HEIGHT, color=COLOURS[2], linestyle="--",
-                     label="mean")  # fmt: skip
-        _mark_percentiles(axes, found, factor)
+        shown = f" {with_micro(unit)}" if unit != "1" else ""
+        axes.axvline(factor * found.nominal, color=grey(axes), label=(
+            f"nominal chain{elastic}: {factor * found.nominal:.{DIGITS}g}{shown}"
+        ))  # fmt: skip
+        axes.axvline(factor * found.mean, color=COLOURS[2], linestyle="--",
+                     label=f"mean: {factor * found.mean:.{DIGITS}g}{shown}")  # fmt: skip
+        _mark_percentiles(axes, found, factor, shown)
         label_narrow_axis(axes)
         axes.set_xlabel(found.label + (f" [{with_micro(unit)}]" if unit != "1" else ""))
         axes.set_ylabel("number of chains")
@@ -45,12 +46,17 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
     return axes
 
 
-def _mark_percentiles(axes: Axes, found: Distribution, factor: float) -> None:
-    """Lines with labels at the percentiles that the values determine."""
-    colour, upwards = grey(axes, 0.2), axes.get_xaxis_transform()
-    for percent, label in MARKED.items():
-        if found._few_values_note([percent]):
-            continue
-        place = factor * found.percentile(percent)
-        axes.axvline(place, ymax=HEIGHT, color=colour, linestyle=":")
-        axes.text(place, HEIGHT, label, color=colour, transform=upwards, ha="center", va="bottom")
+def _mark_percentiles(axes: Axes, found: Distribution, factor: float, unit: str) -> None:
+    """Lines at the percentiles that the values determine; their values are in the legend.
+
+    Labels at the lines would overlap in a narrow distribution far from the nominal value.
+    """
+    marked = [percent for percent in MARKED if not found._few_values_note([percent])]
+    places = [factor * found.percentile(percent) for percent in marked]
+    if not places:
+        return
+    values = ", ".join(f"{place:.{DIGITS}g}" for place in places)
+    label = f"{', '.join(MARKED[percent] for percent in marked)}: {values}{unit}"
+    for place in places:
+        axes.axvline(place, color=grey(axes, 0.2), linestyle=":", label=label)
+        label = "_nolegend_"

@@ -64,6 +64,20 @@ def test_missing_gravity_is_named(dynamic):
 
 
 @pytest.mark.long
+def test_offsets_of_sensors_are_named_instead_of_a_common_one():
+    levels = {"ball 5 [N]": 0.25, "ball 10 [N]": -0.3, "wall [N]": 0.1}
+
+    def change(columns):
+        return {name: each + levels[name] for name, each in columns.items()}
+
+    result = hc.fit(traces(change=change), chain(), free=[*FREE, "offset"])
+    assert not result.describes
+    (advice,) = result.advice
+    assert "and the model describes the data: free 'offset[*]' instead of 'offset'" in advice
+    assert hc.fit(traces(change=change), chain(), free=[*FREE, "offset[*]"]).describes
+
+
+@pytest.mark.long
 def test_a_missing_precompression_is_named():
     # The force holds the bead that strikes, too.
     row = hc.Chain.from_materials(RADIUS, "steel-52100", beads=16).replace(

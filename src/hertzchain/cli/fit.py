@@ -268,10 +268,23 @@ def _defects(
         scans,
         [
             scans[0].summary(),
+            *_other_place(scans[0], best),
             *(_other_kind(scan, found.get(scan.kind), best) for scan in scans[1:]),
             f"without {best.names[-1]}: {verdict}",
         ],
     )
+
+
+def _other_place(scan: DefectScan, best: FitResult) -> list[str]:
+    """A line if the fits choose another place than the scan, in which other parameters adjust."""
+    name = best.names[-1]
+    if name == scan.best:
+        return []
+    return [
+        f"the fit above has {name}, because fits with one defect at each of the first places have "
+        f"the smallest chi2 with it, {best.chi2:.0f}; the scan is less accurate, because the other "
+        "parameters adjust only linearly in it"
+    ]
 
 
 def _other_kind(scan: DefectScan, fit: FitResult | None, best: FitResult) -> str:

@@ -80,8 +80,11 @@ def considered(result: FitResult, tested: Collection[str] = ()) -> str:
     return f"Consider {first}the sizes and materials of {listed(bodies)}"
 
 
-def nothing_explains(result: FitResult, tried: Iterable[str]) -> str:
-    """Advice if no cause explains the residuals; ``tried`` has those of other fits in words."""
+def nothing_explains(result: FitResult, tried: Iterable[str], levels: Collection[str] = ()) -> str:
+    """Advice if no cause explains the residuals; ``tried`` has those of other fits in words.
+
+    ``levels`` has the advice on zeros, which does not explain all of them.
+    """
     places = [signal.place for signal in result.traces.shots[0].signals]
     several = len(places) > 1
     tested = dict.fromkeys(name.key for names in groups_of_effects(result) for name in names)
@@ -96,4 +99,7 @@ def nothing_explains(result: FitResult, tried: Iterable[str]) -> str:
         f"starts with {result.scan}" if result.scan else "",
     ]  # fmt: skip
     shown = ", ".join(each for each in causes if each)
-    return f"none of the effects tested explains the residuals ({shown}). {considered(result)}"
+    first = "even with other zeros, " if levels else ""
+    return (
+        f"{first}none of the effects tested explains the residuals ({shown}). {considered(result)}"
+    )

@@ -21,6 +21,7 @@ from .advice import advice_to_free, considered, level_advice, nothing_explains
 from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_ends, is_free, try_further
 from .chain_parameters import known_names
 from .clocks import fixed_offsets
+from .common_effects import separate_effects
 from .effect_limits import limited
 from .law_parameters import names_of_losses
 from .loss_laws import typical_law
@@ -87,7 +88,7 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if noise is not None and all(noise.cost < cause.result.chi2 for cause in good):
         return replace(result, advice=(*levels, noise.advice))
     if not good:
-        return replace(result, advice=(*levels, nothing_explains(result, tried)))
+        return replace(result, advice=(*levels, nothing_explains(result, tried, levels)))
     best = min(good, key=lambda each: (
         not each.result.describes,
         each.result.chi2 + (PRESENT * each.added if each.result.describes else 0.0),
@@ -284,9 +285,7 @@ def _effects(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterato
     gained = [each / excess for each in gained_by(result, groups)]
     order = sorted(range(len(groups)), key=lambda i: (gained[i] < MOST, len(groups[i]), -gained[i]))
     for i in [i for i in order if gained[i] > PROMISING][:MAX_TRIED]:
-        cause = try_further(result, groups[i], refit)
-        if cause is not None:
-            yield cause
+        yield from filter(None, [try_further(result, groups[i], refit)])
 
 
 def _pairs(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
@@ -297,9 +296,7 @@ def _pairs(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[
     excess = max(result.chi2 - result.goodness.freedom, 1.0)
     order = sorted(range(len(pairs)), key=lambda i: -gained[i])
     for i in [i for i in order if gained[i] > PROMISING * excess][:MAX_PAIRS]:
-        cause = try_further(result, pairs[i], refit)
-        if cause is not None:
-            yield cause
+        yield from filter(None, [try_further(result, pairs[i], refit)])
 
 
 def _shots(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
@@ -436,6 +433,7 @@ FURTHER: Final[Mapping[Callable[[FitResult, Mapping[str, float], Refit], Iterato
     without_second_pulse: "",
     _places: "",
     _effects: "",
+    separate_effects: "another offset or gain of each sensor",
     _shots: "another velocity or time offset in each shot",
     _losses: "the loss",
     static_causes: "gravity and a precompression",

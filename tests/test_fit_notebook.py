@@ -86,3 +86,23 @@ def test_long_records_stay_small():
     names = ("ball 2 [N]", "ball 5 [N]", "wall [N]")
     columns = {name: pulse + own for name, own in zip(names, noise, strict=True)}
     parsed(hc.Traces.from_arrays(times, columns))
+
+
+def test_forecasts_fits_and_comparisons_are_tables():
+    traces, file = hc.example_experiment()
+    chain = hc.load_chain(file)
+    plan = hc.forecast(chain, ["ball 6"], noise=0.1, interval="1 us", free=["stiffness"])
+    html = plan._repr_html_()
+    for name, row in plan.rows():
+        assert name in html
+        assert row.replace("+-", "±") in html or row in html
+    result = hc.fit(traces, chain, free=["stiffness", "time_offset", "gain[*]"])
+    table = result.to_dataframe()
+    assert table.value.to_dict() == result.values
+    assert table.error.to_dict() == result.errors
+    assert table.unit["time_offset"] == "s"
+    compared = hc.simulate(chain, until=600e-6, times=1201).compare(traces)
+    rows = compared.to_dataframe()
+    assert [*rows.index] == [each.name for each in compared.sensors]
+    assert rows.delay["wall"] == compared.sensors[-1].delay
+    assert rows.residual.to_dict() == compared.differences

@@ -228,3 +228,12 @@ def test_a_damaged_file_is_never_read_as_another_run(tmp_path):
         same(found.velocities, run.velocities)
         assert found.wall_force().peak == run.wall_force().peak
     assert refused > 20
+
+
+def test_a_csv_file_of_a_run_cannot_be_loaded(tmp_path):
+    run = hc.simulate(hc.Chain.uniform(5), times=20)
+    run.save(tmp_path / "run.csv")
+    with pytest.raises(
+        hc.InputError, match=r"is a CSV file, .*; save it with run\.save\('run\.nc'"
+    ):
+        hc.load_run(tmp_path / "run.csv")

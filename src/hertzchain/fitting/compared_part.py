@@ -17,9 +17,13 @@ from .crossings import reached
 
 
 def check_reached(
-    shot: Shot, moments: Array, columns: Sequence[Array], grid: Array, time_offset: float
-) -> None:
-    """Raise `InputError` if the record ends before the simulated pulse arrives at a sensor."""
+    shot: Shot, moments: Array, columns: Sequence[Array], grid: Array, time_offset: float,
+    otherwise: str = "",
+) -> None:  # fmt: skip
+    """Raise `InputError` if the record ends before the simulated pulse arrives at a sensor.
+
+    If the time offset has no meaning, ``otherwise`` is the message instead.
+    """
     begin = float(shot.times[-1] - moments[-1])
     missed, least = dict[str, float](), np.inf
     for signal, column in zip(shot.signals, columns, strict=True):
@@ -32,6 +36,8 @@ def check_reached(
             missed[signal.name] = begin + reached(grid, own, ARRIVED * float(own.max()))
     if least > 0.0:
         return
+    if otherwise:
+        raise InputError(otherwise)
     advice = "record for longer, or omit the columns of these sensors"
     if len(missed) == 1:
         advice = "record for longer, or omit the column of this sensor"

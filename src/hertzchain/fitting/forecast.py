@@ -7,7 +7,7 @@ import os
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from ..validation.numbers import number
 from ..validation.objects import check_list, check_type
 from .clocks import with_clocks
 from .constants import FixedConstant, Optimum, fixed_constants
-from .model import make_model
+from .model import Model, make_model
 from .parameters import Parameter, Priors, free_parameters
 from .problem import Problem
 from .result_document import constants_document, parameters_document
@@ -38,9 +38,6 @@ from .simulations import Simulator, passing_time, range_notes
 from .uncertainty import Estimates, large_error_notes, uncertainty
 from .unused_parameters import check_used
 from .weak_directions import WeakDirection
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 # Largest number of samples; the derivatives of all of them are in memory.
 MAX_SAMPLES: Final = 2_000_000
@@ -81,6 +78,11 @@ class Forecast(Estimates):
     problem: Problem = field(repr=False)
     variables: Array = field(repr=False)
     jacobian: Array = field(repr=False)
+
+    @property
+    def model(self) -> Model:
+        """The model with which the signals are predicted."""
+        return self.problem.model
 
     @cached_property
     def constants(self) -> tuple[FixedConstant, ...]:
@@ -143,33 +145,6 @@ class Forecast(Estimates):
             f"every {measure(self.interval, 's')} for {measure(self.duration, 's')}"
         )
 
-    def to_dataframe(self) -> pd.DataFrame:
-        """Table with one row per parameter.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Indexed by ``parameter``; columns ``value`` and ``error`` in SI, ``relative_error``,
-            which is NaN for a value of zero, and ``unit``.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> chain = hc.Chain.from_materials("5 mm", "brass", beads=12).struck_by(velocity="0.1 m/s")
-        >>> plan = hc.forecast(chain, ["ball 5"], noise=0.02, interval="1 us", free=["stiffness"])
-        >>> f"{plan.to_dataframe().relative_error['stiffness']:.3%}"
-        '0.019%'
-        """
-        import pandas as pd
-
-        sizes = np.where(self.estimates != 0.0, np.abs(self.estimates), np.nan)
-        model = self.problem.model
-        columns = {
-            "value": self.estimates, "error": self.sigmas, "relative_error": self.sigmas / sizes,
-            "unit": [unit_of_parameter(each, model.traces) for each in model.parameters],
-        }  # fmt: skip
-        return pd.DataFrame(columns, index=pd.Index(self.names, name="parameter"))
-
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON: numbers that do not exist are `None`.
 
@@ -193,6 +168,11 @@ class Forecast(Estimates):
             "warnings": list(self.warnings), "constants": constants_document(self.constants),
         })  # fmt: skip
         return found
+
+    def _repr_html_(self) -> str:
+        from ..notebook.fits import forecast_html
+
+        return forecast_html(self)
 
     def __repr__(self) -> str:
         return short("Forecast", self._about, *(f"{name} {row}" for name, row in self.rows()))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, overload
 
@@ -63,6 +63,7 @@ NOTHING_EXPLAINED: Final = (
 )
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -210,6 +211,22 @@ class TraceComparison:
             lines.append(f"without calibration, the simulation is scaled: {', '.join(factors)}")
         return "\n".join((*lines, *self.notes))
 
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table of peaks, arrivals [s], their differences and residuals, one row per sensor.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> traces, chain = hc.example_experiment()
+        >>> run = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201)
+        >>> round(run.compare(traces).to_dataframe().measured_peak["ball 6"], 1).item()
+        29.3
+        """
+        import pandas as pd
+
+        rows = [asdict(each) | {"delay": each.delay} for each in self.sensors]
+        return pd.DataFrame(rows).set_index("name").rename_axis("sensor")
+
     @overload
     def plot(self) -> Figure: ...
     @overload
@@ -310,12 +327,7 @@ def compare_traces(
     moments = shot.times - begin
     inside = covered_part(moments, float(grid[-1]), time_offset)
     check_contained_or_exchanged(shot, inside, columns, spacing)
-    try:
-        check_reached(shot, moments, columns, grid, float(time_offset))
-    except InputError:
-        if unexplained:
-            raise InputError(NOTHING_EXPLAINED) from None
-        raise
+    check_reached(shot, moments, columns, grid, float(time_offset), "".join(unexplained))
     signals = tuple(_at(moments, inside, column, spacing) for column in columns)
     error = np.nan if given else offset_error(shot, signals)
     found = TraceComparison(traces, signals, float(time_offset), given, error)
@@ -333,15 +345,19 @@ def compare_traces(
         *empty_notes,
         *inversion_notes({} if exchanged else {each.name: each.scale for each in found.sensors}),
         *level_notes(shot, signals, columns),
-        *([] if exchanged else missing_notes(found.sensors)),
-        *(
-            []
-            if exchanged
-            else pulse_notes(run, shot, columns, inside, float(shot.times[-1]) - time_offset)
-        ),
+        *([] if exchanged else _crest_notes(found, run, columns, inside)),
         *coupling_notes(traces, [run.chain], gain),
     )
     return replace(found, notes=notes, exchanged=exchanged)
+
+
+def _crest_notes(
+    found: TraceComparison, run: Run, columns: Sequence[Array], inside: Array
+) -> list[str]:
+    """Sentences on crests that are missing or not complete, and on the end of the run."""
+    (shot,) = found.traces.shots
+    until = float(shot.times[-1]) - found.time_offset
+    return [*missing_notes(found.sensors), *pulse_notes(run, shot, columns, inside, until)]
 
 
 def _suspicious(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,12 @@ from numpy.typing import NDArray
 from ..collision import Array
 from .model import Model
 from .problem import Problem, differences
+from .shown_values import unit_of_parameter
 from .symmetry import units_of
 from .weak_directions import WeakDirection, weak_directions
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 # An error above this fraction of the value is reported.
 LARGE_ERROR: Final = 1.0
@@ -36,6 +40,38 @@ class Estimates:
     def errors(self) -> dict[str, float]:
         """Standard errors by name, in SI; infinite at a bound or if not determined."""
         return dict(zip(self.names, self.sigmas.tolist(), strict=True))
+
+    @property
+    def model(self) -> Model:
+        """The model whose parameters these are."""
+        raise NotImplementedError
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per parameter.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``parameter``; columns ``value`` and ``error`` in SI, ``relative_error``,
+            which is NaN for a value of zero, and ``unit``.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.from_materials("5 mm", "brass", beads=12).struck_by(velocity="0.1 m/s")
+        >>> plan = hc.forecast(chain, ["ball 5"], noise=0.02, interval="1 us", free=["stiffness"])
+        >>> f"{plan.to_dataframe().relative_error['stiffness']:.3%}"
+        '0.019%'
+        """
+        import pandas as pd
+
+        sizes = np.where(self.estimates != 0.0, np.abs(self.estimates), np.nan)
+        model = self.model
+        columns = {
+            "value": self.estimates, "error": self.sigmas, "relative_error": self.sigmas / sizes,
+            "unit": [unit_of_parameter(each, model.traces) for each in model.parameters],
+        }  # fmt: skip
+        return pd.DataFrame(columns, index=pd.Index(self.names, name="parameter"))
 
     @property
     def correlation(self) -> Array:

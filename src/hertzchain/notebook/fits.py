@@ -9,6 +9,7 @@ import numpy as np
 
 from ..collision import Array
 from ..fitting.defect_scan import DefectScan
+from ..fitting.forecast import Forecast
 from ..fitting.loss_comparison import LossComparison
 from ..fitting.posterior import Posterior
 from ..fitting.result import FitResult
@@ -92,6 +93,13 @@ def fit_html(result: FitResult) -> str:
         numbers({f"chi2 per sample, {name}": f"{value:.3g}" for name, value in per_sample.items()}),
         *_notes((result.verdict, *result.warnings, result.loss_note)),
     )  # fmt: skip
+
+
+def forecast_html(plan: Forecast) -> str:
+    """Expected errors of all parameters, and all notes."""
+    return page(
+        "Forecast", plan._about, table(("parameter", "value"), plan.rows()), *_notes(plan.warnings)
+    )
 
 
 def loss_comparison_html(compared: LossComparison) -> str:

@@ -132,6 +132,11 @@ def _read(file: Path) -> tuple[dict[str, Array], dict[str, Any]]:
             return _variables(dataset), dict(dataset.attrs)
     # SciPy raises errors of many types for a damaged file.
     except Exception:  # noqa: BLE001
+        if file.suffix.lower() == ".csv":
+            raise InputError(
+                f"{os.fspath(file)!r} is a CSV file, which cannot be read back as a run: only a "
+                "netCDF file keeps its chain and events; save it with run.save('run.nc')"
+            ) from None
         raise InputError(
             f"cannot read the run {os.fspath(file)!r}: it is damaged or not a netCDF file of "
             "Run.save"

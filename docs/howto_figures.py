@@ -1,7 +1,6 @@
 """Figures of the how-to guides on losses, odd beads, pads, and the errors of a force."""
 
 import warnings
-from dataclasses import replace
 from typing import Final
 
 import matplotlib.pyplot as plt
@@ -218,22 +217,15 @@ def dimer_pulses() -> Figure:
     return canvas
 
 
-def _harder(chain: hc.Chain, pressure: float) -> hc.Chain:
-    """Contacts that yield at a pressure, in yield strengths, instead of 1.6."""
-    return chain.replace(materials=[
-        replace(m, yield_strength=m.yield_strength * pressure / 1.6) for m in chain.materials
-    ])  # fmt: skip
-
-
 def certainty() -> Figure:
     """Force behind a row of steel and PTFE, elastic and with contacts that yield."""
     kinds = ["steel-52100"] * 5 + ["ptfe"] * 5 + ["steel-52100"] * 5
     cell = hc.Wall("5 kN/mm", exponent=1, loss=hc.Elastic())
     balls = hc.Chain.from_materials(np.linspace(6e-3, 3e-3, 15), kinds, right_wall=cell)
     elastic = balls.struck_by(mass="30 g", velocity="0.5 m/s")
-    yielding, pressures = elastic.replace(loss=hc.ElasticPlastic()), np.linspace(1.6, 2.8, 49)
-    chains = [_harder(yielding, pressure) for pressure in pressures]
-    shown = {"elastic": elastic, "yield at 1.6 $Y$": yielding, "yield at 2.8 $Y$": chains[-1]}
+    pressures = np.linspace(1.6, 2.8, 49)
+    chains = [elastic.replace(loss=hc.ElasticPlastic(factor=each)) for each in pressures]
+    shown = {"elastic": elastic, "yield at 1.6 $Y$": chains[0], "yield at 2.8 $Y$": chains[-1]}
     with figure_style(), warnings.catch_warnings():
         warnings.simplefilter("ignore", hc.ModelRangeWarning)
         canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.2), layout="constrained")

@@ -129,7 +129,7 @@ def yield_overlap(chain, c, law):
     softness = sum((1.0 - m.poisson**2) / m.young for m in kinds[c : c + 2])
     radius = 1.0 / (1.0 / radii[c] + 1.0 / radii[c + 1])
     known = [m.yield_strength for m in kinds[c : c + 2] if m.yield_strength]
-    pressure = law.yield_pressure or 1.6 * min(known)
+    pressure = law.yield_pressure or (law.factor or 1.6) * min(known)
     # A free end has no contact.
     present = 0 < c < beads or (chain.left_wall, chain.right_wall)[c > 0] is not None
     return radius * (0.5 * math.pi * pressure * softness) ** 2 if present else 1.0

@@ -281,6 +281,7 @@ def public_calls(folder):
         "Elastic": tried(hc.Elastic),
         "ElasticPlastic": tried(hc.ElasticPlastic, yield_overlap=0.1),
         "ElasticPlastic, by pressure": tried(hc.ElasticPlastic, yield_pressure=1e9),
+        "ElasticPlastic, by factor": tried(hc.ElasticPlastic, factor=2.8),
         **{
             f"{name}.restitution": tried(
                 law.restitution, speed=1.0, reduced_mass=0.5, stiffness=1.0, exponent=1.5

@@ -99,6 +99,7 @@ def compare(
     """
     import hertzchain
 
+    from ..chain.yield_pressure import assumed_for_all
     from ..errors import InputWarning
     from ..fitting.parameters import priors_of_gains
     from ..fitting.prior_conflicts import gain_notes
@@ -135,7 +136,9 @@ def compare(
         show_json(_as_dict(found))
     else:
         shown = on_command_line(found.summary())
-        click.echo("\n".join((described.description, *pressures_below_yield(run), shown)))
+        assumed = assumed_for_all(described)
+        notes = [on_command_line(f"note: {assumed}")] if assumed else []
+        click.echo("\n".join((described.description, *pressures_below_yield(run), shown, *notes)))
 
 
 def _timed(traces: Traces, settings: Settings, time_offset: str | None) -> Traces:

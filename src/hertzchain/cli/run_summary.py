@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import click
 
@@ -15,6 +15,7 @@ from ..simulation.yielding import (
     pressures_below_yield,
     remark_on_overlaps,
 )
+from .last_bead import final_velocities_line, last_bead_line, last_bead_of
 from .output import show_table
 from .wording import on_command_line
 
@@ -25,19 +26,16 @@ if TYPE_CHECKING:
     from ..simulation.sensor_force import SensorForce
     from ..simulation.wall_force import WallForce
 
-# Largest number of beads whose final velocities are printed.
-SHORT: Final = 10
-# Part of the largest velocity above which a bead moves.
-MOVES: Final = 1e-3
-
 
 def run_as_dict(
-    run: Run, beads: Sequence[int], *, waves: bool, contacts: bool, budget: bool = False
-) -> dict[str, object]:
-    """Summary of a run as a JSON document."""
+    run: Run, beads: Sequence[int], other: Run | None = None, *, waves: bool, contacts: bool,
+    budget: bool = False,
+) -> dict[str, object]:  # fmt: skip
+    """Summary of a run as a JSON document; ``other`` has the largest possible yield pressure."""
     from ..store.results import document_of
     from .contact_tables import contacts_as_dict
     from .wave_tables import horizon_as_dict, waves_as_list
+    from .yield_range import range_as_dict
 
     described, peak = document_of(run.chain), peak_with_yielding_contacts(run)
     document: dict[str, object] = {
@@ -61,6 +59,7 @@ def run_as_dict(
         "peak_with_yielding_contacts": None if peak is None else peak.value,
         "yielding_overlap_ratio": None if peak is None else peak.overlap_ratio,
         "yielding_within_range": None if peak is None else not peak.outside,
+        "yield_pressure_range": range_as_dict(run, other, beads),
         "sensors": [_numbers(run.sensor_force(bead)) for bead in beads],
     }
     if run.known_horizon is not None:
@@ -90,14 +89,18 @@ def _budget_as_dict(run: Run) -> dict[str, object]:
 
 
 def show_run(
-    run: Run, beads: Sequence[int], *, waves: bool, contacts: bool, budget: bool = False
-) -> None:
-    """Print the summary of a run, with a hint at --horizon if it is long."""
-    from ..chain.hertz_ratios import elastic_in_words, walls_to_keep_elastic
+    run: Run, beads: Sequence[int], other: Run | None = None, *, waves: bool, contacts: bool,
+    budget: bool = False,
+) -> None:  # fmt: skip
+    """Print the summary of a run, with a hint at --horizon if it is long.
+
+    The ``other`` run has the largest possible yield pressure.
+    """
     from ..representation import measure
     from ..simulation.run_message import LONG_RUN, transits_between_walls
     from .contact_tables import contact_table
     from .wave_tables import wave_table
+    from .yield_range import range_lines
 
     click.echo(f"{run.chain.description}{_impact(run.chain)}\n{on_command_line(run.message)}")
     click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
@@ -123,17 +126,12 @@ def show_run(
                 "is fixed to its cell then oscillates"
             )
     if (last := last_bead_of(run)) is not None:
-        click.echo(_last_bead_line(run, last))
-        if (final := _final_velocities_line(run)) is not None:
+        click.echo(last_bead_line(run, last))
+        if (final := final_velocities_line(run)) is not None:
             click.echo(final)
-    if (peak := peak_with_yielding_contacts(run)) is not None:
-        shown = measure(peak.value, "N", run.chain.units, 5)
-        walls = elastic_in_words(walls_to_keep_elastic(run.chain))
-        law = on_command_line(f"(--loss elastic-plastic{walls})")
-        outside = f", {peak.caution}" if peak.outside else ""
-        click.echo(f"  peak with contacts that yield: {shown} {law}{outside}")
-    for bead in beads:
-        click.echo(_sensor_line(run, bead))
+    sensors = [_sensor_line(run, bead) for bead in beads]
+    for line in [*_if_yielding(run), *sensors, *range_lines(run, other, beads)]:
+        click.echo(line)
     transits = transits_between_walls(run.chain, run._walls, run.end_time)
     if run.known_horizon is not None:
         later = "; later values are one of many possible outcomes"
@@ -150,6 +148,20 @@ def show_run(
         show_table(contact_table(run))
     if budget:
         click.echo(run.budget())
+
+
+def _if_yielding(run: Run) -> list[str]:
+    """A line with the peak if contacts yield, for elastic ones beyond first yield."""
+    from ..chain.hertz_ratios import elastic_in_words, walls_to_keep_elastic
+    from ..representation import measure
+
+    if (peak := peak_with_yielding_contacts(run)) is None:
+        return []
+    shown = measure(peak.value, "N", run.chain.units, 5)
+    walls = elastic_in_words(walls_to_keep_elastic(run.chain))
+    law = on_command_line(f"(--loss elastic-plastic{walls})")
+    outside = f", {peak.caution}" if peak.outside else ""
+    return [f"  peak with contacts that yield: {shown} {law}{outside}"]
 
 
 def strikers_of(run: Run) -> list[dict[str, float]]:
@@ -179,50 +191,6 @@ def _striker_lines(run: Run) -> list[str]:
             f"striker{number} at the end of the run: velocity {velocity}, {kept} of its energy"
         )
     return lines
-
-
-def last_bead_of(run: Run) -> dict[str, float] | None:
-    """Velocity and momentum that the leading pulse gives the last bead of a free end."""
-    if run.chain.right_wall is not None or not run._reached:
-        return None
-    # A shaker that does not stop creates no pulse of its own.
-    if run.chain.drive is not None and math.isinf(run.chain.drive.end):
-        return None
-    pulse = run.pulse()
-    velocity, momentum = float(pulse.velocity[-1]), float(pulse.momentum[-1])
-    return None if math.isnan(velocity) else {"velocity": velocity, "momentum": momentum}
-
-
-def _last_bead_line(run: Run, last: dict[str, float]) -> str:
-    from ..chain.bead_names import bead_label
-    from ..representation import measure
-
-    velocity = measure(last["velocity"], "m/s", run.chain.units, 5)
-    momentum = measure(last["momentum"], "N s", run.chain.units)
-    return (
-        f"{bead_label(run.chain, run.chain.beads)} at the free end: velocity {velocity}, momentum "
-        f"{momentum} in the leading pulse"
-    )
-
-
-def _final_velocities_line(run: Run) -> str | None:
-    """Velocities after the impact of few beads, if more than one of them moves."""
-    from ..chain.bead_names import bead_label
-
-    velocities, chain = run.state.velocities, run.chain
-    moving = abs(velocities) > MOVES * abs(velocities).max()
-    over = not (len(run.closed_contacts) or run._unfinished)
-    if not over or chain.beads > SHORT or moving.sum() < 2:
-        return None
-    unit = " m/s" if chain.units == "SI" else ""
-    last = abs(velocities).max()
-    # Velocities have the decimals of the fastest bead, of which five digits are shown.
-    decimals = max(0, 4 - math.floor(math.log10(last)))
-    shown = ", ".join(f"{each:z.{decimals}f}" for each in velocities)
-    return (
-        f"velocities at the end of the run, from {bead_label(chain, 1)} to "
-        f"{bead_label(chain, chain.beads)}: {shown}{unit}"
-    )
 
 
 def _impact(chain: Chain) -> str:

@@ -154,6 +154,7 @@ def _document(found: Distribution) -> dict[str, Any]:
 
 def _table(found: Distribution) -> str:
     """Lines with values, each also relative to the nominal chain."""
+    from ..chain.yield_pressure import assumed_for_all
     from ..representation import counted, usual_unit, with_decimals
 
     rows = {"nominal": found.nominal, "mean": found.mean,
@@ -182,4 +183,6 @@ def _table(found: Distribution) -> str:
         lines.append(f"note: {few} (--chains)")
     if yielding := found._yielding_note:
         lines.append(f"note: {on_command_line(yielding)}")
+    if assumed := assumed_for_all(found.chain):
+        lines.append(f"note: {on_command_line(assumed)}")
     return "\n".join(lines)

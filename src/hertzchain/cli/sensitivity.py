@@ -22,6 +22,7 @@ from .options import (
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 from .pulse_tables import TABLE_ROWS
+from .wording import on_command_line
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -136,6 +137,7 @@ def _lines(
     changes: tuple[Array, ...] | None,
 ) -> list[str]:  # fmt: skip
     """The chain, the value, and the method of the derivatives or changes."""
+    from ..chain.yield_pressure import assumed_for_all
     from ..derivatives.kinks import kink_note
     from ..designs.measures import in_words
     from ..designs.sensitivity import GAP_STEP, derivatives_mislead
@@ -165,6 +167,8 @@ def _lines(
     elif changes and derivatives_mislead(found, by, *changes):
         note = f"{kink_note([by])}; changes of several beads do not add up: use hertzchain scatter"
         lines += textwrap.wrap(f"note: {note}", WIDTH)
+    if assumed := assumed_for_all(chain):
+        lines.append(f"note: {on_command_line(assumed)}")
     return lines
 
 

@@ -22,6 +22,7 @@ from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 from .run_summary import run_as_dict, show_run
 from .stream import check_stream_options, stream_into
+from .yield_range import second_run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -159,6 +160,9 @@ def simulate(
     point before the force drops by 10% of its rise; maxima below 1% of the largest force are
     ignored.
 
+    If contacts yield at the assumed pressure of the loss elastic-plastic, 1.6 times the yield
+    strength, a second simulation at 2.8 times shows the range of the forces.
+
     Several chain files are simulated one after another, and --plot compares them.
 
     With --stream, trajectories are kept only on disk, in netCDF files, and memory does not
@@ -175,6 +179,7 @@ def simulate(
       hertzchain simulate experiment.toml --sensor "ball 5" --forces forces.csv
       hertzchain simulate equal.toml tapered.toml --plot comparison.png
       hertzchain simulate experiment.toml --loss elastic-plastic --hits 3
+      hertzchain simulate experiment.toml --loss "elastic-plastic, factor=2.8"
       hertzchain simulate experiment.toml --until 10s --times 100000 --stream long
       hertzchain simulate --beads 50 --until 60 --times 600 --waves --horizon
     """
@@ -217,9 +222,10 @@ def simulate(
     if plot is not None:
         save_figure(_drawn(runs, beads, forces=bool(sensors)), plot)
     again = {name: _hits(run, hits, until, step, settings) for name, run in runs.items()}
+    others = {name: _at_other_pressure(run, until, step, settings) for name, run in runs.items()}
     shown = {"waves": waves, "contacts": contacts, "budget": budget}
     if as_json:
-        found = [run_as_dict(run, beads[name], **shown) for name, run in runs.items()]
+        found = [run_as_dict(run, beads[name], others[name], **shown) for name, run in runs.items()]
         for each, (name, every) in zip(found, again.items(), strict=True):
             each |= {"hits": hits_as_list(every, beads[name])} if hits else {}
         show_json(found[0] if len(found) == 1 else _together(runs, found))
@@ -227,7 +233,7 @@ def simulate(
         for i, (name, run) in enumerate(runs.items()):
             heading = f"{name}: " if len(runs) > 1 else ""
             click.echo("\n" * (i > 0) + heading, nl=False)
-            show_run(run, beads[name], **shown)
+            show_run(run, beads[name], others[name], **shown)
             if hits:
                 show_table(hit_table(again[name], beads[name]))
 
@@ -291,6 +297,14 @@ def _hits(
     with ignore_warnings(ModelRangeWarning), progress_bar("beads passed, later hits") as progress:
         options = {"until": end, "step": length, "progress": progress} | settings
         return struck_repeatedly(run, hits or 1, **options)
+
+
+def _at_other_pressure(
+    run: Run, until: str | None, step: str | None, settings: dict[str, Any]
+) -> Run | None:
+    """The run at the largest possible yield pressure, if contacts yield at an assumed one."""
+    end, length = time_from("--until", until, run.chain), time_from("--step", step, run.chain)
+    return second_run(run, until=end, step=length, **settings)
 
 
 def _save(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..chain.hertz_ratios import OUTSIDE_LAW, caution_outside_law
+from ..chain.yield_pressure import assumed_for_all
 from ..representation import counted, listed, usual_unit, with_decimals
 from ..simulation.yielding import unchecked_contacts
 from .ball_space import BallSpace
@@ -77,7 +78,7 @@ def summary(result: DesignResult) -> str:
         lines += [
             f"  {i}: {point_in_words(point)}" for i, point in enumerate(result.front, start=1)
         ]
-    lines += [f"note: {note}" for note in result.notes]
+    lines += [f"note: {note}" for note in (*result.notes, assumed_for_all(result.chain)) if note]
     return "\n".join(lines)
 
 

@@ -71,6 +71,9 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         must have a known one.
     yield_overlap : float or None
         Instead, the overlap :math:`d_y` > 0 at which a contact yields [scaled, or m].
+    factor : float or None
+        Instead, the yield pressure over the yield strength of the softer material, > 0, usually
+        1.6 to 2.8; it applies to contacts of all materials.
 
     Examples
     --------
@@ -79,6 +82,12 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
     >>> after = hc.simulate(chain.replace(loss=hc.ElasticPlastic()), until=1e-3).velocities[-1]
     >>> round(float(after[1] - after[0]) / 0.1, 3)
     0.415
+
+    At the pressure of fully plastic contacts, the same balls lose less:
+
+    >>> law = hc.ElasticPlastic(factor=2.8)
+    >>> round(law.restitution(0.1, chain=chain), 3)
+    0.585
     """
 
     yields = True
@@ -90,6 +99,10 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
     yield_overlap: float | None = parameter(
         "yield overlap", "overlap at which a contact yields", "length", default=None, above=0.0
     )
+    factor: float | None = parameter(
+        "factor", "yield pressure over the yield strength of the softer material", default=None,
+        above=0.0,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -97,6 +110,12 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
             raise InputError(
                 "ElasticPlastic has a yield_pressure or a yield_overlap, not both: the overlap "
                 "at yield follows from the pressure"
+            )
+        if self.factor is not None and not self.needs_yield_strength:
+            other = "yield_overlap" if self.yield_pressure is None else "yield_pressure"
+            raise InputError(
+                f"ElasticPlastic has a factor or a {other}, not both: the factor of the yield "
+                "strength determines the pressure and the overlap at yield"
             )
 
     @property
@@ -148,7 +167,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
                 "ElasticPlastic() uses the yield strength of the materials, which is not known "
                 "for this contact: give ElasticPlastic(yield_pressure=...)"
             )
-        return FIRST_YIELD * strength
+        return (FIRST_YIELD if self.factor is None else self.factor) * strength
 
     def resolved(self, contacts: ContactArrays) -> list[Loss]:
         if self.yield_overlap is not None:

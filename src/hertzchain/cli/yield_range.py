@@ -1,0 +1,101 @@
+"""Forces of a run at its assumed yield pressure and at the largest possible one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ..simulation.yield_range import at_fully_plastic_pressure, depends_on_yield_pressure
+from .progress import progress_bar
+from .wording import on_command_line
+
+if TYPE_CHECKING:
+    from ..simulation.run import Run
+
+PAGE = 'see "How certain is a force?" in the documentation'
+
+
+class Ends(NamedTuple):
+    """A value at the assumed yield pressure and at the largest possible one."""
+
+    name: str
+    unit: str
+    assumed: float
+    other: float
+    # Whether values at pressures between them can be outside the range.
+    irregular: bool = False
+
+
+def second_run(run: Run, **options: Any) -> Run | None:
+    """The run at the largest possible yield pressure, if contacts yield at an assumed one."""
+    from ..chain.yield_pressure import FULLY_PLASTIC
+
+    if not depends_on_yield_pressure(run):
+        return None
+    what = f"beads passed, yield pressure of {FULLY_PLASTIC:g} times the yield strength"
+    with progress_bar(what) as progress:
+        return at_fully_plastic_pressure(run, progress=progress, **options)
+
+
+def ends_of_range(run: Run, other: Run | None, beads: Sequence[int]) -> list[Ends]:
+    """Complete peaks on walls, largest forces in sensors, and the velocity at a free end."""
+    from ..chain.bead_names import bead_label, walls_of
+    from .last_bead import last_bead_of
+
+    if other is None:
+        return []
+    found = []
+    for side in walls_of(run.chain):
+        one, two = run.wall_force(side), other.wall_force(side)
+        if one.complete and two.complete and one.reached:
+            # One of several pulses can be the largest.
+            several = max(one.touches, two.touches) > 1
+            found.append(Ends(f"{side} wall", "N", one.peak, two.peak, several))
+    for bead in beads:
+        at = f"sensor in {bead_label(run.chain, bead)}"
+        values = [each.sensor_force(bead).largest_so_far for each in (run, other)]
+        found.append(Ends(at, "N", values[0], values[1]))
+    first, last = last_bead_of(run), last_bead_of(other)
+    if first is not None and last is not None:
+        found.append(Ends("last bead", "m/s", first["velocity"], last["velocity"]))
+    return found
+
+
+def range_as_dict(run: Run, other: Run | None, beads: Sequence[int]) -> dict[str, Any] | None:
+    """Values at both yield pressures as plain data; `None` if nothing yields at an assumed one."""
+    from ..chain.materials import FIRST_YIELD
+    from ..chain.yield_pressure import FULLY_PLASTIC
+    from ..validation.json_types import finite
+
+    if not depends_on_yield_pressure(run):
+        return None
+    values = [
+        finite(
+            {
+                "name": each.name,
+                "unit": each.unit,
+                "values": [each.assumed, each.other],
+                "irregular": each.irregular,
+            }
+        )
+        for each in ends_of_range(run, other, beads)
+    ]
+    return {"factors": [FIRST_YIELD, FULLY_PLASTIC], "assumed": FIRST_YIELD, "ranges": values}
+
+
+def range_lines(run: Run, other: Run | None, beads: Sequence[int]) -> list[str]:
+    """Lines with values at both yield pressures; none if nothing yields at an assumed one."""
+    from ..chain.yield_pressure import ASSUMED_PRESSURE, BETWEEN, OTHER_PRESSURE
+    from ..representation import measure
+
+    if not depends_on_yield_pressure(run):
+        return []
+    lines = [on_command_line(f"{ASSUMED_PRESSURE} ({OTHER_PRESSURE.removeprefix('use ')}); {PAGE}")]
+    for each in ends_of_range(run, other, beads):
+        values = each.assumed, each.other
+        low, high = (measure(value, each.unit, run.chain.units, 3) for value in values)
+        if low.rpartition(" ")[2] == high.rpartition(" ")[2]:
+            low = low.rpartition(" ")[0]
+        between = "; values between can be outside this range" if each.irregular else ""
+        lines.append(f"  {each.name}: {low} to {high} for yield pressures of {BETWEEN}{between}")
+    return lines

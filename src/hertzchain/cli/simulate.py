@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .chain_options import ChainOptions, chain_options, chains_from
+from .compared_runs import compared_runs
 from .hit_tables import check_hits, hit_table, hits_as_list
 from .options import (
     Fraction,
@@ -163,7 +164,7 @@ def simulate(
     If contacts yield at the assumed pressure of the loss elastic-plastic, 1.6 times the yield
     strength, a second simulation at 2.8 times shows the range of the forces.
 
-    Several chain files are simulated one after another, and --plot compares them.
+    Several chain files are simulated one after another.  A table and --plot compare them.
 
     With --stream, trajectories are kept only on disk, in netCDF files, and memory does not
     grow with the run.  If a run is interrupted, run the same command again and it resumes.
@@ -230,12 +231,23 @@ def simulate(
             each |= {"hits": hits_as_list(every, beads[name])} if hits else {}
         show_json(found[0] if len(found) == 1 else _together(runs, found))
     else:
-        for i, (name, run) in enumerate(runs.items()):
-            heading = f"{name}: " if len(runs) > 1 else ""
-            click.echo("\n" * (i > 0) + heading, nl=False)
-            show_run(run, beads[name], others[name], **shown)
-            if hits:
-                show_table(hit_table(again[name], beads[name]))
+        _show(runs, others, beads, again if hits else {}, shown)
+
+
+def _show(
+    runs: dict[str, Run], others: dict[str, Run | None], beads: dict[str, list[int]],
+    again: dict[str, list[Run]], shown: dict[str, bool],
+) -> None:  # fmt: skip
+    """Print the summaries of runs and of their repetitions, and a table of several chains."""
+    for i, (name, run) in enumerate(runs.items()):
+        heading = f"{name}: " if len(runs) > 1 else ""
+        click.echo("\n" * (i > 0) + heading, nl=False)
+        show_run(run, beads[name], others[name], **shown)
+        if name in again:
+            show_table(hit_table(again[name], beads[name]))
+    if len(runs) > 1 and (table := compared_runs(runs, others, beads)) is not None:
+        click.echo()
+        show_table(table)
 
 
 def _check_times(times: int, **options: object) -> None:

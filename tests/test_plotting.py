@@ -412,7 +412,11 @@ def test_a_shorter_run_states_where_it_ends():
     runs = [hc.simulate(chain, until=end, times=100) for end in (20.0, 21.0, 60.0)]
     named = dict(zip("abc", runs, strict=True))
     axes = plot_forces_of_runs(named, {name: [4] for name in named})
-    shown = ["a, bead 4, until $t$ = 20", "b, bead 4, until $t$ = 21", "c, bead 4"]
+    peak = f"{runs[0].sensor_force(4).largest_so_far:.3g}"
+    shown = [
+        f"a, bead 4: {peak}, until $t$ = 20", f"b, bead 4: {peak}, until $t$ = 21",
+        f"c, bead 4: {peak}",
+    ]  # fmt: skip
     assert legend(axes) == shown
     balls = hc.Chain.from_materials("5 mm", "brass", beads=9, velocity="1 cm/s")
     axes = hc.simulate(balls, until="200 us").plot_forces([4])
@@ -1494,6 +1498,20 @@ def test_curves_of_several_runs_are_solid_and_differ_in_width_and_opacity():
     assert len(set(looks)) == 3
     assert looks[0][0] > 2.0 * looks[2][0] > 2.0 * looks[4][0]
     assert len({line.get_color() for line in axes.lines}) == 6
+
+
+def test_runs_with_many_oscillations_have_lines_of_one_width():
+    balls = hc.Chain.from_materials(np.linspace(6e-3, 3e-3, 15), "steel-52100", velocity=0.05)
+    balls = balls.replace(right_wall=hc.Wall("5 kN/mm", exponent=1, loss=hc.Elastic()))
+    many = balls[:].replace(velocities=np.zeros(15)).struck_by(mass="100 g", velocity="0.05 m/s")
+    few = balls.replace(loss=hc.Restitution(0.6))
+    for chains, widths in (((few, few), 2), ((few, many), 1)):
+        runs = {f"{i}": hc.simulate(chain, times=4000) for i, chain in enumerate(chains)}
+        axes = plot_forces_of_runs(runs, {name: ["wall"] for name in runs})
+        assert len({line.get_linewidth() for line in axes.lines}) == widths
+        peaks = [run.wall_force().peak for run in runs.values()]
+        shown = [f"{i}, right wall: {peak:.3g} N" for i, peak in enumerate(peaks)]
+        assert [each.partition(", until")[0] for each in legend(axes)] == shown
 
 
 def test_runs_have_the_same_style_in_all_panels():

@@ -26,6 +26,9 @@ SHORT_RUN: Final = 0.9
 # Widths and opacities of the curves of the first, second, ... run in the same axes: thin curves are
 # in front of broad, pale ones, so that oscillations of several runs do not hide each other.
 RUN_LINES: Final = ((2.8, 0.5), (1.3, 1.0), (0.8, 1.0))
+# Maxima, in a range of this part of the largest force, from which a broad curve is a band, in which
+# no oscillation is visible; all curves then have this width.
+MANY_MAXIMA, RIPPLE, EQUAL_WIDTH = 10, 0.03, 0.9
 # Words that distinguish curves with one label.
 MEASURED, SIMULATED = "measured", "simulated"
 
@@ -96,8 +99,11 @@ def label_and_style(axes: Axes, *, compared: bool) -> None:
     if compared or len({line.run for line in lines}) > 1:
         # In a narrow figure, wide lines would cover oscillations.
         narrower = min(1.0, figure_of(axes).get_figwidth() / NARROW)
+        equal = any(map(oscillates, lines))
         for line in lines:
             width, opacity = RUN_LINES[min(line.run, len(RUN_LINES) - 1)]
+            if equal:
+                width, opacity = EQUAL_WIDTH, 1.0
             line.set(linestyle="-", linewidth=narrower * width, alpha=opacity)
     _end_together(axes, lines)
 
@@ -108,6 +114,22 @@ def _differences(lines: Sequence[ForceLine]) -> dict[int, str]:
     words = words_of_chains([*chains.values()]) if len(chains) > 1 else []
     labels = distinguish([["", *each] for each in words])[0] if words else []
     return dict(zip(chains, map(literal, labels), strict=False))
+
+
+def oscillates(line: ForceLine) -> bool:
+    """Whether a force has many maxima."""
+    from scipy.signal import find_peaks
+
+    force = np.asarray(line.get_ydata(), dtype=float)
+    return len(find_peaks(force, prominence=RIPPLE * force.max())[0]) >= MANY_MAXIMA
+
+
+def with_peaks(axes: Axes, units: str) -> None:
+    """Add the largest plotted value of each complete force to its label."""
+    for line in force_lines(axes):
+        if not (line.named or line.analysed):
+            peak = f": {np.max(line.get_ydata()):.3g}{' N' if units == 'SI' else ''}"
+            line.set_label(line.words + peak + str(line.get_label()).removeprefix(line.words))
 
 
 def _label_circles(axes: Axes, lines: list[ForceLine]) -> None:

@@ -23,7 +23,7 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice, check_list, text
 from .colours import curve_colour, grey, signed_map
 from .enlarged import finish_enlarged, small_groups
-from .force_lines import ForceLine, force_lines, label_and_style
+from .force_lines import ForceLine, force_lines, label_and_style, with_peaks
 from .legends import place_legend
 from .shared_axes import label_below, numbers_are_below
 from .style import (
@@ -307,12 +307,14 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
                     compared=i if common else None,
                 )  # fmt: skip
         first: Axes = grid[0, 0]
+        with_peaks(first, runs[names[0]].chain.units)
         place_legend(first, own=len(panels) == 1)
         for axes, group in zip(grid[1:, 0], groups, strict=False):
             own = ", ".join(literal(names[i]) for i in group.curves)
             finish_enlarged(axes, first, own, short=group.short)
         if not common:
-            for axes in grid[1:, 0]:
+            for axes, name in zip(grid[1:, 0], names[1:], strict=True):
+                with_peaks(axes, runs[name].chain.units)
                 place_legend(axes)
     return first
 
@@ -334,6 +336,8 @@ def _draw_places(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) ->
             labels.append(axes.get_legend_handles_labels()[1])
             # Such as that of a wall whose peak is not complete.
             if labels[-1] != labels[0] or len(labels) == 1:
+                if len(places) == 1:
+                    with_peaks(axes, pairs[0][0][1].chain.units)
                 place_legend(axes, own=len(places) == 1)
     first: Axes = grid[0, 0]
     return first

@@ -1315,3 +1315,27 @@ def test_a_flat_striker_is_drawn_as_a_plate_without_a_radius():
     assert np.allclose(arrays["heights"], 4e-3)
     assert np.allclose(arrays["centres"], [1e-3, 6e-3, 14e-3, 22e-3])
     assert header["kinds"] == [["brass", "flat"], ["steel-52100", "8 mm"]]
+
+
+def test_contacts_that_have_yielded_are_in_the_visible_notes():
+    law = {"law": "elastic-plastic"}
+    table = {"radii": 5e-3, "beads": 6, "materials": "steel-52100", "velocity": 4.0,
+             "right_wall": {"material": "aluminium"}, "loss": law}  # fmt: skip
+    wall, loss = hc.Wall.of("aluminium"), hc.ElasticPlastic()
+    run = hc.simulate(
+        hc.Chain.from_materials(
+            5e-3, "steel-52100", beads=6, velocity=4.0, right_wall=wall, loss=loss
+        )
+    )
+    header, _ = computed({"chain": table})["run"]
+    yielded, assumed, *_ = header["warnings"]
+    assert yielded.startswith("contacts 1 to 5 and the right wall have yielded; deepest dent ")
+    assert f"deepest dent {1e6 * run.dents.max():.3g} µm at the right wall; overlap" in yielded
+    assert "is assumed to be 1.6 times the yield strength" in assumed
+    assert "choose 2.8 as the factor of the loss" in assumed
+    law["factor"] = 2.8
+    warnings = computed({"chain": table})["run"][0]["warnings"]
+    assert any("have yielded" in each for each in warnings)
+    assert not any("assumed" in each for each in warnings)
+    table["velocity"] = 0.01
+    assert not any("yield" in each for each in computed({"chain": table})["run"][0]["warnings"])

@@ -382,3 +382,15 @@ def test_designs_and_scatter_within_the_range_of_the_law_of_yield():
         assert each.second_peak == pytest.approx(peaks[0], rel=1e-6)
     (remark,) = [each for each in result.notes if each.startswith("overlap / radius")]
     assert remark.endswith("above 0.01, Hertz's law is less accurate")
+
+
+def test_dented_contacts_without_a_force_are_open():
+    """Without a saved time at the end, forces are unknown, and dents are overlaps."""
+    run = hc.simulate(row(2.0).replace(right_wall=hc.Wall.of("aluminium")), rtol=1e-10)
+    assert run.times[-1] < run.end_time
+    again = hc.simulate(run.chain, until=run.end_time, rtol=1e-10)
+    assert again.times[-1] == again.end_time
+    pressed = np.flatnonzero(again.forces[-1][1:-1] > 0.0) + 1
+    assert run.closed_contacts.tolist() == again.closed_contacts.tolist() == pressed.tolist()
+    # Some contacts have dents, and are open.
+    assert (run.dents[1:-1] > 0.0).sum() > len(pressed)

@@ -42,6 +42,7 @@ from .messages import Part, columns_as_int16
 from .requests import Request
 from .shown_times import pulse_of, saved_times
 from .wording import chain_in_words, on_the_page, sentences, warnings_on_the_page
+from .yield_notes import yield_notes
 
 MAX_SECONDS: Final = 20.0
 # Theories with compiled functions, which are evaluated after the others.
@@ -121,7 +122,8 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
         if request.run:
             found = [AT_REST] if is_static(chain) else []
             found += _not_repeated(before, warnings_on_the_page(warned))
-            found += [] if request.draft else map(on_the_page, _unfinished_impact(run, whole))
+            if not request.draft:
+                found += [*yield_notes(whole), *map(on_the_page, _unfinished_impact(run, whole))]
             forces = run
             if not request.draft:
                 places = [*places_of(chain, request.sensors).values()]

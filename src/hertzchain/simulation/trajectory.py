@@ -15,7 +15,7 @@ import numpy as np
 from .. import __version__
 from ..chain.bead_names import bead_number, wall_number
 from ..chain.chain import Chain
-from ..chain.contact_groups import loading_overlaps
+from ..chain.contact_groups import dents, loading_overlaps
 from ..chain.scales import scale
 from ..collision import Array
 from ..errors import InputError
@@ -151,9 +151,10 @@ class Trajectory(ShortDir):
     def _closed(self) -> Array:
         """Whether each contact still acts at the end of the run; shape (N + 1,), with both ends."""
         saved = self._forces is not None and len(self.times) and self.times[-1] == self.end_time
-        return still_closed(
-            self._overlaps_at_end, self.largest_overlaps, self.forces[-1] if saved else None
-        )
+        furthest = np.maximum(self.largest_overlaps, self.state.arrays["largest"])
+        # A contact with a dent has no force at its residual overlap.
+        overlaps = self._overlaps_at_end - dents(self.chain.contact_groups, furthest)
+        return still_closed(overlaps, self.largest_overlaps, self.forces[-1] if saved else None)
 
     @property
     def _unfinished(self) -> str:

@@ -55,7 +55,7 @@ def everything(tmp_path_factory):
         hc.Wall(gap="1 um"), hc.Restitution(0.9), hc.Viscoelastic("1 us"), hc.UnloadingRatio(0.1),
         hc.VelocityPower(0.1, 1.5), hc.Dashpot(0.1), hc.WaltonBraun(0.9), hc.StepDrive(1.0),
         hc.Elastic(), hc.ElasticPlastic(yield_overlap=0.1), hc.Cone(60.0), hc.CrossedCylinders(),
-        hc.SineBurst(1.0, 2.0), hc.TableDrive([0.0, 1.0], [0.0, 1.0]),
+        hc.Pad(1e6), hc.SineBurst(1.0, 2.0), hc.TableDrive([0.0, 1.0], [0.0, 1.0]),
         hc.stream(chain, folder / "run", times=[1.0, 2.0]), hc.InputError("a"),
         hc.SimulationError("b"), hc.StoreError("c"), hc.ModelRangeWarning("d"),
         hc.DamageWarning("e"), hc.IncompleteWarning("f"),

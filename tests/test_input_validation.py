@@ -253,6 +253,7 @@ def public_calls(folder):
         "Chain.with_contacts": tried(balls.with_contacts, shapes=hc.Cone(60.0)),
         "Cone": tried(hc.Cone, half_angle=60.0),
         "Cone.stiffness": tried(hc.Cone(60.0).stiffness, modulus=1e9),
+        "Pad": tried(hc.Pad, stiffness=1e6),
         "CrossedCylinders": tried(
             hc.CrossedCylinders, radius=0.005, other_radius=0.005, angle=90.0
         ),

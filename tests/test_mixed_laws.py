@@ -560,7 +560,7 @@ def test_shapes_at_walls_and_invalid_ones():
         ({0: hc.Cone(60.0)}, "has no left_wall"),
         ({6: hc.CrossedCylinders()}, "need a radius where they are not at"),
         ({7: hc.Cone(60.0)}, "from 0 to 6, got 7"),
-        ({1: hc.Wall()}, "shape of contact 1 must be a CrossedCylinders or a Cone"),
+        ({1: hc.Wall()}, "shape of contact 1 must be a CrossedCylinders, Cone or Pad"),
     ):
         with pytest.raises(InputError, match=said):
             chain.with_contacts(shapes)

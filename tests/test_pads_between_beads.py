@@ -119,3 +119,29 @@ def test_walls_strikers_and_laws_of_spheres_are_not_those_of_the_pad():
 def test_springs_without_a_stiffness_and_rows_of_springs_are_rejected(build, said):
     with pytest.raises(hc.InputError, match=said.replace("^", r"\^")):
         build()
+
+
+def test_pads_at_contacts_keep_the_stiffness_of_the_others():
+    pad = hc.Pad("1 kN/mm")
+    chain = BALLS.with_contacts({2: pad}).struck_by(**HAMMER)
+    assert chain.contact_exponents.tolist() == [1.5, 1.5, 1.5, 1.0, 1.0]
+    plain = BALLS.struck_by(**HAMMER)
+    assert chain.stiffness == pytest.approx([*plain.stiffness[:2], 1e6], rel=1e-15)
+    times = np.linspace(0.0, 1e-3, 301)
+    run = hc.simulate(chain, times=times, rtol=1e-10)
+    expected = by_scipy(chain, times)
+    force = np.maximum(1e6 * (expected[2] - expected[3]), 0.0)
+    assert run.forces[:, -2] == pytest.approx(force, abs=1e-5 * force.max())
+
+
+def test_pads_in_chain_files():
+    table = {
+        "diameters": "10 mm", "materials": "steel-52100", "beads": 3,
+        "right_wall": {"stiffness": "20 kN/mm", "exponent": 1},
+        "with_contacts": [{"shape": "pad", "stiffness": "1 kN/mm", "contacts": [2]}],
+    }  # fmt: skip
+    chain = chain_from({"chain": table})
+    assert chain == BALLS.with_contacts({2: hc.Pad(1e6)})
+    table["with_contacts"][0]["stiffness"] = "1 kg"
+    with pytest.raises(hc.InputError, match="stiffness"):
+        chain_from({"chain": table})

@@ -10,6 +10,7 @@ from .calibration import calibrate as calibrate
 from .chain.chain import Chain as Chain
 from .chain.contact_shapes import Cone as Cone
 from .chain.contact_shapes import CrossedCylinders as CrossedCylinders
+from .chain.contact_shapes import Pad as Pad
 from .chain.drives import SineBurst as SineBurst
 from .chain.drives import StepDrive as StepDrive
 from .chain.drives import TableDrive as TableDrive

@@ -187,7 +187,45 @@ class Cone:
         return self
 
 
-Shape: TypeAlias = CrossedCylinders | Cone
+@checked_methods
+@checked_fields
+@dataclass(frozen=True)
+class Pad:
+    r"""An elastic pad between two beads, a linear spring :math:`F = k\,d`, p = 1.
+
+    Attributes
+    ----------
+    stiffness : float
+        Stiffness k > 0 [N/m].
+
+    Examples
+    --------
+    The other contacts remain those of spheres:
+
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.from_materials(5e-3, "steel-316", beads=4)
+    >>> chain.with_contacts({2: hc.Pad("1 kN/mm")}).exponent
+    array([1.5, 1. , 1.5])
+    """
+
+    stiffness: float
+
+    exponent: ClassVar[float] = 1.0
+
+    def __post_init__(self) -> None:
+        value = number("stiffness of a pad", self.stiffness, unit="N/m", above=0.0)
+        object.__setattr__(self, "stiffness", value)
+
+    def _between(self, radius: float, other_radius: float) -> Pad:  # noqa: ARG002
+        return self
+
+
+Shape: TypeAlias = CrossedCylinders | Cone | Pad
+
+
+def _stiffness(shape: Shape, modulus: float) -> float:
+    """Stiffness of a shape; that of a pad does not depend on the materials of the beads."""
+    return shape.stiffness if isinstance(shape, Pad) else shape.stiffness(modulus)
 
 
 def _ellipse(one: float, other: float, angle: float) -> tuple[float, float]:
@@ -219,14 +257,14 @@ def _ellipse(one: float, other: float, angle: float) -> tuple[float, float]:
 
 @checked_arguments("with_contacts")
 def with_contacts(self: C, shapes: Shape | Mapping[int, Shape]) -> C:
-    """The same chain with contacts of bodies other than spheres.
+    """The same chain with contacts of bodies other than spheres, or with pads.
 
-    Exponents and stiffness follow from the shapes and the materials of both bodies; masses and
-    radii are unchanged.
+    Exponents and stiffness follow from the shapes and the materials of both bodies; masses, radii
+    and the other contacts are unchanged.
 
     Parameters
     ----------
-    shapes : CrossedCylinders, Cone or mapping from int to them
+    shapes : CrossedCylinders, Cone, Pad or mapping from int to them
         Shape of all contacts of two beads; or of contacts by their number, 1 to N - 1, and 0 or N
         of a wall.
 
@@ -258,13 +296,13 @@ def with_contacts(self: C, shapes: Shape | Mapping[int, Shape]) -> C:
         c = whole_number("number of a contact", contact, least=0, most=last)
         if not isinstance(shape, Shape):
             raise InputError(
-                f"the shape of contact {c} must be a CrossedCylinders or a Cone, got "
+                f"the shape of contact {c} must be a CrossedCylinders, Cone or Pad, got "
                 f"{short_repr(shape)}"
             )
         if c not in walls:
             modulus = contact_modulus(*self.materials[c - 1 : c + 1])
             own = shape._between(*self.face_radii[c - 1 : c + 1].tolist())
-            stiffness[c - 1], exponents[c - 1] = own.stiffness(modulus), shape.exponent
+            stiffness[c - 1], exponents[c - 1] = _stiffness(own, modulus), shape.exponent
             continue
         name, bead = walls[c]
         wall = getattr(self, name)
@@ -273,7 +311,7 @@ def with_contacts(self: C, shapes: Shape | Mapping[int, Shape]) -> C:
         solid = self.materials[bead]
         modulus = contact_modulus(solid, material_of_wall(wall, solid))
         changes[name] = dataclasses.replace(
-            wall, stiffness=shape.stiffness(modulus), exponent=shape.exponent
+            wall, stiffness=_stiffness(shape, modulus), exponent=shape.exponent
         )
     if np.any(self.stiffness != stiffness) or np.any(self.contact_exponents[1:-1] != exponents):
         changes |= {"stiffness": stiffness, "exponent": exponents}

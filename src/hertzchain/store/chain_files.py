@@ -42,7 +42,7 @@ import numpy as np
 
 from ..chain.builder_arguments import repeated_sizes
 from ..chain.chain import Chain
-from ..chain.contact_shapes import Cone, CrossedCylinders, Shape
+from ..chain.contact_shapes import Cone, CrossedCylinders, Pad, Shape
 from ..chain.input_checks import checked_sizes
 from ..chain.materials import RIGID, Material, material
 from ..chain.striker_properties import StrikerProperties
@@ -70,7 +70,9 @@ LATER: Final = ("precompression", "held_by", "gravity")
 MORE_BEADS: Final = ("decorated", "with_defects", "with_scatter")
 BEAD_METHODS: Final = (*MORE_BEADS, "cap", "struck_by")
 PARTS: Final = ("left_wall", "right_wall", "loss", "drive")
-SHAPES: Final[Mapping[str, type[Shape]]] = {"cone": Cone, "crossed-cylinders": CrossedCylinders}
+SHAPES: Final[Mapping[str, type[Shape]]] = {
+    "cone": Cone, "crossed-cylinders": CrossedCylinders, "pad": Pad,
+}  # fmt: skip
 
 
 @checked_arguments("load_chain")

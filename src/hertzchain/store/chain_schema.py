@@ -211,6 +211,10 @@ _SHAPES: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
             _number("angle", "angle between the axes, in degrees", default=90.0, least=MIN_ANGLE,
                     most=90.0),
         ),
+        "pad": (
+            _number("stiffness", "stiffness of the pad, a linear spring", "stiffness",
+                    required=True, above=0.0),
+        ),
     }
 )  # fmt: skip
 

@@ -350,3 +350,22 @@ def test_contacts_without_a_known_yield_strength(run):
     assert last.split()[-1] == "-"
     contacts = json.loads(run("simulate", "--beads", "3", "--contacts", "--json")[1])["contacts"]
     assert [each["pressure_over_yield"] for each in contacts] == [None, None]
+
+
+def test_laws_and_materials_are_in_the_words_of_the_command_line(run):
+    balls = (
+        "--material",
+        "steel-52100",
+        "--diameter",
+        "10 mm",
+        "--beads",
+        "3",
+        "--speed",
+        "1 cm/s",
+    )
+    law = "viscoelastic, restitution=0.93, speed=0.8 m/s"
+    err = run("simulate", *balls, "--loss", law).stderr
+    assert "--loss: viscoelastic, relaxation time 0.4185 us from the restitution" in err
+    err = run("simulate", *balls, "--wall", "kryptonite").stderr
+    assert "or define a custom one as [materials.NAME] in a chain file" in err
+    assert "Material(" not in err

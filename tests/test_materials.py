@@ -499,3 +499,12 @@ def test_a_name_of_several_words_follows_the_beads():
     ):
         chain = hc.Chain.from_materials(5e-3, material, beads=14, velocity=1e-3)
         assert chain.description.startswith(words)
+
+
+def test_a_velocity_that_is_far_away_is_no_advice():
+    """Twice the pressure at yield needs 0.18 of the velocity, and 1.4 times it 0.43."""
+    for speed, said in ((0.7, "reduce the velocity to about"), (3.0, "contacts yield: use loss=")):
+        chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=5, velocity=speed)
+        (first, *_) = hc.hertz_range(chain).violations
+        assert said in first
+        assert ("reduce" in first) == (speed < 1.0)

@@ -690,8 +690,8 @@ def test_exports_hold_the_numbers(tmp_path, ending):
     assert len(table) == 2 * 2 * (15 + 40)
     row = table.query("rate == 0.01 and beads == 40 and approach == 'bca' and bead == 7").iloc[0]
     point = found.sel(rate=0.01, beads=40, approach="bca")
-    assert row.velocity == point.velocity.sel(bead=7).item()
-    assert row.residence == point.residence.sel(contact=7).item()
+    assert row.velocity == pytest.approx(point.velocity.sel(bead=7).item(), rel=1e-8)
+    assert row.residence == pytest.approx(point.residence.sel(contact=7).item(), rel=1e-8)
     failed = table.query("rate == 0.05 and beads == 40")
     assert (failed.status == 2).all()
     assert failed.reason.str.contains("reach zero").all()
@@ -1011,7 +1011,7 @@ def test_an_axis_is_in_the_unit_in_which_it_was_typed(entry, values, unit, tmp_p
     hc.export_sweep(found, tmp_path / "table.csv")
     table = pd.read_csv(tmp_path / "table.csv")
     assert table[f"diameters [{unit}]"].tolist() == values
-    assert table["peak_force [N]"].iloc[1] == pytest.approx(force, rel=1e-9)
+    assert table["peak_force [N]"].iloc[1] == pytest.approx(force, rel=1e-8)
     assert plot_sweep(found).get_xlabel() == f"diameter [{unit}]"
     found = swept(chain, {"diameters": entry}, keep=["peak_force"])
     assert f"diameter = {values[1]:g} {unit}" in plot_sweep(found, diameters="1 cm").get_title()

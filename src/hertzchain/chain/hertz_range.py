@@ -72,7 +72,8 @@ from .per_contact import contact_name, contacts_in_words
 
 # Pressure over that at first yield up to which yield is a small excess.
 SMALL_EXCESS: Final = 1.1
-# Why the largest pressure over yield may be unknown.
+# Factor of the velocity beyond that of first yield from which a reduction does not help.
+FAR_AWAY: Final = 3.0
 UNKNOWN_YIELD: Final = "no elastic contact has a known yield strength"
 # Shown with ratios of collisions that were not simulated.
 ESTIMATED: Final = (
@@ -205,9 +206,7 @@ class HertzRange:
             found.append(
                 f"pressure / yield is {ratio:.{digits}g} at {_place(at, self)}{self._yields(at)} "
                 f"(limit 1 of Hertz's law{cautious}){self._basis(at)}{besides}; "
-                f"{self._excess(ratio)}{self._advice(ratio, self.static_yield_ratio, 1.0, digits)}"
-                f"{self._slower(ratio**-2.5)}"
-                f"{'' if linear else self._law_with_yield(at)}"
+                f"{self._excess(ratio)}{self._against_yield(at, digits, linear=linear)}"
             )
         at = self._most_squeezed
         if (ratio := self.overlap_ratio[at]) > (limit := self.overlap_limit[at]):
@@ -248,6 +247,14 @@ class HertzRange:
         # The pressure is proportional to the speed to the power 2/5.
         lost = 1.0 - restitution_beyond_yield(ratio**-2.5)
         return f"the excess is small (yield alone would cost {100.0 * lost:.1g}% of the velocity); "
+
+    def _against_yield(self, contact: int, digits: int, *, linear: bool) -> str:
+        """Advice to reduce the motion or use a law with yield; far beyond yield, only the law."""
+        ratio, static = self.yield_ratio[contact], self.static_yield_ratio
+        law = "" if linear else self._law_with_yield(contact)
+        if law and self.speed and ratio**-2.5 * FAR_AWAY < 1.0:
+            return f"contacts yield: {law.removeprefix(' or ')}"
+        return f"{self._advice(ratio, static, 1.0, digits)}{self._slower(ratio**-2.5)}{law}"
 
     def _law_with_yield(self, contact: int) -> str:
         """Advice to use a law with yield, if it applies to the chain and changes this contact."""
@@ -432,12 +439,6 @@ def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:
         Any chain; there is no warning if it has no materials.
     linear : bool
         Whether the motion is linearised, for which contacts cannot have a law with yield.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> from hertzchain.chain.hertz_range import warn_outside_static
-    >>> warn_outside_static(hc.Chain.uniform(3))
     """
     if chain.units == "SI" and chain.materials is not None and chain.static_state.forces.any():
         at_rest = replace(hertz_range(chain, chain.static_state.overlaps), speed_ratio=0.0)

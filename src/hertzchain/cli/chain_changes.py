@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .options import as_typed, require_unit
+from .wording import on_command_line
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -188,7 +189,8 @@ def wall_named(name: str, chain: Chain) -> Wall:
     try:
         return Wall.of(name)
     except InputError as error:
-        raise click.UsageError(f"--wall must be same, rigid or a material: {error}") from None
+        words = on_command_line(str(error))
+        raise click.UsageError(f"--wall must be same, rigid or a material: {words}") from None
 
 
 def wall_with_loss(text: str, chain: Chain) -> Wall:
@@ -247,11 +249,28 @@ def _law_with_restitution(name: str, given: list[str], chain: Chain, option: str
             coefficient, speed=speed, chain=chain, contact=contact, given=values
         )
         where = "the wall has" if wall else "all contacts between beads have"
-        click.echo(f"{option}: {law!r} from the restitution in contact {contact}; {where} this law",
+        words = _law_in_words(law, chain)
+        click.echo(f"{option}: {words} from the restitution in contact {contact}; {where} this law",
                    err=True)  # fmt: skip
         return law
     except InputError as error:
         raise click.UsageError(f"{option} {name}: {error}") from None
+
+
+def _law_in_words(law: Loss, chain: Chain) -> str:
+    """Such as ``viscoelastic, relaxation time 0.8164 us``."""
+    from ..representation import measure
+    from ..units import UNITS
+
+    words = [law.name]
+    for name, about in law.parameters().items():
+        value = getattr(law, name)
+        if about.boolean:
+            words += [name] * value
+        elif value is not None:
+            unit = UNITS[about.dimension][0] if about.dimension else ""
+            words.append(f"{about.called} {measure(value, unit, chain.units).rstrip()}")
+    return ", ".join(words)
 
 
 def law_from(text: str, chain: Chain, option: str = "--loss") -> Loss:

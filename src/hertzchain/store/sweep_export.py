@@ -89,7 +89,9 @@ def _write_csv(dataset: xr.Dataset, file: Path) -> None:
     with file.open("w", encoding="utf-8", newline="") as stream:
         for number, table in enumerate(tables_of(dataset)):
             header = [_with_unit(dataset, str(name)) for name in table] if number == 0 else False
-            table.to_csv(stream, header=header, index=False, lineterminator="\n")
+            table.to_csv(
+                stream, header=header, index=False, lineterminator="\n", float_format="%.9g"
+            )
 
 
 def _with_unit(dataset: xr.Dataset, name: str) -> str:

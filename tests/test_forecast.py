@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 from synthetic_traces import bench, signals
 
 import hertzchain as hc
@@ -69,6 +70,34 @@ def test_covariance_is_the_inverse_of_fishers_information():
     assert frame.relative_error["struck_by.velocity"] == pytest.approx(plan.sigmas[1] / 0.2)
     assert frame.unit.tolist() == ["", "m/s", "s"]
     assert math.isnan(frame.relative_error["time_offset"])
+
+
+def test_durations_of_pulses_are_those_of_signals_that_scipy_integrates():
+    expected = []
+    for force in forces_of_row(1.0, 0.2, 0.0).reshape(2, -1):
+        curve = CubicSpline(TIMES, force)
+        turns = curve.derivative().roots(extrapolate=False)
+        peak = turns[np.argmax(curve(turns))]
+        halves = curve.solve(0.5 * curve(peak), extrapolate=False)
+        expected.append(halves[halves > peak].min() - halves[halves < peak].max())
+    given = {"noise": 0.05, "interval": "5 us", "until": "200 us", "free": FREE}
+    plan = hc.forecast(row(), ["ball 2", "wall"], **given)
+    assert plan.pulse_durations == pytest.approx(expected, rel=2e-3)
+    assert plan.samples_per_pulse == pytest.approx(np.array(expected) / 5e-6, rel=2e-3)
+    assert plan.recommended_interval == pytest.approx(min(expected) / 10, rel=2e-3)
+    line = f"ball 2 {1e6 * expected[0]:.3g} us, {expected[0] / 5e-6:.0f} samples; wall"
+    assert line in plan.summary()
+    assert plan.as_dict()["samples_per_pulse"]["wall"] == pytest.approx(expected[1] / 5e-6, 2e-3)
+
+
+def test_a_pulse_that_does_not_end_has_no_duration():
+    """The last ball of a row without a wall keeps its velocity."""
+    balls = row().replace(right_wall=None)
+    given = {"noise": 1e-3, "interval": "1 us", "until": "200 us", "free": ["stiffness"]}
+    plan = hc.forecast(balls, ["ball 4 velocity"], **given)
+    assert math.isnan(plan.recommended_interval)
+    assert plan.summary().splitlines()[2].endswith("ball 4 velocity not complete")
+    assert plan.as_dict()["pulse_durations"] == {"ball 4 velocity": None}
 
 
 def test_errors_are_proportional_to_noise_and_to_the_root_of_the_interval():

@@ -54,7 +54,8 @@ def forecast(
 
     CHAIN is a chain file with assumed values; its table [fit] names free parameters and priors.
     The errors are those of independent noise.  They are the smallest that any fit to such signals
-    can have.
+    can have.  A line gives the duration of the pulse in each sensor, its number of samples, and the
+    interval with which there are ten.
 
     \b
     Examples:

@@ -42,6 +42,22 @@ def half_width(times: Array, values: Array) -> float:
     return float(times[last] - times[first])
 
 
+def pulse_duration(times: Array, values: Array) -> float:
+    """As `half_width`, with both ends between samples; NaN if one is outside them."""
+    if not np.ptp(values):
+        return np.nan
+    height = values / extreme(values)
+    peak = int(np.argmax(height))
+    below = np.flatnonzero(height < ARRIVED)
+    before, after = below[below < peak], below[below > peak]
+    if not (len(before) and len(after)):
+        return np.nan
+    rise, fall = slice(before[-1], before[-1] + 2), slice(after[0] - 1, after[0] + 1)
+    begin = np.interp(ARRIVED, height[rise], times[rise])
+    end = np.interp(-ARRIVED, -height[fall], times[fall])
+    return float(end - begin)
+
+
 def arrival_error(times: Array, model: Array, peak: float, sigma: float) -> float:
     r"""Standard error of the time at which a noisy signal first reaches half of its peak.
 

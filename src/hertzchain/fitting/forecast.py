@@ -28,7 +28,8 @@ from ..validation.numbers import number
 from ..validation.objects import check_list, check_type
 from .clocks import with_clocks
 from .constants import FixedConstant, Optimum, fixed_constants
-from .model import Model, make_model
+from .crossings import pulse_duration
+from .model import Model, Values, make_model
 from .parameters import Parameter, Priors, free_parameters
 from .problem import Problem
 from .result_document import constants_document, parameters_document
@@ -41,6 +42,8 @@ from .weak_directions import WeakDirection
 
 # Largest number of samples; the derivatives of all of them are in memory.
 MAX_SAMPLES: Final = 2_000_000
+# Recommended samples per pulse: residuals of fewer do not show what a model lacks.
+WELL_RESOLVED: Final = 10
 
 
 @checked_methods
@@ -65,6 +68,9 @@ class Forecast(Estimates):
         Sampling interval, and time from the impact to the last sample [s].
     samples : int
         Number of samples of all sensors.
+    pulse_durations : ndarray
+        Time during which the signal of each sensor exceeds half of its maximum, around this maximum
+        [s]; NaN if the signal does not rise and fall within the duration.
     notes : tuple of str
         Further remarks, one sentence each.
     """
@@ -74,6 +80,7 @@ class Forecast(Estimates):
     interval: float
     duration: float
     samples: int
+    pulse_durations: Array
     notes: tuple[str, ...]
     problem: Problem = field(repr=False)
     variables: Array = field(repr=False)
@@ -93,6 +100,17 @@ class Forecast(Estimates):
             self.problem, self.variables, self.jacobian, residuals, self.estimates, self.sigmas,
             (chain,),
         ))  # fmt: skip
+
+    @property
+    def samples_per_pulse(self) -> Array:
+        """Samples of each sensor during its pulse, at half of the maximum."""
+        return self.pulse_durations / self.interval
+
+    @property
+    def recommended_interval(self) -> float:
+        """Longest sampling interval with ten samples in the shortest pulse [s]; or NaN."""
+        known = self.pulse_durations[np.isfinite(self.pulse_durations)]
+        return float(known.min()) / WELL_RESOLVED if len(known) else math.nan
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -135,7 +153,7 @@ class Forecast(Estimates):
         """
         width = max(map(len, self.names))
         rows = [f"  {name:<{width}}  {row}" for name, row in self.rows()]
-        return "\n".join([self._about, *rows, *self.warnings])
+        return "\n".join([self._about, *rows, self._pulses, *self.warnings])
 
     @property
     def _about(self) -> str:
@@ -144,6 +162,22 @@ class Forecast(Estimates):
             f"{counted(len(self.names), 'parameter')} from {self.samples} samples of {sensors}, "
             f"every {measure(self.interval, 's')} for {measure(self.duration, 's')}"
         )
+
+    @property
+    def _pulses(self) -> str:
+        """Durations of all pulses, their samples, and the recommended interval."""
+        shown = [
+            f"{name} {measure(duration, 's', digits=3)}, {counted(int(samples), 'sample')}"
+            if math.isfinite(duration) else f"{name} not complete"
+            for name, duration, samples in zip(
+                self.sensors, self.pulse_durations, self.samples_per_pulse, strict=True
+            )
+        ]  # fmt: skip
+        advice = ""
+        if math.isfinite(self.recommended_interval):
+            longest = measure(self.recommended_interval, "s", digits=3)
+            advice = f" (at least {WELL_RESOLVED} are recommended: every {longest} or less)"
+        return f"pulse at half of its maximum: {'; '.join(shown)}{advice}"
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON: numbers that do not exist are `None`.
@@ -165,6 +199,11 @@ class Forecast(Estimates):
             "parameters": parameters_document(model, self.estimates, self.sigmas),
             "correlation": self.correlation.tolist(), "sensors": list(self.sensors),
             "samples": self.samples, "interval": self.interval, "duration": self.duration,
+            "pulse_durations": dict(zip(self.sensors, self.pulse_durations.tolist(), strict=True)),
+            "samples_per_pulse": dict(
+                zip(self.sensors, self.samples_per_pulse.tolist(), strict=True)
+            ),
+            "recommended_interval": self.recommended_interval,
             "warnings": list(self.warnings), "constants": constants_document(self.constants),
         })  # fmt: skip
         return found
@@ -308,9 +347,19 @@ def _forecast(traces: Traces, chain: Chain, settings: Settings) -> Forecast:
     notes = (*large_error_notes(model, found), *range_notes(model.chain(0, values), duration))
     return Forecast(
         tuple(map(str, model.names)), found.estimates, found.sigmas, found.covariance, found.weak,
-        traces.names, float(shot.times[1]), duration, traces.samples, notes, problem, variables,
-        jacobian,
+        traces.names, float(shot.times[1]), duration, traces.samples,
+        _pulse_durations(model, values, duration), notes, problem, variables, jacobian,
     )  # fmt: skip
+
+
+def _pulse_durations(model: Model, values: Values, duration: float) -> Array:
+    """Durations of the pulses of all sensors, from the saved times of the simulation."""
+    simulator = model.simulator
+    run = simulator.signals(model.chain(0, values), duration)
+    times = run.spacing * np.arange(len(run.columns))
+    times = times[: int(np.searchsorted(times, duration, side="right"))]
+    columns = [simulator.column(run, each)[: len(times)] for each in model.traces.shots[0].signals]
+    return np.array([pulse_duration(times, each - each[0]) for each in columns])
 
 
 def planned_traces(

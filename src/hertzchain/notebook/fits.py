@@ -98,7 +98,10 @@ def fit_html(result: FitResult) -> str:
 def forecast_html(plan: Forecast) -> str:
     """Expected errors of all parameters, and all notes."""
     return page(
-        "Forecast", plan._about, table(("parameter", "value"), plan.rows()), *_notes(plan.warnings)
+        "Forecast",
+        plan._about,
+        table(("parameter", "value"), plan.rows()),
+        *_notes((plan._pulses, *plan.warnings)),
     )
 
 

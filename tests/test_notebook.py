@@ -1,5 +1,6 @@
 """HTML for notebooks: well-formed, small, escaped, and true to the numbers."""
 
+import itertools
 import re
 import subprocess
 import sys
@@ -323,13 +324,37 @@ def test_axes_show_the_values():
 @pytest.mark.parametrize(
     ("low", "high", "whole", "expected"),
     [
-        (0.0, 1.0, False, [0.0, 0.25, 0.5, 0.75, 1.0]),
+        (0.0, 1.0, False, [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]),
         (1.0, 3.0, True, [1.0, 2.0, 3.0]),
-        (-2.1, 7.0, False, [0.0, 2.5, 5.0]),
+        (1.0, 14.0, True, [5.0, 10.0]),
+        (-2.1, 7.0, False, [-2.0, 0.0, 2.0, 4.0, 6.0]),
     ],
 )
 def test_ticks_are_round_numbers_inside(low, high, whole, expected):
     assert ticks(low, high, whole=whole) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("height", [130, 190])
+@pytest.mark.parametrize("log", [False, True])
+def test_axes_have_four_numbers_or_more_that_do_not_overlap(height, log):
+    """At all peaks within a decade; a line of text is 11 pixels high, a digit 7 wide."""
+    for peak in np.geomspace(100.0, 1000.0, 60):
+        x, y = np.array([0.0, 1.3 * peak]), np.array([20.0, peak])
+        root = ElementTree.fromstring(chart([Curve(x, y)], "x", "y", log=log, height=height))
+        shown = [each for each in root.iter("text") if re.match(r"[\d.]+$", each.text)]
+        rows = sorted(float(each.get("y")) for each in shown if each.get("text-anchor") == "end")
+        columns = sorted((float(each.get("x")), len(each.text)) for each in shown
+                         if each.get("text-anchor") == "middle")  # fmt: skip
+        assert len(rows) >= 4
+        assert len(columns) >= 4
+        assert min(np.diff(rows)) > 11.0
+        assert all(b - a > 7.0 * length for (a, length), (b, _) in itertools.pairwise(columns))
+
+
+@pytest.mark.parametrize(("size", "label"), [(2e5, "1e5"), (3e-7, "2e-7"), (2e12, "1e12")])
+def test_powers_of_ten_have_no_zeros(size, label):
+    root = ElementTree.fromstring(chart([Curve(np.arange(2.0), np.array([0.0, size]))], "x", "y"))
+    assert label in [each.text for each in root.iter("text")]
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ brightness, so that figures are readable on light and on dark backgrounds.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -24,6 +25,8 @@ COLUMNS: Final = 240
 AREA_COLUMNS: Final = 160
 # Points up to which each has a dot.
 MAX_DOTS: Final = 60
+# Powers of ten on a logarithmic axis up to which it shows their multiples.
+FEW_POWERS: Final = 2
 # Margins of a chart: left, right, top, bottom.
 MARGINS: Final = (64, 12, 10, 34)
 PREFIXES: Final = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
@@ -219,11 +222,12 @@ def _limits(values: Array, *, log: bool) -> tuple[float, float]:
     return (low - room if low < 0.0 else low), high + room
 
 
-def ticks(low: float, high: float, count: int = 4, *, whole: bool = False) -> list[float]:
-    """About this many round numbers between two others."""
-    raw = max((high - low) / count, 1.0 if whole else 0.0)
+def ticks(low: float, high: float, most: int = 6, *, whole: bool = False) -> list[float]:
+    """Round numbers between two others, with at most ``most`` steps and more than half as many."""
+    raw = max((high - low) / most, 1.0 if whole else 0.0)
     power = 10.0 ** math.floor(math.log10(raw))
-    step = next(each * power for each in (1.0, 2.0, 2.5, 5.0, 10.0) if each * power >= 0.999 * raw)
+    steps = (each * power for each in (1.0, 2.0, 2.5, 5.0, 10.0))
+    step = next(s for s in steps if s >= 0.999 * raw and not (whole and s % 1.0))
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
     return [step * i for i in range(first, last + 1)]
 
@@ -237,7 +241,7 @@ def _axes(frame: _Frame, x_label: str, y_label: str) -> str:
             f'<path d="M{left} {y:.1f}H{WIDTH - right}" stroke="currentColor" opacity="0.13"/>'
             f'<text x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{name}</text>'
         )
-    for x in ticks(frame.begin, frame.end, 6, whole=frame.whole):
+    for x in ticks(frame.begin, frame.end, 8, whole=frame.whole):
         place = float(frame.across(x))
         parts.append(
             f'<path d="M{place:.1f} {frame.floor}v4" stroke="currentColor" opacity="0.5"/>'
@@ -256,10 +260,17 @@ def _axes(frame: _Frame, x_label: str, y_label: str) -> str:
 def _levels(frame: _Frame) -> list[tuple[float, str]]:
     """Values at which the vertical axis has a line, and their names."""
     if not frame.log:
-        return [(level, f"{level:.4g}") for level in ticks(frame.low, frame.high)]
+        levels = ticks(frame.low, frame.high)
+        return [(level, re.sub(r"e\+?(-?)0*", r"e\1", f"{level:.4g}")) for level in levels]
     step = max(1, math.ceil((frame.high - frame.low) / 5.0))
     powers = range(int(frame.low), int(frame.high) + 1, step)
-    return [(10.0**p, f"{10.0**p:g}" if -4 < p < 5 else f"1e{p}") for p in powers]
+    # Few powers of ten: their multiples have numbers, too.
+    multiples = (1, 2, 5) if frame.high - frame.low <= FEW_POWERS else (1,)
+    shown = [(each, p) for p in powers for each in multiples if each == 1 or p < frame.high]
+    return [
+        (each * 10.0**p, f"{each * 10.0**p:g}" if -4 < p < 5 else f"{each}e{p}")
+        for each, p in shown
+    ]
 
 
 def _curve(curve: Curve, frame: _Frame) -> str:

@@ -269,6 +269,7 @@ def test_the_exit_code_is_that_of_the_fit_with_a_gap(run, tmp_path):
     assert ": the model describes the data" in first
     assert re.match(r"scan for a gap at each of 1\d contacts, gap\[0-1\] to ", scan)
     assert re.search(r"\n  gap\[8-9\] +\d+ +0\.\d+ um\n", scan)
+    assert "the fit above has" not in out  # because the scan has the same best place
     assert scan.endswith("gap[8-9] explains more than noise would (a chi2 lower by 20)")
     # The kind of defect that does not describe the data has one line.
     assert re.fullmatch(r"rejected: the best fit with another radius instead, radius\[\d+\], has "
@@ -276,6 +277,33 @@ def test_the_exit_code_is_that_of_the_fit_with_a_gap(run, tmp_path):
     assert without.startswith("without gap[8-9]: chi2 ")
     assert ", far more than expected: the model does not describe the data" in without
     assert hc.load_chain(tmp_path / "fitted.toml").gaps[8] == pytest.approx(1e-6 * value, rel=1e-3)
+
+
+def test_the_output_says_why_a_defect_is_not_the_best_one_of_the_scan(run, tmp_path):
+    """In the scan, chi-squared falls more with a gap next to the true one, at contact 8-9."""
+    row = hc.Chain.from_materials(5e-3, "steel-52100", beads=15).struck_by(velocity=0.2)
+    row, gaps = row.replace(right_wall=hc.Wall()), np.zeros(15)
+    gaps[8] = 0.4e-6
+    times, rng = 1e-6 * np.arange(450), np.random.default_rng(5)
+    seen = hc.simulate(row.replace(gaps=gaps), times=times)
+    names = ("ball 5", "ball 12", "wall")
+    forces = np.column_stack([seen.sensor(name) for name in names])
+    forces = np.vstack((np.zeros((40, 3)), forces[:-40])) + 0.1 * rng.standard_normal((450, 3))
+    header = "time [us]," + ",".join(f"{name} [N]" for name in names)
+    np.savetxt(tmp_path / "data.csv", np.column_stack((1e6 * times, forces)), delimiter=",",
+               header=header, comments="")  # fmt: skip
+    (tmp_path / "row.toml").write_text(hc.chain_as_toml(row))
+    code, out, err = run("fit", tmp_path / "data.csv", tmp_path / "row.toml", "--free", "stiffness",
+                         "--free", "time_offset", "--starts", 1, "--defects")  # fmt: skip
+    assert code == 0, err
+    first, scan, why, *_ = out.split("\n\n")
+    assert "  gap[8-9] " in first
+    assert re.search(r"size\n  gap\[9-10\] ", scan)
+    chi2 = float(re.findall(r"^chi2 (\S+) for", first, re.M)[0])
+    assert why.startswith(
+        "the fit above has gap[8-9], because fits with one defect at each of the "
+    )
+    assert f"have the smallest chi2 with it, {chi2:.0f}; " in why
 
 
 @pytest.mark.long

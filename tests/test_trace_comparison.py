@@ -451,7 +451,14 @@ def test_arrivals_in_another_order_are_noted(first, second):
     words = f"with the columns of {first} and {second} exchanged, the rms difference falls to"
     with pytest.warns(hc.InputWarning, match=words):
         compared = run.compare(turned)
-    assert "check the names of these columns" in compared.summary()
+    statement, head, *rest = compared.summary().splitlines()
+    assert statement.startswith(words)
+    assert "check the names of these columns" in statement
+    assert head.startswith("data from ")
+    assert not any("exchanged" in line for line in rest)
+    html = compared._repr_html_()
+    assert html.index("check the names of these columns") < html.index("<svg")
+    assert html.count("check the names of these columns") == 1
     assert not any("before" in each for each in run.compare(data).notes)
 
 

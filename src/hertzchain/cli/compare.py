@@ -135,10 +135,14 @@ def compare(
     if as_json:
         show_json(_as_dict(found))
     else:
-        shown = on_command_line(found.summary())
-        assumed = assumed_for_all(described)
-        notes = [on_command_line(f"note: {assumed}")] if assumed else []
-        click.echo("\n".join((described.description, *pressures_below_yield(run), shown, *notes)))
+        shown = on_command_line(found.summary()).splitlines()
+        lines = [described.description, *pressures_below_yield(run)]
+        # The statement that columns are exchanged is the first line.
+        lines = [*shown[:1], *lines, *shown[1:]] if found.exchanged else [*lines, *shown]
+        if assumed := assumed_for_all(described):
+            lines.append(on_command_line(f"note: {assumed}"))
+        click.echo("
+".join(lines))
 
 
 def _timed(traces: Traces, settings: Settings, time_offset: str | None) -> Traces:

@@ -20,6 +20,11 @@ from .sensor_comparison import ABOVE_NOISE, saturated_samples
 IN_RECORD: Final = 0.1
 # Parts of the simulated peak at which the pulse begins and ends; losses leave a tail behind it.
 FOOT, TAIL = 0.01, 0.05
+# The note on data in which a simulated pulse is not recognised.
+NOTHING_EXPLAINED: Final = (
+    "the simulation explains no more of the data than noise would, and the time offset has no "
+    "meaning: check the sensors and the record, or give time_offset"
+)
 
 
 def order_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, overload
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from ..traces.traces import Traces, with_time_offset
 from ..validation.keywords import checked_methods
 from ..validation.objects import check_type
 from .arrival_notes import (
+    NOTHING_EXPLAINED,
     has_pulse,
     order_notes,
     other_offset_notes,
@@ -56,11 +57,6 @@ from .sensor_comparison import (
 )
 from .sensors import sampled
 from .time_offsets import best_offset, explained_by_offset, offset_error
-
-NOTHING_EXPLAINED: Final = (
-    "the simulation explains no more of the data than noise would, and the time offset has no "
-    "meaning: check the sensors and the record, or give time_offset"
-)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -183,6 +179,8 @@ class TraceComparison:
     def summary(self) -> str:
         """Table of peaks, arrivals and residuals, the compared interval, and notes.
 
+        If columns are probably exchanged, the first line says so.
+
         Returns
         -------
         str
@@ -209,7 +207,14 @@ class TraceComparison:
         factors = [f"{each.name} by {each.scaling}" for each in self.sensors if each.unit == "V"]
         if factors:
             lines.append(f"without calibration, the simulation is scaled: {', '.join(factors)}")
-        return "\n".join((*lines, *self.notes))
+        statement = [self._statement] if self._statement else []
+        return "\n".join((*statement, *lines, *self.notes[len(statement) :]))
+
+    @property
+    def _statement(self) -> str:
+        """The note that columns are exchanged, which is the first one; or nothing."""
+        as_named = "the values below are those of the columns as they are named"
+        return f"{self.notes[0]}; {as_named}" if self.exchanged else ""
 
     def to_dataframe(self) -> pd.DataFrame:
         """Table of peaks, arrivals [s], their differences and residuals, one row per sensor.

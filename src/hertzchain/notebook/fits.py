@@ -74,10 +74,10 @@ def trace_comparison_html(found: TraceComparison) -> str:
         "compared": f"{found.covered:.0%} of the record",
     }
     return page(
-        "TraceComparison", "data and simulation",
+        "TraceComparison", "data and simulation", *_notes([found._statement]),
         legend((("data", MEASURED), ("simulation", MODEL))), *_figures(shot, models),
         numbers(shown), table(HEADINGS, [(each.name, *each.cells) for each in found.sensors]),
-        *_notes(found.notes),
+        *_notes(found.notes[found.exchanged :]),
     )  # fmt: skip
 
 

@@ -940,7 +940,7 @@ def test_a_plot_of_chains_with_different_losses_names_them(run, tmp_path, wall):
     assert run("simulate", *files, "--plot", picture)[0] == 0
     drawn = picture.read_text()
     assert "<!-- elastic (no loss)" in drawn
-    assert "<!-- lossy (restitution, coefficient = 0.9)" in drawn
+    assert "<!-- lossy (restitution 0.9)" in drawn
     assert "may be given once" in run("simulate", files[0], files[0])[2]
 
 

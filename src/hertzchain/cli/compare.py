@@ -141,8 +141,7 @@ def compare(
         lines = [*shown[:1], *lines, *shown[1:]] if found.exchanged else [*lines, *shown]
         if assumed := assumed_for_all(described):
             lines.append(on_command_line(f"note: {assumed}"))
-        click.echo("
-".join(lines))
+        click.echo("\n".join(lines))
 
 
 def _timed(traces: Traces, settings: Settings, time_offset: str | None) -> Traces:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..collision import Array
+from ..validation.keywords import checked_methods
 from .model import Model
 from .problem import Problem, differences
 from .shown_values import unit_of_parameter
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 LARGE_ERROR: Final = 1.0
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Estimates:
     """Values of parameters with standard errors and their covariance, by name."""

@@ -388,9 +388,11 @@ class _ChainFile:
     def _check_changed_radii(self) -> None:
         """Reject masses and stiffness that would not follow changed radii, as the methods do."""
         given = [name for name in ("masses", "stiffness") if name in self.table]
-        scatter = self.table.get("with_scatter", {})
+        scatter = self.table.get("with_scatter")
         # Random gaps change no radii, and files that hertzchain writes list the radii.
-        kept = "radii" in scatter or not {"relative", "grade"} & scatter.keys()
+        kept = isinstance(scatter, dict) and (
+            "radii" in scatter or not {"relative", "grade"} & scatter.keys()
+        )
         for name in ("with_defects", "with_scatter"):
             if given and name in self.table and not (name == "with_scatter" and kept):
                 raise InputError(

@@ -264,7 +264,7 @@ def test_the_estimated_error_covers_the_deviations_from_ensembles(rates, scatter
 
 def test_warnings_of_inaccurate_means():
     taper = hc.Chain.tapered("backward-linear", 0.1, beads=110)
-    with pytest.warns(hc.ModelRangeWarning, match=r"exceeds 0\.5% from bead \d+ on and is 0\.77%"):
+    with pytest.warns(hc.ModelRangeWarning, match=r"exceeds 0\.5% from bead \d+ on and is 0\.78%"):
         hc.disorder(taper, 0.03)
     dimer = hc.Chain.dimer(radii=[1.0, 0.98], beads=30)
     with pytest.warns(hc.ModelRangeWarning, match=r"at bead 2, .* changes by 0\.04"):

@@ -3,9 +3,9 @@
 - collisions of single beads: `hard_sphere`, `bca`, and the paper's corrections in `modified_bca`;
   `alternating_masses`, to which they do not apply;
 - the local-rate law: `local_rate`, its `universal_functions` and `exponents`, the
-  `linear_response`, `steady_rates` of exponential tapers, ends in `end_response` and
-  `short_chains`; `piecewise` smooth chains, `strikers` and `lossy_law` with `tabulated_losses`;
-  `disorder`;
+  `linear_response`, `steady_rates` of exponential tapers, `growth_errors` of long ones, ends in
+  `end_response` and `short_chains`; `piecewise` smooth chains, `strikers` and `lossy_law` with
+  `tabulated_losses`; `disorder`;
 - small beads between large ones: `decoration`, `effective_chain`;
 - the solitary wave: `solitary_wave`, its `solitary_wave_solver`, `wave_profile` and `wave_tail`,
   approximations in `long_wave`, `attenuation` by losses, the `striker_train`;

@@ -29,6 +29,7 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
 from .alternating_masses import alternates
 from .decoration import small_beads
+from .growth_errors import COVERED, add_accumulated
 from .lossy_law import lossy_pulse
 from .strikers import FEATURES as STRIKERS
 from .strikers import other_method, struck_pulse
@@ -112,8 +113,9 @@ def local_rate(chain: Chain) -> Pulse:
     All columns include the effect of a loss, which is derived in "Losses in the local-rate law".
     The estimated error exceeds 96% or more of the errors in each class of random chains for the
     exponent 3/2; it is not an upper bound.  Errors within one chain are correlated: in a taper
-    of constant rate, most beads may exceed the estimate, by up to four times.  Where a
-    warning is issued, use `propagate`, or `simulate` with a loss.
+    of constant rate, most beads may exceed the estimate, by up to four times.  Beyond 100 contacts,
+    it contains errors that accumulate along the chain.  Where a warning is issued, use
+    `propagate`, or `simulate` with a loss.
 
     Examples
     --------
@@ -140,6 +142,7 @@ def smooth_pulse(chain: Chain, theory: str = "local_rate", advice: str = "") -> 
     error, sound = kernel.pulse(
         chain.radii, functions.arrays, functions.error, *wanted, by_bead, by_contact
     )
+    error = _with_accumulated(error, chain.radii, by_bead[1, 1:], functions)
     notes: dict[str, str] = {}
     if not error <= DOUBTFUL:
         _warn_outside(chain, functions, chain.beads, theory, advice)
@@ -159,6 +162,20 @@ def smooth_pulse(chain: Chain, theory: str = "local_rate", advice: str = "") -> 
         velocity_error=by_bead[1],
         notes=notes,
     )
+
+
+def _with_accumulated(
+    largest: float, radii: Array, errors: Array, functions: UniversalFunctions
+) -> float:
+    """Largest of the estimated errors, to which those that accumulate in a long chain are added."""
+    from ..kernels import local_rate_pulse as kernel
+
+    contacts = len(errors)
+    if contacts <= COVERED or not np.isfinite(largest):
+        return largest
+    slow, _ = kernel.divide(kernel.logarithms(radii)[1], contacts)
+    add_accumulated(errors, slow[:contacts], functions)
+    return float(errors.max())
 
 
 def _known(errors: Array, rates: Array, functions: UniversalFunctions) -> Array:
@@ -194,7 +211,10 @@ def velocity_errors(radii: Array, exponent: float) -> Array | None:
     largest, _ = kernel.pulse(
         radii, functions.arrays, functions.error, *wanted, by_bead, by_contact
     )
-    return by_bead[1] if np.isfinite(largest) else None
+    if not np.isfinite(largest):
+        return None
+    _with_accumulated(largest, radii, by_bead[1, 1:], functions)
+    return by_bead[1]
 
 
 @checked_arguments("local_rate_gradient")
@@ -273,6 +293,8 @@ def local_rate_gradient(
         followed,
         found,
     )
+    # The largest error of the kernel, with those that accumulate up to the last contact.
+    error = _with_accumulated(error, scaled.radii, np.full(followed, error), functions)
     if not error <= DOUBTFUL:
         _warn_outside(scaled, functions, followed + 1)
     if chain.units == "SI" and chain.materials is not None:
@@ -319,6 +341,7 @@ class Solution:
         constants, lost = functions.error, self.lost
         each = range(len(self.rates))
         errors = np.array([estimated_error(k, self.error_parts, constants, lost) for k in each])
+        add_accumulated(errors, self.slow[: len(errors)], functions)
         return _known(errors, self.rates, functions)
 
 

@@ -8,8 +8,9 @@ sweeps and the documentation use it; an application can generate its controls fr
 from __future__ import annotations
 
 import dataclasses
+import functools
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -18,7 +19,7 @@ from ..chain.contact_shapes import MIN_ANGLE
 from ..chain.drives import DRIVEN, WINDOWS
 from ..chain.input_checks import MAX_EXPONENT
 from ..chain.laws import LAWS
-from ..chain.laws.base import Parameter
+from ..chain.laws.base import Loss, Parameter
 from ..chain.materials import MAX_DENSITY, MIN_DENSITY
 from ..chain.random_radii import MAX_SCATTER
 from ..chain.taper_sizes import SHAPES
@@ -231,16 +232,30 @@ def _law_key(name: str, about: Parameter, default: Any) -> Key:
     )  # fmt: skip
 
 
-_LAWS: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
-    {
-        name: tuple(
-            _law_key(item.name, law.parameters()[item.name], item.default)
-            for item in dataclasses.fields(law)
-            if item.name in law.parameters()
-        )
-        for name, law in LAWS.items()
-    }
-)
+@functools.cache
+def _law_keys(law: type[Loss]) -> tuple[Key, ...]:
+    """Keys for all parameters of a law."""
+    return tuple(
+        _law_key(item.name, law.parameters()[item.name], item.default)
+        for item in dataclasses.fields(law)
+        if item.name in law.parameters()
+    )
+
+
+class _KeysOfLaws(Mapping[str, tuple[Key, ...]]):
+    """Keys of all laws by name, including laws that are defined later, in a script."""
+
+    def __getitem__(self, name: str) -> tuple[Key, ...]:
+        return _law_keys(LAWS[name])  # type: ignore[arg-type]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(LAWS)
+
+    def __len__(self) -> int:
+        return len(LAWS)
+
+
+_LAWS: Final = _KeysOfLaws()
 _DRIVES: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
     {
         "sine-burst": (

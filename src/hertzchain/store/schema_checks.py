@@ -18,6 +18,8 @@ from .schema_keys import Key, Section
 
 # Tables of a chain file; the last two are read only by `hertzchain.fit` and `hertzchain.design`.
 TOP: Final = ("chain", "materials", "fit", "design")
+# Advice for unknown laws: those of a script are known only once its module is imported.
+OWN_LAW: Final = "; if it is a law of your own, import the module that defines it first"
 
 
 def check_document(document: Mapping[str, Any], *, complete: bool = True) -> Iterator[str]:
@@ -97,7 +99,8 @@ def _check_tables(entry: Any, section: Section, complete: bool, place: str = "")
                 continue
             if not isinstance(chosen, str) or chosen not in section.variants:
                 what = f"{section.variant_key} of {place}"
-                yield str(unknown_name_error(what, chosen, section.variants))
+                more = OWN_LAW if section.variant_key == "law" else ""
+                yield str(unknown_name_error(what, chosen, section.variants, more=more))
                 continue
             keys = (*section.keys, *section.variants[chosen])
         values, known = dict(table), [key.name for key in keys]

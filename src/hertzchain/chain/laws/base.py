@@ -29,7 +29,7 @@ from ..scales import Scale, scale
 
 # Every law by its name in chain files.
 LAWS: Final[dict[str, type[Loss]]] = {}
-# Speeds after a collision below this fraction of the speed before it are taken to be zero.
+# Speeds after a collision, relative to those before it, that are taken to be zero.
 NO_SPEED: Final = 1e-14
 # Restitution above which the parameters of a law are probably in other units.
 ALMOST_ONE: Final = 1.0 - 1e-5
@@ -190,10 +190,7 @@ class Loss(Part):
             return np.asarray((force / contacts.stiffness) ** (1.0 / contacts.exponent))
 
     def stored_energy(self, overlap: Array, force: Array, contacts: ContactArrays) -> Array:
-        """Energy stored in contacts: the energy that they return when they open.
-
-        The compiled equivalent is `potential` in `hertzchain.kernels.contact_law`.
-        """
+        """Energy that contacts return when they open; the kernels have it as `potential`."""
         p = contacts.exponent
         return np.asarray(contacts.stiffness * np.maximum(overlap, 0.0) ** (p + 1.0) / (p + 1.0))
 
@@ -212,7 +209,10 @@ class Loss(Part):
 
     def damper(self, contacts: ContactsAtRest) -> Array:
         """Damping constants for small motions; `InputError` if no motion is small enough."""
-        return np.zeros(len(contacts.spring))
+        from .small_motions import damping_constants
+
+        row, strength = self.row(contacts.exponent), self.strength(contacts)
+        return damping_constants(str(self), row, strength, contacts.overlap)
 
     @checked_arguments("restitution")
     def restitution(

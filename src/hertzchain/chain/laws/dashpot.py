@@ -9,7 +9,7 @@ import numpy as np
 from ...collision import Array
 from ...kernels.law_kinds import DAMPED, LawRow
 from ...validation.keywords import checked_fields
-from .base import ContactArrays, ContactsAtRest, Loss, may_pull, parameter
+from .base import ContactArrays, Loss, may_pull, parameter
 
 
 @checked_fields
@@ -45,6 +45,3 @@ class Dashpot(Loss, name="dashpot"):
 
     def strength(self, contacts: ContactArrays) -> Array:
         return np.full(len(contacts.stiffness), self.gamma)
-
-    def damper(self, contacts: ContactsAtRest) -> Array:
-        return np.full(len(contacts.spring), self.gamma)

@@ -11,7 +11,7 @@ from ...collision import HERTZ_EXPONENT, Array
 from ...kernels.law_kinds import DAMPED, LawRow
 from ...validation.keywords import checked_fields, checked_methods
 from ..input_checks import checked_wall_exponent
-from .base import ContactArrays, ContactsAtRest, Loss, may_pull, parameter
+from .base import ContactArrays, Loss, may_pull, parameter
 
 
 @checked_methods
@@ -97,10 +97,6 @@ class Restitution(Loss, name="restitution"):
     def strength(self, contacts: ContactArrays) -> Array:
         root = np.sqrt(contacts.reduced_mass * contacts.stiffness)
         return np.asarray(self.damping(contacts.exponent) * root)
-
-    def damper(self, contacts: ContactsAtRest) -> Array:
-        power = 0.5 * (contacts.exponent - 1.0)
-        return np.asarray(self.strength(contacts) * contacts.overlap**power)
 
     def _restitution(self, speed: float, contacts: ContactArrays) -> float:
         return self.coefficient

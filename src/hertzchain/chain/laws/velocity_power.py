@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...collision import Array
-from ...errors import InputError, ModelRangeWarning, warn_user
 from ...kernels.law_kinds import DAMPED, LawRow
 from ...validation.keywords import checked_fields
-from .base import ContactArrays, ContactsAtRest, Loss, may_pull, parameter
+from .base import ContactArrays, Loss, may_pull, parameter
 
 
 @checked_fields
@@ -60,18 +59,3 @@ class VelocityPower(Loss, name="velocity-power"):
 
     def strength(self, contacts: ContactArrays) -> Array:
         return np.full(len(contacts.stiffness), self.gamma)
-
-    def damper(self, contacts: ContactsAtRest) -> Array:
-        if self.alpha == 1.0 or self.gamma == 0.0:
-            return np.full(len(contacts.spring), self.gamma)
-        if self.alpha < 1.0:
-            raise InputError(
-                f"the force of {self} rises infinitely fast from rest (alpha < 1); no "
-                "motion is small enough to be linear: use simulate, or loss=None"
-            )
-        warn_user(
-            f"{self} vanishes faster than the motion (alpha > 1): small motions are not damped, "
-            "and decay rates are 0; real ringing decays the more slowly the smaller it is",
-            ModelRangeWarning,
-        )
-        return super().damper(contacts)

@@ -19,18 +19,30 @@ PAGE = (ROOT / "docs" / "how-to" / "extend.md").read_text("utf-8")
 MAX_FILES = 2
 
 
-def recipes():
-    """Title, diffs and Python blocks of each section that has a diff."""
+def sections():
+    """Title, diffs and Python blocks of each section."""
     for section in re.split(r"^## ", PAGE, flags=re.M)[1:]:
         title, _, text = section.partition("\n")
         diffs = re.findall(r"^```diff\n(.*?)^```$", text, re.M | re.S)
         blocks = re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S)
-        if diffs:
-            yield pytest.param(diffs, blocks, id=title)
+        yield title, diffs, blocks
+
+
+def recipes():
+    """Parameters of the sections that have a diff."""
+    return [pytest.param(diffs, blocks, id=title) for title, diffs, blocks in sections() if diffs]
+
+
+def scripts():
+    """Parameters of the sections that only have Python blocks."""
+    return [
+        pytest.param(block, id=title)
+        for title, diffs, blocks in sections() if not diffs for block in blocks
+    ]  # fmt: skip
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("diffs", "blocks"), [*recipes()])
+@pytest.mark.parametrize(("diffs", "blocks"), recipes())
 def test_recipes_work(diffs, blocks, tmp_path):
     # With modification times, so that what is compiled stays valid.
     shutil.copytree(ROOT / "src", tmp_path / "src", copy_function=shutil.copy2)
@@ -52,6 +64,15 @@ def test_recipes_work(diffs, blocks, tmp_path):
             env={**os.environ, "PYTHONPATH": str(tmp_path / "src"), "MPLBACKEND": "agg"},
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("block", scripts())
+def test_scripts_work_without_a_change_of_the_package(block, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", block], cwd=tmp_path, text=True, capture_output=True,
+        check=False, env={**os.environ, "PYTHONPATH": str(ROOT / "src"), "MPLBACKEND": "agg"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
 
 
 def test_the_page_has_all_recipes():

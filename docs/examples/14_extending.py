@@ -1,15 +1,19 @@
 r"""
-Can you add a chain, a theory or a quantity without changing hertzchain?
-========================================================================
+Can you add a chain, a theory, a law or a quantity without changing hertzchain?
+===============================================================================
 
-Suppose you want a taper that hertzchain does not have, a theory of your own, and a number that
-no result contains.
+Suppose you want a taper that hertzchain does not have, a theory and a law of loss of your own, and
+a number that no result contains.
 """
+
+from dataclasses import dataclass
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 import hertzchain as hc
+from hertzchain.chain.laws.base import Loss, parameter
+from hertzchain.kernels.law_kinds import DAMPED, LawRow
 
 plt.style.use("hertzchain.figures")
 
@@ -65,6 +69,36 @@ axes.set_ylabel("velocity $v_k$")
 axes.legend()
 
 # %%
+# A law of loss
+# -------------
+#
+# A subclass of ``Loss`` with a viscous force is a law.  In this one, the damping is proportional to
+# the area of contact, and therefore to the overlap :math:`d`: :math:`F = k d^p + \gamma d\, d'`.
+# Another elastic force would require a change of the compiled kernels.
+
+
+@dataclass(frozen=True)
+class AreaDashpot(Loss, name="area-dashpot"):
+    """Damping in proportion to the area of contact."""
+
+    damps = True
+    gamma: float = parameter("gamma", "damping", least=0.0, unit="force/velocity/length")
+
+    def row(self, exponent):
+        """Powers of the overlap and of the speed, for all contacts."""
+        return LawRow(DAMPED, overlap_power=1.0, speed_power=1.0)
+
+    def strength(self, contacts):
+        """Coefficient of each contact."""
+        return np.full(len(contacts.stiffness), self.gamma)
+
+
+equal = hc.Chain.uniform(60)
+damped = hc.simulate(equal.replace(loss=AreaDashpot(0.02)), times=0).pulse()
+left = damped.velocity[40] / hc.propagate(equal).velocity[40]
+print(f"at bead 41, {left:.0%} of the velocity without loss is left")
+
+# %%
 # A quantity
 # ----------
 #
@@ -100,9 +134,9 @@ axes.legend()
 # Answer
 # ------
 #
-# Yes: lists of radii are chains, functions that return a ``Pulse`` are theories, and arrays of
-# a run give any quantity.  To make them available on the command line and in sweeps, follow
-# :doc:`/how-to/extend`.
+# Yes: lists of radii are chains, functions that return a ``Pulse`` are theories, subclasses of
+# ``Loss`` are laws, and arrays of a run give any quantity.  To make them available on the command
+# line, follow :doc:`/how-to/extend`.
 
 inner = slice(3, 59)
 worst, worst_bca = (

@@ -84,7 +84,7 @@ class AreaDashpot(Loss, name="area-dashpot"):
     damps = True
     gamma: float = parameter("gamma", "damping", least=0.0, unit="force/velocity/length")
 
-    def row(self, exponent):
+    def row(self, exponent):  # noqa: ARG002
         """Powers of the overlap and of the speed, for all contacts."""
         return LawRow(DAMPED, overlap_power=1.0, speed_power=1.0)
 

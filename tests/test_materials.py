@@ -13,7 +13,11 @@ import hertzchain as hc
 from hertzchain import Chain, InputError, Material, Scales, Wall
 from hertzchain.chain.materials import RIGID, catalogue, contact_modulus, sphere_stiffness
 from hertzchain.recorded_warnings import ignore_warnings
-from hertzchain.simulation.yielding import dented_chain, peak_with_yielding_contacts
+from hertzchain.simulation.yielding import (
+    dented_chain,
+    elastic_springs,
+    peak_with_yielding_contacts,
+)
 
 STEEL = hc.material("steel-52100")
 
@@ -394,25 +398,35 @@ def test_a_pad_stays_elastic_where_the_balls_yield(side):
     row = row.replace(**{f"{side}_wall": pad})
     with ignore_warnings(hc.ModelRangeWarning):
         run = hc.simulate(row)
-        after = hc.simulate(
-            row.replace(
-                loss=hc.ElasticPlastic(), **{f"{side}_wall": replace(pad, loss=hc.Elastic())}
-            )
-        )
+        after = hc.simulate(row.replace(loss=hc.ElasticPlastic()))
     (pressure, *_) = hc.hertz_range(row, run.largest_overlaps).violations
-    assert pressure.endswith(f"or use loss=ElasticPlastic() and loss=Elastic() for {side}_wall")
+    assert pressure.endswith("or use loss=ElasticPlastic()")
     assert dented_chain(row) == after.chain
     elastic, yielding = (row.masses @ each.velocities[-1] ** 2 for each in (run, after))
     assert yielding < 0.9 * elastic
-    # A wall with a law of its own needs no other.
+    # The same as with a law of its own, as the law of pairs of materials, and in a list.
     own = row.replace(**{f"{side}_wall": replace(pad, loss=hc.Elastic())})
-    (pressure, *_) = hc.hertz_range(own, run.largest_overlaps).violations
-    assert pressure.endswith(" or use loss=ElasticPlastic()")
+    laws = own.replace(loss=hc.ElasticPlastic()).contact_losses
+    contact = 0 if side == "left" else 4
+    assert [law.yields for law in laws[:contact] + laws[contact + 1 :]] == [True] * 4
+    for loss in ({"others": hc.ElasticPlastic()}, [hc.ElasticPlastic()] * 3):
+        assert row.replace(loss=loss).contact_losses == laws
+    assert elastic_springs(after.chain) == [f"the {side} wall is a spring and stays elastic"]
+    assert elastic_springs(row) == []
+    # Another law is that of the spring, too.
+    damped = row.replace(loss=hc.Dashpot("1 kg/s")).contact_losses
+    assert damped == (hc.Dashpot("1 kg/s"),) * 5
     # The warning about a pad between balls does not advise a law that is rejected.
     cone = row.with_contacts({1: hc.Cone(80.0)})
     assert "ElasticPlastic" not in "".join(hc.hertz_range(cone).violations)
-    with pytest.raises(hc.InputError, match="or loss=Elastic.. for a wall of this exponent"):
-        row.replace(loss=hc.ElasticPlastic())
+    # Laws of single contacts that they do not describe, and of chains without another contact.
+    given = row.replace(**{f"{side}_wall": replace(pad, exponent=2, stiffness=1e9)})
+    assert given.replace(loss=hc.ElasticPlastic()).contact_losses == laws
+    with pytest.raises(hc.InputError, match="p = 1: use .* or loss=Elastic.. for this contact"):
+        row.replace(**{f"{side}_wall": replace(pad, loss=hc.ElasticPlastic())})
+    ball = Chain.from_materials(2.4e-3, STEEL, beads=1, velocity=3.0)
+    with pytest.raises(hc.InputError, match="law of spheres"):
+        ball.replace(loss=hc.ElasticPlastic(), **{f"{side}_wall": pad})
 
 
 def test_no_velocity_is_advised_for_overlaps_of_contacts_that_yield():

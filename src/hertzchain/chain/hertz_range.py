@@ -53,7 +53,6 @@ from .hertz_ratios import (
     NO_PREDICTION,
     causes_of,
     contact_ratios,
-    elastic_in_words,
     given_contacts,
     impact_speed,
     law_of_limit,
@@ -62,7 +61,6 @@ from .hertz_ratios import (
     overlap_limits,
     soft_contacts,
     speed_ratio,
-    walls_to_keep_elastic,
     with_walls,
     yielding_materials,
 )
@@ -120,8 +118,6 @@ class HertzRange:
         an empty text at the others.
     may_yield : ndarray of bool, shape (N + 1,)
         Whether the contact yields if the chain has the loss `ElasticPlastic`.
-    elastic_walls : tuple of str
-        Walls that need the law `Elastic` of their own if the other contacts yield.
     losses : tuple of str
         Names of the losses that a law with yield would replace.
     speed : float
@@ -154,7 +150,6 @@ class HertzRange:
     soft: NDArray[np.bool_]
     yielding: tuple[str, ...]
     may_yield: NDArray[np.bool_]
-    elastic_walls: tuple[str, ...]
     losses: tuple[str, ...]
     law_yield_ratio: Array
     overlap_limit: Array
@@ -262,7 +257,7 @@ class HertzRange:
             return ""
         argument = "yield_overlap=..." if self.given[contact] else ""
         law = f" or use loss=ElasticPlastic({argument})"
-        return f"{law}{elastic_in_words(self.elastic_walls)}{self._replaced}"
+        return f"{law}{self._replaced}"
 
     @property
     def _replaced(self) -> str:
@@ -397,7 +392,6 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         soft=soft_contacts(chain),
         yielding=yielding_materials(chain) if (yield_ratio > 1.0).any() else (),
         may_yield=may_yield(chain) if (yield_ratio > 1.0).any() else np.zeros(len(d), bool),
-        elastic_walls=walls_to_keep_elastic(chain),
         losses=losses_without_yield(chain),
         law_yield_ratio=law_yield_ratios(chain.contact_groups, d),
         overlap_limit=overlap_limits(chain),

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
-from ..representation import listed
 from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
 from .contact_groups import effective_radii, yield_strengths
-from .laws.elastic import Elastic
 from .laws.elastic_plastic import ElasticPlastic
 from .materials import FIRST_YIELD, Material, contact_moduli
 from .walls import materials_with_walls
@@ -123,25 +119,13 @@ def linear_springs(chain: Chain) -> NDArray[np.bool_]:
     return np.asarray((chain.contact_stiffness > 0.0) & (chain.contact_exponents == 1.0))
 
 
-def walls_to_keep_elastic(chain: Chain) -> tuple[str, ...]:
-    """Walls that are springs, which no law with yield describes, without a law of their own."""
-    left, *_, right = springs_of(chain)
-    walls = (("left_wall", chain.left_wall, left), ("right_wall", chain.right_wall, right))
-    return tuple(
-        name for name, wall, spring in walls if wall is not None and spring and wall.loss is None
-    )
-
-
 def with_yield(chain: Chain, law: ElasticPlastic) -> Chain | None:
     """The chain with a law that yields; None if this law does not apply to it.
 
-    Walls of another exponent, such as pads, remain elastic, and walls keep laws of their own.
+    Walls and pads that are springs remain elastic, and walls keep laws of their own.
     """
-    elastic: dict[str, Any] = {
-        name: replace(getattr(chain, name), loss=Elastic()) for name in walls_to_keep_elastic(chain)
-    }
     try:
-        return chain.replace(loss=law, **elastic)
+        return chain.replace(loss=law)
     except InputError:
         return None
 
@@ -161,11 +145,6 @@ def may_yield(chain: Chain) -> NDArray[np.bool_]:
         if dented is not None:
             found |= which & np.array([each.yields for each in dented.contact_losses])
     return found
-
-
-def elastic_in_words(walls: Sequence[str]) -> str:
-    """Words after a law with yield that keep these walls elastic."""
-    return f" and loss=Elastic() for {listed(walls)}" if walls else ""
 
 
 def losses_without_yield(chain: Chain) -> tuple[str, ...]:

@@ -240,15 +240,31 @@ def contact_losses(
 ) -> tuple[Loss, ...]:
     """Laws of contacts 0..N; `Elastic()` without one, or without the yield strength it needs.
 
-    A law of spheres that is given for all contacts does not apply to pads between two beads.
+    A law of spheres that is not given for a single contact does not apply to pads between two
+    beads, nor to walls that are springs.
     """
     own, beads = tuple(None if wall is None else wall.loss for wall in walls), len(exponents) - 1
     laws = spread(loss, own, materials, walls, beads)  # type: ignore[arg-type]
-    if isinstance(loss, ElasticPlastic) and LINEAR in exponents[1:-1]:
-        laws[1:-1] = [None if p == LINEAR else loss for p in exponents[1:-1]]
+    for c in _springs_without_law(loss, walls, exponents):
+        laws[c] = None if isinstance(laws[c], ElasticPlastic) else laws[c]
     found = tuple(ELASTIC if each is None else each for each in laws)
     unknown = unknown_strengths(found, materials, walls)
     return tuple(ELASTIC if c in unknown else law for c, law in enumerate(found))
+
+
+def _springs_without_law(loss: Losses, walls: Walls, exponents: Array) -> list[int]:
+    """Pads, and walls of other exponents than spheres, for which no law is given by itself.
+
+    None if there is no other contact, so that a law of spheres does not apply to the chain.
+    """
+    last = len(exponents) - 1
+    ends = {c: wall for c, wall in ((0, walls[0]), (last, walls[1])) if wall is not None}
+    springs = [c for c in ends if exponents[c] != HERTZ_EXPONENT]
+    if last == 1 and springs == [*ends]:
+        return []
+    given = isinstance(loss, tuple)
+    pads = [c for c in range(1, last) if exponents[c] == LINEAR and not given]
+    return [*(c for c in springs if ends[c].loss is None), *pads]
 
 
 def unknown_strengths(

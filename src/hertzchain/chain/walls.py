@@ -65,7 +65,8 @@ class Wall(Part):
         spring, such as a pad or a load cell, has 1.
     loss : Restitution, Viscoelastic, ... or None
         Law of loss of this contact; that of the chain if `None`, no loss with ``Elastic()``.  A
-        spring whose loss is not that of the balls, such as a load cell, needs its own.
+        spring whose loss is not that of the balls, such as a load cell, needs its own, except
+        under `ElasticPlastic`, a law of spheres, under which springs stay elastic.
 
     Examples
     --------

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from ..errors import InputError
 from .chain_changes import (
     at_speed,
     compressed,
@@ -206,11 +207,17 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
     chains = {name: load_chain(file) for name, file in zip(names, files, strict=True)}
     if options.speed is not None:
         chains = {name: at_speed(chain, options.speed) for name, chain in chains.items()}
-    return {name: _changed(chain, options) for name, chain in chains.items()}
+    return {
+        name: _changed(chain, options, file)
+        for file, (name, chain) in zip(files, chains.items(), strict=True)
+    }
 
 
-def _changed(chain: Chain, options: ChainOptions) -> Chain:
-    """The chain with the strikers, wall, static forces, cap and losses of the options."""
+def _changed(chain: Chain, options: ChainOptions, file: Path | None = None) -> Chain:
+    """The chain with the strikers, wall, static forces, cap and losses of the options.
+
+    If the losses do not suit the chain of a file, the error names the file.
+    """
     if options.striker is not None:
         chain = struck(chain, options.striker)
     if options.wall is not None:
@@ -227,7 +234,10 @@ def _changed(chain: Chain, options: ChainOptions) -> Chain:
     if options.wall_loss is not None:
         losses["right_wall"] = wall_with_loss(options.wall_loss, chain)
     # A wall that the law of the beads does not describe has its own before it is checked.
-    return chain.replace(**losses) if losses else chain
+    try:
+        return chain.replace(**losses) if losses else chain
+    except InputError as error:
+        raise error if file is None else InputError(f"{file}: {error}") from None
 
 
 def _described(options: ChainOptions) -> Chain:

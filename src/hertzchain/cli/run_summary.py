@@ -11,6 +11,7 @@ import click
 from ..simulation.yielding import (
     contacts_without_strength,
     dents_in_words,
+    elastic_springs,
     peak_with_yielding_contacts,
     pressures_below_yield,
     remark_on_overlaps,
@@ -115,7 +116,8 @@ def show_run(
     unchecked = contacts_without_strength(run.chain, run.largest_overlaps)
     dented = dents_in_words(run.chain, run._furthest_overlaps)
     remarks = [each for each in (dented, remark_on_overlaps(run)) if each]
-    for line in [*pressures_below_yield(run), *unchecked, *remarks]:
+    springs = elastic_springs(run.chain)
+    for line in [*pressures_below_yield(run), *unchecked, *springs, *remarks]:
         click.echo(line)
     for wall in _walls(run):
         click.echo(_wall_lines(run, wall))
@@ -152,16 +154,13 @@ def show_run(
 
 def _if_yielding(run: Run) -> list[str]:
     """A line with the peak if contacts yield, for elastic ones beyond first yield."""
-    from ..chain.hertz_ratios import elastic_in_words, walls_to_keep_elastic
     from ..representation import measure
 
     if (peak := peak_with_yielding_contacts(run)) is None:
         return []
     shown = measure(peak.value, "N", run.chain.units, 5)
-    walls = elastic_in_words(walls_to_keep_elastic(run.chain))
-    law = on_command_line(f"(--loss elastic-plastic{walls})")
     outside = f", {peak.caution}" if peak.outside else ""
-    return [f"  peak with contacts that yield: {shown} {law}{outside}"]
+    return [f"  peak with contacts that yield: {shown} (--loss elastic-plastic){outside}"]
 
 
 def strikers_of(run: Run) -> list[dict[str, float]]:

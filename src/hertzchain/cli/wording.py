@@ -104,7 +104,6 @@ BY_OPTION: Final = {
         (r"; set the wall before the cap, or give the mass", "; add --wall, or give the mass"),
         (r"; omit one, or cut it off with chain\[:-1\]$", "; omit --cap"),
     ),
-    "wall_loss": ((r"\bloss=Elastic\(\) for right_wall\b", "--wall-loss elastic"),),
     "loss": (
         (r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),
         (r"\(loss=ElasticPlastic\(\)\)", "(--loss elastic-plastic)"),

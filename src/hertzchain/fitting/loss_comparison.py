@@ -225,8 +225,9 @@ def compare_losses(
     traces, chain, free, priors, start, time_offset
         As for `hertzchain.fit`.  Each law is assigned to all contacts of beads, and to those walls
         that have no law of their own; a law given for a wall, such as ``Elastic()`` for a load
-        cell, is kept in all fits.  Names of losses in ``free`` are replaced by the parameters of
-        the law, except those of a wall with its own law, such as ``right_wall.loss.time``.
+        cell, is kept in all fits, and springs stay elastic under `ElasticPlastic`.  Names of losses
+        in ``free`` are replaced by the parameters of the law, except those of a wall with its own
+        law, such as ``right_wall.loss.time``.
     laws : sequence of str or Loss, optional
         Names of laws, or laws with the values from which to start.  By default, all laws except
         `ElasticPlastic`.

@@ -139,6 +139,24 @@ def contacts_without_strength(chain: Chain, overlaps: Array) -> list[str]:
     ]
 
 
+def elastic_springs(chain: Chain) -> list[str]:
+    """A line for pads and walls that stay elastic in a chain whose other contacts yield."""
+    import numpy as np
+
+    from ..chain.hertz_ratios import springs_of
+    from ..chain.laws.elastic import Elastic
+    from ..chain.per_contact import contacts_in_words
+
+    laws = chain.contact_losses
+    if not any(law.yields for law in laws):
+        return []
+    elastic = np.array([isinstance(law, Elastic) for law in laws])
+    if not len(found := np.flatnonzero(springs_of(chain) & elastic)):
+        return []
+    verb = "is a spring and stays" if len(found) == 1 else "are springs and stay"
+    return [f"{contacts_in_words(found, chain.beads)} {verb} elastic"]
+
+
 def yields(limits: HertzRange | None) -> bool:
     """Whether elastic contacts exceed the pressure at first yield, if it is known."""
     return limits is not None and limits.largest_yield_ratio > 1.0
@@ -152,7 +170,7 @@ def may_dent(limits: HertzRange) -> bool:
 def dented_chain(chain: Chain) -> Chain | None:
     """The chain with `ElasticPlastic` contacts; None if they do not apply to it.
 
-    Walls of another exponent, such as pads, remain elastic.
+    Walls and pads that are springs remain elastic.
     """
     from ..chain.hertz_ratios import with_yield
     from ..chain.laws.elastic_plastic import ElasticPlastic

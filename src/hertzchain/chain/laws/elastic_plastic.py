@@ -57,8 +57,10 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
               \left[\frac{u}{u + 2\sqrt{6/5 - u^2/5}}\right]^{1/2}, \qquad
         u = \frac{v_y}{v}, \qquad \tfrac12 \mu v_y^2 = \tfrac25 F_y d_y .
 
-    C. Thornton, J. Appl. Mech. 64, 383 (1997), doi:10.1115/1.2787319.  Exponents other than 3/2
-    are rejected.
+    C. Thornton, J. Appl. Mech. 64, 383 (1997), doi:10.1115/1.2787319.  As the law of
+    a chain, or of pairs of materials, it does not apply to pads between beads (exponent 1), nor to
+    walls of another exponent than 3/2 without a law of their own: these stay elastic.  Other
+    exponents are rejected.
 
     Attributes
     ----------
@@ -126,7 +128,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         if exponent != HERTZ_EXPONENT:
             raise InputError(
                 f"ElasticPlastic is a law of spheres (exponent 1.5), but a contact has p = "
-                f"{exponent:g}: use WaltonBraun, or loss=Elastic() for a wall of this exponent"
+                f"{exponent:g}: use WaltonBraun, or loss=Elastic() for this contact"
             )
         return LawRow(YIELDING)
 

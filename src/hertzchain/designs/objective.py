@@ -30,7 +30,10 @@ class Objective:
         if self.targets is not None:
             return f"deviation from the curve of {self.measures[0].key}"
         if len(self.measures) == 1:
-            return f"{'smallest' if self.weights[0] > 0.0 else 'largest'} {self.measures[0]}"
+            name, least = str(self.measures[0]), self.weights[0] > 0.0
+            if name.startswith(("largest", "smallest")):
+                return f"{'minimum' if least else 'maximum'} of {name}"
+            return f"{'smallest' if least else 'largest'} {name}"
         return " + ".join(
             f"{w:g} {m}" for w, m in zip(self.weights, self.measures, strict=True)
         )  # fmt: skip

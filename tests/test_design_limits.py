@@ -1,6 +1,7 @@
 """Constraints of designs: their bounds, and values that are unknown."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -95,3 +96,41 @@ def test_a_limit_is_not_met_if_new_samples_have_no_value():
     # Nothing is known if no samples can be made.
     without = dataclasses.replace(found.verified, scattered={})
     assert excess_with_scatter(problem, without) == {"CVaR90 of wall_force.peak <= 5": np.inf}
+
+
+def test_limits_that_the_search_does_not_meet_are_not_blamed_on_new_samples():
+    chain = hc.Chain.uniform(4).replace(right_wall=hc.Wall())
+    vary = [hc.vary.radii(0.9, 1.1, by="common")]
+    scatter = hc.Scatter(radius=0.05, samples=4, beads="2:")
+    limit = {"wall_force.peak": "<= 0.1"}
+    problem = hc.Design(
+        chain, minimise="length", vary=vary, subject_to=limit, scatter=scatter, until=8.0
+    )
+    found = hc.design(problem, budget=80)
+    assert not found.met
+    assert not found.met_in_search
+    text = found.summary()
+    assert text.startswith("No trial meets the constraints; the closest one has a CVaR90 of length")
+    assert re.search(r"of length of \S+ in the search, \S+ without scatter; give a ", text)
+    assert "set stricter limits" not in text
+    assert "CVaR90 of wall_force.peak <= 0.1" in "".join(
+        excess_with_scatter(problem, found.verified)
+    )
+
+
+def test_the_range_of_the_law_is_stated_beside_the_value():
+    chain = hc.Chain.from_materials("5 mm", "steel-52100", beads=4, velocity=1.0)
+    problem = hc.Design(
+        chain, maximise="largest_velocity@last", vary=[hc.vary.radii("2 mm", "5 mm", beads="2:")],
+        subject_to={"yield_ratio": "<= 0.1"},
+    )  # fmt: skip
+    found = hc.design(problem, budget=100)
+    assert not found.met
+    assert re.match(
+        r"No trial meets the constraints; the closest one has a largest_velocity@last of \S+ m/s, "
+        "outside the range of Hertz's law; give a larger budget",
+        found.summary(),
+    )
+    assert repr(found).startswith("DesignResult(maximum of largest_velocity@last: ")
+    free = hc.Design(chain, minimise="largest_velocity@last", vary=problem.vary)
+    assert str(free.objective) == "minimum of largest_velocity@last"

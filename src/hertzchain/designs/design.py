@@ -257,7 +257,7 @@ def _result(
     exceeded = excess_with_scatter(problem, verified)
     notes = (
         *notes, *note_on_impact(problem), *_differs(trials, best, verified, found.method),
-        *verified.notes, *_notes_on_samples(trials, exceeded),
+        *verified.notes, *_notes_on_samples(trials, exceeded, met=best.met),
         *notes_on_rejections(trials, verified),
     )  # fmt: skip
     return DesignResult(
@@ -271,19 +271,22 @@ def _result(
         np.array(trials.history, float).reshape(-1, 2), (), trials.runs, trials.gradients,
         trials.rejected, trials.journal.seconds, notes,
         tuple((count, str(ball)) for count, ball in parts),
-        tuple(ball.price for _, ball in parts),
+        tuple(ball.price for _, ball in parts), best.met,
     )  # fmt: skip
 
 
-def _notes_on_samples(trials: Trials, exceeded: dict[str, float]) -> list[str]:
-    """Notes that limits kept in the samples of the search are not kept in new ones, or unknown."""
+def _notes_on_samples(trials: Trials, exceeded: dict[str, float], *, met: bool) -> list[str]:
+    """Notes that limits kept in the samples of the search are not kept in new ones, or unknown.
+
+    ``met`` is whether the samples of the search meet all limits.
+    """
     violated = [name for name, amount in exceeded.items() if np.isfinite(amount)]
     unknown = [name for name in exceeded if name not in violated]
     notes = []
-    if violated:
+    if violated and met:
         notes.append(
             f"new samples of the scatter violate {listed(violated)}, although the "
-            f"{trials.samples} samples of the search may not: set stricter limits, or give the "
+            f"{trials.samples} samples of the search do not: set stricter limits, or give the "
             "scatter more samples"
         )
     if unknown:

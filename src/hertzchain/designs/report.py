@@ -167,19 +167,17 @@ def _heading(result: DesignResult) -> list[str]:
     value += _counted(result, single) if single is not None else ""
     first = f"{_first_upper(str(problem.objective))}: {value}"
     if problem.scatter is not None and single is not None:
-        aim, _, name = str(problem.objective).partition(" ")
+        aim = "smallest" if problem.objective.sign > 0.0 else "largest"
         searched = result._shown(result._sign * result.expected)
-        first = (f"{_first_upper(aim)} {problem.scatter.statistic} of {name}: {searched} in the "
+        first = (f"{_first_upper(aim)} {problem.scatter.statistic} of {single}: {searched} in the "
                  f"search; {value} without scatter")  # fmt: skip
-    if excess_with_scatter(problem, found):
-        first = f"The constraints are NOT met in new samples of the scatter. {first}"
+    outside = "" if result.front else _outside_in_words(found)
+    if result.met_in_search and excess_with_scatter(problem, found):
+        first = f"The constraints are NOT met in new samples of the scatter. {first}{outside}"
     elif not result.met:
-        name = "score" if single is None else str(single)
-        article = "an" if name[0] in "aeiou" else "a"
-        first = ("No trial meets the constraints; the closest one has "
-                 f"{article} {name} of {value.strip()}{_more_trials(result)}")  # fmt: skip
-    if not result.front:
-        first += _outside_in_words(found)
+        first = f"{_closest(result, value.strip())}{outside}{_more_trials(result)}"
+    else:
+        first += outside
     lines = [first, f"  verified: the integration was repeated at rtol {found.rtol:g}"
              f"{_range_in_words(result)}"]  # fmt: skip
     if has_yielding_value(result, found):
@@ -192,6 +190,18 @@ def _heading(result: DesignResult) -> list[str]:
     elif found.dents and not result.front:
         lines += [f"  {found.dents}", *second_hit_in_words(found)]
     return lines
+
+
+def _closest(result: DesignResult, value: str) -> str:
+    """A statement that no trial meets the constraints, with the value of the closest one."""
+    problem, single = result.problem, result.problem.objective.single
+    name = "score" if single is None else str(single)
+    if problem.scatter is not None and single is not None:
+        name = f"{problem.scatter.statistic} of {name}"
+        searched = result._shown(result._sign * result.expected)
+        value = f"{searched} in the search, {value} without scatter"
+    article = "an" if name[0] in "aeiou" else "a"
+    return f"No trial meets the constraints; the closest one has {article} {name} of {value}"
 
 
 def _more_trials(result: DesignResult) -> str:

@@ -80,6 +80,8 @@ class DesignResult:
         Number and name of each kind of ball to buy, if balls of a catalogue vary.
     part_prices : tuple of float
         Price of one ball of each of these kinds; NaN if it is unknown.
+    met_in_search : bool
+        Whether the values of the search, with a scatter those of its samples, meet all constraints.
     """
 
     problem: Design
@@ -104,6 +106,7 @@ class DesignResult:
     notes: tuple[str, ...]
     parts: tuple[tuple[int, str], ...] = field(default=())
     part_prices: tuple[float, ...] = field(default=())
+    met_in_search: bool = True
 
     @property
     def chain(self) -> Chain:

@@ -165,9 +165,10 @@ def counted_once(values: Array, part: float) -> Array:
 def autocorrelation(values: Array) -> Array:
     """Autocorrelation of values from lag 0; only lag 0 if they are all equal."""
     centred = values - values.mean()
-    size = float(centred @ centred)
-    if size == 0.0:
+    if not (largest := float(np.abs(centred).max())):
         return np.ones(1)
+    centred = centred / largest  # squares of numbers such as 1e-200 are zero
+    size = float(centred @ centred)
     return np.asarray(np.correlate(centred, centred, "full")[len(values) - 1 :] / size)
 
 

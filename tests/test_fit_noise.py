@@ -26,6 +26,7 @@ from hertzchain.traces.noise import (
     onset,
     unbiased_first_lag,
 )
+from hertzchain.traces.quiet_parts import only_noise, quiet_counts
 
 
 def first_order(rng, rho, shape):
@@ -313,6 +314,58 @@ def test_noise_of_rounded_samples_is_not_the_beginning_of_a_pulse(part):
         steps = 40.0 * np.exp(-(((times - 300e-6) / 25e-6) ** 2))
         steps += part * rng.standard_normal(len(times)) + rng.uniform(-0.5, 0.5)
         assert onset(1.5 * np.round(steps)) > 240
+
+
+@pytest.mark.parametrize("step", [0.0, 0.1, 0.2, 0.5])
+def test_sensors_that_the_pulse_has_not_reached_do_not_shorten_the_quiet_part(step):
+    """The pulse is at ball 6 from sample 162; the wall has only noise of 0.1 N."""
+    times = np.arange(220.0)
+    pulse = 30.0 * np.clip(np.cos((times - 200.0) / 25.0), 0.0, None) ** 4
+    pulse *= np.abs(times - 200.0) < 39.0
+    few = 0
+    for seed in range(100):
+        noise = np.random.default_rng(seed).normal(0.03, 0.1, (2, len(times)))
+        columns = {"ball 6 [N]": pulse + noise[0], "wall [N]": noise[1]}
+        if step:
+            columns = {key: step * np.round(each / step) for key, each in columns.items()}
+        counts, _ = quiet_counts([*columns.values()])
+        few += min(counts) <= 100
+    assert few <= 2
+
+
+@pytest.mark.parametrize(("height", "width"), [(8.0, 3), (5.0, 10), (3.0, 30), (2.0, 100)])
+def test_a_weak_pulse_is_not_only_noise(height, width):
+    """The height is in standard deviations of the noise, the width in samples."""
+    distance = np.arange(400.0) - 280.0
+    pulse = height * np.cos(np.pi / 2.0 * np.clip(distance / width, -1.0, 1.0)) ** 3
+    for seed in range(50):
+        noise = np.random.default_rng(seed).standard_normal(len(pulse))
+        assert not only_noise(pulse + noise)
+
+
+def test_the_sensor_with_the_first_pulse_is_named():
+    times = np.arange(200.0)
+    early, late = (
+        np.sin(np.pi * np.clip((times - begin) / 40.0, 0.0, 1.0)) ** 2 for begin in (12, 14)
+    )
+    noise = 0.01 * np.random.default_rng(1).standard_normal((2, len(times)))
+    columns = {"ball 6 [N]": late + noise[0], "wall [N]": early + noise[1]}
+    with pytest.raises(hc.InputError, match="ball 6 cannot .* begins in the signal of wall after"):
+        hc.Traces.from_arrays(1e-6 * times, columns)
+
+
+def test_samples_whose_squares_underflow_are_noise_free():
+    times = np.arange(600.0)
+    one, two = (
+        20.0 * np.cos(np.pi / 2.0 * np.clip((times - peak) / 62.8, -1.0, 1.0)) ** 6
+        for peak in (200.0, 350.0)
+    )
+    one[80:100] = two[80:100] = 1e-200  # as the tails of other integrations have
+    data = hc.Traces.from_arrays(1e-6 * times, {"ball 6 [N]": one, "wall [N]": two})
+    assert all(signal.noiseless for _, signal in data)
+    given = hc.Traces.from_arrays(1e-6 * times, {"ball 6 [N]": one, "wall [N]": two}, noise=0.05)
+    assert [signal.noise for _, signal in given] == [0.05, 0.05]
+    assert independent_samples(np.append(np.zeros(20), 1e-200)) == 21.0
 
 
 def drawn(seed, part, step=0.4):

@@ -2,36 +2,52 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
 from ..collision import Array
-from .noise import MIN_QUIET, at_limits, base_level, independent_samples, noise_of, onset
+from .noise import (
+    MIN_QUIET,
+    at_limits,
+    base_level,
+    digitiser_step,
+    independent_samples,
+    noise_of,
+    onset,
+)
 
 # Fraction of the time before the first onset of all sensors that is quiet in each of them.
 COMMON_PART: Final = 0.8
 # The foot of a pulse begins before the onset by this multiple of the time from the onset to half
 # of the peak.  The force of a solitary wave has fallen below 0.1% of its peak there.
 FOOT: Final = 2.0
+# A signal is only noise if no mean of successive samples is further from the level, in its
+# standard deviations, than the largest of as many normal values by this much.  The deviation of
+# one sample is that of the quietest part of this number of parts, which is too small by this many
+# of its errors, and at least this fraction of a step of rounded samples.
+BEYOND_NOISE, PARTS, TOO_SMALL, OF_A_STEP = 1.0, 4, 1.0, 0.5
 # Share of another signal that is not noise, in standard deviations.
 PICKED_UP: Final = 3.0
 
 
-def quiet_counts(columns: Sequence[Array]) -> tuple[list[int], int]:
+def quiet_counts(columns: Sequence[Array]) -> tuple[list[int], tuple[int, int]]:
     """Number of samples at the beginning of each signal that contain only noise.
 
-    The last value is the number of samples before the pulse arrives at any sensor.
+    The last values are the number of samples before the pulse arrives at any sensor, and the index
+    of this sensor.
 
     A sensor is quiet until its own pulse begins, unless it picks up the pulses of other sensors.
-    It is always quiet in the common part, before the pulse arrives at any of them.
+    It is always quiet in the common part, before the pulse arrives at any of them.  Sensors with
+    only noise, which the pulse has not reached, do not shorten the common part.
     """
     signals = [
         np.where(np.isnan(values), np.nanmedian(values), values)
         for values in map(at_limits, columns)
     ]
-    onsets = [onset(values) for values in signals]
+    onsets = [len(values) if only_noise(values) else onset(values) for values in signals]
     common = int(COMMON_PART * min(onsets))
     counts = []
     for values, begin in zip(signals, onsets, strict=True):
@@ -41,7 +57,29 @@ def quiet_counts(columns: Sequence[Array]) -> tuple[list[int], int]:
         if longer and others and _picks_up(values[:end], others, common):
             longer = False
         counts.append(end if longer else common)
-    return counts, min(onsets)
+    return counts, (min(onsets), int(np.argmin(onsets)))
+
+
+def only_noise(values: Array) -> bool:
+    """Whether a signal is white noise from its first sample to its last, without any pulse.
+
+    Means of 1, 2, 4, ... samples are compared, so that a weak pulse of any length is found.
+    """
+    if len(values) < PARTS * MIN_QUIET:
+        return False
+    parts = np.array_split(np.diff(values), PARTS)
+    sigma = min(float(np.mean(part**2)) for part in parts) ** 0.5 / 2.0**0.5
+    sigma *= 1.0 + TOO_SMALL / len(parts[-1]) ** 0.5
+    levels = np.unique(values)
+    step = float(np.ptp(levels)) if len(levels) == 2 else digitiser_step(values)
+    sigma = max(sigma, OF_A_STEP * step)
+    limit = (2.0 * math.log(len(values))) ** 0.5 + BEYOND_NOISE
+    sums = np.cumsum(np.append(0.0, values - np.mean(values)))
+    widths = [2**power for power in range(int(math.log2(len(values))))]
+    return all(
+        float(np.abs(sums[width:] - sums[:-width]).max()) <= limit * sigma * width**0.5
+        for width in widths
+    )
 
 
 def _foot(values: Array, begin: int) -> int:

@@ -47,7 +47,8 @@ def make_shot(
         raise InputError("there is no signal; add a column such as 'ball 6 [N]'")
     for (place, _), values in columns.items():
         _check_values(place, values, len(times))
-    quiet, first = quiet_counts([*columns.values()])
+    quiet, (begin, sensor) = quiet_counts([*columns.values()])
+    first = (begin, [place.name for place, _ in columns][sensor])
     pairs = zip(columns.items(), quiet, strict=True)
     return Shot(
         times, tuple(_signal(*key, values, (count, first), noise) for (key, values), count in pairs)
@@ -115,7 +116,7 @@ def _signal(
     place: Place,
     unit: str,
     values: Array,
-    counts: tuple[int, int],
+    counts: tuple[int, tuple[int, str]],
     noise: float | Mapping[str, float] | None,
 ) -> Signal:
     quiet, first = counts
@@ -153,12 +154,17 @@ def _signal(
     )
 
 
-def _estimated_noise(place: Place, before: Array, step: float, first: int) -> float:
-    """Noise of the samples before the pulse, without rounding errors that are larger."""
+def _estimated_noise(place: Place, before: Array, step: float, first: tuple[int, str]) -> float:
+    """Noise of the samples before the pulse, without rounding errors that are larger.
+
+    ``first`` is the number of samples before the first pulse, and the sensor that it reaches.
+    """
     if len(before) < MIN_QUIET:
+        begin, sensor = first
+        where = f" in the signal of {sensor}" if sensor != place.name else ""
         raise InputError(
-            f"the noise of {place.name} cannot be estimated: a pulse, or slow noise, begins after "
-            f"{counted(first, 'sample')}, and only {counted(len(before), 'valid sample')} "
+            f"the noise of {place.name} cannot be estimated: a pulse, or slow noise, begins{where} "
+            f"after {counted(begin, 'sample')}, and only {counted(len(before), 'valid sample')} "
             f"{'precedes' if len(before) == 1 else 'precede'} its foot; record at least "
             f"{MIN_BEFORE} samples before the pulse, or give noise"
         )

@@ -33,6 +33,30 @@ BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.1)
             lambda: BALLS.replace(right_wall=hc.Wall(gap=1)),
             "the gap of the right wall is 1 m, but the beads are only 0.04 m long",
         ),
+        (
+            lambda: BALLS.replace(right_wall=hc.Wall(50, exponent=1)),
+            "the stiffness of the right wall is 50, which without a unit is in N/m, softer than "
+            "foam; .* '50 kN/mm' or '50 N/mm', otherwise '50 N/m'$",
+        ),
+        (
+            lambda: BALLS.replace(left_wall=hc.Wall(50)),
+            "the left wall is 50, .* in N/m.1.5, .* write '50 N/mm.1.5', otherwise '50 N/m.1.5'$",
+        ),
+        (lambda: hc.Pad(3), "the stiffness of the pad is 3, which without a unit is in N/m"),
+        (
+            lambda: BALLS.with_cap(5),
+            "the cap has 1,227 times the mass of the heaviest ball, .* write mass='5 g', otherwise",
+        ),
+        (
+            lambda: BALLS.with_cap("5 g", stiffness=2, exponent=1),
+            "the stiffness of the contact of the cap is 2, which",
+        ),
+        (
+            lambda: hc.chain_from_toml(
+                '[chain]\ndiameters = "10 mm"\nmaterials = "brass"\nbeads = 5\ncap = {mass = 2}'
+            ),
+            "the cap has 448 times",
+        ),
         # Two seconds instead of two milliseconds; the pulse needs 24 us per contact.
         (lambda: hc.simulate(BALLS, until=2, times=0), "until = 2 s is 2.* transits of a pulse"),
         (
@@ -49,6 +73,24 @@ def test_numbers_of_improbable_size_get_a_warning(call, said):
     with pytest.warns(hc.InputWarning, match=said) as seen:
         call()
     assert [each.filename for each in seen] == [__file__]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: BALLS.replace(right_wall=hc.Wall("50 N/m", exponent=1)),
+        lambda: BALLS.replace(right_wall=hc.Wall(5000, exponent=1)),
+        lambda: BALLS.replace(right_wall=hc.Wall(1e6)),
+        lambda: hc.Pad("3 N/m"),
+        lambda: BALLS.with_cap("5 kg"),
+        lambda: BALLS.with_cap(0.05),
+        lambda: hc.Chain.uniform(3).replace(right_wall=hc.Wall(2.0)).with_cap(500.0),
+    ],
+)
+def test_units_that_are_given_and_usual_numbers_get_no_warning(call):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        call()
 
 
 @pytest.mark.parametrize(

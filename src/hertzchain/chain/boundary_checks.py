@@ -7,10 +7,11 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 
-from ..collision import HERTZ_EXPONENT
+from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, short_repr
 from .contact_groups import ContactGroup
 from .drives import Drive
+from .input_checks import warn_soft
 from .laws import Loss
 from .parts import Part
 from .static_forces import Loads
@@ -128,3 +129,10 @@ def _check_held_by_force(loads: Loads) -> None:
             "the left wall is behind the strikers and cannot hold the precompressed "
             "chain; omit left_wall to hold it by a constant force"
         )
+
+
+def warn_soft_walls(walls: tuple[Wall | None, Wall | None], exponents: Array) -> None:
+    """Warn about walls of an SI chain whose stiffness, a plain number, is that of no real wall."""
+    for side, wall, exponent in zip(("left", "right"), walls, exponents[[0, -1]], strict=True):
+        if wall and wall.stiffness is not None and "stiffness" not in wall.with_units:
+            warn_soft(f"the stiffness of the {side} wall", wall.stiffness, float(exponent))

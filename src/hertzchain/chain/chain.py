@@ -119,7 +119,8 @@ class Chain(ChainBuilders):
     Warns
     -----
     InputWarning
-        If radii in SI units look like millimetres.
+        If radii in SI units look like millimetres, or other plain numbers are probably in another
+        unit than that of SI.
 
     Examples
     --------

@@ -16,8 +16,9 @@ import numpy as np
 
 from ..errors import InputError, short_repr
 from ..validation.keywords import checked_arguments, checked_fields, checked_methods
-from ..validation.numbers import number, whole_number
+from ..validation.numbers import has_unit, number, whole_number
 from .fields import ChainFields
+from .input_checks import warn_soft
 from .materials import contact_modulus
 from .walls import material_of_wall
 
@@ -214,6 +215,8 @@ class Pad:
 
     def __post_init__(self) -> None:
         value = number("stiffness of a pad", self.stiffness, unit="N/m", above=0.0)
+        if not has_unit(self.stiffness):
+            warn_soft("the stiffness of the pad", value, self.exponent)
         object.__setattr__(self, "stiffness", value)
 
     def _between(self, radius: float, other_radius: float) -> Pad:  # noqa: ARG002

@@ -30,6 +30,7 @@ from .boundary_checks import (
     check_laws,
     check_part,
     check_precompression,
+    warn_soft_walls,
 )
 from .cap import Cap, checked_cap, with_radius_of_cap
 from .contact_groups import ContactGroup, group_contacts
@@ -147,6 +148,7 @@ class ChainFields(Frozen):
             check_part(name, part, scaled=self.scaled, exponent=p)
         if self.units == "SI":
             walls = self.left_wall, self.right_wall
+            warn_soft_walls(walls, self.contact_exponents)
             of_walls = [each.gap if each and not self.gravity else 0.0 for each in walls]
             input_checks.warn_large_gap(self.gaps, of_walls, self.radii)
             input_checks.warn_large_gravity(self.gravity)

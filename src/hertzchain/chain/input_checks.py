@@ -9,10 +9,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..collision import Array
+from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, InputWarning, short_repr, warn_user
 from ..validation.memory import check_memory
-from ..validation.numbers import number, per_bead_array, real_numbers, whole_number
+from ..validation.numbers import has_unit, number, per_bead_array, real_numbers, whole_number
 
 # Memory of a simulation per bead: sixteen stages and the state, at 8 bytes per number.
 BYTES_PER_BEAD: Final = 400
@@ -37,6 +37,12 @@ LARGE_RATIO: Final = 100.0
 SMALL_RADIUS: Final = 5e-7
 # SI gravity above this value [m/s^2], which is probably in mm/s^2 or cm/s^2.
 LARGE_GRAVITY: Final = 500.0
+# A plain number for the mass of a cap from this value on [kg] is probably in grams, if it is also
+# above this multiple of the heaviest ball; real caps of this mass are heavier than rows of balls.
+HEAVY_CAP: Final = (1.0, 30.0)
+# A plain number for the stiffness of a spring or contact is probably in kN/mm or N/mm if that of a
+# ball of this radius [m] and modulus [Pa], which is softer than foam, would be larger.
+SOFT_BALL: Final = (0.01, 1e5)
 # First radius of a scaled chain; radii in metres are below, and would give wrong times.
 FIRST_RADIUS: Final = (0.02, 50.0)
 
@@ -176,6 +182,35 @@ def warn_unusual_radius(radii: Array) -> None:
             "1000",
             InputWarning,
         )
+
+
+def warn_heavy_cap(given: Any, mass: float, balls: Array) -> None:
+    """Warn about the mass of a cap [kg] that was given without a unit and is probably in grams."""
+    least, times = HEAVY_CAP
+    if not has_unit(given) and mass >= max(least, times * float(balls.max())):
+        warn_user(
+            f"the cap has {mass / float(balls.max()):,.0f} times the mass of the heaviest ball, "
+            f"and a mass of {mass:g} without a unit is in kg; if grams are meant, write "
+            f"mass='{mass:g} g', otherwise mass='{mass:g} kg'",
+            InputWarning,
+        )
+
+
+def warn_soft(what: str, stiffness: float, exponent: float) -> None:
+    """Warn about a stiffness that was given without a unit and is probably not in N/m^p."""
+    radius, modulus = SOFT_BALL
+    if stiffness >= modulus * radius ** (2.0 - exponent):
+        return
+    unit = "N/m" if exponent == 1.0 else f"N/m^{exponent:g}"
+    advice = "check its unit"
+    if exponent in (1.0, HERTZ_EXPONENT):
+        others = ("kN/mm", "N/mm") if exponent == 1.0 else ("N/mm^1.5",)
+        meant = " or ".join(f"'{stiffness:g} {each}'" for each in others)
+        advice = f"if another unit is meant, write {meant}, otherwise '{stiffness:g} {unit}'"
+    warn_user(
+        f"{what} is {stiffness:g}, which without a unit is in {unit}, softer than foam; {advice}",
+        InputWarning,
+    )
 
 
 def checked_gaps(gaps: ArrayLike, contacts: int, unit: str | None) -> Array:

@@ -14,10 +14,10 @@ import numpy as np
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
 from ..validation.keywords import checked_arguments
-from ..validation.numbers import number
+from ..validation.numbers import has_unit, number
 from .cap import Cap
 from .fields import ChainFields
-from .input_checks import checked_beads, checked_wall_exponent
+from .input_checks import checked_beads, checked_wall_exponent, warn_heavy_cap, warn_soft
 from .materials import Material, MaterialLike
 from .materials import material as material_named
 from .per_contact import usual_exponent
@@ -78,6 +78,11 @@ def with_cap(
         If a value is out of range, the chain has a cap, the right wall has the stiffness of a
         Hertz contact, or the stiffness of the cap's contact cannot be computed.
 
+    Warns
+    -----
+    InputWarning
+        If the unit of a mass or stiffness that is a plain number is probably wrong.
+
     Examples
     --------
     >>> import hertzchain as hc
@@ -106,6 +111,8 @@ def with_cap(
     if frequency is not None:
         mass = _resonant_mass(self, frequency)
     heavy = number("mass of a cap", mass, unit=self._unit("kg"), above=0.0)
+    if self.units == "SI" and frequency is None:
+        warn_heavy_cap(mass, heavy, self.masses)
     own = None if self.materials is None else self.materials[-1]
     if material is not None:
         if own is None:
@@ -115,7 +122,10 @@ def with_cap(
     if stiffness is not None:
         p = new.get("exponent", self.contact_exponents[1:-1])
         unit = self._unit(f"N/m**{p[-1]:.15g}" if len(p) else self._stiffness_unit)
+        plain = not has_unit(stiffness)
         stiffness = number("stiffness of the contact of a cap", stiffness, unit=unit, above=0.0)
+        if self.units == "SI" and plain and len(p):
+            warn_soft("the stiffness of the contact of the cap", stiffness, float(p[-1]))
     new |= {name: np.append(getattr(self, name), 0.0)
             for name in ("velocities", "gaps") if name in self.given}  # fmt: skip
     if own is not None and self.materials is not None:

@@ -5,8 +5,10 @@ import random
 
 import pint
 import pytest
+from click.testing import CliRunner
 
 import hertzchain as hc
+from hertzchain.cli import cli
 from hertzchain.units import SYMBOLS, UNITS, converted, quantity
 from hertzchain.validation.numbers import number
 
@@ -198,3 +200,51 @@ def test_hints_are_units_of_the_dimension_asked_for(unit, si, hint):
 
 def test_meganewtons_are_accepted():
     assert converted("force", "3", "MN", "N") == 3e6
+
+
+STEEL = {"materials": "steel-304", "beads": 3}
+ROW = hc.Chain.from_materials("5 mm", **STEEL)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: hc.Chain.from_materials("10,0 mm", **STEEL), "got '10,0 mm'; write 10.0 mm with"),
+        (
+            lambda: hc.Chain.from_materials(diameters="10,5 mm", **STEEL),
+            "diameter must be a list of numbers, got '10,5 mm'; write 10.5 mm with a decimal point",
+        ),
+        (
+            lambda: hc.Chain.from_materials(["10,5 mm", "5 mm"], "brass"),
+            "radius of bead 1 is '10,5 mm': it must be a number; write 10.5 mm with a decimal",
+        ),
+        (lambda: hc.Chain.periodic("1,5 mm", cells=3, materials="brass"), "write 1.5 mm with a"),
+        (lambda: ROW.replace(gaps="1,5 um"), "write 1.5 um with a decimal point"),
+        (lambda: ROW.replace(masses=["1,5 g"] * 3), "write 1.5 g with a decimal point"),
+        (lambda: hc.Wall("1,5 kN/mm", exponent=1), "stiffness of a wall .* write 1.5 kN/mm with a"),
+        (lambda: ROW.with_cap("1,5 g"), "write 1.5 g with a decimal point"),
+    ],
+)
+def test_decimal_commas_are_explained(call, said):
+    with pytest.raises(hc.InputError, match=said):
+        call()
+
+
+@pytest.mark.parametrize(
+    ("option", "text", "said"),
+    [
+        ("--diameter", "10,0 mm", "write 10.0 mm with a decimal point"),
+        ("--radius", "10,5 mm:5 mm", "write 10.5 mm with a decimal point"),
+        ("--striker", "1,5 g", "write 1.5 g with a decimal point, or a space after a comma that"),
+        ("--cap", "5 g, 1,5 kN/mm", "write 1.5 kN/mm with a decimal point"),
+        ("--wall", "1,5 kN/mm", "write 1.5 kN/mm with a decimal point"),
+        ("--loss", "viscoelastic=0,6 us", "write 0.6 us with a decimal point"),
+        ("--speed", "0,1 m/s", "write 0.1 m/s with a decimal point"),
+    ],
+)
+def test_decimal_commas_of_options_are_explained(option, text, said):
+    row = ["simulate", "--material", "brass", "--beads", "5", "--diameter", "10 mm"]
+    row = row[:-2] if option in ("--diameter", "--radius") else row
+    result = CliRunner().invoke(cli, [*row, option, text])
+    assert result.exit_code != 0
+    assert said in " ".join(f"{result.output} {result.exception}".split())

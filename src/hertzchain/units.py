@@ -84,7 +84,7 @@ _QUANTITY: Final = re.compile(
 # Sizes of balls such as "3/16 in", "1 1/2 in" and "1-1/2 in".
 _FRACTION_OF_INCH: Final = re.compile(r"\s*(?:(\d+)[\s-]+)?(\d+)\s*/\s*(\d+)\s*(in)\s*")
 # Two whole numbers with a comma between them, and a unit: "10,5 mm".
-_DECIMAL_COMMA: Final = re.compile(r"(?<![\d.])(\d+),(\d+)(?![\d.])\s*([A-Za-zµμ%][^\s,;]*)?")
+_DECIMAL_COMMA: Final = re.compile(r"(?<![\d.])(\d+),(\d+)(?![\d.])\s*([A-Za-zµμ%][^\s,;:]*)?")
 PERCENT: Final = "%"
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from .options import as_typed, require_unit
+from .options import as_typed, reject_decimal_comma, require_unit
 from .wording import on_command_line
 
 if TYPE_CHECKING:
@@ -82,6 +82,7 @@ def _striker(text: str, chain: Chain) -> dict[str, Any]:
     from ..units import has_dimension, quantity
     from ..validation.numbers import whole_number
 
+    reject_decimal_comma("--striker", text)
     given: dict[str, Any] = {}
     value: Any
     for part in map(str.strip, text.split(",")):
@@ -117,6 +118,7 @@ def with_cap(chain: Chain, text: str) -> Chain:
     """The chain with a cap from text such as ``5 g``, ``8 kHz`` or ``5 g, steel-304, 1 kN/mm``."""
     from ..units import has_dimension, quantity
 
+    reject_decimal_comma("--cap", text)
     units = {"kg": "mass", "Hz": "frequency", "N/m": "stiffness", "N/m^1.5": "stiffness"}
     given: dict[str, Any] = {}
     for part in map(str.strip, text.split(",")):
@@ -206,7 +208,7 @@ def _wall_of_stiffness(text: str) -> Wall:
     """A wall of a stiffness in N/m, such as a load cell without loss, or of one in N/m^1.5."""
     from ..chain.laws.elastic import Elastic
     from ..chain.walls import Wall
-    from ..units import has_dimension, quantity
+    from ..units import comma_advice, has_dimension, quantity
 
     found = quantity(text)
     for unit, exponent in (("N/m", 1.0), ("N/m^1.5", None)):
@@ -216,7 +218,7 @@ def _wall_of_stiffness(text: str) -> Wall:
             return Wall(text, exponent=exponent, loss=loss)  # type: ignore[arg-type]
     raise click.UsageError(
         f"--wall must be same, rigid, a material, or a stiffness such as '5 kN/mm' (exponent 1) or "
-        f"'2e10 N/m^1.5', got {text!r}"
+        f"'2e10 N/m^1.5', got {text!r}{comma_advice(text)}"
     )
 
 
@@ -280,6 +282,7 @@ def law_from(text: str, chain: Chain, option: str = "--loss") -> Loss:
     from ..units import UNITS
     from ..validation.objects import check_choice
 
+    reject_decimal_comma(option, text)
     first, *others = text.split(",")
     name, equals, value = (part.strip() for part in first.partition("="))
     check_choice(f"law of {option}", name, LAWS)

@@ -327,6 +327,8 @@ def _tapered(taper: str, rate: float | None, beads: int, more: dict[str, Any]) -
 
 def _sizes(options: ChainOptions) -> dict[str, Any]:
     """Arguments of `Chain.tapered` from ``--diameter FIRST:LAST`` or ``--radius FIRST:LAST``."""
+    from ..units import comma_advice
+
     if options.diameter is not None and options.radius is not None:
         raise click.UsageError("give --diameter or --radius, not both")
     option = "--radius" if options.diameter is None else "--diameter"
@@ -337,7 +339,7 @@ def _sizes(options: ChainOptions) -> dict[str, Any]:
     if len(parts) > 2 or not all(parts) or "," in text:
         raise click.UsageError(
             f"{option} must look like '20 mm' or, with a colon between first and last, "
-            f"'20 mm:5 mm', got {text!r}"
+            f"'20 mm:5 mm', got {text!r}{comma_advice(text)}"
         )
     suffix = "_diameter" if options.radius is None else ""
     return {f"{end}{suffix}": as_typed(part) for end, part in zip(("first", "last"), parts)}  # noqa: B905

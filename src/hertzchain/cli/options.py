@@ -181,6 +181,17 @@ def require_unit(option: str, text: str, unit: str, small: str | None = None) ->
         )
 
 
+def reject_decimal_comma(option: str, text: str) -> None:
+    """Reject a comma between digits in an option whose values are separated by commas."""
+    from ..units import comma_advice
+
+    if advice := comma_advice(text):
+        raise click.UsageError(
+            f"{option} has a comma between two digits, got {text!r}{advice}, or a space after a "
+            "comma that separates values"
+        )
+
+
 def bead_from(text: str) -> int | str:
     """The number of a bead; any other text is left to the parser of names."""
     return int(text) if text.strip().isdecimal() else text

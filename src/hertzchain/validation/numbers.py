@@ -48,8 +48,8 @@ def has_unit(value: Any) -> bool:
 
 
 def is_word(value: Any) -> bool:
-    """Whether a value is text other than a number with or without a unit."""
-    if not isinstance(value, str) or quantity(value) is not None:
+    """Whether a value is text other than a number with or without a unit, or a decimal comma."""
+    if not isinstance(value, str) or quantity(value) is not None or comma_advice(value):
         return False
     try:
         float(value)
@@ -276,6 +276,7 @@ def real_numbers(
                 continue  # callers check the shape
             raise InputError(
                 f"{what} of {place} {k + 1} is {short_repr(item)}: it must be a number"
+                f"{comma_advice(item)}"
             )
     try:
         if values.dtype.kind in "iufO" and values.size + values.ndim:
@@ -284,7 +285,9 @@ def real_numbers(
         raise InputError(f"{what} is too large: at most 1.8e308") from None
     except (TypeError, ValueError):
         pass
-    raise InputError(f"{what} must be a list of numbers, got {short_repr(given)}")
+    raise InputError(
+        f"{what} must be a list of numbers, got {short_repr(given)}{comma_advice(given)}"
+    )
 
 
 def bounded_numbers(

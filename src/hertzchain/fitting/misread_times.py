@@ -64,9 +64,10 @@ def time_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
     factor = time_factor(shot, columns, grid)
     if factor is None:
         return []
+    times = {2.0: "twice", 0.5: "half"}.get(factor, f"{factor:.3g} times")
     return [
-        f"the measured pulses last {factor:.3g} times as long as the simulated ones, and they take "
-        f"{factor:.3g} times as long from sensor to sensor: check the unit of the times, the "
+        f"the measured pulses last {times} as long as the simulated ones, and they take "
+        f"{times} as long from sensor to sensor: check the unit of the times, the "
         "sampling interval, and the materials of the chain"
     ]
 

@@ -8,6 +8,7 @@ import pytest
 from scipy_row import FREE, chain, recorded, traces
 
 import hertzchain as hc
+from hertzchain.notebook.drawing import sentence
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 MAX_BYTES = 40_000
@@ -63,7 +64,27 @@ def test_fits_show_parameters_verdict_and_notes(result):
         assert f"{name} {row}" in text
     verdict = result.verdict
     assert f"{verdict[0].upper()}{verdict[1:]}." in text
+    # Names of parameters remain as they are typed in ``free``.
+    names = {*result.names, *(each.name for each in result.constants)}
+    typed = [note for note in result.warnings if note.split()[0] in names or "." in note.split()[0]]
+    assert any(note.startswith("materials[") for note in typed)
+    assert all(note in text for note in typed)
     assert all(note[1:] in text for note in result.warnings)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("cap.mass is taken as exact", "cap.mass is taken as exact."),
+        ("time_offset, is weak", "time_offset, is weak."),
+        ("gain[wall] is 1", "gain[wall] is 1."),
+        ("stiffness: weak", "stiffness: weak."),
+        ("the fit stopped", "The fit stopped."),
+        ("", ""),
+    ],
+)
+def test_names_of_parameters_are_not_capitalised(text, expected):
+    assert sentence(text, ["stiffness"]) == expected
 
 
 def test_comparisons_of_losses_and_scans_show_what_they_found(result):

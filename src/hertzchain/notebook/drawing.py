@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Final
@@ -76,9 +76,15 @@ def note(text: str) -> str:
     return f'<div style="opacity:0.75;font-size:12px;margin-top:4px">{escape(text)}</div>'
 
 
-def sentence(text: str) -> str:
-    """A text with a capital letter and a full stop; nothing if it is empty."""
-    return f"{text[:1].upper()}{text[1:]}." if text else ""
+def sentence(text: str, names: Collection[str] = ()) -> str:
+    """A text with a capital letter and a full stop; nothing if it is empty.
+
+    Names of parameters remain as they are typed: those that are given, and words such as
+    ``cap.mass``.
+    """
+    first = text.split(maxsplit=1)[0].rstrip(".,:;") if text.strip() else ""
+    typed = first in names or any(each in first for each in ".[_")
+    return f"{text if typed else text[:1].upper() + text[1:]}." if text else ""
 
 
 def numbers(values: Mapping[str, str]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Final
 
 import numpy as np
@@ -91,7 +91,7 @@ def fit_html(result: FitResult) -> str:
         *_figures(result.traces.shots[0], result.predicted[0]),
         table(("parameter", "value"), result.rows()),
         numbers({f"chi2 per sample, {name}": f"{value:.3g}" for name, value in per_sample.items()}),
-        *_notes((result.verdict, *result.warnings, result.loss_note)),
+        *_notes((result.verdict, *result.warnings, result.loss_note), _names(result)),
     )  # fmt: skip
 
 
@@ -101,7 +101,7 @@ def forecast_html(plan: Forecast) -> str:
         "Forecast",
         plan._about,
         table(("parameter", "value"), plan.rows()),
-        *_notes((plan._pulses, *plan.warnings)),
+        *_notes((plan._pulses, *plan.warnings), _names(plan)),
     )
 
 
@@ -162,5 +162,10 @@ def _figures(shot: Shot, models: Sequence[Array | None]) -> list[str]:
     return parts
 
 
-def _notes(texts: Iterable[str]) -> list[str]:
-    return [note(sentence(text)) for text in texts if text]
+def _notes(texts: Iterable[str], names: Collection[str] = ()) -> list[str]:
+    return [note(sentence(text, names)) for text in texts if text]
+
+
+def _names(found: FitResult | Forecast) -> set[str]:
+    """Names of parameters, and of constants that are taken as exact, with which notes may begin."""
+    return {*found.names, *(each.name for each in found.constants)}

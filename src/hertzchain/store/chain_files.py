@@ -387,18 +387,16 @@ class _ChainFile:
 
     def _check_changed_radii(self) -> None:
         """Reject masses and stiffness that would not follow changed radii, as the methods do."""
-        given = [name for name in ("masses", "stiffness") if name in self.table]
+        given = " and ".join(name for name in ("masses", "stiffness") if name in self.table)
         scatter = self.table.get("with_scatter")
+        keys = scatter.keys() if isinstance(scatter, dict) else {"relative"}
         # Random gaps change no radii, and files that hertzchain writes list the radii.
-        kept = isinstance(scatter, dict) and (
-            "radii" in scatter or not {"relative", "grade"} & scatter.keys()
-        )
+        kept = "radii" in keys or not {"relative", "grade"} & keys
         for name in ("with_defects", "with_scatter"):
             if given and name in self.table and not (name == "with_scatter" and kept):
                 raise InputError(
-                    f"[chain] has {' and '.join(given)}, which would not follow the radii that "
-                    f"{name} changes: omit {name} and give the radii and "
-                    f"{' and '.join(given)} of all beads, or omit {' and '.join(given)}"
+                    f"[chain] has {given}, which would not follow the radii that {name} changes: "
+                    f"omit {name} and give the radii and {given} of all beads, or omit {given}"
                 )
 
     def _losses(self, chain: Chain) -> dict[str, Any]:

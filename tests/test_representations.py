@@ -400,6 +400,12 @@ def test_values_have_their_usual_units(value, unit, shown):
     assert measure(value, unit) == shown
 
 
+def test_thousands_have_no_exponent():
+    assert [measure(value, "N", "SI", 3) for value in (964.21, 1483.5, 14835.0)] == [
+        "964 N", "1484 N", "14.8 kN"
+    ]  # fmt: skip
+
+
 BALLS = hc.Chain.from_materials("10 mm", "steel-316", beads=20)
 
 

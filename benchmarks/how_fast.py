@@ -184,7 +184,9 @@ def transits() -> list[Row]:
     calls = {f"{taper.beads}": partial(hc.propagate, taper) for taper in tapers}
     times = long_runs.shortest(calls)
     growth = math.log(times["100000"] / times["1000"]) / math.log(100.0)
-    NOTES.append(f"Growth exponent of `propagate`, 1000 to 100 000 beads: {growth:.2f}")
+    NOTES.append(
+        f"Growth exponent of `propagate`, linear taper, 1000 to 100 000 beads: {growth:.2f}"
+    )
     NOTES.append(python_of_a_pulse())
     return rows
 

@@ -127,7 +127,8 @@ def _taper_of(batch: Batch) -> tuple[float, bool]:
 
 def _continue(batch: Batch, index: int, rtol: float, columns: Array, signal: Indices) -> bool:
     """Compute a long chain if its columns are geometric series."""
-    series = continue_series(batch, index, rtol, lambda head: follow(head, RTOL, signal).columns)
+    finer = min(rtol, RTOL)
+    series = continue_series(batch, index, rtol, lambda head: follow(head, finer, signal).columns)
     if series is None:
         return False
     begin = batch.first[index]

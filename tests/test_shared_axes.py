@@ -102,3 +102,26 @@ def test_axes_of_sweeps_name_parameters_of_losses(loss, name, values, label):
     axis = with_symbols(found.velocity, found).coords[name]
     assert axis_label(axis) == label
     assert coordinate_text(axis[0], name).startswith(label.partition(" [")[0] + " = ")
+
+
+@pytest.mark.parametrize(
+    ("limits", "shown"),
+    [
+        ((1.2e-4, 1.5e-3), ["0.0002", "0.0005", "0.001"]),
+        ((4e-5, 1.5e-3), [r"$\mathdefault{5\times10^{-5}}$", r"$\mathdefault{10^{-4}}$"]),
+        ((9e4, 4e5), [r"$\mathdefault{10^{5}}$", r"$\mathdefault{2\times10^{5}}$"]),
+        ((0.1, 9e4), ["0.1", "1", "10"]),
+    ],
+)
+def test_a_logarithmic_axis_has_labels_in_one_notation(limits, shown):
+    figure, axes = plt.subplots()
+    axes.set_yscale("log")
+    axes.set_ylim(*limits)
+    label_log_axis(axes.yaxis)
+    figure.canvas.draw()
+    ticks = zip(axes.get_yticks(), axes.get_yticklabels(), strict=True)
+    low, high = limits
+    found = [label.get_text() for place, label in ticks if low <= place <= high]
+    assert found[: len(shown)] == shown
+    assert len({"10^" in text for text in found}) == 1
+    plt.close(figure)

@@ -21,19 +21,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.rcsetup import cycler
-from matplotlib.ticker import (
-    FuncFormatter,
-    LogLocator,
-    MaxNLocator,
-    NullLocator,
-    ScalarFormatter,
-)
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, ScalarFormatter
 
 from ..chain.chain import Chain
 from ..errors import InputError
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_list, check_type
 from .colours import COLOURS, grey, style_is_dark
+from .log_labels import PLAIN, OneNotation
 from .widths import figure_size, journal_settings, journal_width, styled, width_in_inches
 
 if TYPE_CHECKING:
@@ -58,8 +53,6 @@ LOG_DIGITS: Final = (
     (6.0, (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)),
     (MAX_PLAIN, (1.0, 2.0, 5.0)),
 )
-# Range of the limits of an axis with more decades, whose ticks remain plain numbers.
-PLAIN: Final = (1e-4, 1e5)
 # Times [s] above which they are in ms, and ratio above which curves need axes of their own.
 LONG, MUCH = 2e-3, 5.0
 # Factors of the labels of time axes in SI units.
@@ -252,7 +245,7 @@ def with_micro(text: str) -> str:
 def label_log_axis(axis: Axis) -> None:
     """Label an axis by plain numbers, such as 0.2, 0.5 and 1, or 0.1, 1 and 10 for more decades.
 
-    Much smaller and larger numbers remain powers of ten.
+    If one of them is much smaller or larger, all of them have powers of ten.
     """
     low, high = sorted(map(float, axis.get_view_interval()))
     if low <= 0.0:
@@ -262,7 +255,7 @@ def label_log_axis(axis: Axis) -> None:
         axis.set_major_locator(LogLocator(subs=digits))
         axis.set_minor_locator(NullLocator())
     if high < MAX_PLAIN * low or (low > PLAIN[0] and high < PLAIN[1]):
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_major_formatter(OneNotation())
 
 
 def label_narrow_axis(axes: Axes) -> None:

@@ -77,7 +77,7 @@ def test_labels_have_the_selected_bead_and_the_symbol_of_the_rate(taper, symbol)
     # Along the beads, no bead is selected.
     assert every.collections[0].colorbar.ax.get_ylabel() == "velocity $v_k$"
     assert every.get_xlabel() == f"rate of the taper ${symbol}$"
-    assert hc.plot_sweep(found, "velocity", rate=0.004).get_title() == "rate = 0.004"
+    assert hc.plot_sweep(found, "velocity", rate=0.004).get_title() == f"${symbol}$ = 0.004"
 
 
 @pytest.mark.parametrize(("chain", "axes", "damped"), [

@@ -189,7 +189,9 @@ def coordinate_text(value: xr.DataArray, name: str) -> str:
     if name == "approach":
         return METHODS.get(value.item(), literal(str(value.item())))
     unit = value.attrs.get("units", "1")
-    label = _parameter(value).removesuffix(f" [{with_micro(unit)}]")
+    # The rate of a taper has its symbol, as in the label of an axis.
+    symbol = value.attrs.get("symbol")
+    label = f"${symbol}$" if symbol else _parameter(value).removesuffix(f" [{with_micro(unit)}]")
     shown = "" if unit == "1" else unit if unit == PERCENT else f" {with_micro(unit)}"
     return f"{label} = {short_value(value.item())}{shown}"
 

@@ -20,6 +20,7 @@ EQUIVALENT: Final = {
     "Dashpot": hc.Dashpot(4.839),
     "UnloadingRatio": hc.UnloadingRatio(0.0975),
     "WaltonBraun": hc.WaltonBraun(0.9025),
+    "ElasticPlastic": hc.ElasticPlastic(yield_pressure="2.2492 GPa"),
 }
 # Those whose restitution does not depend on the speed.
 INTERLEAVED: Final = ("Restitution", "UnloadingRatio", "WaltonBraun")
@@ -30,7 +31,7 @@ def losses() -> Figure:
     balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=20, velocity="0.3 m/s")
     chain = balls.replace(right_wall=hc.Wall())
     speeds, contact = np.geomspace(0.01, 1.0, 61), np.arange(1, 20)
-    dashes = ("-", "--", ":", "-", "--")
+    dashes = ("-", "--", ":", "-", "--", "-.")
     with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.3))
         elastic = hc.simulate(chain).pulse().peak_force
@@ -46,11 +47,14 @@ def losses() -> Figure:
             force = hc.simulate(chain.replace(loss=law)).pulse().peak_force
             right.plot(contact, force[:19], **style)
         left.axvline(0.3, color="0.6", linewidth=0.8)
+        # Far above yield, the restitution of ElasticPlastic is below those of all others.
+        left.set_ylim(0.897, 1.004)
         left.set_xlabel("speed before the collision [m/s]")
         left.set_ylabel("coefficient of restitution")
         colours = {name: COLOURS[i] for i, name in enumerate(EQUIVALENT, 1)}
         left.text(0.035, 0.9705, "Viscoelastic", color=colours["Viscoelastic"])
         left.text(0.035, 0.911, "Dashpot", color=colours["Dashpot"])
+        left.text(0.011, 0.9935, "ElasticPlastic", color=colours["ElasticPlastic"])
         for i, name in enumerate(INTERLEAVED):
             left.text(0.011, 0.9445 - 0.0045 * i, name, color=colours[name])
         right.set_ylim(0.0, None)

@@ -394,3 +394,14 @@ def test_dented_contacts_without_a_force_are_open():
     assert run.closed_contacts.tolist() == again.closed_contacts.tolist() == pressed.tolist()
     # Some contacts have dents, and are open.
     assert (run.dents[1:-1] > 0.0).sum() > len(pressed)
+
+
+def test_a_run_states_that_no_contact_has_yielded():
+    balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=6, velocity="0.3 m/s")
+    elastic, yielding = (
+        repr(hc.simulate(balls.replace(loss=hc.ElasticPlastic(), velocities=[v, *[0.0] * 5])))
+        for v in (0.3, 2.0)
+    )
+    assert "no contact has yielded" in " ".join(elastic.split())
+    assert "yielded" not in yielding
+    assert "yielded" not in repr(hc.simulate(balls))

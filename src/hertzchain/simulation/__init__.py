@@ -7,7 +7,8 @@
 - forces on walls: `wall_force`, the rule for a complete peak in `wall_watch`, and its bounds in
   `wall_bound`;
 - results: `run` and its base classes `trajectory` and `contact_history`, `budget`,
-  `largest_overlaps`, `force_table`, `end_forces`, `yielding` with `yield_range`, `hits`;
+  `largest_overlaps`, `force_table`, `end_forces`, `yielding` with `not_yielded` and `yield_range`,
+  `hits`;
 - the leading pulse: `run_pulse`, `leading_pulse`, `pulse_width`, `tail`, `missing_values`;
 - waves: `waves`, `find_waves`, `wave_events`, `reflection`, `find_reflection`, `energy_flux`,
   `fronts`;

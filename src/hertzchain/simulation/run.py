@@ -22,6 +22,7 @@ from .find_waves import find_waves
 from .force_table import save_forces_of
 from .fronts import fronts_of
 from .leading_pulse import LeadingPulse, leading_pulse_of
+from .not_yielded import elastic_in_words
 from .pulse_width import pulse_width_of
 from .run_message import recommended_horizon
 from .run_pulse import pulse_of
@@ -439,10 +440,9 @@ class Run(ContactHistory):
 
     def __repr__(self) -> str:
         saved = f"{len(self.times)} saved times, energy drift {self.energy_drift:.1e}"
-        # The final velocities of a collision of few beads are often the result.
         unfinished = self._unfinished if self.chain.beads <= FEW else ""
-        return short("Run", self.chain.description, self.message, unfinished, self.prediction,
-                     saved)  # fmt: skip
+        notes = unfinished, elastic_in_words(self.chain, self._furthest_overlaps), self.prediction
+        return short("Run", self.chain.description, self.message, *notes, saved)
 
     def _repr_html_(self) -> str:
         from ..notebook.runs import run_html

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
 from ..representation import measure
+from .not_yielded import NOT_YIELDED
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -69,7 +70,7 @@ def dents_in_words(chain: Chain, overlaps: Array) -> str:
             return ""
         at = int(np.nanargmax(ratios))
         place = contact_name(at, chain.beads)
-        return f"no contact has yielded: pressure / yield {ratios[at]:.2g} at {place}"
+        return f"{NOT_YIELDED}: pressure / yield {ratios[at]:.2g} at {place}"
     at = int(found.argmax())
     factor, unit = (1e6, " um") if chain.units == "SI" else (1.0, "")
     depth = f"{factor * found[at]:.3g}{unit}"

@@ -127,7 +127,8 @@ def test_gains_of_single_shots_name_the_others():
 @pytest.mark.parametrize("factor", [2.0, 10.0])
 def test_times_with_a_wrong_factor_are_named(recorded, run, factor):
     times, samples = recorded
-    with pytest.warns(hc.InputWarning, match=f"last {factor:g} times as long .* sampling interval"):
+    times_as_long = "twice" if factor == 2.0 else "10 times"
+    with pytest.warns(hc.InputWarning, match=f"last {times_as_long} as long .* sampling interval"):
         notes = run.compare(traces_of(factor * times, samples)).notes
     assert not any("reflected pulse" in note for note in notes)
 
@@ -213,3 +214,47 @@ def test_few_samples_before_the_pulse_are_counted(recorded):
     words = "only 1?[0-9] valid samples precede its foot; record at least"
     with pytest.raises(hc.InputError, match=words):
         traces_of(times[early:], seen[early:])
+
+
+@pytest.mark.parametrize("column", [0, 1, 2])
+def test_one_delayed_sensor_is_named(recorded, column):
+    """Its signal is 30 us late; the noise changes arrivals by less than 0.1 us."""
+    times, seen = recorded
+    late = seen.copy()
+    late[:, column] = np.interp(times - 30e-6, times, seen[:, column])
+    found = hc.simulate(CHAIN, until=400e-6, times=4000).compare(traces_of(times, late))
+    (note,) = (each for each in found.notes if "the other sensors" in each)
+    delay = re.match(rf"the measured signal of {NAMES[column][:-4]} is (\d+) us late", note)[1]
+    assert float(delay) == pytest.approx(30.0, abs=1.0)
+
+
+@pytest.mark.parametrize("column", [0, 1, 2])
+def test_one_sensor_with_another_gain_is_named(recorded, run, column):
+    times, seen = recorded
+    factors = np.ones(3)
+    factors[column] = 2.0
+    found = run.compare(traces_of(times, factors * seen))
+    (note,) = (each for each in found.notes if "the other sensors" in each)
+    name = NAMES[column][:-4]
+    assert re.match(rf"the simulated peak of {name} is 0\.(49|5|50)\d* times the measured", note)
+    assert f"check the gain of {name}" in note
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        CHAIN,
+        CHAIN.replace(loss=hc.Viscoelastic(2e-6)),
+        CHAIN.replace(loss=hc.Elastic()),
+        CHAIN.replace(stiffness=0.7 * CHAIN.stiffness),
+        CHAIN.replace(masses=1.3 * CHAIN.masses),
+        CHAIN.replace(velocities=1.5 * CHAIN.velocities),
+        bench(hc.Viscoelastic(0.6e-6), beads=8, behind=3).replace(right_wall=hc.Wall.rigid()),
+    ],
+    ids=["true", "loss", "no loss", "stiffness", "masses", "velocity", "wall"],
+)
+def test_wrong_chains_do_not_make_one_sensor_odd(recorded, other):
+    """A wrong loss changes amplitudes, and a wrong material delays, along the chain."""
+    times, seen = recorded
+    found = hc.simulate(other, until=400e-6, times=4000).compare(traces_of(times, seen))
+    assert not any("the other sensors" in each for each in found.notes)

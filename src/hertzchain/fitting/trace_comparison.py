@@ -39,6 +39,7 @@ from .exchanged_columns import check_contained_or_exchanged, exchange_notes
 from .goodness import EXPLAINED
 from .misread_columns import inversion_notes
 from .misread_times import time_notes
+from .odd_sensors import odd_sensor_notes
 from .sensor_comparison import (
     HEADING,
     SensorComparison,
@@ -359,10 +360,14 @@ def compare_traces(
 def _crest_notes(
     found: TraceComparison, run: Run, columns: Sequence[Array], inside: Array
 ) -> list[str]:
-    """Sentences on crests that are missing or not complete, and on the end of the run."""
+    """Sentences on crests, on the end of the run, and on a sensor that differs from the others."""
     (shot,) = found.traces.shots
     until = float(shot.times[-1]) - found.time_offset
-    return [*missing_notes(found.sensors), *pulse_notes(run, shot, columns, inside, until)]
+    outside = sensors_outside(shot, columns, found.signals)
+    return [
+        *missing_notes(found.sensors), *pulse_notes(run, shot, columns, inside, until),
+        *odd_sensor_notes(found.sensors, shot, inside, outside),
+    ]  # fmt: skip
 
 
 def _suspicious(

@@ -819,3 +819,19 @@ def test_the_impulse_of_an_impact_excludes_that_of_the_static_force(run, tmp_pat
     (tmp_path / "column.toml").write_text(hc.chain_as_toml(column))
     _, out, _ = run("simulate", tmp_path / "column.toml")
     assert f"in the impact above the static force of {weight:.4g} N" in out
+
+
+def test_contacts_of_the_impact_are_not_called_those_of_the_run():
+    """A cap bounces on its spring after the impact."""
+    row = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=8, velocity=0.1)
+    cell = row.replace(right_wall=hc.Wall("50 kN/mm", exponent=1, loss=hc.Elastic()))
+    run = hc.simulate(cell.with_cap("2 g"), until="5 ms", times=20_000)
+    wall, pressed = run.wall_force(), run.forces[:, -1] > 1e-6 * run.forces.max()
+    assert wall.complete_since is not None
+    assert re.search(rf"\s{wall.touches}\s+contacts?\s+in\s+the\s+impact\)$", repr(wall))
+    until = run.times <= wall.complete_since * (1.0 + 1e-9)
+    begins = np.diff(pressed.astype(int)) == 1
+    assert np.count_nonzero(begins[until[1:]]) == wall.touches < np.count_nonzero(begins)
+    with pytest.warns(hc.IncompleteWarning):
+        early = hc.simulate(cell.with_cap("2 g"), until="0.15 ms").wall_force()
+    assert re.search(r"\s\d+\s+contacts?\s+so\s+far\)$", repr(early))

@@ -20,7 +20,7 @@ MIN_SENSORS: Final = 3
 IN_RANGES: Final = 4.0
 # Least difference of the logarithms of amplitudes; that of delays is this part of the travel time
 # from the first sensor to the last, and this multiple of the error of the arrival.
-MIN_AMPLITUDE, OF_TRAVEL, IN_ERRORS = 0.2, 0.02, 5.0
+MIN_AMPLITUDE, OF_TRAVEL, IN_ERRORS = 0.2, 0.05, 5.0
 
 
 def odd_sensor_notes(
@@ -71,8 +71,8 @@ def _amplified(sensors: Sequence[SensorComparison]) -> list[str]:
     others = [each.peak_ratio for each in calibrated if each is not odd]
     return [
         f"the simulated peak of {odd.name} is {shown_ratio(odd.peak_ratio)} the measured one, "
-        f"those of the other sensors are {min(others):.3g} to {max(others):.3g} times the measured ones: "
-        f"check the gain of {odd.name}{_end(odd)}"
+        f"those of the other sensors are {min(others):.3g} to {max(others):.3g} times the measured "
+        f"ones: check the gain of {odd.name}{_end(odd)}"
     ]
 
 

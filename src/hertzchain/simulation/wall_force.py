@@ -89,7 +89,8 @@ class WallForce:
         Momentum of the motion towards the wall at the end of the run, and energy that can still
         reach the wall [scaled, or N s and J].
     touches : int
-        Number of separate contacts with the wall until ``complete_since``, or so far.
+        Number of separate contacts with the wall until ``complete_since``, or so far; later
+        contacts, with smaller forces, are not counted.
     impulse_of_impact : float
         Impulse on the wall until ``complete_since``; NaN if this is `None`.  It includes that of
         the static force; see ``excess_impulse``.
@@ -170,7 +171,8 @@ class WallForce:
             return f"{measure(force, 'N', self.units)} at t = {measure(time, 's', self.units)}"
 
         impulse = f"impulse {measure(self.impulse, 'N s', self.units)} of the whole run"
-        touches = counted(self.touches, "contact") + " with the wall"
+        ended = self.complete_since is not None
+        touches = counted(self.touches, "contact") + f" {'in the impact' if ended else 'so far'}"
         if self.complete:
             known = "" if self.proven else " so far"
             peak = f"peak{known} {at(self.peak, self.peak_time)}; {self._later}"

@@ -1,4 +1,4 @@
-"""Draw the pictures of the documentation of the app: docs/app/*.png.
+"""Draw the pictures of the app and of a notebook in the documentation: docs/app/*.png.
 
     python tools/page/pictures.py
 
@@ -9,8 +9,9 @@ import os
 import shutil
 from pathlib import Path
 
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import Browser, sync_playwright
 
+import hertzchain as hc
 from hertzchain.app.serve import RunningServer
 
 FOLDER = Path(__file__).parents[2] / "docs/app"
@@ -32,6 +33,18 @@ GO_TO = """place => {
 }"""
 
 
+def draw_notebook(browser: Browser) -> None:
+    """The run of docs/how-to/notebooks.md, as a cell shows it."""
+    row = hc.Chain.from_materials(
+        diameters="10 mm", materials="steel-52100", beads=20, right_wall=hc.Wall()
+    )
+    run = hc.simulate(row.struck_by(velocity="0.1 m/s"), until="1 ms", times=2001)
+    page = browser.new_page(viewport={"width": 640, "height": 280}, device_scale_factor=2)
+    page.set_content(f"<body style='font-family:sans-serif;margin:8px'>{run._repr_html_()}</body>")
+    page.screenshot(path=FOLDER / "notebook.png", full_page=True)
+    page.close()
+
+
 def main() -> None:
     """Draw all pictures."""
     FOLDER.mkdir(exist_ok=True)
@@ -40,6 +53,7 @@ def main() -> None:
     with sync_playwright() as playwright:
         options = [] if os.geteuid() else ["--no-sandbox"]
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=options)
+        draw_notebook(browser)
         for name, scheme, width, height, example, place in PICTURES:
             size = {"width": width, "height": height}
             page = browser.new_page(viewport=size, color_scheme=scheme, reduced_motion="reduce")

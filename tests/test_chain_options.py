@@ -258,6 +258,11 @@ def test_simulate_states_the_peak_with_contacts_that_yield(run, tmp_path):
     elastic = json.loads(run(*command, "--json").stdout)
     assert elastic["peak_with_yielding_contacts"] == pytest.approx(stated, rel=1e-4)
     assert stated < 0.7 * elastic["walls"][0]["peak"]
+    # The range ends at the pressure of fully plastic contacts.
+    harder = json.loads(run(*command, "--loss", "elastic-plastic, factor=2.8", "--json").stdout)
+    ends = stated, harder["walls"][0]["peak"]
+    assert elastic["peak_range_with_yielding_contacts"] == pytest.approx(ends, rel=1e-4)
+    assert f"\n    {ends[0]:.3g} to {ends[1]:.3g} N for yield pressures of 1.6 to 2.8 times" in out
     # The peak of the elastic contacts is complete, but not that of those that yield.
     hammered = hc.Chain.from_materials("3 mm", ["steel-52100", "ptfe"] * 2, velocity=0.0)
     hammered = hammered.struck_by(mass=0.2, radius=math.inf, material="steel-304", velocity=0.1)

@@ -1328,6 +1328,12 @@ def test_digits_of_a_scatter_follow_its_standard_deviation(run):
     # Balls of grade 10 vary by 0.1 um: the force in ppm.
     command = ("scatter", *BALLS, "--grade", 10, "--chains", 30)
     found = json.loads(run(*command, "--json")[1])
+    for name in ("G10", "g10"):
+        same = ("scatter", *BALLS, "--grade", name, "--chains", 30, "--json")
+        assert json.loads(run(*same)[1])["values"] == found["values"]
+    code, _, err = run("scatter", *BALLS, "--grade", "X10")
+    assert code == 2
+    assert "'X10' is not a grade, such as 100 or G100" in err
     rows = {line[2:20].strip(): line[20:].split() for line in run(*command)[1].splitlines()[2:]}
     deviation, unit, percent = rows["standard deviation"]
     assert (unit, percent[-1]) == ("N", "%")

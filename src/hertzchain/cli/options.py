@@ -35,6 +35,20 @@ class Fraction(click.ParamType):  # type: ignore[type-arg]
         return value if isinstance(value, float) else fraction_from(option, value)
 
 
+class Grade(click.ParamType):  # type: ignore[type-arg]
+    """A grade of balls, such as 10 or G10."""
+
+    name = "integer"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """Convert the text of an option, with or without the letter of ISO 3290-1."""
+        text = str(value).strip()
+        try:
+            return int(text[1:] if text[:1] in ("G", "g") else text)
+        except ValueError:
+            self.fail(f"{text!r} is not a grade, such as 100 or G100", param, ctx)
+
+
 class StrictCommand(click.Command):
     """A command that rejects options given twice, of which Click would use the last."""
 

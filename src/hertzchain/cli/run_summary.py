@@ -19,6 +19,7 @@ from ..simulation.yielding import (
 from .last_bead import final_velocities_line, last_bead_line, last_bead_of
 from .output import show_table
 from .wording import on_command_line
+from .yield_range import Ends, range_as_dict, range_in_words, range_lines
 
 if TYPE_CHECKING:
     from ..chain.bead_names import Side
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from ..simulation.run import Run
     from ..simulation.sensor_force import SensorForce
     from ..simulation.wall_force import WallForce
+    from ..simulation.yielding import WithYield
 
 
 def run_as_dict(
@@ -36,9 +38,8 @@ def run_as_dict(
     from ..store.results import document_of
     from .contact_tables import contacts_as_dict
     from .wave_tables import horizon_as_dict, waves_as_list
-    from .yield_range import range_as_dict
 
-    described, peak = document_of(run.chain), peak_with_yielding_contacts(run)
+    described, (peak, harder) = document_of(run.chain), _peaks_if_yielding(run)
     document: dict[str, object] = {
         **{name: described.pop(name) for name in ("schema_version", "hertzchain_version")},
         "status": run.status,
@@ -58,6 +59,9 @@ def run_as_dict(
         "last_bead": last_bead_of(run),
         "final_velocities": run.state.velocities.tolist(),
         "peak_with_yielding_contacts": None if peak is None else peak.value,
+        "peak_range_with_yielding_contacts": None
+        if peak is None or harder is None
+        else [peak.value, harder.value],
         "yielding_overlap_ratio": None if peak is None else peak.overlap_ratio,
         "yielding_within_range": None if peak is None else not peak.outside,
         "yield_pressure_range": range_as_dict(run, other, beads),
@@ -101,7 +105,6 @@ def show_run(
     from ..simulation.run_message import LONG_RUN, transits_between_walls
     from .contact_tables import contact_table
     from .wave_tables import wave_table
-    from .yield_range import range_lines
 
     click.echo(f"{run.chain.description}{_impact(run.chain)}\n{on_command_line(run.message)}")
     click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
@@ -152,15 +155,30 @@ def show_run(
         click.echo(run.budget())
 
 
-def _if_yielding(run: Run) -> list[str]:
-    """A line with the peak if contacts yield, for elastic ones beyond first yield."""
-    from ..representation import measure
+def _peaks_if_yielding(run: Run) -> tuple[WithYield | None, WithYield | None]:
+    """Peaks if contacts yield at the smallest and at the largest possible pressure."""
+    from ..chain.yield_pressure import FULLY_PLASTIC
 
     if (peak := peak_with_yielding_contacts(run)) is None:
+        return None, None
+    return peak, peak_with_yielding_contacts(run, factor=FULLY_PLASTIC)
+
+
+def _if_yielding(run: Run) -> list[str]:
+    """Lines with the peaks if contacts yield, for elastic ones beyond first yield."""
+    from ..representation import measure
+
+    peak, harder = _peaks_if_yielding(run)
+    if peak is None:
         return []
     shown = measure(peak.value, "N", run.chain.units, 5)
     outside = f", {peak.caution}" if peak.outside else ""
-    return [f"  peak with contacts that yield: {shown} (--loss elastic-plastic){outside}"]
+    lines = [f"  peak with contacts that yield: {shown} (--loss elastic-plastic){outside}"]
+    if harder is not None and not peak.outside:
+        several = peak.several_pulses or harder.several_pulses
+        ends = Ends("", "N", peak.value, harder.value, several)
+        lines.append(f"    {range_in_words(ends, run.chain.units)}")
+    return lines
 
 
 def strikers_of(run: Run) -> list[dict[str, float]]:

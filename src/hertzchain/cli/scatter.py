@@ -11,6 +11,7 @@ import click
 from .chain_options import ChainOptions, chain_from, chain_options
 from .exit_codes import DONE, FAILED
 from .options import (
+    Grade,
     StrictCommand,
     as_typed,
     figure_option,
@@ -43,10 +44,10 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 )
 @click.option(
     "--grade",
-    type=int,
-    help="Grade of the balls by ISO 3290-1, 3 to 200, instead of --scatter: diameters are "
-    "uniformly distributed over the variation within a lot, 0.5 um (nominal +-0.25 um) for grade "
-    "10 and 5 um for grade 100.",
+    type=Grade(),
+    help="Grade of the balls by ISO 3290-1, 3 to 200 (or G3 to G200), instead of --scatter: "
+    "diameters are uniformly distributed over the variation within a lot, 0.5 um (nominal +-0.25 "
+    "um) for grade 10 and 5 um for grade 100.",
 )
 @click.option(
     "--gaps",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from ..simulation.yield_range import at_fully_plastic_pressure, depends_on_yield_pressure
 from .progress import progress_bar
@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from ..simulation.run import Run
 
 PAGE = 'see "How certain is a force?" in the documentation'
+
+THOUSAND: Final = 999.5
 
 
 class Ends(NamedTuple):
@@ -85,17 +87,25 @@ def range_as_dict(run: Run, other: Run | None, beads: Sequence[int]) -> dict[str
 
 def range_lines(run: Run, other: Run | None, beads: Sequence[int]) -> list[str]:
     """Lines with values at both yield pressures; none if nothing yields at an assumed one."""
-    from ..chain.yield_pressure import ASSUMED_PRESSURE, BETWEEN, OTHER_PRESSURE
-    from ..representation import measure
+    from ..chain.yield_pressure import ASSUMED_PRESSURE, OTHER_PRESSURE
 
     if not depends_on_yield_pressure(run):
         return []
     lines = [on_command_line(f"{ASSUMED_PRESSURE} ({OTHER_PRESSURE.removeprefix('use ')}); {PAGE}")]
-    for each in ends_of_range(run, other, beads):
-        values = each.assumed, each.other
-        low, high = (measure(value, each.unit, run.chain.units, 3) for value in values)
-        if low.rpartition(" ")[2] == high.rpartition(" ")[2]:
-            low = low.rpartition(" ")[0]
-        between = "; values between can be outside this range" if each.irregular else ""
-        lines.append(f"  {each.name}: {low} to {high} for yield pressures of {BETWEEN}{between}")
-    return lines
+    found = ends_of_range(run, other, beads)
+    return lines + [f"  {each.name}: {range_in_words(each, run.chain.units)}" for each in found]
+
+
+def range_in_words(ends: Ends, units: str) -> str:
+    """The values at both yield pressures, and these pressures."""
+    from ..chain.yield_pressure import BETWEEN
+    from ..representation import measure
+
+    values = ends.assumed, ends.other
+    # Without an exponent, thousands have four digits.
+    digits = 4 if max(map(abs, values)) >= THOUSAND else 3
+    low, high = (measure(value, ends.unit, units, digits) for value in values)
+    if low.rpartition(" ")[2] == high.rpartition(" ")[2]:
+        low = low.rpartition(" ")[0]
+    between = "; values between can be outside this range" if ends.irregular else ""
+    return f"{low} to {high} for yield pressures of {BETWEEN}{between}"

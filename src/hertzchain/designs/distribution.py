@@ -319,7 +319,7 @@ def distribution(
     reason = next(iter(simulated.reasons), missing) if failed else ""
     return Distribution(
         chain, deviations, str(measure), float(nominal), good, failed, outside, reason,
-        *value_if_yielding(chain, measure, overlaps, until),
+        *value_if_yielding(chain, measure, overlaps, until)[:2],
     )  # fmt: skip
 
 

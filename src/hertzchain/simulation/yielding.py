@@ -23,10 +23,14 @@ MAX_BEADS: Final = 100
 
 
 class WithYield(NamedTuple):
-    """A value with contacts that yield, and the largest overlap / radius of their run."""
+    """A value with contacts that yield, and the largest overlap / radius of their run.
+
+    A force on a wall may have several pulses, of which each can be the largest.
+    """
 
     value: float
     overlap_ratio: float
+    several_pulses: bool = False
 
     @property
     def outside(self) -> bool:
@@ -179,9 +183,15 @@ def dented_chain(chain: Chain) -> Chain | None:
     return with_yield(chain, ElasticPlastic()) if chain.lossless else None
 
 
-def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> WithYield | None:
-    """Peak on the right wall of an elastic run that yields; `None` if it is not complete."""
+def peak_with_yielding_contacts(
+    run: Run, progress: Progress | None = None, *, factor: float | None = None
+) -> WithYield | None:
+    """Peak on the right wall of an elastic run that yields; `None` if it is not complete.
+
+    ``factor`` is the yield pressure over the yield strength if it is not that of first yield.
+    """
     from ..chain.hertz_range import hertz_range
+    from ..chain.yield_pressure import with_factor
     from .simulate import simulate
 
     chain = run.chain
@@ -192,6 +202,8 @@ def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> W
     dented = dented_chain(chain)
     if dented is None or not may_dent(hertz_range(chain, run.largest_overlaps)):
         return None
+    if factor is not None:
+        dented = with_factor(dented, factor)
     with ignore_warnings():  # those of the elastic run are shown
         try:
             again = simulate(dented, times=0, check=False, progress=progress)
@@ -200,4 +212,5 @@ def peak_with_yielding_contacts(run: Run, progress: Progress | None = None) -> W
         wall = again._wall_force("right")
     if not wall.complete:
         return None
-    return WithYield(wall.peak, largest_overlap_ratio(dented, again.largest_overlaps))
+    ratio = largest_overlap_ratio(dented, again.largest_overlaps)
+    return WithYield(wall.peak, ratio, wall.touches > 1)

@@ -321,5 +321,8 @@ def test_a_free_end_has_no_contact():
         for ask in (run.force, run.overlap):
             with pytest.raises(hc.InputError, match=f"the {side} end of .* add a {side}_wall"):
                 ask(contact)
-    with pytest.raises(hc.InputError, match="contact must be a whole number from 0 to 5, got 6"):
+    with pytest.raises(
+        hc.InputError,
+        match="from 0 to 5, where 0 and 5 are walls, got 6",
+    ):
         run.force(6)

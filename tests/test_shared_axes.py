@@ -74,6 +74,7 @@ def test_logarithmic_axes_have_plain_numbers_of_a_usual_size(limits, shown):
     ("loss", "name", "values", "label"),
     [
         ({"law": "restitution"}, "coefficient", [0.9, 1.0], "coefficient of restitution"),
+        ({"law": "elastic-plastic"}, "factor", [1.6, 2.8], "yield pressure / yield strength"),
         ({"law": "viscoelastic"}, "time", ["1 us", "2 us"], "relaxation time [µs]"),
         ({"law": "dashpot"}, "gamma", [0.1, 0.2], r"damping $\gamma$"),
         ({"law": "velocity-power", "gamma": 0.1}, "alpha", [1.2, 1.8],

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..errors import InputError, short_repr
 from ..validation.keywords import checked_arguments, checked_fields, checked_methods
-from ..validation.numbers import has_unit, number, whole_number
+from ..validation.numbers import contact_number, has_unit, number
 from .fields import ChainFields
 from .input_checks import warn_soft
 from .materials import contact_modulus
@@ -296,7 +296,7 @@ def with_contacts(self: C, shapes: Shape | Mapping[int, Shape]) -> C:
     walls = {0: ("left_wall", 0), last: ("right_wall", -1)}
     changes: dict[str, Any] = {}
     for contact, shape in given.items():
-        c = whole_number("number of a contact", contact, least=0, most=last)
+        c = contact_number(contact, last, "number of a contact")
         if not isinstance(shape, Shape):
             raise InputError(
                 f"the shape of contact {c} must be a CrossedCylinders, Cone or Pad, got "

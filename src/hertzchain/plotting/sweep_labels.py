@@ -34,7 +34,8 @@ OF_LOSSES: Final = MappingProxyType({
     "coefficient": "coefficient of restitution", "restitution": "coefficient of restitution",
     "time": "relaxation time", "gamma": r"damping $\gamma$",
     "alpha": r"exponent $\alpha$ of damping",
-    "yield_pressure": "yield pressure", "yield_overlap": "overlap at yield",
+    "yield_pressure": "yield pressure", "factor": "yield pressure / yield strength",
+    "yield_overlap": "overlap at yield",
     "speed": "speed of the collision", "law": "law of loss", "attractive": "loss with pull",
 })  # fmt: skip
 RATIOS: Final = MappingProxyType({

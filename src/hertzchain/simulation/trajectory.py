@@ -23,7 +23,7 @@ from ..frozen import ShortDir
 from ..pulse.quantities import BEAD_QUANTITIES, RUN_QUANTITIES, TIME
 from ..representation import counted
 from ..validation.keywords import checked_methods
-from ..validation.numbers import whole_number
+from ..validation.numbers import contact_number
 from .budget import overlaps_of
 from .end_forces import force_on_end, static_forces_around
 from .largest_overlaps import largest_between, still_closed
@@ -257,7 +257,7 @@ class Trajectory(ShortDir):
 
     def _joined(self, contact: int, what: str) -> int:
         """Number of a contact that is not at a free end."""
-        k = whole_number("contact", contact, least=0, most=self.chain.beads)
+        k = contact_number(contact, self.chain.beads)
         if self.chain.contact_stiffness[k] == 0.0:
             side = "left" if k == 0 else "right"
             raise InputError(

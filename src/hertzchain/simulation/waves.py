@@ -14,7 +14,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import measure, short, wrapped
 from ..validation.keywords import checked_methods
-from ..validation.numbers import whole_number
+from ..validation.numbers import contact_number, whole_number
 from .wave_events import MIN_SAMPLES, WaveEvent
 
 if TYPE_CHECKING:
@@ -312,7 +312,7 @@ class Waves:
         >>> [event.direction for event in waves.at(20)]
         [1]
         """
-        k = whole_number("contact", contact, least=0, most=self.chain.beads)
+        k = contact_number(contact, self.chain.beads)
         return tuple(event for event in self.events if event.contact == k)
 
     def to_dataframe(self) -> pd.DataFrame:

@@ -27,7 +27,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..representation import measure, short
 from ..validation.keywords import checked_arguments, checked_methods
-from ..validation.numbers import bounded_numbers, whole_number
+from ..validation.numbers import bounded_numbers, contact_number, whole_number
 from .eigenmodes import eigenmodes
 from .host_bands import HostBands
 from .linear_contacts import LinearContacts, linear_contacts
@@ -206,7 +206,7 @@ class Spectrum(HostBands):
         array([1., 0.])
         """
         response = Response(self.contacts, self._angular(frequencies))
-        c = whole_number("contact", contact, least=0, most=self.chain.beads)
+        c = contact_number(contact, self.chain.beads)
         if self.contacts.springs[c] == 0.0:
             raise InputError(
                 f"contact {c} carries no force, because no wall touches the chain at this end; "

@@ -190,8 +190,17 @@ def _as_typed(value: Any, given: float) -> str:
     return repr(value) if isinstance(value, str) else f"{given:g}"
 
 
-def whole_number(what: str, value: object, *, least: int, most: int | None = None) -> int:
-    """Check that a value is a whole number within its bounds."""
+def contact_number(value: object, beads: int, what: str = "contact") -> int:
+    """Check the number of a contact of a chain, walls included."""
+    return whole_number(
+        what, value, least=0, most=beads, meaning=f", where 0 and {beads} are walls"
+    )
+
+
+def whole_number(
+    what: str, value: object, *, least: int, most: int | None = None, meaning: str = ""
+) -> int:
+    """Check that a value is a whole number within its bounds, whose meaning can be stated."""
     _reject_masked(what, value)
     try:
         count = least - 1 if isinstance(value, bool) else operator.index(value)  # type: ignore[arg-type]
@@ -200,7 +209,7 @@ def whole_number(what: str, value: object, *, least: int, most: int | None = Non
     if most is None and count > MAX_INDEX:
         raise InputError(f"{what} is too large; whole numbers have at most 63 bits")
     if count < least or (most is not None and count > most):
-        bounds = f"of at least {least}" if most is None else f"from {least} to {most}"
+        bounds = f"of at least {least}" if most is None else f"from {least} to {most}{meaning}"
         near = isinstance(value, float) and least <= value <= (MAX_INDEX if most is None else most)
         hint = whole_hint(value) if near else ""
         raise InputError(f"{what} must be a whole number {bounds}, got {short_repr(value)}{hint}")

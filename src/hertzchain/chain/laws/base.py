@@ -21,7 +21,7 @@ from ...errors import InputError, InputWarning, short_repr, warn_user
 from ...kernels.law_kinds import LawRow
 from ...units import UNITS
 from ...validation.keywords import checked_arguments
-from ...validation.numbers import FRACTION, SCALED, has_unit, number, whole_number
+from ...validation.numbers import FRACTION, SCALED, contact_number, has_unit, number
 from ...validation.objects import check_bool, check_type
 from ..input_checks import checked_exponent
 from ..parts import Part
@@ -412,7 +412,7 @@ def _contact_of(chain: Any, contact: int) -> ContactArrays:
     groups = getattr(chain, "contact_groups", None)
     if groups is None:
         raise InputError(f"chain must be a Chain, got {short_repr(chain)}")
-    k = whole_number("contact", contact, least=0, most=chain.beads)
+    k = contact_number(contact, chain.beads)
     group = next(each for each in groups if k in each.index)
     found: ContactArrays = group.contacts.only(np.flatnonzero(group.index == k))
     if not found.stiffness[0]:

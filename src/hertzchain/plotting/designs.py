@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 NARROW_LABEL, LABEL = 18, 27
 PANEL, ENLARGED, LABELS_OF_BEADS = 1.7, 0.7, 0.9
 # Largest height of both rows of beads [inch], and their part of the width of a figure.
-MAX_BEADS, PART = 1.6, 0.8
+MAX_BEADS, PART = 2.4, 0.8
 # Name of the design among the compared chains.
 DESIGN: Final = "design"
 PLUS_MINUS: Final = "\N{PLUS-MINUS SIGN}"

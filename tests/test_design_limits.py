@@ -134,3 +134,16 @@ def test_the_range_of_the_law_is_stated_beside_the_value():
     assert repr(found).startswith("DesignResult(maximum of largest_velocity@last: ")
     free = hc.Design(chain, minimise="largest_velocity@last", vary=problem.vary)
     assert str(free.objective) == "minimum of largest_velocity@last"
+
+
+def test_lengths_of_designs_are_short_in_files():
+    chain = hc.Chain.from_materials("5 mm", "steel-52100", beads=4, velocity=0.1)
+    vary = [hc.vary.radii("1.1 mm", "5.3 mm", beads="2:"), hc.vary.gaps("1 um", "5 um")]
+    found = hc.design(hc.Design(chain, maximise="velocity@last", vary=vary), budget=300, seed=1)
+    text = hc.chain_as_toml(found.chain)
+    sizes = re.findall(r'"(\S+) mm"', text)
+    assert len(sizes) >= 4
+    assert max(len(size.replace(".", "").lstrip("0")) for size in sizes) <= 9
+    # The values are those of the chain in the file.
+    again = hc.simulate(hc.chain_from_toml(text), rtol=1e-11).pulse().velocity[-1]
+    assert again == pytest.approx(found.value, rel=1e-9)

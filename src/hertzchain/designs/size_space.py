@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
+from ..validation.numbers import number
 from .sizes import NOUNS, Block, Sizes, check_sizes_vary
+
+# Factors of lengths in chain files, which have diameters, and their number of digits.
+IN_FILES: Final = {"radii": 2.0, "gaps": 1.0}
+DIGITS: Final = 9
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +57,25 @@ class SizeSpace:
     def chain_of(self, x: Array) -> Chain:
         """The chain at a point."""
         return self.chain.replace(**self._changes(x))
+
+    def with_short_sizes(self, chain: Chain) -> Chain:
+        """The chain with lengths that vary rounded, so that files state them as 3 mm, for example.
+
+        Scaled chains and masses are not changed.
+        """
+        if chain.units != "SI":
+            return chain
+        changes: dict[str, Array] = {}
+        for block in self.blocks:
+            if block.field not in IN_FILES:
+                continue
+            factor = IN_FILES[block.field]
+            values = changes.get(block.field)
+            values = np.array(getattr(chain, block.field)) if values is None else values
+            texts = [f"{factor * size * 1e3:.{DIGITS}g} mm" for size in values[block.places]]
+            values[block.places] = [number("size", each, unit="m") / factor for each in texts]
+            changes[block.field] = values
+        return chain.replace(**changes)
 
     def radii(self, x: Array) -> Array:
         """The radii at a point, without checks of the chain."""

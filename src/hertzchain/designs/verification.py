@@ -12,6 +12,7 @@ import numpy as np
 from ..kernels.compile_notice import write_current
 from ..simulation.slow_run import INTERVAL
 from .new_samples import sampled_values, summary_of_samples
+from .size_space import SizeSpace
 from .verified import RTOL, Verified, excess_with_scatter, quietly
 
 if TYPE_CHECKING:
@@ -40,6 +41,8 @@ class Verification:
         if key not in trials.verified:
             problem = trials.problem
             chain, price = problem.space.chain_of(outcome.x), problem.space.price(outcome.x)
+            if isinstance(problem.space, SizeSpace):
+                chain = problem.space.with_short_sizes(chain)
             trials.verified[key] = quietly(problem, chain, price, None, self._report_chain)
         return trials.verified[key]
 

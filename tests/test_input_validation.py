@@ -239,6 +239,7 @@ def public_calls(folder):
         "Chain.struck_by": tried(
             chain.struck_by, velocity=1.0, radius=1.0, mass=1.0, stiffness=1.0, count=1, gap=0.0
         ),
+        "Chain.struck_by, by height": tried(balls.replace(velocities=None).struck_by, height=0.01),
         "Chain.struck_by, by diameter": tried(chain.struck_by, diameter=2.0),
         "Chain.struck_by, of a material": tried(
             balls.replace(velocities=None).struck_by, material="brass"
@@ -247,7 +248,7 @@ def public_calls(folder):
         "Chain.with_cap, by frequency": tried(
             chain.replace(right_wall=hc.Wall(1.0, exponent=1)).with_cap, frequency=0.5
         ),
-        "Chain.with_cap, of a material": tried(balls.with_cap, mass=1.0, material="brass"),
+        "Chain.with_cap, of a material": tried(balls.with_cap, mass=0.01, material="brass"),
         "Chain.replace": tried(chain.replace, gravity=0.0),
         "Chain.loading_force": tried(chain.loading_force, overlaps=[0.1] * (chain.beads - 1)),
         "Chain.with_contacts": tried(balls.with_contacts, shapes=hc.Cone(60.0)),

@@ -4,8 +4,10 @@ import warnings
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import hertzchain as hc
+from hertzchain.cli import cli
 
 K = np.arange(90)
 TAPERS = {
@@ -265,3 +267,42 @@ def test_a_number_of_strikers_that_may_be_grams_is_questioned(run, count, questi
     found = run("simulate", "--material", "brass", "--diameter", "9mm", "--beads", 5,
                 "--speed", "0.1m/s", "--striker", count, "--until", "20us")  # fmt: skip
     assert (f"for a mass, write, for example, --striker '{count} g'" in found.stderr) is questioned
+
+
+def test_the_height_of_a_fall_determines_the_velocity():
+    """A ball dropped from 5 mm; a body under gravity falls this distance in the same time."""
+    row = hc.Chain.from_materials(diameters="10 mm", materials="brass", beads=5)
+    struck = row.struck_by(height="5 mm", mass="4 g")
+    duration = (2.0 * 5e-3 / 9.80665) ** 0.5
+    assert struck.velocities[0] == pytest.approx(9.80665 * duration, rel=1e-14)
+    text = '[chain]\ndiameters = "10 mm"\nmaterials = "brass"\nbeads = 5\n[chain.struck_by]\n'
+    read = hc.chain_from_toml(text + 'height = "5 mm"\nmass = "4 g"')
+    assert read == struck
+    assert hc.chain_from_toml(hc.chain_as_toml(read)) == read
+    with pytest.raises(hc.InputError, match="a velocity or a height to fall from, not both"):
+        hc.chain_from_toml(text + 'height = "5 mm"\nvelocity = "1 m/s"')
+    with pytest.raises(hc.InputError, match="height requires a chain in SI units"):
+        hc.Chain.uniform(5).struck_by(height=1.0)
+    with pytest.raises(hc.InputError, match="height of the strikers"):
+        row.struck_by(height=-1.0)
+
+
+def test_the_height_of_a_fall_on_the_command_line():
+    row = [
+        "simulate",
+        "--material",
+        "steel-52100",
+        "--diameter",
+        "10 mm",
+        "--beads",
+        "5",
+        "--striker",
+    ]
+    done = CliRunner().invoke(cli, [*row, "4 g, height=0.2 mm"])
+    assert done.exit_code == 0
+    assert f"{(2.0 * 9.80665 * 2e-4) ** 0.5:.4g} m/s" in done.output
+    done = CliRunner().invoke(cli, [*row, "4 g, height=0.2 mm", "--speed", "1 m/s"])
+    assert "has a height to fall from" in " ".join(done.output.split())
+    assert done.exit_code == 2
+    done = CliRunner().invoke(cli, [*row, "4 g, height=5"])
+    assert "height of --striker 5 has no unit; write" in " ".join(done.output.split())

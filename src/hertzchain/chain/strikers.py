@@ -30,6 +30,8 @@ from .striker_properties import SPHERE, UNKNOWN_STIFFNESS, StrikerProperties, fa
 HEAVY, HEAVY_KG = 1000.0, 1.0
 # The same of a sphere whose mass has no unit.
 HEAVY_SPHERE = 100.0
+# Standard gravity [m/s^2], and the largest height to fall from [m].
+EARTH, MAX_FALL = 9.80665, 1e6
 C = TypeVar("C", bound=ChainFields)
 
 
@@ -37,7 +39,8 @@ C = TypeVar("C", bound=ChainFields)
 def struck_by(
     self: C,
     *,
-    velocity: float = 1.0,
+    velocity: float | None = None,
+    height: float | None = None,
     radius: float | None = None,
     diameter: float | None = None,
     mass: float | None = None,
@@ -46,7 +49,7 @@ def struck_by(
     count: int = 1,
     gap: float = 0.0,
 ) -> C:
-    """Return the chain at rest, to be hit by strikers from the left.
+    r"""Return the chain at rest, to be hit by strikers from the left.
 
     The impact on the first bead is then omitted, with a warning if its velocity was given, such as
     ``velocity`` of `Chain.from_materials`.
@@ -56,8 +59,12 @@ def struck_by(
 
     Parameters
     ----------
-    velocity : float
-        Velocity of the strikers [scaled, or m/s].
+    velocity : float, optional
+        Velocity of the strikers [scaled, or m/s]; 1 by default.
+    height : float, optional
+        Height h from which the strikers fall [m], instead of their velocity
+        :math:`v = \sqrt{2gh}` with g = 9.80665 m/s^2, in an SI chain.  It may also be that of a
+        pendulum.
     radius : float, optional
         Radius of a striker [scaled, or m].  If only a mass is given, the default is the
         radius of a sphere of this mass.  An infinite radius, or ``"flat"``, is a flat face,
@@ -101,6 +108,12 @@ def struck_by(
     >>> chain.masses[:3], chain.velocities[:3]
     (array([4., 1., 1.]), array([1., 0., 0.]))
 
+    A ball that falls from 5 mm:
+
+    >>> row = hc.Chain.from_materials(diameters="10 mm", materials="brass", beads=5)
+    >>> row.struck_by(height="5 mm").velocities[0].round(4)
+    np.float64(0.3132)
+
     A 50 g piston with a flat steel face hits a chain of brass balls:
 
     >>> balls = hc.Chain.from_materials(5e-3, "brass", beads=20)
@@ -117,8 +130,7 @@ def struck_by(
         radius = _half(diameter, self._unit("m"))
     plain = mass if isinstance(mass, Real) else 0.0
     own, radius, mass, drawn = _striker(self, radius, mass, material)
-    speed = number("velocity of the strikers", velocity, unit=self._unit("m/s"), least=0.0,
-                   most=MAX_VELOCITY, hint="positive velocities are towards the chain")  # fmt: skip
+    speed = _speed(self, velocity, height)
     distance = number("gap", gap, unit=self._unit("m"), least=0.0, most=MAX_GAP, hint=GAP_HINT)
     _warn_heavy(self, drawn, mass, plain=0.0 if math.isinf(radius) else plain)
     behind = _velocities_without_impact(self)
@@ -230,6 +242,20 @@ def _striker(
 def _infinite_if_flat(size: float | None) -> float | None:
     """Infinity instead of the text of a flat face."""
     return math.inf if isinstance(size, str) and size in FLAT_FACES else size
+
+
+def _speed(chain: ChainFields, velocity: float | None, height: float | None) -> float:
+    """Velocity of strikers, also from the height from which they fall."""
+    if height is None:
+        return number("velocity of the strikers", 1.0 if velocity is None else velocity,
+                      unit=chain._unit("m/s"), least=0.0, most=MAX_VELOCITY,
+                      hint="positive velocities are towards the chain")  # fmt: skip
+    if velocity is not None:
+        raise InputError("strikers have a velocity or a height to fall from, not both: omit one")
+    if chain.scaled:
+        raise InputError("height requires a chain in SI units; give the velocity of the strikers")
+    fall = number("height of the strikers", height, unit="m", least=0.0, most=MAX_FALL)
+    return math.sqrt(2.0 * EARTH * fall)
 
 
 def _half(diameter: float, unit: str) -> float:

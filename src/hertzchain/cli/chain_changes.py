@@ -48,9 +48,17 @@ def at_speed(chain: Chain, speed: str) -> Chain:
     return chain.replace(velocities=np.where(moving, value, 0.0))
 
 
-def struck(chain: Chain, striker: str) -> Chain:
-    """The chain struck by beads like its first one or by others, at the velocity of its impact."""
+def struck(chain: Chain, striker: str, speed: str | None) -> Chain:
+    """The chain struck by beads like its first one or by others, at the velocity of its impact.
+
+    This is ``speed`` if it is given, and that from a height of the striker instead.
+    """
     given = _striker(striker, chain)
+    if "height" in given and speed is not None:
+        raise click.UsageError(
+            f"--striker {striker!r} has a height to fall from, which determines the speed: omit it "
+            "or --speed"
+        )
     if chain.strikers:
         raise click.UsageError("--striker adds strikers, but the file has some: change them there")
     if chain.drive is not None:
@@ -58,7 +66,7 @@ def struck(chain: Chain, striker: str) -> Chain:
             "--striker replaces the impact of bead 1, but the chain of the file has a drive: add "
             "strikers to the file"
         )
-    if not chain.velocities.any():
+    if not chain.velocities.any() and "height" not in given:
         raise click.UsageError(
             "--striker requires the velocity of the impact, and no bead of the file moves: add "
             "--speed"
@@ -73,8 +81,9 @@ def struck(chain: Chain, striker: str) -> Chain:
             f"--striker requires a speed towards the chain, above 0, but that of the impact is "
             f"{chain.velocities[0]:g}: give a positive --speed"
         )
-    velocity = float(chain.velocities[0])
-    return chain.replace(velocities=None).struck_by(velocity=velocity, **given)
+    if "height" not in given:
+        given["velocity"] = float(chain.velocities[0])
+    return chain.replace(velocities=None).struck_by(**given)
 
 
 def _striker(text: str, chain: Chain) -> dict[str, Any]:
@@ -91,6 +100,9 @@ def _striker(text: str, chain: Chain) -> dict[str, Any]:
             key, value = "count", whole_number("--striker", int(part), least=1)
         elif part == "flat":
             key, value = "radius", part
+        elif part.startswith("height="):
+            key, value = "height", part.removeprefix("height=").strip()
+            require_unit("height of --striker", value, "m", "mm")
         elif found is not None and has_dimension(found[1], "kg"):
             key, value = "mass", part
         elif found is not None and has_dimension(found[1], "m"):
@@ -99,8 +111,8 @@ def _striker(text: str, chain: Chain) -> dict[str, Any]:
             key, value = "material", part
         else:
             raise click.UsageError(
-                "--striker must be a number of beads like the first, or a mass, a diameter, flat "
-                f"or a material, such as --striker '50 g, flat', got {part!r}"
+                "--striker must be a number of beads like the first, or a mass, a diameter, flat, "
+                f"a material or height=..., such as --striker '50 g, flat', got {part!r}"
             )
         if key in given:
             raise click.UsageError(f"--striker {text!r} has two values of the {key}: omit one")

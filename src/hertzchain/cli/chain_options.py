@@ -42,7 +42,8 @@ IMPACT: Final = (
         "--striker",
         metavar="STRIKER",
         help="Add a striker, which hits the chain at rest: a number of beads like the first, or a "
-        "mass, a diameter, flat, a material or several of these, such as '30 g' or '50 g, flat'.  "
+        "mass, a diameter, flat, a material or several of these, such as '30 g' or '50 g, flat'; "
+        "'height=5 mm' is that of its fall, instead of --speed.  "
         "[default: bead 1 moves]",
     ),
 )
@@ -219,7 +220,7 @@ def _changed(chain: Chain, options: ChainOptions, file: Path | None = None) -> C
     If the losses do not suit the chain of a file, the error names the file.
     """
     if options.striker is not None:
-        chain = struck(chain, options.striker)
+        chain = struck(chain, options.striker, options.speed)
     if options.wall is not None:
         chain = chain.replace(right_wall=wall_named(options.wall, chain))
     if options.gravity is not None:

@@ -149,6 +149,8 @@ _SCATTER: Final = (
 )
 _STRUCK_BY: Final = (
     _number("velocity", "velocity of the strikers", "velocity", default=1.0),
+    _number("height", "height from which the strikers fall, instead of their velocity", "length",
+            least=0.0),
     _number("radius", "radius of a striker; inf or 'flat' is a flat face", "length", above=0.0),
     _number("diameter", "diameter of a striker, instead of its radius", "length", above=0.0),
     _number("mass", "mass of a striker", "mass", above=0.0),
@@ -156,7 +158,7 @@ _STRUCK_BY: Final = (
     _number("stiffness", "stiffness of the new contacts", "stiffness", above=0.0),
     Key("count", "integer", "number of strikers", default=1, least=1),
     _number("gap", "distance to the chain", "length", default=0.0, least=0.0),
-)
+)  # fmt: skip
 _CAP: Final = (
     _number("mass", "mass of the cap", "mass", above=0.0, required=True, unless="frequency"),
     _number("frequency", "resonance frequency of the cap on the linear right wall, instead of the "

@@ -345,7 +345,13 @@ def public_calls(folder):
             bead=3,
         ),
         "animate": tried(
-            hc.animate, run=run, path=folder / "a.gif", frames=2, seconds=1.0, magnify=None
+            hc.animate,
+            run=run,
+            path=folder / "a.gif",
+            frames=2,
+            seconds=1.0,
+            magnify=None,
+            sensors=[2],
         ),
         "plot_chain": tried(hc.plot_chain, chain=chain, ax=None),
         "figure_style": tried(styled, width="120 mm"),

@@ -220,6 +220,19 @@ def test_an_animation_moves(run, tmp_path):
         assert np.any(np.asarray(pictures.convert("RGB")) != first)
 
 
+def test_an_animation_shows_the_forces_in_sensors(run, tmp_path, monkeypatch):
+    drawn = []
+    plotted = plt.Axes.plot
+    monkeypatch.setattr(
+        plt.Axes, "plot", lambda self, *args, **kw: drawn.append(args) or plotted(self, *args, **kw)
+    )
+    hc.animate(run, tmp_path / "a.gif", frames=2, sensors=[3, "bead 5"])
+    for (_, force), bead in zip(drawn[1:], (3, 5), strict=True):
+        np.testing.assert_array_equal(force, run.sensor_force(bead).force)
+    with pytest.raises(hc.InputError, match="at most 4 sensors, got 5"):
+        hc.animate(run, tmp_path / "a.gif", sensors=[2, 3, 4, 5, 6])
+
+
 def test_animated_beads_of_several_materials_have_rings_and_a_legend(tmp_path):
     names = ["steel-52100", "brass", "ptfe"]
     balls = hc.Chain.from_materials("10 mm", names * 2, velocity="1 mm/s", beads=6)

@@ -330,7 +330,7 @@ def _save(
         run.save_forces(forces, _places(run.chain, beads))
     if animation is not None:
         with progress_bar("frames") as progress:
-            run.animate(animation, magnify=magnify, progress=progress)
+            run.animate(animation, magnify=magnify, sensors=beads[:4], progress=progress)
 
 
 def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str, object]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -17,12 +17,14 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
 from matplotlib.patches import Rectangle
 
+from ..chain.bead_names import bead_label
 from ..chain.chain import Chain
 from ..chain.drawn_bodies import half_heights, half_widths
 from ..collision import Array
 from ..errors import InputError
 from ..simulation.budget import overlaps_of
 from ..simulation.run import Run
+from ..simulation.sensor_force import SensorForce
 from ..store.writing import write_bytes
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
@@ -42,6 +44,8 @@ RESOLUTION: Final = 100
 # Colour map of velocities, and colour of the marker of the time.
 COLOUR_MAP: Final = "RdBu_r"
 MARKER: Final = COLOURS[2]
+# Colours of the forces in sensors.
+SENSORS: Final = tuple(COLOURS[k] for k in (1, 3, 4, 5))
 # Length of the largest motion, and limit of the overlaps, in radii.
 MOTION: Final = 2.0
 # Size of the part of a bead that shows its velocity inside a ring in the colour of its material.
@@ -57,6 +61,7 @@ def animate(
     frames: int = 120,
     seconds: float = 6.0,
     magnify: float | None = None,
+    sensors: Sequence[int | str] = (),
     progress: Progress | None = None,
 ) -> Path:
     """Write an animation of the beads as GIF or MP4.
@@ -65,7 +70,7 @@ def animate(
     they are; the colour of a bead is its velocity.  If there are several materials, a ring around
     each bead has the colour of its material in all figures, and a legend names them.  Below, a
     trace with a marker at the present time shows the force on the right wall or, without one, the
-    largest contact force.
+    largest contact force, and the forces in sensors.
 
     Parameters
     ----------
@@ -80,6 +85,8 @@ def animate(
     magnify : float, optional
         Factor on displacements, gaps and overlaps.  By default, the largest displacement or gap
         becomes two radii, unless an overlap would then exceed 0.2 radii.
+    sensors : sequence of int or str
+        Beads with sensors, at most 4, as for `Run.sensor_force`.
     progress : callable, optional
         Called with the number of frames drawn and their total number.
 
@@ -92,7 +99,7 @@ def animate(
     ------
     InputError
         For another file extension, fewer than two saved times, a file that cannot be written, or
-        an MP4 without ffmpeg.
+        an MP4 without ffmpeg, or for a bead that the chain does not have.
 
     Examples
     --------
@@ -121,9 +128,12 @@ def animate(
         )
     if not target.parent.is_dir():
         raise InputError(f"{target} cannot be written: the folder {target.parent} does not exist")
+    if len(sensors) > len(SENSORS):
+        raise InputError(f"an animation shows at most {len(SENSORS)} sensors, got {len(sensors)}")
+    traces = [run.sensor_force(each) for each in sensors]
     chosen = np.unique(np.linspace(0, len(run.times) - 1, frames).round().astype(int))
     drawn = []
-    for frame in _frames(run, chosen, magnify):
+    for frame in _frames(run, chosen, magnify, traces):
         drawn.append(frame)
         if progress is not None:
             progress(len(drawn), len(chosen))
@@ -132,7 +142,9 @@ def animate(
     return target
 
 
-def _frames(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]:
+def _frames(
+    run: Run, chosen: Array, magnify: float | None, sensors: Sequence[SensorForce]
+) -> Iterator[Image]:
     """One frame for each chosen time."""
     from PIL import Image
 
@@ -148,7 +160,7 @@ def _frames(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]:
         )
         try:
             bodies, left_wall = _draw_beads(top, run, centres, factor)
-            marker = _draw_force(below, run, unit, label)
+            marker = _draw_force(below, run, unit, label, sensors)
             set_title(top, chain_title(run.chain))
             below.set_title(_scales(run, factor), loc="left", fontsize="small")
             # Above the axes, where no curve is.
@@ -274,8 +286,13 @@ def _draw_wall(axes: Axes, begin: float, largest: float) -> Rectangle:
     return wall
 
 
-def _draw_force(axes: Axes, run: Run, unit: float, label: str) -> Any:
-    """The force on the right wall, or the largest contact force; returns the marker of the time."""
+def _draw_force(
+    axes: Axes, run: Run, unit: float, label: str, sensors: Sequence[SensorForce]
+) -> Any:
+    """The force on the right wall, or the largest contact force, and those in sensors.
+
+    Returns the marker of the time.
+    """
     newton = " [N]" if run.chain.units == "SI" else ""
     if run.chain.right_wall is not None:
         times, values = wall_curve(run._wall_force("right"))
@@ -283,9 +300,19 @@ def _draw_force(axes: Axes, run: Run, unit: float, label: str) -> Any:
     else:
         times, values, what = run.times, run.forces.max(axis=1), "largest force"
     axes.plot(unit * times, values, color=grey(axes), linewidth=0.9)
+    for sensor, colour in zip(sensors, SENSORS, strict=False):
+        axes.plot(unit * sensor.times, sensor.force, color=colour, linewidth=0.9)
+        # The first maximum is NaN if the pulse has not arrived.
+        top = int(np.argmax(sensor.force >= np.nan_to_num(sensor.first_maximum, nan=np.inf)))
+        top = top or int(np.argmax(sensor.force))
+        axes.annotate(bead_label(run.chain, sensor.bead), (unit * sensor.times[top],
+                      sensor.force[top]), ha="center", va="bottom", color=colour, xytext=(0, 2),
+                      textcoords="offset points", fontsize="small")  # fmt: skip
+    if sensors:
+        axes.margins(y=0.2)
     axes.set_xlim(unit * run.times[0], unit * run.times[-1])
     axes.set_xlabel(label)
-    axes.set_ylabel(what + newton)
+    axes.set_ylabel((f"{what}\nand in sensors" if sensors else what) + newton)
     return axes.axvline(unit * run.times[0], color=MARKER, linewidth=1.2)
 
 
@@ -298,7 +325,7 @@ def _gif(frames: list[Image], seconds: float, chain: Chain) -> bytes:
     greys = np.repeat(np.linspace(0, 255, 8).astype(np.uint8), 3)
     colours = (255.0 * colormaps[COLOUR_MAP](np.linspace(0.0, 1.0, 41))[:, :3]).astype(np.uint8)
     names = dict.fromkeys(material_names(chain))
-    others = [MARKER, *(material_colour(name) for name in names if len(names) > 1)]
+    others = [MARKER, *SENSORS, *(material_colour(name) for name in names if len(names) > 1)]
     single = [value for each in others for value in ImageColor.getrgb(each)]
     palette = Image.new("P", (1, 1))
     palette.putpalette([*greys.tolist(), *colours.ravel().tolist(), *single])

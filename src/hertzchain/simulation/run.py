@@ -377,7 +377,7 @@ class Run(ContactHistory):
         path : path-like
             File to write, ``.gif``, or ``.mp4``, which requires the program ffmpeg.
         **options
-            ``frames``, ``seconds``, ``magnify`` and ``progress``, as for `hertzchain.animate`.
+            ``frames``, ``seconds``, ``magnify``, ``sensors``, ``progress``: `hertzchain.animate`.
 
         Examples
         --------

@@ -172,7 +172,7 @@ def _check_unit_of_times(chain: Chain, data: Traces, end: float) -> None:
     """
     import hertzchain
 
-    from ..fitting.trace_comparison import check_unit_of_times
+    from ..fitting.compare_traces import check_unit_of_times
     from ..simulation.time_scales import transit_times
 
     transit = float(transit_times(chain).sum())

@@ -15,8 +15,9 @@
   `unused_parameters`, `silent_sensors`;
 - the result: `result`, `result_text`, `result_document`, `shown_values`, `fitted_file`;
 - further questions: `loss_comparison` of all `loss_laws`, and `defect_scan`;
-- data compared with a simulation, without a fit: `trace_comparison`, `sensor_comparison`,
-  `crossings`, `time_offsets`, `arrival_notes`, `odd_sensors`, `compared_part`;
+- data compared with a simulation, without a fit: `compare_traces`, `trace_comparison`,
+  `sensor_comparison`, `crossings`, `time_offsets`, `arrival_notes`, `odd_sensors`,
+  `compared_part`;
 - data that are read in another way: `misread_columns`, `misread_places`, `misread_times`,
   `exchanged_columns`;
 - the shipped data: `example_experiment`.

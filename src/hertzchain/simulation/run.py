@@ -426,7 +426,7 @@ class Run(ContactHistory):
         >>> f"{compared.differences['ball 6']:.1%}"
         '4.0%'
         """
-        from ..fitting.trace_comparison import compare_traces
+        from ..fitting.compare_traces import compare_traces
         from ..traces.files import load_traces
 
         if isinstance(traces, Run):

@@ -28,7 +28,7 @@ from ..simulation.sensor_force import SensorForce
 from ..store.writing import write_bytes
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
-from ..validation.objects import Progress, callback, check_type, file_path
+from ..validation.objects import Progress, callback, check_list, check_type, file_path
 from .chains import body_collection, material_colour, material_legend, material_names
 from .colours import COLOURS, grey
 from .runs import check_times, wall_curve
@@ -128,9 +128,9 @@ def animate(
         )
     if not target.parent.is_dir():
         raise InputError(f"{target} cannot be written: the folder {target.parent} does not exist")
-    if len(sensors) > len(SENSORS):
-        raise InputError(f"an animation shows at most {len(SENSORS)} sensors, got {len(sensors)}")
-    traces = [run.sensor_force(each) for each in sensors]
+    traces = [run.sensor_force(each) for each in check_list("sensors", sensors, "beads")]
+    if len(traces) > len(SENSORS):
+        raise InputError(f"an animation shows at most {len(SENSORS)} sensors, got {len(traces)}")
     chosen = np.unique(np.linspace(0, len(run.times) - 1, frames).round().astype(int))
     drawn = []
     for frame in _frames(run, chosen, magnify, traces):

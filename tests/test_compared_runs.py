@@ -3,6 +3,7 @@
 import pytest
 
 import hertzchain as hc
+from hertzchain.chain.hertz_ratios import with_yield
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 
@@ -51,6 +52,83 @@ def test_several_chains_are_compared_in_a_table(run, tmp_path):
     header = out[out.index(" chains: force on ") :].splitlines()[2]
     for column in ("impulse", "duration", "overlap/radius", "pressure/yield", "peak at 2.8 Y"):
         assert column in header
+
+
+def heavy_strike(material, **more):
+    balls = hc.Chain.from_materials(diameters=["10 mm"] * 10, materials=material)
+    wall = hc.Wall.of("steel-52100")
+    return balls.replace(right_wall=wall, **more).struck_by(
+        mass="30 g", material="steel-52100", velocity="0.8 m/s"
+    )
+
+
+def test_a_comparison_that_yield_reverses_says_so(run, tmp_path):
+    chains = {"row": heavy_strike(["steel-52100", "ptfe"] * 5), "nylon": heavy_strike("nylon")}
+    code, out, err = run("simulate", *written(tmp_path, **chains))
+    assert code == 0, err
+    table = rows_of(out)
+    for factor in (1.6, 2.8):
+        law = hc.ElasticPlastic(factor=factor)
+        peaks = {
+            name: hc.simulate(with_yield(chain, law), times=0).wall_force().peak
+            for name, chain in chains.items()
+        }
+        assert peaks["row"] < peaks["nylon"]
+        assert f"* {peaks['row']:.5g} N" in table["row"]
+        assert f" {peaks['nylon']:.5g} N" in table["nylon"]
+    assert "* 85.048 N" in table["nylon"]
+    assert "yield at 1.6 and 2.8 times the yield strength, the smallest peak is that of row" in out
+    assert "which reverses the comparison" in out
+
+
+def test_elastic_peaks_are_not_compared_with_those_of_contacts_that_yield(run, tmp_path):
+    chains = {
+        "steelp": heavy_strike("steel-52100", loss=hc.ElasticPlastic()),
+        "steel": heavy_strike("steel-52100"),
+        "nylon": heavy_strike("nylon"),
+    }
+    code, out, err = run("simulate", *written(tmp_path, **chains))
+    assert code == 0, err
+    table = rows_of(out)
+    assert table["nylon"].split()[1:3] == ["85.048", "N"]
+    # Nothing is marked but the two peaks of contacts that yield.
+    assert [table[name].count("*") for name in chains] == [0, 0, 2]
+    assert table["steel"].split()[-4:] == table["steelp"].split()[-4:]
+    assert "the peaks of steel and nylon are those of elastic contacts beyond yield" in out
+    assert "reverses the comparison" not in out
+
+
+def test_a_chain_below_yield_has_its_own_peak_at_both_pressures(run, tmp_path):
+    gentle = row("9 mm", right_wall=hc.Wall.of("steel-52100"))
+    gentle = gentle.replace(velocities=1e-3 * gentle.velocities)
+    chains = {"gentle": gentle, "steelp": heavy_strike("steel-52100", loss=hc.ElasticPlastic())}
+    table = rows_of(run("simulate", *written(tmp_path, **chains)).stdout)
+    peak = f"* {hc.simulate(gentle).wall_force().peak:.5g} N"
+    assert table["gentle"].count(peak) == 2
+
+
+def test_a_loss_without_yield_has_no_peak_at_a_yield_pressure(run, tmp_path):
+    chains = {
+        "soft": heavy_strike("nylon", loss=hc.Restitution(0.9)),
+        "hard": heavy_strike("nylon"),
+    }
+    table = rows_of(run("simulate", *written(tmp_path, **chains)).stdout)
+    assert table["soft"].split()[-2:] == ["-", "-"]
+    assert table["hard"].count("*") == 0
+    assert table["soft"].count("*") == 1
+
+
+def test_a_figure_of_elastic_contacts_beyond_yield_says_so():
+    from hertzchain.cli.compared_yield import figure_title
+    from hertzchain.cli.run_summary import peaks_if_yielding
+
+    runs = {"nylon": hc.simulate(heavy_strike("nylon")), "gentle": hc.simulate(row("9 mm"))}
+    yielding = {name: peaks_if_yielding(each) for name, each in runs.items()}
+    title = figure_title(runs, yielding)
+    assert title == "nylon: elastic contacts; peaks if contacts yield: nylon 42.1 N"
+    del runs["gentle"], yielding["gentle"]
+    assert figure_title(runs, yielding).startswith("elastic contacts; peaks")
+    assert figure_title({"gentle": runs["nylon"]}, {"gentle": (None, None)}) == ""
 
 
 def test_chains_without_walls_are_compared_by_their_sensors(run, tmp_path):

@@ -7,30 +7,37 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 from ..representation import measure
-from ..simulation.yield_range import depends_on_yield_pressure
+from .compared_yield import (
+    PRESSURES,
+    all_known,
+    at_pressures,
+    comparison_notes,
+    has_law_of_yield,
+    smallest,
+)
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from ..chain.bead_names import Side
     from ..simulation.run import Run
+    from .compared_yield import AtPressures, Yielding
 
 NONE: Final = "-"
-OTHER: Final = "peak at 2.8 Y"
 
 
 def compared_runs(
-    runs: Mapping[str, Run], others: Mapping[str, Run | None], beads: Mapping[str, Sequence[int]]
-) -> Table | None:
-    """Table of the forces at one place of all chains, the smallest one marked.
+    runs: Mapping[str, Run],
+    others: Mapping[str, Run | None],
+    yielding: Mapping[str, Yielding],
+    beads: Mapping[str, Sequence[int]],
+) -> tuple[Table, list[str]] | None:
+    """Table of the forces at one place of all chains, the smallest one marked, and notes on it.
 
     The place is the right wall, the left one or else the first sensor.  There is no table if the
     chains have none of them in common, or are in different units.  The ``others`` have the largest
-    possible yield pressure.
+    possible yield pressure; ``yielding`` are the peaks of elastic runs if their contacts yield.
     """
-    from rich import box
-    from rich.table import Table
-
     if len({run.chain.units for run in runs.values()}) > 1:
         return None
     side = _common_wall(runs)
@@ -41,21 +48,50 @@ def compared_runs(
         | _of_contacts(run)
         for name, run in runs.items()
     }
-    peaks = {name: _peak(run, beads[name], side) for name, run in runs.items()}
-    _mark_smallest(rows, "peak", peaks)
-    if any(others.values()):
-        peaks = {name: _peak_at(run, others[name], beads[name], side) for name, run in runs.items()}
-        for name, run in runs.items():
-            known = math.isfinite(peaks[name])
-            shown = measure(peaks[name], "N", run.chain.units, 5) if known else NONE
-            rows[name][OTHER] = shown
-        _mark_smallest(rows, OTHER, peaks)
+    own = {name: _peak(run, beads[name], side) for name, run in runs.items()}
+    at = {
+        name: at_pressures(
+            run, own[name], _peak(others[name], beads[name], side), yielding[name],
+            right_wall=side == "right",
+        )
+        for name, run in runs.items()
+    }  # fmt: skip
+    lawful = [name for name, run in runs.items() if has_law_of_yield(run)]
+    elastic = any(each.elastic for each in at.values())
+    # Peaks of elastic contacts beyond yield and of contacts that yield are not compared.
+    if not (elastic and lawful):
+        _mark(rows, "peak", smallest(own))
+    if elastic or any(others.values()):
+        # If all contacts have a law, the own peaks are those at the smallest pressure.
+        for i in range(not elastic, len(PRESSURES)):
+            _add_peaks(rows, i, at, runs)
     place = "the first sensor" if side is None else f"the {side} wall"
+    title = f"{len(rows)} chains: force on {place}; * marks the smallest"
+    return _table(rows, title), comparison_notes(own, at, lawful)
+
+
+def _add_peaks(
+    rows: dict[str, dict[str, str]], i: int, at: Mapping[str, AtPressures], runs: Mapping[str, Run]
+) -> None:
+    """Add the column of a yield pressure; the smallest peak is marked if all are known."""
+    column = f"peak at {PRESSURES[i]}"
+    values = {name: each[i] for name, each in at.items()}
+    for name, value in values.items():
+        known = math.isfinite(value)
+        rows[name][column] = measure(value, "N", runs[name].chain.units, 5) if known else NONE
+    if all_known(values):
+        _mark(rows, column, smallest(values))
+
+
+def _table(rows: Mapping[str, Mapping[str, str]], title: str) -> Table:
+    """A table of the columns in which any row has an entry."""
+    from rich import box
+    from rich.table import Table
+
     columns = [
         key for key in dict.fromkeys(key for row in rows.values() for key in row)
         if any(row.get(key, NONE) != NONE for row in rows.values())
     ]  # fmt: skip
-    title = f"{len(rows)} chains: force on {place}; * marks the smallest"
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
     for key in ("chain", *columns):
         table.add_column(key, justify="left" if key == "chain" else "right")
@@ -115,8 +151,10 @@ def _of_contacts(run: Run) -> dict[str, str]:
     return found
 
 
-def _peak(run: Run, beads: Sequence[int], side: Side | None) -> float:
+def _peak(run: Run | None, beads: Sequence[int], side: Side | None) -> float:
     """The peak of a row of the table; infinite if it is not known."""
+    if run is None:
+        return math.inf
     if side is None:
         sensor = run.sensor_force(beads[0])
         return sensor.largest_so_far if sensor.reached else math.inf
@@ -124,17 +162,7 @@ def _peak(run: Run, beads: Sequence[int], side: Side | None) -> float:
     return wall.peak if wall.complete else math.inf
 
 
-def _peak_at(run: Run, other: Run | None, beads: Sequence[int], side: Side | None) -> float:
-    """The peak at the largest possible yield pressure, or that of a run to which none applies."""
-    if other is not None:
-        return _peak(other, beads, side)
-    return math.inf if depends_on_yield_pressure(run) else _peak(run, beads, side)
-
-
-def _mark_smallest(
-    rows: dict[str, dict[str, str]], column: str, peaks: Mapping[str, float]
-) -> None:
-    """Mark the smallest of the peaks in a column."""
-    if math.isfinite(least := min(peaks.values())):
-        for name in (name for name, peak in peaks.items() if peak == least):
-            rows[name][column] = f"* {rows[name][column]}"
+def _mark(rows: dict[str, dict[str, str]], column: str, names: Sequence[str]) -> None:
+    """Mark the entries of these rows in a column."""
+    for name in names:
+        rows[name][column] = f"* {rows[name][column]}"

@@ -27,19 +27,22 @@ if TYPE_CHECKING:
     from ..simulation.run import Run
     from ..simulation.sensor_force import SensorForce
     from ..simulation.wall_force import WallForce
-    from ..simulation.yielding import WithYield
+    from .compared_yield import Yielding
 
 
 def run_as_dict(
-    run: Run, beads: Sequence[int], other: Run | None = None, *, waves: bool, contacts: bool,
-    budget: bool = False,
+    run: Run, beads: Sequence[int], other: Run | None = None, yielding: Yielding = (None, None), *,
+    waves: bool, contacts: bool, budget: bool = False,
 ) -> dict[str, object]:  # fmt: skip
-    """Summary of a run as a JSON document; ``other`` has the largest possible yield pressure."""
+    """Summary of a run as a JSON document; ``other`` has the largest possible yield pressure.
+
+    ``yielding`` are the `peaks_if_yielding`.
+    """
     from ..store.results import document_of
     from .contact_tables import contacts_as_dict
     from .wave_tables import horizon_as_dict, waves_as_list
 
-    described, (peak, harder) = document_of(run.chain), _peaks_if_yielding(run)
+    described, (peak, harder) = document_of(run.chain), yielding
     document: dict[str, object] = {
         **{name: described.pop(name) for name in ("schema_version", "hertzchain_version")},
         "status": run.status,
@@ -94,12 +97,13 @@ def _budget_as_dict(run: Run) -> dict[str, object]:
 
 
 def show_run(
-    run: Run, beads: Sequence[int], other: Run | None = None, *, waves: bool, contacts: bool,
-    budget: bool = False,
+    run: Run, beads: Sequence[int], other: Run | None = None, yielding: Yielding = (None, None), *,
+    waves: bool, contacts: bool, budget: bool = False,
 ) -> None:  # fmt: skip
     """Print the summary of a run, with a hint at --horizon if it is long.
 
-    The ``other`` run has the largest possible yield pressure.
+    The ``other`` run has the largest possible yield pressure; ``yielding`` are the
+    `peaks_if_yielding`.
     """
     from ..representation import measure
     from ..simulation.run_message import LONG_RUN, transits_between_walls
@@ -135,7 +139,7 @@ def show_run(
         if (final := final_velocities_line(run)) is not None:
             click.echo(final)
     sensors = [_sensor_line(run, bead) for bead in beads]
-    for line in [*_if_yielding(run), *sensors, *range_lines(run, other, beads)]:
+    for line in [*_if_yielding(run, yielding), *sensors, *range_lines(run, other, beads)]:
         click.echo(line)
     transits = transits_between_walls(run.chain, run._walls, run.end_time)
     if run.known_horizon is not None:
@@ -155,7 +159,7 @@ def show_run(
         click.echo(run.budget())
 
 
-def _peaks_if_yielding(run: Run) -> tuple[WithYield | None, WithYield | None]:
+def peaks_if_yielding(run: Run) -> Yielding:
     """Peaks if contacts yield at the smallest and at the largest possible pressure."""
     from ..chain.yield_pressure import FULLY_PLASTIC
 
@@ -164,11 +168,11 @@ def _peaks_if_yielding(run: Run) -> tuple[WithYield | None, WithYield | None]:
     return peak, peak_with_yielding_contacts(run, factor=FULLY_PLASTIC)
 
 
-def _if_yielding(run: Run) -> list[str]:
+def _if_yielding(run: Run, yielding: Yielding) -> list[str]:
     """Lines with the peaks if contacts yield, for elastic ones beyond first yield."""
     from ..representation import measure
 
-    peak, harder = _peaks_if_yielding(run)
+    peak, harder = yielding
     if peak is None:
         return []
     shown = measure(peak.value, "N", run.chain.units, 5)

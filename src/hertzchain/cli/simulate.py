@@ -9,6 +9,7 @@ import click
 
 from .chain_options import ChainOptions, chain_options, chains_from
 from .compared_runs import compared_runs
+from .compared_yield import figure_title
 from .hit_tables import check_hits, hit_table, hits_as_list
 from .options import (
     Fraction,
@@ -21,7 +22,7 @@ from .options import (
 )
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
-from .run_summary import run_as_dict, show_run
+from .run_summary import peaks_if_yielding, run_as_dict, show_run
 from .stream import check_stream_options, stream_into
 from .yield_range import second_run
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
     from ..chain.chain import Chain
     from ..simulation.run import Run
+    from .compared_yield import Yielding
 
 USUAL_TIMES: Final = 400
 
@@ -220,34 +222,42 @@ def simulate(
     }
     for name, run in runs.items():
         _save(run, beads[name], out, forces, animation, magnify)
-    if plot is not None:
-        save_figure(_drawn(runs, beads, forces=bool(sensors)), plot)
-    again = {name: _hits(run, hits, until, step, settings) for name, run in runs.items()}
     others = {name: _at_other_pressure(run, until, step, settings) for name, run in runs.items()}
+    yielding = {name: peaks_if_yielding(run) for name, run in runs.items()}
+    if plot is not None:
+        title = figure_title(runs, yielding)
+        save_figure(_drawn(runs, beads, title, forces=bool(sensors)), plot)
+    again = {name: _hits(run, hits, until, step, settings) for name, run in runs.items()}
     shown = {"waves": waves, "contacts": contacts, "budget": budget}
     if as_json:
-        found = [run_as_dict(run, beads[name], others[name], **shown) for name, run in runs.items()]
+        found = [
+            run_as_dict(run, beads[name], others[name], yielding[name], **shown)
+            for name, run in runs.items()
+        ]
         for each, (name, every) in zip(found, again.items(), strict=True):
             each |= {"hits": hits_as_list(every, beads[name])} if hits else {}
         show_json(found[0] if len(found) == 1 else _together(runs, found))
     else:
-        _show(runs, others, beads, again if hits else {}, shown)
+        _show(runs, others, yielding, beads, again if hits else {}, shown)
 
 
 def _show(
-    runs: dict[str, Run], others: dict[str, Run | None], beads: dict[str, list[int]],
-    again: dict[str, list[Run]], shown: dict[str, bool],
+    runs: dict[str, Run], others: dict[str, Run | None], yielding: dict[str, Yielding],
+    beads: dict[str, list[int]], again: dict[str, list[Run]], shown: dict[str, bool],
 ) -> None:  # fmt: skip
     """Print the summaries of runs and of their repetitions, and a table of several chains."""
     for i, (name, run) in enumerate(runs.items()):
         heading = f"{name}: " if len(runs) > 1 else ""
         click.echo("\n" * (i > 0) + heading, nl=False)
-        show_run(run, beads[name], others[name], **shown)
+        show_run(run, beads[name], others[name], yielding[name], **shown)
         if name in again:
             show_table(hit_table(again[name], beads[name]))
-    if len(runs) > 1 and (table := compared_runs(runs, others, beads)) is not None:
+    if len(runs) > 1 and (found := compared_runs(runs, others, yielding, beads)) is not None:
+        table, notes = found
         click.echo()
         show_table(table)
+        for note in notes:
+            click.echo(note)
 
 
 def _check_times(times: int, **options: object) -> None:
@@ -341,13 +351,17 @@ def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str,
     return version | {"runs": named}
 
 
-def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], *, forces: bool) -> Axes:
-    """Plot forces in sensors and on walls; or else velocities, of one run as a map."""
+def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], title: str, *, forces: bool) -> Axes:
+    """Plot forces in sensors and on walls; or else velocities, of one run as a map.
+
+    The title is that of a figure of the forces of several runs.
+    """
     from ..chain.bead_names import walls_of
     from ..plotting.labels import with_losses
     from ..plotting.pulses import plot_pulses
     from ..plotting.runs import plot_forces_of_runs
     from ..plotting.style import literal
+    from ..plotting.widths import journal_width
 
     labels = with_losses({name: run.chain for name, run in runs.items()})
     runs = {labels[name]: run for name, run in runs.items()}
@@ -360,4 +374,7 @@ def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], *, forces: bool) -
         return plot_pulses([run.pulse() for run in runs.values()], labels=[*map(literal, runs)])
     if not others:
         return first.plot_forces(*shown.values())
-    return plot_forces_of_runs(runs, shown)
+    axes = plot_forces_of_runs(runs, shown)
+    if title and journal_width.get() is None:
+        axes.figure.suptitle(literal(title), fontsize="medium")
+    return axes

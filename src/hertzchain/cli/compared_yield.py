@@ -1,0 +1,130 @@
+"""Peaks of several chains with contacts that yield, and whether yield reverses their order."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from ..representation import listed, measure
+from ..simulation.yield_range import depends_on_yield_pressure
+from ..simulation.yielding import dented_chain, may_dent
+
+if TYPE_CHECKING:
+    from ..simulation.run import Run
+    from ..simulation.yielding import WithYield
+
+    # Peaks at the smallest and at the largest possible yield pressure, of elastic runs that yield.
+    Yielding = tuple[WithYield | None, WithYield | None]
+
+PRESSURES: Final = ("1.6 Y", "2.8 Y")
+# Relative difference up to which peaks are the same, and length of a title in characters.
+SAME, TITLE = 1e-6, 70
+
+
+class AtPressures(NamedTuple):
+    """Peaks of a chain at the smallest and at the largest possible yield pressure.
+
+    They are infinite if they are not known.  ``elastic`` states whether the run itself has elastic
+    contacts beyond first yield, so that its own peak is neither of them.
+    """
+
+    smallest: float
+    largest: float
+    elastic: bool = False
+
+
+UNKNOWN: Final = AtPressures(math.inf, math.inf)
+
+
+def has_law_of_yield(run: Run) -> bool:
+    """Whether any contact has a law of yield."""
+    return any(law.yields for law in run.chain.contact_losses)
+
+
+def at_pressures(
+    run: Run, own: float, other: float, yielding: Yielding, *, right_wall: bool
+) -> AtPressures:
+    """Peaks of a run at both yield pressures.
+
+    Those of the run and of that at the largest possible yield pressure are ``own`` and ``other``.
+    For an elastic run, only the peaks on its right wall are known, ``yielding``.
+    """
+    from ..chain.contact_groups import law_yield_ratios
+    from ..chain.hertz_range import hertz_range
+
+    chain = run.chain
+    if has_law_of_yield(run):
+        if depends_on_yield_pressure(run):
+            return AtPressures(own, other)
+        # A given pressure is neither of both.
+        ratios = law_yield_ratios(chain.contact_groups, run._furthest_overlaps)
+        return UNKNOWN if (ratios >= 1.0).any() else AtPressures(own, own)
+    if chain.materials is None or chain.units != "SI":
+        return UNKNOWN
+    if not may_dent(hertz_range(chain, run.largest_overlaps)):
+        return AtPressures(own, own) if dented_chain(chain) is not None else UNKNOWN
+    known = [
+        each.value if right_wall and each is not None and not each.outside else math.inf
+        for each in yielding
+    ]
+    return AtPressures(known[0], known[1], elastic=chain.lossless)
+
+
+def comparison_notes(
+    own: Mapping[str, float], at: Mapping[str, AtPressures], lawful: Sequence[str]
+) -> list[str]:
+    """Lines on chains whose peaks cannot be compared, and on an order that yield reverses.
+
+    ``lawful`` are the names of chains whose contacts have a law of yield.
+    """
+    elastic = [name for name, each in at.items() if each.elastic]
+    if elastic and lawful:
+        verb = "is that" if len(elastic) == 1 else "are those"
+        return [
+            f"the peak{'s' * (len(elastic) > 1)} of {listed(elastic)} {verb} of elastic contacts "
+            f"beyond yield, and contacts of {listed(list(lawful))} yield: compare the columns with "
+            "a yield pressure, or give all chains the same loss"
+        ]
+    winners = smallest(own)
+    reversed_at: dict[tuple[str, ...], list[str]] = {}
+    for i, pressure in enumerate(PRESSURES):
+        values = {name: each[i] for name, each in at.items()}
+        found = smallest(values) if all_known(values) else ()
+        if found and winners and not {*found} & {*winners}:
+            reversed_at.setdefault(found, []).append(pressure.removesuffix(" Y"))
+    return [
+        f"with contacts that yield at {' and '.join(factors)} times the yield strength, the "
+        f"smallest peak is that of {listed(list(names))}, which reverses the comparison"
+        for names, factors in reversed_at.items()
+    ]
+
+
+def all_known(peaks: Mapping[str, float]) -> bool:
+    """Whether no peak is unknown."""
+    return all(map(math.isfinite, peaks.values()))
+
+
+def smallest(peaks: Mapping[str, float]) -> tuple[str, ...]:
+    """Names of the chains with the smallest known peak; none if no peak is known."""
+    least = min(peaks.values())
+    if not math.isfinite(least):
+        return ()
+    return tuple(name for name, peak in peaks.items() if peak <= (1.0 + SAME) * least)
+
+
+def figure_title(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> str:
+    """Title of a figure of elastic contacts beyond yield, with the peaks if they yield."""
+    peaks = {name: peak for name, (peak, _) in yielding.items() if peak is not None}
+    if not peaks:
+        return ""
+    text = (
+        "elastic contacts" if len(peaks) == len(runs) else f"{listed([*peaks])}: elastic contacts"
+    )
+    shown = ", ".join(
+        f"{name} {measure(peak.value, 'N', runs[name].chain.units, 3)}"
+        for name, peak in peaks.items()
+    )
+    known = not any(peak.outside for peak in peaks.values())
+    whole = f"{text}; peaks if contacts yield: {shown}"
+    return whole if known and len(whole) <= TITLE else f"{text}, beyond yield"

@@ -23,7 +23,7 @@ def written(folder, **chains):
 
 def rows_of(out):
     """Cells of the rows of the table at the end of the output, by chain."""
-    lines = out[out.index(" chains: force on ") :].splitlines()
+    lines = out[out.index(" chains: ") :].splitlines()
     return {line.split()[0]: line for line in lines[3:] if line.strip() and "\u2500" not in line}
 
 
@@ -133,7 +133,6 @@ def test_a_figure_of_elastic_contacts_beyond_yield_says_so():
 
 def test_chains_without_walls_are_compared_by_their_sensors(run, tmp_path):
     files = written(tmp_path, a=row("9 mm"), b=row("5 mm"))
-    assert " chains: force on " not in run("simulate", *files).stdout
     out = run("simulate", *files, "--sensor", "3").stdout
     table = rows_of(out)
     for name, last in (("a", "9 mm"), ("b", "5 mm")):
@@ -142,8 +141,30 @@ def test_chains_without_walls_are_compared_by_their_sensors(run, tmp_path):
     assert "force on the first sensor" in out
 
 
+@pytest.mark.parametrize("walls", [0, 1])
+def test_free_ends_are_compared_by_their_last_beads(run, tmp_path, walls):
+    chains = {"a": row("9 mm"), "b": row("5 mm")}
+    if walls:
+        chains["c"] = row("5 mm", right_wall=hc.Wall.of("steel-52100"))
+    code, out, err = run("simulate", *written(tmp_path, **chains))
+    assert code == 0, err
+    table = rows_of(out)
+    for name in ("a", "b"):
+        pulse = hc.simulate(chains[name]).pulse()
+        assert f"{pulse.velocity[-1]:.5g} m/s" in table[name]
+        assert f"{1e3 * pulse.momentum[-1]:.4g} mN s" in table[name]
+    walls_in_title = "force on the right wall, " if walls else ""
+    title = f"{len(chains)} chains: {walls_in_title}last bead of free ends in the leading pulse"
+    assert title in out
+    # Nothing is the smallest of forces and velocities.
+    assert "*" not in "".join(table.values())
+    if walls:
+        assert table["a"].split()[1:3] == ["-", "-"]
+        assert f"{hc.simulate(chains['c']).wall_force().peak:.5g} N" in table["c"]
+
+
 def test_there_is_no_table_of_one_chain_or_of_different_units(run, tmp_path):
     scaled = hc.Chain.uniform(5).replace(right_wall=hc.Wall())
     files = written(tmp_path, a=row("9 mm", right_wall=hc.Wall()), b=scaled)
-    assert " chains: force on " not in run("simulate", files[0]).stdout
-    assert " chains: force on " not in run("simulate", *files).stdout
+    assert " chains: " not in run("simulate", files[0]).stdout
+    assert " chains: " not in run("simulate", *files).stdout

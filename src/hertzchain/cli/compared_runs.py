@@ -15,6 +15,7 @@ from .compared_yield import (
     has_law_of_yield,
     smallest,
 )
+from .last_bead import last_bead_of
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from .compared_yield import AtPressures, Yielding
 
 NONE: Final = "-"
+OF_WALLS: Final = ("peak", "time", "impulse", "duration")
 
 
 def compared_runs(
@@ -34,15 +36,16 @@ def compared_runs(
 ) -> tuple[Table, list[str]] | None:
     """Table of the forces at one place of all chains, the smallest one marked, and notes on it.
 
-    The place is the right wall, the left one or else the first sensor.  There is no table if the
-    chains have none of them in common, or are in different units.  The ``others`` have the largest
+    The place is the right wall, the left one or else the first sensor.  If the chains have none of
+    them in common, forces on right walls are not marked, and free ends have the motion of their
+    last beads.  There is no table of chains in different units.  The ``others`` have the largest
     possible yield pressure; ``yielding`` are the peaks of elastic runs if their contacts yield.
     """
     if len({run.chain.units for run in runs.values()}) > 1:
         return None
     side = _common_wall(runs)
     if side is None and not all(beads.values()):
-        return None
+        return _of_different_ends(runs)
     rows = {
         name: (_of_sensor(run, beads[name][0]) if side is None else _of_wall(run, side))
         | _of_contacts(run)
@@ -68,6 +71,24 @@ def compared_runs(
     place = "the first sensor" if side is None else f"the {side} wall"
     title = f"{len(rows)} chains: force on {place}; * marks the smallest"
     return _table(rows, title), comparison_notes(own, at, lawful)
+
+
+def _of_different_ends(runs: Mapping[str, Run]) -> tuple[Table, list[str]] | None:
+    """Table of the forces on right walls and of the last beads of free ends; nothing is marked."""
+    walls = [name for name, run in runs.items() if run.chain.right_wall is not None]
+    last = {name: _of_last_bead(run) for name, run in runs.items()}
+    if not walls and not any(last.values()):
+        return None
+    # Columns of walls come first; those without any entry are omitted.
+    rows = {
+        name: dict.fromkeys(OF_WALLS, NONE)
+        | (_of_wall(run, "right") if name in walls else last[name])
+        | _of_contacts(run)
+        for name, run in runs.items()
+    }
+    places = ["force on the right wall"] * bool(walls)
+    places.append("last bead of free ends in the leading pulse")
+    return _table(rows, f"{len(rows)} chains: {', '.join(places)}"), []
 
 
 def _add_peaks(
@@ -129,6 +150,17 @@ def _of_sensor(run: Run, bead: int) -> dict[str, str]:
     return {
         "peak": measure(sensor.largest_so_far, "N", units, 5),
         "time": measure(sensor.largest_so_far_time, "s", units, 5),
+    }
+
+
+def _of_last_bead(run: Run) -> dict[str, str]:
+    """Velocity and momentum of the last bead of a free end, if the pulse has arrived."""
+    if (found := last_bead_of(run)) is None:
+        return {}
+    units = run.chain.units
+    return {
+        "velocity of last bead": measure(found["velocity"], "m/s", units, 5),
+        "momentum of last bead": measure(found["momentum"], "N s", units),
     }
 
 

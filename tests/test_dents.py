@@ -353,6 +353,26 @@ def test_designs_with_dents_state_the_peak_of_the_second_hit():
     assert np.isnan(peak_of_second_hit(slow))
 
 
+def test_the_summary_of_a_pareto_front_states_dents_and_second_hits():
+    chain = row(5.0).replace(right_wall=hc.Wall(), loss=LAW)
+    radii = hc.vary.radii("4.5 mm", "5.5 mm")
+    problem = hc.Design(chain, minimise=["wall_force.peak", "mass"], vary=[radii])
+    result = hc.design(problem, budget=100, points=2, seed=1)
+    lines = result.summary().splitlines()
+    assert f"  {result.verified.dents}" in lines
+    peaks = []
+    for i, point in enumerate(result.front, start=1):
+        first = hc.simulate(point.chain)
+        again = hc.simulate(point.chain, start=first.state.struck_again())
+        peaks.append(f"{again.wall_force().peak:.4g} N in the second hit")
+        (line,) = [each for each in lines if each.startswith(f"  {i}: ")]
+        assert line.endswith(f", wall_force.peak {peaks[-1]}")
+    again = f"  struck again with these dents: wall_force.peak = {peaks[0]};"
+    assert any(each.startswith(again) for each in lines)
+    assert any(each.endswith("of this value") and "in the second hit; this" in each
+               for each in lines)  # fmt: skip
+
+
 def test_designs_and_scatter_within_the_range_of_the_law_of_yield():
     # Overlap / radius is between the limits of Hertz's law and of contacts that yield.
     chain = row(5.0).replace(right_wall=hc.Wall(), loss=LAW)

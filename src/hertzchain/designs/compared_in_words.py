@@ -62,8 +62,7 @@ def _compared_values(result: DesignResult, found: Verified) -> str:
 def _compared_second_hit(result: DesignResult, found: Verified) -> list[str]:
     """The peak of a chain to compare with that is struck again, if the design has one, too."""
     peak, own = found.second_peak, result.verified.second_peak
-    # The summary of a Pareto front states no second hits.
-    if isnan(peak) or isnan(own) or result.front:
+    if isnan(peak) or isnan(own):
         return []
     return [f"{_second_hit(found)}; this design: {own / peak:.1%} of this value"]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from math import inf
+from math import inf, isnan
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -119,7 +119,7 @@ def _scattered(result: DesignResult, each: Measure) -> str:
 
 
 def point_in_words(point: DesignResult) -> str:
-    """Values of both objectives of a point, also those with contacts that yield."""
+    """Values of both objectives of a point, also with contacts that yield and in a second hit."""
     yielding, units, parts = point.verified.yielding, point.chain.units, []
     for each in point.problem.reported:
         name = str(each)
@@ -128,6 +128,8 @@ def point_in_words(point: DesignResult) -> str:
             shown = in_words(yielding[name], each.unit, units)
             text += f" ({shown} {point.verified.yielding_words})"
         parts.append(text)
+    if not isnan(again := point.verified.second_peak):
+        parts.append(f"wall_force.peak {in_words(again, 'N', units)} in the second hit")
     return ", ".join(parts) + _outside_in_words(point.verified)
 
 
@@ -187,7 +189,7 @@ def _heading(result: DesignResult) -> list[str]:
                      )  # fmt: skip
         lines += [f"  {found.dents}"] if found.dents and not caution else []
         lines += _better_if_yielding(result)
-    elif found.dents and not result.front:
+    elif found.dents:
         lines += [f"  {found.dents}", *second_hit_in_words(found)]
     return lines
 

@@ -62,6 +62,10 @@ def wall_peak(run, *options):
         (("--wall", "same", "--wall-loss", "viscoelastic, restitution=0.9, speed=0.1 m/s"),
          {"right_wall": hc.Wall(loss=hc.Viscoelastic.from_restitution(
              0.9, speed=0.1, chain=row().replace(right_wall=hc.Wall()), contact=8))}),
+        (("--wall", "same", "--loss", "viscoelastic, restitution=0.9, height=30 mm, contact=wall"),
+         {"right_wall": hc.Wall(), "loss": hc.Viscoelastic.from_restitution(
+             0.9, speed=math.sqrt(2 * 9.80665 * 0.03),
+             chain=row().replace(right_wall=hc.Wall()), contact=8)}),
     ],
 )  # fmt: skip
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
@@ -69,6 +73,31 @@ def test_wall_and_loss_change_described_chains_and_files(run, file, options, cha
     expected = hc.simulate(row().replace(**changes)).wall_force().peak
     assert wall_peak(run, *BALLS, "--speed", "0.1 m/s", *options) == pytest.approx(expected)
     assert wall_peak(run, file, *options) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        ("height=30 mm", "with a restitution needs its speed, too"),
+        ("restitution=0.9, height=30", "height of --loss 30.0 has no unit"),
+        ("restitution=0.9, height=30 mm, speed=1 m/s", "a speed and a height to fall from"),
+        ("restitution=0.9, height=3 kg", "height of --loss"),
+        ("restitution=0.9, speed=1 m/s, contact=wall", "the chain has no wall"),
+    ],
+)
+def test_heights_and_walls_of_a_restitution_are_checked(run, law, message):
+    code, _, err = run("simulate", *BALLS, "--loss", f"viscoelastic, {law}")
+    assert code == 2
+    assert message in err
+
+
+def test_the_last_bead_can_have_a_sensor(run):
+    outs = [
+        run("simulate", *BALLS, "--speed", "0.1 m/s", "--sensor", bead).stdout
+        for bead in ("last", "8")
+    ]
+    assert outs[0] == outs[1]
+    assert "sensor in bead 8" in outs[0]
 
 
 @pytest.mark.parametrize(

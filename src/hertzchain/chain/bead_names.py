@@ -12,6 +12,7 @@ from .chain import Chain
 
 Side = Literal["left", "right"]
 CAP: Final = "cap"
+LAST: Final = "last"
 NAME: Final = re.compile(r"(ball|bead) +([0-9]{1,9})")
 AT_NAME: Final = re.compile(r"@ *((?:(?:ball|bead) +[0-9]{1,9})(?![0-9])|cap\b)", re.IGNORECASE)
 
@@ -19,11 +20,13 @@ AT_NAME: Final = re.compile(r"@ *((?:(?:ball|bead) +[0-9]{1,9})(?![0-9])|cap\b)"
 def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: bool = False) -> int:
     """Number of a bead, strikers included, from that number or a name such as ``"ball 11"``.
 
-    The last bead is also named ``"cap"`` if it is one.
+    The last bead is also named ``"last"``, and ``"cap"`` if it is one.
     """
     if not isinstance(bead, str):
         return whole_number(what, bead, least=1, most=chain.beads)
     name = " ".join(bead.lower().split())
+    if name == LAST:
+        return chain.beads
     if name == CAP:
         if chain.cap is None:
             raise InputError("the chain has no cap; add one with with_cap")

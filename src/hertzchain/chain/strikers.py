@@ -254,7 +254,12 @@ def _speed(chain: ChainFields, velocity: float | None, height: float | None) -> 
         raise InputError("strikers have a velocity or a height to fall from, not both: omit one")
     if chain.scaled:
         raise InputError("height requires a chain in SI units; give the velocity of the strikers")
-    fall = number("height of the strikers", height, unit="m", least=0.0, most=MAX_FALL)
+    return speed_of_fall("height of the strikers", height)
+
+
+def speed_of_fall(what: str, height: object) -> float:
+    """Speed [m/s] after a fall from a height at rest."""
+    fall = number(what, height, unit="m", least=0.0, most=MAX_FALL)
     return math.sqrt(2.0 * EARTH * fall)
 
 

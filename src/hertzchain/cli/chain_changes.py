@@ -241,12 +241,17 @@ def _pairs(texts: list[str]) -> list[tuple[str, str]]:
 
 
 def _law_with_restitution(name: str, given: list[str], chain: Chain, option: str) -> Loss:
-    """The law of ``viscoelastic, restitution=0.93, speed=0.8 m/s, contact=2``."""
+    """The law of ``viscoelastic, restitution=0.93, speed=0.8 m/s, contact=2``.
+
+    A height of fall can replace the speed, and the contact can be ``wall``.
+    """
+    from ..chain.bead_names import wall_number
     from ..chain.laws.base import LAWS
     from ..chain.laws.given_restitution import usual_contact
     from ..errors import InputError
 
     values: dict[str, Any] = {key: as_typed(value) for key, value in _pairs(given)}
+    _replace_height(values, chain, option)
     if not {"restitution", "speed"} <= values.keys():
         raise click.UsageError(
             f"{option} {name} with a restitution needs its speed, too: write {option} "
@@ -258,6 +263,9 @@ def _law_with_restitution(name: str, given: list[str], chain: Chain, option: str
     wall = option == "--wall-loss"
     contact = values.pop("contact", chain.beads if wall else usual_contact(chain))
     contact = int(contact) if isinstance(contact, float) and contact.is_integer() else contact
+    if (at := wall_number(chain, contact)) is not None:
+        # The left wall is bead 0, and its contact has this number, too.
+        contact = max(at - 1, 0)
     try:
         law = LAWS[name].from_restitution(
             coefficient, speed=speed, chain=chain, contact=contact, given=values
@@ -269,6 +277,22 @@ def _law_with_restitution(name: str, given: list[str], chain: Chain, option: str
         return law
     except InputError as error:
         raise click.UsageError(f"{option} {name}: {error}") from None
+
+
+def _replace_height(values: dict[str, Any], chain: Chain, option: str) -> None:
+    """Replace a height of fall among the values of a law by the speed after it."""
+    from ..chain.strikers import speed_of_fall
+
+    if "height" not in values:
+        return
+    what = f"height of {option}"
+    if "speed" in values:
+        raise click.UsageError(f"{option} has a speed and a height to fall from: omit one")
+    if chain.scaled:
+        raise click.UsageError(f"{what} requires a chain in SI units: give the speed")
+    height = values.pop("height")
+    require_unit(what, str(height), "m", "mm")
+    values["speed"] = f"{speed_of_fall(what, height)!r} m/s"
 
 
 def _law_in_words(law: Loss, chain: Chain) -> str:
@@ -300,7 +324,7 @@ def law_from(text: str, chain: Chain, option: str = "--loss") -> Loss:
     check_choice(f"law of {option}", name, LAWS)
     parameters = LAWS[name].parameters()
     pairs = _pairs(others)
-    if not equals and {"restitution", "speed"} & {key for key, _ in pairs}:
+    if not equals and {"restitution", "speed", "height"} & {key for key, _ in pairs}:
         return _law_with_restitution(name, others, chain, option)
     if equals and not parameters:
         raise click.UsageError(f"the law {name} has no parameters: write {option} {name}")

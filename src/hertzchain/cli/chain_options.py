@@ -114,8 +114,9 @@ CHAIN_OPTIONS: Final = (
         shell_complete=complete_losses,
         help="Loss law with its parameters, such as restitution=0.96, viscoelastic='0.6 us' or "
         "elastic-plastic, or with the restitution of two balls at one speed, such as "
-        "'viscoelastic, restitution=0.93, speed=0.8 m/s', in the first contact of two balls or in "
-        "another one (contact=3); replaces that of a FILE.",
+        "'viscoelastic, restitution=0.93, speed=0.8 m/s', or after a fall (height=30 mm), in the "
+        "first contact of two balls or in another one (contact=3, contact=wall); replaces that of "
+        "a FILE.",
     ),
     click.option(
         "--wall-loss",

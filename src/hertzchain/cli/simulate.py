@@ -116,8 +116,8 @@ USUAL_TIMES: Final = 400
     multiple=True,
     metavar="BEAD",
     help="Print the first maximum and the largest value of the force in a sensor in this bead, "
-    "such as 12 or, not counting the striker, 'ball 11'; repeatable.  With 'wall', --plot plots "
-    "the force on the wall.",
+    "such as 12, 'last' or, not counting the striker, 'ball 11'; repeatable.  With 'wall', --plot "
+    "plots the force on the wall.",
 )
 @click.option(
     "--stream",

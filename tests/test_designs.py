@@ -844,7 +844,7 @@ def test_the_row_of_equal_balls_is_named_and_a_search_that_does_not_beat_it_says
     few = hc.design(found.problem, method="genetic", budget=12)
     advice = "nothing better than the best row of equal balls; give a larger budget or another seed"
     assert advice in few.summary()
-    assert "a single start by method 'genetic'" in few.summary()
+    assert "one start of method 'genetic'" in few.summary()
     problem = hc.Design(chain, minimise="wall_force.peak", vary=[balls])
     assert "nothing better" not in hc.design(problem, budget=100).summary()
 

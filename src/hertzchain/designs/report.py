@@ -308,7 +308,8 @@ def _starts(result: DesignResult) -> list[str]:
         return [f"no search was completed: the budget was used up in {work}, which began with the "
                 "chains to compare with; give a larger budget"]  # fmt: skip
     advice = "; try other seeds" if len(result.finals) == 1 and result.method in SEEDED else ""
-    return [f"{_of_starts(result)}{_ends(result)} by method {result.method!r}, in {work} and "
+    by = "of" if len(result.finals) == 1 else "by"
+    return [f"{_of_starts(result)}{_ends(result)} {by} method {result.method!r}, in {work} and "
             f"{result.seconds:.0f} s{advice}"]  # fmt: skip
 
 
@@ -337,7 +338,7 @@ def _ends(result: DesignResult) -> str:
 
 def _of_starts(result: DesignResult) -> str:
     count = len(result.finals)
-    return "a single start" if count == 1 else f"best of {counted(count, 'start')}"
+    return "one start" if count == 1 else f"best of {counted(count, 'start')}"
 
 
 def _parts(result: DesignResult) -> list[str]:

@@ -167,7 +167,7 @@ def test_shown_defaults_are_accepted(run, tmp_path, monkeypatch, command, option
         (["scatter", *BALLS, "--scatter", "1%", "--only", "7:"], "--only '7:' is outside 1 to 3\n"),
         (["sensitivity", "--beads", "5", "--to", "young"], "young is a parameter of materials"),
         (["spectrum", *QUICK["spectrum"], "--beads", "9", "--transfer", "30", "--plot", "a.png"],
-         "--transfer must be a whole number from 0 to 9, got 30\n"),
+         "--transfer must be a whole number from 0 to 9, where 0 and 9 are walls, got 30\n"),
         (["sweep", "sweep.toml"], "sweeps do not keep the speed of the pulse; keep residence"),
     ],
 )  # fmt: skip

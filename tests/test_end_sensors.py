@@ -1,5 +1,7 @@
 """Sensors in beads at ends without walls, on which a drive or the precompression acts."""
 
+import json
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -87,3 +89,38 @@ def test_the_force_on_the_end_acts_behind_the_strikers():
     np.testing.assert_allclose(run.sensor(2), 0.1, rtol=1e-9)
     assert run.sensor_force(1).static_force == 0.0
     assert run.sensor_force(2).static_force == pytest.approx(0.1)
+
+
+def test_a_free_face_is_reported_and_twice_the_force_accelerates_the_body():
+    row = hc.Chain.from_materials(5e-3, "steel-52100", beads=6).with_cap("0.5 kg")
+    run = hc.simulate(row.struck_by(velocity="0.1 m/s"), times=4001)
+    cap = run.sensor_force("cap")
+    assert cap.free_face
+    for text in (repr(cap), cap._repr_html_()):
+        assert "the force on the body is twice this" in " ".join(text.split())
+    # Newton's second law, from the velocity of the cap.
+    acceleration = np.gradient(run.velocities[:, -1], run.times, edge_order=2)
+    assert 2.0 * cap.largest_so_far == pytest.approx(0.5 * acceleration.max(), rel=1e-4)
+    # The striker has a free face, too.
+    assert [run.sensor_force(bead).free_face for bead in (1, 2, 7)] == [True, False, False]
+
+
+def test_faces_with_walls_drives_or_precompression_are_not_free():
+    row = hc.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=1e-3)
+    walls = row.replace(right_wall=hc.Wall())
+    driven = row.replace(velocities=np.zeros(6), drive=DRIVE)
+    held = row.replace(precompression="20 N", held_by="force")
+    found = [
+        [hc.simulate(chain, until=800e-6).sensor_force(bead).free_face for bead in (1, 6)]
+        for chain in (row, walls, driven, held)
+    ]
+    assert found == [[True, True], [True, False], [False, True], [False, False]]
+
+
+def test_the_summary_states_a_free_face(run):
+    row = ["simulate", "--material", "steel-52100", "--diameter", "10 mm", "--beads", "6",
+           "--cap", "0.5 kg", "--speed", "0.1 m/s"]  # fmt: skip
+    shown = run(*row, "--sensor", "cap", "--sensor", "3")[1]
+    assert shown.count("the free face has none: the force on the body is twice this") == 1
+    sensors = json.loads(run(*row, "--sensor", "cap", "--sensor", "3", "--json")[1])["sensors"]
+    assert [each["free_face"] for each in sensors] == [True, False]

@@ -306,7 +306,7 @@ def _at(run: Run, force: float, time: float) -> str:
 def _sensor_line(run: Run, bead: int) -> str:
     from ..chain.bead_names import bead_label
     from ..representation import measure
-    from ..simulation.sensor_force import SHOWN
+    from ..simulation.sensor_force import FREE_FACE, SHOWN
 
     sensor = run.sensor_force(bead)
     if not sensor.reached:
@@ -326,4 +326,5 @@ def _sensor_line(run: Run, bead: int) -> str:
     static = ""
     if sensor.static_force:
         static = f", with the static force of {measure(sensor.static_force, 'N', sensor.units)}"
-    return f"sensor in {bead_label(run.chain, bead)}: {first}{largest}{static}{error}"
+    free = f"\n  {FREE_FACE}" if sensor.free_face else ""
+    return f"sensor in {bead_label(run.chain, bead)}: {first}{largest}{static}{error}{free}"

@@ -12,7 +12,7 @@ from ..simulation.budget import COLOURS as LOCATION_COLOURS
 from ..simulation.budget import Budget
 from ..simulation.horizon import Horizon
 from ..simulation.run import Run
-from ..simulation.sensor_force import SHOWN, SensorForce
+from ..simulation.sensor_force import FREE_FACE, SHOWN, SensorForce
 from ..simulation.wall_force import WallForce
 from .drawing import (
     COLOURS,
@@ -181,4 +181,6 @@ def sensor_force_html(sensor: SensorForce) -> str:
     if sensor.error > SHOWN * abs(sensor.largest_so_far):
         error = engineering(float(f"{sensor.error:.1e}"), "N", units)
         parts.append(note(f"The maxima have errors of at most {error}."))
+    if sensor.free_face:
+        parts.append(note(sentence(FREE_FACE)))
     return page("SensorForce", f"bead {sensor.bead}", *parts)

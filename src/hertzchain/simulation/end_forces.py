@@ -28,6 +28,13 @@ def static_forces_around(chain: Chain, bead: int) -> float:
     return found
 
 
+def has_free_face(chain: Chain, bead: int) -> bool:
+    """Whether nothing acts on one face of a bead: a sensor has half of the force on the other."""
+    left = bead == 1 and chain.left_wall is None and chain.drive is None
+    right = bead == chain.beads and chain.right_wall is None
+    return (left or right) and static_forces_around(chain, bead) == 0.0
+
+
 def is_driven(chain: Chain, contact: int) -> bool:
     """Whether the force on an end of the chain changes with time."""
     return contact == 0 and chain.drive is not None and chain.drive.of == "force"

@@ -15,6 +15,7 @@ from ..errors import IncompleteWarning, InputError, warn_user
 from ..kernels.limits import FALL, MIN_HEIGHT
 from ..representation import measure, short
 from ..validation.keywords import checked_methods
+from .end_forces import has_free_face
 from .force_table import force_dataframe
 from .sensor_curve import maximum_near, place_and_bound_of_largest
 from .trajectory import Trajectory
@@ -31,6 +32,10 @@ COARSE = 1e-2
 NEGLIGIBLE = 1e-6
 # Relative error above which an error is shown.
 SHOWN = 1e-4
+# Of a sensor in a bead at a free end.
+FREE_FACE = (
+    "mean of the forces on both faces; the free face has none: the force on the body is twice this"
+)
 
 
 @checked_methods
@@ -70,6 +75,9 @@ class SensorForce:
     reached : bool
         Whether the pulse has arrived: the force has changed by at least 1e-6 of the largest change
         of a force in the chain.
+    free_face : bool
+        Whether the bead is at a free end, so that one of its faces has no force.  The force on the
+        other face, which accelerates the bead, is then twice the force in the sensor.
     """
 
     bead: int
@@ -83,6 +91,7 @@ class SensorForce:
     error: float = 0.0
     static_force: float = 0.0
     reached: bool = True
+    free_face: bool = False
 
     def __repr__(self) -> str:
         if not self.reached:
@@ -102,6 +111,8 @@ class SensorForce:
             facts.append(f"both with the static force of {static}")
         if self.error > SHOWN * abs(self.largest_so_far):
             facts.append(f"errors at most {measure(self.error, 'N', self.units, digits=2)}")
+        if self.free_face:
+            facts.append(FREE_FACE)
         return short("SensorForce", f"bead {self.bead}", *facts)
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -232,7 +243,7 @@ def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
         found, first_maximum=first, first_maximum_time=first_time, largest_so_far=largest,
         largest_so_far_time=largest_time,
         error=max(bound - largest, _jumps(run, bead), *(top[2] for top in tops)),
-        static_force=at_rest, reached=reached,
+        static_force=at_rest, reached=reached, free_face=has_free_face(run.chain, bead),
     )  # fmt: skip
 
 

@@ -33,7 +33,7 @@ LAWS = {
     "WaltonBraun": hc.WaltonBraun(0.5),
 }  # fmt: skip
 # Laws without a parameter that follows from one coefficient of restitution.
-NO_RESTITUTION = ("Elastic.from_restitution", "ElasticPlastic.from_restitution")
+NO_RESTITUTION = ("Elastic.from_restitution",)
 OTHERS_OF_LAWS = {"VelocityPower": {"alpha": 1.5}}
 TRIED = {
     "None": None, "3": 3, "text": "x", "empty": [], "nan": float("nan"), "object": object(),

@@ -1,11 +1,15 @@
 """Loss laws with a given coefficient of restitution at one speed."""
 
+import warnings
+
 import pytest
 from scipy.integrate import solve_ivp
 
 import hertzchain as hc
 
 PAIR = hc.Chain.from_materials("5 mm", "steel-52100", beads=2)
+# A ball of PTFE that falls onto a plate.
+DROP = hc.Chain.from_materials("5 mm", "ptfe", beads=1, right_wall=hc.Wall.of("steel-52100"))
 SPEED = 0.8
 
 
@@ -39,6 +43,47 @@ def test_laws_with_closed_forms():
     assert given.coefficient == pytest.approx(0.9)
 
 
+@pytest.mark.parametrize("e", [0.5, 0.7, 0.9, 0.99])
+@pytest.mark.parametrize("materials", ["steel-316", ["ptfe", "steel-316"]])
+def test_the_yield_pressure_from_a_rebound_is_that_of_a_simulated_collision(e, materials):
+    speed = 5.0 if e < 0.6 else 0.05
+    pair = hc.Chain.from_materials("5 mm", materials, beads=2)
+    with warnings.catch_warnings():
+        # The pressures of these pairs need not be those of real materials.
+        warnings.simplefilter("ignore", hc.InputWarning)
+        law = hc.ElasticPlastic.from_restitution(e, speed=speed, chain=pair)
+    assert law.yield_pressure is law.yield_overlap is None
+    run = hc.simulate(pair.replace(loss=law, velocities=[speed, 0.0]), until="3 ms", check=False)
+    left, right = run.velocities[-1]
+    assert (right - left) / speed == pytest.approx(e, rel=1e-7)
+
+
+def test_the_yield_pressure_without_a_known_strength_and_in_scaled_chains():
+    ceramic = hc.Chain.from_materials("5 mm", "silicon-nitride", beads=2)
+    scaled = hc.Chain.uniform(3)
+    for chain, name in ((ceramic, "yield_pressure"), (scaled, "yield_overlap")):
+        law = hc.ElasticPlastic.from_restitution(0.9, speed=3.0, chain=chain)
+        assert [each for each in law.parameters() if getattr(law, each) is not None] == [name]
+        assert law.restitution(3.0, chain=chain) == pytest.approx(0.9, abs=1e-12)
+
+
+def test_a_loss_that_is_hardly_due_to_yield_is_reported():
+    with pytest.warns(hc.InputWarning, match="0.002.* times the yield strength, far from"):
+        hc.ElasticPlastic.from_restitution(0.5, speed=1e-6, chain=PAIR)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        hc.ElasticPlastic.from_restitution(0.6, speed=0.5, chain=DROP)
+
+
+def test_the_yield_pressure_in_a_chain_file():
+    rebound = 'law = "elastic-plastic", restitution = 0.6, speed = "0.5 m/s"'
+    text = f'{{material = "steel-316"}}\nloss = [{{between = ["ptfe", "steel-316"], {rebound}}}]'
+    chain = read(MIXED + text)
+    law = hc.ElasticPlastic.from_restitution(0.6, speed=0.5, chain=chain)
+    assert chain.contact_losses[1] == law
+    assert hc.chain_from_toml(hc.chain_as_toml(chain)).contact_losses[1] == law
+
+
 def test_scaled_chains_and_given_parameters():
     chain = hc.Chain.uniform(3)
     for law, others in ((hc.Dashpot, {}), (hc.VelocityPower, {"alpha": 1.5})):
@@ -52,7 +97,18 @@ def test_scaled_chains_and_given_parameters():
         (lambda: hc.Viscoelastic.from_restitution(1.2, speed=1.0, chain=PAIR), "below 1, got 1.2"),
         (lambda: hc.Viscoelastic.from_restitution(0.9, speed=0.0, chain=PAIR), "above 0, got 0"),
         (lambda: hc.Viscoelastic.from_restitution(0.9, speed="1 m", chain=PAIR), "speed must have"),
-        (lambda: hc.ElasticPlastic.from_restitution(0.9, speed=1.0, chain=PAIR), "yield strengths"),
+        (lambda: hc.ElasticPlastic.from_restitution(1.0, speed=1.0, chain=PAIR),
+         "has not yielded.* give a coefficient below 1"),
+        (lambda: hc.ElasticPlastic.from_restitution(1.2, speed=1.0, chain=PAIR), "at most 1"),
+        (lambda: hc.ElasticPlastic.from_restitution(0.9, speed=1.0, chain=PAIR,
+                                                    given={"yield_pressure": 1e9}),
+         "^restitution and yield_pressure are both given.*: omit one"),
+        (lambda: hc.ElasticPlastic.from_restitution(0.9, speed=1.0, chain=PAIR, given={"f": 2.0}),
+         "no parameter 'f'"),
+        (lambda: hc.ElasticPlastic.from_restitution(
+            0.9, speed=1.0, chain=PAIR.replace(right_wall=hc.Wall("5 kN/mm", exponent=1)),
+            contact=2),
+         "a law of spheres"),
         (lambda: hc.VelocityPower.from_restitution(0.9, speed=1.0, chain=PAIR),
          "not 2 .gamma, alpha.: give all but one"),
         (lambda: hc.Restitution.from_restitution(0.9, speed=1.0, chain=PAIR,
@@ -87,6 +143,10 @@ def test_on_the_command_line(run):
     )
     last = run("simulate", *options, "--loss", f"{text}, contact=8").stderr
     assert "contact 8" in last
+    yielding = "elastic-plastic, restitution=0.93, speed=0.8 m/s"
+    factor = hc.ElasticPlastic.from_restitution(0.93, speed=0.8, chain=PAIR).factor
+    found = run("simulate", *options, "--loss", yielding).stderr
+    assert f"factor {factor:.4g} from the restitution in contact 1" in found
     peak = f"peak {hc.simulate(chain).wall_force().peak:.4f}"[:11]
     assert peak in shown
     for wrong, said in (
@@ -174,7 +234,8 @@ def test_pairs_lists_and_walls():
         (BALLS + f"loss = {{{LAW}, time = 1e-6}}", r"\[chain.loss\]: restitution and time are"),
         (BALLS + 'loss = {law = "dashpot", restitution = 1.9, speed = 1}', "below 1, got 1.9"),
         (BALLS + 'loss = {law = "dashpot", restitution = 0.9, speed = "1 m"}', "speed.* must have"),
-        (BALLS + 'loss = {law = "elastic-plastic", restitution = 0.9, speed = 1}', "yield streng"),
+        (BALLS + 'loss = {law = "elastic-plastic", factor = 2, restitution = 0.9, speed = 1}',
+         r"\[chain.loss\]: restitution and factor are both given"),
         (BALLS + f"loss = {{{LAW}, contact = 7}}", "contact must be .* got 7"),
         (BALLS + f"loss = {{{LAW}, contact = 5}}", "end of the chain is free"),
         (BALLS + f"right_wall = {{loss = {{{LAW}, between = ['brass', 'ptfe']}}}}", "omit between"),

@@ -34,6 +34,9 @@ MIN_DENSITY, MAX_DENSITY = 1e-3, 1e6
 LIGHT, SOFT = 20.0, 1e4
 # Largest pressure of a contact over the yield strength when its softer body first yields.
 FIRST_YIELD: Final = 1.60
+# Largest mean pressure over the yield strength, of fully plastic contacts: K. L. Johnson, Contact
+# Mechanics, Cambridge 1985, Sec. 6.3.
+FULLY_PLASTIC: Final = 2.8
 
 # Names that users give to materials of the catalogue.
 OTHER_NAMES: Final = {

@@ -6,16 +6,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 from .laws.elastic_plastic import ElasticPlastic
-from .materials import FIRST_YIELD
+from .materials import FIRST_YIELD, FULLY_PLASTIC
 from .per_contact import MaterialPairs
 
 if TYPE_CHECKING:
     from ..collision import Array
     from .chain import Chain
 
-# Largest mean pressure over the yield strength, of fully plastic contacts: K. L. Johnson, Contact
-# Mechanics, Cambridge 1985, Sec. 6.3.
-FULLY_PLASTIC: Final = 2.8
 BETWEEN: Final = f"{FIRST_YIELD:g} to {FULLY_PLASTIC:g} times the yield strength"
 ASSUMED_PRESSURE: Final = (
     f"the pressure at which contacts yield is assumed to be {FIRST_YIELD:g} times the yield "

@@ -161,7 +161,7 @@ def show_run(
 
 def peaks_if_yielding(run: Run) -> Yielding:
     """Peaks if contacts yield at the smallest and at the largest possible pressure."""
-    from ..chain.yield_pressure import FULLY_PLASTIC
+    from ..chain.materials import FULLY_PLASTIC
 
     if (peak := peak_with_yielding_contacts(run)) is None:
         return None, None

@@ -30,7 +30,7 @@ class Ends(NamedTuple):
 
 def second_run(run: Run, **options: Any) -> Run | None:
     """The run at the largest possible yield pressure, if contacts yield at an assumed one."""
-    from ..chain.yield_pressure import FULLY_PLASTIC
+    from ..chain.materials import FULLY_PLASTIC
 
     if not depends_on_yield_pressure(run):
         return None
@@ -65,8 +65,7 @@ def ends_of_range(run: Run, other: Run | None, beads: Sequence[int]) -> list[End
 
 def range_as_dict(run: Run, other: Run | None, beads: Sequence[int]) -> dict[str, Any] | None:
     """Values at both yield pressures as plain data; `None` if nothing yields at an assumed one."""
-    from ..chain.materials import FIRST_YIELD
-    from ..chain.yield_pressure import FULLY_PLASTIC
+    from ..chain.materials import FIRST_YIELD, FULLY_PLASTIC
     from ..validation.json_types import finite
 
     if not depends_on_yield_pressure(run):

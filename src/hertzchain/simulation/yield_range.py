@@ -25,7 +25,8 @@ def at_fully_plastic_pressure(run: Run, **options: Any) -> Run | None:
     `None` if nothing yields at an assumed pressure, for chains of more than `MAX_BEADS` beads, and
     if the simulation fails.
     """
-    from ..chain.yield_pressure import FULLY_PLASTIC, with_factor
+    from ..chain.materials import FULLY_PLASTIC
+    from ..chain.yield_pressure import with_factor
     from .simulate import simulate
 
     if run.chain.beads > MAX_BEADS or not depends_on_yield_pressure(run):

@@ -90,6 +90,12 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
     >>> law = hc.ElasticPlastic(factor=2.8)
     >>> round(law.restitution(0.1, chain=chain), 3)
     0.585
+
+    A measured restitution determines the factor, or `yield_pressure` if no yield strength is
+    known, or `yield_overlap` in a scaled chain:
+
+    >>> round(hc.ElasticPlastic.from_restitution(0.585, speed=0.1, chain=chain).factor, 2)
+    2.8
     """
 
     yields = True
@@ -248,6 +254,19 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
     def _restitution(self, speed: float, contacts: ContactArrays) -> float:
         self.row(contacts.exponent)
         return restitution_beyond_yield(float(self._yield_speed(contacts)[0]) / speed)
+
+    @staticmethod
+    def _overlap_at_yield(restitution: float, speed: float, contacts: ContactArrays) -> float:
+        """Overlap at yield for which a collision beyond yield has this restitution, below 1."""
+        from scipy.optimize import brentq
+
+        # The restitution grows with the yield speed, from 0 to 1, approximately as its fourth root.
+        u = brentq(
+            lambda u: restitution_beyond_yield(u) - restitution, (0.5 * restitution) ** 4, 1.0,
+            xtol=1e-300, rtol=1e-14,
+        )  # fmt: skip
+        mass, k = float(contacts.reduced_mass[0]), float(contacts.stiffness[0])
+        return float((1.25 * mass * (u * speed) ** 2 / k) ** 0.4)
 
 
 def restitution_beyond_yield(u: float) -> float:

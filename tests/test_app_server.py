@@ -212,6 +212,14 @@ def test_the_peak_with_contacts_that_yield_is_stated():
     assert computed(lossy)["run"][0]["peaks"]["right"]["yielding"] is None
 
 
+def test_a_note_states_that_the_pressure_of_a_peak_with_yield_is_assumed():
+    row = {"diameters": "12 mm", "beads": 10, "materials": "steel-316", "right_wall": {}}
+    for velocity, stated in (("2 m/s", True), ("1 mm/s", False)):
+        warnings = computed({"chain": {**row, "velocity": velocity}})["run"][0]["warnings"]
+        note = "peak if contacts yield: the pressure at which contacts yield is assumed to be 1.6"
+        assert any(each.startswith(note) for each in warnings) == stated
+
+
 def test_a_peak_with_yield_outside_the_range_of_the_law_says_so():
     row = {"diameters": "10 mm", "beads": 5, "materials": "ptfe", "right_wall": {}}
     peak = computed({"chain": {**row, "velocity": "20 m/s"}})["run"][0]["peaks"]["right"]
@@ -344,6 +352,26 @@ def test_negative_residence_times_have_a_note():
     assert arrays["exact.residence"].min() < 0.0
     assert header["table_note"].startswith("residence: negative where")
     assert computed(TAPER)["pulse"][0]["table_note"] == ""
+
+
+def test_a_chain_with_a_wall_begins_without_a_sensor():
+    wall = {"chain": {**TAPER["chain"], "right_wall": {}}}
+    assert about(wall)["sensors"] == []
+    # The page chooses the middle bead; its example has a sensor, too.
+    assert about(TAPER)["sensors"] is about()["sensors"] is None
+
+
+def test_the_table_explains_negative_residence_times(client):
+    bouncing = {"chain": {"diameters": ["20 mm", "4 mm"] * 4, "materials": "steel-52100",
+                          "velocity": "10 mm/s"}}  # fmt: skip
+    head, *rows = csv.reader(io.StringIO(exported(client, bouncing, "csv").decode()))
+    column = head.index("residence (simulation) [s]")
+    early = [bool(row[column]) and float(row[column]) < 0.0 for row in rows]
+    assert any(early)
+    assert head[-1] == "note"
+    assert [row[-1].startswith("residence: negative where") for row in rows] == early
+    assert {len(row) for row in rows} == {len(head)}
+    assert "note" not in exported(client, TAPER, "csv").decode().splitlines()[0]
 
 
 def test_drafts_and_endless_drives_have_the_largest_force_so_far():
@@ -695,13 +723,13 @@ def test_a_run_is_described_by_its_own_warnings_and_units(client):
                      "right_wall": {"material": "rubber"}}}  # fmt: skip
     headers = {header["part"]: header for header, _ in client.results(pad, 77)}
     run = headers["run"]
-    limits = [text.partition(" is ")[0] for text in run["warnings"]]
+    limits = [text.partition(" is ")[0] for text in run["warnings"] if "assumed" not in text]
     assert len(set(limits)) == len(limits) == 2
     # The overlap at the wall is that of the peak, which the whole run contains.
     with pytest.warns(hc.ModelRangeWarning) as issued:
         hc.simulate(chain_of(pad), until=8e-3, times=0)
     # The folded line of the page shows the first warning.
-    assert run["warnings"] == [on_the_page(each.message) for each in issued]
+    assert run["warnings"][:2] == [on_the_page(each.message) for each in issued]
     assert run["warnings"][0].startswith("contacts would be dented, and forces may be lower: p")
     assert run["warnings"][1].startswith("overlap / radius")
     # The run for the page ends as that of `simulate` without `until`.

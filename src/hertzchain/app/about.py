@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from typing import Any, Final
@@ -30,7 +31,7 @@ WITHOUT_CONTROLS: Final = "chain.striker_properties"
 FORMS: Final = {
     "taper": "a taper and its rate", "first": "end radii", "first_diameter": "end diameters",
     "radii": "a list of radii", "diameters": "a list of diameters",
-    "cell": "a repeated cell of radii", "cell_diameters": "a repeated cell of diameters",
+    "cell": "a cell of radii", "cell_diameters": "a cell of diameters",
     "mass_ratio": "a dimer’s mass ratio",
 }  # fmt: skip
 # Usual ranges of sliders by dimension, in the units that the page shows, in SI units and scaled.
@@ -142,4 +143,11 @@ def about(document: object = None) -> dict[str, Any]:
         "gallery": gallery(),
         "max_beads": MAX_BEADS,
         "document": gallery()[0]["document"] if document is None else document,
+        "sensors": [] if _has_wall(document) else None,
     }  # fmt: skip
+
+
+def _has_wall(document: object) -> bool:
+    """Whether a given chain has the force on a wall, so that the page begins without a sensor."""
+    chain = document.get("chain") if isinstance(document, Mapping) else None
+    return isinstance(chain, Mapping) and not {"left_wall", "right_wall"}.isdisjoint(chain)

@@ -16,6 +16,7 @@ from ..chain.bead_names import walls_of
 from ..chain.chain import Chain
 from ..errors import InputError, SimulationError
 from ..propagation.propagate import propagate
+from ..pulse.notes import OUT_OF_ORDER, out_of_order
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
 from ..recorded_warnings import record_warnings
@@ -128,7 +129,13 @@ def _csv(given: Mapping[str, Any], stop: Stop) -> Export:
         ",".join("" if value != value else repr(value) for value in row)
         for row in zip(*(np.asarray(each).tolist() for each in columns), strict=True)
     )
-    text = "\n".join([",".join(head), *rows, ""])
+    lines = [",".join(head), *rows]
+    known = [each.residence for each in pulses.values() if each.residence is not None]
+    if any(map(out_of_order, known)):
+        early = np.any([each < 0.0 for each in known], axis=0)
+        notes = ["note", *(OUT_OF_ORDER if each else "" for each in early), ""]
+        lines = [f"{line},{note}" for line, note in zip(lines, notes, strict=True)]
+    text = "\n".join([*lines, ""])
     return Export("pulse.csv", "text/csv; charset=utf-8", text.encode())
 
 

@@ -22,6 +22,7 @@ from ..simulation.sensor_force import SHOWN
 from ..simulation.simulate import simulate
 from ..simulation.time_scales import UNBALANCED
 from ..simulation.yielding import peak_with_yielding_contacts, pressures_below_yield
+from .yield_notes import IF_YIELDING
 
 # Intervals in the shortest contact, and the smallest number that needs no warning.  A light bead
 # between two others oscillates faster than a collision of two beads suggests.
@@ -246,7 +247,7 @@ def _wall_peaks(
         found = peak_with_yielding_contacts(run, progress)
         if found is not None:
             outside = f", {OUTSIDE_LAW}" if found.outside else ""
-            shown.append([f"peak if contacts yield{outside}", found.value, None])
+            shown.append([f"{IF_YIELDING}{outside}", found.value, None])
             yielding = None if found.outside else found.value
         # No contact yields, or the peak includes it.
         elif isinstance(run.chain.loss, ElasticPlastic) or pressures_below_yield(run):

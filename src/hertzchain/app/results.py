@@ -42,7 +42,7 @@ from .messages import Part, columns_as_int16
 from .requests import Request
 from .shown_times import pulse_of, saved_times
 from .wording import chain_in_words, on_the_page, sentences, warnings_on_the_page
-from .yield_notes import yield_notes
+from .yield_notes import assumption_note, yield_notes
 
 MAX_SECONDS: Final = 20.0
 # Theories with compiled functions, which are evaluated after the others.
@@ -344,7 +344,8 @@ def _run_part(
     modes = {} if request.draft else _spectrum(chain, arrays)
     header = {
         "part": "run", **request.identity, "message": _end(run), "success": run.success,
-        "peaks": peaks, "energy_drift": run.energy_drift, "warnings": warnings,
+        "peaks": peaks, "energy_drift": run.energy_drift,
+        "warnings": warnings + assumption_note(peaks),
         "closed": run._still_closed, "over_static": OVER_STATIC if has_static_forces(chain) else "",
         "coarse": "" if request.draft else coarse_frames(run),
         "seconds": {"simulate": took, "pack": time.perf_counter() - began}, **modes,

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any, Final
+
 from ..chain.yield_pressure import ASSUMED_PRESSURE, OTHER_PRESSURE
 from ..simulation.run import Run
 from ..simulation.yield_range import depends_on_yield_pressure
 from ..simulation.yielding import dents_in_words, remark_on_overlaps
 from .wording import on_the_page
+
+# Label of the peak in a second simulation, of an elastic chain with contacts that yield.
+IF_YIELDING: Final = "peak if contacts yield"
 
 
 def yield_notes(run: Run) -> list[str]:
@@ -18,3 +24,10 @@ def yield_notes(run: Run) -> list[str]:
     if depends_on_yield_pressure(run):
         notes.append(f"{ASSUMED_PRESSURE}; to see its effect, {OTHER_PRESSURE}")
     return [on_the_page(each) for each in notes]
+
+
+def assumption_note(peaks: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """The yield pressure that a peak of an elastic chain assumes, if one is shown."""
+    labels = [what for each in peaks.values() for what, *_ in each["shown"]]
+    given = any(each.startswith(IF_YIELDING) for each in labels)
+    return [f"{IF_YIELDING}: {ASSUMED_PRESSURE}"] if given else []

@@ -18,7 +18,7 @@ const linked = !stored && fromLink(location.hash);
 export const state = linked || { A: about.document, B: stored?.view?.B ?? null, active: "A", view: { ...copy(VIEW), ...stored?.view?.view } };
 if (!fixed && !linked) {
   const middle = Math.round((about.document.chain.beads ?? 2) / 2);
-  Object.assign(state.view, { bead: middle + strikersBefore(about.document), sensors: [middle] });
+  Object.assign(state.view, { bead: middle + strikersBefore(about.document), sensors: about.sensors ?? [middle] });
 }
 export const history = new History();
 export const results = { A: new Results(), B: new Results() };

@@ -299,3 +299,44 @@ def test_the_legend_of_two_parameters_does_not_cover_their_medians():
     figure.draw_without_rendering()
     legend = figure.legends[0].get_window_extent()
     assert not any(legend.overlaps(axes.title.get_window_extent()) for axes in figure.axes)
+
+
+def crowded_panel():
+    """A small panel of two with a legend that covers curves everywhere and has no room above."""
+    _, (_, axes) = plt.subplots(2, 1, figsize=(3.4, 4.0))
+    x = np.linspace(0.0, 1.0, 400)
+    for k in range(3):
+        axes.plot(x, np.sin(60.0 * x + k), label=f"force on the wall of row {k}")
+    return axes
+
+
+def test_given_axes_become_longer_if_a_legend_has_no_other_place():
+    axes = crowded_panel()
+    limits = axes.get_ylim()
+    for _ in range(3):  # several runs in the same axes do not make them longer and longer
+        place_legend(axes)
+        assert axes.get_ylim()[0] == limits[0]
+        assert 1.2 < np.diff(axes.get_ylim())[0] / np.diff(limits)[0] < 2.6
+    axes.figure.draw_without_rendering()
+    assert not covers_data(axes.get_legend())
+    assert axes.get_legend().get_window_extent().y1 <= axes.bbox.y1
+
+
+def test_limits_of_users_remain_below_a_legend():
+    axes = crowded_panel()
+    axes.set_ylim(-1.0, 1.2)
+    place_legend(axes)
+    assert axes.get_ylim() == (-1.0, 1.2)
+    assert axes.get_legend().get_frame().get_alpha() == 0.8
+
+
+def test_no_legend_of_several_runs_covers_the_largest_peak():
+    taper = hc.Chain.tapered("forward-exponential", 0.05, beads=11)
+    dimer = hc.Chain.dimer(radii=[1.0, 0.7], beads=20)
+    with hc.figure_style("single column"):
+        axes = None
+        for chain in (hc.Chain.uniform(20), taper, taper.decorated(0.4), dimer):
+            run = hc.simulate(chain.replace(right_wall=hc.Wall()), until=40.0, times=2000)
+            axes = run.plot_forces(["wall"], **({} if axes is None else {"ax": axes}))
+        axes.figure.draw_without_rendering()
+    assert not covers_data(axes.get_legend())

@@ -39,9 +39,13 @@ SMALLER: Final = 6.0 / 7.0
 ROOM: Final = 0.75
 # Largest height of a legend above axes in a figure of somebody else, relative to the axes.
 MAX_SHARE: Final = 0.5
+# The same for a legend inside axes whose y axis becomes longer.
+MAX_EXTENSION: Final = 0.6
 # Distance [points] of a title from a legend, whose height varies with the resolution of a file.
 TITLE_DISTANCE: Final = 8.0
 ROUNDING: Final = 1.05
+# Part by which the room of a legend exceeds its present size.
+SPARE: Final = 1.05
 # Fewest letters of a line of a legend below a narrow panel, and those as wide as its handle.
 MIN_LETTERS, HANDLE_LETTERS = 12, 4
 POINTS_PER_INCH: Final = 72.0
@@ -53,9 +57,13 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
     A legend above the axes is below their title.  A figure that was made for these axes becomes
     taller by the height of the legend, which leaves the axes their size.  In other figures, whose
     layout may change with the next panels, Matplotlib chooses the place again for each drawing if
-    its choice is good; a legend that is wider than the axes, takes most of their height, or has no
-    room above them, is where it covers least.  Legends of narrow panels have small letters.
+    its choice is good; for a legend that is wider than the axes or has no room above them, the y
+    axis becomes longer, unless a user set its limits or the legend takes most of the height: it is
+    then where it covers least.  Legends of narrow panels have small letters.
     """
+    if not own and axes.get_autoscaley_on():
+        # A legend of curves drawn before may have made the axis longer.
+        axes.autoscale_view(scalex=False)
     compact = {} if own else _compact(axes)
     legend = axes.legend(loc=PLACES[0], **compact)
     figure_of(axes).draw_without_rendering()
@@ -70,7 +78,9 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
                     if covers_data(legend):
                         legend.set_loc(place)
                 return
-    if not _place_above(axes, compact, own=own):
+    if not own and width > axes.bbox.width:
+        compact["fontsize"] = max(compact["fontsize"] * axes.bbox.width / (SPARE * width), MIN_SIZE)
+    if not _place_above(axes, compact, own=own) and not _place_in_longer_axes(axes, compact):
         # Its text stays legible on the data below it; a layout would make the axes narrower.
         axes.legend(
             loc="best",
@@ -223,6 +233,27 @@ def _place_above(axes: Axes, compact: dict[str, Any], *, own: bool) -> bool:
         figure.set_figheight(figure.get_figheight() + inches)
     elif figure.get_layout_engine() is None and not _has_room(legend):
         _lift_titles(axes, rcParams["axes.titlepad"])
+        return False
+    return True
+
+
+def _place_in_longer_axes(axes: Axes, compact: dict[str, Any]) -> bool:
+    """Extend the y axis and put the legend there; false if users set its limits or it is large."""
+    legend = axes.legend(loc="upper left", **compact)
+    # A layout would make the axes narrower.
+    legend.set_in_layout(False)
+    pixels = figure_of(axes).dpi / POINTS_PER_INCH
+    height = axes.bbox.y1 - legend.get_window_extent().y0 + SPARE * CLEARANCE * pixels
+    share = SPARE * height / axes.bbox.height
+    if not axes.get_autoscaley_on() or share > MAX_EXTENSION:
+        return False
+    limits = axes.get_ylim()
+    scale = axes.yaxis.get_transform()
+    low, high = scale.transform(np.array(limits))
+    top = low + (high - low) / (1.0 - share)
+    axes.set_ylim(top=float(scale.inverted().transform(np.array([top]))[0]), auto=True)
+    if covers_data(legend):
+        axes.set_ylim(limits, auto=True)
         return False
     return True
 

@@ -23,12 +23,14 @@ CUT_OFF: Final = "peak not complete"
 # A run that ends before this part of the time axis states its end in the legend; others end with
 # the axis.
 SHORT_RUN: Final = 0.9
-# Widths and opacities of the curves of the first, second, ... run in the same axes: thin curves are
-# in front of broad, pale ones, so that oscillations of several runs do not hide each other.
-RUN_LINES: Final = ((2.8, 0.5), (1.3, 1.0), (0.8, 1.0))
+# Widths and opacities of the curves of two runs in the same axes: a thin curve is in front of a
+# broad, pale one, so that runs that almost coincide do not hide each other.
+RUN_LINES: Final = ((2.8, 0.5), (1.3, 1.0))
+# Width of the curves of more runs.
+EQUAL_WIDTH: Final = 0.9
 # Maxima, in a range of this part of the largest force, from which a broad curve is a band, in which
-# no oscillation is visible; all curves then have this width.
-MANY_MAXIMA, RIPPLE, EQUAL_WIDTH = 10, 0.03, 0.9
+# no oscillation is visible; both curves then have the equal width.
+MANY_MAXIMA, RIPPLE = 10, 0.03
 # Words that distinguish curves with one label.
 MEASURED, SIMULATED = "measured", "simulated"
 
@@ -96,14 +98,13 @@ def label_and_style(axes: Axes, *, compared: bool) -> None:
         line.set_label(words)
     _label_circles(axes, lines)
     label_sources(axes)
-    if compared or len({line.run for line in lines}) > 1:
+    runs = {line.run for line in lines}
+    if compared or len(runs) > 1:
         # In a narrow figure, wide lines would cover oscillations.
         narrower = min(1.0, figure_of(axes).get_figwidth() / NARROW)
-        equal = any(map(oscillates, lines))
+        equal = max(runs) >= len(RUN_LINES) or any(map(oscillates, lines))
         for line in lines:
-            width, opacity = RUN_LINES[min(line.run, len(RUN_LINES) - 1)]
-            if equal:
-                width, opacity = EQUAL_WIDTH, 1.0
+            width, opacity = (EQUAL_WIDTH, 1.0) if equal else RUN_LINES[line.run]
             line.set(linestyle="-", linewidth=narrower * width, alpha=opacity)
     _end_together(axes, lines)
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..representation import MAX_DIGITS, listed, measure
+from .decorations import decoration_of
 from .materials import Material
 from .repeated_cells import cell_repeats, smallest_cell
 from .taper_sizes import SHAPES, taper_between
@@ -43,9 +44,7 @@ def beads_description(
     count = len(radii)
     beads = ", ".join(filter(None, (scatter, beads_of(count, "beads"))))
     if taper is not None:
-        symbols = taper_named(taper).symbols
-        values = ", ".join(f"{symbols[name]} = {value:g}" for name, value in parameters)
-        return f"{taper}, {values}, {beads}"
+        return f"{_taper_in_words(taper, parameters)}, {beads}"
     names = [each.name for each in materials or ()]
     # Balls are counted without strikers.
     noun = "ball" if strikers else "bead"
@@ -57,12 +56,29 @@ def beads_description(
         size = f"diameter {length_in_words(2.0 * odd.usual_radius)}"
         return ", ".join(filter(None, (counted, size, odd.words, scatter)))
     if scaled:
-        return f"{cells or ('uniform' if np.ptp(radii) == 0.0 else 'given radii')}, {beads}"
+        kind = "uniform" if np.ptp(radii) == 0.0 else _decorated_taper(radii) or "given radii"
+        return f"{cells or kind}, {beads}"
     names = list(dict.fromkeys(names))
     diameters = "diameter" if np.ptp(radii) == 0.0 else "diameters"
     counted = beads_of(count, "beads", names or ["SI"])
     sizes = f"{diameters} {sizes_in_words(radii)}"
     return ", ".join(filter(None, (counted, sizes, scatter)))
+
+
+def _taper_in_words(taper: str, parameters: Sequence[tuple[str, float]]) -> str:
+    """Such as ``forward-exponential, q = 0.05``."""
+    symbols = taper_named(taper).symbols
+    return ", ".join((taper, *(f"{symbols[name]} = {value:g}" for name, value in parameters)))
+
+
+def _decorated_taper(radii: Array) -> str:
+    """Such as ``backward-linear, S = 0.1, decorated with ratio 0.4``; empty for other beads."""
+    decoration = decoration_of(radii)
+    if decoration is None:
+        return ""
+    taper, parameters = taper_behind(decoration.large)
+    kind = "given radii" if taper is None else _taper_in_words(taper, parameters)
+    return f"{kind}, {decoration.words}"
 
 
 @dataclass(frozen=True)
@@ -191,7 +207,10 @@ def beads_of(count: int, noun: str, materials: Sequence[str] = ()) -> str:
 
 
 def sizes_in_words(radii: Array) -> str:
-    """Diameter, or those of all but one, two in turn, the ends of a taper, or the extremes."""
+    """Diameter, or those of all but one, two in turn, the ends of a taper, or the extremes.
+
+    The ends of a decorated taper are those of its large beads.
+    """
     low, high = radii.min(), radii.max()
     if low == high:
         return length_in_words(2.0 * low)
@@ -202,6 +221,9 @@ def sizes_in_words(radii: Array) -> str:
     if len(radii) > 3 and np.count_nonzero(radii != usual) == 1:
         one, other = _distinguishable(usual, low if high == usual else high)
         return f"{one} except one of {other}"
+    if decoration := decoration_of(radii):
+        ends = _distinguishable(decoration.large[0], decoration.large[-1])
+        return f"{' to '.join(ends)} {decoration.words}"
     first, last = (high, low) if np.all(np.diff(radii) <= 0.0) else (low, high)
     return " to ".join(dict.fromkeys(_distinguishable(first, last)))
 

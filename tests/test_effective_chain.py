@@ -1,3 +1,6 @@
+import re
+import warnings
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -98,7 +101,9 @@ def test_effective_chain_of_tapered_large_beads_moves_as_the_full_one():
     effective = hc.effective_chain(chain)
     spacing, velocity = measured(chain, effective, 8, 18)
     # The speed is that of the wave in a uniform chain, without the effect of the taper.
-    assert effective.spacing(velocity)[8:18].mean() / spacing == pytest.approx(1.02, abs=1e-3)
+    with pytest.warns(hc.ModelRangeWarning, match="error of 2.0%"):
+        found = effective.spacing(velocity)[8:18].mean()
+    assert found / spacing == pytest.approx(1.02, abs=1e-3)
     m, k, n = effective.masses, effective.stiffness, 24
 
     def rates(_, y):
@@ -156,3 +161,29 @@ CHAIN = hc.Chain.uniform(3).decorated(0.3)
 def test_bad_input_is_rejected(call, said):
     with pytest.raises(hc.InputError, match=said):
         call()
+
+
+@pytest.mark.parametrize(
+    ("taper", "q", "error"),
+    [("forward-exponential", 0.05, 0.055), ("backward-exponential", 0.05, -0.038),
+     ("forward-exponential", 0.01, 0.0094), ("backward-exponential", 0.01, -0.0084)],
+)  # fmt: skip
+def test_the_spacing_of_steep_tapers_warns_of_its_error(taper, q, error):
+    chain = hc.Chain.tapered(taper, q, beads=31).decorated(0.3)
+    pulse = hc.propagate(chain)
+    effective = hc.effective_chain(chain)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        spacing = effective.spacing(pulse.velocity[::2])
+    found = spacing[20] / np.diff(pulse.peak_time[::2])[20] - 1.0
+    assert found == pytest.approx(error, abs=1e-3)
+    assert bool(caught) == (q > 0.02)
+    for each in caught:
+        assert issubclass(each.category, hc.ModelRangeWarning)
+        told = float(re.search(r"error of ([\d.]+)%", str(each.message)).group(1)) / 100.0
+        assert told == pytest.approx(abs(found), rel=0.2)
+
+
+def test_methods_of_chains_advise_those_of_an_effective_chain():
+    with pytest.raises(hc.InputError, match=r"got EffectiveChain\(.*bca\(\) and spacing"):
+        hc.propagate(hc.effective_chain(CHAIN))

@@ -622,6 +622,17 @@ def test_a_rate_outside_the_tables_is_printed_with_digits_that_show_it():
         hc.local_rate(chain)
 
 
+@pytest.mark.parametrize("taper", ["forward-exponential", "backward-exponential"])
+@pytest.mark.parametrize("q", [0.01, 0.05])
+@pytest.mark.parametrize("ratio", [0.3, 0.5])
+def test_the_law_of_the_large_beads_gives_velocities_of_a_decorated_taper(taper, q, ratio):
+    plain = hc.Chain.tapered(taper, q, beads=31)
+    with pytest.warns(ModelRangeWarning, match="of the large beads alone .* within 4%"):
+        hc.local_rate(plain.decorated(ratio))
+    exact = hc.propagate(plain.decorated(ratio)).velocity[::2]
+    assert hc.local_rate(plain).velocity[10:-3] == pytest.approx(exact[10:-3], rel=0.04)
+
+
 @pytest.mark.parametrize(("chain", "advice"), [
     (hc.Chain.dimer(radii=[1.0, 0.9], beads=30), "use propagate$"),
     (hc.Chain.dimer(radii=[1.0, 0.5], beads=30), "use propagate, or effective_chain for small"),

@@ -10,14 +10,14 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from ..chain.chain import Chain
 from ..errors import InputError, SimulationError
 from ..representation import listed, measure
 from .advice import advice_to_free, considered, level_advice, nothing_explains
+from .ball_counts import ball_count, with_ball_fewer, with_ball_more
 from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_ends, is_free, try_further
 from .chain_parameters import known_names
 from .clocks import fixed_offsets
@@ -338,28 +338,14 @@ def _losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
 def _beads(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """Fits with one ball more and one fewer at the end of the chains."""
     model = result.model
-    for change, words in ((1, "one ball more"), (-1, "one ball fewer")):
+    for changed, words in ((with_ball_more, "one ball more"), (with_ball_fewer, "one ball fewer")):
         try:
-            chains = tuple(_with_length(chain, change) for chain in model.chains)
+            chains = tuple(changed(chain) for chain in model.chains)
             other = make_model(model.traces, chains, model.parameters, model.simulator)
             found = refit(Problem(other), start, 1)
         except (InputError, SimulationError):
             continue
-        count = chains[0].beads - chains[0].strikers
-        yield Cause(f"{words} ({count})", "check the number of balls", found, 0)
-
-
-def _with_length(chain: Chain, change: int) -> Chain:
-    """The chain with one bead more or fewer at its end, like the last one."""
-    given = [name for name in ("masses", "velocities", "stiffness", "gaps") if name in chain.given]
-    changes: dict[str, Any] = {}
-    for name in ("radii", *given):
-        values = getattr(chain, name)
-        changes[name] = np.append(values, values[-1]) if change > 0 else values[:-1]
-    if chain.materials is not None:
-        kinds = chain.materials
-        changes["materials"] = (*kinds, kinds[-1]) if change > 0 else kinds[:-1]
-    return chain.replace(**changes)
+        yield Cause(f"{words} ({ball_count(chains[0])})", "check the number of balls", found, 0)
 
 
 def _exponent(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:

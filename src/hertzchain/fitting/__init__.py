@@ -17,7 +17,7 @@
 - further questions: `loss_comparison` of all `loss_laws`, and `defect_scan`;
 - data compared with a simulation, without a fit: `compare_traces`, `trace_comparison`,
   `sensor_comparison`, `crossings`, `time_offsets`, `arrival_notes`, `odd_sensors`,
-  `compared_part`;
+  `compared_part`, `coarse_sampling`;
 - data that are read in another way: `misread_columns`, `misread_places`, `misread_times`,
   `exchanged_columns`;
 - the shipped data: `example_experiment`.

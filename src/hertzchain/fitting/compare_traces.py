@@ -30,6 +30,7 @@ from .arrival_notes import (
     silent_notes,
     with_pulses,
 )
+from .coarse_sampling import sampling_notes
 from .compared_part import check_reached, covered_part
 from .exchanged_columns import check_contained_or_exchanged, exchange_notes
 from .goodness import EXPLAINED
@@ -101,6 +102,7 @@ def compare_traces(
         warn_user(note, InputWarning)
     notes = (
         *suspicious,
+        *sampling_notes(shot, columns, grid),
         *gap_notes(gaps),
         *empty_notes,
         *inversion_notes({} if exchanged else {each.name: each.scale for each in found.sensors}),

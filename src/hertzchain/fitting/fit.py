@@ -21,6 +21,7 @@ from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
 from .chain_parameters import following
 from .clocks import clock_notes, with_clocks
+from .coarse_sampling import sampling_notes
 from .diagnosis import diagnosed
 from .least_squares import Solution, solve, solve_again
 from .misread_columns import inversion_notes
@@ -268,7 +269,8 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
         *inversion_notes(_gains(model, values)),
         *coupling_notes(model.traces, chains, lambda k, each: model.gain(k, each, values)),
         *small_residual_notes(problem, solution.residuals),
-        *range_notes(chains[0], duration), *filter(None, (solution.note,)),
+        *range_notes(chains[0], duration), *_sampling_notes(model, values),
+        *filter(None, (solution.note,)),
     )  # fmt: skip
     penalty = float(solution.residuals[count:] @ solution.residuals[count:])
     return FitResult(
@@ -276,6 +278,17 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
         effects, at_bounds, chains, notes, simulations, solution.starts, penalty,
         problem, variables, solution.jacobian, solution.residuals, scan=solution.scan,
     )  # fmt: skip
+
+
+def _sampling_notes(model: Model, values: Mapping[Name, float]) -> list[str]:
+    """Notes on shots with few samples during a pulse."""
+    shots = model.traces.shots
+    return [
+        note for k, shot in enumerate(shots)
+        for note in sampling_notes(
+            shot, model.predict_shot(k, values), number=k + 1 if len(shots) > 1 else None
+        )
+    ]  # fmt: skip
 
 
 def _gains(model: Model, values: Mapping[Name, float]) -> dict[str, float]:

@@ -17,6 +17,7 @@ from .noise import (
     independent_samples,
     noise_of,
     onset,
+    runs,
 )
 
 # Fraction of the time before the first onset of all sensors that is quiet in each of them.
@@ -31,9 +32,14 @@ FOOT: Final = 2.0
 BEYOND_NOISE, PARTS, TOO_SMALL, OF_A_STEP = 1.0, 4, 1.0, 0.5
 # Share of another signal that is not noise, in standard deviations.
 PICKED_UP: Final = 3.0
+# A pulse with fewer successive samples above this part of its largest value is coarsely sampled.
+# It begins with the first sample beyond these multiples of a known noise and of a rounding step.
+FEW_SAMPLES, PART, IN_NOISE, IN_STEPS = 3, 0.5, 5.0, 1.5
 
 
-def quiet_counts(columns: Sequence[Array]) -> tuple[list[int], tuple[int, int]]:
+def quiet_counts(
+    columns: Sequence[Array], noises: Sequence[float | None] | None = None
+) -> tuple[list[int], tuple[int, int]]:
     """Number of samples at the beginning of each signal that contain only noise.
 
     The last values are the number of samples before the pulse arrives at any sensor, and the index
@@ -41,13 +47,18 @@ def quiet_counts(columns: Sequence[Array]) -> tuple[list[int], tuple[int, int]]:
 
     A sensor is quiet until its own pulse begins, unless it picks up the pulses of other sensors.
     It is always quiet in the common part, before the pulse arrives at any of them.  Sensors with
-    only noise, which the pulse has not reached, do not shorten the common part.
+    only noise, which the pulse has not reached, do not shorten the common part.  ``noises`` are
+    those that are known, without which a pulse of a single sample cannot be recognised.
     """
     signals = [
         np.where(np.isnan(values), np.nanmedian(values), values)
         for values in map(at_limits, columns)
     ]
-    onsets = [len(values) if only_noise(values) else onset(values) for values in signals]
+    known = noises or [None] * len(signals)
+    onsets = [
+        len(values) if only_noise(values) else _coarse_onset(values, onset(values), noise)
+        for values, noise in zip(signals, known, strict=True)
+    ]
     common = int(COMMON_PART * min(onsets))
     counts = []
     for values, begin in zip(signals, onsets, strict=True):
@@ -58,6 +69,18 @@ def quiet_counts(columns: Sequence[Array]) -> tuple[list[int], tuple[int, int]]:
             longer = False
         counts.append(end if longer else common)
     return counts, (min(onsets), int(np.argmin(onsets)))
+
+
+def _coarse_onset(values: Array, begin: int, noise: float | None) -> int:
+    """Onset of a signal, which is earlier if its pulses have few samples and its noise is known."""
+    if noise is None:
+        return begin
+    height = np.abs(values - base_level(values))
+    parts = runs(height > PART * height.max())
+    if any(part.stop - part.start >= FEW_SAMPLES for part in parts):
+        return begin
+    least = max(IN_NOISE * noise, IN_STEPS * digitiser_step(values))
+    return min(begin, int(np.argmax(height > min(least, PART * height.max()))))
 
 
 def only_noise(values: Array) -> bool:

@@ -47,7 +47,8 @@ def make_shot(
         raise InputError("there is no signal; add a column such as 'ball 6 [N]'")
     for (place, _), values in columns.items():
         _check_values(place, values, len(times))
-    quiet, (begin, sensor) = quiet_counts([*columns.values()])
+    known = [_known_noise(noise, *key) for key in columns]
+    quiet, (begin, sensor) = quiet_counts([*columns.values()], known)
     first = (begin, [place.name for place, _ in columns][sensor])
     pairs = zip(columns.items(), quiet, strict=True)
     return Shot(
@@ -135,12 +136,10 @@ def _signal(
             f"its pulse ({clipped} of {pulse} samples); record with a larger range, or remove the "
             "column"
         )
-    known = noise.get(place.name) if isinstance(noise, Mapping) else noise
+    known = _known_noise(noise, place, unit)
     before = values[:quiet][valid[:quiet]]
     level, used, noiseless = float(before.mean()) if len(before) else np.nan, 0, False
-    if known is not None:
-        known = positive_noise(place.name, known, unit)
-    else:
+    if known is None:
         used = len(before)
         known = _estimated_noise(place, before, step, first)
         least = ACCURACY * float(np.abs(values[present] - level).max())
@@ -152,6 +151,14 @@ def _signal(
     return Signal(
         place, unit, values, valid, known, used, step, level, len(before), noiseless=noiseless
     )
+
+
+def _known_noise(
+    noise: float | Mapping[str, float] | None, place: Place, unit: str
+) -> float | None:
+    """Noise of a sensor that was given, in the unit of its signal."""
+    known = noise.get(place.name) if isinstance(noise, Mapping) else noise
+    return None if known is None else positive_noise(place.name, known, unit)
 
 
 def _estimated_noise(place: Place, before: Array, step: float, first: tuple[int, str]) -> float:

@@ -15,12 +15,15 @@ INTERVAL: Final = 5.0
 def slow_run_notice(
     write: Callable[[str], None] | None = None, clock: Callable[[], float] = time.monotonic
 ) -> Progress:
-    """Progress function that writes to a terminal or notebook, at most once per interval."""
+    """Progress function that writes to a terminal or notebook, at most once per interval.
+
+    The first line also states what shortens a run.
+    """
     begin = clock()
-    last = begin
+    last, advice = begin, "; a larger rtol or a smaller until shortens the run"
 
     def report(passed: int, beads: int) -> None:
-        nonlocal last
+        nonlocal last, advice
         now = clock()
         if now - last < INTERVAL:
             return
@@ -29,7 +32,8 @@ def slow_run_notice(
 
         part = "all beads" if passed == beads else f"{passed} of {beads} beads"
         (write or write_line)(
-            f"hertzchain: simulating for {now - begin:.0f} s; the pulse has passed {part}"
+            f"hertzchain: simulating for {now - begin:.0f} s; the pulse has passed {part}{advice}"
         )
+        advice = ""
 
     return report

@@ -697,3 +697,11 @@ def test_random_gaps_of_a_file_keep_its_masses_and_add_to_its_gaps(cap):
     assert read.gaps[2:].tolist() == [0.0] * cap
     with pytest.raises(hc.InputError, match="has masses, which would not follow the radii"):
         hc.chain_from_toml(text + 'relative = "1%"\n')
+
+
+@pytest.mark.parametrize("beads", ['taper = "uniform"', 'diameters = "9 mm"\nmaterial = "brass"'])
+def test_the_material_of_a_wall_can_be_that_of_the_next_bead(tmp_path, beads):
+    path = tmp_path / "chain.toml"
+    wall = "right_wall = {material = 'same', gap = 1e-5}"
+    path.write_text(f"[chain]\n{beads}\nbeads = 3\n{wall}\n")
+    assert hc.load_chain(path).right_wall == hc.Wall(gap=1e-5)

@@ -419,13 +419,13 @@ class _ChainFile:
     def _part(self, name: str) -> Any:
         entry = {key: value for key, value in self.table[name].items() if key != "loss"}
         if name.endswith("wall"):
+            given = entry.pop("material", None)
+            own = None if given in (None, "same") else self._material(given)
             if entry.pop("rigid", False):
-                if "material" in entry:
+                if given is not None:
                     raise InputError(f"[chain.{name}] is rigid and has a material: omit one")
-                entry["material"] = RIGID
-            elif "material" in entry:
-                entry["material"] = self._material(entry["material"])
-            return Wall(**entry)
+                own = RIGID
+            return Wall(**entry, material=own)
         return drive_from(entry, self.folder)
 
     def _material(self, given: Any) -> Any:

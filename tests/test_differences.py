@@ -128,3 +128,11 @@ def test_pulses_forces_and_comparisons_name_the_same_differences():
 def test_equal_pulses_have_numbers():
     pulse = hc.bca(BEADS)
     assert texts(hc.plot_pulses([pulse, pulse]))[:2] == ["BCA (1)", "BCA (2)"]
+
+
+def test_a_law_named_after_people_has_capital_letters():
+    chain = hc.Chain.uniform(9)
+    laws = [chain.replace(loss=hc.WaltonBraun(ratio)) for ratio in (0.9, 0.8)]
+    assert [words[-1] for words in words_of_chains(laws)] == [
+        "Walton\N{EN DASH}Braun 0.9", "Walton\N{EN DASH}Braun 0.8",
+    ]  # fmt: skip

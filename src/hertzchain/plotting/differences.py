@@ -13,6 +13,7 @@ from ..chain.chain_words import cap_in_words
 from ..chain.description import law_in_words, length_in_words
 from ..chain.laws import Loss
 from ..chain.laws.elastic import Elastic
+from ..chain.laws.walton_braun import WaltonBraun
 from ..chain.walls import Wall
 from ..representation import MAX_DIGITS, measure
 from .style import with_micro
@@ -157,9 +158,10 @@ def words_of_loss(law: Loss, units: str, digits: int = DIGITS[0]) -> str:
     usual = type(law).__dataclass_fields__.get("attractive")
     if usual is not None and (pulls := vars(law)["attractive"]) != usual.default:
         told.append("with pull" if pulls else "without pull")
+    name = "Walton\N{EN DASH}Braun" if isinstance(law, WaltonBraun) else law.name
     if len(told) == len(numbers) == 1:
-        return f"{law.name} {told[0]}"
-    return f"{law.name} ({', '.join(told)})" if told else law.name
+        return f"{name} {told[0]}"
+    return f"{name} ({', '.join(told)})" if told else name
 
 
 def loss_in_words(chain: Chain, digits: int = DIGITS[0]) -> str:

@@ -56,7 +56,9 @@ CITATIONS: Final = (
     "  K. R. Jayaprakash, Y. Starosvetsky, A. F. Vakakis, Phys. Rev. E 83, 036606 (2011),\n"
     "  doi:10.1103/PhysRevE.83.036606.\n"
     "  U. Harbola, A. Rosas, A. H. Romero, M. Esposito, K. Lindenberg,\n"
-    "  Phys. Rev. E 80, 051302 (2009), arXiv:0909.2627.",
+    "  Phys. Rev. E 80, 051302 (2009), arXiv:0909.2627.\n"
+    "  R. L. Doney, S. Sen, Phys. Rev. Lett. 97, 155502 (2006),\n"
+    "  doi:10.1103/PhysRevLett.97.155502.",
     "Loss laws:\n"
     "  Viscoelastic: G. Kuwabara, K. Kono, Jpn. J. Appl. Phys. 26, 1230 (1987),\n"
     "  doi:10.1143/JJAP.26.1230; N. V. Brilliantov, F. Spahn, J.-M. Hertzsch, T. Poeschel,\n"

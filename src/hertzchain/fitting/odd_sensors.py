@@ -22,6 +22,9 @@ IN_RANGES: Final = 4.0
 # from the first sensor to the last, and this multiple of the error of the arrival.
 MIN_AMPLITUDE, OF_TRAVEL, IN_ERRORS = 0.2, 0.05, 5.0
 
+# A ball that is missing at the end of a row changes arrivals only on the wall.
+BALLS: Final = ", the number of balls"
+
 
 def odd_sensor_notes(
     sensors: Sequence[SensorComparison], shot: Shot, inside: Array, outside: Collection[str]
@@ -49,7 +52,7 @@ def _delayed(sensors: Sequence[SensorComparison]) -> list[str]:
     return [
         f"the measured signal of {odd.name} is {measure(abs(difference), 's', digits=2)} "
         f"{'late' if difference < 0.0 else 'early'} compared with those of the other sensors: "
-        f"check the delay of its channel and its place{_end(odd)}"
+        f"check the delay of its channel and its place{_end(odd, BALLS)}"
     ]
 
 
@@ -76,8 +79,9 @@ def _amplified(sensors: Sequence[SensorComparison]) -> list[str]:
     ]
 
 
-def _end(sensor: SensorComparison) -> str:
-    return ", and the wall of the chain" if "wall" in sensor.name else ""
+def _end(sensor: SensorComparison, more: str = "") -> str:
+    """Further causes of differences of a sensor on a wall."""
+    return f"{more}, and the wall of the chain" if "wall" in sensor.name else ""
 
 
 def _odd_one(arrivals: Array, values: Array) -> tuple[int, float] | None:

@@ -319,7 +319,8 @@ def test_defects_that_were_searched_are_not_advised(defects, tmp_path, monkeypat
     done = CliRunner().invoke(cli, ["fit", *files, *options], standalone_mode=False)
     assert done.return_value == 3, done.output
     assert ("no defect" in done.output) == defects
-    assert ("Consider gaps and odd balls (--defects), other" in done.output) != defects
+    words = "Consider gaps, odd balls and a ball of another material (--defects), other"
+    assert (words in done.output) != defects
     assert ("Consider other loss laws (--laws all), " in done.output) == defects
 
 

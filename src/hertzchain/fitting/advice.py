@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from .result import FitResult
 
 # Causes that other functions test.
-DEFECTS, LAWS = "gaps and odd balls (scan_defects)", "other loss laws (compare_losses)"
+DEFECTS: Final = "gaps, odd balls and a ball of another material (scan_defects)"
+LAWS: Final = "other loss laws (compare_losses)"
 # Effects of single sensors in words; others have the names of their parameters.
 EFFECTS_IN_WORDS: Final = {"offset": "offsets", "gain": "gains", "delay": "delays"}
 

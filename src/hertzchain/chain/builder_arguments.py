@@ -38,8 +38,9 @@ def radii_of_beads(radii: Any, diameters: Any, beads: int | None, materials: int
         given = 0.5 * checked_sizes("diameter", diameters)
     if given.ndim > 0:
         if beads is not None and checked_beads(beads) != len(given):
-            sizes = "radii" if diameters is None else "diameters"
-            raise InputError(f"beads = {beads}, but there are {len(given)} {sizes}: omit beads")
+            one, several = ("radius", "radii") if diameters is None else ("diameter", "diameters")
+            there = f"is 1 {one}" if len(given) == 1 else f"are {len(given)} {several}"
+            raise InputError(f"beads = {beads}, but there {there}: omit beads")
         return given
     count = materials if beads is None else beads
     if count is None:

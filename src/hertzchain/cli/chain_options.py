@@ -286,8 +286,9 @@ def _materials(text: str, beads: int) -> str | list[str]:
     """The material of all beads, or those of the beads in turn."""
     names = [name.strip() for name in text.split(",")]
     if len(names) > beads:
+        there = "is only 1 bead" if beads == 1 else f"are only {beads} beads"
         raise click.UsageError(
-            f"--material has {len(names)} materials, but there are only {beads} beads: omit some"
+            f"--material has {len(names)} materials, but there {there}: omit some"
         )
     return names[0] if len(names) == 1 else (names * beads)[:beads]
 

@@ -190,6 +190,13 @@ def every_name(traces: Traces, chain: Chain) -> list[str]:
     return [*known_names(chain), "time_offset", *of_sensors]
 
 
+def _without_shot(name: Name, count: int) -> str:
+    """That a parameter belongs to a shot that the data do not have."""
+    advice = f"remove '@{name.shot}', or give the data of this shot"
+    there = "is only one shot" if count == 1 else f"are only {count} shots"
+    return f"{name} belongs to shot {name.shot}, but there {there}: {advice}"
+
+
 def expanded(name: Name, traces: Traces) -> list[Name]:
     """Parameters to which a name refers; ``*`` denotes each shot or sensor."""
     count = len(traces.shots)
@@ -197,7 +204,7 @@ def expanded(name: Name, traces: Traces) -> list[Name]:
     if name.shot == "*":
         shots = [str(k) for k in range(1, count + 1)] if count > 1 else [""]
     elif name.shot and not 1 <= int(name.shot) <= count:
-        raise InputError(f"{name} belongs to shot {name.shot}, but there are {count} shots")
+        raise InputError(_without_shot(name, count))
     elif name.shot == "1" and count == 1:
         shots = [""]
     items = list(traces.names) if name.item == "*" else [name.item]

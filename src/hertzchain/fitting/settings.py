@@ -17,6 +17,7 @@ from ..errors import (
     unknown_name_error,
     warn_user,
 )
+from ..representation import counted
 from ..store.chain_files import chain_from, load_chain
 from ..store.toml_files import read_toml
 from ..traces.places import place_named
@@ -163,7 +164,8 @@ def load_experiment(
             f"{short_repr(chain)}"
         )
     if len(chains) != shots:
-        raise InputError(f"there are {shots} shots, but {len(chains)} chains; give one for each")
+        there = "is 1 shot" if shots == 1 else f"are {shots} shots"
+        raise InputError(f"there {there}, but {counted(len(chains), 'chain')}; give one for each")
     for each in chains:
         if each.scaled:
             raise InputError(

@@ -141,6 +141,7 @@ def public_calls(folder):
                 moved.times, {"wall [N]": next(iter(signal.values()))}, noise=0.01
             ),
         ),
+        "Traces.to_dataframe": tried(traces.to_dataframe),
         "Traces.plot": tried(traces.plot, legend=False, ax=None),
         "load_traces": tried(
             lambda path, sensors, channels, noise: hc.load_traces(

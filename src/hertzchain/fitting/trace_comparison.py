@@ -184,6 +184,12 @@ class TraceComparison:
     def to_dataframe(self) -> pd.DataFrame:
         """Table of peaks, arrivals [s], their differences and residuals, one row per sensor.
 
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``sensor``; peaks are in the ``unit`` of their row, and ``attrs["units"]``
+            has the units of the columns of times.
+
         Examples
         --------
         >>> import hertzchain as hc
@@ -195,7 +201,11 @@ class TraceComparison:
         import pandas as pd
 
         rows = [asdict(each) | {"delay": each.delay} for each in self.sensors]
-        return pd.DataFrame(rows).set_index("name").rename_axis("sensor")
+        table = pd.DataFrame(rows).set_index("name").rename_axis("sensor")
+        times = ("measured_arrival", "simulated_arrival", "arrival_error", "delay")
+        # Peaks are in the unit of each sensor, which is a column.
+        table.attrs["units"] = dict.fromkeys(times, "s")
+        return table
 
     @overload
     def plot(self) -> Figure: ...

@@ -21,6 +21,7 @@ from .shots import check_times, made_again, make_shot
 from .signals import Clock, Shot, Signal, merged_shots
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
 
@@ -234,6 +235,35 @@ class Traces:
                 about = {"units": signal.unit, "noise": signal.noise, "digitiser_step": signal.step}
                 variables[name] = (time, np.where(signal.valid, signal.values, np.nan), about)
         return xr.Dataset(variables, coords=coordinates)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table of all samples that are used, one row per shot and time.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``shot``, ``time`` and one per sensor, which is NaN where a sample is missing or
+            not used; ``attrs["units"]`` has their units, those of sensors in the first shot.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> traces = hc.Traces.from_arrays([0.0, 1e-6], {"wall [N]": [0.0, 5.0]}, noise=0.1)
+        >>> traces.to_dataframe().attrs["units"]
+        {'time': 's', 'wall': 'N'}
+        """
+        import pandas as pd
+
+        parts = [
+            pd.DataFrame({"shot": index, "time": shot.times} | {
+                each.name: np.where(each.valid, each.values, np.nan) for each in shot.signals
+            })
+            for index, shot in enumerate(self.shots, start=1)
+        ]  # fmt: skip
+        table = pd.concat(parts, ignore_index=True)
+        units = {signal.name: signal.unit for _, signal in reversed([*self])}
+        table.attrs["units"] = {"time": "s"} | {name: units[name] for name in self.names}
+        return table
 
     def plot(self, *, legend: bool = True, ax: Axes | None = None) -> Axes:
         """Plot all signals over time; samples that are not used are crossed out.

@@ -36,7 +36,8 @@ def compact_beads(chain: Chain, names: Sequence[str]) -> dict[str, Any]:
         chain.taper is not None or chain.strikers or chain.radii[0] != 1.0
     ):
         return listed_beads(chain, names)
-    for entries in (_equal(chain, names), _periodic(chain, names), _tapered(chain, names)):
+    for form in (_equal, _periodic, _equal_sizes, _tapered):
+        entries = form(chain, names)
         if entries is not None:
             return entries
     return listed_beads(chain, names)
@@ -105,6 +106,14 @@ def _periodic(chain: Chain, names: Sequence[str]) -> dict[str, Any] | None:
         return None
     cell = {"cell": chain.radii[:size].tolist(), "cells": chain.beads // size}
     return cell | _materials(names[:size])
+
+
+def _equal_sizes(chain: Chain, names: Sequence[str]) -> dict[str, Any] | None:
+    """One radius for beads of several materials."""
+    radius = float(chain.radii[0])
+    if not names or not (chain.radii == radius).all():
+        return None
+    return {"radii": radius, **_materials(names)}
 
 
 def _tapered(chain: Chain, names: Sequence[str]) -> dict[str, Any] | None:

@@ -236,13 +236,13 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
         (hc.Chain.uniform(9).replace(masses=[2.0] * 8 + [3.0]),
          "Chain(uniform (mass 2) except bead 9 (mass 3), 9 beads)"),
         (hc.Chain.tapered("forward-exponential", 0.05, beads=11).decorated(0.4),
-         "Chain(forward-exponential, q = 0.05, decorated with ratio 0.4, 21 beads)"),
+         "Chain(forward-exponential, q = 0.05, decorated 0.4, 21 beads)"),
         (hc.Chain.tapered("backward-linear", 0.1, beads=5).decorated(0.3, between=2),
-         "Chain(backward-linear, S = 0.1, decorated with 2 beads of ratio 0.3, 13 beads)"),
+         "Chain(backward-linear, S = 0.1, decorated 2 x 0.3, 13 beads)"),
         (hc.Chain.tapered(
             first_diameter="20 mm", last_diameter="8 mm", beads=10, material="brass", velocity=0.1,
          ).decorated(0.4),
-         "Chain(19 brass beads, diameters 20 mm to 8 mm decorated with ratio 0.4, impact at 0.1 "
+         "Chain(19 brass beads, diameters 20 mm to 8 mm decorated 0.4, impact at 0.1 "
          "m/s)"),
         (hc.Chain.from_radii([1.0, 0.4, 0.9, 0.3, 0.8]), "Chain(given radii, 5 beads)"),
         (hc.Chain.from_radii([1.0, 0.5, 0.3] * 2), "Chain(cells of 3 beads, 6 beads)"),

@@ -333,7 +333,8 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
             SI + 'with_contacts = {shape = "cone", half_angle = 70, angle = 3}',
             r"unknown key of \[chain.with_contacts\] 'angle' .did you mean 'half_angle'",
         ),
-        (SI + 'with_contacts = {shape = "cone", half_angle = 70, contacts = [4]}', "0 to 3, where 0 and 3 are walls"),
+        (SI + 'with_contacts = {shape = "cone", half_angle = 70, contacts = [4]}',
+         "0 to 3, where 0 and 3 are walls"),
         (SI + 'with_contacts = {shape = "cone", half_angle = 70, contacts = 3}', "no right_wall"),
         (
             SI + 'with_contacts = {shape = "cone", half_angle = 70, contacts = [1.5]}',

@@ -14,7 +14,7 @@ from hertzchain.evaluation import Case, paper_cases
 from hertzchain.paper import errata, reproduce, reproduce_figure, reproduce_table
 from hertzchain.plotting.titles import chain_words
 from hertzchain.recorded_warnings import ignore_warnings
-from hertzchain.representation import MAX_LINES, MAX_WIDTH, measure, short
+from hertzchain.representation import MAX_LINES, MAX_WIDTH, measure, percent, short
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.specification import read_specification
 from hertzchain.theory import RatioCorrection
@@ -236,14 +236,14 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
         (hc.Chain.uniform(9).replace(masses=[2.0] * 8 + [3.0]),
          "Chain(uniform (mass 2) except bead 9 (mass 3), 9 beads)"),
         (hc.Chain.tapered("forward-exponential", 0.05, beads=11).decorated(0.4),
-         "Chain(forward-exponential, q = 0.05, decorated 0.4, 21 beads)"),
+         "Chain(forward-exponential, q = 0.05, decorated (ratio 0.4), 21 beads)"),
         (hc.Chain.tapered("backward-linear", 0.1, beads=5).decorated(0.3, between=2),
-         "Chain(backward-linear, S = 0.1, decorated 2 x 0.3, 13 beads)"),
+         "Chain(backward-linear, S = 0.1, decorated (2 of ratio 0.3), 13 beads)"),
         (hc.Chain.tapered(
             first_diameter="20 mm", last_diameter="8 mm", beads=10, material="brass", velocity=0.1,
          ).decorated(0.4),
-         "Chain(19 brass beads, diameters 20 mm to 8 mm decorated 0.4, impact at 0.1 "
-         "m/s)"),
+         "Chain(19 brass beads, diameters 20 mm to 8 mm decorated (ratio 0.4), impact at "
+         "0.1 m/s)"),
         (hc.Chain.from_radii([1.0, 0.4, 0.9, 0.3, 0.8]), "Chain(given radii, 5 beads)"),
         (hc.Chain.from_radii([1.0, 0.5, 0.3] * 2), "Chain(cells of 3 beads, 6 beads)"),
         (hc.Chain.from_radii([1.0, 0.5, 1.0, 0.5, 0.3]), "Chain(given radii, 5 beads)"),
@@ -408,6 +408,11 @@ def test_budgets_show_rounding_errors_as_zero():
 )  # fmt: skip
 def test_values_have_their_usual_units(value, unit, shown):
     assert measure(value, unit) == shown
+
+
+def test_percentages_fit_into_columns():
+    shown = [percent(value) for value in (0.4807, 2.2e-5, 1.5, 72504.0884)]
+    assert shown == ["48.07%", "0.0022%", "150.00%", "7.25e+06%"]
 
 
 def test_thousands_have_no_exponent():

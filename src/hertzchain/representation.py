@@ -142,8 +142,10 @@ def size_in_words(beads: int, strikers: int) -> str:
 
 
 def percent(fraction: float) -> str:
-    """``48.07%``, ``0.0022%``: two decimals, or two digits if these would be zeros."""
+    """``48.07%``, ``0.0022%``: two decimals, or few digits of very small and very large values."""
     value = 100.0 * fraction
+    if abs(value) >= 1e4:
+        return f"{value:.3g}%"
     return f"{value:z.2g}%" if abs(value) < 0.1 else f"{value:.2f}%"
 
 

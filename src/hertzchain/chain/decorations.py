@@ -26,9 +26,9 @@ class Decoration:
 
     @property
     def words(self) -> str:
-        """Such as ``decorated 0.4`` or ``decorated 2 x 0.4``, short for legends, without commas."""
-        several = f"{self.between} x " if self.between > 1 else ""
-        return f"decorated {several}{self.ratio:.4g}"
+        """Such as ``decorated (ratio 0.4)`` or ``decorated (2 of ratio 0.4)``, without commas."""
+        several = f"{self.between} of " if self.between > 1 else ""
+        return f"decorated ({several}ratio {self.ratio:.4g})"
 
 
 def decoration_of(radii: Array) -> Decoration | None:

@@ -72,7 +72,7 @@ def _taper_in_words(taper: str, parameters: Sequence[tuple[str, float]]) -> str:
 
 
 def _decorated_taper(radii: Array) -> str:
-    """Such as ``backward-linear, S = 0.1, decorated 0.4``; empty for other beads."""
+    """Such as ``backward-linear, S = 0.1, decorated (ratio 0.4)``; empty for other beads."""
     decoration = decoration_of(radii)
     if decoration is None:
         return ""

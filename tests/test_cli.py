@@ -1530,6 +1530,29 @@ def test_pulse_has_the_tolerance_of_its_simulations(run):
     assert "--rtol requires --method propagate or --method simulate" in err
 
 
+def test_the_final_velocity_of_a_body_behind_a_row_is_printed(run, tmp_path):
+    file = tmp_path / "box.toml"
+    file.write_text("""
+[chain]
+diameters = "10 mm"
+beads = 12
+materials = "steel-52100"
+cap = {mass = "0.4 kg"}
+[chain.struck_by]
+velocity = "0.1 m/s"
+""")
+    _, out, _ = run("simulate", file, "--until", "5 ms")
+    document = json.loads(run("simulate", file, "--until", "5 ms", "--json")[1])
+    assert document["closed_contacts"] == []
+    # The balls rebound from the body, which receives more than the momentum of the impact.
+    masses = hertzchain.load_chain(file).masses
+    momenta = masses * np.array(document["final_velocities"])
+    assert momenta.sum() == pytest.approx(0.1 * masses[0], rel=1e-9)
+    assert momenta[-1] > momenta.sum()
+    velocity = momenta[-1] / 0.4
+    assert f"bead 14 (cap) at the end of the run: velocity {velocity:.5g} m/s" in out
+
+
 def test_the_final_velocities_of_a_cradle_are_printed(run):
     balls = ("--material", "steel-52100", "--diameter", "10 mm", "--speed", "0.3 m/s", "--beads")
     _, out, _ = run("simulate", *balls, "5")

@@ -40,14 +40,21 @@ def last_bead_line(run: Run, last: dict[str, float]) -> str:
 
 
 def final_velocities_line(run: Run) -> str | None:
-    """Velocities after the impact of few beads, if more than one of them moves."""
+    """Velocities after the impact of few beads, if more than one of them moves, or of a cap."""
     from ..chain.bead_names import bead_label
+    from ..representation import measure
 
     velocities, chain = run.state.velocities, run.chain
     moving = abs(velocities) > MOVES * abs(velocities).max()
     over = not (len(run.closed_contacts) or run._unfinished)
-    if not over or chain.beads > SHORT or moving.sum() < 2:
+    if not over or moving.sum() < 2:
         return None
+    if chain.beads > SHORT:
+        # The velocity of a body behind the row is that after the impact, not that in the pulse.
+        if chain.cap is None or chain.right_wall is not None:
+            return None
+        velocity = measure(float(velocities[-1]), "m/s", chain.units, 5)
+        return f"{bead_label(chain, chain.beads)} at the end of the run: velocity {velocity}"
     unit = " m/s" if chain.units == "SI" else ""
     last = abs(velocities).max()
     # Velocities have the decimals of the fastest bead, of which five digits are shown.

@@ -121,7 +121,7 @@ def test_several_materials_are_those_of_the_beads_in_turn(run, material, size, c
     )
     code, _, err = run("pulse", *options[:-1], 1)
     assert code == 2
-    assert "materials, but there are only 1 beads: omit some" in " ".join(err.split())
+    assert "materials, but there is only 1 bead: omit some" in " ".join(err.split())
 
 
 def test_strikers_are_beads_like_the_first_one_at_the_speed_of_the_impact(run, file):

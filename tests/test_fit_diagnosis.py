@@ -80,7 +80,7 @@ def test_another_start_is_advised_if_the_search_has_not_converged():
     result = hc.fit(traces(), chain(), free=FREE)
     assert "another start" not in considered(result)
     text = considered(replace(result, converged=False))
-    assert text.startswith("Consider another start (start={'loss.time': ...}), gaps and odd balls")
+    assert text.startswith("Consider another start (start={'loss.time': ...}), gaps, odd balls")
     assert "another start (--start 'loss.time=...')" in on_command_line(text)
 
 

@@ -973,7 +973,7 @@ def test_priors_and_starts_may_have_units(traces):
         ({"free": ["gain[ball 7]"]}, "unknown parameter 'gain[ball 7]'"),
         ({"free": ["stiffness", "stiffness"]}, "free twice"),
         ({"free": []}, "no parameter is free"),
-        ({"free": ["stiffness@3"]}, "there are 1 shots"),
+        ({"free": ["stiffness@3"]}, "there is only one shot"),
         ({"free": ["stiffness"], "priors": {"exponent": (1.5, 0.1)}}, "prior but is not free"),
         ({"free": ["exponent"], "priors": {"exponent": (9.0, 0.1)}}, "exclude each other"),
         ({"free": ["gain[*]"], "priors": {"gain[*]": (1, 0.01), "gain[wall]": (2, 0.01)}},

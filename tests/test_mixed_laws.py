@@ -559,7 +559,7 @@ def test_shapes_at_walls_and_invalid_ones():
     for shapes, said in (
         ({0: hc.Cone(60.0)}, "has no left_wall"),
         ({6: hc.CrossedCylinders()}, "need a radius where they are not at"),
-        ({7: hc.Cone(60.0)}, "from 0 to 6, got 7"),
+        ({7: hc.Cone(60.0)}, "from 0 to 6, where 0 and 6 are walls, got 7"),
         ({1: hc.Wall()}, "shape of contact 1 must be a CrossedCylinders, Cone or Pad"),
     ):
         with pytest.raises(InputError, match=said):
@@ -659,7 +659,7 @@ def test_a_wall_of_a_chain_with_given_stiffness():
     ):
         with pytest.raises(InputError, match=said):
             chain.replace(right_wall=Wall())
-        assert chain.replace(right_wall=Wall(stiffness=2.0)).wall_stiffness == (0.0, 2.0)
+        assert chain.replace(right_wall=Wall(stiffness=2e9)).wall_stiffness == (0.0, 2e9)
     steel = Chain.from_materials(5e-3, "steel-316", beads=5).replace(right_wall=Wall())
     ratio = steel.wall_stiffness[1] / steel.stiffness[-1]
     assert ratio == pytest.approx(np.sqrt(2.0), rel=1e-14)

@@ -1035,9 +1035,9 @@ def test_an_axis_of_percentages(entry):
     assert found.velocity.sel(rate=3.0).item() == pytest.approx(last, rel=1e-9)
     assert plot_sweep(found).get_xlabel() == "rate of the taper $q$ [%]"
     found = swept(chain, {"rate": entry}, keep=["velocity"])
-    assert "rate = 3%" in plot_sweep(found, rate="3%").get_title()
+    assert "$q$ = 3%" in plot_sweep(found, rate="3%").get_title()
     plain = swept(chain, {"rate": [0.01, 0.03, 0.05]}, keep=["velocity"])
-    assert "rate = 0.03" in plot_sweep(plain, rate="3%").get_title()
+    assert "$q$ = 0.03" in plot_sweep(plain, rate="3%").get_title()
     with pytest.raises(hc.InputError, match="bead must not be a percentage"):
         plot_sweep(plain, bead="3%")
 

@@ -40,7 +40,7 @@ def lossy(law):
                                    hc.Restitution(0.9, attractive=False))],
          ["no loss", "elastic-plastic", "dashpot 0.002 kg/s",
           "elastic-plastic (yield pressure 2 GPa)", "velocity-power (gamma 0.1, alpha 1.8)",
-          "restitution (0.9, without pull)"]),
+          "restitution (0.9, without attraction)"]),
         ([BALLS, row(velocity="0.2 m/s")], ["impact at 0.1 m/s", "impact at 0.2 m/s"]),
         ([BEADS, BEADS.replace(velocities=[2.0] + [0.0] * 19)], ["impact at 1", "impact at 2"]),
         ([BALLS, BALLS.replace(right_wall=hc.Wall()),

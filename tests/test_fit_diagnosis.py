@@ -279,7 +279,7 @@ def test_levels_before_the_pulse_are_named_even_if_there_is_another_cause():
     assert "the model at 0 N" in level
     # The mean of 60 to 86 samples of noise 0.1.
     assert float(level.split(" is at ")[1].split(" N")[0]) == pytest.approx(0.1, abs=0.05)
-    assert other.startswith(f"even with other zeros, {NOTHING}")
+    assert other.startswith(f"even with separate offsets, {NOTHING}")
 
 
 @pytest.mark.long

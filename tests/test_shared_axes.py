@@ -82,7 +82,7 @@ def test_logarithmic_axes_have_plain_numbers_of_a_usual_size(limits, shown):
         ({"law": "walton-braun"}, "ratio", [0.8, 0.9], "loading / unloading stiffness"),
         ({"law": "unloading-ratio"}, "ratio", [0.1, 0.2], "unloading ratio $w$"),
         ({"law": "elastic-plastic"}, "yield_pressure", ["1 GPa", "2 GPa"], "yield pressure [GPa]"),
-        ({"law": "elastic-plastic"}, "yield_overlap", ["1 um", "2 um"], "overlap at yield [µm]"),
+        ({"law": "elastic-plastic"}, "yield_overlap", ["1 um", "2 um"], "yield overlap [µm]"),
         ({"law": "viscoelastic", "speed": "1 m/s"}, "restitution", [0.9, 0.95],
          "coefficient of restitution"),
     ],

@@ -65,8 +65,8 @@ def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:
     if units != "SI":
         return f"{value:.{digits}g}"
     factor, prefixed = usual_unit(value, unit)
-    # Thousands are written without an exponent.
-    digits = max(digits, 4) if 1e3 <= abs(factor * value) < 1e4 else digits
+    # Thousands, also those that result from rounding, are written without an exponent.
+    digits = max(digits, 4) if 999.5 <= abs(factor * value) < 1e4 else digits
     return f"{factor * value:.{digits}g} {prefixed}"
 
 

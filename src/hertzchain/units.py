@@ -19,6 +19,8 @@ from typing import Final, NamedTuple
 
 from .errors import InputError, short_repr, unknown_name_error
 
+# Standard gravity [m/s^2].
+STANDARD_GRAVITY: Final = 9.80665
 # Value in SI and powers of metre, kilogram and second, by symbol.
 SYMBOLS: Final[Mapping[str, tuple[str, tuple[int, int, int]]]] = MappingProxyType(
     {

@@ -15,7 +15,7 @@ from ..notebook.drawing import engineering
 WORDINGS: Final = (
     # The page has no losses of walls.
     (r" or use loss=ElasticPlastic\(.*\) and loss=Elastic\(\) for.*", ""),
-    (r"\buse loss=ElasticPlastic\(factor=2\.8\)", "choose 2.8 as the factor of the loss"),
+    (r"\buse loss=ElasticPlastic\(factor=([\d.]+)\)", r"choose \1 as the factor of the loss"),
     (r"\buse loss=ElasticPlastic\(\)", "choose the loss elastic-plastic"),
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "choose the loss elastic-plastic with a yield overlap"),

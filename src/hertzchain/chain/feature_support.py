@@ -38,16 +38,9 @@ def require_chain(method: str, chain: object, *, beads: int = 2) -> None:
             f"{method} requires a Chain, got a {type(chain).__name__} of one "
             f"({held.description}); use {method}({use})"
         )
-    if type(chain).__name__ == "EffectiveChain":
-        raise InputError(
-            f"{method} requires a Chain, got {short_repr(chain)}; its methods bca() and "
-            f"spacing(velocity) give velocities, forces and times; {method} accepts the chain with "
-            "small beads from which it was made"
-        )
-    raise InputError(
-        f"{method} requires a Chain, got {short_repr(chain)}; "
-        "Chain.from_radii builds one from radii"
-    )
+    # Objects that are no chains but resemble one have advice of their own.
+    advice = getattr(chain, "_instead_of_chain", "Chain.from_radii builds one from radii")
+    raise InputError(f"{method} requires a Chain, got {short_repr(chain)}; {advice}")
 
 
 def _more_beads(chain: Chain) -> str:

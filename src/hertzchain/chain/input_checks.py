@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, InputWarning, short_repr, warn_user
+from ..units import STANDARD_GRAVITY
 from ..validation.memory import check_memory
 from ..validation.numbers import has_unit, number, per_bead_array, real_numbers, whole_number
 
@@ -241,9 +242,10 @@ def warn_large_gap(gaps: Array, of_walls: Sequence[float], radii: Array) -> None
 def warn_large_gravity(gravity: float) -> None:
     """Warn about a gravity that is probably in mm/s^2 or cm/s^2."""
     if abs(gravity) > LARGE_GRAVITY:
+        times = abs(gravity) / STANDARD_GRAVITY
         warn_user(
-            f"the gravity is {gravity:g} m/s^2, {abs(gravity) / 9.81:.0f} times that of the earth; "
-            f"if millimetres are meant, write '{gravity:g} mm/s^2'",
+            f"the gravity is {gravity:g} m/s^2, {times:.0f} times that of the earth; if "
+            f"millimetres are meant, write '{gravity:g} mm/s^2'",
             InputWarning,
         )
 

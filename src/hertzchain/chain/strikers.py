@@ -8,13 +8,14 @@ from __future__ import annotations
 import itertools
 import math
 from numbers import Real
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 import numpy as np
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, InputWarning, warn_user
 from ..representation import measure
+from ..units import STANDARD_GRAVITY
 from ..validation.json_types import FLAT_FACES
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, plain_magnitude, whole_number
@@ -30,8 +31,8 @@ from .striker_properties import SPHERE, UNKNOWN_STIFFNESS, StrikerProperties, fa
 HEAVY, HEAVY_KG = 1000.0, 1.0
 # The same of a sphere whose mass has no unit.
 HEAVY_SPHERE = 100.0
-# Standard gravity [m/s^2], and the largest height to fall from [m].
-EARTH, MAX_FALL = 9.80665, 1e6
+# Largest height to fall from [m].
+MAX_FALL: Final = 1e6
 C = TypeVar("C", bound=ChainFields)
 
 
@@ -260,7 +261,7 @@ def _speed(chain: ChainFields, velocity: float | None, height: float | None) -> 
 def speed_of_fall(what: str, height: object) -> float:
     """Speed [m/s] after a fall from a height at rest."""
     fall = number(what, height, unit="m", least=0.0, most=MAX_FALL)
-    return math.sqrt(2.0 * EARTH * fall)
+    return math.sqrt(2.0 * STANDARD_GRAVITY * fall)
 
 
 def _half(diameter: float, unit: str) -> float:

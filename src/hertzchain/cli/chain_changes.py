@@ -297,18 +297,17 @@ def _replace_height(values: dict[str, Any], chain: Chain, option: str) -> None:
 
 def _law_in_words(law: Loss, chain: Chain) -> str:
     """Such as ``viscoelastic, relaxation time 0.8164 us``."""
+    from ..chain.laws.given_numbers import given_numbers
     from ..representation import measure
-    from ..units import UNITS
 
-    words = [law.name]
-    for name, about in law.parameters().items():
-        value = getattr(law, name)
-        if about.boolean:
-            words += [name] * value
-        elif value is not None:
-            unit = UNITS[about.dimension][0] if about.dimension else ""
-            words.append(f"{about.called} {measure(value, unit, chain.units).rstrip()}")
-    return ", ".join(words)
+    numbers = [
+        f"{called} {measure(value, unit, chain.units).rstrip()}"
+        for called, (value, unit) in given_numbers(law).items()
+    ]
+    switches = [
+        name for name, about in law.parameters().items() if about.boolean and getattr(law, name)
+    ]
+    return ", ".join([law.name, *numbers, *switches])
 
 
 def law_from(text: str, chain: Chain, option: str = "--loss") -> Loss:

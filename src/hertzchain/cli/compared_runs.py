@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Final
 
 from ..representation import measure
 from .compared_yield import (
-    PRESSURES,
     all_known,
     at_pressures,
     comparison_notes,
     has_law_of_yield,
+    possible_factors,
     smallest,
 )
 from .last_bead import last_bead_of
@@ -66,7 +66,7 @@ def compared_runs(
         _mark(rows, "peak", smallest(own))
     if elastic or any(others.values()):
         # If all contacts have a law, the own peaks are those at the smallest pressure.
-        for i in range(not elastic, len(PRESSURES)):
+        for i in (0, 1) if elastic else (1,):
             _add_peaks(rows, i, at, runs)
     place = "the first sensor" if side is None else f"the {side} wall"
     title = f"{len(rows)} chains: force on {place}; * marks the smallest"
@@ -95,7 +95,7 @@ def _add_peaks(
     rows: dict[str, dict[str, str]], i: int, at: Mapping[str, AtPressures], runs: Mapping[str, Run]
 ) -> None:
     """Add the column of a yield pressure; the smallest peak is marked if all are known."""
-    column = f"peak at {PRESSURES[i]}"
+    column = f"peak at {possible_factors()[i]} Y"
     values = {name: each[i] for name, each in at.items()}
     for name, value in values.items():
         known = math.isfinite(value)

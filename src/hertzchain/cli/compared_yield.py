@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     # Peaks at the smallest and at the largest possible yield pressure, of elastic runs that yield.
     Yielding = tuple[WithYield | None, WithYield | None]
 
-PRESSURES: Final = ("1.6 Y", "2.8 Y")
 # Relative difference up to which peaks are the same, and length of a title in characters.
 SAME, TITLE = 1e-6, 70
 
@@ -35,6 +34,14 @@ class AtPressures(NamedTuple):
 
 
 UNKNOWN: Final = AtPressures(math.inf, math.inf)
+
+
+def possible_factors() -> tuple[str, str]:
+    """The smallest and the largest possible yield pressure over the yield strength, as text."""
+    # The command line states its help without numpy.
+    from ..chain.materials import FIRST_YIELD, FULLY_PLASTIC
+
+    return f"{FIRST_YIELD:g}", f"{FULLY_PLASTIC:g}"
 
 
 def has_law_of_yield(run: Run) -> bool:
@@ -88,11 +95,11 @@ def comparison_notes(
         ]
     winners = smallest(own)
     reversed_at: dict[tuple[str, ...], list[str]] = {}
-    for i, pressure in enumerate(PRESSURES):
+    for i, factor in enumerate(possible_factors()):
         values = {name: each[i] for name, each in at.items()}
         found = smallest(values) if all_known(values) else ()
         if found and winners and not {*found} & {*winners}:
-            reversed_at.setdefault(found, []).append(pressure.removesuffix(" Y"))
+            reversed_at.setdefault(found, []).append(factor)
     return [
         f"with contacts that yield at {' and '.join(factors)} times the yield strength, the "
         f"smallest peak is that of {listed(list(names))}, which reverses the comparison"

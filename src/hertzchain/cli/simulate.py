@@ -339,8 +339,13 @@ def _save(
     if forces is not None:
         run.save_forces(forces, _places(run.chain, beads))
     if animation is not None:
+        from ..plotting.animation import SENSORS
+
+        if len(beads) > len(SENSORS):
+            click.echo(f"the animation shows the first {len(SENSORS)} sensors only", err=True)
         with progress_bar("frames") as progress:
-            run.animate(animation, magnify=magnify, sensors=beads[:4], progress=progress)
+            sensors = beads[: len(SENSORS)]
+            run.animate(animation, magnify=magnify, sensors=sensors, progress=progress)
 
 
 def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str, object]:

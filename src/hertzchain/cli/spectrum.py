@@ -131,13 +131,10 @@ def _host_lines(found: Spectrum, shown: Callable[[float, float], str]) -> list[s
 
 def _localised_lines(found: Spectrum, factor: float, unit: str) -> list[str]:
     """Localised modes with the bead that has most of their energy."""
-    import numpy as np
-
-    energy = found.chain.masses[:, np.newaxis] * np.abs(found.modes) ** 2
     chosen = found.localised
     lines = [
         f"  localised    {factor * found.frequencies[j]:.5g}{unit}, around bead "
-        f"{int(energy[:, j].argmax()) + 1}, participation {found.participation[j]:.3g}"
+        f"{int(found._energies[:, j].argmax()) + 1}, participation {found.participation[j]:.3g}"
         for j in chosen[:MAX_LISTED]
     ]
     more = len(chosen) - len(lines)

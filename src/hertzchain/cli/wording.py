@@ -19,8 +19,8 @@ WORDINGS: Final = (
     (r"\bgive ElasticPlastic\(yield_pressure='5 MPa'\) or materials with yield_strength",
      "give yield_strength in [materials.NAME] of a chain file, or yield_pressure = '5 MPa' in "
      "[chain.loss] or in a [[chain.loss]] with between"),
-    (r"\buse loss=ElasticPlastic\(factor=2\.8\)",
-     "use loss = {law = 'elastic-plastic', factor = 2.8} in the chain file"),
+    (r"\buse loss=ElasticPlastic\(factor=([\d.]+)\)",
+     r"use loss = {law = 'elastic-plastic', factor = \1} in the chain file"),
     (r"\bloss=None\b", "no loss"),
     (r"(?<!\.)\bpiecewise_local_rate (?=for steps)", "the method piecewise-local-rate "),
     (r"\bgive it for the pair \(('[^']*'), ('[^']*')\) or for 'others'",
@@ -107,7 +107,10 @@ BY_OPTION: Final = {
     "loss": (
         (r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),
         (r"\(loss=ElasticPlastic\(\)\)", "(--loss elastic-plastic)"),
-        (r"(?:use )?\bloss=ElasticPlastic\(factor=2\.8\)", "--loss 'elastic-plastic, factor=2.8'"),
+        (
+            r"(?:use )?\bloss=ElasticPlastic\(factor=([\d.]+)\)",
+            r"--loss 'elastic-plastic, factor=\1'",
+        ),
         (
             r"\bgive ElasticPlastic\(yield_pressure='5 MPa'\) or materials with yield_strength",
             "give --loss 'elastic-plastic=5 MPa', or yield_strength in [materials.NAME] or a "

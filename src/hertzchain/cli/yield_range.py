@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..simulation.yield_range import at_fully_plastic_pressure, depends_on_yield_pressure
 from .progress import progress_bar
@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from ..simulation.run import Run
 
 PAGE = 'see "How certain is a force?" in the documentation'
-
-THOUSAND: Final = 999.5
 
 
 class Ends(NamedTuple):
@@ -100,10 +98,7 @@ def range_in_words(ends: Ends, units: str) -> str:
     from ..chain.yield_pressure import BETWEEN
     from ..representation import measure
 
-    values = ends.assumed, ends.other
-    # Without an exponent, thousands have four digits.
-    digits = 4 if max(map(abs, values)) >= THOUSAND else 3
-    low, high = (measure(value, ends.unit, units, digits) for value in values)
+    low, high = (measure(each, ends.unit, units, digits=3) for each in (ends.assumed, ends.other))
     if low.rpartition(" ")[2] == high.rpartition(" ")[2]:
         low = low.rpartition(" ")[0]
     between = "; values between can be outside this range" if ends.irregular else ""

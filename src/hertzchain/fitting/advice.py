@@ -100,7 +100,7 @@ def nothing_explains(result: FitResult, tried: Iterable[str], levels: Collection
         f"starts with {result.scan}" if result.scan else "",
     ]  # fmt: skip
     shown = ", ".join(each for each in causes if each)
-    first = "even with other zeros, " if levels else ""
+    first = "even with separate offsets, " if levels else ""
     return (
         f"{first}none of the effects tested explains the residuals ({shown}). {considered(result)}"
     )

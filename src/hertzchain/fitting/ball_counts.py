@@ -17,12 +17,12 @@ OF_CONTACTS: Final = ("stiffness", "gaps")
 
 def ball_count(chain: Chain) -> int:
     """Number of balls: beads without strikers and a cap."""
-    return chain.beads - chain.strikers - (chain.cap is not None)
+    return chain._balls.stop - chain._balls.start
 
 
 def with_ball_more(chain: Chain) -> Chain:
     """The chain with another ball behind the last one, which continues the pattern of the balls."""
-    end = chain.strikers + ball_count(chain)
+    end = chain._balls.stop
     like = end - _cell(chain)
 
     def of_beads(values: Any) -> list[Any]:
@@ -37,7 +37,7 @@ def with_ball_more(chain: Chain) -> Chain:
 
 def with_ball_fewer(chain: Chain) -> Chain:
     """The chain without its last ball."""
-    last = chain.strikers + ball_count(chain) - 1
+    last = chain._balls.stop - 1
 
     def of_beads(values: Any) -> list[Any]:
         return [*values[:last], *values[last + 1 :]]
@@ -50,7 +50,7 @@ def with_ball_fewer(chain: Chain) -> Chain:
 
 def _cell(chain: Chain) -> int:
     """Balls of the cell that the row repeats; 1 if the last ball is to be repeated."""
-    balls = slice(chain.strikers, chain.strikers + ball_count(chain))
+    balls = chain._balls
     radii, masses = chain.radii[balls], chain.masses[balls]
     kinds = (chain.materials or ())[balls]
     numbers = np.array([kinds.index(each) for each in kinds])
@@ -63,7 +63,7 @@ def _cell(chain: Chain) -> int:
 def _changed(chain: Chain, of_beads: Any, of_contacts: Any) -> Chain:
     """The chain with functions applied to all values that are listed."""
     if ball_count(chain) < 2:
-        raise InputError("a row of one ball has no other ball to repeat or to keep")
+        raise InputError("a row of one ball cannot have one ball more or fewer")
     changes: dict[str, Any] = {"radii": of_beads(chain.radii)}
     changes |= {name: of_beads(getattr(chain, name)) for name in OF_BEADS if name in chain.given}
     changes |= {

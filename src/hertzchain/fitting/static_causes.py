@@ -10,21 +10,20 @@ from ..chain.chain import Chain
 from ..errors import InputError
 from ..traces.amplitudes import extreme, from_level
 from ..traces.coupling import resolved_coupling
+from ..units import STANDARD_GRAVITY
 from .causes import Cause, Refit, is_free, try_further
 from .chain_parameters import with_motion
 from .model import Model, make_model
 from .names import Name
 from .result import FitResult
 
-# Acceleration of free fall [m/s^2]: the largest component of gravity along a chain.
-FREE_FALL: Final = 9.81
-# Standard errors by which a fitted component of gravity may exceed it.
+# Standard errors by which a fitted component of gravity may exceed standard gravity.
 ALLOWED: Final = 3.0
 # Start of a precompression, as a part of the largest measured force.
 PART_OF_PEAK: Final = 0.03
 GRAVITY: Final = (
     "if the row is not horizontal, give gravity, its component along the row towards the last "
-    f"ball (gravity = {FREE_FALL} if the row is vertical and struck from above)"
+    f"ball (gravity = {STANDARD_GRAVITY:.3g} if the row is vertical and struck from above)"
 )
 PRECOMPRESSION: Final = (
     "if the row is compressed, give precompression in the chain, and add 'precompression' to the "
@@ -42,7 +41,7 @@ def static_causes(result: FitResult, _: Mapping[str, float], refit: Refit) -> It
         cause = _with_static(result, Name("gravity"), start, refit)
         if cause is not None:
             value, error = (each["gravity"] for each in (cause.result.values, cause.result.errors))
-            if abs(value) < FREE_FALL + ALLOWED * error:
+            if abs(value) < STANDARD_GRAVITY + ALLOWED * error:
                 yield replace(cause, advice=GRAVITY)
     forces = [
         abs(extreme(from_level(signal)))
@@ -57,7 +56,7 @@ def static_causes(result: FitResult, _: Mapping[str, float], refit: Refit) -> It
 
 def _accelerations(result: FitResult) -> list[float]:
     """Starts of gravity, towards the walls that can carry the weight."""
-    ends = (FREE_FALL, result.chain.right_wall), (-FREE_FALL, result.chain.left_wall)
+    ends = (STANDARD_GRAVITY, result.chain.right_wall), (-STANDARD_GRAVITY, result.chain.left_wall)
     return [start for start, wall in ends if wall is not None]
 
 

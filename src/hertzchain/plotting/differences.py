@@ -13,7 +13,7 @@ from ..chain.chain_words import cap_in_words
 from ..chain.description import law_in_words, length_in_words
 from ..chain.laws import Loss
 from ..chain.laws.elastic import Elastic
-from ..chain.laws.walton_braun import WaltonBraun
+from ..chain.laws.given_numbers import given_numbers
 from ..chain.walls import Wall
 from ..representation import MAX_DIGITS, measure
 from .style import with_micro
@@ -147,19 +147,16 @@ def words_of_loss(law: Loss, units: str, digits: int = DIGITS[0]) -> str:
     """Such as ``restitution 0.95``, ``viscoelastic 0.5 µs``, ``elastic-plastic`` or ``no loss``."""
     if isinstance(law, Elastic):
         return "no loss"
-    numbers = {name: each for name, each in law.parameters().items() if not each.boolean}
-    told = []
-    for name, each in numbers.items():
-        value = getattr(law, name)
-        if value is not None:
-            unit = law._unit(name) if each.dimension else ""
-            text = _number(value, unit or "", units, digits)
-            told.append(text if len(numbers) == 1 else f"{each.called} {text}")
+    single = sum(not each.boolean for each in law.parameters().values()) == 1
+    told = [
+        f"{'' if single else f'{called} '}{_number(value, unit, units, digits)}"
+        for called, (value, unit) in given_numbers(law).items()
+    ]
     usual = type(law).__dataclass_fields__.get("attractive")
     if usual is not None and (pulls := vars(law)["attractive"]) != usual.default:
-        told.append("with pull" if pulls else "without pull")
-    name = "Walton\N{EN DASH}Braun" if isinstance(law, WaltonBraun) else law.name
-    if len(told) == len(numbers) == 1:
+        told.append("attractive" if pulls else "without attraction")
+    name = law.words or law.name
+    if single and len(told) == 1:
         return f"{name} {told[0]}"
     return f"{name} ({', '.join(told)})" if told else name
 

@@ -29,14 +29,13 @@ LABELS: Final = MappingProxyType(
         "with_scatter.seed": "seed of the radii",
     }
 )
-# Parameters of laws of loss; the meaning of a ratio depends on the law.
+# Keys of losses in specifications, and parameters of laws with a symbol or a short name.  The
+# meaning of a ratio depends on the law.
 OF_LOSSES: Final = MappingProxyType({
-    "coefficient": "coefficient of restitution", "restitution": "coefficient of restitution",
-    "time": "relaxation time", "gamma": r"damping $\gamma$",
-    "alpha": r"exponent $\alpha$ of damping",
-    "yield_pressure": "yield pressure", "factor": "yield pressure / yield strength",
-    "yield_overlap": "overlap at yield",
-    "speed": "speed of the collision", "law": "law of loss", "attractive": "loss with pull",
+    "restitution": "coefficient of restitution", "speed": "speed of the collision",
+    "law": "law of loss", "attractive": "loss with pull",
+    "gamma": r"damping $\gamma$", "alpha": r"exponent $\alpha$ of damping",
+    "factor": "yield pressure / yield strength",
 })  # fmt: skip
 RATIOS: Final = MappingProxyType({
     "walton-braun": "loading / unloading stiffness", "unloading-ratio": "unloading ratio $w$",
@@ -136,11 +135,10 @@ def _parameter(coordinate: xr.DataArray) -> str:
     if words in LABELS:
         return _with_unit(LABELS[words], coordinate)
     part, _, field = words.rpartition(".")
-    if part.rpartition(".")[2] == "loss" and (field in OF_LOSSES or "law" in coordinate.attrs):
-        of_law = RATIOS.get(coordinate.attrs.get("law", ""), "ratio")
+    if part.rpartition(".")[2] == "loss" and (called := _of_loss(field, coordinate)):
         wall = part.removesuffix(".loss").replace("_", " ") if part != "loss" else ""
         place = f" of the {wall}" if wall.endswith("wall") else ""
-        return _with_unit(f"{OF_LOSSES.get(field, of_law)}{place}", coordinate)
+        return _with_unit(f"{called}{place}", coordinate)
     plain = words.removeprefix("method.").removeprefix("with_").replace("struck_by", "striker")
     parts = [SINGULARS.get(part, part) for part in plain.split(".")]
     if parts[-1].isdigit() and parts[0] in SINGULARS.values():
@@ -174,6 +172,14 @@ def _index(drawn: xr.DataArray, per: str) -> str:
     if place not in drawn.coords:
         return "{N-1}" if per == "contact" else "{N}"
     return f"{{{drawn[place].item()}}}" if _is_selected(drawn, place) else "k"
+
+
+def _of_loss(field: str, coordinate: xr.DataArray) -> str:
+    """A key of a loss in words; empty for a ratio whose law is not known."""
+    if field in OF_LOSSES or field == "ratio":
+        return OF_LOSSES.get(field) or RATIOS.get(coordinate.attrs.get("law", ""), "")
+    called = {name: each.called for law in LAWS.values() for name, each in law.parameters().items()}
+    return called.get(field, "")
 
 
 def _is_selected(drawn: xr.DataArray, place: str) -> bool:

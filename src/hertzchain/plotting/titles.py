@@ -37,18 +37,9 @@ def chain_words(chain: Chain) -> str:
         title = _scaled_beads(chain)
     title += law_in_words(chain.exponents)
     gravity = "under gravity" if chain.gravity else ""
-    return ", ".join(
-        filter(
-            None,
-            (
-                title,
-                gravity,
-                cap_in_title(chain),
-                wall_in_words(chain, chain.right_wall),
-                loss_in_title(chain),
-            ),
-        )
-    )
+    wall = wall_in_words(chain, chain.right_wall)
+    parts = title, gravity, cap_in_title(chain), wall, loss_in_title(chain)
+    return ", ".join(filter(None, parts))
 
 
 def chain_title(chain: Chain) -> str:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -85,6 +85,11 @@ class EffectiveChain(Frozen):
     large_beads: NDArray[np.int64]
     velocity: float = 1.0
     units: str = "scaled"
+
+    _instead_of_chain: ClassVar[str] = (
+        "its methods bca() and spacing(velocity) give velocities, forces and times; give other "
+        "methods the chain with small beads from which it was made"
+    )
 
     def __post_init__(self) -> None:
         for values in (self.masses, self.stiffness, self.large_beads):

@@ -32,6 +32,11 @@ class HostBands(BandStructure):
         raise NotImplementedError
 
     @property
+    def _energies(self) -> Array:
+        """Energy of each bead in each mode, up to a factor of the mode, shape (N, M)."""
+        return np.asarray(self.contacts.masses[:, np.newaxis] * np.abs(self.modes) ** 2)
+
+    @property
     def participation(self) -> Array:
         r"""Number of beads that take part in each mode, shape (M,).
 
@@ -46,7 +51,7 @@ class HostBands(BandStructure):
         >>> hc.spectrum(held).participation[[0, 10]].round(6)
         array([30., 20.])
         """
-        energy = self.contacts.masses[:, np.newaxis] * np.abs(self.modes) ** 2
+        energy = self._energies
         return np.asarray(energy.sum(axis=0) ** 2 / (energy**2).sum(axis=0))
 
     @property

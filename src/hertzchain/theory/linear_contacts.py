@@ -15,7 +15,7 @@ law                                     damper C
 `Viscoelastic`                          :math:`A K`
 `Dashpot`, `VelocityPower` of alpha 1   :math:`\gamma`
 `Restitution`                           :math:`c\sqrt{\mu k}\;d_0^{(p-1)/2}`
-`VelocityPower` of alpha > 1            0: the loss vanishes faster than the motion
+`VelocityPower` of alpha > 1            0: the damping is of higher order in the speed
 `VelocityPower` of alpha < 1            none: the force rises infinitely fast from rest
 `UnloadingRatio`, `WaltonBraun`,        none: the force is not differentiable at rest
 `ElasticPlastic` beyond yield

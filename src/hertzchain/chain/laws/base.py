@@ -106,8 +106,8 @@ class Loss(Part):
 
     Attributes
     ----------
-    name : str
-        Name in chain files.
+    name, words : str
+        Name in chain files, and that in figures if it is another one.
     yields : bool
         Whether the law itself describes contacts beyond first yield.
     leaves_dents : bool
@@ -119,6 +119,7 @@ class Loss(Part):
     name: ClassVar[str]
     yields: ClassVar[bool] = False
     leaves_dents: ClassVar[bool] = False
+    words: ClassVar[str] = ""
     damps: ClassVar[bool] = False
 
     def __init_subclass__(cls, *, name: str, **more: Any) -> None:

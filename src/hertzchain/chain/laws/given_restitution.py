@@ -117,8 +117,8 @@ def _free_parameter(law: type[Any], others: Mapping[str, Any]) -> str:
     optional = {each.name for each in dataclasses.fields(law) if each.default is None}
     if optional:
         raise InputError(
-            f"one coefficient of restitution does not determine {listed(sorted(optional))} of "
-            f"{law.name}, which can be omitted: give the parameters"
+            f"{law.name} has further parameters ({listed(sorted(optional))}), which one "
+            "coefficient of restitution does not determine: give its parameters instead"
         )
     if not left:
         all_given = f"{listed(['restitution', *numbers])} are {'all' if numbers[1:] else 'both'}"

@@ -25,13 +25,12 @@ def damping_constants(law: str, row: LawRow, strength: Array, overlap: Array) ->
     if row.speed_power < 1.0:
         raise InputError(
             f"the force of {law} rises infinitely fast from rest, with the power "
-            f"{row.speed_power:g} of the speed; no motion is small enough to be linear: use "
-            "simulate, or loss=None"
+            f"{row.speed_power:g} of the speed, so that no motion is small enough to be linear: "
+            "use simulate, or loss=None"
         )
     warn_user(
-        f"{law} vanishes faster than the motion, with the power {row.speed_power:g} of the speed: "
-        "small motions are not damped, and decay rates are 0; real ringing decays the more slowly "
-        "the smaller it is",
+        f"the damping force of {law} grows with the power {row.speed_power:g} of the speed: small "
+        "motions are not damped, and decay rates are 0; real ringing decays ever more slowly",
         ModelRangeWarning,
     )
     return none

@@ -49,6 +49,7 @@ class WaltonBraun(Loss, name="walton-braun"):
     """
 
     leaves_dents = True
+    words = "Walton\N{EN DASH}Braun"
     ratio: float = parameter(
         "ratio K1/K2 of loading to unloading", "stiffness of loading over that of unloading",
         fraction=True, above=0.0, most=1.0,

@@ -400,9 +400,9 @@ def test_starts_with_scatter_are_compared_by_its_statistic(budget):
     assert found.expected > 1.01 * found.value
     assert found.finals.min() == pytest.approx(found.expected, rel=1e-12)
     lines = found.summary().splitlines()
-    if len(found.finals) > 1:
-        (line,) = (each for each in lines if " starts (" in each)
-        assert f"(CVaR90: best {found._shown(found.expected).strip()}, median " in line
+    assert len(found.finals) == 2
+    (line,) = (each for each in lines if " starts (" in each)
+    assert f"(CVaR90: best {found._shown(found.expected).strip()}, median " in line
     assert any(
         re.search(r"equal sizes.*; \S+ N( \(.*\))? without scatter;", each) for each in lines
     )
@@ -1059,6 +1059,8 @@ def test_the_percentiles_that_values_determine_are_marked(samples, expected):
     names, _, values = lines[0].get_label().partition(": ")
     assert names.split(", ") == expected
     assert [float(value) for value in values.split(", ")] == pytest.approx(places, rel=1e-3)
+    axes.figure.draw_without_rendering()
+    assert not covers_data(axes.get_legend())
 
 
 def difference_quotient(chain, quantity, place):

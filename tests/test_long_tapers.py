@@ -25,6 +25,18 @@ def test_the_estimate_covers_long_tapers(taper, rate, beads):
     assert (error <= 1.6 * law.velocity_error[1:]).all()
 
 
+@pytest.mark.parametrize(
+    ("taper", "rate"),
+    [("forward-exponential", each) for each in (0.07, 0.09, 0.11)]
+    + [("backward-linear", each) for each in (0.01, 0.02, 0.03)],
+)
+def test_the_estimate_of_long_tapers_is_not_much_too_large(taper, rate):
+    chain = hc.Chain.tapered(taper, rate, beads=1000)
+    law = hc.local_rate(chain)
+    error = np.abs(law.compare(hc.propagate(chain)).errors("velocity"))[1:]
+    assert (error / law.velocity_error[1:])[200:].max() > 0.4
+
+
 def test_the_estimate_covers_long_forward_linear_tapers():
     for rate, beads in ((0.0005, 1800), (0.001, 900), (0.002, 450)):
         chain = hc.Chain.tapered("forward-linear", rate, beads=beads)

@@ -348,7 +348,7 @@ def test_axes_have_four_numbers_or_more_that_do_not_overlap(height, log):
         assert len(rows) >= 4
         assert len(columns) >= 4
         assert min(np.diff(rows)) > 11.0
-        assert all(b - a > 7.0 * length for (a, length), (b, _) in itertools.pairwise(columns))
+        assert all(b - a > 3.5 * (n + m) for (a, n), (b, m) in itertools.pairwise(columns))
 
 
 @pytest.mark.parametrize(("size", "label"), [(2e5, "1e5"), (3e-7, "2e-7"), (2e12, "1e12")])

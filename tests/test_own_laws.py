@@ -77,3 +77,16 @@ def test_an_unknown_law_may_be_one_whose_module_is_not_imported(laws):
     loss["law"] = "area-dashpott"
     with pytest.raises(hc.InputError, match="import the module that defines it first"):
         chain_from(document)
+
+
+def test_laws_with_a_viscous_force_say_so():
+    examples = [
+        hc.Elastic(), hc.Restitution(0.9), hc.Viscoelastic(0.1), hc.VelocityPower(0.1, alpha=1.8),
+        hc.Dashpot(0.1), hc.WaltonBraun(0.8), hc.UnloadingRatio(0.1),
+        hc.ElasticPlastic(yield_overlap=0.1),
+    ]  # fmt: skip
+    assert {each.name for each in examples} == {
+        name for name, law in LAWS.items() if law.__module__.startswith("hertzchain.")
+    }
+    for law in examples:
+        assert law.damps == (law.row(1.5).kind == DAMPED), law

@@ -66,6 +66,10 @@ def test_recipes_work(diffs, blocks, tmp_path):
         assert done.returncode == 0, done.stderr
 
 
+def test_the_page_has_a_law_for_a_script():
+    assert [each.id for each in scripts()] == ["A loss law in a script"]
+
+
 @pytest.mark.parametrize("block", scripts())
 def test_scripts_work_without_a_change_of_the_package(block, tmp_path):
     done = subprocess.run(

@@ -4,10 +4,8 @@ import warnings
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import hertzchain as hc
-from hertzchain.cli import cli
 
 K = np.arange(90)
 TAPERS = {
@@ -287,22 +285,14 @@ def test_the_height_of_a_fall_determines_the_velocity():
         row.struck_by(height=-1.0)
 
 
-def test_the_height_of_a_fall_on_the_command_line():
-    row = [
-        "simulate",
-        "--material",
-        "steel-52100",
-        "--diameter",
-        "10 mm",
-        "--beads",
-        "5",
-        "--striker",
-    ]
-    done = CliRunner().invoke(cli, [*row, "4 g, height=0.2 mm"])
-    assert done.exit_code == 0
-    assert f"{(2.0 * 9.80665 * 2e-4) ** 0.5:.4g} m/s" in done.output
-    done = CliRunner().invoke(cli, [*row, "4 g, height=0.2 mm", "--speed", "1 m/s"])
-    assert "has a height to fall from" in " ".join(done.output.split())
-    assert done.exit_code == 2
-    done = CliRunner().invoke(cli, [*row, "4 g, height=5"])
-    assert "height of --striker 5 has no unit; write" in " ".join(done.output.split())
+def test_the_height_of_a_fall_on_the_command_line(run):
+    row = ("simulate", "--material", "steel-52100", "--diameter", "10 mm", "--beads", "5")
+    code, out, _ = run(*row, "--striker", "4 g, height=0.2 mm")
+    assert code == 0
+    assert f"{(2.0 * 9.80665 * 2e-4) ** 0.5:.4g} m/s" in out
+    code, _, err = run(*row, "--striker", "4 g, height=0.2 mm", "--speed", "1 m/s")
+    assert code == 2
+    assert "has a height to fall from" in " ".join(err.split())
+    code, _, err = run(*row, "--striker", "4 g, height=5")
+    assert code == 2
+    assert "height of --striker 5 has no unit; write" in " ".join(err.split())

@@ -38,7 +38,7 @@ def require_chain(method: str, chain: object, *, beads: int = 2) -> None:
             f"{method} requires a Chain, got a {type(chain).__name__} of one "
             f"({held.description}); use {method}({use})"
         )
-    # Objects that are no chains but resemble one have advice of their own.
+    # Objects that resemble a chain have advice of their own.
     advice = getattr(chain, "_instead_of_chain", "Chain.from_radii builds one from radii")
     raise InputError(f"{method} requires a Chain, got {short_repr(chain)}; {advice}")
 

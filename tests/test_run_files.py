@@ -1,6 +1,7 @@
 """Runs that are read from netCDF files are the same runs, and the files describe their chain."""
 
 import json
+import warnings
 from types import SimpleNamespace
 
 import numpy as np
@@ -178,7 +179,7 @@ def changed(file, **changes):
         ({"chain_file": hc.chain_as_toml(hc.Chain.uniform(9))}, "its chain is not that of the run"),
         ({"chain_file": "[chain]"}, "the chain of"),
         ({"chain_file": ""}, "has no chain"),
-        ({"hertzchain_version": "0.0.1"}, r"written by hertzchain 0\.0\.1 and cannot be read"),
+        ({"records_version": 2}, "with version 2 of the records, but hertzchain .* version 1"),
     ],
 )
 def test_changed_files_are_rejected(changes, words, tmp_path):
@@ -186,6 +187,40 @@ def test_changed_files_are_rejected(changes, words, tmp_path):
     hc.simulate(CHAINS["default"], times=20).save(file)
     changed(file, **changes)
     with pytest.raises(hc.InputError, match=words):
+        hc.load_run(file)
+
+
+def without_records_version(file):
+    with xr.open_dataset(file, engine="scipy") as dataset:
+        dataset.load()
+    dataset.attrs.pop("records_version", None)
+    dataset.to_netcdf(file, engine="scipy")
+
+
+def test_files_of_another_version_are_read_with_a_warning(tmp_path):
+    file, run = tmp_path / "run.nc", hc.simulate(CHAINS["walls and loss"], times=20)
+    run.save(file)
+    changed(file, hertzchain_version="0.0.9")
+    for _ in range(2):
+        with pytest.warns(
+            hc.InputWarning, match=r"written by hertzchain 0\.0\.9, this is"
+        ) as heard:
+            assert_same_run(hc.load_run(file), run)
+        assert heard[0].filename == __file__
+        without_records_version(file)  # as files that were written before it was introduced
+
+
+def test_changed_files_of_another_version_are_rejected(tmp_path):
+    file = tmp_path / "run.nc"
+    hc.simulate(CHAINS["default"], times=20).save(file)
+    other = hc.chain_as_toml(hc.Chain.uniform(9))
+    changed(file, hertzchain_version="0.0.9", chain_file=other)
+    with (
+        pytest.warns(hc.InputWarning),
+        pytest.raises(
+            hc.InputError, match=r"0\.0\.9 and cannot be read as a run by .* its chain is"
+        ),
+    ):
         hc.load_run(file)
 
 
@@ -220,7 +255,9 @@ def test_a_damaged_file_is_never_read_as_another_run(tmp_path):
         damaged[rng.integers(len(content))] ^= int(rng.integers(1, 256))
         file.write_bytes(damaged)
         try:
-            found = hc.load_run(file)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", hc.InputWarning)  # the version may be damaged
+                found = hc.load_run(file)
         except hc.InputError:
             refused += 1
             continue

@@ -27,6 +27,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.objects import check_type, file_path
 from .chain_as_toml import chain_document
 from .digests import array_digest
+from .record_versions import RECORDS_VERSION, check_records
 from .run_files import chain_file_of, run_as_netcdf
 from .writing import write_bytes
 
@@ -223,6 +224,7 @@ def save_state(state: State, path: str | os.PathLike[str]) -> None:
     content = io.BytesIO()
     about = {"version": __version__, "chain": fingerprint(state.chain)}
     about["digest"] = array_digest(state.arrays, f"{about['version']} {about['chain']}")
+    about["records"] = str(RECORDS_VERSION)
     texts = {name: np.array(text) for name, text in about.items()}
     np.savez(content, **texts, **state.arrays)  # type: ignore[arg-type]
     write_bytes(target, content.getvalue())
@@ -242,8 +244,14 @@ def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
     Raises
     ------
     InputError
-        If the file is missing, damaged, not a file of `save_state`, or from another chain or
-        another version of hertzchain.
+        If the file is missing, damaged, not a file of `save_state`, or from another chain, or
+        if its records have another version than those of this version of hertzchain.
+
+    Warns
+    -----
+    InputWarning
+        If another version of hertzchain wrote the file: the rest of the run may differ from that
+        version's.
 
     Examples
     --------
@@ -255,15 +263,14 @@ def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
         with np.load(io.BytesIO(source.read_bytes())) as file:
             arrays = {key: np.asarray(file[key], order="C") for key in file.files}
         about = {key: str(arrays.pop(key)) for key in ("version", "chain", "digest")}
+        # Files without it have version 1.
+        records = arrays.pop("records", 1)
     # NumPy and zipfile raise errors of many types for a damaged file.
     except Exception as error:  # noqa: BLE001
         reason = getattr(error, "strerror", None) or "it is damaged or not a file of save_state"
         raise InputError(f"cannot read state {name!r}: {reason}") from None
-    if about["version"] != __version__:
-        raise InputError(
-            f"state {name!r} was written by hertzchain {about['version']} and cannot be read by "
-            f"{__version__}; restart the run, or resume it with {about['version']}"
-        )
+    advice = f"restart the run, or resume it with {about['version']}"
+    check_records(f"state {name!r}", records, about["version"], advice)
     if about["chain"] != fingerprint(chain):
         raise InputError(
             f"state {name!r} belongs to another chain than {chain.description}; give the chain "

@@ -21,6 +21,7 @@ from ..simulation.state import State, fingerprint
 from .chain_as_toml import chain_as_toml
 from .chain_files import chain_from
 from .digests import array_digest
+from .record_versions import RECORDS_VERSION, check_records
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 # Attribute with the chain as a chain file, and the variable with the records of a run.
 CHAIN_FILE: Final = "chain_file"
 RECORDS: Final = "run_records"
+# Attribute with the version of the records; files without it have version 1.
+VERSION: Final = "records_version"
 # Variable of a part of a stream with the accumulators at the saved times.
 ACCUMULATORS: Final = "run_accumulators"
 # Fields of a run that are saved as variables of the dataset, and other numbers and texts.
@@ -51,6 +54,7 @@ def run_as_netcdf(run: Run, chain_file: str, *, records: bool = False) -> bytes:
     if records:
         what = {"long_name": "records of the run, read by hertzchain.load_run"}
         dataset[RECORDS] = ("byte", np.frombuffer(_records(run), np.int8), what)
+        dataset.attrs[VERSION] = RECORDS_VERSION
     else:
         what = {"long_name": "exchanged energies and momenta, read by hertzchain.load_run"}
         dataset[ACCUMULATORS] = (("time", "accumulator"), run._accumulators, what)
@@ -89,17 +93,20 @@ def read_run(file: Path) -> Run:
             f"{name!r} is not a file of Run.save; read other netCDF files with "
             "xarray.open_dataset, and a part of a stream with load_run(FOLDER)"
         )
-    if (version := attributes.get("hertzchain_version")) != __version__:
-        raise InputError(
-            f"{name!r} was written by hertzchain {version} and cannot be read as a run by "
-            f"{__version__}; read its dataset with xarray.open_dataset, or simulate its chain again"
-        )
+    version = attributes.get("hertzchain_version")
+    advice = "read its dataset with xarray.open_dataset, or simulate its chain again"
+    check_records(repr(name), attributes.get(VERSION, 1), version, advice)
     chain = stored_chain(attributes.get(CHAIN_FILE), name)
     try:
         return _run_from(chain, saved)
     # NumPy and zipfile raise errors of many types for damaged records.
     except Exception as error:  # noqa: BLE001
         reason = f": {error}" if isinstance(error, InputError) else ""
+        if version != __version__:
+            raise InputError(
+                f"{name!r} was written by hertzchain {version} and cannot be read as a run by "
+                f"{__version__}{reason}; {advice}"
+            ) from None
         raise InputError(
             f"{name!r} is damaged or was changed after it was written{reason}; restore it from a "
             "copy, or simulate its chain again"

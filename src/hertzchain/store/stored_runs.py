@@ -45,9 +45,16 @@ def load_run(path: str | os.PathLike[str]) -> Run:
     Raises
     ------
     InputError
-        If the file is missing, damaged, changed, not a file of `Run.save`, or from another
-        version of hertzchain; if a streamed run does not fit in memory; or if its chain cannot be
-        described by a chain file, such as one with a custom loss law.
+        If the file is missing, damaged, changed or not a file of `Run.save`; if its records have
+        another version than those of this version of hertzchain; if a streamed run does not fit in
+        memory; or if its chain cannot be described by a chain file, such as one with a custom loss
+        law.
+
+    Warns
+    -----
+    InputWarning
+        If another version of hertzchain wrote the file: the stored values are unchanged, but
+        results computed from them may differ.
 
     Examples
     --------

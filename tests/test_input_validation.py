@@ -69,6 +69,7 @@ def public_calls(folder):
     stored = hc.stream(chain, folder / "run", times=[1.0, 2.0])
     hc.save_state(run.state, state)
     hc.save_run(run, folder / "run.nc")
+    run.pulse().save(folder / "pulse.nc")
     board = hc.scoreboard(theories=["bca", "local-rate"])
     plan = {"chain": {"taper": "uniform"}, "axes": {"beads": [5, 6]}}
     hc.sweep(plan, folder / "sweep")
@@ -422,6 +423,7 @@ def public_calls(folder):
         "Pulse.column": tried(pulse.column, quantity="velocity"),
         "Pulse.unit": tried(pulse.unit, quantity="velocity"),
         "Pulse.compare": tried(pulse.compare, reference=pulse),
+        "Pulse.save": tried(pulse.save, path=folder / "pulse.nc"),
         "Pulse.plot": tried(pulse.plot, quantity="velocity", label="a", legend=True, ax=None),
         "PulseTable.chain": tried(table.chain, index=0),
         "PulseTable.column": tried(table.column, quantity="velocity"),
@@ -474,6 +476,7 @@ def public_calls(folder):
         "chain_from_toml": tried(hc.chain_from_toml, text=hc.chain_as_toml(chain), folder=folder),
         "load_state": tried(hc.load_state, path=state, chain=walled),
         "load_run": tried(hc.load_run, path=folder / "run.nc"),
+        "load_pulse": tried(hc.load_pulse, path=folder / "pulse.nc"),
         "save_state": tried(hc.save_state, state=run.state, path=folder / "again.npz"),
         "StoredRun": tried(hc.StoredRun, folder=folder / "run"),
         "StoredRun.load": tried(stored.load, start=0.0, stop=5.0, skip_damaged=False),

@@ -1,4 +1,6 @@
+import base64
 import itertools
+import pickle
 import re
 from importlib import resources
 
@@ -12,6 +14,7 @@ from PIL import Image, ImageColor
 import hertzchain as hc
 from hertzchain.chain.drawn_bodies import body_centres
 from hertzchain.designs.distribution import Distribution
+from hertzchain.notebook import animations
 from hertzchain.plotting import animation
 from hertzchain.plotting.animation import animate
 from hertzchain.plotting.budget import plot_budget
@@ -218,6 +221,28 @@ def test_an_animation_moves(run, tmp_path):
         first = np.asarray(pictures.convert("RGB"))
         pictures.seek(3)
         assert np.any(np.asarray(pictures.convert("RGB")) != first)
+
+
+def test_notebooks_show_animations(run, tmp_path, monkeypatch):
+    file = animate(run, tmp_path / "a&b.gif", frames=2)
+    path = tmp_path / "a&b.gif"
+    # To a script, it is a path.
+    assert (file, repr(file), hash(file)) == (path, repr(path), hash(path))
+    assert pickle.loads(pickle.dumps(file)) == path
+    html = file._repr_html_()
+    embedded = re.search('src="data:image/gif;base64,([^"]*)"', html)[1]
+    assert base64.b64decode(embedded) == path.read_bytes()
+    assert "a&amp;b.gif" in html
+    assert "a&b" not in html
+    assert file.parent._repr_html_() is None
+    video = file.with_suffix(".mp4")
+    video.write_bytes(b"film")
+    assert 'src="data:video/mp4;base64,ZmlsbQ=="' in video._repr_html_()
+    monkeypatch.setattr(animations, "MAX_SIZE", 3.0)
+    assert "data:" not in file._repr_html_()
+    assert "MB and is not shown" in file._repr_html_()
+    path.unlink()
+    assert file._repr_html_() is None
 
 
 def test_an_animation_shows_the_forces_in_sensors(run, tmp_path, monkeypatch):

@@ -93,6 +93,7 @@ from .store.chain_as_toml import chain_as_toml as chain_as_toml
 from .store.chain_files import chain_from_toml as chain_from_toml
 from .store.chain_files import load_chain as load_chain
 from .store.drive_files import load_drive as load_drive
+from .store.pulse_files import load_pulse as load_pulse
 from .store.results import load_state as load_state
 from .store.results import save_run as save_run
 from .store.results import save_state as save_state

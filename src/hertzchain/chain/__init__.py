@@ -1,7 +1,7 @@
 """Description of a chain: beads, materials, losses, walls, drives, strikers; builders, checks.
 
 - the chain: `chain`, its `fields` and `parts`, its description in `chain_words` with
-  `description`, and its `builders` with their `builder_arguments`;
+  `description`, its `bead_table`, and its `builders` with their `builder_arguments`;
 - methods that return a modified chain: `modifications`, `pieces`, `strikers` with
   `striker_properties`, `with_cap` with the `cap`, and `contact_shapes`;
 - radii: `tapers`, `taper_sizes`, `random_radii`, `scattered_radii`, `repeated_cells`,

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,6 +28,9 @@ from .chain_words import chain_description
 from .contact_groups import loading_forces
 from .description import impact_in_words
 from .static_state import StaticState, static_state
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @name_replace
@@ -178,6 +182,32 @@ class Chain(ChainBuilders):
                 f"shape {values.shape}"
             )
         return loading_forces(self.contact_groups, np.pad(values, 1))[1:-1]
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per bead, strikers and a cap included.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``bead`` = 1..N; columns ``name`` (such as ``ball 3``) if there are
+            strikers or a cap, ``material`` if the chain has materials, ``radius``, ``diameter``,
+            ``mass``, ``position`` of the centre from the left end of the first bead, ``gap`` to the
+            next bead or the right wall (NaN at a free end) and initial ``velocity``.  A flat
+            striker and a cap have no radius (NaN) and the thickness that figures show.  Gaps of
+            scaled chains are in units of overlaps and are not included in positions.
+            ``attrs["units"]`` has the units ("1": scaled).
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> row = hc.Chain.from_materials(diameters=["10 mm", "8 mm"], materials="steel-52100")
+        >>> table = row.to_dataframe()
+        >>> table.position.round(6).to_dict(), table.attrs["units"]["position"]
+        ({1: 0.005, 2: 0.014}, 'm')
+        """
+        from .bead_table import bead_table
+
+        return bead_table(self)
 
     # Methods that return a modified chain, in separate files.
     __add__ = pieces.joined

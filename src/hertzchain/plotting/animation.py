@@ -29,6 +29,7 @@ from ..store.writing import write_bytes
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback, check_list, check_type, file_path
+from .animation_file import AnimationFile
 from .chains import body_collection, material_colour, material_legend, material_names
 from .colours import COLOURS, grey
 from .runs import check_times, wall_curve
@@ -93,7 +94,8 @@ def animate(
     Returns
     -------
     pathlib.Path
-        The file.
+        The file.  At the end of a cell of a notebook, the animation is shown, if the file has at
+        most 5 MB.
 
     Raises
     ------
@@ -139,7 +141,7 @@ def animate(
             progress(len(drawn), len(chosen))
     gif = target.suffix == ".gif"
     write_bytes(target, _gif(drawn, seconds, run.chain) if gif else _mp4(drawn, seconds))
-    return target
+    return AnimationFile(target)
 
 
 def _frames(

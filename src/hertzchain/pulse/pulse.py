@@ -6,12 +6,12 @@ that a run has not determined is NaN, with the reason in ``notes``.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
@@ -19,12 +19,13 @@ from ..collision import Array
 from ..errors import InputError
 from ..representation import listed, measure, percent, short
 from ..validation.keywords import checked_fields, checked_methods
-from ..validation.numbers import number, real_numbers
+from ..validation.numbers import number
 from ..validation.objects import check_choice, text
 from .alternating_speed import alternates_at, over_two_contacts
+from .checked_column import checked_column
 from .columns import Columns, derive, with_columns
 from .notes import WARNING, checked_notes, notes_in_words
-from .quantities import BEAD_QUANTITIES, COLUMN_QUANTITIES, QUANTITIES, Quantity
+from .quantities import BEAD_QUANTITIES, COLUMN_QUANTITIES, QUANTITIES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -122,7 +123,7 @@ class Pulse(Columns):
                 values = getattr(self, quantity.name)
                 values = derive(self, quantity) if values is None else values
                 if values is not None:
-                    checked = _checked_column(self, quantity, values)
+                    checked = checked_column(self, quantity, values)
                     object.__setattr__(self, quantity.name, checked)
 
     def _input(self, name: str) -> Any:
@@ -317,6 +318,32 @@ class Pulse(Columns):
         }
         return table
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Save the pulse: ``.nc`` (netCDF) or ``.csv``, by the file's extension.
+
+        `hertzchain.load_pulse` reads a netCDF file as the same pulse again.
+
+        Parameters
+        ----------
+        path : path-like
+            File to write; an existing file is replaced when the new one is complete.
+
+        Raises
+        ------
+        InputError
+            For another extension, or if the file cannot be written.
+
+        Examples
+        --------
+        >>> import hertzchain as hc, tempfile
+        >>> from pathlib import Path
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     hc.propagate(hc.Chain.uniform(9)).save(Path(folder) / "pulse.nc")
+        """
+        from ..store.pulse_files import save_pulse
+
+        save_pulse(self, path)
+
     def plot(
         self,
         quantity: str = "velocity",
@@ -408,33 +435,3 @@ def assemble_pulse(**columns: Any) -> Pulse:
     pulse = Pulse.__new__(Pulse)
     pulse.__dict__.update({**_DEFAULTS, "notes": {}, **columns})
     return pulse
-
-
-def _checked_column(pulse: Pulse, quantity: Quantity, given: ArrayLike) -> Array:
-    """Read-only copy of a column, whose values are allowed or explained by a note."""
-    name, place = quantity.name, quantity.per
-    plain = type(given) is np.ndarray and given.dtype == float
-    values = (given if plain else real_numbers(name, given, place)).copy()  # type: ignore[union-attr]
-    length = quantity.count(pulse.chain.beads)
-    if values.shape != (length,):
-        raise InputError(f"{name} of a pulse must have shape ({length},), got {values.shape}")
-    good = np.isfinite(values)
-    if quantity.values == "nonzero":
-        good &= values != 0.0
-    elif quantity.values != "finite":
-        # Strikers have their velocity from the start.
-        first = max(1, pulse.chain.strikers) if quantity.values != "positive" else 0
-        good[first:] &= values[first:] > 0.0
-    if name in pulse.notes:
-        good |= np.isnan(values)
-    if not good.all():
-        k = int(np.argmin(good))
-        allowed = {"nonzero": "finite and not 0", "finite": "finite"}
-        raise InputError(
-            f"{name} of {place} {k + 1} is {values[k]:g} by {pulse.method} for the chain "
-            f"{pulse.chain.description}: it must be "
-            f"{allowed.get(quantity.values, 'positive and finite')}; if it underflows or "
-            "overflows, use fewer beads or a weaker taper"
-        )
-    values.setflags(write=False)
-    return values

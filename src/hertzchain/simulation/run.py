@@ -370,7 +370,7 @@ class Run(ContactHistory):
         return plot_forces(self, beads, label=label, legend=legend, ax=ax)
 
     def animate(self, path: str | os.PathLike[str], **options: Any) -> Path:
-        """Write an animation of the beads as GIF or MP4, with their velocities as colours.
+        """Write an animation of the beads as GIF or MP4, and show it in a notebook.
 
         Parameters
         ----------

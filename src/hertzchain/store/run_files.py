@@ -31,6 +31,8 @@ CHAIN_FILE: Final = "chain_file"
 RECORDS: Final = "run_records"
 # Attribute with the version of the records; files without it have version 1.
 VERSION: Final = "records_version"
+# Attribute of a file of `Pulse.save`.
+PULSE: Final = "pulse_version"
 # Variable of a part of a stream with the accumulators at the saved times.
 ACCUMULATORS: Final = "run_accumulators"
 # Fields of a run that are saved as variables of the dataset, and other numbers and texts.
@@ -89,10 +91,13 @@ def read_run(file: Path) -> Run:
     name = os.fspath(file)
     saved, attributes = _read(file)
     if RECORDS not in saved:
-        raise InputError(
-            f"{name!r} is not a file of Run.save; read other netCDF files with "
-            "xarray.open_dataset, and a part of a stream with load_run(FOLDER)"
+        hint = (
+            "read other netCDF files with xarray.open_dataset, and a part of a stream with "
+            "load_run(FOLDER)"
         )
+        if PULSE in attributes:
+            hint = f"it contains a pulse; read it with load_pulse({name!r})"
+        raise InputError(f"{name!r} is not a file of Run.save; {hint}")
     version = attributes.get("hertzchain_version")
     advice = "read its dataset with xarray.open_dataset, or simulate its chain again"
     check_records(repr(name), attributes.get(VERSION, 1), version, advice)

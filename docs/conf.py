@@ -13,6 +13,7 @@ from sphinx.util.inspect import TypeAliasForwardRef
 HERE = Path(__file__).parent
 ARRAY = re.compile(r"\bArray\b")
 sys.path.insert(0, os.fspath(HERE))
+import bibliography  # noqa: E402
 import navigation  # noqa: E402
 import reference_pages  # noqa: E402
 import schema_tables  # noqa: E402
@@ -169,10 +170,11 @@ def copy_changelog(_: Any) -> None:
 
 
 def write_tables(_: Any) -> None:
-    """Write the tables of keys of chain files, constants of the modified BCA, and balls."""
+    """Write the tables of keys of chain files, constants and balls, and the bibliography."""
     tables = {"chain_file_keys": schema_tables.chain_file_page(),
               "calibration": schema_tables.calibration_table(),
-              "balls": schema_tables.ball_table()}  # fmt: skip
+              "balls": schema_tables.ball_table(),
+              "bibliography": bibliography.bibliography_page()}  # fmt: skip
     for name, text in tables.items():
         page = HERE / "_generated" / f"{name}.md"
         if not page.exists() or page.read_text("utf-8") != text:

@@ -8,13 +8,15 @@ from .options import StrictCommand
 
 
 @click.command(cls=StrictCommand)
-def cite() -> None:
+@click.option("--bibtex", is_flag=True, help="Print the references as a BibTeX file.")
+def cite(*, bibtex: bool) -> None:
     """Print the references to cite: paper, methods and software.
 
     \b
-    Example:
+    Examples:
       hertzchain cite
+      hertzchain cite --bibtex > granular.bib
     """
-    from ..citations import CITATIONS
+    from .. import citations
 
-    click.echo("\n\n".join(CITATIONS))
+    click.echo(citations.bibtex() if bibtex else citations.text())

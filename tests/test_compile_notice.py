@@ -12,6 +12,7 @@ from numba.core.event import Event, EventStatus
 
 from hertzchain.kernels import compile_notice, forces
 from hertzchain.kernels.compile_notice import CompileNotice, write_line
+from hertzchain.simulation import slow_run
 
 LINE = "hertzchain: compiling once, about"
 # A function that nothing has compiled yet, as if it belonged to the package.
@@ -63,6 +64,29 @@ def test_one_line_per_wait_however_many_functions_are_compiled():
     time.sleep(0.4)
     compile_for(notice, 0.15)
     assert len(lines) == 2
+
+
+def test_a_longer_compilation_in_the_same_wait_is_announced():
+    lines = []
+    notice = CompileNotice(lines.append, delay=0.05, pause=60.0)
+    for module in ("narrow_window", "full_chain", "narrow_window", "full_chain"):
+        compile_for(notice, 0.15, f"hertzchain.kernels.{module}")
+    shorter, longer = (int(line.removeprefix(LINE).removesuffix(" s")) for line in lines)
+    assert shorter < longer
+
+
+def test_compiling_does_not_count_as_a_slow_run(monkeypatch):
+    lines = []
+    notice = CompileNotice([].append)
+    monkeypatch.setattr(compile_notice, "_installed", [notice])
+    monkeypatch.setattr(slow_run, "INTERVAL", 0.2)
+    report = slow_run.slow_run_notice(lines.append)
+    compile_for(notice, 0.3)
+    report(1, 9)
+    assert lines == []
+    time.sleep(0.25)
+    report(2, 9)
+    assert len(lines) == 1
 
 
 def test_a_short_compilation_is_silent_but_many_add_up():

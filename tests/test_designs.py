@@ -9,6 +9,7 @@ import warnings
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from figure_texts import legend_texts
 from scipy_chain import trajectory, wall_peak
 
 import hertzchain as hc
@@ -669,7 +670,7 @@ def test_the_plot_of_a_front_has_hollow_points_where_contacts_yield(partly_yield
     yielding = [point.verified.yielding["wall_force.peak"] for point in partly_yielding.front
                 if point.verified.outside_range]  # fmt: skip
     assert sorted(crosses.get_ydata()) == pytest.approx(sorted(yielding))
-    assert label in [each.get_text() for each in axes.get_legend().get_texts()]
+    assert label in legend_texts(axes)
     # Nothing is between rows of balls: only points are on the front, and the line has steps.
     (steps,) = (line for line in axes.lines if line.get_drawstyle() != "default")
     assert steps.get_drawstyle() == "steps-post"
@@ -1017,7 +1018,7 @@ def test_the_sensitivity_of_a_limited_force_is_plotted_for_the_shortest_chain():
     height = axes.containers[0][2].get_height()
     assert height == pytest.approx(100.0 * (after / before - 1.0), abs=1e-3)
     forces = found.plot("forces")
-    assert "limit 22 N" in [text.get_text() for text in forces.get_legend().get_texts()]
+    assert "limit 22 N" in legend_texts(forces)
 
 
 def test_the_sensitivity_of_a_largest_velocity_is_the_exact_gradient():
@@ -1222,7 +1223,7 @@ def test_figures_show_both_chains(softest):
     ]  # fmt: skip
     lines = figure.axes[1].lines
     assert lines[1].get_ydata().max() == pytest.approx(softest.value, rel=1e-2)
-    labels = [text.get_text() for text in figure.axes[1].get_legend().get_texts()]
+    labels = legend_texts(figure.axes[1])
     assert labels[1] == f"design, peak {softest.value:.4g}"
     with pytest.raises(hc.InputError, match="ax takes one kind"):
         softest.plot(ax=figure.axes[0])
@@ -1259,7 +1260,7 @@ def test_a_design_is_compared_with_the_best_chain_that_meets_the_constraints(sof
     assert other is softest.references[best]
     assert softest.objective_of(other) < softest.objective_of(softest.problem.chain)
     axes = softest.plot("forces")
-    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    labels = legend_texts(axes)
     assert labels[0] == f"{name}, peak {softest.objective_of(other):.4g}"
     words = " ".join(text.get_text() for text in softest.plot("beads").texts)
     assert name in " ".join(words.split())

@@ -3,6 +3,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from figure_texts import legend_texts
 
 import hertzchain as hc
 from hertzchain.plotting.differences import words_of_chains
@@ -98,26 +99,22 @@ def test_beads_whose_words_do_not_differ_are_named_by_one_of_them():
     ]  # fmt: skip
 
 
-def texts(axes):
-    return [text.get_text() for text in axes.get_legend().get_texts()]
-
-
 def test_pulses_forces_and_comparisons_name_the_same_differences():
     chains = [lossy(hc.Viscoelastic(f"{t} us")) for t in (0.3, 0.6)]
     names = ["viscoelastic 0.3 µs", "viscoelastic 0.6 µs"]
     runs = [hc.simulate(chain, until="0.6 ms", times=300) for chain in chains]
     pulses = [run.pulse() for run in runs]
-    assert texts(hc.plot_pulses(pulses))[:2] == names
+    assert legend_texts(hc.plot_pulses(pulses))[:2] == names
     axes = plt.subplots()[1]
     for run in runs:
         run.plot_forces(["ball 5", "ball 9"], ax=axes)
     places = ("bead 6 (ball 5)", "bead 10 (ball 9)")
-    assert texts(axes) == [f"{place}, {name}" for name in names for place in places]
+    assert legend_texts(axes) == [f"{place}, {name}" for name in names for place in places]
     # Names of a user remain.
     axes = plt.subplots()[1]
     for run, name in zip(runs, "ab", strict=True):
         run.plot_forces(["ball 5"], label=name, ax=axes)
-    assert texts(axes) == ["a", "b"]
+    assert legend_texts(axes) == ["a", "b"]
     title = pulses[0].compare(pulses[1]).plot().get_title().replace("\n", " ")
     assert title == (
         "viscoelastic 0.3 µs against viscoelastic 0.6 µs, simulation, 20 steel balls and a "
@@ -127,7 +124,7 @@ def test_pulses_forces_and_comparisons_name_the_same_differences():
 
 def test_equal_pulses_have_numbers():
     pulse = hc.bca(BEADS)
-    assert texts(hc.plot_pulses([pulse, pulse]))[:2] == ["BCA (1)", "BCA (2)"]
+    assert legend_texts(hc.plot_pulses([pulse, pulse]))[:2] == ["BCA (1)", "BCA (2)"]
 
 
 def test_a_law_named_after_people_has_capital_letters():

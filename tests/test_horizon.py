@@ -6,6 +6,7 @@ import warnings
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from figure_texts import legend_texts
 
 import hertzchain as hc
 from hertzchain.cli import cli
@@ -238,7 +239,7 @@ def test_pictures_show_where_it_begins():
     ):  # fmt: skip
         begins = [line.get_xdata()[0] for line in axes.lines if line.get_linestyle() == ":"]
         assert begins == [pytest.approx(horizon.time)]
-    assert "horizon: error 1%" in [text.get_text() for text in axes.get_legend().get_texts()]
+    assert "horizon: error 1%" in legend_texts(axes)
 
 
 def test_what_has_no_horizon():

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from figure_texts import legend_texts
 
 import hertzchain as hc
 from hertzchain.plotting import design_beads
@@ -246,7 +247,7 @@ def test_designs_of_two_materials_show_diameters_and_all_beads(beads, rows, monk
     axes.figure.draw_without_rendering()
     # All beads are in the axes.
     assert axes.get_legend().get_window_extent().y0 >= axes.bbox.y1
-    assert {text.get_text() for text in axes.get_legend().get_texts()} == {"steel-316", "PTFE"}
+    assert {*legend_texts(axes)} == {"steel-316", "PTFE"}
     texts = [text for text in axes.texts if text.get_text() in ("10", "6")]
     boxes = [text.get_window_extent() for text in texts]
     if rows:

@@ -7,6 +7,7 @@ from importlib import resources
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from figure_texts import legend_texts
 from matplotlib.animation import FFMpegWriter
 from matplotlib.colors import to_hex, to_rgb
 from PIL import Image, ImageColor
@@ -79,7 +80,7 @@ def test_maxima_between_the_saved_times_are_drawn(run):
 def test_forces_name_the_run_and_balls_behind_a_striker():
     chain = hc.Chain.uniform(6).struck_by(velocity=1.0).replace(right_wall=hc.Wall())
     axes = plot_forces(hc.simulate(chain), ["ball 3", 5, 8], label="equal")
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == [
+    assert legend_texts(axes) == [
         "equal, bead 4 (ball 3)", "equal, bead 5 (ball 4)", "equal, right wall",
     ]  # fmt: skip
 
@@ -390,32 +391,29 @@ def test_an_animation_as_mp4(run, tmp_path):
     assert b"ftyp" in animate(run, tmp_path / "x.mp4", frames=3).read_bytes()[:16]
 
 
-def legend(axes):
-    return [text.get_text() for text in axes.get_legend().get_texts()]
-
-
 def test_labels_state_what_differs():
     tapers = [
         hc.Chain.tapered("forward-exponential", q, beads=n)
         for q, n in ((0.01, 9), (0.02, 9), (0.02, 12))
     ]
     axes = hc.plot_pulses([hc.bca(chain) for chain in tapers])
-    assert legend(axes) == ["q = 0.01, 9 beads", "q = 0.02, 9 beads", "q = 0.02, 12 beads"]
+    assert legend_texts(axes) == ["q = 0.01, 9 beads", "q = 0.02, 9 beads", "q = 0.02, 12 beads"]
     assert axes.get_title() == "BCA, forward-exponential"
     methods = hc.plot_pulses([hc.bca(tapers[0]), hc.propagate(tapers[0])])
-    assert legend(methods) == ["BCA", "propagation", "last bead (free end)"]
+    assert legend_texts(methods) == ["BCA", "propagation", "last bead (free end)"]
     assert methods.get_title() == "forward-exponential, q = 0.01, 9 beads"
     alone = hc.plot_pulses([hc.bca(tapers[0])])
-    assert (legend(alone), alone.get_title()) == (["BCA"], methods.get_title())
+    assert (legend_texts(alone), alone.get_title()) == (["BCA"], methods.get_title())
     given = hc.plot_pulses([hc.bca(chain) for chain in tapers], labels=["a", "b", "$q_1$"])
-    assert legend(given) == ["a", "b", "$q_1$"]
+    assert legend_texts(given) == ["a", "b", "$q_1$"]
 
 
 def test_colours_show_chains_and_lines_show_methods():
     tapers = [hc.Chain.tapered("forward-exponential", q, beads=9) for q in (0.01, 0.02)]
     pulses = [method(chain) for chain in tapers for method in (hc.propagate, hc.bca)]
     axes = hc.plot_pulses(pulses, residuals=True)
-    assert legend(axes) == ["q = 0.01", "q = 0.02", "propagation", "BCA", "last bead (free end)"]
+    words = ["q = 0.01", "q = 0.02", "propagation", "BCA", "last bead (free end)"]
+    assert legend_texts(axes) == words
     assert axes.get_title() == "forward-exponential, 9 beads"
     curves = [line for line in axes.lines if len(line.get_xdata()) > 1]
     colours, lines, markers = (
@@ -432,7 +430,7 @@ def test_colours_show_chains_and_lines_show_methods():
         expected = 100.0 * (theory.velocity / exact.velocity - 1.0)
         np.testing.assert_allclose(found, expected[: len(found)])
     named = hc.plot_pulses(pulses, labels=["a", "b", "c", "d"])
-    assert legend(named)[:4] == ["a", "b", "c", "d"]
+    assert legend_texts(named)[:4] == ["a", "b", "c", "d"]
     # Chains that their descriptions do not distinguish have a colour per pulse.
     alike = hc.plot_pulses([*pulses, *pulses])
     assert len({line.get_linestyle() for line in alike.lines} - {"None"}) == 1
@@ -455,11 +453,11 @@ def test_a_shorter_run_states_where_it_ends():
         f"a, bead 4: {peak}, until $t$ = 20", f"b, bead 4: {peak}, until $t$ = 21",
         f"c, bead 4: {peak}",
     ]  # fmt: skip
-    assert legend(axes) == shown
+    assert legend_texts(axes) == shown
     balls = hc.Chain.from_materials("5 mm", "brass", beads=9, velocity="1 cm/s")
     axes = hc.simulate(balls, until="200 us").plot_forces([4])
     hc.simulate(balls, until="600 us").plot_forces([4], ax=axes)
-    assert legend(axes) == ["bead 4, until 200 µs", "bead 4"]
+    assert legend_texts(axes) == ["bead 4, until 200 µs", "bead 4"]
     with pytest.raises(hc.InputError, match=r"to compare two runs, use run.pulse\(\).compare"):
         runs[0].compare(runs[1])
 
@@ -595,8 +593,8 @@ def test_all_plots_of_a_run_have_the_same_title():
     # Chains that differ in what titles do not contain are distinguished.
     gap = chain.replace(gaps=[0.0] * 5 + [1e-6] + [0.0] * 3)
     axes = hc.plot_pulses([run.pulse(), hc.simulate(gap).pulse()])
-    assert len(set(legend(axes))) == 2
-    assert legend(axes)[:2] == ["no gaps", "gap of 1 µm in contact 6"]
+    assert len(set(legend_texts(axes))) == 2
+    assert legend_texts(axes)[:2] == ["no gaps", "gap of 1 µm in contact 6"]
 
 
 def test_locations_have_the_same_colour_in_every_budget():
@@ -826,7 +824,7 @@ def test_the_wall_has_a_name_where_sensors_are_named():
     np.testing.assert_array_equal(run.sensor("wall"), run.forces[:, -1])
     np.testing.assert_array_equal(run.sensor("Right  wall"), run.forces[:, -1])
     axes = run.plot_forces([3, "wall"])
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["bead 3", "right wall"]
+    assert legend_texts(axes) == ["bead 3", "right wall"]
     both = run.chain.replace(left_wall=hc.Wall())
     held = hc.simulate(both, until=4.0)
     np.testing.assert_array_equal(held.sensor("left wall"), held.forces[:, 0])
@@ -879,7 +877,7 @@ def test_the_last_bead_of_a_free_end_is_marked():
     chain = hc.Chain.uniform(20)
     exact, bca = hc.propagate(chain), hc.bca(chain)
     axes = hc.plot_pulses([exact, bca])
-    assert legend(axes) == ["propagation", "BCA", "last bead (free end)"]
+    assert legend_texts(axes) == ["propagation", "BCA", "last bead (free end)"]
     curves = [line for line in axes.lines if len(line.get_xdata()) > 1]
     free = [line for line in axes.lines if len(line.get_xdata()) == 1]
     # The binary collision approximation has no jump there, but describes the same bead.
@@ -890,7 +888,7 @@ def test_the_last_bead_of_a_free_end_is_marked():
         assert end.get_linestyle() == "None"
     wall = chain.replace(right_wall=hc.Wall())
     walled = hc.simulate(wall).pulse().plot()
-    assert legend(walled) == ["simulation"]
+    assert legend_texts(walled) == ["simulation"]
     assert hc.plot_pulses([exact], "peak_force").lines[0].get_xdata().size == 19
 
 
@@ -1009,7 +1007,7 @@ def test_forces_of_one_place_are_drawn_without_a_list():
     run = hc.simulate(hc.Chain.uniform(8).replace(right_wall=hc.Wall()))
     for place, label in (("wall", "right wall"), (3, "bead 3"), ("bead 4", "bead 4")):
         axes = run.plot_forces(place)
-        assert [text.get_text() for text in axes.get_legend().get_texts()] == [label]
+        assert legend_texts(axes) == [label]
     with pytest.raises(hc.InputError, match=r"beads or walls, such as \[3, 'ball 6', 'wall'\]"):
         run.plot_forces(3.5)
     for call in (run.sensor, lambda bead: run.plot_forces([bead])):
@@ -1024,7 +1022,7 @@ def test_pulses_added_to_axes_continue_colours_and_share_the_free_end():
     axes = equal.plot(label="equal")
     taper.plot(label="taper", ax=axes)
     hc.bca(taper.chain).plot(label="theory", legend=False, ax=axes)
-    assert legend(axes) == ["equal", "taper", "last bead (free end)"]
+    assert legend_texts(axes) == ["equal", "taper", "last bead (free end)"]
     named = {line.get_label(): line for line in axes.lines if line.get_label()[0] != "_"}
     assert list(named) == ["equal", "taper", "theory", "last bead (free end)"]
     assert len({named[name].get_color() for name in ("equal", "taper", "theory")}) == 3
@@ -1551,7 +1549,7 @@ def test_runs_with_many_oscillations_have_lines_of_one_width():
         assert len({line.get_linewidth() for line in axes.lines}) == widths
         peaks = [run.wall_force().peak for run in runs.values()]
         shown = [f"{i}, right wall: {peak:.3g} N" for i, peak in enumerate(peaks)]
-        assert [each.partition(", until")[0] for each in legend(axes)] == shown
+        assert [each.partition(", until")[0] for each in legend_texts(axes)] == shown
 
 
 def test_runs_have_the_same_style_in_all_panels():
@@ -1576,7 +1574,7 @@ def test_several_places_of_several_runs_have_a_panel_each():
     first = plot_forces_of_runs(runs, {name: [4, 9] for name in runs})
     panels = first.figure.axes
     assert [axes.get_title(loc="left") for axes in panels] == ["bead 4", "right wall"]
-    assert legend(first) == [*runs]
+    assert legend_texts(first) == [*runs]
     for axes, bead in zip(panels, (4, 9), strict=True):
         for line, run in zip(axes.lines, runs.values(), strict=True):
             assert line.get_ydata().max() == force_curve(run, bead)[1].max()
@@ -1589,9 +1587,9 @@ def test_a_panel_of_several_runs_states_that_a_peak_is_not_complete():
             for name, loss in (("elastic", None), ("lossy", hc.Restitution(0.9)))}  # fmt: skip
     assert not any(run.wall_force().complete for run in runs.values())
     first = plot_forces_of_runs(runs, {name: [4, 9] for name in runs})
-    assert legend(first) == [*runs]
+    assert legend_texts(first) == [*runs]
     wall = first.figure.axes[1]
-    assert legend(wall) == [f"{name} (peak not complete)" for name in runs]
+    assert legend_texts(wall) == [f"{name} (peak not complete)" for name in runs]
 
 
 @pytest.mark.parametrize(
@@ -1703,10 +1701,10 @@ def test_labels_of_a_user_have_no_remarks():
     long.plot_forces(["wall"], label="B", ax=axes)
     assert [line.get_label() for line in axes.lines[:2]] == ["A", "B"]
     # The circle at the end of the first is explained by an entry of its own.
-    assert legend(axes) == ["A", "B", "peak not complete"]
+    assert legend_texts(axes) == ["A", "B", "peak not complete"]
     long.plot_forces([4, "wall"], label="C", ax=axes)
-    assert legend(axes)[-2:] == ["C, right wall", "peak not complete"]
-    assert legend(axes).count("peak not complete") == 1
+    assert legend_texts(axes)[-2:] == ["C, right wall", "peak not complete"]
+    assert legend_texts(axes).count("peak not complete") == 1
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
@@ -1717,7 +1715,7 @@ def test_figures_of_journals_have_no_remarks_on_forces(width):
     with hc.figure_style(width):
         axes = long.plot_forces([4], ax=short.plot_forces(["wall"]))
     remarks = " (peak not complete), until $t$ = 10" if width is None else ""
-    assert legend(axes) == [f"right wall{remarks}", "bead 4"]
+    assert legend_texts(axes) == [f"right wall{remarks}", "bead 4"]
     assert axes.lines[0].get_marker() == ("o" if width is None else "None")
 
 
@@ -1726,12 +1724,12 @@ def test_measured_and_simulated_curves_are_distinguished():
     run = hc.simulate(balls, until="200 us", times=201)
     traces = hc.Traces.from_arrays(run.times, {"ball 4 [N]": run.sensor("ball 4")})
     axes = run.plot_forces(["ball 4"])
-    assert legend(axes) == ["bead 5 (ball 4)"]
+    assert legend_texts(axes) == ["bead 5 (ball 4)"]
     both = ["bead 5 (ball 4), simulated", "ball 4, measured"]
-    assert legend(traces.plot(ax=axes)) == both
-    assert legend(run.plot_forces(["ball 4"], ax=traces.plot())) == both[::-1]
+    assert legend_texts(traces.plot(ax=axes)) == both
+    assert legend_texts(run.plot_forces(["ball 4"], ax=traces.plot())) == both[::-1]
     named = traces.plot(ax=run.plot_forces(["ball 4"], label="model"))
-    assert legend(named) == ["model", "ball 4, measured"]
+    assert legend_texts(named) == ["model", "ball 4, measured"]
 
 
 def test_runs_of_almost_the_same_length_end_together():
@@ -1764,7 +1762,7 @@ def test_legends_of_designs_mention_dashes_only_if_they_are_visible(change, word
         Curve("design", False, beads, beads, 4.0), Curve("design", True, beads, dented, dented[-1])
     ]  # fmt: skip
     monkeypatch.setattr(designs, "compared_curves", lambda *_: curves)
-    assert legend(designs.plot_forces(found)) == [words]
+    assert legend_texts(designs.plot_forces(found)) == [words]
 
 
 def test_the_label_of_peak_forces_excludes_damping_only_where_a_law_has_it():

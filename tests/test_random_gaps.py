@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from figure_texts import legend_texts
 
 import hertzchain as hc
 from hertzchain.designs.new_samples import FRESH
@@ -151,7 +152,7 @@ def test_percentiles_far_from_the_nominal_value_are_in_the_legend() -> None:
     found = hc.distribution(ROW, "wall_force.peak", hc.Scatter(gaps="10 um", samples=150))
     axes = found.plot()
     factor = 1.0 if found.unit == "N" else 1e-3
-    labels = [each.get_text() for each in axes.get_legend().get_texts()]
+    labels = legend_texts(axes)
     values = ", ".join(f"{factor * found.percentile(each):.4g}" for each in (5.0, 50.0, 95.0))
     assert any(each.startswith(f"5%, median, 95%: {values}") for each in labels)
     assert any(each.startswith("mean: ") for each in labels)

@@ -6,6 +6,7 @@ import warnings
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from figure_texts import legend_texts
 
 import hertzchain as hc
 from hertzchain.app.wording import chain_in_words
@@ -461,5 +462,5 @@ def test_labels_of_compared_pulses_name_the_odd_bead():
     slow = BALLS.replace(velocities=[1e-3] + [0.0] * 19)
     rows = [slow.with_defects({5: each / 2.0}, material="brass") for each in (18e-3, 16e-3)]
     axes = hc.plot_pulses([hc.propagate(chain) for chain in (slow, *rows)])
-    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    labels = legend_texts(axes)
     assert labels[1:3] == ["except ball 5 (18 mm brass)", "except ball 5 (16 mm brass)"]

@@ -2,6 +2,7 @@
 
 import matplotlib.pyplot as plt
 import pytest
+from figure_texts import legend_texts
 
 import hertzchain as hc
 from hertzchain.plotting.style import label_log_axis
@@ -11,18 +12,14 @@ CHAIN = hc.Chain.tapered("forward-exponential", 0.05, beads=30)
 BALLS = hc.Chain.from_materials("5 mm", "brass", beads=12, velocity="1 mm/s")
 
 
-def texts(axes):
-    return [text.get_text() for text in axes.get_legend().get_texts()]
-
-
 def test_several_quantities_in_the_same_axes_are_named():
     pulse, axes = hc.propagate(BALLS), plt.subplots()[1]
     pulse.plot("velocity", ax=axes)
     assert axes.get_ylabel() == "velocity $v_k$ [m/s]"
-    assert texts(axes)[0] == "propagation"
+    assert legend_texts(axes)[0] == "propagation"
     for quantity in ("momentum", "peak_force"):
         pulse.plot(quantity, ax=axes)
-    assert texts(axes)[:3] == ["velocity $v_k$", "momentum $P_k$", "largest force $F_k$"]
+    assert legend_texts(axes)[:3] == ["velocity $v_k$", "momentum $P_k$", "largest force $F_k$"]
     assert axes.get_ylabel() == "$v_k$ [m/s], $P_k$ [N s], $F_k$ [N]"
     assert axes.get_xlabel() == "bead or contact $k$"
     # Several methods are named, too; so is a user's own label.
@@ -30,7 +27,7 @@ def test_several_quantities_in_the_same_axes_are_named():
     hc.plot_pulses([hc.propagate(CHAIN), hc.bca(CHAIN)], ax=axes)
     hc.bca(CHAIN).plot("energy", ax=axes)
     hc.bca(CHAIN).plot("momentum", label="mine", ax=axes)
-    assert texts(axes)[:4] == [
+    assert legend_texts(axes)[:4] == [
         "propagation, velocity $v_k$", "BCA, velocity $v_k$", "BCA, kinetic energy $E_k$", "mine"
     ]  # fmt: skip
 

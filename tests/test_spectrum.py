@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from figure_texts import legend_texts
 from scipy.linalg import eig, expm
 
 import hertzchain as hc
@@ -488,15 +489,12 @@ def test_a_simulation_has_the_transfer_function_that_is_drawn():
 
 
 def test_shaded_frequencies_have_one_entry_in_the_legend():
-    def entries(axes):
-        return [text.get_text() for text in axes.get_legend().get_texts()]
-
     axes = hc.spectrum(crystal()).plot_transfer(9)
-    assert entries(axes) == ["no plane waves"]
+    assert legend_texts(axes) == ["no plane waves"]
     shaded = axes.get_legend().get_patches()[0].get_facecolor()
     assert shaded == axes.patches[0].get_facecolor()
     hc.spectrum(crystal().replace(loss=hc.Viscoelastic(3e-6))).plot_transfer(9, ax=axes)
-    assert entries(axes) == ["no plane waves"]
+    assert legend_texts(axes) == ["no plane waves"]
     taper = hc.Chain.tapered("forward-linear", 0.01, beads=20).replace(**PRESSED)
     assert hc.spectrum(taper).plot_transfer(9).get_legend() is None
 

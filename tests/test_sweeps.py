@@ -8,6 +8,7 @@ import tracemalloc
 import numpy as np
 import pytest
 import xarray as xr
+from figure_texts import legend_texts
 
 import hertzchain as hc
 from hertzchain.plotting.sweeps import plot_sweep
@@ -766,7 +767,7 @@ def test_an_axis_with_few_values_gives_one_curve_per_value():
     found = swept(chain, {"diameters": ["10 mm", "20 mm"], "velocity": speeds},
                   keep=["peak_force"], at="last")  # fmt: skip
     curves = plot_sweep(found)
-    shown = [text.get_text() for text in curves.get_legend().get_texts()]
+    shown = legend_texts(curves)
     assert shown[:2] == ["diameter = 10 mm", "diameter = 20 mm"]
     assert (curves.get_xlabel(), len(curves.collections)) == ("velocity [m/s]", 0)
     second = next(line for line in curves.lines if line.get_label() == "diameter = 20 mm")
@@ -850,7 +851,7 @@ def test_maps_mark_cells_outside_the_range_and_failed_ones():
     expected = [[float(found.chain_velocity[i]), float(found.ratio[j])]
                 for i, j in np.argwhere(outside)]  # fmt: skip
     assert sorted(places) == sorted(expected)
-    names = [each.get_text() for each in axes.get_legend().get_texts()]
+    names = legend_texts(axes)
     assert names == ["failed", "outside the range of the method or of Hertz's law"]
     assert axes.get_ylabel() == "last radius / first radius"
 

@@ -9,9 +9,10 @@ start at 0: ``chain.radii[0]`` is bead 1.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -137,6 +138,15 @@ class Chain(ChainBuilders):
     >>> chain.replace(right_wall=hc.Wall(), gravity=0.01)
     Chain(backward-exponential, q = 0.05, 100 beads, gravity, right wall)
     """
+
+    _other_words: ClassVar[Mapping[str, str]] = {
+        "diameter": "radii", "diameters": "radii", "positions": "to_dataframe",
+        "plot": "hertzchain.plot_chain", "draw": "hertzchain.plot_chain",
+        "simulate": "hertzchain.simulate", "run": "hertzchain.simulate",
+        "propagate": "hertzchain.propagate", "save": "hertzchain.chain_as_toml",
+        "material": "materials", "wall": "right_wall", "impact_velocity": "velocities",
+        "speed": "velocities",
+    }  # fmt: skip
 
     @property
     def description(self) -> str:

@@ -1,7 +1,8 @@
 """Write a line to standard error while functions are compiled.
 
-The line is written once per wait, after half a second of compiling, if standard error is a terminal
-or the output of a notebook; the command line always writes it.  The kernels print nothing else.
+The line is written once per wait, after half a second of compiling, and again if a function takes
+longer than the line states.  Standard error must be a terminal or the output of a notebook; the
+command line always writes it.  The kernels print nothing else.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ SECONDS: Final = {"full_chain": 10, "GeneralChain": 20}
 
 # Function called with the line instead of `write_line`; set by the command line.
 _writers: list[Callable[[str], None]] = []
+_installed: list[CompileNotice] = []
 
 
 class CompileNotice(event.Listener):
@@ -41,7 +43,9 @@ class CompileNotice(event.Listener):
         self._write, self._delay, self._pause = write or write_current, delay, pause
         self._lock = threading.Lock()
         self._depth = 0
-        self._written = False
+        # Seconds in the line that was written; 0 if there is none in this wait.
+        self._announced = 0
+        self.total = 0.0
         self._spent, self._began, self._ended = 0.0, 0.0, -float("inf")
         self._timer: threading.Timer | None = None
 
@@ -56,11 +60,12 @@ class CompileNotice(event.Listener):
                 return
             self._began = time.monotonic()
             if self._began - self._ended > self._pause:
-                self._spent, self._written = 0.0, False
-            if not self._written:
-                line = f"hertzchain: compiling once, about {_seconds(event, module)} s"
-                wait = max(0.0, self._delay - self._spent)
-                self._timer = threading.Timer(wait, self._show, (line,))
+                self._spent, self._announced = 0.0, 0
+            expected = _seconds(event, module)
+            # Another line if a function takes longer than announced.
+            if expected > self._announced:
+                wait = self._delay if self._announced else max(0.0, self._delay - self._spent)
+                self._timer = threading.Timer(wait, self._show, (expected,))
                 self._timer.daemon = True
                 self._timer.start()
 
@@ -77,13 +82,14 @@ class CompileNotice(event.Listener):
                 self._timer = None
             self._ended = time.monotonic()
             self._spent += self._ended - self._began
+            self.total += self._ended - self._began
 
-    def _show(self, line: str) -> None:
+    def _show(self, expected: int) -> None:
         with self._lock:
-            if self._depth == 0 or self._written:
+            if self._depth == 0 or expected <= self._announced:
                 return
-            self._written = True
-        self._write(line)
+            self._announced = expected
+        self._write(f"hertzchain: compiling once, about {expected} s")
 
 
 def _module_of(event: Any) -> str | None:
@@ -129,6 +135,13 @@ def _is_read(stream: Any) -> bool:
     return False
 
 
+def seconds_compiled() -> float:
+    """Seconds that this process has spent on compiling, completed compilations only."""
+    return sum(notice.total for notice in _installed)
+
+
 def install() -> None:
     """Register the listener with numba."""
-    event.register("numba:compile", CompileNotice())
+    notice = CompileNotice()
+    _installed.append(notice)
+    event.register("numba:compile", notice)

@@ -12,8 +12,15 @@ from ..validation.objects import Progress
 INTERVAL: Final = 5.0
 
 
+def simulated_seconds() -> float:
+    """Time without that of compiling, of which another line informs."""
+    from ..kernels.compile_notice import seconds_compiled
+
+    return time.monotonic() - seconds_compiled()
+
+
 def slow_run_notice(
-    write: Callable[[str], None] | None = None, clock: Callable[[], float] = time.monotonic
+    write: Callable[[str], None] | None = None, clock: Callable[[], float] = simulated_seconds
 ) -> Progress:
     """Progress function that writes to a terminal or notebook, at most once per interval.
 

@@ -1272,6 +1272,16 @@ def test_the_run_can_be_continued_to_the_final_velocities(page, tmp_path):
     assert note in page.tab.inner_text("#table")
 
 
+@pytest.mark.parametrize("given", ["-1", "0"])
+def test_ends_of_the_run_that_cannot_be_used_are_removed(page, given):
+    page.tab.fill("#until", given)
+    page.tab.keyboard.press("Enter")
+    assert page.tab.input_value("#until") == ""
+    page.tab.fill("#until", "3")
+    page.tab.keyboard.press("Enter")
+    assert page.tab.input_value("#until") == "3"
+
+
 def test_a_saved_page_contains_the_chain_files_and_definitions(page, tmp_path):
     example = EXAMPLES["Shock absorber"]
     file = tmp_path / "absorber.html"

@@ -30,7 +30,11 @@ export function listen(app) {
   $("speed").onchange = () => view({ speed: Number($("speed").value) });
   $("log").onchange = () => view({ log: $("log").checked });
   $("bead").onchange = () => app.select(Math.max(1, Math.min(app.beads(), Math.round(Number($("bead").value)) || 1)));
-  $("until").onchange = () => app.until(Number($("until").value));
+  $("until").onchange = () => {
+    // Times that cannot be used are not shown any longer, as the run ends by itself.
+    if (!(Number($("until").value) > 0)) $("until").value = "";
+    app.until(Number($("until").value));
+  };
   $("sensor").onclick = app.toggleSensor;
   $("play").onclick = () => app.play();
   $("time").oninput = () => app.goTo(Number($("time").value) / 1000);

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Literal
 
-from ..representation import measure
+from ..representation import listed, measure
 from .compared_yield import (
     all_known,
     at_pressures,
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
     from ..chain.bead_names import Side
     from ..simulation.run import Run
+
+    # A wall, the body behind each row, or the first sensor.
+    Place = Side | Literal["body", "sensor"]
     from .compared_yield import AtPressures, Yielding
 
 NONE: Final = "-"
@@ -36,26 +39,24 @@ def compared_runs(
 ) -> tuple[Table, list[str]] | None:
     """Table of the forces at one place of all chains, the smallest one marked, and notes on it.
 
-    The place is the right wall, the left one or else the first sensor.  If the chains have none of
-    them in common, forces on right walls are not marked, and free ends have the motion of their
-    last beads.  There is no table of chains in different units.  The ``others`` have the largest
-    possible yield pressure; ``yielding`` are the peaks of elastic runs if their contacts yield.
+    The place is the right wall, the body behind each row, the left wall or else the first sensor.
+    If the chains have none of them in common, forces on right walls are not marked, and free ends
+    have the motion of their last beads.  There is no table of chains in different units.  The
+    ``others`` have the largest possible yield pressure; ``yielding`` are the peaks of elastic runs
+    if their contacts yield.
     """
     if len({run.chain.units for run in runs.values()}) > 1:
         return None
-    side = _common_wall(runs)
-    if side is None and not all(beads.values()):
+    if (place := _common_place(runs, beads)) is None:
         return _of_different_ends(runs)
     rows = {
-        name: (_of_sensor(run, beads[name][0]) if side is None else _of_wall(run, side))
-        | _of_contacts(run)
-        for name, run in runs.items()
+        name: _of_place(run, beads[name], place) | _of_contacts(run) for name, run in runs.items()
     }
-    own = {name: _peak(run, beads[name], side) for name, run in runs.items()}
+    own = {name: _peak(run, beads[name], place) for name, run in runs.items()}
     at = {
         name: at_pressures(
-            run, own[name], _peak(others[name], beads[name], side), yielding[name],
-            right_wall=side == "right",
+            run, own[name], _peak(others[name], beads[name], place), yielding[name],
+            at_right_end=place in ("right", "body"),
         )
         for name, run in runs.items()
     }  # fmt: skip
@@ -64,13 +65,41 @@ def compared_runs(
     # Peaks of elastic contacts beyond yield and of contacts that yield are not compared.
     if not (elastic and lawful):
         _mark(rows, "peak", smallest(own))
+        if place == "body":
+            # The least force on a heavy body is not the least acceleration of a light one.
+            masses = {name: float(run.chain.masses[-1]) for name, run in runs.items()}
+            known = {name: peak / masses[name] for name, peak in own.items()}
+            _mark(rows, "acceleration", smallest(known))
     if elastic or any(others.values()):
         # If all contacts have a law, the own peaks are those at the smallest pressure.
         for i in (0, 1) if elastic else (1,):
             _add_peaks(rows, i, at, runs)
-    place = "the first sensor" if side is None else f"the {side} wall"
-    title = f"{len(rows)} chains: force on {place}; * marks the smallest"
-    return _table(rows, title), comparison_notes(own, at, lawful)
+    where = {"body": "the last body", "sensor": "the first sensor"}.get(place, f"the {place} wall")
+    title = f"{len(rows)} chains: force on {where}; * marks the smallest"
+    notes = comparison_notes(own, at, lawful)
+    return _table(rows, title), [*_notes_on_place(runs, beads, place), *notes]
+
+
+def _notes_on_place(
+    runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]], place: Place
+) -> list[str]:
+    """The definition of an acceleration, or the chains whose sensors have a free face."""
+    from ..simulation.body_force import ABOVE
+    from ..simulation.end_forces import has_free_face
+    from ..simulation.sensor_force import FREE_FACE
+    from ..units import STANDARD_GRAVITY
+
+    if place == "body":
+        si = next(iter(runs.values())).chain.units == "SI"
+        unit = f"; g0 = {STANDARD_GRAVITY:g} m/s^2" if si else ""
+        return [
+            "peak: force of the last contact; acceleration: peak / mass of the last body, "
+            f"unfiltered; duration: time around the peak above {ABOVE:.0%} of it{unit}"
+        ]
+    if place != "sensor":
+        return []
+    half = [name for name, run in runs.items() if has_free_face(run.chain, beads[name][0])]
+    return [f"sensor of {listed(half)}: {FREE_FACE}"] if half else []
 
 
 def _of_different_ends(runs: Mapping[str, Run]) -> tuple[Table, list[str]] | None:
@@ -121,12 +150,51 @@ def _table(rows: Mapping[str, Mapping[str, str]], title: str) -> Table:
     return table
 
 
-def _common_wall(runs: Mapping[str, Run]) -> Side | None:
-    sides: tuple[Side, ...] = ("right", "left")
-    for side in sides:
-        if all(getattr(run.chain, f"{side}_wall") is not None for run in runs.values()):
-            return side
-    return None
+def _common_place(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -> Place | None:
+    """The first of the places that all chains have."""
+    from ..simulation.body_force import has_body_behind
+
+    chains = {name: run.chain for name, run in runs.items()}
+    # A first sensor elsewhere is the place that was asked for.
+    sensors = {name: beads[name][:1] or [chain.beads] * has_body_behind(chain)
+               for name, chain in chains.items()}  # fmt: skip
+    body = all(
+        chain.right_wall is None and sensors[name] == [chain.beads]
+        for name, chain in chains.items()
+    )
+    common: dict[Place, bool] = {
+        "right": all(chain.right_wall is not None for chain in chains.values()),
+        "body": body,
+        "left": all(chain.left_wall is not None for chain in chains.values()),
+        "sensor": all(beads.values()),
+    }
+    return next((place for place, known in common.items() if known), None)
+
+
+def _of_place(run: Run, beads: Sequence[int], place: Place) -> dict[str, str]:
+    if place == "body":
+        return _of_body(run)
+    return _of_sensor(run, beads[0]) if place == "sensor" else _of_wall(run, place)
+
+
+def _of_body(run: Run) -> dict[str, str]:
+    """Force on the last body of a free end, its acceleration and its duration."""
+    from ..simulation.body_force import body_force
+    from ..units import STANDARD_GRAVITY
+
+    units = run.chain.units
+    if (body := body_force(run)) is None:
+        return {"peak": "not reached"}
+    found = {
+        "peak": measure(body.force, "N", units, 5), "time": measure(body.time, "s", units, 5),
+        "acceleration": f"{float(f'{body.acceleration:.4g}'):g}",
+    }  # fmt: skip
+    if units == "SI":
+        found["acceleration"] += " m/s^2"
+        found["in g0"] = f"{float(f'{body.acceleration / STANDARD_GRAVITY:.4g}'):g}"
+    if not math.isnan(body.duration):
+        found["duration"] = measure(body.duration, "s", units, 3)
+    return found
 
 
 def _of_wall(run: Run, side: Side) -> dict[str, str]:
@@ -157,11 +225,16 @@ def _of_last_bead(run: Run) -> dict[str, str]:
     """Velocity and momentum of the last bead of a free end, if the pulse has arrived."""
     if (found := last_bead_of(run)) is None:
         return {}
+    from ..simulation.body_force import body_force, has_body_behind
+
     units = run.chain.units
-    return {
+    row = {
         "velocity of last bead": measure(found["velocity"], "m/s", units, 5),
         "momentum of last bead": measure(found["momentum"], "N s", units),
     }
+    if has_body_behind(run.chain) and (body := body_force(run)) is not None:
+        row["force on the cap"] = measure(body.force, "N", units, 5)
+    return row
 
 
 def _of_contacts(run: Run) -> dict[str, str]:
@@ -183,14 +256,18 @@ def _of_contacts(run: Run) -> dict[str, str]:
     return found
 
 
-def _peak(run: Run | None, beads: Sequence[int], side: Side | None) -> float:
+def _peak(run: Run | None, beads: Sequence[int], place: Place) -> float:
     """The peak of a row of the table; infinite if it is not known."""
     if run is None:
         return math.inf
-    if side is None:
+    if place == "body":
+        from ..simulation.body_force import body_force
+
+        return math.inf if (body := body_force(run)) is None else body.force
+    if place == "sensor":
         sensor = run.sensor_force(beads[0])
         return sensor.largest_so_far if sensor.reached else math.inf
-    wall = run.wall_force(side)
+    wall = run.wall_force(place)
     return wall.peak if wall.complete else math.inf
 
 

@@ -50,12 +50,13 @@ def has_law_of_yield(run: Run) -> bool:
 
 
 def at_pressures(
-    run: Run, own: float, other: float, yielding: Yielding, *, right_wall: bool
+    run: Run, own: float, other: float, yielding: Yielding, *, at_right_end: bool
 ) -> AtPressures:
     """Peaks of a run at both yield pressures.
 
     Those of the run and of that at the largest possible yield pressure are ``own`` and ``other``.
-    For an elastic run, only the peaks on its right wall are known, ``yielding``.
+    For an elastic run, only the peaks on its right wall or on a cap without a wall are known,
+    ``yielding``.
     """
     from ..chain.contact_groups import law_yield_ratios
     from ..chain.hertz_range import hertz_range
@@ -72,7 +73,7 @@ def at_pressures(
     if not may_dent(hertz_range(chain, run.largest_overlaps)):
         return AtPressures(own, own) if dented_chain(chain) is not None else UNKNOWN
     known = [
-        each.value if right_wall and each is not None and not each.outside else math.inf
+        each.value if at_right_end and each is not None and not each.outside else math.inf
         for each in yielding
     ]
     return AtPressures(known[0], known[1], elastic=chain.lossless)
@@ -132,6 +133,8 @@ def figure_title(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> s
         f"{name} {measure(peak.value, 'N', runs[name].chain.units, 3)}"
         for name, peak in peaks.items()
     )
-    known = not any(peak.outside for peak in peaks.values())
+    # Curves of a sensor in a cap show half of the force on it, which is the known peak.
+    walls = all(runs[name].chain.right_wall is not None for name in peaks)
+    known = walls and not any(peak.outside for peak in peaks.values())
     whole = f"{text}; peaks if contacts yield: {shown}"
     return whole if known and len(whole) <= TITLE else f"{text}, beyond yield"

@@ -26,11 +26,12 @@ def check_hits(hits: int | None, chains: Iterable[Chain]) -> None:
 
 
 def hits_as_list(runs: Sequence[Run], beads: Sequence[int]) -> list[dict[str, Any]]:
-    """Peaks on walls, largest forces in sensors and dents after each hit, as plain data.
+    """Peaks on walls, forces in sensors and on a cap, and dents after each hit, as plain data.
 
     A peak that is not complete is None.
     """
     from ..chain.bead_names import walls_of
+    from ..simulation.body_force import body_force, has_body_behind
     from ..validation.json_types import finite
 
     rows = []
@@ -44,6 +45,9 @@ def hits_as_list(runs: Sequence[Run], beads: Sequence[int]) -> list[dict[str, An
             "sensors": {str(bead): run.sensor_force(bead).largest_so_far for bead in beads},
             "dents": run.dents.tolist(),
         }
+        if has_body_behind(run.chain):
+            body = body_force(run)
+            document["cap"] = None if body is None else body.force
         rows.append(finite(document))
     return rows
 
@@ -55,6 +59,7 @@ def hit_table(runs: Sequence[Run], beads: Sequence[int]) -> Table:
 
     from ..chain.bead_names import bead_label, walls_of
     from ..chain.per_contact import contact_name
+    from ..simulation.body_force import has_body_behind
 
     chain = runs[0].chain
     si = chain.units == "SI"
@@ -63,12 +68,14 @@ def hit_table(runs: Sequence[Run], beads: Sequence[int]) -> Table:
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
     walls = [f"peak on the {side} wall{force}" for side in walls_of(chain)]
     sensors = [f"largest in {bead_label(chain, bead)}{force}" for bead in beads]
-    for name in ("hit", *walls, *sensors, f"deepest dent{length}", "at"):
+    caps = [f"largest on the cap{force}"] if has_body_behind(chain) else []
+    for name in ("hit", *walls, *caps, *sensors, f"deepest dent{length}", "at"):
         table.add_column(name, justify="left" if name == "at" else "right")
     for row in hits_as_list(runs, beads):
         deepest = max(range(len(row["dents"])), key=row["dents"].__getitem__)
         dent = row["dents"][deepest]
-        forces = [*row["wall_peaks"].values(), *row["sensors"].values()]
+        cap = [row["cap"]] if caps else []
+        forces = [*row["wall_peaks"].values(), *cap, *row["sensors"].values()]
         table.add_row(
             str(row["hit"]),
             *("not complete" if each is None else f"{each:.5g}" for each in forces),

@@ -1,8 +1,9 @@
-"""The last bead of a free end, and the velocities of few beads after the impact."""
+"""The last bead of a free end, its acceleration, and the velocities after the impact."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
@@ -26,6 +27,24 @@ def last_bead_of(run: Run) -> dict[str, float] | None:
     return None if math.isnan(velocity) else {"velocity": velocity, "momentum": momentum}
 
 
+def free_end_lines(run: Run, beads: Sequence[int]) -> list[str]:
+    """Motion of the last bead of a free end; of a cap, or with a sensor, also the force on it.
+
+    ``beads`` have sensors.
+    """
+    from ..chain.bead_names import bead_label
+    from ..simulation.body_force import has_body_behind
+
+    chain, last = run.chain, last_bead_of(run)
+    lines = [] if last is None else [last_bead_line(run, last)]
+    if has_body_behind(chain) or chain.beads in beads:
+        forces = body_lines(run)
+        if forces and not lines:
+            lines.append(f"{bead_label(chain, chain.beads)} at the free end:")
+        lines += forces
+    return lines
+
+
 def last_bead_line(run: Run, last: dict[str, float]) -> str:
     """Velocity and momentum of the last bead of a free end."""
     from ..chain.bead_names import bead_label
@@ -39,28 +58,91 @@ def last_bead_line(run: Run, last: dict[str, float]) -> str:
     )
 
 
-def final_velocities_line(run: Run) -> str | None:
+def body_as_dict(run: Run) -> dict[str, object] | None:
+    """Force on the last body of a free end, its acceleration and their duration, if known.
+
+    A duration that is not known is None, as is the acceleration in g0 in scaled variables.
+    """
+    from ..simulation.body_force import ABOVE, body_force
+    from ..units import STANDARD_GRAVITY
+    from ..validation.json_types import finite
+
+    if (found := body_force(run)) is None:
+        return None
+    si = run.chain.units == "SI"
+    numbers: dict[str, object] = finite(
+        {
+            "force": found.force, "force_time": found.time, "force_error": found.error,
+            "acceleration": found.acceleration,
+            "acceleration_in_g0": found.acceleration / STANDARD_GRAVITY if si else math.nan,
+            "duration": found.duration, "duration_above": ABOVE,
+        }
+    )  # fmt: skip
+    return numbers
+
+
+def body_lines(run: Run) -> list[str]:
+    """Force of the last contact on the body behind it, its acceleration, and the duration."""
+    from ..representation import measure
+    from ..simulation.body_force import ABOVE, body_force
+    from ..simulation.sensor_force import SHOWN
+
+    if (found := body_force(run)) is None:
+        return []
+    units = run.chain.units
+    contact = f"contact {run.chain.beads - 1}"
+    force = f"{measure(found.force, 'N', units, 5)} at t = {measure(found.time, 's', units, 5)}"
+    error = ""
+    if found.error > SHOWN * found.force:
+        size = measure(found.error, "N", units, 2)
+        error = f" (error at most {size}, from {len(run.times)} saved times)"
+    above = " above the static force" if run.chain.static_state.forces.any() else ""
+    lasts = "not known, because the run begins or ends during it"
+    if not math.isnan(found.duration):
+        lasts = measure(found.duration, "s", units, 3)
+    return [
+        f"  largest force on it, from {contact}{above}: {force}{error}",
+        f"  largest acceleration (this force / mass, unfiltered): "
+        f"{acceleration_in_words(found.acceleration, units)}",
+        f"  duration of the acceleration (around the largest, above {ABOVE:.0%} of it): {lasts}",
+    ]
+
+
+def acceleration_in_words(value: float, units: str) -> str:
+    """An acceleration with four digits, in SI units also as a multiple of standard gravity."""
+    from ..units import STANDARD_GRAVITY
+
+    if units != "SI":
+        return f"{value:.4g}"
+    shown, times = (f"{float(f'{each:.4g}'):g}" for each in (value, value / STANDARD_GRAVITY))
+    return f"{shown} m/s^2, {times} g0 (g0 = {STANDARD_GRAVITY:g} m/s^2)"
+
+
+def final_velocities(run: Run) -> list[str]:
     """Velocities after the impact of few beads, if more than one of them moves, or of a cap."""
     from ..chain.bead_names import bead_label
     from ..representation import measure
+
+    if last_bead_of(run) is None:
+        return []
 
     velocities, chain = run.state.velocities, run.chain
     moving = abs(velocities) > MOVES * abs(velocities).max()
     over = not (len(run.closed_contacts) or run._unfinished)
     if not over or moving.sum() < 2:
-        return None
+        return []
     if chain.beads > SHORT:
         # The velocity of a body behind the row is that after the impact, not that in the pulse.
         if chain.cap is None or chain.right_wall is not None:
-            return None
+            return []
         velocity = measure(float(velocities[-1]), "m/s", chain.units, 5)
-        return f"{bead_label(chain, chain.beads)} at the end of the run: velocity {velocity}"
+        return [f"{bead_label(chain, chain.beads)} at the end of the run: velocity {velocity}"]
     unit = " m/s" if chain.units == "SI" else ""
     last = abs(velocities).max()
     # Velocities have the decimals of the fastest bead, of which five digits are shown.
     decimals = max(0, 4 - math.floor(math.log10(last)))
     shown = ", ".join(f"{each:z.{decimals}f}" for each in velocities)
-    return (
+    return [
         f"velocities at the end of the run, from {bead_label(chain, 1)} to "
         f"{bead_label(chain, chain.beads)}: {shown}{unit}"
-    )
+    ]

@@ -16,7 +16,7 @@ from ..simulation.yielding import (
     pressures_below_yield,
     remark_on_overlaps,
 )
-from .last_bead import final_velocities_line, last_bead_line, last_bead_of
+from .last_bead import body_as_dict, final_velocities, free_end_lines, last_bead_of
 from .output import show_table
 from .wording import on_command_line
 from .yield_range import Ends, range_as_dict, range_in_words, range_lines
@@ -60,6 +60,7 @@ def run_as_dict(
         ],
         "strikers": strikers_of(run),
         "last_bead": last_bead_of(run),
+        "last_bead_force": body_as_dict(run),
         "final_velocities": run.state.velocities.tolist(),
         "peak_with_yielding_contacts": None if peak is None else peak.value,
         "peak_range_with_yielding_contacts": None
@@ -134,12 +135,9 @@ def show_run(
                 f"  the cap leaves the wall at t = {time}, because walls do not pull; a cap that "
                 "is fixed to its cell then oscillates"
             )
-    if (last := last_bead_of(run)) is not None:
-        click.echo(last_bead_line(run, last))
-        if (final := final_velocities_line(run)) is not None:
-            click.echo(final)
     sensors = [_sensor_line(run, bead) for bead in beads]
-    for line in [*_if_yielding(run, yielding), *sensors, *range_lines(run, other, beads)]:
+    ends = [*free_end_lines(run, beads), *_if_yielding(run, yielding), *final_velocities(run)]
+    for line in [*ends, *sensors, *range_lines(run, other, beads)]:
         click.echo(line)
     transits = transits_between_walls(run.chain, run._walls, run.end_time)
     if run.known_horizon is not None:

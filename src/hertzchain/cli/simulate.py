@@ -158,7 +158,9 @@ def simulate(
     The forces on walls and in sensors are printed.  Two impulses are printed for a wall: that of
     the impact and that of the whole run.  The impact ends when the contact with the wall opens and
     no stronger impact follows.  At a free end, the velocity and the momentum of the last bead are
-    printed.  The force in a sensor in a bead is the mean of the forces on both halves of the bead.
+    printed; of a cap without a wall, or with a sensor in the last bead, also the largest force of
+    the last contact on it, the acceleration (this force over its mass, without a filter) and its
+    duration.  The force in a sensor in a bead is the mean of the forces on both halves of the bead.
     Its first maximum belongs to the first pulse; a later wave may be larger.  It is the highest
     point before the force drops by 10% of its rise; maxima below 1% of the largest force are
     ignored.
@@ -180,6 +182,7 @@ def simulate(
       hertzchain simulate experiment.toml --until 700us --budget
       hertzchain simulate experiment.toml --until 700us --sensor "ball 5" --plot forces.png
       hertzchain simulate experiment.toml --sensor "ball 5" --forces forces.csv
+      hertzchain simulate experiment.toml --cap "100 g"
       hertzchain simulate equal.toml tapered.toml --plot comparison.png
       hertzchain simulate experiment.toml --loss elastic-plastic --hits 3
       hertzchain simulate experiment.toml --loss "elastic-plastic, factor=2.8"

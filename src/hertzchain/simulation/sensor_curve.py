@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Final
 
@@ -47,6 +48,28 @@ def maximum_near(run: Trajectory, bead: int, force: Array, i: int) -> tuple[floa
     coarse, *_ = _top(run, bead, force, around[(around - i) % 2 == 1], i)
     corner = 0.0 if elastic else abs(height - float(force[i]))
     return height, time, max(2.0 * abs(height - coarse), corner)
+
+
+def crossings_around(
+    run: Trajectory, bead: int, force: Array, top: float, level: float
+) -> tuple[float, float]:
+    """Times before and after that of the maximum at which the force crosses a level.
+
+    NaN for a force that is above the level from the first or to the last saved time.
+    """
+    from scipy.optimize import brentq
+
+    curve, _ = _curve(run, bead, force, np.arange(len(force)))
+    below = np.flatnonzero(force < level)
+    times = run.times
+    before, after = (below[times[below] < top], below[times[below] > top])
+    if not (len(before) and len(after)):
+        return math.nan, math.nan
+    i, j = int(before[-1]), int(after[0])
+    # The maximum is between the saved times i and j.
+    inside = (times[i], min(times[i + 1], top)), (max(times[j - 1], top), times[j])
+    start, end = (brentq(lambda t: float(curve(np.asarray(t))) - level, *each) for each in inside)
+    return float(start), float(end)
 
 
 def place_and_bound_of_largest(run: Trajectory, bead: int, force: Array) -> tuple[int, float]:

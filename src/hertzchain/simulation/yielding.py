@@ -1,4 +1,4 @@
-"""The largest pressure in comparison with yield, and the peak on a wall with yielding contacts."""
+"""The largest pressure in comparison with yield, and peaks with contacts that yield."""
 
 from __future__ import annotations
 
@@ -186,18 +186,21 @@ def dented_chain(chain: Chain) -> Chain | None:
 def peak_with_yielding_contacts(
     run: Run, progress: Progress | None = None, *, factor: float | None = None
 ) -> WithYield | None:
-    """Peak on the right wall of an elastic run that yields; `None` if it is not complete.
+    """Peak on the right wall, or on a cap without a wall, of an elastic run that yields.
 
-    ``factor`` is the yield pressure over the yield strength if it is not that of first yield.
+    `None` if it is not complete, or the force on the cap has had no maximum.  ``factor`` is the
+    yield pressure over the yield strength if it is not that of first yield.
     """
     from ..chain.hertz_range import hertz_range
     from ..chain.yield_pressure import with_factor
-    from .simulate import simulate
+    from .body_force import has_body_behind
 
     chain = run.chain
     if chain.materials is None or chain.units != "SI" or chain.beads > MAX_BEADS:
         return None
-    if chain.right_wall is None or not run._wall_force("right").complete:
+    if chain.right_wall is None and not has_body_behind(chain):
+        return None
+    if _peak_at_the_end(run) is None:
         return None
     dented = dented_chain(chain)
     if dented is None or not may_dent(hertz_range(chain, run.largest_overlaps)):
@@ -205,12 +208,41 @@ def peak_with_yielding_contacts(
     if factor is not None:
         dented = with_factor(dented, factor)
     with ignore_warnings():  # those of the elastic run are shown
-        try:
-            again = simulate(dented, times=0, check=False, progress=progress)
-        except (InputError, SimulationError):
-            return None
-        wall = again._wall_force("right")
-    if not wall.complete:
+        again = _simulated_again(run, dented, progress)
+    found = None if again is None else _peak_at_the_end(again)
+    if again is None or found is None:
         return None
-    ratio = largest_overlap_ratio(dented, again.largest_overlaps)
-    return WithYield(wall.peak, ratio, wall.touches > 1)
+    peak, several = found
+    return WithYield(peak, largest_overlap_ratio(dented, again.largest_overlaps), several)
+
+
+def _simulated_again(run: Run, dented: Chain, progress: Progress | None) -> Run | None:
+    """A run of the dented chain; `None` if it fails.
+
+    The force on a wall is recorded within the steps, and that on a cap at many saved times, up to
+    the end of the run if this was given.
+    """
+    from .sensor_force import MANY_TIMES
+    from .simulate import simulate
+
+    behind = run.chain.right_wall is None
+    given = behind and run.status == "time reached"
+    options = {"times": MANY_TIMES if behind else 0, "until": run.end_time if given else None}
+    try:
+        return simulate(dented, check=False, progress=progress, **options)
+    except (InputError, SimulationError):
+        return None
+
+
+def _peak_at_the_end(run: Run) -> tuple[float, bool] | None:
+    """Complete peak on the right wall, or largest force on a body, and whether others are similar.
+
+    One of several pulses can be the largest.
+    """
+    from .body_force import body_force
+
+    if run.chain.right_wall is None:
+        found = body_force(run)
+        return None if found is None else (found.force, found.later)
+    wall = run._wall_force("right")
+    return (wall.peak, wall.touches > 1) if wall.complete else None

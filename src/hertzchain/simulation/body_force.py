@@ -1,0 +1,67 @@
+"""The force on the last body of a free end, such as an instrument, and its acceleration."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from ..recorded_warnings import ignore_warnings
+from .sensor_curve import crossings_around
+from .sensor_force import sensor_maxima
+
+if TYPE_CHECKING:
+    from ..chain.chain import Chain
+    from .run import Run
+
+# Part of the largest force above which the duration of an acceleration is counted.
+ABOVE: Final = 0.1
+
+
+class BodyForce(NamedTuple):
+    """The largest force of the last contact on the body behind it, without the static force.
+
+    The acceleration is this force over the mass of the body, without any filter.  The duration is
+    the time around the maximum for which the force exceeds a tenth of it; NaN if the run begins
+    later or ends earlier.  ``error`` is a bound of the error of the force, which is interpolated
+    between saved times.  ``later`` states whether the largest force is not the first maximum.
+    """
+
+    force: float
+    time: float
+    duration: float
+    mass: float
+    error: float = 0.0
+    later: bool = False
+
+    @property
+    def acceleration(self) -> float:
+        """Largest force over mass."""
+        return self.force / self.mass
+
+
+def has_body_behind(chain: Chain) -> bool:
+    """Whether a cap without a wall, such as an instrument, is behind the row."""
+    return chain.cap is not None and chain.right_wall is None
+
+
+def body_force(run: Run) -> BodyForce | None:
+    """The force on the last body of a free end.
+
+    `None` with a right wall, without saved times, and before the force has had a maximum.
+    """
+    chain = run.chain
+    if chain.right_wall is not None or len(run.times) < 2:
+        return None
+    with ignore_warnings():
+        sensor = sensor_maxima(run, chain.beads)
+    if not sensor.reached or math.isnan(sensor.first_maximum):
+        return None
+    # The sensor has half of the force on one face, and the static force acts on both.
+    rest = sensor.static_force
+    level = rest + ABOVE * (sensor.largest_so_far - rest)
+    start, end = crossings_around(run, chain.beads, sensor.force, sensor.largest_so_far_time, level)
+    return BodyForce(
+        2.0 * (sensor.largest_so_far - rest), sensor.largest_so_far_time, end - start,
+        float(chain.masses[-1]), 2.0 * sensor.error,
+        sensor.largest_so_far_time != sensor.first_maximum_time,
+    )  # fmt: skip

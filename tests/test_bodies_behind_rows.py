@@ -155,3 +155,49 @@ def test_a_figure_of_sensors_in_caps_does_not_state_the_whole_force():
     runs = {"box": hc.simulate(box())}
     yielding = {"box": peaks_if_yielding(runs["box"])}
     assert figure_title(runs, yielding) == "elastic contacts, beyond yield"
+
+
+@pytest.mark.parametrize("behind", ["cap", "wall"])
+def test_a_larger_force_of_a_second_hit_is_stated(run, tmp_path, behind):
+    chain = box(loss=hc.ElasticPlastic())
+    if behind == "wall":
+        chain = heavy_on_wall(hc.ElasticPlastic())
+    (file,) = written(tmp_path, row=chain)
+    first = hc.simulate(chain, times=4000)
+    second = hc.simulate(chain, start=first.state.struck_again(), times=4000)
+    one, two = (
+        each.wall_force().peak if behind == "wall" else each.force(chain.beads - 1).max()
+        for each in (first, second)
+    )
+    out = run("simulate", file).stdout
+    stated = re.search(r"a second, equal impact on these dents: peak (\S+) N, (\d+)% larger", out)
+    assert float(stated[1]) == pytest.approx(two, rel=1e-4)
+    assert int(stated[2]) == pytest.approx(100 * (two / one - 1), abs=1)
+    document = json.loads(run("simulate", file, "--json").stdout)
+    assert document["peak_of_second_hit"] == pytest.approx(two, rel=1e-4)
+    assert "second, equal" not in run("simulate", file, "--hits", "2").stdout
+
+
+def heavy_on_wall(loss):
+    row = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=8)
+    hammer = {"mass": "50 g", "radius": "flat", "velocity": "0.4 m/s"}
+    return row.struck_by(**hammer).replace(right_wall=hc.Wall(), loss=loss)
+
+
+def test_hits_without_dents_are_all_the_same(run, tmp_path):
+    for loss in (None, hc.Restitution(0.9), hc.ElasticPlastic(factor=2.8)):
+        (file,) = written(tmp_path, row=heavy_on_wall(loss))
+        assert "second, equal" not in run("simulate", file).stdout
+
+
+def test_a_peak_in_a_later_contact_with_the_wall_says_so(run, tmp_path):
+    kinds = ["steel-52100"] * 3 + ["ptfe"] * 5 + ["steel-52100"] * 3
+    balls = hc.Chain.from_materials(np.linspace(6e-3, 3e-3, 11), kinds, right_wall=hc.Wall())
+    chain = balls.struck_by(mass="30 g", velocity="0.5 m/s").replace(loss=hc.ElasticPlastic())
+    wall = hc.simulate(chain).wall_force()
+    assert wall.touches > 1
+    assert wall.peak_time > wall.first_contact_end
+    (file,) = written(tmp_path, row=chain)
+    out = run("simulate", file).stdout
+    assert "; in a later contact with the wall than the first; " in out
+    assert f"({wall.touches} separate contacts with the wall)" in out

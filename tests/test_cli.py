@@ -655,7 +655,8 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     wall, sensor = felt.wall_force(), felt.sensor_force(3)
     peak = f"right wall: peak {wall.peak:.5g} N at t = {1e6 * wall.peak_time:.5g} us"
     assert f"{peak}; no larger force follows\n" in out
-    assert f"  impulse {1e3 * wall.impulse_of_impact:.4g} mN s in the impact (1 contact)\n" in out
+    impulse = f"{1e3 * wall.impulse_of_impact:.4g} mN s in the impact (1 contact with the wall)"
+    assert f"  impulse {impulse}\n" in out
     lasts = 1e6 * wall.impulse_of_impact / wall.peak
     assert f"  duration of the impact (impulse / peak) {lasts:.4g} us\n" in out
     first, time = sensor.first_maximum, sensor.first_maximum_time

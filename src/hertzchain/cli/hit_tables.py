@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -12,6 +12,10 @@ if TYPE_CHECKING:
 
     from ..chain.chain import Chain
     from ..simulation.run import Run
+
+
+# Peak of a second hit over that of the first, above which the summary of a run states it.
+LARGER: Final = 1.01
 
 
 def check_hits(hits: int | None, chains: Iterable[Chain]) -> None:
@@ -23,6 +27,21 @@ def check_hits(hits: int | None, chains: Iterable[Chain]) -> None:
             "--hits requires a loss that leaves dents, such as --loss elastic-plastic; without "
             "dents, all hits are the same"
         )
+
+
+def second_hit_lines(run: Run) -> list[str]:
+    """A line with the peak of a second equal impact on the dents, if it is larger."""
+    from ..representation import measure
+    from ..simulation.hits import peak_at_right_end, second_hit
+
+    first, second = peak_at_right_end(run), second_hit(run)
+    if not second > LARGER * first:
+        return []
+    peak = measure(second, "N", run.chain.units, 5)
+    return [
+        f"  a second, equal impact on these dents: peak {peak}, {second / first - 1.0:.0%} larger "
+        "(--hits 2)"
+    ]
 
 
 def hits_as_list(runs: Sequence[Run], beads: Sequence[int]) -> list[dict[str, Any]]:

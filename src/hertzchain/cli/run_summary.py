@@ -16,6 +16,7 @@ from ..simulation.yielding import (
     pressures_below_yield,
     remark_on_overlaps,
 )
+from .hit_tables import second_hit_lines
 from .last_bead import body_as_dict, final_velocities, free_end_lines, last_bead_of
 from .output import show_table
 from .wording import on_command_line
@@ -32,13 +33,15 @@ if TYPE_CHECKING:
 
 def run_as_dict(
     run: Run, beads: Sequence[int], other: Run | None = None, yielding: Yielding = (None, None), *,
-    waves: bool, contacts: bool, budget: bool = False,
+    waves: bool, contacts: bool, budget: bool = False, second: bool = False,
 ) -> dict[str, object]:  # fmt: skip
     """Summary of a run as a JSON document; ``other`` has the largest possible yield pressure.
 
-    ``yielding`` are the `peaks_if_yielding`.
+    ``yielding`` are the `peaks_if_yielding`; ``second`` adds the peak of a second impact.
     """
+    from ..simulation.hits import second_hit
     from ..store.results import document_of
+    from ..validation.json_types import finite
     from .contact_tables import contacts_as_dict
     from .wave_tables import horizon_as_dict, waves_as_list
 
@@ -68,6 +71,7 @@ def run_as_dict(
         else [peak.value, harder.value],
         "yielding_overlap_ratio": None if peak is None else peak.overlap_ratio,
         "yielding_within_range": None if peak is None else not peak.outside,
+        "peak_of_second_hit": finite(second_hit(run)) if second else None,
         "yield_pressure_range": range_as_dict(run, other, beads),
         "sensors": [_numbers(run.sensor_force(bead)) for bead in beads],
     }
@@ -99,12 +103,12 @@ def _budget_as_dict(run: Run) -> dict[str, object]:
 
 def show_run(
     run: Run, beads: Sequence[int], other: Run | None = None, yielding: Yielding = (None, None), *,
-    waves: bool, contacts: bool, budget: bool = False,
+    waves: bool, contacts: bool, budget: bool = False, second: bool = False,
 ) -> None:  # fmt: skip
     """Print the summary of a run, with a hint at --horizon if it is long.
 
     The ``other`` run has the largest possible yield pressure; ``yielding`` are the
-    `peaks_if_yielding`.
+    `peaks_if_yielding`; ``second`` adds a larger peak of a second impact.
     """
     from ..representation import measure
     from ..simulation.run_message import LONG_RUN, transits_between_walls
@@ -136,8 +140,9 @@ def show_run(
                 "is fixed to its cell then oscillates"
             )
     sensors = [_sensor_line(run, bead) for bead in beads]
-    ends = [*free_end_lines(run, beads), *_if_yielding(run, yielding), *final_velocities(run)]
-    for line in [*ends, *sensors, *range_lines(run, other, beads)]:
+    at_end = [*free_end_lines(run, beads), *_if_yielding(run, yielding)]
+    at_end += second_hit_lines(run) if second else []
+    for line in [*at_end, *final_velocities(run), *sensors, *range_lines(run, other, beads)]:
         click.echo(line)
     transits = transits_between_walls(run.chain, run._walls, run.end_time)
     if run.known_horizon is not None:
@@ -253,7 +258,7 @@ def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
 
 def _wall_lines(run: Run, wall: WallForce) -> str:
     """Describe the force on a wall; an incomplete one has no peak."""
-    from ..representation import counted, measure
+    from ..representation import measure
     from ..simulation.wall_force import largest_in_words
 
     if not wall.reached:
@@ -275,13 +280,17 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
             f"  impulse {whole}"
         )
     so_far = "" if wall.proven else " so far"
-    peak = f"{wall.side} wall: peak{so_far} {largest}; {wall._later}{caution}"
+    # In chains without losses, the caution states this.
+    end = wall.first_contact_end or math.inf
+    second = wall.peak_time > end and not wall.sensitive
+    not_first = "; in a later contact with the wall than the first" if second else ""
+    peak = f"{wall.side} wall: peak{so_far} {largest}{not_first}; {wall._later}{caution}"
     if wall.complete_since is None:
         return f"{peak}; {wall.reason}\n  impulse {whole}"
     of_impact = measure(wall.excess_impulse, "N s", wall.units)
     static = measure(wall.static_force, "N", wall.units)
     above = f" above the static force of {static}" if wall.static_force else ""
-    parts = [f"{of_impact} in the impact{above} ({counted(wall.touches, 'contact')})"]
+    parts = [f"{of_impact} in the impact{above} ({wall._contacts})"]
     if wall.first_contact_impulse is not None and wall.touches > 1:
         first = measure(wall.first_contact_impulse, "N s", wall.units)
         parts.insert(0, f"{first} in the first contact")

@@ -231,7 +231,7 @@ def simulate(
         title = figure_title(runs, yielding)
         save_figure(_drawn(runs, beads, title, forces=bool(sensors)), plot)
     again = {name: _hits(run, hits, until, step, settings) for name, run in runs.items()}
-    shown = {"waves": waves, "contacts": contacts, "budget": budget}
+    shown = {"second": hits is None, "waves": waves, "contacts": contacts, "budget": budget}
     if as_json:
         found = [
             run_as_dict(run, beads[name], others[name], yielding[name], **shown)

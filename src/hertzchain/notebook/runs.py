@@ -135,7 +135,7 @@ def wall_force_html(wall: WallForce) -> str:
         "impulse of the impact" + " above the static force" * bool(wall.static_force):
         engineering(wall.excess_impulse, "N s", units) if ended else "",
         "impulse of the run": engineering(wall.impulse, "N s", units),
-        f"contacts {'in the impact' if ended else 'so far'}": f"{wall.touches}",
+        f"contacts with the wall {'in the impact' if ended else 'so far'}": f"{wall.touches}",
     }  # fmt: skip
     parts.append(numbers({name: value for name, value in found.items() if value}))
     if not complete:

@@ -8,7 +8,9 @@ from typing import Any
 from ..chain.chain import Chain
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
+from .body_force import body_force, has_body_behind
 from .run import Run
+from .sensor_force import MANY_TIMES
 from .simulate import simulate
 from .yielding import MAX_BEADS
 
@@ -30,6 +32,34 @@ def leaves_dents(chain: Chain) -> bool:
     return any(law.leaves_dents and stiffness > 0.0 for law, stiffness in contacts)
 
 
+def second_hit(run: Run) -> float:
+    """Peak on the right wall, or largest force on a cap without a wall, of a second equal impact.
+
+    NaN if the run leaves no dents, the chain cannot be struck again, it is too long for a further
+    simulation, or the peak is not complete.
+    """
+    chain = run.chain
+    if chain.beads > MAX_BEADS or not leaves_dents(chain) or not run.dents.any():
+        return math.nan
+    until = run.end_time if run.status == "time reached" else None
+    times = MANY_TIMES if chain.right_wall is None else 0
+    with ignore_warnings():  # Those of the run itself are shown.
+        try:
+            again = struck_repeatedly(run, 2, times=times, check=False, until=until)[-1]
+        except (InputError, SimulationError):
+            return math.nan
+    return peak_at_right_end(again)
+
+
+def peak_at_right_end(run: Run) -> float:
+    """Complete peak on the right wall, or largest force on a cap without a wall; otherwise NaN."""
+    if run.chain.right_wall is None:
+        body = body_force(run) if has_body_behind(run.chain) else None
+        return math.nan if body is None else body.force
+    wall = run._wall_force("right")
+    return wall.peak if wall.complete else math.nan
+
+
 def peak_of_second_hit(chain: Chain, until: float | None = None) -> float:
     """Peak on the right wall if the chain is struck again with its dents.
 
@@ -38,13 +68,9 @@ def peak_of_second_hit(chain: Chain, until: float | None = None) -> float:
     """
     if chain.right_wall is None or chain.beads > MAX_BEADS or not leaves_dents(chain):
         return math.nan
-    options: dict[str, Any] = {"times": 0, "check": False, "until": until}
     with ignore_warnings():  # Those of the chain itself are shown.
         try:
-            first = simulate(chain, **options)
-            if not first.dents.any():
-                return math.nan
-            wall = struck_repeatedly(first, 2, **options)[-1]._wall_force("right")
+            first = simulate(chain, times=0, check=False, until=until)
         except (InputError, SimulationError):
             return math.nan
-    return wall.peak if wall.complete else math.nan
+    return second_hit(first)

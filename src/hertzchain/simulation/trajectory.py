@@ -136,10 +136,11 @@ class Trajectory(ShortDir):
 
     @property
     def closed_contacts(self) -> Array:
-        """Numbers k of the contacts between beads that still act at the end of the run.
+        """Numbers k of the contacts of beads k and k + 1 that still carry a force at the end.
 
-        Without ``until``, a run ends when the pulse has left the last bead or the force on the
-        wall is complete.  Contacts may then still act, and velocities are not yet final.
+        Contacts with walls are not included.  Without ``until``, a run ends when the pulse has
+        left the last bead or the force on the wall is complete.  Beads may then still push each
+        other, and their velocities are not final.
 
         Examples
         --------

@@ -162,6 +162,12 @@ class WallForce(ShortDir):
         return self.complete or self.largest_so_far > limit
 
     @property
+    def _contacts(self) -> str:
+        """Number of contacts with the wall."""
+        separate = "contact" if self.touches == 1 else "separate contact"
+        return f"{counted(self.touches, separate)} with the wall"
+
+    @property
     def _later(self) -> str:
         """Statement about forces after a complete peak."""
         motion = " in this computed motion" if self.sensitive else ""
@@ -179,7 +185,7 @@ class WallForce(ShortDir):
 
         impulse = f"impulse {measure(self.impulse, 'N s', self.units)} of the whole run"
         ended = self.complete_since is not None
-        touches = counted(self.touches, "contact") + f" {'in the impact' if ended else 'so far'}"
+        touches = f"{self._contacts} {'in the impact' if ended else 'so far'}"
         if self.complete:
             known = "" if self.proven else " so far"
             peak = f"peak{known} {at(self.peak, self.peak_time)}; {self._later}"

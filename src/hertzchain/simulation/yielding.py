@@ -227,9 +227,9 @@ def _simulated_again(run: Run, dented: Chain, progress: Progress | None) -> Run 
 
     behind = run.chain.right_wall is None
     given = behind and run.status == "time reached"
-    options = {"times": MANY_TIMES if behind else 0, "until": run.end_time if given else None}
+    until, times = run.end_time if given else None, MANY_TIMES if behind else 0
     try:
-        return simulate(dented, check=False, progress=progress, **options)
+        return simulate(dented, until=until, times=times, check=False, progress=progress)
     except (InputError, SimulationError):
         return None
 

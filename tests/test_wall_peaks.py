@@ -836,4 +836,4 @@ def test_contacts_of_the_impact_are_not_called_those_of_the_run():
     assert np.count_nonzero(begins[until[1:]]) == wall.touches < np.count_nonzero(begins)
     with pytest.warns(hc.IncompleteWarning):
         early = hc.simulate(cell.with_cap("2 g"), until="0.15 ms").wall_force()
-    assert re.search(r"\s\d+\s+contacts?\s+so\s+far\)$", repr(early))
+    assert re.search(r"\s\d+\s+contacts?\s+with\s+the\s+wall\s+so\s+far\)$", repr(early))

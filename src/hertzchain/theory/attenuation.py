@@ -51,10 +51,11 @@ RANGES: Final = {
     "restitution": (0.0256, 3.3), "viscoelastic": (0.022, 3.4), "dashpot": (0.037, 3.3),
     "walton-braun": (0.036, 2.5), "unloading-ratio": (0.0236, 4.2), "velocity-power": (0.026, 2.6),
 }  # fmt: skip
-# Contacts that yield: delay of the decay in beads, and coefficient of the square of the decay; the
-# same two numbers of the error, where overlap / yield overlap - 1 takes the place of the decay; and
-# the relative change of the velocity by which the derivative of the decay is determined.
-DELAY, OF_SQUARE, RANGE_OF_YIELD, STEP = 0.206, 114.0, (1.0, 3.5), 1e-4
+# Contacts that yield: delay of the decay in beads, and coefficient of the square of the decay, as
+# `fitted_coefficients` of the same tool determines them; the same two numbers of the error, where
+# overlap / yield overlap - 1 takes the place of the decay; and the relative change of the velocity
+# by which the derivative of the decay is determined.
+DELAY, OF_SQUARE, RANGE_OF_YIELD, STEP = 0.230, 113.4, (1.0, 3.5), 1e-4
 # Velocity of the wave over that of an impact by an equal bead, and the largest overlap / yield
 # overlap of this wave without loss for which it remains the first one over 75 beads.
 OF_IMPACT, MAX_YIELD = 0.6816, 7.0
@@ -82,8 +83,8 @@ def attenuation(chain: Chain, velocity: ArrayLike) -> Array:
     passes, its maximum :math:`d_m`, the damping force :math:`F_{\mathrm{loss}}`, the force
     :math:`F_{\mathrm{load}}` of the first loading, and the energy U that unloading returns.  The
     first order x is exact; the coefficient c of the second order was measured in simulations.
-    Neither is in the paper.  The decay by `ElasticPlastic` is :math:`x\,(1 + 0.206\, dx/d\ln v +
-    114\, x^2)`, with both numbers from simulations.
+    Neither is in the paper.  The decay by `ElasticPlastic` is :math:`x\,(1 + 0.230\, dx/d\ln v +
+    113.4\, x^2)`, with both numbers fitted to simulations.
 
     Parameters
     ----------
@@ -123,7 +124,7 @@ def attenuation(chain: Chain, velocity: ArrayLike) -> Array:
     per bead.
 
     With `ElasticPlastic`, the decay depends only on the overlap over that at yield.  From bead 20
-    on, decays above 0.0005 agree with simulations within 0.4% up to a ratio of 2, where x = 0.033
+    on, decays above 0.0005 agree with simulations within 0.2% up to a ratio of 2, where x = 0.033
     and warnings begin.  Nearer the impact, the wave is still changing and decays faster.  If this
     ratio exceeds 7 in the wave that the impact of the chain would create without loss, later waves
     overtake the first one, whose decay then has no closed form.

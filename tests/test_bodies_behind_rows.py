@@ -201,3 +201,31 @@ def test_a_peak_in_a_later_contact_with_the_wall_says_so(run, tmp_path):
     out = run("simulate", file).stdout
     assert "; in a later contact with the wall than the first; " in out
     assert f"({wall.touches} separate contacts with the wall)" in out
+
+
+DESIGN = """
+[chain]
+diameters = ["10 mm", "8 mm", "10 mm"]
+materials = "steel-52100"
+cap = {mass = "100 g"}
+velocities = ["0.1 m/s", "0 m/s", "0 m/s", "0 m/s"]
+
+[design]
+minimise = "sensor.largest@SENSOR"
+budget = 20
+until = "1 ms"
+
+[[design.vary]]
+order = true
+beads = "2:3"
+"""
+
+
+@pytest.mark.parametrize(("sensor", "half"), [("cap", True), ("last", True), ("3", False)])
+def test_a_design_says_that_a_sensor_in_a_cap_has_half_of_the_force(run, tmp_path, sensor, half):
+    file = tmp_path / "design.toml"
+    file.write_text(DESIGN.replace("SENSOR", sensor))
+    code, out, err = run("design", file, "--store", tmp_path / "trials")
+    assert code == 0, err
+    stated = f"\n  sensor.largest@{sensor}: mean of the forces on both faces; the free face has"
+    assert (stated in out) == half

@@ -11,6 +11,8 @@ import numpy as np
 from ..chain.hertz_ratios import OUTSIDE_LAW, caution_outside_law
 from ..chain.yield_pressure import assumed_for_all
 from ..representation import counted, listed, usual_unit, with_decimals
+from ..simulation.end_forces import has_free_face
+from ..simulation.sensor_force import FREE_FACE
 from ..simulation.yielding import unchecked_contacts
 from .ball_space import BallSpace
 from .compared_in_words import compared_in_words, second_hit_in_words, shown_if_yielding
@@ -20,7 +22,7 @@ from .comparison import (
     has_yielding_value,
     references_in_words,
 )
-from .measures import Measure, in_words, without_in_words
+from .measures import SENSORS, Measure, in_words, without_in_words
 from .methods import SEEDED
 from .new_samples import FRESH
 from .requirements import TOLERANCE
@@ -49,7 +51,7 @@ def summary(result: DesignResult) -> str:
     if result.method == "none":
         return f"{NOT_SEARCHED}: {result.notes[0]}"
     problem = result.problem
-    lines = [*_heading(result)]
+    lines = [*_heading(result), *_on_free_faces(result)]
     lines += [f"  {text}" for text in _starts(result)]
     for name, found in references_in_words(result).items():
         lines.append(f"  {name}: {compared_in_words(result, found)}")
@@ -192,6 +194,15 @@ def _heading(result: DesignResult) -> list[str]:
     elif found.dents:
         lines += [f"  {found.dents}", *second_hit_in_words(found)]
     return lines
+
+
+def _on_free_faces(result: DesignResult) -> list[str]:
+    """A remark on forces in sensors in beads at free ends."""
+    names = [
+        str(each) for each in result.problem.measures
+        if each.key in SENSORS and has_free_face(result.chain, each.bead or result.chain.beads)
+    ]  # fmt: skip
+    return [f"  {listed(names)}: {FREE_FACE}"] if names else []
 
 
 def _closest(result: DesignResult, value: str) -> str:

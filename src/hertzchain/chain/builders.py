@@ -62,7 +62,8 @@ class ChainBuilders(ChainFields):
         taper : str, optional
             A name in `TAPERS`; with sizes ``"exponential"`` (the default) or ``"linear"``.
         rate : float, optional
-            Tapering parameter: S > 0 of a linear, 0 < q < 1 of an exponential taper.
+            Tapering parameter: S > 0 of a linear, 0 < q < 1 of an exponential taper; 0 for
+            equal beads, a chain without a taper.
         beads : int
             Number of beads N, at least 2.
         first, last : float or str, optional

@@ -118,6 +118,8 @@ def taper_of_sizes(
                 "materials"
             )
         given = parameters if rate is None else {"rate": rate, **parameters}
+        if kind.is_uniform(given):
+            return None, {}, np.ones(beads), first
         values = kind.parameters(given, beads)
         return kind.name, values, kind.radii_of(beads, values), first
     if rate is not None or parameters:

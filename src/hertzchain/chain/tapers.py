@@ -62,6 +62,14 @@ class Taper:
         self.check(beads, **values)
         return values
 
+    def is_uniform(self, given: Mapping[str, Any]) -> bool:
+        """Whether all parameters are given and 0, so that all beads are equal."""
+        return given.keys() == self.symbols.keys() and all(
+            value is not None
+            and _rate(f"{self.symbols[name]} of a {self.name} taper", value) == 0.0
+            for name, value in given.items()
+        )
+
     def radii_of(self, beads: int, values: Mapping[str, float]) -> Array:
         """Radii of beads 1 to N; the parameters are not checked."""
         with np.errstate(over="ignore", under="ignore"):

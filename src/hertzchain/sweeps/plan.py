@@ -14,7 +14,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.input_checks import checked_beads
-from ..chain.tapers import check_taper, tapered_radii
+from ..chain.tapers import check_taper, taper_named, tapered_radii
 from ..collision import Array
 from ..errors import InputError, SimulationError, raise_all
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
@@ -176,6 +176,8 @@ class Plan:
         places = index * len(self.specification.axes) if self.zipped else index
         taper, rate, count = (values[places[place]] for place, values in self._taper)
         if taper == "uniform":
+            return None
+        if taper_named(taper).is_uniform({"rate": rate}):
             return None
         beads = checked_beads(count, least=2)
         return tapered_radii(taper, check_taper(taper, rate, beads), beads)

@@ -4,6 +4,7 @@ A recipe is a section with diffs, which are applied to the copy, and a block of 
 there in a separate process and must not fail.
 """
 
+import ast
 import os
 import re
 import shutil
@@ -17,12 +18,15 @@ ROOT = Path(__file__).parent.parent
 PAGE = (ROOT / "docs" / "how-to" / "extend.md").read_text("utf-8")
 # Recipes whose number of source files is promised by the page.
 MAX_FILES = 2
+# A directive that shows a class of a gallery script.
+INCLUDE = r"^```\{literalinclude\} (\S+)\n:language: python\n:pyobject: (\w+)\n```$"
 
 
 def sections():
     """Title, diffs and Python blocks of each section."""
     for section in re.split(r"^## ", PAGE, flags=re.M)[1:]:
         title, _, text = section.partition("\n")
+        text = re.sub(INCLUDE, included, text, flags=re.M)
         diffs = re.findall(r"^```diff\n(.*?)^```$", text, re.M | re.S)
         blocks = re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S)
         yield title, diffs, blocks
@@ -34,11 +38,21 @@ def recipes():
 
 
 def scripts():
-    """Parameters of the sections that only have Python blocks."""
+    """Parameters of the sections without a diff: their blocks and included classes as a script."""
     return [
-        pytest.param(block, id=title)
-        for title, diffs, blocks in sections() if not diffs for block in blocks
+        pytest.param("\n\n".join(blocks), id=title)
+        for title, diffs, blocks in sections() if not diffs and blocks
     ]  # fmt: skip
+
+
+def included(found):
+    """A block of Python with the class that a directive includes."""
+    path, name = found.groups()
+    text = (ROOT / "docs" / "how-to" / path).read_text("utf-8")
+    (node,) = (each for each in ast.parse(text).body if getattr(each, "name", "") == name)
+    first = min(each.lineno for each in (node, *node.decorator_list))
+    lines = text.splitlines()[first - 1 : node.end_lineno]
+    return "```python\n" + "\n".join(lines) + "\n```"
 
 
 @pytest.mark.long

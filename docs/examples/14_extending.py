@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hertzchain as hc
-from hertzchain.chain.laws.base import Loss, parameter
+from hertzchain.chain.laws.base import Loss, may_pull, parameter
 from hertzchain.kernels.law_kinds import DAMPED, LawRow
 
 plt.style.use("hertzchain.figures")
@@ -79,14 +79,15 @@ axes.legend()
 
 @dataclass(frozen=True)
 class AreaDashpot(Loss, name="area-dashpot"):
-    """Damping in proportion to the area of contact."""
+    """Damping in proportion to the area of contact, F = k d^p + gamma d d'."""
 
     damps = True
     gamma: float = parameter("gamma", "damping", least=0.0, unit="force/velocity/length")
+    attractive: bool = may_pull(default=True)
 
     def row(self, exponent):  # noqa: ARG002
         """Powers of the overlap and of the speed, for all contacts."""
-        return LawRow(DAMPED, overlap_power=1.0, speed_power=1.0)
+        return LawRow(DAMPED, overlap_power=1.0, speed_power=1.0, attractive=self.attractive)
 
     def strength(self, contacts):
         """Coefficient of each contact."""

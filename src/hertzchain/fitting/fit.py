@@ -277,6 +277,7 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
         names, estimates, sigmas, found.covariance, good, solution.converged, solution.reason, weak,
         effects, at_bounds, chains, notes, simulations, solution.starts, penalty,
         problem, variables, solution.jacobian, solution.residuals, scan=solution.scan,
+        held=found.held,
     )  # fmt: skip
 
 

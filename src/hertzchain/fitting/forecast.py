@@ -29,6 +29,7 @@ from ..validation.objects import check_list, check_type
 from .clocks import with_clocks
 from .constants import FixedConstant, Optimum, fixed_constants
 from .crossings import pulse_duration
+from .held_by_priors import prior_notes
 from .model import Model, Values, make_model
 from .parameters import Parameter, Priors, free_parameters
 from .problem import Problem
@@ -62,6 +63,8 @@ class Forecast(Estimates):
         Covariance of the values.
     weak : tuple of WeakDirection
         Combinations of parameters that the data do not determine.
+    held : tuple of HeldByPriors
+        Parameters whose errors come from priors more than from the data.
     sensors : tuple of str
         Names of the sensors.
     interval, duration : float
@@ -114,9 +117,10 @@ class Forecast(Estimates):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Weak directions, constants that matter, and notes, one sentence each."""
+        """Weak directions, priors and constants that matter, and notes, one sentence each."""
         constants = [each.note for each in self.constants if each.note]
-        return (*(str(each) for each in self.weak), *constants, *self.notes)
+        weak = (*(str(each) for each in self.weak), *prior_notes(self.held, self.weak))
+        return (*weak, *constants, *self.notes)
 
     def rows(self) -> list[tuple[str, str]]:
         """Name, and value with error and unit, of each parameter.
@@ -204,6 +208,7 @@ class Forecast(Estimates):
                 zip(self.sensors, self.samples_per_pulse.tolist(), strict=True)
             ),
             "recommended_interval": self.recommended_interval,
+            "held_by_priors": [each.as_dict() for each in self.held],
             "warnings": list(self.warnings), "constants": constants_document(self.constants),
         })  # fmt: skip
         return found
@@ -349,6 +354,7 @@ def _forecast(traces: Traces, chain: Chain, settings: Settings) -> Forecast:
         tuple(map(str, model.names)), found.estimates, found.sigmas, found.covariance, found.weak,
         traces.names, float(shot.times[1]), duration, traces.samples,
         _pulse_durations(model, values, duration), notes, problem, variables, jacobian,
+        held=found.held,
     )  # fmt: skip
 
 

@@ -60,6 +60,8 @@ class FitResult(Estimates):
         Whether the search ended at a minimum, and why it ended.
     weak : tuple of WeakDirection
         Combinations of parameters that the data do not determine.
+    held : tuple of HeldByPriors
+        Parameters whose errors come from priors more than from the data.
     effects : tuple of Effect
         Effects of the sensors that the fit does not include, and their influence on the parameters.
     at_bounds : tuple of str

@@ -43,6 +43,7 @@ def result_document(result: FitResult) -> dict[str, Any]:
         "bic": result.bic(), "converged": result.converged, "reason": result.reason,
         "chi2_per_sample": result.chi2_per_sample,
         "describes": result.describes, "undetermined": list(result.undetermined),
+        "held_by_priors": [each.as_dict() for each in result.held],
         "prior_deviations": result.prior_deviations,
         "prior_conflict": result.prior_conflict, "warnings": list(result.warnings),
         "effects": [

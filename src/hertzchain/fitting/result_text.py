@@ -12,6 +12,7 @@ from ..representation import counted, listed
 from .arrival_notes import silent_notes
 from .clocks import clock_notes
 from .goodness import NO_ERRORS
+from .held_by_priors import prior_notes
 from .silent_sensors import silent_clause
 
 if TYPE_CHECKING:
@@ -61,8 +62,9 @@ def warnings_of(result: FitResult) -> tuple[str, ...]:
         silent = [note for shot in result.traces.shots for note in silent_notes(shot)]
         own = (*clock_notes(result.traces), *result.traces.notes())
         return (*result.advice, *own, *dict.fromkeys(silent))
+    weak = (*(str(each) for each in result.weak), *prior_notes(result.held, result.weak))
     if not result.describes and not result.goodness.undecided:
-        return (*result.advice, *(str(each) for each in result.weak), *result.notes)
+        return (*result.advice, *weak, *result.notes)
     effects = sorted(result.effects, key=lambda each: (-each.present, -each.improvement))
     # Data without noise are not of sensors.
     real = not result.goodness.noiseless
@@ -73,7 +75,7 @@ def warnings_of(result: FitResult) -> tuple[str, ...]:
     elif effects and effects[0].present:
         found = found[:1]
     constants = [each.note for each in result.constants if each.note]
-    return (*(str(each) for each in result.weak), *found, *constants, *result.notes)
+    return (*weak, *found, *constants, *result.notes)
 
 
 def _by_sensor(result: FitResult) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..collision import Array
 from ..validation.keywords import checked_methods
+from .held_by_priors import HeldByPriors, held_by_priors
 from .model import Model
 from .problem import Problem, differences
 from .shown_values import unit_of_parameter
@@ -32,6 +33,8 @@ class Estimates:
     estimates: Array
     sigmas: Array
     covariance: Array
+    # Parameters whose errors come from priors more than from the data.
+    held: tuple[HeldByPriors, ...] = field(default=(), kw_only=True)
 
     @property
     def values(self) -> dict[str, float]:
@@ -85,13 +88,14 @@ class Estimates:
 
 @dataclass(frozen=True, eq=False)
 class Uncertainty:
-    """Values with errors and covariance, the sizes of the parameters, and weak directions."""
+    """Values with errors and covariance, sizes, weak directions, and parameters held by priors."""
 
     estimates: Array
     sigmas: Array
     covariance: Array
     sizes: Array
     weak: tuple[WeakDirection, ...]
+    held: tuple[HeldByPriors, ...]
 
 
 def uncertainty(
@@ -122,7 +126,11 @@ def uncertainty(
     for each in weak:
         if each.exact and not each.fixed_by:
             sigmas[[name in each.weights for name in names]] = np.inf
-    return Uncertainty(estimates, sigmas, covariance, sizes, weak)
+    held = held_by_priors(names, jacobian[:, free], [*priors], change[:, free])
+    # The variance of a parameter without an error means nothing.
+    known = {name for name, sigma in zip(names, sigmas, strict=True) if np.isfinite(sigma)}
+    held = tuple(each for each in held if each.name in known)
+    return Uncertainty(estimates, sigmas, covariance, sizes, weak, held)
 
 
 def large_error_notes(model: Model, found: Uncertainty) -> list[str]:

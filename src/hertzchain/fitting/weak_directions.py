@@ -52,7 +52,7 @@ class WeakDirection:
             )
         them = "it" if alone else "them"
         priors, fix = ("priors", "fix") if len(self.fixed_by) > 1 else ("prior", "fixes")
-        return f"{text}; only the {priors} of {_grouped(list(self.fixed_by))} {fix} {them}"
+        return f"{text}; only the {priors} of {grouped(list(self.fixed_by))} {fix} {them}"
 
     def _one(self) -> str:
         return (
@@ -60,7 +60,7 @@ class WeakDirection:
         )
 
     def _several(self) -> str:
-        names = _grouped(list(self.weights))
+        names = grouped(list(self.weights))
         what = "a combination" if len(self.weights) == 2 else "combinations"
         first = f"the data determine only {what} of {names}"
         if not self.exact:
@@ -87,7 +87,7 @@ class WeakDirection:
         return short("WeakDirection", str(self))
 
 
-def _grouped(names: list[str]) -> str:
+def grouped(names: list[str]) -> str:
     """Names in a sentence; several gains are "the gains"."""
     gains = [name for name in names if name.startswith("gain[")]
     if len(gains) > 1:

@@ -47,6 +47,7 @@ from .weights import (
     remaining_weights,
     small_residual_notes,
 )
+from .without_priors import with_fits_without_priors
 
 TimeOffset = float | str | Sequence[float | str] | None
 Path_ = str | os.PathLike[str]
@@ -149,6 +150,7 @@ def fit(
     data, settings = with_clocks(with_time_offset(data, time_offset), settings)
     count = whole_number("starts", starts, least=1, most=6)
     result = diagnosed(fit_with(data, chains, settings, count, progress), settings.start, fitted)
+    result = with_fits_without_priors(result, fitted)
     # Later simulations, such as those of scans and posteriors, report their own progress.
     result.model.simulator.progress = None
     return result

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .posterior import Posterior
+    from .without_priors import WithoutPriors
 
 
 @checked_methods
@@ -73,14 +74,14 @@ class FitResult(Estimates):
     simulations, starts : int
         Number of simulations and of starts.
     advice : tuple of str
-        If the model does not describe the data: a cause that explains the residuals, which another
-        fit has confirmed, or what to consider.  If it does, an effect of the sensors that the data
-        show, with its value in another fit.
+        If the model does not describe the data: a cause that another fit has confirmed, or what to
+        consider.  If it does, an effect of the sensors that the data show, from another fit.
     misread : bool
         Whether the model describes the data only if the unit of all columns or times is changed.
     scan : str
-        Losses from which a poor fit was started again, in words; empty without a free loss, or if
-        the first start was good.
+        Losses from which a poor fit was started again, in words; or empty.
+    without_priors : tuple of WithoutPriors
+        If the fit contradicts a prior: the fit without it, if the other priors suffice.
     """
 
     goodness: Goodness
@@ -101,6 +102,7 @@ class FitResult(Estimates):
     advice: tuple[str, ...] = ()
     misread: bool = False
     scan: str = ""
+    without_priors: tuple[WithoutPriors, ...] = ()
 
     @property
     def chain(self) -> Chain:

@@ -45,7 +45,9 @@ def result_document(result: FitResult) -> dict[str, Any]:
         "describes": result.describes, "undetermined": list(result.undetermined),
         "held_by_priors": [each.as_dict() for each in result.held],
         "prior_deviations": result.prior_deviations,
-        "prior_conflict": result.prior_conflict, "warnings": list(result.warnings),
+        "prior_conflict": result.prior_conflict,
+        "without_priors": [each.as_dict() for each in result.without_priors],
+        "warnings": list(result.warnings),
         "effects": [
             dataclasses.asdict(each) | {"present": each.present} for each in result.effects
         ],

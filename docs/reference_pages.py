@@ -23,9 +23,9 @@ MADE_BY_FUNCTIONS = {
     "Budget", "Comparison", "DefectScan", "EffectiveChain", "EffectivePulse", "EnergyFlux",
     "Estimate", "FitResult", "Fronts", "HertzRange", "Horizon", "LeadingPulse", "Loss",
     "LossComparison", "Posterior", "PulseTable", "Reflection", "Reproduction", "Run", "RunTable",
-    "Scoreboard", "SensorForce", "SolitaryWave", "Spectrum", "State", "StaticState",
-    "TraceComparison", "VelocityPeaks", "Verdict", "WallForce", "Wave", "WaveEvent", "WaveProfile",
-    "WaveTail", "Waves", "Entry", "Erratum", "Figure", "Statement", "Table",
+    "Scoreboard", "SensorForce", "SensorPassage", "SolitaryWave", "Spectrum", "State",
+    "StaticState", "TraceComparison", "VelocityPeaks", "Verdict", "WallForce", "Wave", "WaveEvent",
+    "WaveProfile", "WaveTail", "Waves", "Entry", "Erratum", "Figure", "Statement", "Table",
 }  # fmt: skip
 # Modules whose docstrings define a quantity.
 DEFINITIONS = {

@@ -81,6 +81,7 @@ from .simulation.reflection import Reflection as Reflection
 from .simulation.run import Run as Run
 from .simulation.run_table import RunTable as RunTable
 from .simulation.sensor_force import SensorForce as SensorForce
+from .simulation.sensor_passages import SensorPassage as SensorPassage
 from .simulation.simulate import simulate as simulate
 from .simulation.simulate_many import simulate_many as simulate_many
 from .simulation.state import State as State

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..recorded_warnings import ignore_warnings
 from ..simulation.yielding import (
     contacts_without_strength,
     dents_in_words,
@@ -245,13 +246,22 @@ def _material(chain: Chain, side: Side) -> str | None:
 
 def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
     """All fields except the trace; null for a number that does not exist."""
+    from ..simulation.sensor_passages import passages_if_saved
     from ..simulation.wall_force import WallForce
+    from ..simulation.waves import DIRECTIONS
     from ..validation.json_types import finite
 
-    found = {name: value for name, value in vars(force).items() if name not in ("times", "force")}
+    arrays = ("times", "force", "velocity")
+    found = {name: value for name, value in vars(force).items() if name not in arrays}
     found["reached"] = force.reached
     if isinstance(force, WallForce):
         found |= {"duration": force.duration, "excess_impulse": force.excess_impulse}
+    else:
+        with ignore_warnings():  # passages that are not resolved have few samples
+            found["passages"] = [
+                vars(each) | {"direction": DIRECTIONS.get(each.direction)}
+                for each in passages_if_saved(force)
+            ]
     numbers: dict[str, object] = finite(found)
     return numbers
 

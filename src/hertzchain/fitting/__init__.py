@@ -12,7 +12,7 @@
   `constants` that are taken as exact;
 - fits that mean less than they seem to: `diagnosis` with its `causes`, `static_causes`,
   `ball_counts`, `common_effects`, `advice` and `second_pulse`, `plausibility`,
-  `prior_conflicts`, `without_priors`, `unused_parameters`, `silent_sensors`;
+  `prior_conflicts`, `without_priors`, `cap_notes`, `unused_parameters`, `silent_sensors`;
 - the result: `result`, `result_text`, `result_document`, `shown_values`, `fitted_file`;
 - further questions: `loss_comparison` of all `loss_laws`, and `defect_scan`;
 - data compared with a simulation, without a fit: `compare_traces`, `trace_comparison`,

@@ -19,6 +19,7 @@ from ..traces.traces import Traces, with_time_offset
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
+from .cap_notes import cap_notes
 from .chain_parameters import following
 from .clocks import clock_notes, with_clocks
 from .coarse_sampling import sampling_notes
@@ -271,7 +272,8 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
         *inversion_notes(_gains(model, values)),
         *coupling_notes(model.traces, chains, lambda k, each: model.gain(k, each, values)),
         *small_residual_notes(problem, solution.residuals),
-        *range_notes(chains[0], duration), *_sampling_notes(model, values),
+        *range_notes(chains[0], duration), *_cap_notes(model, chains, values),
+        *_sampling_notes(model, values),
         *filter(None, (solution.note,)),
     )  # fmt: skip
     penalty = float(solution.residuals[count:] @ solution.residuals[count:])
@@ -292,6 +294,15 @@ def _sampling_notes(model: Model, values: Mapping[Name, float]) -> list[str]:
             shot, model.predict_shot(k, values), number=k + 1 if len(shots) > 1 else None
         )
     ]  # fmt: skip
+
+
+def _cap_notes(
+    model: Model, chains: Sequence[Chain], values: Mapping[Name, float]
+) -> tuple[str, ...]:
+    """A note on the shot that is recorded longest after its impact, if its cap leaves the wall."""
+    recorded = [float(model.times_after_impact(k, values)[-1]) for k in range(len(chains))]
+    longest = int(np.argmax(recorded))
+    return cap_notes(chains[longest], recorded[longest]) if recorded[longest] > 0.0 else ()
 
 
 def _gains(model: Model, values: Mapping[Name, float]) -> dict[str, float]:

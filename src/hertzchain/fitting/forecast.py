@@ -26,6 +26,7 @@ from ..validation.json_types import finite
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_list, check_type
+from .cap_notes import cap_notes
 from .clocks import with_clocks
 from .constants import FixedConstant, Optimum, fixed_constants
 from .crossings import pulse_duration
@@ -349,7 +350,11 @@ def _forecast(traces: Traces, chain: Chain, settings: Settings) -> Forecast:
         problem.skip_next_to_jumps(variables, more=False)
     jacobian = problem.jacobian(variables)
     found = uncertainty(problem, variables, jacobian, np.zeros(len(variables), bool))
-    notes = (*large_error_notes(model, found), *range_notes(model.chain(0, values), duration))
+    assumed = model.chain(0, values)
+    notes = (
+        *large_error_notes(model, found), *range_notes(assumed, duration),
+        *cap_notes(assumed, duration, planned=True),
+    )  # fmt: skip
     return Forecast(
         tuple(map(str, model.names)), found.estimates, found.sigmas, found.covariance, found.weak,
         traces.names, float(shot.times[1]), duration, traces.samples,

@@ -172,10 +172,13 @@ class Model:
 
     def predict_shot(self, shot: int, values: Values) -> list[Array]:
         """Signals of one shot at all its times."""
-        given = self._of_shot(shot, values)
+        return self._signals_at(self.times_after_impact(shot, values), shot, values)
+
+    def times_after_impact(self, shot: int, values: Values) -> Array:
+        """Times of the samples of one shot, counted from the impact."""
         data = self.traces.shots[shot]
-        times = data.times - given.get(Name("time_offset"), data.time_offset)
-        return self._signals_at(times, shot, values)
+        offset = self._of_shot(shot, values).get(Name("time_offset"), data.time_offset)
+        return np.asarray(data.times - offset)
 
     def at_rest(self, shot: int, values: Values) -> list[float]:
         """Signals of one shot before any pulse arrives."""

@@ -12,7 +12,8 @@
 - the leading pulse: `run_pulse`, `leading_pulse`, `pulse_width`, `tail`, `missing_values`;
 - waves: `waves`, `find_waves`, `wave_events`, `reflection`, `find_reflection`, `energy_flux`,
   `fronts`;
-- single beads: `velocity_peaks`, `sensor_force`, `sensor_curve`, `body_force`;
+- single beads: `velocity_peaks`, `sensor_force`, `sensor_curve`, `sensor_passages`,
+  `body_force`;
 - predictability: `horizon`, `find_horizon`;
 - many chains: `simulate_many`, `ensemble_input`, `ensemble_columns`, `run_table`.
 """

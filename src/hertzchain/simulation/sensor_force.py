@@ -18,6 +18,7 @@ from ..validation.keywords import checked_methods
 from .end_forces import has_free_face
 from .force_table import force_dataframe
 from .sensor_curve import maximum_near, place_and_bound_of_largest
+from .sensor_passages import passages_of
 from .trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -78,6 +79,8 @@ class SensorForce:
     free_face : bool
         Whether the bead is at a free end, so that one of its faces has no force.  The force on the
         other face, which accelerates the bead, is then twice the force in the sensor.
+    velocity : ndarray, shape (T,)
+        Velocity of the bead at the saved times [scaled, or m/s].
     """
 
     bead: int
@@ -92,6 +95,9 @@ class SensorForce:
     static_force: float = 0.0
     reached: bool = True
     free_face: bool = False
+    velocity: Array = field(default_factory=lambda: np.zeros(0), repr=False)
+
+    passages = passages_of
 
     def __repr__(self) -> str:
         if not self.reached:
@@ -244,6 +250,7 @@ def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
         largest_so_far_time=largest_time,
         error=max(bound - largest, _jumps(run, bead), *(top[2] for top in tops)),
         static_force=at_rest, reached=reached, free_face=has_free_face(run.chain, bead),
+        velocity=run.velocity(bead),
     )  # fmt: skip
 
 

@@ -185,16 +185,11 @@ def require_resolved(run: Trajectory, event: WaveEvent, name: str) -> None:
         )
 
 
-class ContactCurves:
-    """Force beyond the static one and power of one contact, as functions of time."""
+class Curves:
+    """Force beyond the static one and power at one place, as functions of time."""
 
-    def __init__(self, run: Trajectory, contact: int) -> None:
-        self.times = run.times
-        self.force = run.forces[:, contact] - static_forces_of(run)[contact]
-        self.power = np.zeros(len(run.times))
-        if 0 < contact < run.chain.beads:
-            between = run.velocities[:, contact - 1] + run.velocities[:, contact]
-            self.power = 0.5 * self.force * between
+    def __init__(self, times: Array, force: Array, power: Array) -> None:
+        self.times, self.force, self.power = times, force, power
 
     @cached_property
     def force_curve(self) -> Any:
@@ -211,9 +206,24 @@ class ContactCurves:
         return make_interp_spline(self.times, self.power, k=SPLINE_ORDER)
 
 
+class ContactCurves(Curves):
+    """Force beyond the static one and power of one contact, as functions of time."""
+
+    def __init__(self, run: Trajectory, contact: int) -> None:
+        force = run.forces[:, contact] - static_forces_of(run)[contact]
+        power = np.zeros(len(run.times))
+        if 0 < contact < run.chain.beads:
+            power = 0.5 * force * (run.velocities[:, contact - 1] + run.velocities[:, contact])
+        super().__init__(run.times, force, power)
+
+
 def events_at(run: Trajectory, contact: int, floor: float) -> list[WaveEvent]:
     """The waves that pass one contact, in order of time."""
-    curves = ContactCurves(run, contact)
+    return events_of(ContactCurves(run, contact), contact, floor, run.chain.units)
+
+
+def events_of(curves: Curves, contact: int, floor: float, units: str) -> list[WaveEvent]:
+    """The maxima of the force above a floor, in order of time."""
     times, force = curves.times, curves.force
     crests = _crests(force, floor)
     if not len(crests):
@@ -238,10 +248,7 @@ def events_at(run: Trajectory, contact: int, floor: float) -> list[WaveEvent]:
         "lowest": np.maximum(*(curves.force_curve(each) for each in (begin, end))) / heights,
     }  # fmt: skip
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    return [
-        WaveEvent(contact, units=run.chain.units, **dict(zip(columns, row, strict=True)))
-        for row in rows
-    ]
+    return [WaveEvent(contact, units=units, **dict(zip(columns, row, strict=True))) for row in rows]
 
 
 def _crests(force: Array, floor: float) -> Array:
@@ -265,7 +272,7 @@ def _integrals(curve: Any, begin: Array, end: Array) -> Array:
     return np.asarray(whole(end) - whole(begin))
 
 
-def _limits(curves: ContactCurves, crests: Array) -> tuple[Array, Array]:
+def _limits(curves: Curves, crests: Array) -> tuple[Array, Array]:
     """Begin and end of each event: zeros of the force, or the minima between two crests."""
     times, force = curves.times, curves.force
     last = len(times) - 1
@@ -286,14 +293,14 @@ def _limits(curves: ContactCurves, crests: Array) -> tuple[Array, Array]:
     return begin, end
 
 
-def _zeros(curves: ContactCurves, outside: Array, inside: Array) -> Array:
+def _zeros(curves: Curves, outside: Array, inside: Array) -> Array:
     """Zeros of the force between two saved times; the outer time if the force is 0 there."""
     times, force = curves.times, curves.force
     passed = sign_change(curves.force_curve, times[outside], times[inside])
     return np.where(force[outside] == 0.0, times[outside], passed)
 
 
-def _directions(curves: ContactCurves, works: Array, begin: Array, end: Array) -> Array:
+def _directions(curves: Curves, works: Array, begin: Array, end: Array) -> Array:
     """Sign of the work; 0 where it is small compared with the energy that flows to and fro."""
     from scipy.integrate import cumulative_trapezoid
 
@@ -303,7 +310,7 @@ def _directions(curves: ContactCurves, works: Array, begin: Array, end: Array) -
     return np.where(standing, 0, np.sign(works)).astype(int)
 
 
-def _widths(curves: ContactCurves, crests: Array, halves: Array) -> Array:
+def _widths(curves: Curves, crests: Array, halves: Array) -> Array:
     """Full widths at half maximum; NaN where the force does not fall to half on both sides."""
     times, force = curves.times, curves.force
     bounds = [0, *crests, len(force) - 1]

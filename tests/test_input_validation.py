@@ -437,7 +437,7 @@ def public_calls(folder):
         "Run.position": tried(run.position, bead=1),
         "Run.sensor": tried(run.sensor, bead=1),
         "Run.sensor_force": tried(run.sensor_force, bead=1),
-        "SensorForce.passages": tried(run.sensor_force(1).passages, threshold=0.1),
+        "SensorForce.passages": tried(longer.sensor_force(5).passages, threshold=0.1),
         "Run.velocity": tried(run.velocity, bead=1),
         "Run.wall_force": tried(run.wall_force, side="right"),
         "LeadingPulse.weights": tried(

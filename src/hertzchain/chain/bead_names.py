@@ -14,7 +14,18 @@ Side = Literal["left", "right"]
 CAP: Final = "cap"
 LAST: Final = "last"
 NAME: Final = re.compile(r"(ball|bead) +([0-9]{1,9})")
-AT_NAME: Final = re.compile(r"@ *((?:(?:ball|bead) +[0-9]{1,9})(?![0-9])|cap\b)", re.IGNORECASE)
+# Names are also written without a space, as ball6, and as ball_6, ball-6 or ball#6.
+BEFORE_NUMBER: Final = r"(?:[ _#]*|-)"
+AT_NAME: Final = re.compile(
+    rf"@ *((?:(?:ball|bead){BEFORE_NUMBER}[0-9]{{1,9}})(?![0-9])|cap\b)", re.IGNORECASE
+)
+OTHER_SPELLING: Final = re.compile(rf"\b(ball|bead){BEFORE_NUMBER}(?=[0-9])")
+
+
+def usual_spelling(name: str) -> str:
+    """A name such as ``Ball6``, ``ball_6`` or ``left_wall`` as ``ball 6`` or ``left wall``."""
+    words = " ".join(name.lower().replace("_", " ").split())
+    return OTHER_SPELLING.sub(r"\1 ", words)
 
 
 def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: bool = False) -> int:
@@ -24,7 +35,7 @@ def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: boo
     """
     if not isinstance(bead, str):
         return whole_number(what, bead, least=1, most=chain.beads)
-    name = " ".join(bead.lower().split())
+    name = usual_spelling(bead)
     if name == LAST:
         return chain.beads
     if name == CAP:
@@ -52,7 +63,7 @@ def wall_number(chain: Chain, name: object) -> int | None:
 
     The names are "right wall", "left wall" and, if the chain has only one, "wall".
     """
-    words = " ".join(name.lower().split()) if isinstance(name, str) else ""
+    words = usual_spelling(name) if isinstance(name, str) else ""
     if words not in ("wall", "left wall", "right wall"):
         return None
     present = {f"{side} wall": number for side, number in walls_of(chain).items()}

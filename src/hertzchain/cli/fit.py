@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -142,11 +142,12 @@ def fit(
     document = result.as_dict()
     lines: list[str] = []
     scans: list[DefectScan] = []
+    fits: dict[str, FitResult] = {}
     if laws is not None:
         result, found = _laws(result, document, laws, files[-1], settings)
         lines += found
     if defects:
-        result, scans, found = _defects(result, document, tested)
+        result, scans, found, fits = _defects(result, document, tested)
         lines += found
     # Sampling takes long and may be stopped: everything else is printed and written before.
     if not as_json:
@@ -157,7 +158,7 @@ def fit(
 
         write_bytes(out, result.chain_toml().encode())
     if plot is not None:
-        _save_plots(result, plot, scans)
+        _save_plots(result, plot, scans, fits)
     if sample is not None:
         posterior = _posterior(result, sample, plot)
         document["posterior"] = {"mean": posterior.means, "error": posterior.errors,
@@ -232,31 +233,33 @@ def _tested(*, laws: bool, defects: bool) -> list[str]:
 
 def _defects(
     result: FitResult, document: dict[str, Any], tested: Sequence[str]
-) -> tuple[FitResult, list[DefectScan], list[str]]:
-    """Scan for a gap or odd ball and fit it; return the last fit, the scans and lines."""
+) -> tuple[FitResult, list[DefectScan], list[str], dict[str, FitResult]]:
+    """Scan for a gap or odd ball and fit it; the last fit, the scans, lines, and all fits."""
     import hertzchain
 
-    from ..fitting.defect_scan import fit_of_defect
+    from ..fitting.defect_scan import candidates_of, defect_names, fit_of_defect
     from ..fitting.diagnosis import diagnosed, without_tested
     from ..fitting.fit import fitted
     from ..fitting.goodness import NO_ERRORS
 
     scans = []
     for kind, what in (("gap", "contacts tried"), ("bead", "balls tried")):
-        with progress_bar(what, rate=True) as progress:
+        names = defect_names(result, kind)
+        with progress_bar(_trying(f"scan, {what}", names), rate=True) as progress:
             scans.append(hertzchain.scan_defects(result, kind, progress=progress))
     document["defects"] = [
         {"name": name, "value": float(size), "chi2_improvement": float(gained)}
         for scan in scans
         for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
     ]
-    found = {}
+    found: dict[str, FitResult] = {}
     for scan in scans:
         if scan.found:
-            with progress_bar("defects fitted", rate=True) as progress:
+            words = _trying("defects fitted", candidates_of(scan))
+            with progress_bar(words, rate=True) as progress:
                 found[scan.kind] = fit_of_defect(scan, progress=progress)
     if not found:
-        return result, scans, [scan.summary() for scan in scans]
+        return result, scans, [scan.summary() for scan in scans], found
     kind = min(found, key=lambda each: found[each].chi2 + found[each].penalty)
     best = without_tested(diagnosed(found[kind], {}, fitted), *tested)
     document["fit_with_defect"] = best.as_dict()
@@ -272,7 +275,13 @@ def _defects(
             *(_other_kind(scan, found.get(scan.kind), best) for scan in scans[1:]),
             f"without {best.names[-1]}: {verdict}",
         ],
+        found | {kind: best},
     )
+
+
+def _trying(what: str, names: Sequence[str]) -> Callable[[int], str]:
+    """Description of a progress bar that names the defect being tried."""
+    return lambda done: f"{what}, now {names[done]}" if done < len(names) else what
 
 
 def _other_place(scan: DefectScan, best: FitResult) -> list[str]:
@@ -335,11 +344,13 @@ def _posterior(result: FitResult, steps: int, plot: Path | None) -> Posterior:
     return posterior
 
 
-def _save_plots(result: FitResult, plot: Path, scans: Sequence[DefectScan]) -> None:
-    from ..plotting.defects import plot_defect_scans
+def _save_plots(
+    result: FitResult, plot: Path, scans: Sequence[DefectScan], fits: Mapping[str, FitResult]
+) -> None:
+    from ..plotting.defects import plot_fitted_defects
 
     if scans:
-        save_figure(plot_defect_scans(scans), plot.with_name(f"{plot.stem}-defects{plot.suffix}"))
+        _save_figure(plot_fitted_defects(scans, fits), plot, "-defects")
     _save_figure(result.plot(), plot)
     _save_figure(result.plot_residuals(), plot, "-residuals")
     _save_figure(result.plot_correlations(), plot, "-correlations")

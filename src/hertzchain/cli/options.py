@@ -306,7 +306,18 @@ def noise_from(texts: tuple[str, ...]) -> float | str | dict[str, float | str] |
                 f"each, such as --noise 'wall={text}'"
             )
     pairs = (text.partition("=") for text in texts)
-    return {name.strip(): as_typed(size.strip()) for name, _, size in pairs} or None
+    return {_usual_name(name.strip()): as_typed(size.strip()) for name, _, size in pairs} or None
+
+
+def _usual_name(sensor: str) -> str:
+    """The usual spelling of a place; other names as they are, which are answered later."""
+    from ..errors import InputError
+    from ..traces.places import place_named
+
+    try:
+        return place_named(sensor).name
+    except InputError:
+        return sensor
 
 
 quantity_option = click.option(

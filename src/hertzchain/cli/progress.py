@@ -21,10 +21,11 @@ SECONDS_PER_LINE, LONGEST_INTERVAL = 10.0, 300.0
 
 @contextmanager
 def progress_bar(
-    what: str, *, rate: bool = False, counted: bool = True
+    what: str | Callable[[int], str], *, rate: bool = False, counted: bool = True
 ) -> Iterator[Callable[[int, int], None]]:
     """Show a bar on stderr that disappears at the end; in a pipe or file, print lines.
 
+    ``what`` may be a function of the number that is done, which names what is being tried.
     If less is done than was announced, a last line states the total, except after an error.
     With ``rate``, the number per second and the remaining time are shown as well.  Without
     ``counted``, the total is not known in advance, and only the number that is done is shown.
@@ -37,11 +38,12 @@ def progress_bar(
         TimeElapsedColumn,
     )
 
+    named = what if callable(what) else lambda _: what
     console = Console(stderr=True)
     pace = _Pace() if rate else None
     announce_compilation()
     if not console.is_terminal:
-        lines = _Lines(what, pace, counted=counted)
+        lines = _Lines(named, pace, counted=counted)
         yield lines
         lines.finish()
         return
@@ -54,13 +56,13 @@ def progress_bar(
         def update(done: int, total: int) -> None:
             text = pace.text(done, total) if pace else ""
             if not counted:
-                bar.update(task, description=f"{what}: {done}")
+                bar.update(task, description=f"{named(done)}: {done}")
             elif done < total:
-                bar.update(task, description=what, completed=done, total=total, pace=text)
+                bar.update(task, description=named(done), completed=done, total=total, pace=text)
             else:
                 # Further work may follow; the clock of a bar that is full would stop.
                 bar.tasks[0].total = None
-                bar.update(task, description=f"{what}: {done}, finishing", pace=text)
+                bar.update(task, description=f"{named(done)}: {done}, finishing", pace=text)
 
         try:
             yield update
@@ -119,7 +121,9 @@ class _Pace:
 class _Lines:
     """Lines of progress, the last of which states the total."""
 
-    def __init__(self, what: str, pace: _Pace | None, *, counted: bool = True) -> None:
+    def __init__(
+        self, what: Callable[[int], str], pace: _Pace | None, *, counted: bool = True
+    ) -> None:
         self.what, self.pace, self.counted = what, pace, counted
         self.begun, self.latest = time.monotonic(), -1
         self.interval = SECONDS_PER_LINE
@@ -136,11 +140,11 @@ class _Lines:
         if not due or done == self.latest:
             return
         of = f" of {total}" if self.counted else ""
-        click.echo(f"{self.what}: {done}{of}" + (f", {text}" if text else ""), err=True)
+        click.echo(f"{self.what(done)}: {done}{of}" + (f", {text}" if text else ""), err=True)
         self.begun, self.latest = now, done
         self.interval = min(2.0 * self.interval, LONGEST_INTERVAL)
 
     def finish(self) -> None:
         """State the total of work that has ended early, such as a search within its budget."""
         if self.latest >= 0 and (not self.counted or self.done < self.total):
-            click.echo(f"{self.what}: {self.done} in total", err=True)
+            click.echo(f"{self.what(self.done)}: {self.done} in total", err=True)

@@ -255,6 +255,18 @@ class DefectScan:
         return short("DefectScan", self.kind, text, other)
 
 
+def defect_names(result: FitResult, kind: str) -> list[str]:
+    """Names of the defects of a kind, in the order in which a scan tries them."""
+    chain = result.model.chains[0]
+    count = len(chain.radii[chain._balls]) if kind == "bead" else chain.beads - 1
+    return [str(_name(kind, result, i)) for i in range(count)]
+
+
+def candidates_of(scan: DefectScan) -> list[str]:
+    """Names of the defects of a scan, in the order in which they are fitted."""
+    return [scan.names[i] for i in np.argsort(-scan.improvements, kind="stable")]
+
+
 def fit_of_defect(
     scan: DefectScan, candidates: int | None = None, *, progress: Progress | None = None
 ) -> FitResult:
@@ -344,9 +356,7 @@ def scan_defects(
     check_type("result", result, FitResult, "hc.fit returns one")
     check_choice("kind of defect", kind, KINDS)
     callback("progress", progress)
-    model = result.model
-    chain = model.chains[0]
-    count = len(chain.radii[chain._balls]) if kind == "bead" else chain.beads - 1
+    count = len(defect_names(result, kind))
     inverse = np.linalg.pinv(result.jacobian, rcond=1e-12)
     names, improvements, sizes = [], [], []
     for i in range(count):

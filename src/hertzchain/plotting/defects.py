@@ -2,23 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Final, cast
 
+import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..validation.objects import check_bool
 from .colours import curve_colour, grey
 from .legends import place_legend
-from .style import MARKERS, figure_style, get_axes, label_log_axis
+from .signals import draw_signal
+from .style import (
+    MARKERS,
+    figure_style,
+    get_axes,
+    label_log_axis,
+    literal,
+    seconds_axis,
+    with_micro,
+)
+from .widths import figure_size
 
 if TYPE_CHECKING:
     from ..fitting.defect_scan import DefectScan
+    from ..fitting.result import FitResult
 
 # Name of each kind of defect in the legend.
 LABELS: Final = {"gap": "gap", "bead": "odd ball", "contact": "odd contact"}
+# The times are shown around the largest change of a signal by a defect, until the change is this
+# fraction of it, and at least this number of samples before and after.
+SMALL_CHANGE, MIN_SAMPLES = 0.2, 40
 
 
 def plot_defect_scans(
@@ -54,6 +70,67 @@ def plot_defect_scans(
         if legend:
             place_legend(axes, own=ax is None)
     return axes
+
+
+def plot_fitted_defects(scans: Sequence[DefectScan], fits: Mapping[str, FitResult]) -> Figure:
+    """Plot scans with the fitted defects and, below, the signal that the best one improves most.
+
+    ``fits`` have the best fit of each kind for which the scan has found a defect; without any, the
+    figure has the scans only.
+    """
+    if not fits:
+        return cast(Figure, plot_defect_scans(scans).figure)
+    best = min(fits.values(), key=lambda each: each.chi2 + each.penalty)
+    width, height = figure_size(6.4, 7.0)
+    with figure_style():
+        figure, (upper, lower) = plt.subplots(
+            2, figsize=(width, height), height_ratios=(1.2, 1.0), layout="constrained"
+        )
+        plot_defect_scans(scans, legend=False, ax=upper)
+        for i, scan in enumerate(scans):
+            if (fit := fits.get(scan.kind)) is not None:
+                place = scan.places[scan.names.index(fit.names[-1])]
+                label = f"fitted: {_place(fit.names[-1])}, {_fitted_value(fit)}"
+                upper.plot(place, fit.chi2, "*", color=curve_colour(upper, i), markersize=13.0,
+                           markeredgecolor=grey(upper, 0.0), label=literal(label),
+                           zorder=4.0)  # fmt: skip
+        place_legend(upper, own=True)
+        _draw_improved(lower, scans[0].result, best)
+        place_legend(lower, own=True)
+    return figure
+
+
+def _fitted_value(fit: FitResult) -> str:
+    """Value and error of a fitted gap, or of the diameter of a fitted ball."""
+    text = dict(fit.rows())[fit.names[-1]]
+    _, _, diameter = text.partition("diameter ")
+    return with_micro((diameter.partition(",")[0] or text).replace("+-", "±"))
+
+
+def _draw_improved(axes: Axes, without: FitResult, best: FitResult) -> None:
+    """Draw the signal whose residuals a defect reduces most, with the fits without and with it."""
+    pairs = zip(without.residuals(), best.residuals(), strict=True)
+    gains = [float(np.nansum(old**2) - np.nansum(new**2)) for (*_, old), (*_, new) in pairs]
+    index = int(np.argmax(gains))
+    shot, name, _ = best.residuals()[index]
+    shots = best.traces.shots
+    place = [signal.name for signal in shots[shot - 1].signals].index(name)
+    factor, label = seconds_axis(max(float(np.ptp(each.times)) for each in shots))
+    times = factor * shots[shot - 1].times
+    signal, curves = shots[shot - 1].signals[place], (without, best)
+    old, new = (each.predicted[shot - 1][place] for each in curves)
+    draw_signal(axes, times, signal, new, f"fit with {_place(best.names[-1])}")
+    axes.plot(times, old, "--", color=grey(axes, 0.2), linewidth=1.0, label="fit without a defect",
+              zorder=2.5)  # fmt: skip
+    of_shot = f", shot {shot}" if len(shots) > 1 else ""
+    axes.set_title(f"{literal(name)}{of_shot}, the signal that the defect improves most")
+    axes.set_xlabel(label)
+    change = np.abs(new - old)
+    middle, small = int(np.argmax(change)), np.flatnonzero(change < SMALL_CHANGE * change.max())
+    first = int(small[small < middle].max(initial=0))
+    last = int(small[small > middle].min(initial=len(times) - 1))
+    room = max(last - first, MIN_SAMPLES)
+    axes.set_xlim(times[max(first - room, 0)], times[min(last + room, len(times) - 1)])
 
 
 def _place(name: str) -> str:

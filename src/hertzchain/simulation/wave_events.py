@@ -223,7 +223,7 @@ def events_at(run: Trajectory, contact: int, floor: float) -> list[WaveEvent]:
 
 
 def events_of(curves: Curves, contact: int, floor: float, units: str) -> list[WaveEvent]:
-    """The maxima of the force above a floor, in order of time."""
+    """The maxima of a force that are large enough, in order of time."""
     times, force = curves.times, curves.force
     crests = _crests(force, floor)
     if not len(crests):

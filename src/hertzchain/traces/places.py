@@ -7,14 +7,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
-from ..chain.bead_names import numbered_bead
+from ..chain.bead_names import numbered_bead, usual_spelling
 from ..chain.chain import Chain
 from ..collision import Array
-from ..errors import InputError
+from ..errors import InputError, similar_names
 from ..simulation.run import Run
 
 QUANTITIES: Final = ("force", "velocity")
 NAME: Final = re.compile(r"(?:(ball|bead) +([0-9]+)|(?:(left|right) +)?wall)(?: +([a-z]+))?")
+NUMBER: Final = re.compile(r"[0-9]{1,9}")
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ def place_named(
 
     ``column`` is the header for which the place is given, if it is not part of it.
     """
-    text = " ".join(name.lower().split())
+    text = usual_spelling(name)
     found = NAME.fullmatch(text)
     quantity = (found[4] or "force") if found else ""
     if found is None or quantity not in QUANTITIES or (found[1] is None and quantity != "force"):
@@ -92,9 +93,22 @@ def place_named(
         what = f"column {own!r} does not name the place of its sensor"
         if column is not None:
             what = f"{own!r}, given for column {column!r}, does not name the place of a sensor"
+        what += _meant(text)
         raise InputError(
             f"{what}; write 'ball 6', 'bead 7', 'wall' or 'ball 3 velocity', with a unit such as "
             f"[N], or give load_traces sensors={{{column or own!r}: {example!r}}}"
         )
     body = found[1] or found[3] or "right"
     return Place(text.removesuffix(" force"), body, int(found[2] or 0), quantity)
+
+
+def _meant(text: str) -> str:
+    """A question whether a similar name is meant; empty without one."""
+    number = NUMBER.search(text)
+    names = ["wall", "left wall", "right wall"]
+    if number is not None and "wall" not in text:
+        bodies = [f"{body} {int(number[0])}" for body in ("ball", "bead")]
+        names = [*bodies, *(f"{body} {each}" for body in bodies for each in QUANTITIES)]
+    # A ball without a number is similar to the wall.
+    near = similar_names(text, names) if len(text) > 2 and text not in ("ball", "bead") else ""
+    return f" (did you mean {near}?)" if near else ""

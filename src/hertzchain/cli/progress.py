@@ -122,9 +122,10 @@ class _Lines:
     """Lines of progress, the last of which states the total."""
 
     def __init__(
-        self, what: Callable[[int], str], pace: _Pace | None, *, counted: bool = True
+        self, what: str | Callable[[int], str], pace: _Pace | None, *, counted: bool = True
     ) -> None:
-        self.what, self.pace, self.counted = what, pace, counted
+        self.what: Callable[[int], str] = what if callable(what) else lambda _: what
+        self.pace, self.counted = pace, counted
         self.begun, self.latest = time.monotonic(), -1
         self.interval = SECONDS_PER_LINE
         self.done = self.total = 0

@@ -243,8 +243,13 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
         (hc.Chain.tapered(
             first_diameter="20 mm", last_diameter="8 mm", beads=10, material="brass", velocity=0.1,
          ).decorated(0.4),
-         "Chain(19 brass beads, diameters 20 mm to 8 mm decorated (ratio 0.4), impact at "
-         "0.1 m/s)"),
+         "Chain(19 brass beads, diameters 20 mm to 8 mm, exponential taper, decorated (ratio 0.4), "
+         "impact at\n    0.1 m/s)"),
+        (hc.Chain.tapered(
+            "linear", first_diameter="20 mm", last_diameter="8 mm", beads=9, material="brass",
+            velocity=0.1,
+         ),
+         "Chain(9 brass beads, diameters 20 mm to 8 mm, linear taper, impact at 0.1 m/s)"),
         (hc.Chain.from_radii([1.0, 0.4, 0.9, 0.3, 0.8]), "Chain(given radii, 5 beads)"),
         (hc.Chain.from_radii([1.0, 0.5, 0.3] * 2), "Chain(cells of 3 beads, 6 beads)"),
         (hc.Chain.from_radii([1.0, 0.5, 1.0, 0.5, 0.3]), "Chain(given radii, 5 beads)"),

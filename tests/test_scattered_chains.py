@@ -31,8 +31,9 @@ CASES = {
         "20 steel balls, 10 mm, 1% scatter",
     ),
     "grade": (
-        TAPER.with_scatter(1, grade=100), "20 steel-316 beads, diameters 20 mm to 10 mm, grade 100",
-        "20 steel balls, 20 mm to 10 mm, grade 100",
+        TAPER.with_scatter(1, grade=100),
+        "20 steel-316 beads, diameters 20 mm to 10 mm, exponential taper, grade 100",
+        "20 steel balls, 20 mm to 10 mm, exponential taper, grade 100",
     ),
     "projectile": (
         STEEL.with_scatter(1, relative=0.01, beads="2:"),

@@ -99,7 +99,7 @@ class ChainBuilders(ChainFields):
         >>> hc.Chain.tapered(ratio=0.25, beads=40)
         Chain(forward-exponential, q = 0.0361853, 40 beads)
         >>> hc.Chain.tapered(first="10 mm", last="2.5 mm", beads=40, material="steel-52100")
-        Chain(40 steel-52100 beads, diameters 20 mm to 5 mm, impact at 1 m/s)
+        Chain(40 steel-52100 beads, diameters 20 mm to 5 mm, exponential taper, impact at 1 m/s)
         """
         count = checked_beads(beads, least=2)
         fields = {name: others.pop(name) for name in builder.TAPER_FIELDS if name in others}

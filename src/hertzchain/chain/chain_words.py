@@ -5,10 +5,10 @@ from __future__ import annotations
 from .description import (
     beads_description,
     cells_in_words,
-    features_in_words,
     implied_features,
     law_in_words,
     mass_in_words,
+    shown_features,
     strikers_in_words,
     taper_behind,
 )
@@ -18,7 +18,20 @@ from .scattered_radii import ScatteredRadii
 
 def chain_description(chain: ChainFields) -> str:
     """Such as ``20 brass beads, diameter 10 mm, and a cap (5 g), right wall``."""
-    law, own = law_in_words(chain.exponents), chain._balls
+    beads, bodies, features = _parts(chain)
+    joined = [f"{'and ' * (len(bodies) == 1)}{' and '.join(bodies)}"] if bodies else []
+    return ", ".join((*beads, *joined, *features))
+
+
+def description_parts(chain: ChainFields) -> list[str]:
+    """The parts of a description; those of strikers and caps are separate, and may have commas."""
+    beads, bodies, features = _parts(chain)
+    return [*beads, *bodies, *features]
+
+
+def _parts(chain: ChainFields) -> tuple[list[str], list[str], list[str]]:
+    """Words for the beads, for strikers and a cap, and for the law and further features."""
+    own = chain._balls
     shape: ChainFields | ScatteredRadii = chain.scatter or chain
     scatter = chain.scatter.words(chain.radii, own) if chain.scatter else ""
     balls = chain.masses[own] if "masses" in chain.given else None
@@ -34,11 +47,14 @@ def chain_description(chain: ChainFields) -> str:
     beads = beads_description(*kind, strikers=chain.strikers, scaled=chain.scaled)
     equal = bool((chain.stiffness[: own.stop - 1] == 1.0).all())
     implied = implied_features(beads, scaled=chain.scaled, equal_contacts=equal)
-    others = [each for each in (first, cap_in_words(chain)) if each]
-    beads += f", {'and ' * (len(others) == 1)}{' and '.join(others)}" if others else ""
-    rest = features_in_words(chain.features, implied, chain.velocities, chain.strikers)
+    named = shown_features(chain.features, implied, chain.velocities, chain.strikers)
     still = chain._at_rest_by_default and chain.drive is None and not chain.velocities.any()
-    return f"{beads}{law}{rest}{', at rest' * still}"
+    features = [law_in_words(chain.exponents), *named, "at rest" if still else ""]
+    return (
+        beads.split(", "),
+        [each for each in (first, cap_in_words(chain)) if each],
+        [each for each in features if each],
+    )
 
 
 def cap_in_words(chain: ChainFields) -> str:

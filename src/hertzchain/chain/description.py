@@ -36,7 +36,7 @@ def beads_description(
     strikers: int = 0,
     scaled: bool,
 ) -> str:
-    """Such as ``uniform, 20 beads``, or ``20 steel-52100 beads, diameter 10 mm``.
+    """Such as ``uniform, 20 beads``, or ``20 brass beads, diameters 9 mm to 5 mm, linear taper``.
 
     Strikers are neither counted nor described.  With a scatter, radii and taper are those without
     it.  Masses are `None` if they follow from the radii.
@@ -62,7 +62,7 @@ def beads_description(
     diameters = "diameter" if np.ptp(radii) == 0.0 else "diameters"
     counted = beads_of(count, "beads", names or ["SI"])
     sizes = f"{diameters} {sizes_in_words(radii)}"
-    return ", ".join(filter(None, (counted, sizes, scatter)))
+    return ", ".join(filter(None, (counted, sizes, shape_in_words(radii), scatter)))
 
 
 def _taper_in_words(taper: str, parameters: Sequence[tuple[str, float]]) -> str:
@@ -162,7 +162,7 @@ def implied_features(beads: str, *, scaled: bool, equal_contacts: bool) -> list[
 
 
 def taper_behind(radii: Array) -> tuple[str | None, tuple[tuple[str, float], ...]]:
-    """Name and parameters of the taper of the beads behind strikers, whose chain names none."""
+    """Name and parameters of the taper of beads whose chain names none."""
     ends = float(radii[0]), float(radii[-1])
     # Any two radii are a taper, and the last radius of a steeper one is not a size.
     if len(radii) > 2 and ends[0] != ends[1] and ends[1] / ends[0] > 2.0 ** -(len(radii) - 1):
@@ -189,9 +189,9 @@ def cells_in_words(radii: Array, masses: Array | None) -> str:
 
 
 def law_in_words(exponents: Array | float) -> str:
-    """Such as ``, p = 2``, if one exponent of all contacts is not that of Hertz."""
+    """Such as ``p = 2``, if one exponent of all contacts is not that of Hertz."""
     hertz = not isinstance(exponents, float) or exponents == HERTZ_EXPONENT
-    return "" if hertz else f", p = {exponents:g}"
+    return "" if hertz else f"p = {exponents:g}"
 
 
 def beads_of(count: int, noun: str, materials: Sequence[str] = ()) -> str:
@@ -209,7 +209,7 @@ def beads_of(count: int, noun: str, materials: Sequence[str] = ()) -> str:
 def sizes_in_words(radii: Array) -> str:
     """Diameter, or those of all but one, two in turn, the ends of a taper, or the extremes.
 
-    The ends of a decorated taper are those of its large beads.
+    The ends of a decorated taper are those of its large beads; `shape_in_words` names the rest.
     """
     low, high = radii.min(), radii.max()
     if low == high:
@@ -223,9 +223,17 @@ def sizes_in_words(radii: Array) -> str:
         return f"{one} except one of {other}"
     if decoration := decoration_of(radii):
         ends = _distinguishable(decoration.large[0], decoration.large[-1])
-        return f"{' to '.join(ends)} {decoration.words}"
+        return " to ".join(ends)
     first, last = (high, low) if np.all(np.diff(radii) <= 0.0) else (low, high)
     return " to ".join(dict.fromkeys(_distinguishable(first, last)))
+
+
+def shape_in_words(radii: Array) -> str:
+    """Such as ``exponential taper`` or ``linear taper, decorated (ratio 0.4)``, after sizes."""
+    decoration = decoration_of(radii)
+    taper, _ = taper_behind(radii if decoration is None else decoration.large)
+    kind = "" if taper is None else f"{taper.partition('-')[2]} taper"
+    return ", ".join(filter(None, (kind, "" if decoration is None else decoration.words)))
 
 
 def _distinguishable(one: float, other: float) -> tuple[str, str]:
@@ -236,14 +244,14 @@ def _distinguishable(one: float, other: float) -> tuple[str, str]:
     return length_in_words(2.0 * one, digits), length_in_words(2.0 * other, digits)
 
 
-def features_in_words(
+def shown_features(
     names: Sequence[str], left_out: Sequence[str], velocities: Array, moving: int
-) -> str:
-    """Such as ``, gaps, right wall``; equal velocities of all strikers are not named."""
+) -> list[str]:
+    """Such as ``gaps`` and ``right wall``; equal velocities of all strikers are not named."""
     first = velocities[:moving]
     usual = moving > 0 and np.ptp(first) == 0.0 and not velocities[moving:].any()
     hidden = {"strikers", "cap", *left_out, *(["velocities"] if usual else [])}
-    return "".join(f", {name}" for name in names if name not in hidden)
+    return [name for name in names if name not in hidden]
 
 
 def strikers_in_words(

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.chain_words import cap_in_words
+from ..chain.chain_words import cap_in_words, description_parts
 from ..chain.description import law_in_words, length_in_words
 from ..chain.laws import Loss
 from ..chain.laws.elastic import Elastic
@@ -48,8 +48,8 @@ def words_of_chains(chains: Sequence[Chain]) -> list[list[str]]:
     named = [[*parts] for parts in zip(*(words for words in found if words), strict=True)]
     replaced = [each for each, words in zip(PROPERTIES, found, strict=True) if words]
     titles, described = (
-        [_without(words(chain).split(", "), replaced, chain) for chain in chains]
-        for words in (chain_words, _described(caps=len({*map(cap_in_words, chains)}) > 1))
+        [_without(parts(chain), replaced, chain) for chain in chains]
+        for parts in (lambda chain: chain_words(chain).split(", "), description_parts)
     )
     for words in (titles, described):
         _omit_vague(words)
@@ -59,20 +59,6 @@ def words_of_chains(chains: Sequence[Chain]) -> list[list[str]]:
     for array in ARRAYS:
         _name_places(every, chains, *array)
     return every
-
-
-def _described(*, caps: bool) -> Callable[[Chain], str]:
-    """Descriptions of chains, without caps if these differ, which are named as a property."""
-
-    def words(chain: Chain) -> str:
-        if not caps:
-            return chain.description
-        text = chain.description
-        for end in (f", and {cap_in_words(chain)}", f" and {cap_in_words(chain)}"):
-            text = text.replace(end, "") if chain.cap else text
-        return text.replace(", and ", ", ")
-
-    return words
 
 
 def _kinds(words: Sequence[Sequence[str]]) -> int:
@@ -244,11 +230,11 @@ PROPERTIES: Final = (
     _Property(_striker),
     _Property(
         lambda chain, _: cap_in_title(chain) or "no cap",
-        lambda chain: (cap_in_title(chain),),
+        lambda chain: (cap_in_title(chain), cap_in_words(chain)),
     ),
     _Property(
-        lambda chain, _: law_in_words(chain.exponents).removeprefix(", ") or "p = 1.5",
-        lambda chain: (law_in_words(chain.exponents).removeprefix(", "),),
+        lambda chain, _: law_in_words(chain.exponents) or "p = 1.5",
+        lambda chain: (law_in_words(chain.exponents),),
     ),
     _Property(_gaps, lambda _: ("gaps",)),
     _Property(_load, lambda _: ("precompression",)),

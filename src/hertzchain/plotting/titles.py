@@ -14,6 +14,7 @@ from ..chain.description import (
     length_in_words,
     mass_in_words,
     odd_bead,
+    shape_in_words,
     sizes_in_words,
     stiffness_in_words,
     strikers_in_words,
@@ -25,7 +26,7 @@ from .style import literal
 
 
 def chain_words(chain: Chain) -> str:
-    """Such as ``20 steel balls, 20 mm to 8 mm, PTFE wall``; strikers are named, not counted."""
+    """Such as ``20 steel balls, 9 mm to 5 mm, linear taper``; strikers are named, not counted."""
     if chain.units == "SI":
         odd = _odd_bead(chain, "ball")
         materials = list(_materials(_of_balls(chain)).values()) or ["SI"]
@@ -35,10 +36,10 @@ def chain_words(chain: Chain) -> str:
         title = f"{balls}{_strikers(chain, odd)}"
     else:
         title = _scaled_beads(chain)
-    title += law_in_words(chain.exponents)
+    law = law_in_words(chain.exponents)
     gravity = "under gravity" if chain.gravity else ""
     wall = wall_in_words(chain, chain.right_wall)
-    parts = title, gravity, cap_in_title(chain), wall, loss_in_title(chain)
+    parts = title, law, gravity, cap_in_title(chain), wall, loss_in_title(chain)
     return ", ".join(filter(None, parts))
 
 
@@ -84,8 +85,9 @@ def _strikers(chain: Chain, odd: OddBead | None) -> str:
     balls = sizes_in_words(radii[chain._balls])
     if odd is not None:
         balls = f"{length_in_words(2.0 * odd.usual_radius)}, {odd.words}"
-    if chain.scatter is not None and (scatter := chain.scatter.words(chain.radii, chain._balls)):
-        balls += f", {scatter}"
+    scatter = chain.scatter.words(chain.radii, chain._balls) if chain.scatter else ""
+    added = filter(None, (shape_in_words(radii[chain._balls]), scatter))
+    balls = ", ".join((balls, *added))
     if not first:
         return f", {balls}"
     strikers = "a striker" if first == 1 else f"{first} strikers"

@@ -199,7 +199,7 @@ def test_the_peak_with_contacts_that_yield_is_stated():
     assert peak["yielding"] == pytest.approx(expected, rel=1e-6)
     assert peak["first"] > 10.0 * expected
     assert [each[:2] for each in peak["shown"]] == [
-        ["peak", peak["first"]], ["peak if contacts yield", peak["yielding"]]
+        ["peak", peak["first"]], ["peak if contacts yield at 1.6 Y", peak["yielding"]]
     ]  # fmt: skip
     # Contacts that do not yield have the same peak; that of other losses is not known.
     peak = computed(below)["run"][0]["peaks"]["right"]
@@ -216,7 +216,7 @@ def test_a_note_states_that_the_pressure_of_a_peak_with_yield_is_assumed():
     row = {"diameters": "12 mm", "beads": 10, "materials": "steel-316", "right_wall": {}}
     for velocity, stated in (("2 m/s", True), ("1 mm/s", False)):
         warnings = computed({"chain": {**row, "velocity": velocity}})["run"][0]["warnings"]
-        note = "peak if contacts yield: the pressure at which contacts yield is assumed to be 1.6"
+        note = "peak if contacts yield at 1.6 Y: the pressure at which contacts yield is assumed"
         assert any(each.startswith(note) for each in warnings) == stated
 
 
@@ -224,7 +224,7 @@ def test_a_peak_with_yield_outside_the_range_of_the_law_says_so():
     row = {"diameters": "10 mm", "beads": 5, "materials": "ptfe", "right_wall": {}}
     peak = computed({"chain": {**row, "velocity": "20 m/s"}})["run"][0]["peaks"]["right"]
     label, value, time = peak["shown"][1]
-    assert label == "peak if contacts yield, outside the range of the law"
+    assert label == "peak if contacts yield at 1.6 Y, outside the range of the law"
     assert 0.0 < value < peak["first"]
     assert time is None
     # The table of two chains does not compare it.
@@ -733,7 +733,7 @@ def test_a_run_is_described_by_its_own_warnings_and_units(client):
     assert run["warnings"][0].startswith("contacts would be dented, and forces may be lower: p")
     assert run["warnings"][1].startswith("overlap / radius")
     (assumed,) = run["warnings"][2:]
-    assert assumed.startswith("peak if contacts yield: the pressure at which contacts yield is")
+    assert assumed.startswith("peak if contacts yield at 1.6 Y: the pressure at which contacts")
     # The run for the page ends as that of `simulate` without `until`.
     found = re.match(
         r"the run ends at t = (\d+\.\d+) ms, with 1 contact still closed", run["message"]

@@ -921,7 +921,7 @@ def test_simulate_compares_several_chain_files(run, tmp_path):
     )
     drawn = picture.read_text()
     # The run of the equal balls ends earlier.
-    assert re.search("<!-- equal, until [0-9.]+ µs -->", drawn)
+    assert re.search(r"<!-- equal \(run ends at [0-9.]+ µs\) -->", drawn)
     for text in ("tapered", "bead 2", "right wall"):
         assert f"<!-- {text} -->" in drawn
     found = json.loads(run("simulate", *files, "--json")[1])["runs"]

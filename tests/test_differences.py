@@ -46,13 +46,14 @@ def lossy(law):
         ([BEADS, BEADS.replace(velocities=[2.0] + [0.0] * 19)], ["impact at 1", "impact at 2"]),
         ([BALLS, BALLS.replace(right_wall=hc.Wall()),
           BALLS.replace(right_wall=hc.Wall.of("brass", gap="10 um"))],
-         ["no right wall", "right wall", "brass right wall at a distance of 10 µm"]),
+         ["no right wall", "steel right wall", "brass right wall at a distance of 10 µm"]),
         ([BALLS.replace(right_wall=hc.Wall(loss=law)) for law in (None, hc.Restitution(0.9))],
-         ["right wall", "right wall with restitution 0.9"]),
+         ["steel right wall", "steel right wall with restitution 0.9"]),
         ([BEADS, BEADS.replace(left_wall=hc.Wall())], ["no left wall", "left wall"]),
-        ([row(diameter="5 mm"), row(diameter="8 mm")], ["5 mm", "8 mm"]),
+        ([row(diameter="5 mm"), row(diameter="8 mm")],
+         ["steel striker of 5 mm", "steel striker of 8 mm"]),
         ([row(radius=np.inf, mass=m) for m in ("5 g", "5.00001 g")],
-         ["striker of 5 g", "striker of 5.00001 g"]),
+         ["steel striker of 5 g", "steel striker of 5.00001 g"]),
         ([lossy(hc.Restitution(0.9)), row("steel-316")],
          ["20 steel-52100 beads, restitution 0.9", "20 steel-316 beads, no loss"]),
         ([BALLS, BALLS.replace(gaps=GAP)], ["no gaps", "gap of 1 µm in contact 8"]),
@@ -132,4 +133,37 @@ def test_a_law_named_after_people_has_capital_letters():
     laws = [chain.replace(loss=hc.WaltonBraun(ratio)) for ratio in (0.9, 0.8)]
     assert [words[-1] for words in words_of_chains(laws)] == [
         "Walton\N{EN DASH}Braun 0.9", "Walton\N{EN DASH}Braun 0.8",
+    ]  # fmt: skip
+
+
+def test_common_places_and_walls_are_in_the_title():
+    shapes = ("linear", "exponential")
+    tapers = [
+        hc.Chain.tapered(
+            shape, first_diameter="12 mm", last_diameter="8 mm", beads=8, material="steel-52100",
+            velocity="0.1 m/s",
+        ).replace(right_wall=hc.Wall())
+        for shape in shapes
+    ]  # fmt: skip
+    runs = [hc.simulate(chain, until="0.5 ms", times=200) for chain in tapers]
+    names, common = [f"{shape} taper" for shape in shapes], "8 steel balls, 12 mm to 8 mm"
+    axes = runs[1].plot_forces(["wall"], ax=runs[0].plot_forces(["wall"]))
+    assert texts(axes) == names
+    assert axes.get_title() == f"force on the right wall, {common}"
+    axes = runs[1].plot_forces([3, "wall"], ax=runs[0].plot_forces([3, "wall"]))
+    places = ("bead 3", "right wall")
+    assert texts(axes) == [f"{place}, {name}" for name in names for place in places]
+    assert axes.get_title() == f"{common}, right wall"
+    axes = hc.plot_pulses([run.pulse() for run in runs], residuals=True)
+    assert texts(axes)[:2] == names
+    assert axes.get_title() == f"simulation, {common}, right wall"
+    assert axes.figure.axes[1].get_ylabel() == "difference from\nlinear taper [%]"
+
+
+def test_a_loss_of_few_contacts_is_named():
+    law = hc.Restitution(0.9)
+    one, two = ([law if k in places else None for k in range(1, 20)] for places in ((6,), (6, 9)))
+    words = words_of_chains([BEADS, *(BEADS.replace(loss=each) for each in (one, two))])
+    assert distinguish([["", *each] for each in words])[0] == [
+        "no loss", "restitution 0.9 in contact 6", "restitution 0.9 in 2 contacts"
     ]  # fmt: skip

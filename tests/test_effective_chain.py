@@ -187,3 +187,48 @@ def test_the_spacing_of_steep_tapers_warns_of_its_error(taper, q, error):
 def test_methods_of_chains_advise_those_of_an_effective_chain():
     with pytest.raises(hc.InputError, match=r"got EffectiveChain\(.*bca\(\) and spacing"):
         hc.propagate(hc.effective_chain(CHAIN))
+
+
+@pytest.mark.parametrize("units", ["scaled", "SI"])
+def test_pulses_of_effective_chains_compare_and_plot_like_others(units):
+    chain = hc.Chain.uniform(41)
+    if units == "SI":
+        chain = hc.Chain.from_materials("5 mm", "steel-52100", beads=41, velocity="0.1 m/s")
+    chain = chain.decorated(0.3)
+    found, exact = hc.effective_chain(chain).bca(), hc.propagate(chain)
+    pulse = found.pulse()
+    large = found.bead - 1
+    np.testing.assert_array_equal(pulse.velocity[large], found.velocity)
+    assert np.isnan(np.delete(pulse.velocity, large)).all()
+    # The force is the same in both contacts of a small bead.
+    np.testing.assert_allclose(pulse.peak_force[::2], found.peak_force, rtol=1e-12)
+    np.testing.assert_allclose(pulse.peak_force[1::2], found.peak_force, rtol=1e-12)
+    assert "velocities are too large by 39% to 67%" in str(pulse)
+    comparison = pulse.compare(exact)
+    assert 0.4 < comparison.worst("velocity", first_bead=20) < 0.5
+    assert comparison.worst("arrival", first_bead=20) < 0.03
+    assert exact.compare(found).reference.method == "effective chain"
+    axes = hc.plot_pulses([exact, found], "arrival")
+    line = next(each for each in axes.lines if each.get_label() == "effective chain")
+    # A line joins the large beads.
+    np.testing.assert_array_equal(line.get_xdata(), found.bead)
+    np.testing.assert_array_equal(line.get_ydata(), found.arrival)
+
+
+def test_times_and_velocities_have_the_errors_that_are_stated():
+    times, velocities = [], []
+    for kind in ("forward-exponential", "backward-exponential"):
+        chain = hc.Chain.tapered(kind, 0.05, beads=31).decorated(0.3)
+        found, exact = hc.effective_chain(chain).bca(), hc.propagate(chain)
+        i = found.bead - 1
+        times.append(np.ptp(found.arrival[8:-3]) / np.ptp(exact.peak_time[i][8:-3]) - 1.0)
+        velocities += (found.velocity / exact.velocity[i] - 1.0)[3:-2].tolist()
+    assert 0.06 < max(np.abs(times)) < 0.07
+    assert 0.385 < min(velocities) < max(velocities) < 0.675
+
+
+def test_an_effective_chain_without_its_chain_has_no_pulse():
+    found = hc.effective_chain(CHAIN)
+    bare = hc.EffectiveChain(found.masses, found.stiffness, found.exponent, found.large_beads)
+    with pytest.raises(hc.InputError, match="no chain with small beads"):
+        bare.bca().pulse()

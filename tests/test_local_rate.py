@@ -635,7 +635,7 @@ def test_the_law_of_the_large_beads_gives_velocities_of_a_decorated_taper(taper,
 
 @pytest.mark.parametrize(("chain", "advice"), [
     (hc.Chain.dimer(radii=[1.0, 0.9], beads=30), "use propagate$"),
-    (hc.Chain.dimer(radii=[1.0, 0.5], beads=30), "use propagate, or effective_chain for small"),
+    (hc.Chain.dimer(radii=[1.0, 0.5], beads=30), "use propagate, or effective_chain for the times"),
     (hc.Chain.from_radii([1.0] * 15 + [2.0] * 15), "use propagate, or piecewise_local_rate for"),
 ])  # fmt: skip
 def test_the_advice_for_chains_outside_the_range_works(chain, advice):

@@ -450,14 +450,13 @@ def test_a_shorter_run_states_where_it_ends():
     axes = plot_forces_of_runs(named, {name: [4] for name in named})
     peak = f"{runs[0].sensor_force(4).largest_so_far:.3g}"
     shown = [
-        f"a, bead 4: {peak}, until $t$ = 20", f"b, bead 4: {peak}, until $t$ = 21",
-        f"c, bead 4: {peak}",
+        f"a: {peak} (run ends at $t$ = 20)", f"b: {peak} (run ends at $t$ = 21)", f"c: {peak}",
     ]  # fmt: skip
     assert legend_texts(axes) == shown
     balls = hc.Chain.from_materials("5 mm", "brass", beads=9, velocity="1 cm/s")
     axes = hc.simulate(balls, until="200 us").plot_forces([4])
     hc.simulate(balls, until="600 us").plot_forces([4], ax=axes)
-    assert legend_texts(axes) == ["bead 4, until 200 µs", "bead 4"]
+    assert legend_texts(axes) == ["bead 4 (run ends at 200 µs)", "bead 4"]
     with pytest.raises(hc.InputError, match=r"to compare two runs, use run.pulse\(\).compare"):
         runs[0].compare(runs[1])
 
@@ -484,7 +483,7 @@ def test_small_differences_are_visible_beside_large_ones():
     pulses = [hc.propagate(chain), hc.bca(chain), hc.local_rate(chain)]
     lower = hc.plot_pulses(pulses, residuals=True).figure.axes[1]
     assert lower.get_yscale() == "log"
-    assert lower.get_ylabel() == "|difference|\n[%]"
+    assert lower.get_ylabel() == "|difference|\nfrom propagation\n[%]"
     errors = 100.0 * np.abs(pulses[2].velocity / pulses[0].velocity - 1.0)
     # The logarithmic axis has no place for the exact velocity of bead 1.
     assert errors[0] == 0.0
@@ -843,7 +842,7 @@ def test_narrow_figures_have_ticks_at_whole_beads_and_lines_that_survive_grey():
     axes.figure.canvas.draw()
     lower = axes.figure.axes[1]
     np.testing.assert_array_equal(lower.get_xticks() % 1.0, 0.0)
-    assert lower.get_ylabel() == "difference\n[%]"
+    assert lower.get_ylabel() == "difference from\npropagation [%]"
     run = hc.simulate(hc.Chain.uniform(16).replace(right_wall=hc.Wall()))
     *sensors, wall = run.plot_forces([4, 8, 12, "wall"]).lines
     assert len({line.get_linestyle() for line in sensors}) == 3
@@ -1548,8 +1547,8 @@ def test_runs_with_many_oscillations_have_lines_of_one_width():
         axes = plot_forces_of_runs(runs, {name: ["wall"] for name in runs})
         assert len({line.get_linewidth() for line in axes.lines}) == widths
         peaks = [run.wall_force().peak for run in runs.values()]
-        shown = [f"{i}, right wall: {peak:.3g} N" for i, peak in enumerate(peaks)]
-        assert [each.partition(", until")[0] for each in legend_texts(axes)] == shown
+        shown = [f"{i}: {peak:.3g} N" for i, peak in enumerate(peaks)]
+        assert [each.partition(" (run ends")[0] for each in legend_texts(axes)] == shown
 
 
 def test_runs_have_the_same_style_in_all_panels():
@@ -1589,7 +1588,7 @@ def test_a_panel_of_several_runs_states_that_a_peak_is_not_complete():
     first = plot_forces_of_runs(runs, {name: [4, 9] for name in runs})
     assert legend_texts(first) == [*runs]
     wall = first.figure.axes[1]
-    assert legend_texts(wall) == [f"{name} (peak not complete)" for name in runs]
+    assert legend_texts(wall) == [f"{name} (a larger force may follow)" for name in runs]
 
 
 @pytest.mark.parametrize(
@@ -1701,10 +1700,10 @@ def test_labels_of_a_user_have_no_remarks():
     long.plot_forces(["wall"], label="B", ax=axes)
     assert [line.get_label() for line in axes.lines[:2]] == ["A", "B"]
     # The circle at the end of the first is explained by an entry of its own.
-    assert legend_texts(axes) == ["A", "B", "peak not complete"]
+    assert legend_texts(axes) == ["A", "B", "a larger force may follow"]
     long.plot_forces([4, "wall"], label="C", ax=axes)
-    assert legend_texts(axes)[-2:] == ["C, right wall", "peak not complete"]
-    assert legend_texts(axes).count("peak not complete") == 1
+    assert legend_texts(axes)[-2:] == ["C, right wall", "a larger force may follow"]
+    assert legend_texts(axes).count("a larger force may follow") == 1
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
@@ -1714,7 +1713,7 @@ def test_figures_of_journals_have_no_remarks_on_forces(width):
     short, long = (hc.simulate(chain, until=end, times=200) for end in (10.0, 60.0))
     with hc.figure_style(width):
         axes = long.plot_forces([4], ax=short.plot_forces(["wall"]))
-    remarks = " (peak not complete), until $t$ = 10" if width is None else ""
+    remarks = " (a larger force may follow, run ends at $t$ = 10)" if width is None else ""
     assert legend_texts(axes) == [f"right wall{remarks}", "bead 4"]
     assert axes.lines[0].get_marker() == ("o" if width is None else "None")
 

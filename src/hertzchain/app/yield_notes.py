@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
+from ..chain.materials import FIRST_YIELD
 from ..chain.yield_pressure import ASSUMED_PRESSURE, OTHER_PRESSURE
 from ..simulation.run import Run
 from ..simulation.yield_range import depends_on_yield_pressure
@@ -12,7 +13,7 @@ from ..simulation.yielding import dents_in_words, remark_on_overlaps
 from .wording import on_the_page
 
 # Label of the peak in a second simulation, of an elastic chain with contacts that yield.
-IF_YIELDING: Final = "peak if contacts yield"
+IF_YIELDING: Final = f"peak if contacts yield at {FIRST_YIELD:g} Y"
 
 
 def yield_notes(run: Run) -> list[str]:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
-from ..errors import InputError
 from ..pulse.quantities import COLUMN_QUANTITIES, ON_REQUEST
 from .chain_options import ChainOptions, chain_options, chains_from
 from .options import Fraction, LateHelp, StrictCommand, figure_option, fraction_from, json_option
@@ -28,15 +27,14 @@ SYNONYMS: Final = {
 DISORDER: Final = "disorder"
 # Spreads are predicted by that method only.
 PREDICTED: Final = tuple(name for name in COLUMN_QUANTITIES if not name.endswith("_spread"))
-PYTHON_ONLY: Final = {
-    "effective-chain": "use hertzchain.effective_chain in Python",
-}
+# The theory of the large beads of a chain with small ones between them.
+EFFECTIVE: Final = "effective-chain"
 
 
 def _methods() -> tuple[str, ...]:
     from ..sweeps.methods import METHODS
 
-    return (*METHODS, DISORDER)
+    return (*METHODS, DISORDER, EFFECTIVE)
 
 
 def _method_help() -> str:
@@ -100,7 +98,8 @@ def pulse(
     The chain is given by options or by FILE (TOML or CSV); --plot compares several files.  For a
     chain in SI units, the pulse is computed in the paper's scaled variables and printed in SI
     units.  Several methods are compared with the simulation or, if there is none, with the first
-    method.
+    method.  Of the effective chain of large beads with small ones between them, only the times are
+    predictions.
 
     \b
     Examples:
@@ -118,8 +117,6 @@ def pulse(
     if as_json and as_csv:
         raise click.UsageError("--json and --csv cannot be combined")
     for method in methods:
-        if method in PYTHON_ONLY:
-            raise InputError(f"{method!r} is not a method of this command; {PYTHON_ONLY[method]}")
         check_choice("method", method, _methods())
     chosen = list(dict.fromkeys(methods))
     if not (as_json or as_csv):
@@ -200,9 +197,12 @@ def _computed(
     """The pulse by a method of the command."""
     from ..sweeps.methods import pulse_by
     from ..theory.disorder import disorder
+    from ..theory.effective_chain import effective_chain
 
     if method == DISORDER:
         return disorder(chain, **settings)
+    if method == EFFECTIVE:
+        return effective_chain(chain).bca().pulse()
     return pulse_by(method, chain, progress, **settings)
 
 

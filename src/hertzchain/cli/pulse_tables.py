@@ -98,9 +98,12 @@ def _cell(values: Array | None, i: int, digits: int) -> str:
 
 def _add_notes(table: Table, pulses: list[Pulse], *more: str) -> None:
     """Add the reasons for missing values below the table."""
-    from ..pulse.notes import notes_in_words
+    from ..pulse.notes import WARNING, notes_in_words
+    from ..pulse.pulse import EFFECTIVE_CHAIN
 
     notes = [note for pulse in pulses for note in notes_in_words(pulse.notes)]
+    # Other theories warn themselves.
+    notes += [each.notes[WARNING] for each in pulses if each.method == EFFECTIVE_CHAIN]
     notes += filter(None, more)
     lines = [str(table.caption)] if table.caption else []
     if notes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -10,14 +11,14 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.chain_words import cap_in_words, description_parts
-from ..chain.description import law_in_words, length_in_words
+from ..chain.description import law_in_words, length_in_words, strikers_in_words
 from ..chain.laws import Loss
 from ..chain.laws.elastic import Elastic
 from ..chain.laws.given_numbers import given_numbers
 from ..chain.walls import Wall
 from ..representation import MAX_DIGITS, measure
 from .style import with_micro
-from .titles import cap_in_title, chain_words, loss_in_title, wall_in_words
+from .titles import cap_in_title, chain_words, loss_in_title, short_material, wall_in_words
 
 # Digits of values; the second number is for values that the first one does not distinguish.
 DIGITS: Final = (4, MAX_DIGITS)
@@ -47,9 +48,13 @@ def words_of_chains(chains: Sequence[Chain]) -> list[list[str]]:
     found = [_differing(each, chains) for each in PROPERTIES]
     named = [[*parts] for parts in zip(*(words for words in found if words), strict=True)]
     replaced = [each for each, words in zip(PROPERTIES, found, strict=True) if words]
+    strikers = STRIKERS not in replaced
     titles, described = (
         [_without(parts(chain), replaced, chain) for chain in chains]
-        for parts in (lambda chain: chain_words(chain).split(", "), description_parts)
+        for parts in (
+            lambda chain: _title_parts(chain, strikers=strikers, walls=len(chains) > 1),
+            description_parts,
+        )
     )
     for words in (titles, described):
         _omit_vague(words)
@@ -59,6 +64,17 @@ def words_of_chains(chains: Sequence[Chain]) -> list[list[str]]:
     for array in ARRAYS:
         _name_places(every, chains, *array)
     return every
+
+
+def _title_parts(chain: Chain, *, strikers: bool, walls: bool) -> list[str]:
+    """The parts of a title; with ``walls``, also those of the material of the beads."""
+    parts = chain_words(chain, strikers=strikers).split(", ")
+    if not walls:
+        return parts
+    for side, wall, end in (("left", chain.left_wall, 0), ("right", chain.right_wall, -1)):
+        if wall is not None and not wall_in_words(chain, wall, end):
+            parts.append(f"{side} wall")
+    return parts
 
 
 def _kinds(words: Sequence[Sequence[str]]) -> int:
@@ -149,9 +165,16 @@ def words_of_loss(law: Loss, units: str, digits: int = DIGITS[0]) -> str:
 
 def loss_in_words(chain: Chain, digits: int = DIGITS[0]) -> str:
     """The loss of contacts between beads; that of a wall belongs to the wall."""
-    inner = dict.fromkeys(chain.contact_losses[1 : max(chain.beads, 2)])
-    first, *others = (words_of_loss(law, chain.units, digits) for law in inner)
-    return "mixed losses" if others else first
+    inner = chain.contact_losses[1 : max(chain.beads, 2)]
+    counts = Counter(words_of_loss(law, chain.units, digits) for law in inner)
+    lossless = words_of_loss(Elastic(), chain.units)
+    if len(counts) == 2 and lossless in counts:
+        ((words, count),) = ((each, n) for each, n in counts.items() if each != lossless)
+        if count > 1:
+            return f"{words} in {count} contacts"
+        place = [words_of_loss(law, chain.units, digits) for law in inner].index(words)
+        return f"{words} in contact {place + 1}"
+    return "mixed losses" if len(counts) > 1 else next(iter(counts))
 
 
 def _loss_of_walls(chain: Chain) -> tuple[str, ...]:
@@ -164,7 +187,9 @@ def _walled(chain: Chain, wall: Wall | None, side: str, digits: int) -> str:
     if wall is None:
         return f"no {side} wall"
     end = 0 if side == "left" else -1
-    words = (wall_in_words(chain, wall, end) or "wall").replace("wall", f"{side} wall", 1)
+    own = f"{short_material(chain.materials[end])} wall" if chain.materials else "wall"
+    words = wall_in_words(chain, wall, end) or "wall"
+    words = (own if words == "wall" else words).replace("wall", f"{side} wall", 1)
     if wall.exponent is not None:
         words += f" with p = {wall.exponent:g}"
     if wall.loss is not None:
@@ -200,11 +225,24 @@ def _gravity(chain: Chain, digits: int) -> str:
 
 
 def _striker(chain: Chain, digits: int) -> str:
-    """Masses of flat or other strikers; the words of scaled chains contain them."""
-    if chain.scaled or not chain.strikers or chain.strikers_are_spheres:
-        return ""
-    mass = 1e3 * float(chain.masses[: chain.strikers].sum())
-    return f"striker{'s' * (chain.strikers > 1)} of {mass:.{digits}g} g"
+    """Materials, and masses or sizes, of strikers; the words of scaled chains contain them."""
+    count = chain.strikers
+    if chain.scaled or not count:
+        return "" if chain.scaled else "no striker"
+    names = " and ".join(dict.fromkeys(map(short_material, (chain.materials or ())[:count])))
+    size = f"{1e3 * float(chain.masses[:count].sum()):.{digits}g} g"
+    if chain.strikers_are_spheres:
+        ends = dict.fromkeys(length_in_words(2.0 * r, digits) for r in chain.radii[:count])
+        size = with_micro(" and ".join(ends))
+    number = f"{count} " if count > 1 else ""
+    return f"{number}{names} striker{'s' * (count > 1)} of {size}".strip()
+
+
+def _described_strikers(chain: Chain) -> str:
+    """The part of a description that names strikers."""
+    masses = None if chain.strikers_are_spheres else chain.masses
+    radii = (chain.scatter or chain).radii
+    return strikers_in_words(chain.strikers, radii, masses, chain.units, chain.materials)
 
 
 def _drive(chain: Chain, digits: int) -> str:
@@ -225,9 +263,10 @@ def _drive(chain: Chain, digits: int) -> str:
     return f"{of} drive by a {words}" + (f" ({' and '.join(shown)})" if shown else "")
 
 
+STRIKERS: Final = _Property(_striker, lambda chain: (_described_strikers(chain),))
 PROPERTIES: Final = (
     _Property(_impact, lambda _: ("velocities", "at rest")),
-    _Property(_striker),
+    STRIKERS,
     _Property(
         lambda chain, _: cap_in_title(chain) or "no cap",
         lambda chain: (cap_in_title(chain), cap_in_words(chain)),

@@ -19,7 +19,7 @@ from .style import literal
 from .widths import NARROW, journal_width
 
 # Added to the label of a wall whose force may still exceed the plotted values.
-CUT_OFF: Final = "peak not complete"
+CUT_OFF: Final = "a larger force may follow"
 # A run that ends before this part of the time axis states its end in the legend; others end with
 # the axis.
 SHORT_RUN: Final = 0.9
@@ -85,17 +85,17 @@ def label_and_style(axes: Axes, *, compared: bool) -> None:
     lines = force_lines(axes)
     _, _, unit = axes.get_xlabel().rstrip("]").partition("[")
     longest = max(_end(line) for line in lines)
-    differences = _differences(lines)
+    labels = _labels(lines)[0]
     for line in lines:
         line.set_label(line.words)
         if line.named:
             continue
-        words = ", ".join(filter(None, (line.words, differences.get(line.run, ""))))
-        words += f" ({CUT_OFF})" * line.analysed
+        remarks = [CUT_OFF] if line.analysed else []
         if _end(line) < SHORT_RUN * longest and journal_width.get() is None:
-            end = _end(line)
-            words += f", until {end:.4g} {unit}" if unit else f", until $t$ = {end:.4g}"
-        line.set_label(words)
+            end = f"{_end(line):.4g}"
+            remarks.append(f"run ends at {end} {unit}" if unit else f"run ends at $t$ = {end}")
+        words = labels.get(line, line.words)
+        line.set_label(f"{words} ({', '.join(remarks)})" if remarks else words)
     _label_circles(axes, lines)
     label_sources(axes)
     runs = {line.run for line in lines}
@@ -109,12 +109,36 @@ def label_and_style(axes: Axes, *, compared: bool) -> None:
     _end_together(axes, lines)
 
 
-def _differences(lines: Sequence[ForceLine]) -> dict[int, str]:
-    """The properties in which the chains of several runs without names differ."""
-    chains = {line.run: line.chain for line in lines if line.chain is not None}
-    words = words_of_chains([*chains.values()]) if len(chains) > 1 else []
-    labels = distinguish([["", *each] for each in words])[0] if words else []
-    return dict(zip(chains, map(literal, labels), strict=False))
+def _labels(lines: Sequence[ForceLine]) -> tuple[dict[ForceLine, str], str]:
+    """Labels of several runs without names by the properties in which they differ, and a title.
+
+    As in figures of pulses, the title has the common properties, and the place if it is common.
+    """
+    own = [line for line in lines if not line.named and line.chain is not None]
+    chains = {line.run: line.chain for line in own if line.chain is not None}
+    if len(chains) < 2:
+        return {}, ""
+    described = words_of_chains([*chains.values()])
+    names, common = distinguish([["", *each] for each in described])
+    shared = [part for part in common.split(", ") if part]
+    of_run = dict(zip(chains, map(literal, names), strict=True))
+    places = {line.words for line in own}
+    apart = len(places) > 1 or len(own) < len(lines) or not all(of_run.values())
+    labels = {
+        line: ", ".join(filter(None, (line.words if apart else "", of_run[line.run])))
+        for line in own
+    }
+    if apart:
+        return labels, ", ".join(shared)
+    (place,) = places
+    joined = "on the" if place.endswith("wall") else "in"
+    parts = [f"force {joined} {place}", *(part for part in shared if part != place)]
+    return labels, ", ".join(parts)
+
+
+def common_title(axes: Axes) -> str:
+    """The title of the forces of several runs without names; empty for other forces."""
+    return literal(_labels(force_lines(axes))[1])
 
 
 def oscillates(line: ForceLine) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -14,10 +15,10 @@ from matplotlib.ticker import LogLocator
 from ..collision import Array
 from ..errors import InputError, short_repr
 from ..pulse.free_end import ends_free
-from ..pulse.pulse import Pulse
+from ..pulse.pulse import EFFECTIVE_CHAIN, Pulse, checked_pulse
 from ..pulse.quantities import COLUMN_QUANTITIES
 from ..validation.keywords import checked_arguments
-from ..validation.objects import check_bool, check_choice, check_list, check_type
+from ..validation.objects import check_bool, check_choice, check_list
 from .colours import COLOURS, curve_colour, grey
 from .differences import words_of_chains
 from .labels import distinguish, numbered
@@ -48,6 +49,8 @@ HIDDEN: Final = 0.02
 # curve with the smallest differences: a change of sign would need an infinite axis.
 RESIDUAL_TICKS: Final = 4
 RESIDUAL_DEPTH: Final = 1e-4
+# Letters in a line of the label of a low panel.
+LABEL_LETTERS: Final = 16
 # Lines of different methods, if curves of a chain share a colour.
 LINES: Final = ("-", "--", ":", "-.")
 # Labels of symbols at free ends and of bands.
@@ -169,6 +172,9 @@ def plot_pulses(
             each.xaxis.set_major_locator(BeadLocator())
         if lower is not None:
             _draw_residuals(lower, pulses, quantity, looks)
+            sign = "|difference|" if lower.get_yscale() == "log" else "difference"
+            reference = _reference(pulses, looks, [str(name) for name in names])
+            lower.set_ylabel(textwrap.fill(f"{sign} from {reference} [%]", LABEL_LETTERS))
             lower.set_xlim(axes.get_xlim())
         set_title(axes, literal(title))
         show_band(axes, pulses, quantity, keep=bool(present) or log)
@@ -178,11 +184,9 @@ def plot_pulses(
 
 
 def _checked(pulses: Sequence[Pulse], quantity: str) -> list[Pulse]:
-    checked: list[Pulse] = check_list("pulses", pulses, "pulses")
+    checked = [checked_pulse("pulse", each) for each in check_list("pulses", pulses, "pulses")]
     if not checked:
         raise InputError("plot_pulses requires at least one pulse")
-    for pulse in checked:
-        check_type("pulse", pulse, Pulse, "propagate and the theories return one")
     if not isinstance(quantity, str):
         raise InputError(
             f"plot_pulses draws one quantity, such as 'velocity', got {short_repr(quantity)}; call "
@@ -310,9 +314,13 @@ def _label_parts(
 
 
 def _draw(axes: Axes, pulse: Pulse, values: Array, look: _Look, label: str | None) -> Line2D:
-    beads = pulse.chain.beads
+    beads, numbers = pulse.chain.beads, pulse.bead[: len(values)]
+    if pulse.method == EFFECTIVE_CHAIN:
+        # Lines join the large beads.
+        known = np.isfinite(values)
+        beads, numbers, values = int(known.sum()), numbers[known], values[known]
     (line,) = axes.plot(
-        pulse.bead[: len(values)],
+        numbers,
         values,
         color=curve_colour(axes, look.colour),
         # Markers of different pulses at different beads do not hide each other.
@@ -362,10 +370,17 @@ def _draw_residuals(
         sizes = np.abs(np.concatenate([values for *_, values in differences]))
         smallest = float(np.nanmin(sizes, where=sizes > 0.0, initial=least))
         axes.set_ylim(bottom=0.5 * max(smallest, RESIDUAL_DEPTH * least))
-        axes.set_ylabel("|difference|\n[%]")
-        return
-    # In two lines, the label is not taller than the panel of a narrow figure.
-    axes.set_ylabel("difference\n[%]")
+
+
+def _reference(pulses: Sequence[Pulse], looks: Sequence[_Look], names: Sequence[str]) -> str:
+    """Name of the curve from which differences are, or a short one instead of a long name."""
+    name = names[0]
+    if _share_colours(looks):
+        first: dict[int, str] = {}
+        for pulse, look in zip(pulses, looks, strict=True):
+            first.setdefault(look.colour, pulse.method)
+        name = literal(pulses[0].method) if len({*first.values()}) == 1 else ""
+    return name if 0 < len(name) <= LABEL_LETTERS else "the first curve"
 
 
 def _difference(pulse: Pulse, reference: Pulse, quantity: str) -> Array:

@@ -23,7 +23,7 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice, check_list, text
 from .colours import curve_colour, grey, signed_map
 from .enlarged import finish_enlarged, small_groups
-from .force_lines import ForceLine, force_lines, label_and_style, with_peaks
+from .force_lines import ForceLine, common_title, force_lines, label_and_style, with_peaks
 from .legends import place_legend
 from .shared_axes import label_below, numbers_are_below
 from .style import (
@@ -157,10 +157,10 @@ def plot_forces(
     """Plot the force in sensors in beads, and on walls, over time.
 
     Curves contain the maxima, which are located between the saved times.  If the peak force on a
-    wall is not complete, its curve ends in an open circle, and the legend states it.  If one of
-    several runs in the same axes is much shorter, the legend states where it ends; runs of almost
-    the same length are shown up to the end of the first.  Your own labels, and figures in a
-    `figure_style` for a journal, have none of these remarks.
+    wall is not complete, its curve ends in an open circle, and the legend states that a larger
+    force may follow.  If one of several runs in the same axes is much shorter, the legend states
+    where it ends; runs of almost the same length are shown up to the end of the first.  Your own
+    labels, and figures in a `figure_style` for a journal, have none of these remarks.
 
     Parameters
     ----------
@@ -172,8 +172,8 @@ def plot_forces(
         ``"right wall"`` if there are two.
     label : str
         Name of the run in the legend, if several runs are plotted into the same axes; followed by
-        the names of the beads if there are several.  By default, the properties in which the
-        chains of these runs differ are added to the names of the beads.
+        the names of the beads if there are several.  By default, labels name the properties in
+        which the chains of these runs differ, and the title has the parts that they share.
     legend : bool
         Whether the axes have a legend.
     ax : matplotlib.axes.Axes, optional
@@ -210,7 +210,8 @@ def plot_forces(
         # Curves of several runs in the same axes have different colours.
         places = not name or len(given) > 1
         _draw_forces(axes, run, given, name, len(axes.lines), places=places, named=bool(name))
-        set_title(axes, chain_title(run.chain))
+        title = common_title(axes)
+        set_title(axes, title or chain_title(run.chain), common=bool(title))
         if legend:
             place_legend(axes, own=ax is None)
     return axes
@@ -277,7 +278,7 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
     >>> runs = {"short": hc.simulate(chain), "long": hc.simulate(chain, until=300.0)}
     >>> first = plot_forces_of_runs(runs, {"short": [10], "long": [10]})
     >>> [axes.get_title(loc="left") for axes in first.figure.axes]
-    ['', 'short: time axis enlarged 16 times']
+    ['right wall', 'short: time axis enlarged 16 times']
     """
     names = [*runs]
     tops = [
@@ -294,6 +295,7 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
     if common:
         panels = [everything, *(each.curves for each in groups)]
     label = time_axis(runs[names[0]].chain, max(ends))[1] if common and len(panels) > 1 else ""
+    places = {force_curve(run, bead)[2] for name, run in runs.items() for bead in beads[name]}
     colours = np.cumsum([0, *(len(beads[name]) for name in names)])
     with figure_style():
         size = figure_size(6.0, 2.6 * len(panels)) if len(panels) > 1 else None
@@ -304,9 +306,11 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
                 name = names[i]
                 _draw_forces(
                     axes, runs[name], beads[name], literal(name), int(colours[i]),
-                    compared=i if common else None,
+                    compared=i if common else None, places=len(places) > 1,
                 )  # fmt: skip
         first: Axes = grid[0, 0]
+        if len(places) == 1:
+            first.set_title(places.pop(), loc="left")
         with_peaks(first, runs[names[0]].chain.units)
         place_legend(first, own=len(panels) == 1)
         for axes, group in zip(grid[1:, 0], groups, strict=False):
@@ -328,7 +332,7 @@ def _draw_places(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) ->
         for axes, numbers in zip(grid[:, 0], places, strict=True):
             pairs = [*zip(runs.items(), numbers, strict=True)]
             words = {force_curve(run, number)[2] for (_, run), number in pairs}
-            alone = len(words) == 1 < len(places)
+            alone = len(words) == 1
             for i, ((name, run), number) in enumerate(pairs):
                 _draw_forces(axes, run, [number], literal(name), i, compared=i, places=not alone)
             if alone:

@@ -172,10 +172,11 @@ def literal(text: str) -> str:
     return text.replace("$", r"\$")
 
 
-def set_title(axes: Axes, text: str) -> None:
+def set_title(axes: Axes, text: str, *, common: bool = False) -> None:
     """Set a title, broken into lines that fit inside the figure; none at the width of a journal.
 
-    A title of a user remains; that of a second chain in the same axes removes the first one.
+    A title of a user remains; that of a second chain in the same axes removes the first one unless
+    it is ``common`` to both.
     """
     present = axes.get_title()
     if journal_width.get() is not None or present not in ("", _titles.get(axes)):
@@ -188,7 +189,7 @@ def set_title(axes: Axes, text: str) -> None:
              for part in parts]  # fmt: skip
     title = "\n".join(lines)
     # The second chain is drawn into axes with the title of the first, or with neither.
-    if axes in _titles and _titles[axes] == present and present != title:
+    if axes in _titles and _titles[axes] == present != title and not common:
         title = ""
     _titles[axes] = title
     axes.set_title(title)

@@ -25,15 +25,18 @@ from ..chain.walls import Wall
 from .style import literal
 
 
-def chain_words(chain: Chain) -> str:
-    """Such as ``20 steel balls, 9 mm to 5 mm, linear taper``; strikers are named, not counted."""
+def chain_words(chain: Chain, *, strikers: bool = True) -> str:
+    """Such as ``20 steel balls, 9 mm to 5 mm, linear taper``; strikers are named, not counted.
+
+    ``strikers`` is whether those of a chain in SI units are named.
+    """
     if chain.units == "SI":
         odd = _odd_bead(chain, "ball")
         materials = list(_materials(_of_balls(chain)).values()) or ["SI"]
         if odd is not None:
             materials = [odd.usual_material or "SI"]
         balls = beads_of(len(chain.radii[chain._balls]), "balls", materials)
-        title = f"{balls}{_strikers(chain, odd)}"
+        title = f"{balls}{_strikers(chain, odd, named=strikers)}"
     else:
         title = _scaled_beads(chain)
     law = law_in_words(chain.exponents)
@@ -79,7 +82,7 @@ def _scaled_beads(chain: Chain) -> str:
     return f"{beads} and {strikers_in_words(first, radii, masses, chain.units)}"
 
 
-def _strikers(chain: Chain, odd: OddBead | None) -> str:
+def _strikers(chain: Chain, odd: OddBead | None, *, named: bool) -> str:
     """Sizes of the balls, and strikers with their size if it is another one."""
     first, radii = chain.strikers, (chain.scatter or chain).radii
     balls = sizes_in_words(radii[chain._balls])
@@ -88,7 +91,7 @@ def _strikers(chain: Chain, odd: OddBead | None) -> str:
     scatter = chain.scatter.words(chain.radii, chain._balls) if chain.scatter else ""
     added = filter(None, (shape_in_words(radii[chain._balls]), scatter))
     balls = ", ".join((balls, *added))
-    if not first:
+    if not (first and named):
         return f", {balls}"
     strikers = "a striker" if first == 1 else f"{first} strikers"
     # The radius of a striker of a given mass need not be its size.
@@ -115,8 +118,7 @@ def wall_in_words(chain: Chain, wall: Wall | None, end: int = -1) -> str:
         return ""
     kind = ""
     if wall.material is not None and wall.material not in [(chain.materials or (None,))[end]]:
-        (name,) = _materials((wall.material,)).values()
-        kind = f"{name} wall"
+        kind = f"{short_material(wall.material)} wall"
     elif wall.stiffness is not None and chain.units == "SI":
         exponent = float(chain.contact_exponents[end])
         kind = f"wall {stiffness_in_words(wall.stiffness, exponent)}".replace("um", "µm")
@@ -150,6 +152,12 @@ def _materials(materials: Sequence[Material]) -> dict[str, str]:
     ]
     short = short if len(set(short)) == len(short) else names
     return {name: printed_name(own) for name, own in zip(names, short, strict=True)}
+
+
+def short_material(material: Material) -> str:
+    """The name of a material without its grade."""
+    (name,) = _materials((material,)).values()
+    return name
 
 
 def printed_name(material: str) -> str:

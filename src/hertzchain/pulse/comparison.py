@@ -13,9 +13,9 @@ from ..errors import InputError, ModelRangeWarning, warn_user
 from ..representation import percent, short
 from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import whole_number
-from ..validation.objects import check_bool, check_choice, check_type
+from ..validation.objects import check_bool, check_choice
 from .chain_units import in_same_units, same_beads
-from .pulse import Pulse
+from .pulse import Pulse, checked_pulse
 from .quantities import ON_REQUEST, QUANTITIES
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class Comparison:
 
     def __post_init__(self) -> None:
         for name in ("pulse", "reference"):
-            check_type(name, getattr(self, name), Pulse, "propagate and the theories return one")
+            object.__setattr__(self, name, checked_pulse(name, getattr(self, name)))
         pulse, reference = in_same_units(self.pulse, self.reference)
         object.__setattr__(self, "pulse", pulse)
         object.__setattr__(self, "reference", reference)

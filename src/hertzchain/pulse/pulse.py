@@ -20,7 +20,7 @@ from ..errors import InputError
 from ..representation import listed, measure, percent, short
 from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import number
-from ..validation.objects import check_choice, text
+from ..validation.objects import check_choice, check_type, text
 from .alternating_speed import alternates_at, over_two_contacts
 from .checked_column import checked_column
 from .columns import Columns, derive, with_columns
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 # Methods whose error is that of an integration.
 SIMULATIONS: Final = ("simulation", "propagation")
+# Method of pulses of large beads alone, whose values at small beads are NaN.
+EFFECTIVE_CHAIN: Final = "effective chain"
 NOT_ESTIMATED: Final = (
     "this theory does not estimate its error; hc.scoreboard() measures it in classes of chains"
 )
@@ -424,6 +426,13 @@ class Pulse(Columns):
         from ..notebook.pulses import pulse_html
 
         return pulse_html(self)
+
+
+def checked_pulse(name: str, given: Any) -> Pulse:
+    """A pulse, also from that of an effective chain."""
+    pulse = given._as_pulse() if hasattr(given, "_as_pulse") else given
+    check_type(name, pulse, Pulse, "propagate and the theories return one")
+    return pulse
 
 
 # Values of all fields that have a default.

@@ -426,7 +426,7 @@ def _is_known_decoration(chain: Chain) -> bool:
 def _other_theory(chain: Chain, theory: str) -> str:
     """Another theory for chains that are not smooth, if there is one."""
     if small_beads(chain.radii).any():
-        words = ", or effective_chain for small beads between large ones"
+        words = ", or effective_chain for the times of large beads (its velocities are too large)"
         if _is_known_decoration(chain):
             # The BCA exceeds velocities by half; those of the plain taper differ by 3.5% at most.
             words += f"; {theory} of the large beads alone gives their velocities within 4%"

@@ -266,7 +266,8 @@ export class Controls extends Fields {
     const names = [...this.about.materials, ...Object.keys(this.document.materials ?? {})];
     if (!this.si) return make("span", { hidden: true });
     if (key.per) return this.listField(place, key, words(key.name));
-    return this.select(place.join("."), words(key.name), [["", "as the beads"], ...names.map((each) => /** @type {[string, string]} */ ([each, each]))],
+    const like = place.includes("struck_by") ? "as the first ball" : place.includes("right_wall") ? "as the last bead" : place.includes("left_wall") ? "as the first bead" : "as the beads";
+    return this.select(place.join("."), words(key.name), [["", like], ...names.map((each) => /** @type {[string, string]} */ ([each, each]))],
       () => at(this.document, place) ?? "", (chosen) => this.put(place, chosen || undefined), key.description);
   }
 

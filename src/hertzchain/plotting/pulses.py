@@ -172,9 +172,7 @@ def plot_pulses(
             each.xaxis.set_major_locator(BeadLocator())
         if lower is not None:
             _draw_residuals(lower, pulses, quantity, looks)
-            sign = "|difference|" if lower.get_yscale() == "log" else "difference"
-            reference = _reference(pulses, looks, [str(name) for name in names])
-            lower.set_ylabel(textwrap.fill(f"{sign} from {reference} [%]", LABEL_LETTERS))
+            _label_residuals(lower, pulses, looks, names)
             lower.set_xlim(axes.get_xlim())
         set_title(axes, literal(title))
         show_band(axes, pulses, quantity, keep=bool(present) or log)
@@ -370,6 +368,15 @@ def _draw_residuals(
         sizes = np.abs(np.concatenate([values for *_, values in differences]))
         smallest = float(np.nanmin(sizes, where=sizes > 0.0, initial=least))
         axes.set_ylim(bottom=0.5 * max(smallest, RESIDUAL_DEPTH * least))
+
+
+def _label_residuals(
+    axes: Axes, pulses: Sequence[Pulse], looks: Sequence[_Look], names: Sequence[str]
+) -> None:
+    """Name the curve from which the differences are."""
+    sign = "|difference|" if axes.get_yscale() == "log" else "difference"
+    reference = _reference(pulses, looks, [str(name) for name in names])
+    axes.set_ylabel(textwrap.fill(f"{sign} from {reference} [%]", LABEL_LETTERS))
 
 
 def _reference(pulses: Sequence[Pulse], looks: Sequence[_Look], names: Sequence[str]) -> str:

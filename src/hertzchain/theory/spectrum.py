@@ -47,8 +47,9 @@ class Spectrum(HostBands):
     r"""Small oscillations of a chain, as returned by `spectrum`.
 
     Frequencies are in cycles per unit time, like those of drives (Hz for a chain in SI units).
-    There is one mode per bead.  If a mode is overdamped, there are two instead, with frequency
-    0 and different decay rates.
+    There is one mode per bead.  Indices of the modes of odd beads or ends, outside the bands, are
+    `localised`; `participation` is the number of beads in each mode.  If a mode is overdamped,
+    there are two instead, with frequency 0 and different decay rates.
 
     Attributes
     ----------

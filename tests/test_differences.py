@@ -148,14 +148,14 @@ def test_common_places_and_walls_are_in_the_title():
     runs = [hc.simulate(chain, until="0.5 ms", times=200) for chain in tapers]
     names, common = [f"{shape} taper" for shape in shapes], "8 steel balls, 12 mm to 8 mm"
     axes = runs[1].plot_forces(["wall"], ax=runs[0].plot_forces(["wall"]))
-    assert texts(axes) == names
+    assert legend_texts(axes) == names
     assert axes.get_title() == f"force on the right wall, {common}"
     axes = runs[1].plot_forces([3, "wall"], ax=runs[0].plot_forces([3, "wall"]))
     places = ("bead 3", "right wall")
-    assert texts(axes) == [f"{place}, {name}" for name in names for place in places]
+    assert legend_texts(axes) == [f"{place}, {name}" for name in names for place in places]
     assert axes.get_title() == f"{common}, right wall"
     axes = hc.plot_pulses([run.pulse() for run in runs], residuals=True)
-    assert texts(axes)[:2] == names
+    assert legend_texts(axes)[:2] == names
     assert axes.get_title() == f"simulation, {common}, right wall"
     assert axes.figure.axes[1].get_ylabel() == "difference from\nlinear taper [%]"
 

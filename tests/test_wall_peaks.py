@@ -669,7 +669,7 @@ def test_plots_mark_a_force_that_is_cut_off():
     run = hc.simulate(uniform(), until=23.3)
     with pytest.warns(hc.IncompleteWarning):
         axes = run.plot_forces([5, 21])
-    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    labels = legend_texts(axes)
     assert labels == ["bead 5", "right wall (a larger force may follow)"]
     assert [line.get_marker() for line in axes.lines] == ["None", "o"]
     complete = hc.simulate(uniform()).plot_forces([5, 21])

@@ -8,6 +8,7 @@ import numpy as np
 from howto_figures import HOWTO_FIGURES
 from law_figures import LAW_FIGURES
 from local_rate_figures import LOCAL_RATE_FIGURES
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
@@ -16,14 +17,20 @@ from paper_figures import PAPER_FIGURES
 
 import hertzchain as hc
 from hertzchain.evaluation.evaluate import scoreboard
-from hertzchain.paper.figures import draw_figure, reproduce_figure
+from hertzchain.paper.figures import reproduce_figure
 from hertzchain.paper.listed_errata import errata_chains
 from hertzchain.paper.reproduction import integrate_chains
 from hertzchain.paper.velocity_formulas import draw_formula_errors
 from hertzchain.plotting.colours import COLOURS
 from hertzchain.plotting.pulses import plot_pulses
 from hertzchain.plotting.scoreboard import plot_scoreboard
-from hertzchain.plotting.style import figure_bytes, figure_style, mark_horizon
+from hertzchain.plotting.style import (
+    figure_bytes,
+    figure_style,
+    label_log_axis,
+    label_right_ends,
+    mark_horizon,
+)
 from hertzchain.plotting.sweeps import plot_sweep
 
 
@@ -62,12 +69,13 @@ def budget() -> Figure:
     chain = hc.Chain.tapered("forward-exponential", 0.05, beads=20).replace(right_wall=hc.Wall())
     found = hc.simulate(chain, until=60.0, times=600).budget()
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(11.0, 3.8))
-        found.plot("energy", ax=left)
-        found.plot("momentum", ax=right)
-        # Both panels share one legend, although not all parts occur in both.
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.3, 3.9), layout="constrained")
+        found.plot("energy", legend=False, ax=left)
+        found.plot("momentum", legend=False, ax=right)
+        # Both panels share one legend, although not all parts occur in both.  The caption states
+        # that the energies of the pulse are kinetic.
         shown = {
-            label: handle
+            label.removesuffix(" (kinetic)"): handle
             for axes in (left, right)
             for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
         }
@@ -75,10 +83,9 @@ def budget() -> Figure:
         shown["wall"] = shown.pop("walls")
         del shown["right wall"]
         shown["total input"] = shown.pop("total input")
-        left.get_legend().remove()
         left.set_title("")
         right.set_title("")
-        right.legend(shown.values(), shown.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5))
+        canvas.legend(shown.values(), shown.keys(), loc="outside lower center", ncols=4)
     return canvas
 
 
@@ -107,24 +114,23 @@ def horizon() -> Figure:
     found = run.horizon()
     true = np.abs(run.velocities - tight.velocities).max(axis=1) / np.abs(run.velocities).max()
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(11.0, 3.8))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.3, 3.9))
         left.semilogy(times[1:], found.error[1:], color=COLOURS[1], label="estimated error")
         left.semilogy(times[1:], true[1:], color=COLOURS[0], linewidth=0.8,
                       label="difference from rtol = 1e-14")  # fmt: skip
         left.axhline(found.within, color="0.5", linewidth=0.8)
         left.annotate("1%", (0.0, found.within), (0, 3), textcoords="offset points", color="0.4")
-        left.set_ylim(1e-15, 1e5)
+        left.set_ylim(1e-15, 10.0)
         right.plot(times, run.velocity(50), color=COLOURS[1], label="bead 50, rtol = 1e-13")
         right.plot(times, tight.velocity(50), "--", color=COLOURS[2], label="bead 50, rtol = 1e-14")
-        right.set_xlim(250.0, 700.0)
+        right.set_xlim(430.0, 700.0)
         for axes in (left, right):
             mark_horizon(axes, found, 1.0)
             axes.set_xlabel("time $t$")
-        left.legend(loc="upper left")
-        right.legend(loc="upper left")
+            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0))
         left.set_ylabel("error / largest velocity")
         right.set_ylabel("velocity $v_{50}$")
-        right.set_ylim(-0.9, 1.7)
+        right.set_ylim(-0.8, 0.8)
     return canvas
 
 
@@ -161,8 +167,36 @@ def moments() -> Figure:
 
 
 def figure12() -> Figure:
-    """Figure 12 of the paper, recomputed."""
-    return draw_figure(reproduce_figure("figure12"))
+    """Figure 12 of the paper, recomputed, and the error of the theory."""
+    curves = reproduce_figure("figure12").curves
+    colours = plt.colormaps["viridis"](np.linspace(0, 0.72, len(curves)))
+    shown, window = slice(1, 90, 4), slice(4, 90)
+    with figure_style():
+        canvas, (upper, lower) = plt.subplots(2, 1, figsize=(6.4, 7.0), sharex=True)
+        for axes, what in ((upper, "velocity"), (lower, "error")):
+            ends = []
+            for curve, colour in zip(curves, colours, strict=True):
+                exact, theory = curve.integration.velocity, curve.theory.velocity
+                error = 100.0 * (theory / exact - 1.0)
+                if what == "velocity":
+                    axes.semilogy(curve.k[shown], exact[shown], "o", color=colour,
+                                  markerfacecolor="none")  # fmt: skip
+                    axes.semilogy(curve.k[shown], theory[shown], "+", color=colour, markersize=5)
+                else:
+                    axes.plot(curve.k[window], error[window], color=colour)
+                last = float(exact[89] if what == "velocity" else error[89])
+                ends.append((90.0, last, f"$q$ = {curve.rate:g}", to_hex(colour)))
+            axes.set_xlim(0.0, 91.0)
+            label_right_ends(axes, ends)
+        upper.plot([], [], "o", color="0.25", markerfacecolor="none", label="simulation")
+        upper.plot([], [], "+", color="0.25", markersize=5, label="modified BCA, recalibrated")
+        upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+        label_log_axis(upper.yaxis)
+        upper.set_ylabel("velocity $v_k$")
+        lower.axhline(0.0, color="0.7", linewidth=0.6, zorder=0)
+        lower.set_ylabel("error of the\nmodified BCA [%]")
+        lower.set_xlabel("bead $k$")
+    return canvas
 
 
 def formula_errors() -> Figure:

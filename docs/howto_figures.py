@@ -33,7 +33,7 @@ def losses() -> Figure:
     speeds, contact = np.geomspace(0.01, 1.0, 61), np.arange(1, 20)
     dashes = ("-", "--", ":", "-", "--", "-.")
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.3))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.7), layout="constrained")
         elastic = hc.simulate(chain).pulse().peak_force
         right.plot(contact, elastic[:19], color=COLOURS[0], linewidth=0.9, label="no loss")
         for i, (name, law) in enumerate(EQUIVALENT.items(), 1):
@@ -57,11 +57,12 @@ def losses() -> Figure:
         left.text(0.011, 0.9935, "ElasticPlastic", color=colours["ElasticPlastic"])
         for i, name in enumerate(INTERLEAVED):
             left.text(0.011, 0.9445 - 0.0045 * i, name, color=colours[name])
-        right.set_ylim(0.0, None)
+        right.set_ylim(25.0, None)
         right.set_xticks([1, 5, 10, 15, 19])
         right.set_xlabel("contact $k$")
         right.set_ylabel("largest force\nwithout damping [N]")
-        right.legend(loc="lower left", ncols=2)
+        handles, labels = right.get_legend_handles_labels()
+        canvas.legend(handles, labels, loc="outside lower center", ncols=4)
     return canvas
 
 
@@ -185,7 +186,9 @@ def gaps() -> Figure:
     with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(7.0, 3.0))
         left.plot(widths, kept, "o-", color=COLOURS[1], markersize=3.5)
-        left.axhline(0.98567886, color=COLOURS[2], linestyle="--", linewidth=1.0)
+        left.axhline(0.98567886, color=COLOURS[2], linestyle="--", linewidth=1.0,
+                     label="limit of a wide gap")  # fmt: skip
+        left.legend(loc="upper right")
         left.set_ylabel("velocity / velocity without gap")
         right.plot(widths, delay, "o-", color=COLOURS[1], markersize=3.5)
         right.plot(widths, widths / 0.98567886, "--", color=COLOURS[2], linewidth=1.0)
@@ -232,24 +235,28 @@ def certainty() -> Figure:
     shown = {"elastic": elastic, "yield at 1.6 $Y$": chains[0], "yield at 2.8 $Y$": chains[-1]}
     with figure_style(), warnings.catch_warnings():
         warnings.simplefilter("ignore", hc.ModelRangeWarning)
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.2), layout="constrained")
-        for i, (label, chain) in enumerate(shown.items()):
-            run = hc.simulate(chain, until="3 ms", times=6001)
-            left.plot(1e3 * run.times, run.sensor("wall"), color=COLOURS[i], linewidth=0.9,
-                      label=label)  # fmt: skip
+        canvas, panels = plt.subplot_mosaic(
+            [[label, "largest"] for label in shown], figsize=(7.4, 4.2), layout="constrained"
+        )
+        right = panels.pop("largest")
+        for i, (label, axes) in enumerate(panels.items()):
+            run = hc.simulate(shown[label], until="3 ms", times=6001)
+            axes.plot(1e3 * run.times, run.sensor("wall"), color=COLOURS[1], linewidth=0.9)
+            axes.set_title(label, y=0.8)
+            axes.set_xlim(0.0, 3.0)
+            axes.set_ylim(0.0, 90.0)
+            axes.tick_params(labelbottom=i == len(panels) - 1)
         runs = [hc.simulate(chain, until="1.2 ms", times=1201).sensor("wall") for chain in chains]
         first = [force[find_peaks(force, prominence=0.2 * force.max())[0][0]] for force in runs]
         table = hc.simulate_many(chains, keep=["wall_force.peak"])
         right.plot(pressures, table["wall_force.peak"], MARKERS[0], linestyle="-", linewidth=0.7,
-                   color=COLOURS[2], label="whole run")  # fmt: skip
-        right.plot(pressures, first, color=COLOURS[1], label="first pulse")
-        left.set_xlabel("time [ms]")
+                   color="0.5", label="whole run")  # fmt: skip
+        right.plot(pressures, first, color="black", linewidth=1.6, label="first pulse")
+        axes.set_xlabel("time [ms]")
         right.set_xlabel("yield pressure / yield strength $Y$")
-        left.set_ylabel("force on the load cell [N]")
+        panels["yield at 1.6 $Y$"].set_ylabel("force on the load cell [N]")
         right.set_ylabel("largest force [N]")
-        left.set_ylim(0.0, 105.0)
         right.set_ylim(0.0, None)
-        left.legend(loc="upper right")
         right.legend(loc="lower right")
     return canvas
 

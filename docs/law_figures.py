@@ -38,7 +38,7 @@ def steps() -> Figure:
 def strikers() -> Figure:
     """Velocities ahead of strikers of several masses, and the waves of heavy ones."""
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.3, 3.6))
         for i, mass in enumerate((0.25, 1.0, 4.0)):
             chain = hc.Chain.uniform(80).struck_by(mass=mass, radius=1.0)
             law, exact = hc.local_rate(chain), hc.propagate(chain)
@@ -47,7 +47,7 @@ def strikers() -> Figure:
         left.set_ylabel("velocity $v_k$")
         left.set_xlim(0.0, 45.0)
         label_lines(left, law="-", simulation="o")
-        left.legend(loc="center right", bbox_to_anchor=(1.0, 0.6), ncols=2)
+        left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
         wave = hc.solitary_wave()
         momentum, energy = wave.momentum_constant, wave.energy_constant
         particle = momentum**2 / (2.0 * energy)
@@ -63,7 +63,7 @@ def strikers() -> Figure:
         right.set_ylabel("peak velocity")
         right.set_xticks(range(1, 11))
         label_lines(right, formula="-")
-        right.legend()
+        right.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     return canvas
 
 
@@ -124,7 +124,7 @@ def lossy_law() -> Figure:
         "forward, viscoelastic": (1 - 0.007 * k, hc.Viscoelastic(0.01)),
     }
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.3, 3.9))
         for i, (name, (radii, loss)) in enumerate(tapers.items()):
             chain = hc.Chain.from_radii(radii).replace(loss=loss)
             exact = hc.simulate(chain, times=0).pulse()
@@ -143,8 +143,10 @@ def lossy_law() -> Figure:
             label_log_axis(axes.yaxis)
             axes.set_xlabel("bead $k$")
             axes.set_ylabel("velocity $v_k$")
-            label_lines(axes, law="-", simulation="o")
-            axes.legend()
+            if axes is right:
+                label_lines(axes, law="-", simulation="o")
+            # Above the axes, where no curve is.
+            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=1 + (axes is right))
     return canvas
 
 
@@ -183,7 +185,7 @@ def gradients() -> Figure:
         change = hc.simulate(chain.replace(gaps=gaps)).wall_force().peak - peak
         errors.append(abs(change / step / slope["gaps"][contact - 1] - 1.0))
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.4))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.3, 3.2))
         left.plot(beads, slope["radii"][1:], "o", color=COLOURS[1], markerfacecolor="none",
                   markersize=7, label="gradient")  # fmt: skip
         left.plot(beads, differences, "x", color=COLOURS[2], label="central differences")
@@ -283,15 +285,25 @@ def against_others() -> Figure:
     kinds = {"`propagate`": "hertzchain, propagate", "`simulate`": "hertzchain, simulate",
              "SciPy": "SciPy DOP853", "Verlet": "Verlet script", "LAMMPS": "LAMMPS"}  # fmt: skip
     with figure_style():
-        canvas, axes = plt.subplots(figsize=(6.4, 3.8))
+        canvas, axes = plt.subplots(figsize=(7.3, 3.8))
         for i, (key, name) in enumerate(kinds.items()):
             times, errors = np.array(
                 [(float(time), float(error)) for row, error, time in rows if key in row]
             ).T
-            axes.loglog(times, errors, MARKERS[i] + "-", color=COLOURS[i], markersize=6, label=name)
+            axes.loglog(times, errors, MARKERS[i] + "-", color=COLOURS[i], markersize=6)
+            settings = [re.search(r"(rtol|step) \S+", row) for row, *_ in rows if key in row]
+            # Where they cover neither lines nor each other.
+            side = -1 if key == "Verlet" else 1
+            for time, error, setting in zip(times, errors, settings, strict=True):
+                label = f"{name}, {setting[0]}" if setting else name
+                axes.annotate(label, (time, error), xytext=(7 * side, 5 if key == "LAMMPS" else 0),
+                              textcoords="offset points", va="center", color=COLOURS[i],
+                              ha="left" if side > 0 else "right")  # fmt: skip
         axes.set_xlabel("computing time, relative to propagate")
         axes.set_ylabel("largest error of a velocity")
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        # The labels need the space beyond the longest time.
+        axes.set_xlim(0.7, 1e4)
+        label_log_axis(axes.xaxis)
     return canvas
 
 

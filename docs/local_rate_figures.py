@@ -60,7 +60,7 @@ def local_rate() -> Figure:
         "forward-exponential": hc.Chain.tapered("forward-exponential", 0.01, beads=100),
     }
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.3, 4.2))
         for i, (name, chain) in enumerate(tapers.items()):
             law, exact, bca = hc.local_rate(chain), hc.propagate(chain), hc.bca(chain)
             assert law.velocity_error is not None
@@ -77,8 +77,8 @@ def local_rate() -> Figure:
             label_log_axis(axes.yaxis)
             axes.set_xlabel("bead $k$")
             axes.set_ylabel(what)
-        left.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, fontsize=8)
-        right.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=8)
+        left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+        right.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
         right.set_ylim(bottom=3e-4)
     return canvas
 
@@ -86,7 +86,7 @@ def local_rate() -> Figure:
 def growth_and_memory() -> Figure:
     """Growth on exponential chains in the local-rate law, and memory of a change of the rate."""
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(10.0, 3.8))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.3, 3.6))
         rates = np.linspace(-0.14, 0.3, 89)
         growth = [_growth(rate) for rate in rates]
         left.plot(rates, growth, color=COLOURS[0])
@@ -118,7 +118,7 @@ def growth_and_memory() -> Figure:
 def fast_changes() -> Figure:
     """Velocities in chains with alternating radii; errors as a function of the fast change."""
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.3, 4.2))
         for i, ratio in enumerate((1.0, 0.97, 0.94, 0.9)):
             chain = hc.Chain.from_radii(np.resize([1.0, ratio], 101))
             with warnings.catch_warnings():
@@ -133,7 +133,7 @@ def fast_changes() -> Figure:
         left.set_xlabel("bead $k$ (radius 1)")
         left.set_ylabel("velocity $v_k$")
         label_lines(left, law="-", simulation="o")
-        left.legend(title="radii", ncols=3)
+        left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), title="radii", ncols=3)
         sizes = np.geomspace(1e-3, 0.1, 13)
         uniform = hc.Chain.uniform(100)
         for i, (name, chains) in enumerate({
@@ -157,14 +157,14 @@ def fast_changes() -> Figure:
         right.set_xlabel("change of the radii x [%]")
         right.set_ylabel("largest error of a velocity [%]")
         right.set_ylim(bottom=1e-5)
-        right.legend(loc="lower right")
+        right.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0))
     return canvas
 
 
 def free_end() -> Figure:
     """Velocities of the last beads by the law; error of the last bead of short chains."""
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.3, 3.8))
         for i, rate in enumerate((-0.05, 0.0, 0.05)):
             chain = hc.Chain.from_radii(np.exp(rate * np.arange(60)))
             law, exact = hc.local_rate(chain), hc.propagate(chain)
@@ -178,7 +178,7 @@ def free_end() -> Figure:
         left.set_xlabel("bead, counted from the last one: $k - N$")
         left.set_ylabel(r"$v_k\,/\,(e^{\sigma(s)}\,v_{k-1})$")
         label_lines(left, law="-", simulation="o")
-        left.legend()
+        left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
         beads = np.arange(9, 41)
         for i, exponent in enumerate((1.5, 1.6)):
             errors = [
@@ -195,7 +195,7 @@ def free_end() -> Figure:
         right.set_xlabel("number of beads")
         right.set_ylabel("error of the last bead [%]")
         label_lines(right, error="-", estimate="--")
-        right.legend()
+        right.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     return canvas
 
 

@@ -71,11 +71,11 @@ def sensor_places() -> Figure:
     time = 1e6 * run.times
     with figure_style():
         canvas, axes = plt.subplots(figsize=(7.2, 3.2))
-        for colour, ball in zip(COLOURS[1:], (1, 14, 27, 29), strict=False):
+        for colour, ball in zip(COLOURS[1:], (1, 15, 27, 29), strict=False):
             axes.plot(time, run.sensor(f"ball {ball}"), color=colour, label=f"ball {ball}")
         axes.plot(time, run.sensor("wall"), color=COLOURS[0], label="wall")
         axes.plot(
-            time, run.force(15), color=COLOURS[2], linestyle=":", label="between balls\n14 and 15"
+            time, run.force(16), color=COLOURS[2], linestyle=":", label="between balls\n15 and 16"
         )
         axes.set_xlim(0.0, 1000.0)
         axes.set_xlabel("time [µs]")
@@ -125,9 +125,8 @@ def lab_sheet() -> Figure:
     material = {"materials": "steel-52100", "diameters": "20 mm"}
     cradle = hc.Chain.from_materials(**material, beads=5, velocities=[0.2, 0.0, 0.0, 0.0, 0.0])
     restitutions = np.linspace(0.9, 0.995, 15)
-    rows = {"-": 0.0, ":": "20 um"}
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 5.0), layout="constrained")
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 5.3), layout="constrained")
         for diameter, colour in (("10 mm", COLOURS[1]), ("20 mm", COLOURS[0])):
             pair = hc.Chain.from_materials(diameters=diameter, materials="steel-52100", beads=2)
             mass = hc.collision.reduced_mass(*pair.masses)
@@ -141,25 +140,27 @@ def lab_sheet() -> Figure:
         # Fine enough for readings of a few percent.
         left.yaxis.set_minor_locator(FixedLocator([*range(22, 60, 2), *range(60, 200, 5)]))
         left.xaxis.set_minor_locator(FixedLocator([*range(30, 100, 10), *range(100, 1000, 100)]))
-        left.legend(loc="lower left")
-        for dashes, gap in rows.items():
+        for gap, dashes, balls in ((0.0, "-", (5, 4, 1)), ("20 um", "--", (5, 4))):
             after = np.array([
                 hc.simulate(cradle.replace(loss=hc.Restitution(e), gaps=gap), until="20 ms")
                 .velocities[-1] / 0.2 for e in restitutions
             ])  # fmt: skip
-            for ball, colour in ((5, COLOURS[0]), (4, COLOURS[1]), (1, COLOURS[2])):
-                spacing = "touching" if gap == 0.0 else "gaps"
-                right.plot(restitutions, after[:, ball - 1], dashes, color=colour,
-                           label=f"ball {ball}, {spacing}")  # fmt: skip
+            for ball in balls:
+                spacing = f"ball {ball}, touching" if gap == 0.0 else f"ball {ball}, gaps"
+                # Behind gaps, the first four balls have nearly the same velocity.
+                label = "balls 1 to 4, gaps" if (gap, ball) == ("20 um", 4) else spacing
+                colour = {5: COLOURS[0], 4: COLOURS[1], 1: COLOURS[2]}[ball]
+                right.plot(restitutions, after[:, ball - 1], dashes, color=colour, label=label)
         right.set_xlabel("coefficient of restitution")
         right.set_ylabel("velocity / velocity of impact")
-        right.legend(loc="center left", ncols=2, fontsize="small")
         right.xaxis.set_minor_locator(MultipleLocator(0.01))
         right.yaxis.set_minor_locator(MultipleLocator(0.05))
         for axes in (left, right):
             axes.tick_params(which="minor", length=0.0, labelleft=False, labelbottom=False)
             axes.grid(visible=True, which="minor", linewidth=0.3, color="0.85")
             axes.grid(visible=True, which="major", linewidth=0.6, color="0.7")
+            # Above the grid, which is for readings.
+            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, fontsize="small")
     return canvas
 
 
@@ -326,7 +327,7 @@ def propagation() -> Figure:
         "forward-exponential, q = 0.05": hc.Chain.tapered("forward-exponential", 0.05, beads=80),
     }
     with figure_style():
-        canvas, axes = plt.subplots(figsize=(7.6, 3.6))
+        canvas, axes = plt.subplots(figsize=(6.2, 3.6))
         for number, (label, chain) in enumerate(chains.items()):
             time = float(hc.propagate(chain).peak_time[39])
             velocity = hc.simulate(chain, until=time, times=[time]).velocities[-1]
@@ -335,9 +336,9 @@ def propagation() -> Figure:
             place = np.arange(-39, 41)
             axes.semilogy(place[shown], moved[shown], "ox+"[number], color=COLOURS[number + 1],
                           label=label)  # fmt: skip
-        axes.set_xlabel("beads ahead of the crest")
+        axes.set_xlabel("bead relative to the crest (positive: ahead)")
         axes.set_ylabel("speed, relative to the crest")
-        axes.set_ylim(1e-12, 4.0)
+        axes.set_ylim(1e-12, 10.0)
         axes.set_xlim(-39.5, 12.0)
         axes.legend(loc="lower left")
     return canvas
@@ -354,7 +355,7 @@ def precompressed() -> Figure:
     """Bands and transfer function of a diatomic crystal, as the calls in the caption draw them."""
     crystal = hc.spectrum(_crystal())
     with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(8.2, 3.5))
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.4))
         crystal.plot(ax=left)
         crystal.plot_transfer(16, ax=right)
         for axes in (left, right):

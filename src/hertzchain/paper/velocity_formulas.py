@@ -111,7 +111,9 @@ def draw_formula_errors(pulses: Pulses) -> MatplotlibFigure:
             for name, formula in velocity_formulas(taper).items():
                 colour, dashes = fixed.get(name) or next(corrected)
                 error = 100.0 * (formula(pulse) / pulse.velocity - 1.0)
-                axes.plot(pulse.bead[4:90], error[4:90], color=colour, linestyle=dashes, label=name)
+                label = name.replace("(c0, x)", "$(c_0, x)$")
+                axes.plot(pulse.bead[4:90], error[4:90], color=colour, linestyle=dashes,
+                          label=label)  # fmt: skip
             axes.axhline(0.0, color="0.7", linewidth=0.6, zorder=0)
             axes.set_title(f"{taper}, ${rate_symbol(taper)}$ = {rate:g}")
             if rate_symbol(taper) == "q":

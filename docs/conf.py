@@ -71,6 +71,7 @@ sphinx_gallery_conf = {
     "write_computation_times": False,
     "min_reported_time": 1e9,
     "image_srcset": ["2x"],
+    "image_scrapers": ("gallery_images.scrape",),
     "thumbnail_size": (480, 300),
     "download_all_examples": False,
     "remove_config_comments": True,
@@ -123,6 +124,7 @@ def draw_figures(_: Any) -> None:
             "figures",
             "page_figures",
             "howto_figures",
+            "experiment_figures",
             "paper_figures",
             "law_figures",
             "local_rate_figures",
@@ -155,7 +157,7 @@ def forget_old_notebooks(_: Any) -> None:
     gallery.mkdir(exist_ok=True)
     stamp = gallery / "digest.txt"
     # No notebook uses these subpackages.
-    digest = package_digest(without=("app", "cli", "paper"))
+    digest = package_digest(HERE / "gallery_images.py", without=("app", "cli", "paper"))
     if not (stamp.exists() and stamp.read_text() == digest):
         for path in gallery.glob("*.md5"):
             path.unlink()

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from experiment_figures import EXPERIMENT_FIGURES
 from howto_figures import HOWTO_FIGURES
 from law_figures import LAW_FIGURES
 from local_rate_figures import LOCAL_RATE_FIGURES
@@ -362,7 +363,14 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "design-shock-absorber": design_shock_absorber,
     **{
         draw.__name__.replace("_", "-"): draw
-        for figures in (PAGE_FIGURES, HOWTO_FIGURES, PAPER_FIGURES, LAW_FIGURES, LOCAL_RATE_FIGURES)
+        for figures in (
+            PAGE_FIGURES,
+            HOWTO_FIGURES,
+            EXPERIMENT_FIGURES,
+            PAPER_FIGURES,
+            LAW_FIGURES,
+            LOCAL_RATE_FIGURES,
+        )
         for draw in figures
     },
 }

@@ -6,7 +6,6 @@ from typing import Final
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, MultipleLocator
 
 import hertzchain as hc
 from hertzchain.plotting.chains import draw_beads, material_legend, scale_bar
@@ -63,27 +62,6 @@ def chain_files() -> Figure:
     )  # fmt: skip
 
 
-def sensor_places() -> Figure:
-    """Signals of sensors in four beads and in the wall, and the force in one contact."""
-    balls = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=30)
-    chain = balls.struck_by(velocity="0.1 m/s").replace(right_wall=hc.Wall())
-    run = hc.simulate(chain, until="1.2 ms", times=6001)
-    time = 1e6 * run.times
-    with figure_style():
-        canvas, axes = plt.subplots(figsize=(7.2, 3.2))
-        for colour, ball in zip(COLOURS[1:], (1, 15, 27, 29), strict=False):
-            axes.plot(time, run.sensor(f"ball {ball}"), color=colour, label=f"ball {ball}")
-        axes.plot(time, run.sensor("wall"), color=COLOURS[0], label="wall")
-        axes.plot(
-            time, run.force(16), color=COLOURS[2], linestyle=":", label="between balls\n15 and 16"
-        )
-        axes.set_xlim(0.0, 1000.0)
-        axes.set_xlabel("time [µs]")
-        axes.set_ylabel("force [N]")
-        axes.legend(loc="upper left")
-    return canvas
-
-
 def teaching() -> Figure:
     """Newton's cradle over many impacts, and the force behind touching and separate balls."""
     material = {"diameters": "20 mm", "materials": "steel-52100"}
@@ -116,51 +94,6 @@ def teaching() -> Figure:
         right.set_ylabel("force on the wall [N]")
         right.set_xlim(0.0, 4.0)
         right.legend(loc="upper right")
-    return canvas
-
-
-def lab_sheet() -> Figure:
-    """Predictions for balls of a pendulum, on axes to which readings can be added by hand."""
-    speeds = np.geomspace(0.02, 1.0, 50)
-    material = {"materials": "steel-52100", "diameters": "20 mm"}
-    cradle = hc.Chain.from_materials(**material, beads=5, velocities=[0.2, 0.0, 0.0, 0.0, 0.0])
-    restitutions = np.linspace(0.9, 0.995, 15)
-    with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 5.3), layout="constrained")
-        for diameter, colour in (("10 mm", COLOURS[1]), ("20 mm", COLOURS[0])):
-            pair = hc.Chain.from_materials(diameters=diameter, materials="steel-52100", beads=2)
-            mass = hc.collision.reduced_mass(*pair.masses)
-            times = [hc.collision.compression_time(mass, pair.stiffness[0], v) for v in speeds]
-            left.loglog(1e3 * speeds, 2e6 * np.array(times), color=colour, label=diameter)
-        left.set_xlabel("velocity [mm/s]")
-        left.set_ylabel("time of contact [µs]")
-        left.set_ylim(20.0, 200.0)
-        label_log_axis(left.yaxis)
-        label_log_axis(left.xaxis)
-        # Fine enough for readings of a few percent.
-        left.yaxis.set_minor_locator(FixedLocator([*range(22, 60, 2), *range(60, 200, 5)]))
-        left.xaxis.set_minor_locator(FixedLocator([*range(30, 100, 10), *range(100, 1000, 100)]))
-        for gap, dashes, balls in ((0.0, "-", (5, 4, 1)), ("20 um", "--", (5, 4))):
-            after = np.array([
-                hc.simulate(cradle.replace(loss=hc.Restitution(e), gaps=gap), until="20 ms")
-                .velocities[-1] / 0.2 for e in restitutions
-            ])  # fmt: skip
-            for ball in balls:
-                spacing = f"ball {ball}, touching" if gap == 0.0 else f"ball {ball}, gaps"
-                # Behind gaps, the first four balls have nearly the same velocity.
-                label = "balls 1 to 4, gaps" if (gap, ball) == ("20 um", 4) else spacing
-                colour = {5: COLOURS[0], 4: COLOURS[1], 1: COLOURS[2]}[ball]
-                right.plot(restitutions, after[:, ball - 1], dashes, color=colour, label=label)
-        right.set_xlabel("coefficient of restitution")
-        right.set_ylabel("velocity / velocity of impact")
-        right.xaxis.set_minor_locator(MultipleLocator(0.01))
-        right.yaxis.set_minor_locator(MultipleLocator(0.05))
-        for axes in (left, right):
-            axes.tick_params(which="minor", length=0.0, labelleft=False, labelbottom=False)
-            axes.grid(visible=True, which="minor", linewidth=0.3, color="0.85")
-            axes.grid(visible=True, which="major", linewidth=0.6, color="0.7")
-            # Above the grid, which is for readings.
-            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, fontsize="small")
     return canvas
 
 
@@ -457,7 +390,6 @@ def designs() -> Figure:
 
 
 PAGE_FIGURES: Final = (
-    real_chains, chain_files, sensor_places, many_chains, closed_forms, theory, numerics,
-    teaching, lab_sheet, solitary_waves, propagation, precompressed, transfer_function,
-    design_protector, designs,
+    real_chains, chain_files, many_chains, closed_forms, theory, numerics, teaching,
+    solitary_waves, propagation, precompressed, transfer_function, design_protector, designs,
 )  # fmt: skip

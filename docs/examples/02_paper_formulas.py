@@ -7,7 +7,9 @@ for each family of tapers.  How well do they describe the simulation if they are
 and can they be corrected?
 """
 
-# sphinx_gallery_thumbnail_number = 2
+# sphinx_gallery_thumbnail_panel = (2, 0)
+# sphinx_gallery_alt_1 = "The first 20 beads of a chain of each family"
+# sphinx_gallery_alt_2 = "Errors along chains of four families: as printed, BCA and corrected"
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -50,10 +52,12 @@ for axes, (taper, rate) in zip(grid.flat, families.items()):
         "BCA": hc.bca(chains[taper]).velocity,
         "corrected": hc.modified_bca(chains[taper]).velocity,
     }
-    for (name, velocity), style in zip(candidates.items(), ("-", "--", "-.")):
+    # The colours are those of the page on the reproduction.
+    styles = {"color": ("C1", "C3", "black"), "linestyle": ("-", "--", ":")}
+    for (name, velocity), *style in zip(candidates.items(), *styles.values()):
         error = 100 * (velocity / exact - 1)
         worst[taper, name] = abs(error[window]).max()
-        axes.plot(beads[window], error[window], style, label=name)
+        axes.plot(beads[window], error[window], label=name, **dict(zip(styles, style)))
     axes.axhline(0, color="0.6", linewidth=0.7)
     axes.set_title(f"{taper}, rate {rate:g}")
 for axes in grid[1]:

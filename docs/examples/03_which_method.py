@@ -50,21 +50,25 @@ for number, (name, pulse) in enumerate(pulses.items()):
     colour, dashes = f"C{number}", ("-", "--", ":", "-.", "-")[number]
     # The curves of propagate and local_rate would hide that of simulate.
     if name not in ("propagate", "local_rate"):
-        label = "simulate, propagate, local_rate" if name == "simulate" else name
         # The last bead leaves the free end, and is no part of the curve.
-        inside = pulse.velocity[:-1]
-        left.semilogy(np.arange(1, 100), inside, dashes, color=colour, label=label)
+        left.semilogy(np.arange(1, 100), pulse.velocity[:-1], dashes, color=colour)
     if name != "simulate":
         error = abs(pulse.velocity / exact - 1)[inner]
         right.semilogy(np.arange(5, 98), error, dashes, color=colour)
         right.annotate(name, (97, error[-1]), xytext=(5, 0), textcoords="offset points",
                        ha="left", va="center", color=colour)
+left.annotate("simulate, propagate,\nlocal_rate", (40, exact[39]), xytext=(-6, -6),
+              textcoords="offset points", ha="right", va="top", color="C0")
+left.annotate("modified_bca", (70, exact[69]), xytext=(-6, -6), textcoords="offset points",
+              ha="right", va="top", color="C3")
+left.annotate("bca", (60, pulses["bca"].velocity[59]), xytext=(6, 6),
+              textcoords="offset points", color="C4")
 left.set_title("Velocity of the pulse")
 left.set_xlabel("bead $k$")
 left.set_ylabel("velocity $v_k$")
 right.set_title("Relative error of the velocity")
 right.set_xlabel("bead $k$")
-left.legend()
+right.set_ylabel("relative error")
 
 # %%
 # With a random variation of its radii by 5%, the chain is not smooth.  The local-rate law warns

@@ -85,9 +85,11 @@ top.set_ylabel("change [%]")
 bottom.plot(gaps, later, "o-")
 bottom.set_title("Delay of the peak")
 bottom.set_ylabel("delay [µs]")
-bottom.set_xlabel("gap [µm]; dashed: peak overlap without gap")
+bottom.set_xlabel("gap [µm]")
 for axes in (top, bottom):
-    axes.axvline(overlap, color="0.5", linestyle="--", linewidth=0.9)
+    axes.axvline(overlap, color="0.5", linestyle="--", linewidth=0.9,
+                 label="peak overlap without gap")
+bottom.legend(loc="lower right")
 
 # %%
 # Answer

@@ -65,12 +65,13 @@ left.axvline(found.time, color="0.5", linestyle=":", label="horizon of the run")
 left.legend(loc="lower right")
 left.set_title("Estimated error of the velocities")
 left.set_xlabel("time $t$")
-left.set_ylabel("10 × difference over largest velocity")
+left.set_ylabel("estimated error / largest velocity")
 early = run.times < 150
-right.pcolormesh(
+shown = right.pcolormesh(
     run.times[early], np.arange(1, 41), run.velocities[early].T,
     cmap="RdBu_r", vmin=-1, vmax=1, shading="nearest", rasterized=True,
 )
+figure.colorbar(shown, ax=right, label="velocity")
 right.set_title("Velocities at the beginning")
 right.set_xlabel("time $t$")
 right.set_ylabel("bead $k$")

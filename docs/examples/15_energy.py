@@ -21,14 +21,23 @@ balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=20, loss=hc.Restitu
 chain = balls.struck_by(velocity="0.3 m/s").replace(right_wall=hc.Wall())
 run = hc.simulate(chain, until="0.9 ms", times=1801)
 budget = run.budget()
-budget.plot()
+impact = sum(values[0] for values in budget.energy.values())
+
+figure, axes = plt.subplots(figsize=(8.0, 3.8))
+budget.plot(legend=False, ax=axes)
+axes.set_title("Energy by location")
+# The energy of the beads that lag behind the pulse is too small to be seen.
+parts = {
+    label: handle for handle, label in zip(*axes.get_legend_handles_labels())
+    if not label.startswith("lagging")
+}
+axes.legend(parts.values(), parts, loc="center left", bbox_to_anchor=(1.0, 0.5), reverse=True)
 
 # %%
 # On the way to the wall, the pulse loses energy to the contacts that it passes, and leaves little
 # behind.  At 0.4 ms, most of the remaining energy is stored in the contact with the wall; then it
 # returns.  At the largest force on the wall, and at the end:
 
-impact = sum(values[0] for values in budget.energy.values())
 peak = np.argmin(abs(run.times - run.wall_force().peak_time))
 print(f"{'':15}{1e6 * run.times[peak]:6.0f} µs{1e6 * run.times[-1]:6.0f} µs")
 for place, values in budget.energy.items():

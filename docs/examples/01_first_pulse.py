@@ -7,6 +7,7 @@ the first one at 0.1 m/s.  How fast is the pulse, how long is it, and how large 
 the wall?
 """
 
+# sphinx_gallery_thumbnail_panel = (1, 0)
 import matplotlib.pyplot as plt
 import numpy as np
 

@@ -30,7 +30,7 @@ families = {
 }
 chains = {taper: hc.Chain.tapered(taper, rate, beads=100) for taper, rate in families.items()}
 
-figure, grid = plt.subplots(2, 2, figsize=(9.6, 2.8))
+figure, grid = plt.subplots(2, 2, figsize=(8.0, 2.6))
 for axes, (taper, rate) in zip(grid.flat, families.items()):
     hc.plot_chain(hc.Chain.tapered(taper, rate, beads=20), ax=axes)
     axes.set_title(f"{taper}, first 20 beads")
@@ -44,7 +44,7 @@ for axes, (taper, rate) in zip(grid.flat, families.items()):
 beads = np.arange(1, 101)
 window = slice(4, 80)
 worst = {}
-figure, grid = plt.subplots(2, 2, figsize=(9.6, 6.4), sharex=True)
+figure, grid = plt.subplots(2, 2, figsize=(8.0, 6.0), sharex=True)
 for axes, (taper, rate) in zip(grid.flat, families.items()):
     exact = hc.propagate(chains[taper]).velocity
     candidates = {

@@ -6,6 +6,7 @@ Which method is accurate enough, and how long does it take?
 ``bca`` and ``modified_bca`` are theories.  Which of them do you need?
 """
 
+# sphinx_gallery_thumbnail_panel = (1, 1)
 import time
 
 import matplotlib.pyplot as plt
@@ -45,7 +46,7 @@ pulses = {name: function(chain) for name, function in methods.items()}
 exact = pulses["simulate"].velocity
 inner = slice(4, 97)
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.8))
+figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.6))
 for number, (name, pulse) in enumerate(pulses.items()):
     colour, dashes = f"C{number}", ("-", "--", ":", "-.", "-")[number]
     # The curves of propagate and local_rate would hide that of simulate.
@@ -57,7 +58,7 @@ for number, (name, pulse) in enumerate(pulses.items()):
         right.semilogy(np.arange(5, 98), error, dashes, color=colour)
         right.annotate(name, (97, error[-1]), xytext=(5, 0), textcoords="offset points",
                        ha="left", va="center", color=colour)
-left.annotate("simulate, propagate,\nlocal_rate", (40, exact[39]), xytext=(-6, -6),
+left.annotate("simulate,\npropagate,\nlocal_rate", (45, exact[44]), xytext=(-6, -6),
               textcoords="offset points", ha="right", va="top", color="C0")
 left.annotate("modified_bca", (70, exact[69]), xytext=(-6, -6), textcoords="offset points",
               ha="right", va="top", color="C3")

@@ -7,7 +7,7 @@ between are chosen well, the last one receives more momentum than the striker ha
 balls recoil.  How should their radii grow?
 """
 
-# sphinx_gallery_thumbnail_number = 2
+# sphinx_gallery_thumbnail_panel = (2, 1)
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -61,7 +61,7 @@ designs = {
     "exponential": taper.radii,
     "optimised": found.chain.radii,
 }
-figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.8))
+figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.6))
 momentum = {}
 for (name, radii), marker in zip(designs.items(), "osx+"):
     pulse = hc.propagate(hc.Chain.from_radii(radii))

@@ -6,7 +6,7 @@ You have a CSV file with the signals of force sensors and a description of the c
 fit, plot both and see where they differ.
 """
 
-# sphinx_gallery_thumbnail_panel = (1, 0)
+# sphinx_gallery_thumbnail_panel = (1, 6)
 # sphinx_gallery_alt_1 = "Measured and nominal forces at three balls and at the wall"
 # sphinx_gallery_alt_2 = "Measured and adjusted forces at three balls and at the wall"
 import matplotlib.pyplot as plt

@@ -82,7 +82,7 @@ axes.legend(loc="upper left")
 # Maps of the force show the difference.  In the second one, the pulse leaves a train of small
 # oscillations behind, which takes its energy.
 
-figure, panels = plt.subplots(1, 2, figsize=(9.6, 3.6), sharey=True)
+figure, panels = plt.subplots(1, 2, figsize=(8.0, 3.4), sharey=True)
 for axes, ratio, title in zip(
     panels, (passing[-1], stopping[-1]), ("passes", "decays"), strict=True
 ):

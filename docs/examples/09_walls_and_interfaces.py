@@ -45,7 +45,7 @@ axes.set_ylabel("peak force over that in the chain")
 # A soft wall acts for a long time on several beads, and more than one pulse returns.  From a stiff
 # wall, almost all of the energy returns in the first pulse.
 
-figure, panels = plt.subplots(1, 2, figsize=(9.6, 3.6), sharey=True)
+figure, panels = plt.subplots(1, 2, figsize=(8.0, 3.4), sharey=True)
 for axes, value in zip(panels, (0.05, 20.0), strict=True):
     chain = row.replace(right_wall=hc.Wall(stiffness=value))
     hc.simulate(chain, until=70.0, times=1400).plot("force", ax=axes)
@@ -86,7 +86,7 @@ axes.legend()
 # before they have passed the second contact.  Towards larger beads a part returns.  The map shows
 # both cases.
 
-figure, panels = plt.subplots(1, 2, figsize=(9.6, 3.6), sharey=True)
+figure, panels = plt.subplots(1, 2, figsize=(8.0, 3.4), sharey=True)
 for axes, radius in zip(panels, (0.5, 2.0), strict=True):
     chain = hc.Chain.from_radii(np.where(np.arange(80) < 40, 1.0, radius))
     run = hc.simulate(chain, until=80.0, times=1600)

@@ -7,6 +7,7 @@ jobs are sometimes killed, and the shares must fit together.  This notebook divi
 three shares, as three jobs would, loses one of them, and merges the rest.
 """
 
+# sphinx_gallery_thumbnail_panel = (1, 1)
 import tempfile
 import warnings
 from pathlib import Path
@@ -58,7 +59,7 @@ complete = hc.sweep(specification, folder / "merged.zarr")
 single = hc.sweep(specification)
 same = bool((complete.wall_peak_force == single.wall_peak_force).all())
 
-figure, axes = plt.subplots(1, 2, figsize=(9.6, 3.8), layout="constrained")
+figure, axes = plt.subplots(1, 2, figsize=(8.0, 3.6), layout="constrained")
 for panel, dataset, title in zip(
     axes, (merged, complete), ("Two of three jobs", "After the sweep was resumed"), strict=True
 ):

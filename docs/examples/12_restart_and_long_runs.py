@@ -7,6 +7,7 @@ survive the end of a job.  Can a run be continued without any difference, and do
 mean something at the end?
 """
 
+# sphinx_gallery_thumbnail_panel = (1, 1)
 import tempfile
 from pathlib import Path
 
@@ -58,7 +59,7 @@ print(f"{len(stored.files)} file(s); loaded {late.sizes['time']} of 6001 times")
 run = hc.simulate(box, until=1200.0, times=4801)
 found = run.horizon()
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.8))
+figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.6))
 left.semilogy(found.times[1:], found.error[1:])
 left.axhline(found.within, color="0.5", linestyle="--", linewidth=0.9, label="error of 1%")
 left.axvline(found.time, color="0.5", linestyle=":", label="horizon of the run")

@@ -6,6 +6,10 @@ A journal asks for vector graphics of a column's width, text of at least 7 point
 that remain different in grey.  What is needed for that?
 """
 
+# sphinx_gallery_thumbnail_panel = (2, 1)
+# sphinx_gallery_alt_1 = "Velocities by simulation, BCA and local-rate law, and their errors"
+# sphinx_gallery_alt_2 = "The chain, the velocities along it and the errors of two theories"
+# sphinx_gallery_alt_3 = "Map of the velocities of all beads over time"
 import tempfile
 from pathlib import Path
 

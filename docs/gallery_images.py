@@ -5,14 +5,17 @@ Two comments of a notebook configure them, and do not appear in it:
 `# sphinx_gallery_thumbnail_panel = (2, 0)` takes the first axes of that figure as thumbnail.
 """
 
+import io
 import os
 import re
 from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
+from PIL import Image
 from sphinx_gallery.scrapers import matplotlib_scraper
 
+DPI = 150
 ALT = re.compile(r"^( +:alt:).*$", re.MULTILINE)
 
 
@@ -23,8 +26,8 @@ def scrape(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any])
     numbers = range(first, first + len(plt.get_fignums()))
     wanted, panel = settings.get("thumbnail_panel", (0, 0))
     if wanted in numbers:
-        image = Path(block_vars["image_path_iterator"].image_path.format(wanted))
-        path = image.with_name(f"{image.stem}_panel.png")
+        whole = Path(block_vars["image_path_iterator"].image_path.format(wanted))
+        path = whole.with_name(f"{whole.stem}_panel.png")
         _save_panel(plt.figure(plt.get_fignums()[wanted - first]), panel, path)
         settings["thumbnail_path"] = os.path.relpath(path, gallery_conf["src_dir"])
     text = matplotlib_scraper(block, block_vars, gallery_conf)
@@ -39,6 +42,12 @@ def scrape(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any])
 
 def _save_panel(figure: Any, panel: int, path: Path) -> None:
     """Save one of the axes of a figure, with its labels."""
-    figure.canvas.draw()
-    box = figure.axes[panel].get_tightbbox().padded(4.0)
-    figure.savefig(path, bbox_inches=box.transformed(figure.dpi_scale_trans.inverted()), dpi=150)
+    image = io.BytesIO()
+    figure.savefig(image, dpi=DPI)
+    # Cut out of the image: with ``bbox_inches``, the layout would change.
+    inches = figure.axes[panel].get_tightbbox().padded(4.0).extents / figure.dpi
+    left, bottom, right, top = DPI * inches
+    height = DPI * figure.get_figheight()
+    with Image.open(image) as whole:
+        box = (max(0.0, left), max(0.0, height - top), min(whole.width, right), height - bottom)
+        whole.crop(tuple(map(round, box))).save(path)

@@ -6,7 +6,7 @@ A pulse in real balls decays.  The traces of four force sensors contain enough i
 determine the loss law, its constant and its error, and even a hidden gap.
 """
 
-# sphinx_gallery_thumbnail_panel = (1, 9)
+# sphinx_gallery_thumbnail_panel = (1, 2)
 # sphinx_gallery_alt_1 = "Measured and fitted forces, crests and residuals of four sensors"
 import matplotlib.pyplot as plt
 

@@ -40,6 +40,6 @@ def test_a_comparison_states_the_errors_of_arrivals():
     errors = [each.arrival_error for each in compared.sensors]
     low, high = (f"{1e6 * each:.2g} us" for each in (min(errors), max(errors)))
     text = f"errors of measured arrivals, from noise and sampling: {low} to {high}"
-    assert text in compared.summary().splitlines()
+    assert text in compared.summary(width=None).splitlines()
     # Samples are 1 us apart, and pulses are resolved.
     assert 1e-8 < min(errors) < max(errors) < 1e-6 / math.sqrt(12.0)

@@ -70,14 +70,14 @@ def test_the_start_of_a_drive_is_the_time_offset_of_traces_in_its_file(folder):
     assert (
         "time_offset is fixed at -50 us, the start of the drive in the same file; add "
         "'time_offset' to the free parameters to fit it"
-    ) in result.summary()
+    ) in result.summary(width=None)
 
 
 def test_the_start_of_a_drive_is_not_the_time_offset_of_other_files(folder):
     file = chain_file(folder, free='["stiffness", "gain[wall]", "time_offset"]')
     result = hc.fit(data(folder, "other.csv"), file)
     assert result.values["time_offset"] == pytest.approx(1e-6 * BEGIN, abs=1e-6)
-    assert "is fixed" not in result.summary()
+    assert "is fixed" not in result.summary(width=None)
 
 
 def test_a_time_offset_is_free_by_default_unless_it_is_known(folder):
@@ -92,7 +92,7 @@ def test_the_user_can_free_the_time_offset_of_a_drive(folder):
     result = hc.fit(data(folder), file)
     own = result.values["time_offset"], result.errors["time_offset"]
     assert own[0] == pytest.approx(1e-6 * BEGIN, abs=5.0 * own[1])
-    assert "is fixed" not in result.summary()
+    assert "is fixed" not in result.summary(width=None)
 
 
 @pytest.mark.parametrize("how", ["argument", "start", "file", "start in the file"])
@@ -103,7 +103,7 @@ def test_a_known_time_offset_is_fixed(folder, how):
     result = hc.fit(data(folder, "other.csv"), file, **keywords.get(how, {}))
     assert result.describes
     assert "time_offset" not in result.names
-    assert "time_offset is fixed at -50 us, as given" in result.summary()
+    assert "time_offset is fixed at -50 us, as given" in result.summary(width=None)
 
 
 def test_a_free_time_offset_starts_from_the_known_one(folder):
@@ -124,7 +124,7 @@ def test_each_shot_can_have_its_time_offset(folder):
     result = hc.fit(both, file, time_offset=[-5e-5, "-50 us"])
     assert result.describes
     later = hc.fit(both, file, time_offset=[-5e-5, "-45 us"], starts=1)
-    assert "time_offset of shot 2 is fixed at -45 us, as given" in later.summary()
+    assert "time_offset of shot 2 is fixed at -45 us, as given" in later.summary(width=None)
     with pytest.raises(hc.InputError, match="time_offset has 3 values, but there are 2 shots"):
         hc.fit(both, file, time_offset=[0.0, 0.0, 0.0])
 
@@ -168,7 +168,7 @@ def test_the_fitted_file_keeps_the_time_offsets_of_some_shots(folder):
     assert '"time_offset@2" = "-50 us"' in text.split("[fit.start]")[1].splitlines()
     (folder / "some.toml").write_text(text)
     again = hc.fit(traces + traces, folder / "some.toml", starts=1)
-    assert "time_offset of shot 2 is fixed at -50 us, as given" in again.summary()
+    assert "time_offset of shot 2 is fixed at -50 us, as given" in again.summary(width=None)
     assert [*again.values] == free
     assert again.chi2 == pytest.approx(first.chi2, rel=1e-3)
 

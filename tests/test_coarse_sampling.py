@@ -31,14 +31,14 @@ def test_a_pulse_of_one_sample_is_not_part_of_the_level():
     traces = coarse(every, STATIC)
     for signal in traces.shots[0].signals:
         assert abs(signal.level) < 0.1
-    shown = simulated(precompression=STATIC, held_by="force").compare(traces).summary()
+    shown = simulated(precompression=STATIC, held_by="force").compare(traces).summary(width=None)
     assert "check the zero" not in shown
     assert "AC coupling of ball 5, ball 10, wall" in shown
 
 
 @pytest.mark.parametrize(("every", "noted"), [(50, True), (30, True), (4, False)])
 def test_few_samples_per_pulse_are_noted(every, noted):
-    shown = simulated().compare(coarse(every)).summary()
+    shown = simulated().compare(coarse(every)).summary(width=None)
     assert ("peaks and arrival times are uncertain; sample every" in shown) == noted
     if every == 50:
         assert "has about 1 sample at half of its peak" in shown

@@ -41,7 +41,7 @@ def test_static_forces_are_part_of_the_signal_or_not(static, coupling):
     truth = {"stiffness": FACTOR, "loss.time": LOSS_TIME, "precompression": STATIC}
     deviations = [(result.values[name] - truth[name]) / result.errors[name] for name in truth]
     assert np.abs(deviations).max() < 3.5
-    assert ("AC coupling of bead 6, bead 11, wall" in result.summary()) == (static == 0.0)
+    assert ("AC coupling of bead 6, bead 11, wall" in result.summary(width=None)) == (static == 0.0)
 
 
 def test_a_run_is_compared_with_the_dynamic_force():
@@ -121,7 +121,7 @@ def test_gains_decide_whether_a_small_level_is_the_static_force(priors):
         result = hc.fit(small_static(level), chain, free=free, priors=priors)
         assert [signal.coupling for _, signal in result.traces] == [coupling] * 3
         assert result.describes
-        assert "too uncertain" not in result.summary()
+        assert "too uncertain" not in result.summary(width=None)
     run = hc.simulate(chain, times=np.arange(0.0, 7e-4, 0.1e-6))
     # The level is that of the static force, so that nothing is shifted.
     notes = " ".join(run.compare(small_static(0.2)).notes)
@@ -133,8 +133,10 @@ def test_a_level_that_shows_no_coupling_is_named():
     chain = held(precompression=0.2, velocities=[0.25] + [0.0] * BALLS)
     free = ["stiffness", "loss.time", "time_offset", "gain[*]"]
     result = hc.fit(small_static(0.2, noise=3.0), chain, free=free)
-    assert "the level of bead 6, bead 11 and wall is too uncertain to show it" in result.summary()
-    assert 'if it does, set coupling = "DC"' in result.summary()
+    assert "the level of bead 6, bead 11 and wall is too uncertain to show it" in result.summary(
+        width=None
+    )
+    assert 'if it does, set coupling = "DC"' in result.summary(width=None)
 
 
 def small_run():

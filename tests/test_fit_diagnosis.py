@@ -183,7 +183,7 @@ def test_chi2_is_stated_for_each_sensor():
     # An offset of 3 times the noise adds 9, as far as the other parameters do not absorb it.
     assert 5.0 < found["ball 10"] < 10.5
     assert max(found["ball 5"], found["wall"]) < 2.0
-    assert f"ball 10 {found['ball 10']:.3g}" in result.summary()
+    assert f"ball 10 {found['ball 10']:.3g}" in result.summary(width=None)
     total = sum(found[s.name] * s.valid.sum() for _, s in result.traces)
     assert total == pytest.approx(result.chi2, rel=1e-9)
     assert result.as_dict()["chi2_per_sample"] == found
@@ -236,8 +236,8 @@ def test_no_effect_of_sensors_is_named_for_a_gap(gap):
     result = fitted(gap=gap)
     (advice,) = result.advice
     assert advice.startswith(NOTHING)
-    assert "(scan_defects)" in result.summary()
-    assert "--" not in result.summary().replace("+-", "")
+    assert "(scan_defects)" in result.summary(width=None)
+    assert "--" not in result.summary(width=None).replace("+-", "")
     # The chain has a wall, one material, a loss that is free, and sensors in balls.
     for words in (
         "alone and in pairs",
@@ -342,7 +342,7 @@ def test_the_advised_lag_is_that_of_another_fit():
     result = hc.fit(data, chain(), free=FREE)
     assert result.describes
     (advice,) = result.advice
-    assert advice in result.summary()
+    assert advice in result.summary(width=None)
     value, error = map(float, re.findall(r"with lag = (\S+) \+- (\S+) us", advice)[0])
     assert abs(value - 2.0) < 3.0 * error < 0.6
     again = hc.fit(data, chain(), free=[*FREE, "lag"])

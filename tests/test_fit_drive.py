@@ -48,4 +48,6 @@ def test_a_drive_that_is_taken_as_exact_is_named(chain, traces):
     (found,) = (each for each in result.constants if each.name == "drive.factor")
     assert found.relative["stiffness"] == pytest.approx(-0.005, rel=0.02)
     assert found.relative["gain[wall]"] == pytest.approx(-0.01, rel=0.02)
-    assert "drive.factor is taken as exact: 1% more changes stiffness by" in result.summary()
+    assert "drive.factor is taken as exact: 1% more changes stiffness by" in result.summary(
+        width=None
+    )

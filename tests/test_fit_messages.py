@@ -37,7 +37,7 @@ def test_a_fitted_wall_keeps_the_yield_strength_of_its_material(good):
     # Annealed steel yields long before the balls do.
     assert start > 5.0
     assert good.chain.right_wall.material.name == "steel-304"
-    assert "pressure / yield" in good.summary()
+    assert "pressure / yield" in good.summary(width=None)
     with pytest.warns(hc.ModelRangeWarning, match="right wall"):
         hc.simulate(good.chain)
 
@@ -123,7 +123,7 @@ def test_the_gain_of_a_sensor_without_a_pulse_is_not_determined(tmp_path):
     assert result.undetermined == ("gain[wall]",)
     assert dict(result.rows())["gain[wall]"] == "not determined"
     assert "wall have no pulse above their noise, so gain[wall] is not determined" in result.verdict
-    assert "bound" not in result.summary()
+    assert "bound" not in result.summary(width=None)
     # A gain with a prior is known without a pulse, and a pulse determines a gain.
     known = hc.fit(
         data, chain(), free=["time_offset", "gain[wall]"], priors={"gain[wall]": (1.0, 0.1)}
@@ -142,7 +142,7 @@ def test_the_gain_of_a_sensor_without_a_pulse_is_not_determined(tmp_path):
 def test_a_fit_without_clipped_samples_recovers_the_truth(limit):
     result = hc.fit(traces(change=lambda columns: clipped(columns, limit)), chain(), free=FREE)
     assert result.describes
-    assert "samples of wall in shot 1 are saturated" in result.summary()
+    assert "samples of wall in shot 1 are saturated" in result.summary(width=None)
     deviations = [(result.values[name] - TRUTH[name]) / result.errors[name] for name in FREE]
     assert np.abs(deviations).max() < 3.5
 
@@ -176,7 +176,7 @@ def test_times_in_another_unit_are_suspected():
 
 @pytest.mark.long
 def test_errors_of_a_model_that_does_not_describe_the_data_have_no_meaning(good):
-    assert "The errors above have no meaning" not in good.summary()
+    assert "The errors above have no meaning" not in good.summary(width=None)
     wrong = hc.fit(traces(gap=0.5e-6), chain(), free=FREE)
     assert not wrong.describes
     assert wrong.verdict.endswith("The errors above have no meaning")
@@ -398,7 +398,7 @@ def test_relative_changes_of_a_gap_are_relative_to_its_value():
 
 @pytest.mark.long
 def test_other_loss_laws_are_mentioned_only_if_a_loss_is_fitted(good, run):
-    assert good.summary().endswith(good.loss_note)
+    assert good.summary(width=None).endswith(good.loss_note)
     assert "others may describe the data equally well: compare_losses compares" in good.loss_note
     _, chain_file = hc.example_experiment()
     names = [name for name in good.names if "loss" not in name]

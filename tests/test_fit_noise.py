@@ -262,7 +262,7 @@ def test_errors_account_for_coarse_steps(step):
     for seed in range(4):
         data = rounded(step, seed)
         result = hc.fit(data, chain(), free=FREE)
-        text = result.summary()
+        text = result.summary(width=None)
         assert "multiply all errors" not in text
         assert "the residuals show" not in text
         assert f"are rounded to steps of {step:g} N" in text
@@ -431,7 +431,9 @@ def test_priors_keep_their_weight_with_slow_noise():
     result = hc.fit(data, chain(), free=FREE, priors=priors)
     assert result.describes
     assert result.goodness.inflation > 5.0
-    assert re.search(r"\(\d+ samples, correlated as \d+ independent ones\)", result.summary())
+    assert re.search(
+        r"\(\d+ samples, correlated as \d+ independent ones\)", result.summary(width=None)
+    )
     # The data alone determine the velocity less accurately than the prior.
     assert 2.4e-5 < result.errors["struck_by.velocity"] < 3e-5
     assert abs(result.prior_deviations["struck_by.velocity"]) < 1.0

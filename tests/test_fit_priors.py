@@ -50,7 +50,7 @@ def test_a_fit_far_from_its_prior_says_so(mean, deviations):
     assert CALIBRATION in note
     assert f"from its prior, {mean:.4f} +- 0.0020 m/s: " in note
     assert note in result.warnings
-    assert note in result.summary().splitlines()
+    assert note in result.summary(width=None).splitlines()
     assert result.as_dict()["prior_conflict"] == words
 
 
@@ -88,15 +88,15 @@ def test_a_prior_that_forbids_a_wrong_unit_names_the_column():
     volts = hc.Traces.from_arrays(times, known | {"wall [V]": 20.0 * columns["wall [N]"]})
     result = hc.fit(volts, chain(), free=[*FREE, "gain[wall]"], priors={"gain[wall]": (0.02, 6e-4)})
     assert not result.describes
-    assert "the values of wall multiplied by 0.001" in result.summary()
-    assert "check the unit in the header of this column" in result.summary()
+    assert "the values of wall multiplied by 0.001" in result.summary(width=None)
+    assert "check the unit in the header of this column" in result.summary(width=None)
 
 
 def test_a_fit_near_its_prior_does_not_mention_it():
     result = fitted(VELOCITY - 2.5 * 2e-3, 2e-3)
     assert result.prior_deviations["struck_by.velocity"] == pytest.approx(2.5, abs=0.3)
     assert result.prior_conflict == ""
-    assert "its prior" not in result.summary()
+    assert "its prior" not in result.summary(width=None)
 
 
 def test_a_wrong_diameter_contradicts_the_prior_of_the_velocity():
@@ -206,8 +206,10 @@ def test_priors_of_a_file_for_sensors_without_a_signal_are_not_used(tmp_path):
 def test_posteriors_name_the_steps_that_they_need_and_show_moduli_in_gpa():
     samples = np.array([[195e9], [197e9]])
     posterior = hc.Posterior(("young",), samples, 0.5, 9.25, 100, np.zeros(1), ("Pa",))
-    assert "young  196.0 +- 1.0 GPa" in posterior.summary()
-    assert posterior.summary().endswith("an autocorrelation of 9 steps: take at least 463")
+    assert "young  196.0 +- 1.0 GPa" in posterior.summary(width=None)
+    assert posterior.summary(width=None).endswith(
+        "an autocorrelation of 9 steps: take at least 463"
+    )
 
 
 def test_print_shows_the_whole_summary():

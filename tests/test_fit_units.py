@@ -35,17 +35,17 @@ def test_forces_in_kilonewtons_are_recognised(free):
     (advice,) = result.advice
     assert "the values of ball 5, ball 10 and wall multiplied by 1000" in advice
     assert "check the unit in the header of these columns" in advice
-    assert "so the fit is meaningless" in result.summary().splitlines()[1]
-    assert advice == result.summary().splitlines()[2]
+    assert "so the fit is meaningless" in result.summary(width=None).splitlines()[1]
+    assert advice == result.summary(width=None).splitlines()[2]
     # Only the advice has values, those of the fit to forces in N.
-    assert "+-" not in result.summary().replace(result.verdict, "").replace(advice, "")
+    assert "+-" not in result.summary(width=None).replace(result.verdict, "").replace(advice, "")
 
 
 @pytest.mark.long
 def test_times_with_a_wrong_factor_are_recognised():
     result = fitted(time=10.0, free=LOOSE)
     assert "with all times divided by 10, chi2 falls from" in result.advice[0]
-    assert "so the fit is meaningless" in result.summary().splitlines()[1]
+    assert "so the fit is meaningless" in result.summary(width=None).splitlines()[1]
     (advice,) = result.advice
     assert advice.endswith("interval; traces.with_scaled_times(0.1) corrects them")
     assert on_command_line(advice).endswith("interval; multiply them by 0.1 in the file")
@@ -109,7 +109,7 @@ def test_values_from_noise_are_not_printed(slow):
         hc.Traces.from_arrays(SPACING * np.arange(count), columns), chain(), free=LOOSE, starts=1
     )
     assert "so they contain no pulse" in result.verdict
-    assert "+-" not in result.summary().replace(result.verdict, "")
+    assert "+-" not in result.summary(width=None).replace(result.verdict, "")
     assert all("no pulse above their noise" in each for each in result.warnings)
 
 
@@ -143,7 +143,7 @@ def test_a_gain_that_slow_noise_hides_is_named():
     result = hc.fit(data, chain(), free=[*LOOSE, "offset[*]"], priors=priors)
     assert result.describes
     assert any("with gain[ball 10] = 1.0" in each for each in result.warnings)
-    assert "That of ball 10 is clearly larger" in result.summary()
+    assert "That of ball 10 is clearly larger" in result.summary(width=None)
 
 
 @pytest.mark.parametrize(("independent", "found"), [(100.0, ["b"]), (10.0, [])])

@@ -312,7 +312,7 @@ def test_nothing_calibrated_is_named(traces):
     assert result.weak[0].exact
     assert weights["struck_by.velocity"] / weights["stiffness"] == pytest.approx(-2.0, abs=0.01)
     assert weights["gain[wall]"] / weights["stiffness"] == pytest.approx(2.0, abs=0.01)
-    assert "fix one of them, or give it a prior" in result.summary()
+    assert "fix one of them, or give it a prior" in result.summary(width=None)
     assert np.isinf(result.errors["stiffness"])
     assert np.isfinite(result.errors["loss.time"])
 
@@ -337,11 +337,11 @@ def test_lag_that_is_not_modelled_is_seen_or_warned_of(traces):
     without = hc.fit(data, hc.load_chain(chain), free=free, priors=known)
     lag = next(each for each in without.effects if each.name == "lag")
     assert abs(lag.value - 1.4e-6) < 4.0 * lag.error
-    assert "lag" in without.summary()
+    assert "lag" in without.summary(width=None)
     # Ideal sensors: none of the effects is seen, but a lag can be mistaken for another exponent.
     ideal = hc.fit(traces, bench(LAW), free=NINE, priors=KNOWN)
     assert not any(each.present for each in ideal.effects)
-    assert "lag of the sensors" in ideal.summary()
+    assert "lag of the sensors" in ideal.summary(width=None)
 
 
 @pytest.mark.long
@@ -350,7 +350,7 @@ def test_the_limit_of_a_lag_is_that_of_fits_with_this_lag(traces):
     chain = bench(LAW)
     ideal = hc.fit(traces, chain, free=free)
     lag = next(each for each in ideal.effects if each.name == "lag")
-    assert f"a lag of the sensors up to {1e6 * lag.limit:.2g} us" in ideal.summary()
+    assert f"a lag of the sensors up to {1e6 * lag.limit:.2g} us" in ideal.summary(width=None)
     best, there = (
         hc.fit(traces, chain, free=[*free, "lag"], priors={"lag": prior}, start={"lag": lag.limit})
         for prior in ((0.0, 1.0), (lag.limit, 1e-5 * lag.limit))
@@ -372,7 +372,7 @@ def test_the_limit_of_an_effect_is_two_standard_deviations_from_the_best_value(g
 def test_a_lag_is_mentioned_only_if_it_matters(traces):
     free = ["stiffness", "loss.time", "time_offset"]
     four = hc.fit(traces, bench(LAW), free=free)
-    assert "cannot be excluded" not in four.summary()
+    assert "cannot be excluded" not in four.summary(width=None)
     effects = {each["name"]: each for each in four.as_dict()["effects"]}
     assert 0.0 < effects["lag"]["shift"] < 3.0
     with_lag = hc.fit(traces, bench(LAW), free=[*free, "lag"])
@@ -381,7 +381,7 @@ def test_a_lag_is_mentioned_only_if_it_matters(traces):
     shot = traces.shots[0]
     wall = hc.Traces.from_arrays(shot.times, {"wall [N]": shot.signals[-1].values})
     one = hc.fit(wall, bench(LAW), free=free)
-    assert "lag of the sensors" in one.summary()
+    assert "lag of the sensors" in one.summary(width=None)
 
 
 def test_loss_law_is_identified(traces):
@@ -780,7 +780,7 @@ def test_a_fit_that_does_not_converge_is_returned(traces, monkeypatch):
     monkeypatch.setattr(least_squares, "MAX_EVALUATIONS", 2)
     result = hc.fit(traces, bench(hc.Viscoelastic(0.1e-6)), free=NINE, priors=KNOWN, starts=1)
     assert not result.converged
-    assert "the fit has not converged after 2 evaluations" in result.summary()
+    assert "the fit has not converged after 2 evaluations" in result.summary(width=None)
 
 
 def test_precompression_and_velocity_signals_are_fitted():
@@ -803,7 +803,7 @@ def test_precompression_and_velocity_signals_are_fitted():
     for name, true in truth.items():
         assert abs(result.values[name] - true) < 3.0 * result.errors[name], name
         assert result.errors[name] < 0.01 * true
-    assert "nan" not in result.summary()
+    assert "nan" not in result.summary(width=None)
 
 
 def test_trial_values_issue_no_warnings():
@@ -1149,7 +1149,7 @@ def test_posterior_agrees_with_least_squares():
     assert len(panels) == 6
     # Lower row of the corner: values in the units of the printed results.
     assert posterior.units == ("", "m/s", "s")
-    head, *rows = posterior.summary().splitlines()[:4]
+    head, *rows = posterior.summary(width=None).splitlines()[:4]
     assert head == f"posterior: {len(posterior.samples)} samples of 3 parameters"
     for row, name, unit in zip(rows, free, ("", " m/s", " us"), strict=True):
         assert re.fullmatch(rf"  {re.escape(name)} +\S+ \+- [\d.]+{unit}", row)

@@ -86,7 +86,7 @@ def test_durations_of_pulses_are_those_of_signals_that_scipy_integrates():
     assert plan.samples_per_pulse == pytest.approx(np.array(expected) / 5e-6, rel=2e-3)
     assert plan.recommended_interval == pytest.approx(min(expected) / 10, rel=2e-3)
     line = f"ball 2 {1e6 * expected[0]:.3g} us, {expected[0] / 5e-6:.0f} samples; wall"
-    assert line in plan.summary()
+    assert line in plan.summary(width=None)
     assert plan.as_dict()["samples_per_pulse"]["wall"] == pytest.approx(expected[1] / 5e-6, 2e-3)
 
 
@@ -96,7 +96,7 @@ def test_a_pulse_that_does_not_end_has_no_duration():
     given = {"noise": 1e-3, "interval": "1 us", "until": "200 us", "free": ["stiffness"]}
     plan = hc.forecast(balls, ["ball 4 velocity"], **given)
     assert math.isnan(plan.recommended_interval)
-    assert plan.summary().splitlines()[2].endswith("ball 4 velocity not complete")
+    assert plan.summary(width=None).splitlines()[2].endswith("ball 4 velocity not complete")
     assert plan.as_dict()["pulse_durations"] == {"ball 4 velocity": None}
 
 
@@ -185,7 +185,7 @@ def test_command_prints_what_the_function_returns(run):
             "--prior", "struck_by.velocity=0.3 m/s,1 mm/s"]  # fmt: skip
     code, out, _ = run(*words, *more)
     assert code == 0
-    assert out.splitlines()[:4] == plan.summary().splitlines()[:4]
+    assert out.splitlines()[:4] == plan.summary(width=None).splitlines()[:4]
     code, out, _ = run(*words, *more, "--json")
     assert json.loads(out)["parameters"] == plan.as_dict()["parameters"]
     assert run(*words[:-2], "--prior", "stiffness=1")[0] == 2

@@ -176,7 +176,7 @@ def test_the_time_offset_of_precompressed_chains_does_not_depend_on_the_coupling
 def test_the_summary_states_peaks_arrivals_and_the_compared_interval():
     data = traces()
     compared = simulated(7e-4).compare(data)
-    lines = compared.summary().splitlines()
+    lines = compared.summary(width=None).splitlines()
     last = 1e6 * data.shots[0].times[-1]
     assert lines[0].startswith(f"data from 0 s to {last:.4g} us, 100% of the record; time")
     assert "by least squares" in lines[0]
@@ -216,7 +216,7 @@ def test_times_in_another_unit_are_rejected(factor):
 def test_peaks_in_another_unit_are_noted(factor):
     with pytest.warns(hc.InputWarning, match="check the unit in the header"):
         compared = simulated(7e-4).compare(traces(["wall"], factor=factor))
-    assert "check the unit in the header" in compared.summary()
+    assert "check the unit in the header" in compared.summary(width=None)
     # The residual is relative to the measured peak, which is 1000 times larger or smaller.
     rest = compared.sensors[0].residual
     assert 0.01 < rest < 0.5 if factor > 1.0 else 10.0 < rest < 500.0
@@ -279,8 +279,8 @@ def test_data_without_a_pulse_are_noted():
     data = hc.Traces.from_arrays(0.7e-6 * np.arange(1000), {"wall [N]": noise}, noise=NOISE)
     with pytest.warns(hc.InputWarning, match="the data of wall have no pulse above their noise"):
         compared = simulated(7e-4).compare(data)
-    assert "no pulse above their noise" in compared.summary()
-    assert "the simulated pulse of" not in compared.summary()
+    assert "no pulse above their noise" in compared.summary(width=None)
+    assert "the simulated pulse of" not in compared.summary(width=None)
 
 
 @pytest.mark.parametrize("limit", [30.0, 45.0])
@@ -376,7 +376,7 @@ def test_an_arrival_among_missing_samples_is_not_known():
         # The level before the pulse is the mean of another number of samples.
         assert wall.measured_peak == pytest.approx(complete.measured_peak, rel=1e-4)
         assert np.isfinite(wall.measured_arrival) == known
-        assert ("its arrival is not known" in compared.summary()) != known
+        assert ("its arrival is not known" in compared.summary(width=None)) != known
         if known:
             assert wall.measured_arrival == pytest.approx(arrival, abs=SPACING)
 
@@ -452,7 +452,7 @@ def test_arrivals_in_another_order_are_noted(first, second):
     words = f"with the columns of {first} and {second} exchanged, the rms difference falls to"
     with pytest.warns(hc.InputWarning, match=words):
         compared = run.compare(turned)
-    statement, head, *rest = compared.summary().splitlines()
+    statement, head, *rest = compared.summary(width=None).splitlines()
     assert statement.startswith(words)
     assert "check the names of these columns" in statement
     assert head.startswith("data from ")
@@ -649,7 +649,7 @@ def test_a_run_agrees_with_its_forces_also_at_the_foot_of_the_pulse(tmp_path):
     run.save_forces(tmp_path / "forces.csv", ["ball 5", "wall"])
     found = run.compare(tmp_path / "forces.csv")
     assert found.notes == ()
-    text = found.summary()
+    text = found.summary(width=None)
     assert "+0.00 us" in text
     assert "-0.0" not in text.replace("time offset -0", "")
 
@@ -660,11 +660,11 @@ def test_a_time_offset_that_is_zero_within_its_error_is_shown_so():
     same = run.compare(hc.Traces.from_arrays(run.times, own))
     step = run.times[1]
     assert same.time_offset_error == pytest.approx(1e-3 * step)
-    assert "time offset 0.00000 +- 0.000" in same.summary()
+    assert "time offset 0.00000 +- 0.000" in same.summary(width=None)
     assert "time offset 0.00000 +- 0.000" in repr(same)
     given = run.compare(hc.Traces.from_arrays(run.times, own), time_offset=0.0)
     assert np.isnan(given.time_offset_error)
-    assert "time offset 0 s, given" in given.summary()
+    assert "time offset 0 s, given" in given.summary(width=None)
 
 
 @pytest.mark.long

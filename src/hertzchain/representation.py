@@ -11,6 +11,8 @@ from typing import Any, Final
 
 MAX_LINES: Final = 3
 MAX_WIDTH: Final = 100
+# Columns of summaries, which pages show without breaking their lines.
+SUMMARY_WIDTH: Final = 88
 # Forces [N] from which they are shown in kN.
 KILONEWTONS: Final = 1e4
 # Times [s] up to which they are shown in us, and in ms.
@@ -27,6 +29,8 @@ NO_BREAK: Final = "\N{NO-BREAK SPACE}"
 KEPT_TOGETHER: Final = re.compile(
     r" (?==)|(?<==) |(?<=\d) (?=(?:m/s|[kmun]?N s|kg|Hz|[um]s|[smNJ])\b)"
 )
+# Spaces around the sign between a value and its error, and before units of sensors.
+WITH_ERRORS: Final = re.compile(r" (?=\+- )|(?<=\+-) |(?<=\d) (?=(?:[um]?V|[MG]Pa)\b)")
 
 
 def short(name: str, about: str, *facts: str) -> str:
@@ -58,6 +62,31 @@ def _lines(text: str, **limits: Any) -> list[str]:
         break_on_hyphens=False, **limits,
     )  # fmt: skip
     return [line.replace(NO_BREAK, " ") for line in lines]
+
+
+def folded(text: str, width: int | None = SUMMARY_WIDTH, below: int = 0) -> str:
+    """Text whose long sentences are broken, or also rows of tables, with the indent `below`.
+
+    Rows of tables begin with a space; sentences have an indent of four columns.
+    """
+    if width is None:
+        return text
+    return "\n".join(
+        "\n".join(
+            [line] if line.startswith(" ") and not below else _broken(line, width, below or 4)
+        )
+        for line in text.split("\n")
+    )
+
+
+def _broken(line: str, width: int, below: int) -> list[str]:
+    if len(line) <= width:
+        return [line.replace(NO_BREAK, " ")]
+    lines = textwrap.wrap(
+        WITH_ERRORS.sub(NO_BREAK, KEPT_TOGETHER.sub(NO_BREAK, line)), width,
+        subsequent_indent=below * " ", break_long_words=False, break_on_hyphens=False,
+    )  # fmt: skip
+    return [each.replace(NO_BREAK, " ") for each in lines]
 
 
 def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:

@@ -135,7 +135,7 @@ def compare(
     if as_json:
         show_json(_as_dict(found))
     else:
-        shown = on_command_line(found.summary()).splitlines()
+        shown = on_command_line(found.summary(width=None)).splitlines()
         lines = [described.description, *pressures_below_yield(run)]
         # The statement that columns are exchanged is the first line.
         lines = [*shown[:1], *lines, *shown[1:]] if found.exchanged else [*lines, *shown]

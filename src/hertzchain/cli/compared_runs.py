@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Literal
 
 from ..representation import listed, measure
@@ -29,6 +30,12 @@ if TYPE_CHECKING:
 
 NONE: Final = "-"
 OF_WALLS: Final = ("peak", "time", "impulse", "duration")
+# Headings on two lines, so that the table fits on a page.
+HEADINGS: Final = MappingProxyType({
+    "overlap/radius": "overlap\n/radius", "pressure/yield": "pressure\n/yield",
+    "deepest dent": "deepest\ndent", "velocity of last bead": "velocity of\nlast bead",
+    "momentum of last bead": "momentum of\nlast bead",
+})  # fmt: skip
 
 
 def compared_runs(
@@ -142,9 +149,11 @@ def _table(rows: Mapping[str, Mapping[str, str]], title: str) -> Table:
         key for key in dict.fromkeys(key for row in rows.values() for key in row)
         if any(row.get(key, NONE) != NONE for row in rows.values())
     ]  # fmt: skip
-    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
+    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False,
+                  collapse_padding=True)  # fmt: skip
     for key in ("chain", *columns):
-        table.add_column(key, justify="left" if key == "chain" else "right")
+        heading = HEADINGS.get(key, key).replace("peak at ", "peak at\n")
+        table.add_column(heading, justify="left" if key == "chain" else "right", vertical="bottom")
     for name, row in rows.items():
         table.add_row(name, *(row.get(key, NONE) for key in columns))
     return table

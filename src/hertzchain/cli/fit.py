@@ -190,7 +190,7 @@ def _laws(
             result.traces, chain, laws=[*names, *more], progress=progress, **settings
         )
     document["comparison"] = compared.as_dict()
-    lines = [compared.summary()]
+    lines = [compared.summary(width=None)]
     lines += [f"{each.name}, the law of the chain file, is compared, too" for each in more]
     if rejected := rejected_law(compared, result.chain):
         lines.append(
@@ -204,7 +204,7 @@ def _laws(
 
 def _summary(result: FitResult, laws: str | None) -> list[str]:
     """Lines of the summary, without the advice to compare loss laws if they are compared."""
-    lines = result.summary().splitlines()
+    lines = result.summary(width=None).splitlines()
     return lines if laws is None else [line for line in lines if line != result.loss_note]
 
 
@@ -259,7 +259,7 @@ def _defects(
             with progress_bar(words, rate=True) as progress:
                 found[scan.kind] = fit_of_defect(scan, progress=progress)
     if not found:
-        return result, scans, [scan.summary() for scan in scans], found
+        return result, scans, [scan.summary(width=None) for scan in scans], found
     kind = min(found, key=lambda each: found[each].chi2 + found[each].penalty)
     best = without_tested(diagnosed(found[kind], {}, fitted), *tested)
     document["fit_with_defect"] = best.as_dict()
@@ -270,7 +270,7 @@ def _defects(
         best,
         scans,
         [
-            scans[0].summary(),
+            scans[0].summary(width=None),
             *_other_place(scans[0], best),
             *(_other_kind(scan, found.get(scan.kind), best) for scan in scans[1:]),
             f"without {best.names[-1]}: {verdict}",

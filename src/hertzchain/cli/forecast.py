@@ -79,7 +79,7 @@ def forecast(
     if as_json:
         show_json(plan.as_dict())
     else:
-        click.echo(on_command_line(plan.summary()))
+        click.echo(on_command_line(plan.summary(width=None)))
 
 
 def _usual(

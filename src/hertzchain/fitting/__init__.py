@@ -13,7 +13,8 @@
 - fits that mean less than they seem to: `diagnosis` with its `causes`, `static_causes`,
   `ball_counts`, `common_effects`, `advice` and `second_pulse`, `plausibility`,
   `prior_conflicts`, `without_priors`, `cap_notes`, `unused_parameters`, `silent_sensors`;
-- the result: `result`, `result_text`, `result_document`, `shown_values`, `fitted_file`;
+- the result: `result`, `result_text`, `result_document`, `shown_values`, `summary_width`,
+  `fitted_file`;
 - further questions: `loss_comparison` of all `loss_laws`, and `defect_scan`;
 - data compared with a simulation, without a fit: `compare_traces`, `trace_comparison`,
   `sensor_comparison`, `crossings`, `time_offsets`, `arrival_notes`, `odd_sensors`,

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, SimulationError
-from ..representation import counted, short
+from ..representation import SUMMARY_WIDTH, counted, folded, short
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback, check_choice, check_type
@@ -23,6 +23,7 @@ from .names import Name
 from .parameters import Parameter, kind_and_value
 from .problem import Problem
 from .result import FitResult
+from .summary_width import summary_width
 from .symmetry import units_of
 
 if TYPE_CHECKING:
@@ -121,8 +122,13 @@ class DefectScan:
         names = [_name(self.kind, self.result, i) for i in range(len(self.names))]
         return np.array([kind_and_value(n, model.traces, model.chains)[1] for n in names])
 
-    def summary(self) -> str:
+    def summary(self, *, width: int | None = SUMMARY_WIDTH) -> str:
         """Method, the defects that would explain the most, their sizes, and the conclusion.
+
+        Parameters
+        ----------
+        width
+            Number of columns at which lines are broken; None keeps each sentence on one line.
 
         Examples
         --------
@@ -157,7 +163,7 @@ class DefectScan:
         else:
             lines.append(f"no {self.kind} explains more than noise would (a chi2 lower by "
                          f"{FOUND:g})")  # fmt: skip
-        return "\n".join(lines)
+        return folded("\n".join(lines), summary_width(width))
 
     @property
     def places(self) -> Array:
@@ -241,7 +247,8 @@ class DefectScan:
 
         return defect_scan_html(self)
 
-    __str__ = summary
+    def __str__(self) -> str:
+        return self.summary()
 
     def __repr__(self) -> str:
         i = int(np.argmax(self.improvements))

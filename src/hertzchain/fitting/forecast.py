@@ -16,7 +16,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, short_repr
 from ..recorded_warnings import ignore_warnings
-from ..representation import counted, measure, short
+from ..representation import SUMMARY_WIDTH, counted, folded, measure, short
 from ..traces.headers import UNITS, header_of, in_volts, positive_noise
 from ..traces.noise import check_names_of_noise
 from ..traces.places import Place, place_named
@@ -38,6 +38,7 @@ from .result_document import constants_document, parameters_document
 from .settings import Settings, for_sensors, load_chain_and_settings
 from .shown_values import shown_value, unit_of_parameter
 from .simulations import Simulator, passing_time, range_notes
+from .summary_width import summary_width
 from .uncertainty import Estimates, large_error_notes, uncertainty
 from .unused_parameters import check_used
 from .weak_directions import WeakDirection
@@ -141,8 +142,13 @@ class Forecast(Estimates):
             for each, value, sigma in triples
         ]
 
-    def summary(self) -> str:
+    def summary(self, *, width: int | None = SUMMARY_WIDTH) -> str:
         """Values with errors and all remarks, as text.
+
+        Parameters
+        ----------
+        width
+            Number of columns at which lines are broken; None keeps each sentence on one line.
 
         Returns
         -------
@@ -156,9 +162,10 @@ class Forecast(Estimates):
         >>> print(plan.summary().splitlines()[0])
         3 parameters from 301 samples of 1 sensor, every 1 us for 300 us
         """
-        width = max(map(len, self.names))
-        rows = [f"  {name:<{width}}  {row}" for name, row in self.rows()]
-        return "\n".join([self._about, *rows, self._pulses, *self.warnings])
+        longest = max(map(len, self.names))
+        rows = [f"  {name:<{longest}}  {row}" for name, row in self.rows()]
+        lines = [self._about, *rows, self._pulses, *self.warnings]
+        return folded("\n".join(lines), summary_width(width))
 
     @property
     def _about(self) -> str:

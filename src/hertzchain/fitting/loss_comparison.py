@@ -15,7 +15,7 @@ from ..chain.laws.elastic import Elastic
 from ..chain.per_contact import MaterialPairs
 from ..collision import Array
 from ..errors import InputError, SimulationError
-from ..representation import listed, short
+from ..representation import SUMMARY_WIDTH, folded, listed, short
 from ..traces.files import load_traces
 from ..traces.traces import with_time_offset
 from ..validation.keywords import checked_arguments, checked_methods
@@ -29,6 +29,7 @@ from .parameters import Priors, default_names
 from .result import FitResult
 from .settings import Settings, for_sensors, load_experiment
 from .simulations import range_notes
+from .summary_width import summary_width
 from .symmetry import units_of
 
 DEFAULT_LAWS: Final = (
@@ -94,8 +95,13 @@ class LossComparison:
         """Laws between which the data cannot decide, the best first; one law if they can."""
         return tuple(each.law for each in self.fits if each.bic - self.fits[0].bic <= DECIDES)
 
-    def summary(self) -> str:
+    def summary(self, *, width: int | None = SUMMARY_WIDTH) -> str:
         """Table of all laws, and `statement`.
+
+        Parameters
+        ----------
+        width
+            Number of columns at which lines are broken; None keeps each sentence on one line.
 
         Returns
         -------
@@ -119,7 +125,9 @@ class LossComparison:
                 f"{each.law:<14} {each.bic - self.fits[0].bic:>9.1f} {each.result.chi2:>10.1f}  "
                 f"{', '.join(rows)}".rstrip()
             )
-        return "\n".join([*lines, self.statement])
+        columns = summary_width(width)
+        table = folded("\n".join(lines), columns, lines[0].index("parameters"))
+        return f"{table}\n{folded(self.statement, columns)}"
 
     @property
     def statement(self) -> str:

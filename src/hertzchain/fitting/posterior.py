@@ -9,12 +9,13 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, SimulationError
-from ..representation import counted, short
+from ..representation import SUMMARY_WIDTH, counted, folded, short
 from ..validation.keywords import checked_methods
 from ..validation.memory import check_memory
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
 from .shown_values import shown_with_error, unit_of_parameter
+from .summary_width import summary_width
 from .weights import remaining_weights
 
 if TYPE_CHECKING:
@@ -120,8 +121,13 @@ class Posterior:
 
         return plot_corner(self)
 
-    def summary(self) -> str:
+    def summary(self, *, width: int | None = SUMMARY_WIDTH) -> str:
         """Mean and standard deviation of each parameter, with the units of the fit, as text.
+
+        Parameters
+        ----------
+        width
+            Number of columns at which lines are broken; None keeps each sentence on one line.
 
         Returns
         -------
@@ -138,12 +144,17 @@ class Posterior:
         posterior: 2 samples of 1 parameter
           lag  2.0 +- 1.0 us
         """
-        width = max(map(len, self.names))
+        longest = max(map(len, self.names))
         size = f"{counted(len(self.samples), 'sample')} of {counted(len(self.names), 'parameter')}"
-        lines = [f"posterior: {size}", *(f"  {name:<{width}}  {row}" for name, row in self._rows())]
-        return "\n".join([*lines, *filter(None, [self._too_short()])])
+        lines = [
+            f"posterior: {size}",
+            *(f"  {name:<{longest}}  {row}" for name, row in self._rows()),
+        ]
+        lines += filter(None, [self._too_short()])
+        return folded("\n".join(lines), summary_width(width))
 
-    __str__ = summary
+    def __str__(self) -> str:
+        return self.summary()
 
     def __repr__(self) -> str:
         rows = ", ".join(f"{name} = {row}" for name, row in self._rows())

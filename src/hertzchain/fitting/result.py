@@ -12,7 +12,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
-from ..representation import counted, short
+from ..representation import SUMMARY_WIDTH, counted, folded, short
 from ..traces.traces import Traces
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number
@@ -27,6 +27,7 @@ from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
 from .shown_values import shown_diameter, shown_value
 from .silent_sensors import undetermined
+from .summary_width import summary_width
 from .systematics import Effect
 from .uncertainty import Estimates
 from .weak_directions import WeakDirection
@@ -221,8 +222,13 @@ class FitResult(Estimates):
         parts = self.rows(), self.verdict, self.model.parameters, self.values
         return fitted_toml(self.chain, *parts, self.traces)
 
-    def summary(self) -> str:
+    def summary(self, *, width: int | None = SUMMARY_WIDTH) -> str:
         """Values with errors, the verdict and all notes, as text.
+
+        Parameters
+        ----------
+        width
+            Number of columns at which lines are broken; None keeps each sentence on one line.
 
         Returns
         -------
@@ -236,7 +242,7 @@ class FitResult(Estimates):
         """
         from .result_text import summary_of
 
-        return summary_of(self)
+        return folded(summary_of(self), summary_width(width))
 
     @property
     def loss_note(self) -> str:
@@ -437,7 +443,8 @@ class FitResult(Estimates):
 
         return sample(self, steps, seed, progress)
 
-    __str__ = summary
+    def __str__(self) -> str:
+        return self.summary()
 
     def _repr_html_(self) -> str:
         from ..notebook.fits import fit_html

@@ -148,12 +148,16 @@ def _time(value: float, sign: str = "") -> str:
 
 
 def _aligned(name: str, *cells: str) -> str:
-    return f"  {name:<15}" + "".join(f" {cell:>11}" for cell in cells)
+    return f"  {name:<13}" + "".join(
+        f" {cell:>{width}}" for cell, width in zip(cells, WIDTHS, strict=True)
+    )
 
 
 HEADINGS: Final = (
     "sensor", "peak", "simulated", "difference", "arrival", "simulated", "difference", "residual",
 )  # fmt: skip
+# Widths of the columns after the first; the table has 88 columns.
+WIDTHS: Final = (10, 10, 10, 9, 9, 10, 8)
 HEADING: Final = _aligned(*HEADINGS)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError
-from ..representation import measure, short, usual_unit, with_error
+from ..representation import SUMMARY_WIDTH, folded, measure, short, usual_unit, with_error
 from ..traces.signals import Clock
 from ..traces.traces import Traces
 from ..validation.keywords import checked_methods
@@ -22,6 +22,7 @@ from .sensor_comparison import (
     scale_of,
     scaled,
 )
+from .summary_width import summary_width
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -141,10 +142,15 @@ class TraceComparison:
             return [text]
         return [text, "the error of the time offset assumes that the chain is right"]
 
-    def summary(self) -> str:
+    def summary(self, *, width: int | None = SUMMARY_WIDTH) -> str:
         """Table of peaks, arrivals and residuals, the compared interval, and notes.
 
         If columns are probably exchanged, the first line says so.
+
+        Parameters
+        ----------
+        width
+            Number of columns at which lines are broken; None keeps each sentence on one line.
 
         Returns
         -------
@@ -155,7 +161,7 @@ class TraceComparison:
         >>> import hertzchain as hc
         >>> traces, chain = hc.example_experiment()
         >>> run = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201)
-        >>> print(run.compare(traces).summary().splitlines()[0])
+        >>> print(run.compare(traces).summary(width=None).splitlines()[0])
         data from 0 s to 639 us, 100% of the record; time offset 78.81 +- 0.44 us, by least squares
         """
         begin, end = self.interval
@@ -173,7 +179,8 @@ class TraceComparison:
         if factors:
             lines.append(f"without calibration, the simulation is scaled: {', '.join(factors)}")
         statement = [self._statement] if self._statement else []
-        return "\n".join((*statement, *lines, *self.notes[len(statement) :]))
+        lines = [*statement, *lines, *self.notes[len(statement) :]]
+        return folded("\n".join(lines), summary_width(width))
 
     @property
     def _statement(self) -> str:

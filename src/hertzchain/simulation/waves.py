@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..representation import measure, short, wrapped
+from ..representation import NO_BREAK, folded, measure, short, wrapped
 from ..validation.keywords import checked_methods
 from ..validation.numbers import contact_number, whole_number
 from .wave_events import MIN_SAMPLES, WaveEvent
@@ -391,7 +392,8 @@ class Waves:
             lines.append(f"  and {len(self) - len(shown)} more")
         if len(self) > self.chain.beads:
             lines.append("  more waves than contacts: run.energy_flux() may show more")
-        return "\n".join(lines)
+        # Lines are broken only between properties of a wave.
+        return folded(re.sub(r"(?<=[^, ]) ", NO_BREAK, "\n".join(lines)), below=6)
 
 
 COLUMNS: Final = (

@@ -173,7 +173,9 @@ def modified_bca(
     chain: Chain,
     coefficients: Literal["calibrated", "printed"] | Correction = "calibrated",
 ) -> Pulse:
-    r"""Leading pulse by the modified BCA, Sec. 5 of the paper.
+    r"""Leading pulse by the modified BCA of the paper.
+
+    Section 5 of the paper determines these corrections.
 
     ====================  ================================================
     taper                 as printed, Eqs. (41) to (44)

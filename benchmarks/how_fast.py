@@ -42,12 +42,12 @@ class Row:
 
     def __str__(self) -> str:
         name, seconds, error = self.ours
-        cells = [self.work, f"`{name}`", f"{1e3 * seconds:.3g} ms", f"{error:.0e}"]
+        cells = [self.work, f"`{name}`: {1e3 * seconds:.3g} ms, {error:.0e}"]
         if self.peer is None:
-            return "| " + " | ".join([*cells, "none", "", "", ""]) + " |"
+            return "| " + " | ".join([*cells, "none", ""]) + " |"
         peer, time_of_peer, error_of_peer = self.peer
         ratio = f"{float(f'{time_of_peer / seconds:.2g}'):g}"
-        cells += [peer, f"{1e3 * time_of_peer:.3g} ms", f"{error_of_peer:.0e}", ratio]
+        cells += [f"{peer}: {1e3 * time_of_peer:.3g} ms, {error_of_peer:.0e}", ratio]
         return "| " + " | ".join(cells) + " |"
 
 
@@ -336,8 +336,8 @@ def main() -> None:
     missing = other_solvers.lammps_missing()
     if missing is not None:
         print(missing)
-    print("| work | hertzchain | time | error | other | time | error | other / hertzchain |")
-    print("|---|---|---|---|---|---|---|---|")
+    print("| work | hertzchain | other program | factor |")
+    print("|---|---|---|---|")
     for name in sys.argv[1:] or PARTS:
         for row in PARTS[name]():
             print(row, flush=True)

@@ -89,8 +89,7 @@ def failures(page: Path) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    found = [
-        each for page in sorted(Path(__file__).parent.glob("*/*.md")) for each in failures(page)
-    ]
+    pages = [Path(each) for each in sys.argv[1:]] or sorted(Path(__file__).parent.glob("*/*.md"))
+    found = [each for page in pages for each in failures(page)]
     print(*found, sep="\n")
     sys.exit(bool(found))

@@ -14,6 +14,8 @@ HERE = Path(__file__).parent
 ARRAY = re.compile(r"\bArray\b")
 sys.path.insert(0, os.fspath(HERE))
 import bibliography  # noqa: E402
+import command_pages  # noqa: E402
+import material_table  # noqa: E402
 import navigation  # noqa: E402
 import reference_pages  # noqa: E402
 import schema_tables  # noqa: E402
@@ -38,7 +40,7 @@ default_role = "py:obj"
 # Replace only quotes; two hyphens begin an option and must not become a dash.
 smartquotes_action = "q"
 
-myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
+myst_enable_extensions = ["amsmath", "attrs_block", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 
 # Types are in the signatures; the docstrings describe them in words.
@@ -172,10 +174,12 @@ def copy_changelog(_: Any) -> None:
 
 
 def write_tables(_: Any) -> None:
-    """Write the tables of keys of chain files, constants and balls, and the bibliography."""
+    """Write the tables that the package contains, from keys of chain files to materials."""
     tables = {"chain_file_keys": schema_tables.chain_file_page(),
               "calibration": schema_tables.calibration_table(),
               "balls": schema_tables.ball_table(),
+              "commands": command_pages.command_table(),
+              "materials": material_table.material_table(),
               "bibliography": bibliography.bibliography_page()}  # fmt: skip
     for name, text in tables.items():
         page = HERE / "_generated" / f"{name}.md"
@@ -208,6 +212,8 @@ def setup(app: Any) -> None:
     app.connect("builder-inited", copy_changelog)
     app.connect("builder-inited", write_tables)
     app.connect("autodoc-process-signature", name_aliases)
+    app.connect("sphinx-click-process-description", command_pages.examples_as_blocks)
+    app.add_transform(command_pages.PlainQuotes)
     app.connect("doctree-read", strip_blocks)
     # Before the theme, which renders all templates to find empty ones.
     app.connect("html-page-context", navigation.add_navigation, priority=400)

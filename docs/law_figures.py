@@ -248,8 +248,8 @@ def how_fast() -> Figure:
     """Ratios of computing times, from the table of the page."""
     page = (PAGES / "explanation" / "how_fast.md").read_text("utf-8")
     cells = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| ")]
-    rows = [(each[0], each[1].strip("`"), each[4].replace("`", ""), float(each[7]))
-            for each in cells[1:] if len(each) == 8]  # fmt: skip
+    rows = [(each[0], *(name.split(": ")[0].replace("`", "") for name in each[1:3]), float(each[3]))
+            for each in cells[1:] if len(each) == 4]  # fmt: skip
     assert len(rows) > 10
     with figure_style():
         canvas, axes = plt.subplots(figsize=(8.4, 0.27 * len(rows) + 0.8))

@@ -44,12 +44,12 @@ def test_impossible_widths_are_rejected(result):
 
 def test_parameters_of_loss_laws_are_below_their_heading(experiment):
     compared = hc.compare_losses(*experiment, laws=["viscoelastic", "elastic-plastic"])
-    lines = compared.summary(width=80).splitlines()
+    lines = compared.summary(width=70).splitlines()
     column = lines[0].index("parameters")
     broken = [line for line in lines if line.startswith(" " * 5)]
     assert all(re.match(" *", line)[0] == " " * column for line in broken)
     assert broken
-    assert max(map(len, lines)) <= 80
+    assert max(map(len, lines)) <= 76
     assert max(map(len, compared.summary().splitlines())) <= SUMMARY_WIDTH
 
 

@@ -30,7 +30,7 @@ KEPT_TOGETHER: Final = re.compile(
     r" (?==)|(?<==) |(?<=\d) (?=(?:m/s|[kmun]?N s|kg|Hz|[um]s|[smNJ])\b)"
 )
 # Spaces around the sign between a value and its error, and before units of sensors.
-WITH_ERRORS: Final = re.compile(r" (?=\+- )|(?<=\+-) |(?<=\d) (?=(?:[um]?V|[MG]Pa)\b)")
+WITH_ERRORS: Final = re.compile(r" (?=\+- )|(?<=\+-) |(?<=\d) (?=(?:[um]?V|[MG]Pa|[unmc]m)\b)")
 
 
 def short(name: str, about: str, *facts: str) -> str:

@@ -149,8 +149,7 @@ def _table(rows: Mapping[str, Mapping[str, str]], title: str) -> Table:
         key for key in dict.fromkeys(key for row in rows.values() for key in row)
         if any(row.get(key, NONE) != NONE for row in rows.values())
     ]  # fmt: skip
-    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False,
-                  collapse_padding=True)  # fmt: skip
+    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", padding=0)
     for key in ("chain", *columns):
         heading = HEADINGS.get(key, key).replace("peak at ", "peak at\n")
         table.add_column(heading, justify="left" if key == "chain" else "right", vertical="bottom")

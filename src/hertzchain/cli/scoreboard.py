@@ -84,7 +84,7 @@ def _scoreboard_table(
         f"of {len(board.cases)} chains",
         caption="– not supported   * outside the range of the theory, which issues a warning",
         box=box.SIMPLE_HEAD, title_justify="left", caption_justify="left", pad_edge=False,
-        padding=0,
+        padding=0, show_edge=False,
     )  # fmt: skip
     table.add_column("", no_wrap=True)
     for theory in board.theories:

@@ -57,7 +57,9 @@ def _show_verdicts(verdicts: list[Verdict]) -> None:
     title = f"{agreeing} of {len(verdicts)} cases agree"
     if agreeing < len(verdicts):
         title += "; cases marked ! are outside their tolerance"
-    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", padding=0)
+    table = Table(
+        title=title, box=box.SIMPLE_HEAD, title_justify="left", padding=0, show_edge=False
+    )
     for name in ("quantity", "expected", "computed", "difference", "allowed", "source"):
         side: Literal["left", "right"] = "left" if name == "quantity" else "right"
         table.add_column(name, justify=side, no_wrap=True)

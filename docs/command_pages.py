@@ -24,7 +24,7 @@ def command_table() -> str:
     for heading, commands in GROUPS.items():
         for i, each in enumerate(commands):
             purpose = each.get_short_help_str(limit=200)
-            # The headings of commands are no Markdown, so that only HTML can refer to them.
+            # sphinx-click writes the headings of commands, to which Markdown cannot refer.
             link = f'<a href="#hertzchain-{each.name}"><code>{each.name}</code></a>'
             lines.append(f"| {'' if i else heading} | {link} | {purpose} |")
     return "\n".join(lines) + "\n"

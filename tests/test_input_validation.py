@@ -78,6 +78,11 @@ def public_calls(folder):
     signal = {"ball 4 [N]": moved.sensor(4)}
     traces = hc.Traces.from_arrays(moved.times, signal, noise=0.01)
     fitted = hc.fit(traces, steel, free=["time_offset"])
+    compared = hc.compare_losses(traces, steel, laws=["elastic"], free=["time_offset"])
+    planned = hc.forecast(
+        steel, ["ball 4"], noise=0.1, interval=2e-6, free=["time_offset"], until=2e-4
+    )
+    posterior = hc.Posterior(("a",), np.zeros((4, 1)), 0.5, 1.0, 100, np.zeros(1), ("s",))
     table_of_traces = folder / "traces.csv"
     rows = zip(1e6 * moved.times, moved.sensor(4), strict=True)
     table_of_traces.write_text(
@@ -186,12 +191,18 @@ def public_calls(folder):
             progress=None,
         ),
         "scan_defects": tried(hc.scan_defects, result=fitted, kind="gap", progress=None),
+        "Forecast.summary": tried(planned.summary, width=88),
+        "LossComparison.summary": tried(compared.summary, width=88),
+        "Posterior.summary": tried(posterior.summary, width=88),
         "DefectScan.fit": tried(hc.scan_defects(fitted).fit, candidates=1),
         "DefectScan.plot": tried(hc.scan_defects(fitted).plot, legend=True, ax=None),
+        "DefectScan.summary": tried(hc.scan_defects(fitted).summary, width=88),
         "FitResult.bic": tried(fitted.bic, inflation=1.0),
+        "FitResult.summary": tried(fitted.summary, width=88),
         "FitResult.plot": tried(fitted.plot, sensor="ball 4", shot=1, ax=None),
         "FitResult.sample": tried(fitted.sample, steps=10, seed=0, progress=None),
         "Run.compare": tried(moved.compare, traces=traces, time_offset=0.0),
+        "TraceComparison.summary": tried(moved.compare(traces).summary, width=88),
         "TraceComparison.plot": tried(moved.compare(traces).plot, sensor="ball 4", ax=None),
         "Chain": tried(
             Chain,

@@ -12,7 +12,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
-from ..representation import SUMMARY_WIDTH, counted, folded, short
+from ..representation import SUMMARY_WIDTH, counted, short
 from ..traces.traces import Traces
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number
@@ -27,7 +27,6 @@ from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
 from .shown_values import shown_diameter, shown_value
 from .silent_sensors import undetermined
-from .summary_width import summary_width
 from .systematics import Effect
 from .uncertainty import Estimates
 from .weak_directions import WeakDirection
@@ -230,10 +229,6 @@ class FitResult(Estimates):
         width
             Number of columns at which lines are broken; None keeps each sentence on one line.
 
-        Returns
-        -------
-        str
-
         Examples
         --------
         >>> import hertzchain as hc
@@ -242,7 +237,7 @@ class FitResult(Estimates):
         """
         from .result_text import summary_of
 
-        return folded(summary_of(self), summary_width(width))
+        return summary_of(self, width)
 
     @property
     def loss_note(self) -> str:
@@ -443,8 +438,7 @@ class FitResult(Estimates):
 
         return sample(self, steps, seed, progress)
 
-    def __str__(self) -> str:
-        return self.summary()
+    __str__ = summary
 
     def _repr_html_(self) -> str:
         from ..notebook.fits import fit_html

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..representation import counted, listed
+from ..representation import counted, folded, listed
 from .arrival_notes import silent_notes
 from .clocks import clock_notes
 from .goodness import NO_ERRORS
 from .held_by_priors import prior_notes
 from .silent_sensors import silent_clause
+from .summary_width import summary_width
 
 if TYPE_CHECKING:
     from .result import FitResult
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 LARGER, CLEARLY = 1.5, 3.0
 
 
-def summary_of(result: FitResult) -> str:
+def summary_of(result: FitResult, width: int | None) -> str:
     """Values with errors, the verdict and all notes; without values that have no meaning."""
     sensors = counted(len(result.traces.names), "sensor")
     shots = len(result.traces.shots)
@@ -36,7 +37,8 @@ def summary_of(result: FitResult) -> str:
     lines.append(result.verdict)
     if len(result.traces.names) > 1 and not result.meaningless:
         lines.append(f"chi2 per sample: {_by_sensor(result)}")
-    return "\n".join([*lines, *result.warnings, *([result.loss_note] if result.loss_note else [])])
+    lines += [*result.warnings, *([result.loss_note] if result.loss_note else [])]
+    return folded("\n".join(lines), summary_width(width))
 
 
 def verdict_of(result: FitResult) -> str:

@@ -78,7 +78,7 @@ def public_calls(folder):
     signal = {"ball 4 [N]": moved.sensor(4)}
     traces = hc.Traces.from_arrays(moved.times, signal, noise=0.01)
     fitted = hc.fit(traces, steel, free=["time_offset"])
-    compared = hc.compare_losses(traces, steel, laws=["elastic"], free=["time_offset"])
+    laws_compared = hc.compare_losses(traces, steel, laws=["elastic"], free=["time_offset"])
     planned = hc.forecast(
         steel, ["ball 4"], noise=0.1, interval=2e-6, free=["time_offset"], until=2e-4
     )
@@ -192,7 +192,7 @@ def public_calls(folder):
         ),
         "scan_defects": tried(hc.scan_defects, result=fitted, kind="gap", progress=None),
         "Forecast.summary": tried(planned.summary, width=88),
-        "LossComparison.summary": tried(compared.summary, width=88),
+        "LossComparison.summary": tried(laws_compared.summary, width=88),
         "Posterior.summary": tried(posterior.summary, width=88),
         "DefectScan.fit": tried(hc.scan_defects(fitted).fit, candidates=1),
         "DefectScan.plot": tried(hc.scan_defects(fitted).plot, legend=True, ax=None),

@@ -196,10 +196,6 @@ class FitResult(Estimates):
     def residuals(self) -> list[tuple[int, str, Array]]:
         """Shot, sensor, and data minus fit over the noise; NaN where a sample is not used.
 
-        Returns
-        -------
-        list of tuple
-
         Examples
         --------
         >>> import hertzchain as hc

@@ -31,9 +31,9 @@ def summary_of(result: FitResult, width: int | None) -> str:
     within = f" in {shots} shots" if shots > 1 else ""
     parameters = counted(len(result.names), "parameter")
     lines = [f"{parameters} from {result.goodness.samples} samples of {sensors}{within}"]
-    width = max(map(len, result.names))
+    longest = max(map(len, result.names))
     if not result.meaningless:
-        lines += [f"  {name:<{width}}  {row}" for name, row in result.rows()]
+        lines += [f"  {name:<{longest}}  {row}" for name, row in result.rows()]
     lines.append(result.verdict)
     if len(result.traces.names) > 1 and not result.meaningless:
         lines.append(f"chi2 per sample: {_by_sensor(result)}")

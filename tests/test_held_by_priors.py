@@ -69,9 +69,9 @@ def test_notes_group_parameters_and_omit_those_of_weak_directions():
     ]
     assert prior_notes([alone, *pair], ()) == [
         "90% of the variance of highpass comes from its prior: a separate, more accurate "
-        "measurement of it would reduce this error, less noise hardly",
+        "measurement of it would reduce this error more than less noise",
         "70 to 99% of the variances of a and b come from priors, above all from that of b: a "
-        "separate, more accurate measurement of b would reduce these errors, less noise hardly",
+        "separate, more accurate measurement of b would reduce these errors more than less noise",
     ]
     direction = WeakDirection({"a": 1.0, "b": -1.0}, np.inf, True, ("b",))
     assert len(prior_notes([alone, *pair], [direction])) == 1

@@ -13,8 +13,8 @@ from ..representation import short
 from .weak_directions import WeakDirection, grouped
 
 # A prior holds a parameter if more than this fraction of the variance comes from priors.  With one
-# parameter, this is the ratio of its variance to that of its prior.  The error then decreases by
-# less than a factor of 1.41, even if the data become exact.
+# parameter, this is the ratio of its variance to that of its prior, and the prior holds it if it is
+# narrower than the data.
 HELD: Final = 0.5
 # A prior is named if it contributes at least this fraction of the largest contribution.
 MIN_PART: Final = 0.5
@@ -32,8 +32,8 @@ class HeldByPriors:
     name : str
         Name of the parameter, which need not have a prior of its own.
     share : float
-        Fraction of its variance that comes from priors, above 0.5.  The square root is the ratio of
-        the error with exact data to the present one.
+        Fraction of its variance that comes from priors, above 0.5.  The square root is the fraction
+        of its standard error that uncertain priors alone would cause.
     priors : dict
         Fraction of the variance that comes from each prior, largest first.
     """
@@ -116,5 +116,5 @@ def _sentence(group: Sequence[HeldByPriors]) -> str:
     return (
         f"{part} of the variance{'s' if several else ''} of {grouped(names)} "
         f"come{'' if several else 's'} from {source}: a separate, more accurate measurement of "
-        f"{measured} would reduce {'these errors' if several else 'this error'}, less noise hardly"
+        f"{measured} would reduce {'these errors' if several else 'this error'} more than less noise"
     )

@@ -96,8 +96,24 @@ def test_beads_whose_words_do_not_differ_are_named_by_one_of_them():
     laws = [[hc.Restitution(0.9)] * 18 + [hc.Restitution(e)] for e in (0.8, 0.7)]
     words = words_of_chains([BEADS.replace(loss=each) for each in laws])
     assert [each[-1] for each in words] == [
-        "loss of contact 19: restitution 0.8", "loss of contact 19: restitution 0.7"
+        "restitution 0.9 except restitution 0.8 in contact 19",
+        "restitution 0.9 except restitution 0.7 in contact 19",
+    ]
+    # Of more contacts.
+    laws = [[hc.Restitution(0.9)] * 17 + [hc.Restitution(e)] * 2 for e in (0.8, 0.7)]
+    words = words_of_chains([BEADS.replace(loss=each) for each in laws])
+    assert [each[-1] for each in words] == [
+        "loss of contact 18: restitution 0.8", "loss of contact 18: restitution 0.7"
     ]  # fmt: skip
+
+
+def test_a_single_loss_of_a_pad_is_named_in_figures():
+    row = BALLS.with_contacts({4: hc.Pad(1e6)}).replace(right_wall=hc.Wall())
+    lossy = row.replace(loss=[None] * 3 + [hc.Dashpot(2.0)] + [None] * (row.beads - 5))
+    runs = [hc.simulate(lossy, times=0, rtol=rtol) for rtol in (1e-6, 1e-9)]
+    title = runs[0].pulse().compare(runs[1].pulse()).plot().get_title()
+    assert "dashpot 2 kg/s in contact 4" in title.replace("\n", " ")
+    assert "mixed losses" not in title
 
 
 def test_pulses_forces_and_comparisons_name_the_same_differences():

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 
+from ..chain.laws.elastic import Elastic
 from ..pulse.free_end import ends_free
 from ..pulse.quantities import COLUMN_QUANTITIES
 from .colours import curve_colour, grey
-from .differences import words_of_chains
+from .differences import loss_in_words, words_of_chains, words_of_loss
 from .labels import distinguish
 from .legends import place_legend
 from .shared_axes import label_below
@@ -68,7 +69,11 @@ def _title(ours: Pulse, theirs: Pulse) -> str:
     """Both methods and the chain, or the properties in which the chains of the pulses differ."""
     chains = words_of_chains([ours.chain, theirs.chain])
     if chains[0] == chains[1]:
-        return f"{ours.method} against {theirs.method}, {ours.chain.description}"
+        about, loss = ours.chain.description, loss_in_words(ours.chain)
+        # Losses of walls alone have no other words.
+        if loss != words_of_loss(Elastic(), ours.chain.units):
+            about = about.replace("mixed losses", loss)
+        return f"{ours.method} against {theirs.method}, {about}"
     words = [[each.method, *own] for each, own in zip((ours, theirs), chains, strict=True)]
     names, common = distinguish(words)
     return f"{' against '.join(names)}, {common}"

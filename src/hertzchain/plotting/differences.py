@@ -166,14 +166,17 @@ def words_of_loss(law: Loss, units: str, digits: int = DIGITS[0]) -> str:
 def loss_in_words(chain: Chain, digits: int = DIGITS[0]) -> str:
     """The loss of contacts between beads; that of a wall belongs to the wall."""
     inner = chain.contact_losses[1 : max(chain.beads, 2)]
-    counts = Counter(words_of_loss(law, chain.units, digits) for law in inner)
+    laws = [words_of_loss(law, chain.units, digits) for law in inner]
+    counts = Counter(laws)
     lossless = words_of_loss(Elastic(), chain.units)
     if len(counts) == 2 and lossless in counts:
         ((words, count),) = ((each, n) for each, n in counts.items() if each != lossless)
         if count > 1:
             return f"{words} in {count} contacts"
-        place = [words_of_loss(law, chain.units, digits) for law in inner].index(words)
-        return f"{words} in contact {place + 1}"
+        return f"{words} in contact {laws.index(words) + 1}"
+    if len(counts) == 2 and min(counts.values()) == 1 < max(counts.values()):
+        (usual, _), (odd, _) = counts.most_common()
+        return f"{usual} except {odd} in contact {laws.index(odd) + 1}"
     return "mixed losses" if len(counts) > 1 else next(iter(counts))
 
 

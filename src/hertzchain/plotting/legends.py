@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -66,7 +67,10 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
         axes.autoscale_view(scalex=False)
     compact = {} if own else _compact(axes)
     legend = axes.legend(loc=PLACES[0], **compact)
+    # A layout would make the axes of a wide legend narrower, which remain so below it.
+    legend.set_in_layout(not own)
     figure_of(axes).draw_without_rendering()
+    legend.set_in_layout(True)
     width, height = legend.get_window_extent().size
     may_shrink = not own and figure_of(axes).get_layout_engine() is not None
     if width <= axes.bbox.width * (ROOM if may_shrink else 1.0) and height <= axes.bbox.height:
@@ -123,14 +127,18 @@ def place_legend_below(axes: Axes, *, own: bool = False) -> Legend:
             break
     else:
         # A layout would make the axes narrower.
-        letters = max(map(len, labels))
-        room = max(MIN_LETTERS, int(letters * (right - left) / width) - HANDLE_LETTERS)
-        wrapped = [textwrap.fill(label, room) for label in labels]
+        wrapped = _wrapped(labels, (right - left) / width)
         legend = axes.legend(handles, wrapped, **{**COMPACT, **compact}, **place)
     if own:
         height = legend.get_window_extent().height / figure.dpi
         figure.set_figheight(figure.get_figheight() + height)
     return legend
+
+
+def _wrapped(labels: Sequence[str], share: float) -> list[str]:
+    """Labels in lines, for a legend that has room for this share of its width."""
+    room = max(MIN_LETTERS, int(max(map(len, labels)) * share) - HANDLE_LETTERS)
+    return [textwrap.fill(label, room) for label in labels]
 
 
 def _compact(axes: Axes) -> dict[str, Any]:
@@ -222,6 +230,11 @@ def _place_above(axes: Axes, compact: dict[str, Any], *, own: bool) -> bool:
             compact = smaller
         else:
             legend = _above(axes, 1, compact)
+    if own and (share := (axes.bbox.x1 - left) / legend.get_window_extent().width) < 1.0:
+        # A legend of one column would begin to the left of the figure.
+        handles, labels = axes.get_legend_handles_labels()
+        compact = {**compact, "handles": handles, "labels": _wrapped(labels, share)}
+        columns, legend = 1, _above(axes, 1, compact)
     width, height = legend.get_window_extent().size
     if not own and (width > axes.bbox.width or height > MAX_SHARE * axes.bbox.height):
         return False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -51,8 +52,12 @@ RESIDUAL_TICKS: Final = 4
 RESIDUAL_DEPTH: Final = 1e-4
 # Letters in a line of the label of a low panel.
 LABEL_LETTERS: Final = 16
+# Lines of a name in it; a curve with a longer name is called the first one, also in the legend.
+NAME_LINES: Final = 2
 # Lines of different methods, if curves of a chain share a colour.
 LINES: Final = ("-", "--", ":", "-.")
+# The curve from which differences are, if its name is long.
+FIRST: Final = "the first curve"
 # Labels of symbols at free ends and of bands.
 FREE_END: Final = "last bead (free end)"
 LOTS: Final = "± one standard deviation"
@@ -95,8 +100,10 @@ def plot_pulses(
     residuals : bool
         Whether a panel below shows the relative differences from the first pulse,
         :math:`Q / Q_\mathrm{first} - 1`, at the beads that both have.  For several chains and
-        methods, they are relative to the first pulse of the same chain.  If some of them would not
-        be visible beside others, the panel has their sizes on a logarithmic axis.
+        methods, they are relative to the first pulse of the same chain.  If its name is too long
+        for the panel, this names the first curve, as does the legend unless ``labels`` are given.
+        If some differences would not be visible beside others, the panel has their sizes on a
+        logarithmic axis.
     legend : bool
         Whether to add a legend, which is above the axes if it would cover data inside them.  For
         a common legend of several axes, use ``figure.legend(*axes.get_legend_handles_labels())``.
@@ -136,9 +143,7 @@ def plot_pulses(
     names, title = distinguish(words)
     names = [literal(name) for name in numbered(names)]
     if labels is not None:
-        names = check_list("labels", labels, "labels")
-        if len(names) != len(pulses):
-            raise InputError(f"there must be {len(pulses)} labels, one per pulse, got {len(names)}")
+        names = _given(labels, len(pulses))
     if residuals and len(pulses) < 2:
         raise InputError("residuals need at least two pulses: omit residuals")
     with figure_style():
@@ -147,6 +152,8 @@ def plot_pulses(
         remove_values_beyond(axes)
         looks = _looks(words, present)
         grouped = labels is None and _share_colours(looks)
+        reference = _reference(pulses, looks, str(names[0]))
+        names = _marked(names, reference if residuals and labels is None else "")
         ends = _free_ends(pulses, quantity)
         for pulse, look, name in zip(pulses, looks, names, strict=True):
             values = pulse._predicted(quantity)
@@ -172,7 +179,7 @@ def plot_pulses(
             each.xaxis.set_major_locator(BeadLocator())
         if lower is not None:
             _draw_residuals(lower, pulses, quantity, looks)
-            _label_residuals(lower, pulses, looks, names)
+            _label_residuals(lower, reference)
             lower.set_xlim(axes.get_xlim())
         set_title(axes, literal(title))
         show_band(axes, pulses, quantity, keep=bool(present) or log)
@@ -199,6 +206,13 @@ def _checked(pulses: Sequence[Pulse], quantity: str) -> list[Pulse]:
             "with hc.Scales.of(chain).to_scaled(pulse)"
         )
     return checked
+
+
+def _given(labels: Sequence[str], count: int) -> list[str]:
+    names = check_list("labels", labels, "labels")
+    if len(names) != count:
+        raise InputError(f"there must be {count} labels, one per pulse, got {len(names)}")
+    return names
 
 
 def _words(pulses: Sequence[Pulse]) -> list[list[str]]:
@@ -370,24 +384,35 @@ def _draw_residuals(
         axes.set_ylim(bottom=0.5 * max(smallest, RESIDUAL_DEPTH * least))
 
 
-def _label_residuals(
-    axes: Axes, pulses: Sequence[Pulse], looks: Sequence[_Look], names: Sequence[str]
-) -> None:
+def _label_residuals(axes: Axes, reference: str) -> None:
     """Name the curve from which the differences are."""
     sign = "|difference|" if axes.get_yscale() == "log" else "difference"
-    reference = _reference(pulses, looks, [str(name) for name in names])
-    axes.set_ylabel(textwrap.fill(f"{sign} from {reference} [%]", LABEL_LETTERS))
+    label = textwrap.fill(f"{sign} from {_with_units(reference)} [%]", LABEL_LETTERS)
+    axes.set_ylabel(label.replace("\u00a0", " "))
 
 
-def _reference(pulses: Sequence[Pulse], looks: Sequence[_Look], names: Sequence[str]) -> str:
+def _with_units(name: str) -> str:
+    """A name in which no line begins with a unit."""
+    return re.sub(r"(?<=\d) (?=[^\W\d])", "\u00a0", name)
+
+
+def _marked(names: Sequence[str], reference: str) -> list[str]:
+    """Names of the curves, of which the first is marked if differences are from it."""
+    return [f"{names[0]} ({FIRST})" if reference == FIRST else names[0], *names[1:]]
+
+
+def _reference(pulses: Sequence[Pulse], looks: Sequence[_Look], name: str) -> str:
     """Name of the curve from which differences are, or a short one instead of a long name."""
-    name = names[0]
     if _share_colours(looks):
         first: dict[int, str] = {}
         for pulse, look in zip(pulses, looks, strict=True):
             first.setdefault(look.colour, pulse.method)
-        name = literal(pulses[0].method) if len({*first.values()}) == 1 else ""
-    return name if 0 < len(name) <= LABEL_LETTERS else "the first curve"
+        if len({*first.values()}) > 1:
+            return "the first curve of each chain"
+        name = literal(pulses[0].method)
+    lines = textwrap.wrap(_with_units(name), LABEL_LETTERS, break_long_words=False)
+    short = len(lines) <= NAME_LINES and max(map(len, lines), default=0) <= LABEL_LETTERS
+    return name if name and short else FIRST
 
 
 def _difference(pulse: Pulse, reference: Pulse, quantity: str) -> Array:

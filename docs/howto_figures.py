@@ -346,14 +346,9 @@ def light_bead() -> Figure:
         canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.1), layout="constrained")
         found.plot(ax=left)
         left.set_title("")
-        (mode,) = found.localised
-        beads = np.arange(1, row.beads + 1)
-        shape = found.modes[:, mode] / found.modes[20, mode]
-        right.axhline(0.0, color="0.5", linewidth=0.8)
-        right.plot(beads, shape, marker=MARKERS[0], color=COLOURS[2], markersize=4.0)
+        found.plot_modes(ax=right)
+        right.set_title("")
         right.set_xlim(11, 31)
-        right.set_xlabel("bead $k$")
-        right.set_ylabel("displacement / that of bead 21")
     return canvas
 
 

@@ -529,6 +529,7 @@ def public_calls(folder):
         "Spectrum.band_edges": tried(lines.band_edges, cell=None),
         "Spectrum.gaps": tried(lines.gaps, cell=None),
         "Spectrum.plot": tried(lines.plot, kind="modes", cell=None, ax=None),
+        "Spectrum.plot_modes": tried(lines.plot_modes, modes=[1, 2], ax=None),
         "Spectrum.plot_transfer": tried(
             lines.plot_transfer, contact=2, frequencies=[0.1, 0.2], ax=None, **sent
         ),

@@ -89,7 +89,8 @@ def test_the_command_names_localised_modes(tmp_path, run):
     )
     out = run("spectrum", path)[1]
     mode = hc.spectrum(ODD).frequencies[-1]
-    assert f"localised    {1e-3 * mode:.5g} kHz, around bead 21, participation 1.1" in out
+    assert f"localised    {1e-3 * mode:.5g} kHz, mode 41, around bead 21, participation 1.1" in out
+    assert out.endswith("  shapes       --modes 41 --plot FILE\n")
     assert "host band 1  0 to " in out
     assert "no bands" not in out
     document = json.loads(run("spectrum", path, "--json")[1])

@@ -494,7 +494,7 @@ def test_shaded_frequencies_have_one_entry_in_the_legend():
     shaded = axes.get_legend().get_patches()[0].get_facecolor()
     assert shaded == axes.patches[0].get_facecolor()
     hc.spectrum(crystal().replace(loss=hc.Viscoelastic(3e-6))).plot_transfer(9, ax=axes)
-    assert legend_texts(axes) == ["no plane waves"]
+    assert legend_texts(axes) == ["no loss", "viscoelastic 3 µs", "no plane waves"]
     taper = hc.Chain.tapered("forward-linear", 0.01, beads=20).replace(**PRESSED)
     assert hc.spectrum(taper).plot_transfer(9).get_legend() is None
 

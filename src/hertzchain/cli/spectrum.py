@@ -15,6 +15,8 @@ from .options import StrictCommand, figure_option, json_option
 from .output import save_figure, show_json
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from ..chain.chain import Chain
     from ..theory.spectrum import Spectrum
 
@@ -30,6 +32,11 @@ MAX_LISTED: Final = 5
     help="With --plot or --csv, plot or print the force in this contact per harmonic force on "
     "bead 1, instead of the bands; contact k is between beads k and k + 1.",
 )  # fmt: skip
+@click.option(
+    "--modes", metavar="1,2,...",
+    help="With --plot, plot the displacements of the beads in these modes, numbered from 1, "
+    "instead of the bands.",
+)  # fmt: skip
 @json_option("Print modes, bands and gaps as JSON.")
 @click.option(
     "--csv",
@@ -37,10 +44,10 @@ MAX_LISTED: Final = 5
     is_flag=True,
     help="With --transfer, print it as CSV, for example with '> transfer.csv'.",
 )
-@figure_option("Plot the bands, or the modes, to FILE.")
+@figure_option("Plot the bands, or the frequencies of the modes, to FILE.")
 def spectrum(
-    options: ChainOptions, every_mode: bool, contact: int | None, as_json: bool, as_csv: bool,
-    plot: Path | None,
+    options: ChainOptions, every_mode: bool, contact: int | None, modes: str | None,
+    as_json: bool, as_csv: bool, plot: Path | None,
 ) -> None:  # fmt: skip
     """Show frequencies, bands and gaps of a precompressed chain.
 
@@ -54,6 +61,7 @@ def spectrum(
           --precompression "20 N"
       hertzchain spectrum crystal.toml --plot bands.png
       hertzchain spectrum crystal.toml --transfer 16 --plot transfer.png
+      hertzchain spectrum crystal.toml --modes 1,2,3 --plot modes.png
     """
     import hertzchain
 
@@ -66,18 +74,40 @@ def spectrum(
         raise click.UsageError("--csv prints a transfer function: add --transfer CONTACT")
     if contact is not None and not (plot or as_csv):
         raise click.UsageError("--transfer requires --plot FILE or --csv")
+    if modes is not None and (plot is None or contact is not None):
+        raise click.UsageError(
+            "--modes requires --plot FILE"
+            if plot is None
+            else "--modes and --transfer are two figures; give one of them"
+        )
     if as_json and as_csv:
         raise click.UsageError("--json and --csv cannot be combined")
     found = hertzchain.spectrum(_under_load(chain_from(options)))
     table = "" if contact is None else _transfer(found, contact)
+    numbers = None if modes is None else _numbers(modes)
     if plot is not None:
-        save_figure(found.plot() if contact is None else found.plot_transfer(contact), plot)
+        save_figure(_figure(found, contact, numbers), plot)
     if as_csv:
         click.echo(table)
     elif as_json:
         show_json(_document(found))
     else:
-        click.echo(_table(found, every_mode=every_mode))
+        click.echo(_table(found, every_mode=every_mode, hint=modes is None))
+
+
+def _numbers(text: str) -> list[int]:
+    """Numbers of modes, separated by commas."""
+    try:
+        return [int(part) for part in text.split(",")]
+    except ValueError:
+        raise click.UsageError(f"--modes must look like 1,2, got {text!r}") from None
+
+
+def _figure(found: Spectrum, contact: int | None, modes: list[int] | None) -> Axes:
+    """A transfer function, shapes of modes, or the bands."""
+    if contact is not None:
+        return found.plot_transfer(contact)
+    return found.plot() if modes is None else found.plot_modes(modes)
 
 
 def _under_load(chain: Chain) -> Chain:
@@ -129,16 +159,20 @@ def _host_lines(found: Spectrum, shown: Callable[[float, float], str]) -> list[s
     return [f"  host band {i}  {shown(*band)}" for i, band in enumerate(host, 1)]
 
 
-def _localised_lines(found: Spectrum, factor: float, unit: str) -> list[str]:
-    """Localised modes with the bead that has most of their energy."""
+def _localised_lines(found: Spectrum, factor: float, unit: str, *, hint: bool) -> list[str]:
+    """Localised modes with the bead that has most of their energy, and the option for a figure."""
     chosen = found.localised
     lines = [
-        f"  localised    {factor * found.frequencies[j]:.5g}{unit}, around bead "
+        f"  localised    {factor * found.frequencies[j]:.5g}{unit}, mode {j + 1}, around bead "
         f"{int(found._energies[:, j].argmax()) + 1}, participation {found.participation[j]:.3g}"
         for j in chosen[:MAX_LISTED]
     ]
-    more = len(chosen) - len(lines)
-    return [*lines, f"  localised    {more} more modes"] if more > 0 else lines
+    if (more := len(chosen) - len(lines)) > 0:
+        lines.append(f"  localised    {more} more modes")
+    if hint and lines:
+        numbers = ",".join(str(j + 1) for j in chosen[:MAX_LISTED])
+        lines.append(f"  shapes       --modes {numbers} --plot FILE")
+    return lines
 
 
 def _document(found: Spectrum) -> dict[str, Any]:
@@ -162,7 +196,7 @@ def _document(found: Spectrum) -> dict[str, Any]:
     return document
 
 
-def _table(found: Spectrum, *, every_mode: bool) -> str:
+def _table(found: Spectrum, *, every_mode: bool, hint: bool) -> str:
     from ..representation import measure
 
     bands, gaps, speed = _bands(found)
@@ -183,7 +217,7 @@ def _table(found: Spectrum, *, every_mode: bool) -> str:
         lines += [f"  band {i}       {shown(*band)}" for i, band in enumerate(bands, 1)]
         lines += [f"  no waves     {shown(*gap)}" for gap in gaps]
         lines.append(f"  sound speed  {measure(speed or 0.0, 'm/s', units)}")
-    lines += _localised_lines(found, factor, unit)
+    lines += _localised_lines(found, factor, unit, hint=hint)
     if every_mode:
         heading = "frequency [kHz]" if unit else "frequency"
         lines.append(f"{'mode':>6}{heading:>18}")

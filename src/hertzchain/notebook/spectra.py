@@ -34,7 +34,11 @@ def spectrum_html(spectrum: Spectrum) -> str:
         values["slowest decay in"] = engineering(1.0 / ringing.min(), "s", units)
     with suppress(InputError):
         values["sound speed"] = engineering(spectrum.sound_speed, "m/s", units)
+    if len(spectrum.localised):
+        values["localised modes"] = f"{len(spectrum.localised)}"
     parts = [figure, numbers(values)]
+    if len(spectrum.localised):
+        parts.append(note("plot_modes() shows the shapes of the localised modes."))
     with suppress(InputError):
         edges = spectrum.band_edges()
         bands = ", ".join(

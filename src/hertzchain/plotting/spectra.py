@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import Patch
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
@@ -22,6 +24,7 @@ from ..validation.numbers import real_numbers
 from ..validation.objects import check_choice
 from .colours import COLOURS, curve_colour, grey
 from .legends import place_legend
+from .shared_spectra import label_spectra, note_spectrum, words_of_spectra
 from .style import BeadLocator, figure_style, get_axes, set_title
 from .titles import chain_title
 
@@ -38,6 +41,12 @@ RUNNING: Final = 9
 NO_WAVES: Final = "no plane waves"
 # Relative distance from an infinite resonance at which the curve has a further point.
 NEAR: Final = 1e-9
+
+
+# Gaps that transfer functions in the same axes have in common, and the ranges that show them.
+_shaded: Final[weakref.WeakKeyDictionary[Axes, tuple[Array | None, list[Patch]]]] = (
+    weakref.WeakKeyDictionary()
+)
 
 
 def plot_spectrum(
@@ -94,19 +103,20 @@ def plot_transfer(
             raise InputError("frequencies of a plot must be at least two increasing numbers")
     size = np.abs(spectrum.transfer_force(shown, contact, drive=drive, at=at))
     factor, label = frequency_axis(spectrum.chain)
-    unit = " [N/m]" if drive == "displacement" and spectrum.chain.units == "SI" else ""
     with figure_style():
         axes = get_axes(ax)
         # Curves that the axes already have keep their colours and remain visible.
         drawn, present = len(axes.lines), axes.get_ylim()
+        limits_of_others = axes.get_xlim() if drawn else (np.inf, -np.inf)
         colour = curve_colour(axes, 1 + drawn)
         axes.semilogy(factor * shown, size, color=colour, linewidth=0.9)
         if limits := _amplitudes(size, lossless=not spectrum.contacts.dampers.any()):
             low, high = (limits, present) if drawn else (limits, limits)
             axes.set_ylim(min(low[0], high[0]), max(low[1], high[1]))
-        axes.set_xlim(factor * shown[0], factor * shown[-1])
+        left, right = limits_of_others
+        axes.set_xlim(min(left, factor * shown[0]), max(right, factor * shown[-1]))
         gaps = None if _edges(spectrum, None, required=False) is None else spectrum.gaps()
-        _shade(axes, axes.axvspan, gaps, factor, shown[-1])
+        _shade_common_gaps(axes, gaps, factor, max(right / factor, shown[-1]))
         if not spectrum.contacts.dampers.any():
             poles = _resonances(spectrum, drive, at)
             near = (1.0 - NEAR) * poles[(poles > shown[0]) & (poles < shown[-1])]
@@ -116,12 +126,25 @@ def plot_transfer(
             axes.lines[-1].set_data(factor * shown, size)
         axes.set_xlabel(label)
         place = f"the {at}" if isinstance(at, str) else f"bead {at}"
-        joined = "on" if drive == "force" else "of"
-        axes.set_ylabel(f"force in contact {contact}\nper {drive} {joined} {place}{unit}")
-        set_title(axes, f"{_title(spectrum.chain)}, {drive} {joined} {place}")
-        if NO_WAVES in axes.get_legend_handles_labels()[1]:
+        driven = f"{drive} {'on' if drive == 'force' else 'of'} {place}"
+        note_spectrum(axes.lines[-1], spectrum.chain, f"contact {contact}", driven)
+        axes.set_ylabel(_amplitude_label(axes, spectrum.chain))
+        shared = all(driven in words for words in words_of_spectra(axes))
+        label_spectra(axes, *([driven] if shared else []))
+        if axes.get_legend_handles_labels()[1]:
             place_legend(axes, own=ax is None)
     return axes
+
+
+def _amplitude_label(axes: Axes, chain: Chain) -> str:
+    """Label of the transfer functions in axes, with the contact and the drive that they share."""
+    words = words_of_spectra(axes)
+    contacts, drives = (list(dict.fromkeys(each)) for each in zip(*words, strict=True))
+    kinds = list(dict.fromkeys(each.partition(" ")[0] for each in drives))
+    force = f"force in {contacts[0]}" if len(contacts) == 1 else "contact force"
+    drive = drives[0] if len(drives) == 1 else " or ".join(kinds)
+    unit = {("displacement",): " [N/m]", ("force",): ""}.get(tuple(kinds), " [1 or N/m]")
+    return f"{force}\nper {drive}{unit if chain.units == 'SI' else ''}"
 
 
 def _title(chain: Chain) -> str:
@@ -176,6 +199,21 @@ def _shade(
         if high > low:
             span(factor * low, factor * high, color=grey(axes, 0.9), linewidth=0.0, label=label)
             label = ""
+
+
+def _shade_common_gaps(axes: Axes, gaps: Array | None, factor: float, end: float) -> None:
+    """Shade the frequencies at which no chain in these axes that repeats transmits waves."""
+    present, shaded = _shaded.get(axes, (None, []))
+    if gaps is None:
+        gaps = present
+    elif present is not None:
+        both = [(max(a, c), min(b, d)) for a, b in present for c, d in gaps]
+        gaps = np.array([each for each in both if each[0] < each[1]]).reshape(-1, 2)
+    for patch in shaded:
+        patch.remove()
+    before = len(axes.patches)
+    _shade(axes, axes.axvspan, gaps, factor, end)
+    _shaded[axes] = gaps, axes.patches[before:]
 
 
 def _edges(spectrum: Spectrum, cell: int | None, *, required: bool) -> Array | None:

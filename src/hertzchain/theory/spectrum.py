@@ -12,6 +12,7 @@ with the springs and dampers of `hertzchain.theory.linear_contacts`.  The soluti
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -266,6 +267,49 @@ class Spectrum(HostBands):
 
         return plot_spectrum(self, kind, cell=cell, ax=ax)
 
+    def plot_modes(
+        self, modes: int | Sequence[int] | None = None, *, ax: Axes | None = None
+    ) -> Axes:
+        r"""Plot the shapes of modes: displacements over the bead number.
+
+        The largest displacement of each mode is 1, and the bead with the most energy moves to
+        positive x.  With loss, beads need not move in phase; the displacements are those when this
+        bead is at its maximum, :math:`\mathrm{Re}\,X_k / \max|X|`.  Legends state the frequencies
+        and which modes are `localised`; the title states the bands of the host (`host_edges`).
+
+        Parameters
+        ----------
+        modes : int or sequence of int, optional
+            Numbers of modes from 1, as in `plot`; mode j belongs to ``modes[:, j - 1]`` and
+            ``frequencies[j - 1]``, so that localised ones are ``localised + 1``.  The default is
+            the first five localised modes, or the first three modes if none is localised.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into; by default those of a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        InputError
+            If a mode does not exist, or the list is empty.
+
+        Examples
+        --------
+        The mode of a light bead in a row of 40:
+
+        >>> import hertzchain as hc
+        >>> held = hc.Chain.uniform(40).replace(precompression=1.0, held_by="force")
+        >>> axes = hc.spectrum(held.with_defects({20: 0.5})).plot_modes()
+        >>> [text.get_text() for text in axes.get_legend().get_texts()]
+        ['localised mode 40, $f$ = 0.7654']
+        """
+        from ..plotting.mode_shapes import plot_modes
+
+        return plot_modes(self, modes, ax=ax)
+
     def plot_transfer(
         self,
         contact: int,
@@ -278,7 +322,9 @@ class Spectrum(HostBands):
         """Plot the amplitude of a contact force under a steady drive over its frequency.
 
         Frequencies without plane waves are shaded if the chain repeats.  Without loss, all
-        resonances leave the frame.
+        resonances leave the frame.  If axes have several of these curves, the legend names the
+        properties in which the chains, contacts or drives differ, the title has the common ones,
+        and frequencies at which none of the chains transmits waves are shaded.
 
         Parameters
         ----------
@@ -323,6 +369,7 @@ class Spectrum(HostBands):
             modes = " and ".join(f"{self.frequencies[j]:g}" for j in local[:3])
             about += f", localised at {modes}{unit}" if len(local) <= 3 else (
                 f", {len(local)} localised modes")  # fmt: skip
+            about += " (plot_modes)"
         return short("Spectrum", about, self.chain.description)
 
     def _repr_html_(self) -> str:

@@ -1,0 +1,78 @@
+"""Labels and titles of axes in which several spectra have curves."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from ..chain.chain import Chain
+from ..representation import measure
+from .differences import words_of_chains
+from .labels import distinguish, numbered
+from .style import literal, set_title
+from .titles import chain_words
+
+
+@dataclass
+class _Curve:
+    """The chain of a curve, its own words, and the label that was given to it."""
+
+    chain: Chain
+    words: tuple[str, ...]
+    label: str = ""
+
+
+_curves: Final[weakref.WeakKeyDictionary[Line2D, _Curve]] = weakref.WeakKeyDictionary()
+
+
+def note_spectrum(line: Line2D, chain: Chain, *words: str) -> None:
+    """Remember the chain of a curve, and words such as its mode, for others in the same axes."""
+    _curves[line] = _Curve(chain, words, str(line.get_label()))
+
+
+def words_of_spectra(axes: Axes) -> list[tuple[str, ...]]:
+    """The words of each curve of a spectrum in axes."""
+    return [_curves[line].words for line in axes.lines if line in _curves]
+
+
+def label_spectra(axes: Axes, *about: str, every_word: bool = False) -> None:
+    """Label several curves by the properties in which they or their chains differ.
+
+    With ``every_word``, labels have all words of a curve, also that of a single one.  The title has
+    the common properties and words ``about`` the curves, which with ``every_word`` belong to a
+    single chain.  Labels of users remain.
+    """
+    lines = [line for line in axes.lines if line in _curves]
+    curves = [_curves[line] for line in lines]
+    chains = list({id(curve.chain): curve.chain for curve in curves}.values())
+    differing, common = _described(chains)
+    of_chain = dict(zip(map(id, chains), differing, strict=True))
+    shared = set() if every_word else set.intersection(*(set(curve.words) for curve in curves))
+    names = []
+    for curve in curves:
+        own = [word for word in curve.words if word not in shared]
+        words = ", ".join(filter(None, (*own, of_chain[id(curve.chain)])))
+        names.append(words or curve.words[0])
+    if every_word or len(lines) > 1:
+        for line, curve, name in zip(lines, curves, numbered(names), strict=True):
+            if line.get_label() == curve.label:
+                line.set_label(name)
+                curve.label = name
+    if len(chains) == 1 or not every_word:
+        common += about
+    set_title(axes, ", ".join(common), common=True)
+
+
+def _described(chains: Sequence[Chain]) -> tuple[list[str], list[str]]:
+    """Words of each chain that others do not have, and common ones with the static force."""
+    every = words_of_chains(chains) if len(chains) > 1 else [[chain_words(chains[0])]]
+    names, _ = distinguish([["", *words] for words in every])
+    common = [part for part in every[0] if all(part in other for other in every)]
+    if len({chain.precompression for chain in chains}) == 1 and chains[0].precompression:
+        common.append(f"under {measure(chains[0].precompression, 'N', chains[0].units)}")
+    return [literal(name) for name in names], [literal(part) for part in common]

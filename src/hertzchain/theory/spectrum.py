@@ -304,7 +304,7 @@ class Spectrum(HostBands):
         >>> held = hc.Chain.uniform(40).replace(precompression=1.0, held_by="force")
         >>> axes = hc.spectrum(held.with_defects({20: 0.5})).plot_modes()
         >>> [text.get_text() for text in axes.get_legend().get_texts()]
-        ['localised mode 40, $f$ = 0.7654']
+        ['localised mode 40, $f$ = 0.7529']
         """
         from ..plotting.mode_shapes import plot_modes
 

@@ -205,3 +205,8 @@ def test_a_theory_without_an_estimated_error_says_so(theory):
     assert "does not estimate its error" in pulse._repr_html_()
     for other in (hc.local_rate(chain), hc.propagate(chain)):
         assert "does not estimate" not in str(other)
+
+
+@pytest.mark.parametrize("taper", ["backward-linear", "forward-exponential"])
+def test_the_closed_form_of_equal_beads_is_constant(taper):
+    np.testing.assert_array_equal(bca_velocity_closed_form(taper, 0.0, 5), np.ones(5))

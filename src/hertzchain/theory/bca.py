@@ -175,6 +175,8 @@ def bca_velocity_closed_form(taper: str, rate: float, beads: int) -> Array:
     array([1.      , 0.222222, 0.101587])
     """
     k = np.arange(1, Chain.tapered(taper, rate, beads=beads).beads + 1)
+    if rate == 0.0:
+        return np.ones(beads)
     if rate_symbol(taper) == "q":
         return np.asarray(np.exp((k - 1) * exponential_rates(taper, rate)["velocity"]))
     from scipy.special import loggamma

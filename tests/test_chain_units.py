@@ -230,7 +230,10 @@ def test_messages_of_theories_describe_the_chain_as_given(theory):
     radii = 5e-3 * hc.Chain.tapered("forward-exponential", 0.3, beads=20).radii
     chain = hc.Chain.from_materials(radii, "steel-316", velocity="1 um/s")
     described = re.escape(chain.description)
-    assert described == r"20\ steel\-316\ beads,\ diameters\ 10\ mm\ to\ 68\.4\ um"
+    assert (
+        described
+        == r"20\ steel\-316\ beads,\ diameters\ 10\ mm\ to\ 68\.4\ um,\ exponential\ taper"
+    )
     with (
         pytest.raises(hc.InputError, match=described)
         if theory is hc.modified_bca

@@ -57,7 +57,7 @@ def test_the_table_is_at_most_100_columns_wide(monkeypatch):
     assert max(map(len, lines)) <= 100
     assert shown.return_value == 3
     assert "cases marked ! are outside" in lines[0]
-    assert sum(line.startswith(" !") for line in lines) == 3
+    assert sum(line.startswith("!") for line in lines) == 3
 
 
 def test_what_a_truncated_series_is_allowed_is_its_next_term():

@@ -53,7 +53,7 @@ def test_values_without_the_wrong_prior_of_a_gain_are_those_of_the_experiment(si
     assert "struck_by.velocity = 0.24" in note
     assert "loss.time" not in note
     assert note.endswith("; the others change by less than half of their errors")
-    lines = result.summary().splitlines()
+    lines = result.summary(width=None).splitlines()
     assert "from its prior, " in lines[lines.index(note) - 1]
     assert repr(found).startswith("WithoutPriors(")
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
 from collections.abc import Callable, Mapping
 from functools import wraps
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -16,39 +15,12 @@ Result = TypeVar("Result")
 
 
 class ShortDir:
-    """Attributes of results: those to complete, and the nearest one in errors.
-
-    `dir` and completion omit attributes that only other modules of the package use.
-    """
+    """Omits attributes that only other modules of the package use from `dir` and completion."""
 
     _omitted: ClassVar[tuple[str, ...]] = ()
-    # Other words that users try, and the attribute or call that they need.
-    _other_words: ClassVar[Mapping[str, str]] = {}
 
     def __dir__(self) -> list[str]:
         return [name for name in super().__dir__() if name not in self._omitted]
-
-    # Called for attributes that are missing; type checkers report those themselves.
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            if not name.startswith("_") and hasattr(type(self), name):
-                # A property raised an AttributeError, which is raised again.
-                return object.__getattribute__(self, name)
-            hint = "" if name.startswith("_") else self._nearest(name)
-            # Without the object, whose names Python would add as a second suggestion.
-            raise AttributeError(
-                f"{type(self).__name__!r} object has no attribute {name!r}{hint}",
-                name=name,
-                obj=None,
-            )
-
-    def _nearest(self, name: str) -> str:
-        """A hint at the nearest attribute; empty if there is none."""
-        known = {each: each for each in dir(self) if not each.startswith("_")}
-        known |= self._other_words
-        near = difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.7)
-        return f"; did you mean {known[near[0]]!r}?" if near else ""
 
 
 class Frozen(ShortDir):

@@ -9,10 +9,9 @@ start at 0: ``chain.radii[0]`` is bead 1.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +20,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..frozen import name_replace
 from ..representation import short
-from ..validation.keywords import checked_fields
+from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import real_numbers
 from . import contact_shapes, modifications, pieces, strikers, with_cap
 from .builders import ChainBuilders
@@ -35,6 +34,7 @@ if TYPE_CHECKING:
 
 
 @name_replace
+@checked_methods
 @checked_fields
 @dataclass(frozen=True, eq=False, repr=False)
 class Chain(ChainBuilders):
@@ -138,15 +138,6 @@ class Chain(ChainBuilders):
     >>> chain.replace(right_wall=hc.Wall(), gravity=0.01)
     Chain(backward-exponential, q = 0.05, 100 beads, gravity, right wall)
     """
-
-    _other_words: ClassVar[Mapping[str, str]] = {
-        "diameter": "radii", "diameters": "radii", "positions": "to_dataframe",
-        "plot": "hertzchain.plot_chain", "draw": "hertzchain.plot_chain",
-        "simulate": "hertzchain.simulate", "run": "hertzchain.simulate",
-        "propagate": "hertzchain.propagate", "save": "hertzchain.chain_as_toml",
-        "material": "materials", "wall": "right_wall", "impact_velocity": "velocities",
-        "speed": "velocities",
-    }  # fmt: skip
 
     @property
     def description(self) -> str:

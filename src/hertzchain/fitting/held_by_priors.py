@@ -116,5 +116,6 @@ def _sentence(group: Sequence[HeldByPriors]) -> str:
     return (
         f"{part} of the variance{'s' if several else ''} of {grouped(names)} "
         f"come{'' if several else 's'} from {source}: a separate, more accurate measurement of "
-        f"{measured} would reduce {'these errors' if several else 'this error'} more than less noise"
+        f"{measured} would reduce {'these errors' if several else 'this error'} more than less "
+        "noise"
     )

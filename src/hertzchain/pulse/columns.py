@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import field
-from typing import Any, ClassVar, TypeVar
+from typing import Any, TypeVar
 
 from ..chain.scales import scale
 from ..collision import Array
@@ -19,12 +18,6 @@ C = TypeVar("C")
 @checked_methods
 class Columns(Frozen):
     """Quantities by name, of a pulse or of a table of pulses."""
-
-    _other_words: ClassVar[Mapping[str, str]] = {
-        "force": "peak_force", "forces": "peak_force", "overlap": "peak_overlap",
-        "times": "arrival", "time": "arrival", "to_csv": "save", "to_netcdf": "save",
-        "to_dataset": "to_xarray",
-    }  # fmt: skip
 
     def column(self, quantity: str) -> Array | None:
         """One quantity by its name, as the attribute of that name.

@@ -104,7 +104,7 @@ def passages_of(self: SensorForce, *, threshold: float = 0.01) -> tuple[SensorPa
     >>> chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
     >>> sensor = hc.simulate(chain, until=40.0, times=2000).sensor_force(10)
     >>> [(passage.direction, round(passage.time, 1)) for passage in sensor.passages()]
-    [(1, 11.9), (-1, 36.5)]
+    [(1, 11.5), (-1, 36.8)]
     """
     threshold = number("threshold", threshold, unit=FRACTION, above=0.0, below=1.0)
     if not _enough(self):

@@ -6,10 +6,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -44,12 +43,6 @@ class Trajectory(ShortDir):
     """The motion of a chain as recorded by the compiled loop; `hertzchain.Run` has the fields."""
 
     _omitted = ("evaluations", "prediction")
-    _other_words: ClassVar[Mapping[str, str]] = {
-        "t": "times", "x": "positions", "v": "velocities", "displacements": "positions",
-        "peak_force": "wall_force().peak", "energy": "budget", "momentum": "budget",
-        "to_csv": "save", "to_netcdf": "save", "to_dataset": "to_xarray",
-        "duration": "end_time",
-    }  # fmt: skip
     chain: Chain
     times: Array = field(metadata=scale("time"))
     positions: Array = field(metadata=scale("length"))

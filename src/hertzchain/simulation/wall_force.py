@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import TYPE_CHECKING, Final
 
 from ..chain.bead_names import Side
 from ..chain.chain import Chain
 from ..chain.drives import Drive, SineBurst, StepDrive, TableDrive
 from ..collision import Array
-from ..frozen import ShortDir
 from ..kernels.wall_rule import HELD
 from ..representation import counted, measure, short
 from ..validation.keywords import checked_methods
@@ -41,7 +39,7 @@ def sensitive_in_words(run: str, place: str = "") -> str:
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class WallForce(ShortDir):
+class WallForce:
     """The force on one wall.
 
     If the other end of the chain is free and no constant force pushes the beads towards the wall,
@@ -108,11 +106,6 @@ class WallForce(ShortDir):
     units : str
         ``"scaled"`` or ``"SI"``.
     """
-
-    _other_words: ClassVar[Mapping[str, str]] = {
-        "max": "peak", "maximum": "peak", "forces": "force", "plot": "Run.plot_forces",
-        "time": "times", "to_csv": "Run.save_forces", "save": "Run.save_forces",
-    }  # fmt: skip
 
     side: Side
     times: Array = field(repr=False)

@@ -51,9 +51,9 @@ def warn_if_decorated(chain: Chain, theory: str) -> bool:
     if small.any():
         warn_user(
             f"{theory} assumes one collision at a time, but bead {int(np.argmax(small)) + 1} is "
-            "small, between large beads, and collides many times; for times, use effective_chain, "
-            "whose velocities are too large by about half; otherwise propagate, or a chain without "
-            f"radii below {SMALL:g} of those on both sides",
+            "small, between large beads, and collides many times; use effective_chain for times "
+            "(its velocities are too large by about half), propagate, or a chain without radii "
+            f"below {SMALL:g} of those on both sides",
             ModelRangeWarning,
         )
     return bool(small.any())

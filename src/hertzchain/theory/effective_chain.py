@@ -210,6 +210,7 @@ class EffectiveChain(Frozen):
         return f"EffectiveChain({len(self.masses)} large beads of {total}, p = {self.exponent:g})"
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class EffectivePulse(Frozen):
     """Leading pulse on the large beads of a decorated chain, from `EffectiveChain.bca`.

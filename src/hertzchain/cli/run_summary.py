@@ -81,7 +81,9 @@ def run_as_dict(
     if contacts:
         document |= contacts_as_dict(run)
     if waves:
-        document["waves"] = waves_as_list(run.waves())
+        found = run.waves()
+        document["waves"] = waves_as_list(found)
+        document["unlisted_energy"] = found.unlisted_energy.tolist()
     if budget:
         document["budget"] = _budget_as_dict(run)
     return document | described

@@ -26,7 +26,9 @@ def wave_table(waves: Waves) -> Table:
     rows = waves_as_list(waves)
     counts = f"{len(waves.right)} to the right, {len(waves.left)} to the left"
     missed = sum(not wave.resolved for wave in waves)
-    caption = f"{missed} marked * have too few saved times to be reliable" if missed else None
+    doubts = [f"{missed} marked * have too few saved times to be reliable"] if missed else []
+    doubts += [waves._unlisted] if waves._unlisted else []
+    caption = "\n".join(doubts) or None
     table = Table(
         title=f"waves: {counts}", caption=caption, box=box.SIMPLE_HEAD, title_justify="left"
     )

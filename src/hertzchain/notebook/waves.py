@@ -38,7 +38,8 @@ def waves_html(waves: Waves) -> str:
     count = f"{len(waves.right)} right, {len(waves.left)} left"
     description = f"{waves.chain.description}: {count}"
     if not len(waves):
-        return page("Waves", description, note("There are no waves."))
+        parts = ["There are no waves.", sentence(waves._unlisted) if waves._unlisted else ""]
+        return page("Waves", description, *(note(part) for part in parts if part))
     strongest = sorted(waves, key=lambda wave: -wave.energy)[:MAX_WAVES]
     shown = [wave for wave in waves if wave in strongest]
     slow, second = axis_unit(np.concatenate([wave.times for wave in shown]), "s", units)
@@ -67,6 +68,8 @@ def waves_html(waves: Waves) -> str:
     ]
     if len(waves) > len(shown):
         parts.append(note(f"The {len(shown)} waves of the largest energy, of {len(waves)}."))
+    if waves._unlisted:
+        parts.append(note(sentence(waves._unlisted)))
     return page("Waves", description, *parts)
 
 

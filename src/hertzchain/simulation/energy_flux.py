@@ -122,12 +122,12 @@ def energy_flux_of(self: Trajectory) -> EnergyFlux:
     strongest = int(np.argmax(dynamic)) + 1
     for event in events_at(self, strongest, 0.99 * max(0.0, float(dynamic.max()))):
         require_resolved(self, event, "the strongest wave")
-    flows = [_to_and_fro(ContactCurves(self, k)) for k in range(1, self.chain.beads)]
+    flows = [energy_to_and_fro(ContactCurves(self, k)) for k in range(1, self.chain.beads)]
     right, left = np.array(flows).T
     return EnergyFlux(self.chain, right, left)
 
 
-def _to_and_fro(curves: ContactCurves) -> tuple[float, float]:
+def energy_to_and_fro(curves: ContactCurves) -> tuple[float, float]:
     """Integrals of the positive and of the negative part of the power."""
     times, power = curves.times, curves.power
     turns = np.flatnonzero(power[:-1] * power[1:] < 0.0)

@@ -5,7 +5,9 @@ Events of neighbouring contacts and of one direction are assigned to each other 
 .. math:: \left(\frac{\Delta t}{h} - 1\right)^2 + \ln^2\frac{J_{k\pm1}}{J_k}
 
 is smallest, where :math:`h = 0.668\,J/F` is the time in which a solitary wave of this duration
-passes from contact to contact; pairs for which this cost is 4 or more are not linked.  Here J is
+passes from contact to contact; pairs for which this cost is 4 or more are not linked.  The time
+from one contact to the next may therefore be negative: in many dimers, the force of a pulse has its
+maximum at the second contact of a cell before that at the first.  Here J is
 twice the smaller part of the impulse, before or after the maximum, because near a heavy striker an
 impulse includes all waves that have not separated yet.  A wave ends where it meets another wave or
 a wall, and a new wave begins beyond.
@@ -21,12 +23,14 @@ import numpy as np
 from ..collision import Array
 from ..errors import InputError, InputWarning, warn_user
 from ..validation.numbers import FRACTION, number, whole_number
+from .energy_flux import energy_to_and_fro
 from .trajectory import Trajectory
 from .wave_events import (
     MIN_SAMPLES,
+    ContactCurves,
     WaveEvent,
     check_saved_times,
-    events_at,
+    events_of,
     largest_force_of,
     times_to_save,
 )
@@ -34,9 +38,10 @@ from .waves import DIRECTIONS, Wave, Waves
 
 # Time from contact to contact in durations, in the solitary wave of p = 3/2.
 HOP: Final = 0.668
-# Limits for linking two events: time relative to the expected time, and cost.
-EARLIEST, LATEST = -0.36, 2.86
+# Limit of the cost of linking two events.
 MAX_COST: Final = 4.0
+# Part of the largest energy through a contact from which the energy through another one counts.
+MUCH: Final = 0.1
 
 
 def find_waves(self: Trajectory, *, threshold: float = 0.01, min_contacts: int = 3) -> Waves:
@@ -65,7 +70,8 @@ def find_waves(self: Trajectory, *, threshold: float = 0.01, min_contacts: int =
     Warns
     -----
     InputWarning
-        If some weaker waves are not resolved; they are marked.
+        If some weaker waves are not resolved; they are marked.  If most of the energy that passes
+        more than 5 neighbouring contacts is in no listed wave (`Waves.unlisted_energy`).
 
     Examples
     --------
@@ -83,7 +89,9 @@ def find_waves(self: Trajectory, *, threshold: float = 0.01, min_contacts: int =
     least = whole_number("min_contacts", min_contacts, least=2)
     check_saved_times(self)
     floor = threshold * largest_force_of(self)
-    events = [events_at(self, k, floor) for k in range(self.chain.beads + 1)]
+    curves = [ContactCurves(self, k) for k in range(self.chain.beads + 1)]
+    units = self.chain.units
+    events = [events_of(here, k, floor, units) for k, here in enumerate(curves)]
     every = [event for here in events for event in here]
     tracks = [
         track for sign in DIRECTIONS for track in _tracks(events, sign) if len(track) >= least
@@ -91,7 +99,21 @@ def find_waves(self: Trajectory, *, threshold: float = 0.01, min_contacts: int =
     found = [Wave(self.chain, track[0].direction, tuple(track)) for track in tracks]
     found.sort(key=lambda wave: wave.events[0].time)
     _check_resolved(self, found)
-    return Waves(self.chain, tuple(found), tuple(every))
+    waves = Waves(self.chain, tuple(found), tuple(every), _unlisted(curves[1:-1], found))
+    if waves._unlisted:
+        warn_user(waves._unlisted, InputWarning)
+    return waves
+
+
+def _unlisted(curves: list[ContactCurves], waves: list[Wave]) -> Array:
+    """Part of the energy that passed each inner contact, to either side, that no wave has."""
+    flux = np.array([sum(energy_to_and_fro(here)) for here in curves])
+    listed = np.zeros(len(curves))
+    for wave in waves:
+        listed[wave.contacts - 1] += wave.energies
+    # Where little energy passes, its parts are of no interest and may be rounding errors.
+    much = flux > MUCH * flux.max(initial=0.0)
+    return np.where(much, 1.0 - np.clip(listed / np.where(much, flux, 1.0), 0.0, 1.0), 0.0)
 
 
 def _tracks(events: list[list[WaveEvent]], sign: int) -> Iterator[list[WaveEvent]]:
@@ -122,7 +144,7 @@ def _links(here: list[WaveEvent], there: list[WaveEvent]) -> Iterator[tuple[int,
     # Impulses of opposite signs, of which one is rounding, give NaN and are not linked.
     with np.errstate(invalid="ignore", divide="ignore"):
         cost = (wait - 1.0) ** 2 + np.log(next_impulse / impulse) ** 2
-    cost[(wait <= EARLIEST) | (wait >= LATEST) | ~(cost < MAX_COST)] = 1e9
+    cost[~(cost < MAX_COST)] = 1e9
     for i, j in zip(*linear_sum_assignment(cost), strict=True):
         if cost[i, j] < MAX_COST:
             yield int(i), int(j)

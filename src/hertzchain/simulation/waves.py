@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..errors import InputWarning, warn_user
 from ..representation import NO_BREAK, folded, measure, short, wrapped
 from ..validation.keywords import checked_methods
 from ..validation.numbers import contact_number, whole_number
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 DIRECTIONS: Final = {1: "right", -1: "left"}
 # Relative difference between the begin and the end of a track from which both values are shown.
 SAME: Final = 0.2
+# Part of the energy in no wave that is announced at more than this number of contacts in a row.
+UNLISTED, MEETING = 0.5, 5
+ADVICE: Final = "; use run.energy_flux() or waves.at(k)"
 
 
 @checked_methods
@@ -231,6 +235,10 @@ class Waves:
     events : tuple of WaveEvent
         Every force maximum of every contact, ordered by contact and time: maxima of the waves,
         maxima where waves meet or are reflected (direction 0), and maxima that belong to no wave.
+    unlisted_energy : ndarray, shape (N - 1,)
+        Part of the energy that passed contact k between beads k and k + 1, in either direction,
+        that is in no wave of the whole list: that of maxima which could not be linked, of waves
+        below ``threshold``, of rarefactions, and where waves meet; 0 where little energy passed.
 
     Examples
     --------
@@ -245,6 +253,7 @@ class Waves:
     chain: Chain
     waves: tuple[Wave, ...]
     events: tuple[WaveEvent, ...]
+    unlisted_energy: Array
 
     def __len__(self) -> int:
         return len(self.waves)
@@ -278,6 +287,11 @@ class Waves:
         InputError
             If there is no such contact.
 
+        Warns
+        -----
+        InputWarning
+            If more than half of the energy that passed the contact is in no listed wave.
+
         Examples
         --------
         A wave and its reflection from a wall:
@@ -289,6 +303,8 @@ class Waves:
         [1, -1]
         """
         k = whole_number("contact", contact, least=1, most=self.chain.beads - 1)
+        if (share := float(self.unlisted_energy[k - 1])) > UNLISTED:
+            warn_user(_announced(share, k) + ADVICE, InputWarning)
         times = [(wave.times[wave.contacts == k], wave) for wave in self.waves]
         chosen = [(float(when[0]), wave) for when, wave in times if len(when)]
         return self._only([wave for _, wave in sorted(chosen, key=lambda pair: pair[0])])
@@ -360,6 +376,23 @@ class Waves:
     def _only(self, chosen: list[Wave]) -> Waves:
         return replace(self, waves=tuple(chosen))
 
+    @property
+    def _unlisted(self) -> str:
+        """Sentence on contacts where most of the energy is in no listed wave, or nothing."""
+        missed = np.concatenate(([False], self.unlisted_energy > UNLISTED, [False]))
+        begin, end = np.flatnonzero(np.diff(missed.astype(int))).reshape(-1, 2).T
+        # Where waves meet, or a wall reflects one, a few contacts have maxima without a direction.
+        long = end - begin > MEETING
+        if not long.any():
+            return ""
+        contacts = np.concatenate(
+            [np.arange(*each) for each in zip(begin[long], end[long], strict=True)]
+        )
+        worst = int(contacts[np.argmax(self.unlisted_energy[contacts])])
+        most = _announced(float(self.unlisted_energy[worst]), worst + 1)
+        count = f"{len(contacts)} of {self.chain.beads - 1} contacts"
+        return f"{most}, and more than half at {count}{ADVICE}"
+
     def _heading(self) -> str:
         counts = [
             f"{sum(w.direction == sign for w in self)} {name}" for sign, name in DIRECTIONS.items()
@@ -368,7 +401,7 @@ class Waves:
 
     def __repr__(self) -> str:
         if not len(self):
-            return short("Waves", self._heading())
+            return short("Waves", self._heading(), self._unlisted)
         strongest = max(self, key=lambda wave: wave.energy)
         units = self.chain.units
         return short(
@@ -378,6 +411,7 @@ class Waves:
             f"{measure(strongest.amplitude, 'N', units)}, momentum "
             f"{measure(strongest.momentum, 'N s', units)}",
             "print() lists them",
+            self._unlisted,
         )
 
     def _repr_html_(self) -> str:
@@ -392,8 +426,14 @@ class Waves:
             lines.append(f"  and {len(self) - len(shown)} more")
         if len(self) > self.chain.beads:
             lines.append("  more waves than contacts: run.energy_flux() may show more")
+        if self._unlisted:
+            lines.append(f"  {self._unlisted}")
         # Lines are broken only between properties of a wave.
         return folded(re.sub(r"(?<=[^, ]) ", NO_BREAK, "\n".join(lines)), below=6)
+
+
+def _announced(share: float, contact: int) -> str:
+    return f"{share:.0%} of the energy flux at contact {contact} is in no listed wave"
 
 
 COLUMNS: Final = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from typing import Final
 
@@ -37,6 +38,10 @@ WEAK: Final = 0.01
 MISSING: Final = 0.05
 # Number of contacts over which a wave extends.
 WIDTH: Final = 5
+# Neighbouring contacts with which the reflected energy is compared, and differences, relative to
+# it and to the incident energy, from which it depends on the contact.
+NEARBY: Final = 6
+SAME, SMALL = 0.1, 0.005
 
 
 def reflection_of(
@@ -82,6 +87,8 @@ def reflection_of(
         If the contacts are less than 10 apart, or less than 5 from a wall or free end.
         If more than 5% of the incident energy is missing from the balance, because of other
         waves, or is still between the contacts; if ``missing_momentum`` exceeds 5%.
+        If the reflected energy at the 6 contacts in front of ``before`` is another one, which is
+        so where weak waves meet the reflected one, as in dimers.
 
     See Also
     --------
@@ -116,10 +123,30 @@ def reflection_of(
             f"no wave towards contact {second} passes contact {first} in the given time "
             f"interval; {self.message}"
         )
-    near = [event for event in near if event.time > incident.time]
     far = [event for event in _events_at(self, second) if event.time > incident.time]
-
     stop = min(stop, float(self.times[-1]))
+    found = _between(self, (first, second), incident, near, far, stop)
+    _check_rarefactions(self, found)
+    _check_count(self, found)
+    nearby = _nearby(self, found, far, stop) if self.chain.lossless else []
+    if nearby:
+        found = dataclasses.replace(found, nearby_energy=(min(nearby), max(nearby)))
+    _warn_of_balance(found, nearby)
+    _warn_if_near(self, first, second)
+    return found
+
+
+def _between(
+    self: Trajectory,
+    contacts: tuple[int, int],
+    incident: WaveEvent,
+    near: list[WaveEvent],
+    far: list[WaveEvent],
+    stop: float,
+) -> Reflection:
+    """Count the waves that an incident wave causes, among those at both contacts."""
+    (first, second), sign = contacts, incident.direction
+    near = [event for event in near if event.time > incident.time]
     entering = [e for e in near if e.direction == sign] + [e for e in far if e.direction == -sign]
 
     def still_there(time: float) -> float:
@@ -131,7 +158,7 @@ def reflection_of(
     )
     reflected = tuple(e for e in near if e.direction == -sign and e.time <= last)
     transmitted = tuple(e for e in far if e.direction == sign and e.time <= last)
-    found = Reflection(
+    return Reflection(
         chain=self.chain, before=first, after=second, incident=incident, reflected=reflected,
         transmitted=transmitted, until=last, disturbed=last < stop,
         kept_energy=sign * _inflow(self, first, second, incident.begin, last) / incident.energy,
@@ -141,11 +168,25 @@ def reflection_of(
             key=abs,
         ),
     )  # fmt: skip
-    _check_rarefactions(self, found)
-    _check_count(self, found)
-    _warn_of_balance(found)
-    _warn_if_near(self, first, second)
-    return found
+
+
+def _nearby(run: Trajectory, found: Reflection, far: list[WaveEvent], stop: float) -> list[float]:
+    """Reflected energy at the contacts that the incident wave passes just before ``before``."""
+    incident, sign, nearby = found.incident, found.incident.direction, []
+    for contact in (found.before - sign * shift for shift in range(1, NEARBY + 1)):
+        if not 0 < contact < run.chain.beads:
+            break
+        near = _events_at(run, contact)
+        same = [
+            event for event in near
+            if event.direction == sign
+            and abs(event.time - incident.time) < NEARBY * incident.duration
+            and abs(event.energy - incident.energy) < SAME * incident.energy
+        ]  # fmt: skip
+        if same:
+            here = _between(run, (contact, found.after), same[-1], near, far, stop)
+            nearby.append(here.reflected_energy)
+    return nearby
 
 
 def _warn_if_near(run: Trajectory, first: int, second: int) -> None:
@@ -277,8 +318,19 @@ def _check_count(run: Trajectory, found: Reflection) -> None:
             require_resolved(run, event, f"{name} wave")
 
 
-def _warn_of_balance(found: Reflection) -> None:
+def _warn_of_balance(found: Reflection, nearby: list[float]) -> None:
     """Warn if the coefficients are not, or not yet, those of one wave."""
+    usual = float(np.median(nearby)) if nearby else found.reflected_energy
+    if abs(found.reflected_energy - usual) > max(SAME * usual, SMALL):
+        low, high = found.nearby_energy
+        apart = sorted((found.before, found.before - found.incident.direction * NEARBY))
+        warn_user(
+            f"the reflected energy depends on the contact: {found.reflected_energy:.4f} at contact "
+            f"{found.before}, but {low:.4f} to {high:.4f} at neighbours (median {usual:.4f}, "
+            f"contacts {apart[0]} to {apart[1]}), because other waves meet the reflected one "
+            "there; choose a contact whose neighbours agree, or take the range as the uncertainty",
+            InputWarning,
+        )
     if abs(found.unexplained_energy) > MISSING:
         reason = (
             f"other waves contribute: {found.unexplained_energy:.0%} of the incident energy is "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 # An error of the balance above this fraction of the incident energy is part of the representation.
 SHOWN: Final = 1e-3
+# Differences of coefficients of energy between neighbouring contacts that are shown.
+WIDE: Final = 5e-3
 
 
 @checked_methods
@@ -63,6 +66,10 @@ class Reflection:
         Energy of weak waves, of at most 5% in total, that entered from outside before the
         incident wave had left, relative to the incident energy.  It leaves with the counted
         waves, which limits the error of the coefficients of energy to this size.
+    nearby_energy : tuple of float
+        Smallest and largest coefficient R of energy at the 6 contacts in front of ``before``.  In
+        dimers, weak waves that meet the reflected one change R from contact to contact.  NaN if it
+        is not known, as in chains with losses.
 
     Examples
     --------
@@ -89,6 +96,7 @@ class Reflection:
     stored_energy: float = 0.0
     missing_momentum: float = 0.0
     entered_energy: float = 0.0
+    nearby_energy: tuple[float, float] = (math.nan, math.nan)
 
     @property
     def reflected_energy(self) -> float:
@@ -170,6 +178,14 @@ class Reflection:
         return pd.DataFrame(rows)
 
     @property
+    def _nearby(self) -> str:
+        """Range of R at neighbouring contacts, if it is wide or does not include that here."""
+        (low, high), here = self.nearby_energy, self.reflected_energy
+        if not max(high, here) - min(low, here) > WIDE:
+            return ""
+        return f" ({low:.4f} to {high:.4f} at neighbouring contacts)"
+
+    @property
     def _unexplained(self) -> str:
         shown = f", unexplained {self.unexplained_energy:.4f}"
         return shown if abs(self.unexplained_energy) > SHOWN else ""
@@ -187,7 +203,7 @@ class Reflection:
         return (
             f"Reflection(contacts {self.before} to {self.after}, until t = {end}, {ended}, "
             f"energy kept {self.kept_energy:.4f}{self._unexplained}:\n"
-            f"    reflected energy {self.reflected_energy:.4f}, momentum "
+            f"    reflected energy {self.reflected_energy:.4f}{self._nearby}, momentum "
             f"{self.reflected_momentum:.4f}, {counted(len(self.reflected), 'wave')};\n"
             f"    transmitted energy {self.transmitted_energy:.4f}, momentum "
             f"{self.transmitted_momentum:.4f}, {counted(len(self.transmitted), 'wave')}; "

@@ -141,7 +141,7 @@ def test_unsupported_features_are_named_with_the_chain_as_it_was_given():
         with pytest.raises(InputError, match=r"right wall; .* \(chain: \d+ steel-52100 beads"):
             method(walled)
     with pytest.raises(InputError, match="the modified BCA requires a tapered chain"):
-        hc.modified_bca(STEEL)
+        hc.modified_bca(hc.Chain.from_materials([1e-2] * 9, "steel-52100"))
     driven = STEEL.replace(drive=hc.SineBurst(1.0, 1e4))
     with pytest.raises(InputError, match=r"propagate does not support a drive"):
         hc.propagate(driven)
@@ -228,6 +228,7 @@ def test_scaled_chains_are_passed_on_as_they_are():
 @pytest.mark.parametrize("theory", [hc.modified_bca, hc.local_rate])
 def test_messages_of_theories_describe_the_chain_as_given(theory):
     radii = 5e-3 * hc.Chain.tapered("forward-exponential", 0.3, beads=20).radii
+    radii[5] *= 1.001  # no taper
     chain = hc.Chain.from_materials(radii, "steel-316", velocity="1 um/s")
     described = re.escape(chain.description)
     assert (

@@ -13,6 +13,7 @@ from .contact_groups import ContactGroup
 from .drives import Drive
 from .input_checks import warn_soft
 from .laws import Loss
+from .laws.own_laws import checked_strength
 from .parts import Part
 from .static_forces import Loads
 from .walls import Wall
@@ -49,9 +50,7 @@ def check_laws(laws: Iterable[Loss], groups: Sequence[ContactGroup], *, scaled: 
         if law.with_units:
             check_units("loss", law, scaled=scaled, exponent=HERTZ_EXPONENT)
     for group in groups:
-        group.law.row(group.contacts.exponent)
-        with np.errstate(over="ignore", under="ignore"):
-            strength = group.law.strength(group.contacts)
+        strength = checked_strength(group.law, group.contacts)
         if np.isinf(strength[group.contacts.stiffness > 0.0]).any():
             raise InputError(
                 f"{group.law} with the stiffness of these contacts gives an infinite force; check "

@@ -44,7 +44,26 @@ _UNITS: Final = (
     "1", "radius", "mass", "velocity", "length", "time", "momentum", "energy", "force", "stiffness",
     "acceleration",
 )  # fmt: skip
-_FACTOR: Final = re.compile(r"([*/]?)([a-z1]+)(?:\^([+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?))?")
+_NUMBER: Final = r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
+_FACTOR: Final = re.compile(
+    rf"([*/]?)([a-z1]+)(?:\^(?:({_NUMBER})|\(({_NUMBER})(?:/([1-9]\d*))?\)))?"
+)
+
+
+def factors_of(scale: str) -> list[tuple[str, str, float]]:
+    """Sign, unit and power of each factor of a product of powers of units."""
+    product = f"*{text('scale', scale)}"
+    factors = _FACTOR.findall(product)
+    known = all(sign and name in _UNITS for sign, name, *_ in factors)
+    if not known or _FACTOR.sub("", product):
+        raise InputError(
+            f"a scale is a product of powers of {', '.join(_UNITS)}, such as "
+            f"'force/velocity' or 'force/length^(1/4)', got {scale!r}"
+        )
+    return [
+        (sign, name, float(power or above or 1.0) / float(below or 1.0))
+        for sign, name, power, above, below in factors
+    ]
 
 
 def scale(unit: Scale, *, axis: int = 0) -> dict[str, Any]:
@@ -199,17 +218,9 @@ class Scales:
         >>> hc.Scales(radius=1.0, mass=1.0, velocity=2.0, length=6.0).unit("1/time")
         0.3333333333333333
         """
-        product = f"*{text('scale', scale)}"
-        factors = _FACTOR.findall(product)
-        known = all(sign and name in _UNITS for sign, name, _ in factors)
-        if not known or _FACTOR.sub("", product):
-            raise InputError(
-                f"a scale is a product of powers of {', '.join(_UNITS)}, such as "
-                f"'force/velocity', got {scale!r}"
-            )
         value = 1.0
-        for sign, name, power in factors:
-            base = 1.0 if name == "1" else float(getattr(self, name)) ** float(power or 1.0)
+        for sign, name, power in factors_of(scale):
+            base = 1.0 if name == "1" else float(getattr(self, name)) ** power
             value = value / base if sign == "/" else value * base
         return value
 

@@ -147,9 +147,15 @@ def _require_no_units(sizes: Sizes) -> None:
             )
 
 
-def si_radii(taper: str | None, beads: int, sizes: Sizes) -> Array:
-    """Radii [m] of a taper of given sizes."""
-    _, _, radii, first = taper_of_sizes(taper, None, {}, checked_beads(beads, 2), sizes, si=True)
+def si_radii(
+    taper: str | None,
+    beads: int,
+    sizes: Sizes,
+    parameters: Mapping[str, float] = MappingProxyType({}),
+) -> Array:
+    """Radii [m] of a taper of given sizes, or of the size of its first bead and its parameters."""
+    count = checked_beads(beads, 2)
+    _, _, radii, first = taper_of_sizes(taper, None, parameters, count, sizes, si=True)
     return first * radii
 
 

@@ -310,7 +310,7 @@ class _ChainFile:
         table = self.table
         beads = self._needed("beads")
         if self._form != "taper":
-            given = {name: table[name] for name in SIZE_KEYS if name in table}
+            given = {name: table[name] for name in (*SIZE_KEYS, *PARAMETERS) if name in table}
             return Chain.tapered(table.get("taper"), beads=beads, **given, **law)
         if table["taper"] == "uniform":
             self._require_without('taper = "uniform"', list(PARAMETERS))
@@ -338,7 +338,8 @@ class _ChainFile:
             radii = first * self._tapered({}).radii
         elif form in SIZE_KEYS:
             given = {name: table[name] for name in SIZE_KEYS if name in table}
-            radii = si_radii(table.get("taper"), self._needed("beads"), Sizes(**given))
+            rates = {name: table[name] for name in PARAMETERS if name in table}
+            radii = si_radii(table.get("taper"), self._needed("beads"), Sizes(**given), rates)
         elif form == "diameters":
             radii = 0.5 * checked_sizes("diameter", table[form])
         elif form in CELLS:

@@ -59,8 +59,8 @@ _SIZES: Final = ("ratio", "length", "taper", "beads")
 # Forms in which the beads are given: the key that selects the form, and further keys of the form.
 FORMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
-        "first": ("last", *_SIZES),
-        "first_diameter": ("last_diameter", *_SIZES),
+        "first": ("last", *_SIZES, *PARAMETERS),
+        "first_diameter": ("last_diameter", *_SIZES, *PARAMETERS),
         "taper": (*PARAMETERS, "beads", "radius"),
         "radii": ("beads",),
         "diameters": ("beads",),

@@ -19,11 +19,12 @@ import math
 import tomllib
 from dataclasses import dataclass
 from importlib import resources
-from typing import ClassVar, Literal
+from typing import ClassVar, Final, Literal
 
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.description import taper_behind
 from ..chain.tapers import PAPER_TAPERS, check_taper, rate_symbol
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
@@ -36,6 +37,9 @@ from .alternating_masses import MAX_LOSS, losses
 from .bca import bca, exponential_rates
 from .decoration import small_beads
 from .strikers import other_method
+
+# Where the errors are largest; the last bead moves freely.
+ERRORS: Final = "least accurate at the first beads and at bead N, which is about 30% too slow"
 
 
 @dataclass(frozen=True)
@@ -195,7 +199,8 @@ def modified_bca(
     Parameters
     ----------
     chain : Chain
-        A chain built with `Chain.tapered`.
+        A chain whose radii are those of one of the four tapers within rounding, in scaled variables
+        or in SI units, such as ``Chain.tapered`` with a rate, ``first_diameter`` and a material.
     coefficients : str or RatioCorrection or PowerLawCorrection
         ``"calibrated"``, ``"printed"``, or a custom correction.
 
@@ -231,7 +236,12 @@ def modified_bca(
     >>> float(abs(errors[4:80]).max()) < 0.01
     True
     """
-    if chain.taper not in FITTED_RATES or chain.rate is None:
+    taper, rate = chain.taper, chain.rate
+    if taper is None:
+        # A chain in SI units has sizes, and none of the names of tapers.
+        taper, parameters = taper_behind(chain.radii)
+        rate = dict(parameters).get("rate")
+    if taper not in FITTED_RATES or rate is None:
         raise InputError(
             f"the modified BCA requires a tapered chain ({', '.join(FITTED_RATES)}), got "
             f"{chain.description}; {_advice(chain)}"
@@ -243,26 +253,27 @@ def modified_bca(
         )
     if not isinstance(coefficients, Correction):
         check_choice("coefficients", coefficients, ("calibrated", "printed"))
-    low, high = FITTED_RATES[chain.taper]
-    if isinstance(coefficients, str) and not low <= chain.rate <= high:
+    low, high = FITTED_RATES[taper]
+    if isinstance(coefficients, str) and not low <= rate <= high:
         warn_user(
-            f"the constants of the modified BCA were fitted to {chain.taper} tapers with "
-            f"{rate_symbol(chain.taper)} = {low:g}..{high:g}, but this chain has {chain.rate:g}",
+            f"the constants of the modified BCA were fitted to {taper} tapers with "
+            f"{rate_symbol(taper)} = {low:g}..{high:g}, but this chain has {rate:g}",
             ModelRangeWarning,
         )
     k = np.arange(1, chain.beads + 1)
     if coefficients == "printed":
-        velocity = printed_velocity(chain.taper, chain.rate, k)
+        velocity = printed_velocity(taper, rate, k)
         method = "modified BCA, printed"
     else:
         if isinstance(coefficients, Correction):
             correction, method = coefficients, "modified BCA"
         else:
-            correction = calibrated_corrections()[chain.taper]
+            correction = calibrated_corrections()[taper]
             method = "modified BCA, calibrated"
-        velocity = correction.velocity(bca(chain).velocity, chain.rate, k)
+        velocity = correction.velocity(bca(chain).velocity, rate, k)
     velocity[0] = 1.0
-    return Pulse(chain=chain, method=method, velocity=velocity)
+    notes = {"velocity": ERRORS} if coefficients == "calibrated" else {}
+    return Pulse(chain=chain, method=method, velocity=velocity, notes=notes)
 
 
 def _advice(chain: Chain) -> str:

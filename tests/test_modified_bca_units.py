@@ -1,0 +1,45 @@
+"""The modified BCA in SI units is that of the scaled taper with the same law of the radii."""
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+RATES = {
+    "backward-linear": 0.3, "backward-exponential": 0.04, "forward-linear": 0.005,
+    "forward-exponential": 0.0389,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("taper", RATES)
+def test_a_taper_of_balls_is_converted_through_its_scales(taper):
+    scaled = hc.Chain.tapered(taper, RATES[taper], beads=25)
+    balls = hc.Chain.tapered(
+        taper, RATES[taper], first_diameter="20 mm", material="steel-316", beads=25,
+        velocity="1 mm/s",
+    )  # fmt: skip
+    expected = hc.modified_bca(scaled)
+    found = hc.modified_bca(balls)
+    np.testing.assert_allclose(found.velocity, 1e-3 * expected.velocity, rtol=1e-11)
+    assert found.chain is balls
+    np.testing.assert_allclose(
+        hc.modified_bca(hc.Scales.of(balls).to_scaled(balls)).velocity,
+        expected.velocity,
+        rtol=1e-11,
+    )
+    assert "bead N, which is about 30% too slow" in str(found)
+
+
+def test_the_free_end_has_the_largest_error():
+    chain = hc.Chain.tapered("forward-exponential", 0.0389, beads=25)
+    compared = hc.modified_bca(chain).compare(hc.propagate(chain))
+    assert compared.worst_bead("velocity") == 25
+    assert compared.worst("velocity") == pytest.approx(0.33, abs=0.01)
+
+
+def test_other_radii_are_no_taper():
+    radii = 1e-2 * (1.0389 ** -np.arange(25.0))
+    radii[12] *= 1.0 + 1e-6
+    chain = hc.Chain.from_materials(radii, "steel-316", velocity="1 mm/s")
+    with pytest.raises(hc.InputError, match=r"requires a tapered chain .*diameters 20 mm"):
+        hc.modified_bca(chain)

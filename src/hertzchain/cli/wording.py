@@ -68,6 +68,10 @@ BY_OPTION: Final = {
         (r"^beads must be selected", "--only must select beads"),
     ),
     "contact": ((r"^contact must be", "--transfer must be"),),
+    "times": (
+        (r"\b(save at least|simulate with) times=(\d+)", r"\1 --times \2"),
+        (r"\bgive simulate more times\b", "give more --times"),
+    ),
     "until": (
         (r"\bgive until\b", "give --until"),
         (r"(; give .*), or until$", r"\1, or --until"),

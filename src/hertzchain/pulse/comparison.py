@@ -15,7 +15,7 @@ from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice
 from .chain_units import in_same_units, same_beads
-from .pulse import Pulse, checked_pulse
+from .pulse import EFFECTIVE_CHAIN, Pulse, checked_pulse
 from .quantities import ON_REQUEST, QUANTITIES
 
 if TYPE_CHECKING:
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 # Quantities that are plotted by default.
 DRAWN: Final[tuple[str, ...]] = ("velocity", "arrival", "residence", "peak_force")
+# Bead from which the first beads, where the pulse forms, no longer dominate errors of arrivals.
+FORMED: Final = 11
 
 
 @checked_fields
@@ -248,7 +250,20 @@ class Comparison:
             if np.isnan(self.errors(name)[1:]).all():
                 continue  # Two beads have one contact; a run may not have determined other values.
             lines.append(self._line(name, width))
-        return "\n".join(lines)
+        return "\n".join([*lines, *self._note_on_arrival()])
+
+    def _note_on_arrival(self) -> list[str]:
+        """Why the arrival of an effective chain has a large error, if that is at a first bead."""
+        effective = EFFECTIVE_CHAIN in (self.pulse.method, self.reference.method)
+        if not effective or "arrival" not in self.quantities or self.pulse.chain.beads < 2 * FORMED:
+            return []
+        if self.worst_bead("arrival") >= FORMED:
+            return []
+        later = percent(self.worst("arrival", first_bead=FORMED))
+        return [
+            "  arrival: at the first beads, times are short and the pulse has not formed;",
+            f"    from bead {FORMED} on, the largest error is {later}",
+        ]
 
     def _line(self, name: str, width: int = 13) -> str:
         """The errors of a quantity, as a line of the table."""

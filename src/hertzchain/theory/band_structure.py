@@ -39,7 +39,8 @@ class BandStructure(Frozen):
         Raises
         ------
         InputError
-            If masses or springs do not repeat, as for `bands`.
+            If masses or springs do not repeat, as for `bands`.  If a few beads differ from the
+            others, `Spectrum.host_sound_speed` is the speed between them.
 
         Examples
         --------

@@ -29,8 +29,9 @@ def repeating_cell(contacts: LinearContacts, cell: int | None, description: str)
         return found
     size = "of any length" if cell is None else f"of {cell} beads"
     raise InputError(
-        f"no cell {size} repeats in this chain ({description}); bands require a "
-        "periodic chain with the same force at all contacts, otherwise use frequencies"
+        f"no cell {size} repeats in this chain ({description}); bands and the speed of sound "
+        "require a periodic chain with the same force at all contacts; if a few beads differ from "
+        "the others, use host_edges and host_sound_speed, otherwise use frequencies"
     )
 
 

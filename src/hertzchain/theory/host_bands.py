@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..collision import Array
 from ..errors import InputError
 from .band_structure import BandStructure
-from .bands import SAME, plane_waves
+from .bands import SAME, plane_waves, slow_wave_speed
 from .linear_contacts import LinearContacts
 
 # Largest cell of a host, and the largest part of its beads that others replace.
@@ -75,6 +75,33 @@ class HostBands(BandStructure):
         """
         host, cell = _host(self.contacts, self.chain.description)
         return np.sort(plane_waves(host, cell, np.array([0.0, math.pi])), axis=0).T.copy()
+
+    @property
+    def host_sound_speed(self) -> float:
+        """Speed of long waves in the periodic host of a chain with a few other beads.
+
+        In the units of `sound_speed`, which it is for a periodic chain.  Long waves in the parts of
+        the chain without other beads have this speed.
+
+        Raises
+        ------
+        InputError
+            If the chain has no host, as for `host_edges`.
+
+        Examples
+        --------
+        A light bead in a row of steel balls:
+
+        >>> import hertzchain as hc
+        >>> balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=40)
+        >>> held = balls.replace(precompression=1.0, held_by="force")
+        >>> odd = held.with_defects({20: 2.5e-3})
+        >>> [round(hc.spectrum(each).host_sound_speed, 1) for each in (held, odd)]
+        [374.5, 374.5]
+        """
+        host, cell = _host(self.contacts, self.chain.description)
+        distances = [_usual(self.chain.centre_distances[i::cell]) for i in range(cell)]
+        return slow_wave_speed(host, np.array(distances))
 
     @property
     def localised(self) -> NDArray[np.intp]:

@@ -88,8 +88,18 @@ class SolitaryWave:
     overlap: WaveProfile
     force: WaveProfile
 
-    def speed(self, velocity: float, mass: float = 1.0, stiffness: float = 1.0) -> float:
-        r"""Speed V of the wave.
+    def speed(
+        self,
+        velocity: float,
+        mass: float = 1.0,
+        stiffness: float = 1.0,
+        *,
+        diameter: float | str | None = None,
+    ) -> float:
+        r"""Speed V of the wave, in beads per time or, with a diameter, in length per time.
+
+        `hertzchain.Pulse.speed` is a length per time: in scaled variables, where the radius is 1
+        and the diameter 2, it is twice the speed in beads per time.
 
         Parameters
         ----------
@@ -97,11 +107,13 @@ class SolitaryWave:
             Peak velocity of a bead, its mass, and the stiffness of its contacts, in scaled or
             any other consistent units; all must be positive.  If one is text with a unit, such as
             ``"0.05 m/s"``, the others are in SI units and must be given.
+        diameter : float or str, optional
+            Diameter of a bead, by which the speed in beads per time is multiplied.
 
         Returns
         -------
         float
-            Speed [beads per unit time].
+            Speed [beads per unit time; with a diameter, its unit per unit time].
 
         Raises
         ------
@@ -113,13 +125,20 @@ class SolitaryWave:
         In steel beads of radius 5 mm, struck at 1 m/s, the speed is 674.659 m/s:
 
         >>> import hertzchain as hc
-        >>> speed = hc.solitary_wave().speed(0.681631548571, mass=4.073598e-3, stiffness=7.435897e9)
-        >>> round(speed * 0.010, 3)
+        >>> wave, steel = hc.solitary_wave(), {"mass": 4.073598e-3, "stiffness": 7.435897e9}
+        >>> round(wave.speed(0.681631548571, **steel, diameter="10 mm"), 3)
         674.659
         """
         v, m, k = self._checked(velocity, mass, stiffness)
+        if has_unit(diameter) and mass == stiffness == 1.0:
+            raise InputError(
+                "a diameter with a unit requires velocity, mass and stiffness in SI units: give "
+                "all of them"
+            )
+        length = 1.0 if diameter is None else number("diameter", diameter, unit="m", above=0.0)
         s = 1.0 / (self.exponent + 1.0)
-        return self.speed_constant * (k / m) ** s * v ** ((self.exponent - 1.0) * s)
+        per_time = self.speed_constant * (k / m) ** s * v ** ((self.exponent - 1.0) * s)
+        return length * per_time
 
     def momentum(self, velocity: float, mass: float = 1.0) -> float:
         r"""Momentum :math:`P = P_1 m v` of the whole wave.

@@ -68,6 +68,8 @@ def factors_of(scale: str) -> list[tuple[str, str, float]]:
 
 def scale(unit: Scale, *, axis: int = 0) -> dict[str, Any]:
     """Metadata of a field: its unit, or a tuple of units along an axis of an array."""
+    if isinstance(unit, str):
+        factors_of(unit)
     return {"scale": unit, "axis": axis}
 
 

@@ -6,8 +6,8 @@ A TOML file has a table ``[chain]`` with the beads in one of these forms::
     rate = 0.05
     beads = 100
 
-    first = 10.0                     # a taper between two radii; or first_diameter and
-    last = 2.5                       # last_diameter; or ratio or length instead of last
+    first = 10.0                     # a taper between two radii; or diameters, as last_diameter;
+    last = 2.5                       # or ratio, length or, with materials, a rate instead of last
     beads = 40
 
     radii = [5.0, 4.5, 4.0]          # or diameters; or one value and beads
@@ -315,8 +315,7 @@ class _ChainFile:
         if table["taper"] == "uniform":
             self._require_without('taper = "uniform"', list(PARAMETERS))
             return Chain.uniform(beads, **law)
-        symbols = taper_named(table["taper"]).symbols
-        for name, symbol in symbols.items():
+        for name, symbol in (symbols := taper_named(table["taper"]).symbols).items():
             if name not in table:
                 raise InputError(
                     f"[chain] has taper = {table['taper']!r} but no {name}, its parameter {symbol}"
@@ -337,8 +336,8 @@ class _ChainFile:
             first = number("radius", self._needed("radius"), unit="m", above=0.0)
             radii = first * self._tapered({}).radii
         elif form in SIZE_KEYS:
-            given = {name: table[name] for name in SIZE_KEYS if name in table}
-            rates = {name: table[name] for name in PARAMETERS if name in table}
+            names = (SIZE_KEYS, PARAMETERS)
+            given, rates = ({key: table[key] for key in each if key in table} for each in names)
             radii = si_radii(table.get("taper"), self._needed("beads"), Sizes(**given), rates)
         elif form == "diameters":
             radii = 0.5 * checked_sizes("diameter", table[form])
@@ -447,5 +446,5 @@ class _ChainFile:
 
 def _without_last(own: Mapping[str, Any]) -> dict[str, Any]:
     """Lists of values per bead or contact without the last one, which is that of a cap."""
-    listed = (list, tuple, np.ndarray)
-    return {name: value[:-1] if isinstance(value, listed) else value for name, value in own.items()}
+    lists = (list, tuple, np.ndarray)
+    return {name: value[:-1] if isinstance(value, lists) else value for name, value in own.items()}

@@ -25,7 +25,7 @@ from ...validation.numbers import FRACTION, SCALED, contact_number, has_unit, nu
 from ...validation.objects import check_bool, check_type
 from ..input_checks import checked_exponent
 from ..parts import Part
-from ..scales import Scale, factors_of, scale
+from ..scales import Scale, scale
 
 # Every law by its name in chain files.
 LAWS: Final[dict[str, type[Loss]]] = {}
@@ -60,8 +60,6 @@ def parameter(
     metadata: dict[str, Any] = {"parameter": about}
     unit = SCALED_UNITS.get(dimension) if unit is None else unit
     if unit is not None:
-        if isinstance(unit, str):
-            factors_of(unit)
         metadata |= scale(unit)
     return dataclasses.field(default=default, metadata=metadata)
 

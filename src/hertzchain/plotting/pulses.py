@@ -20,11 +20,12 @@ from ..pulse.pulse import EFFECTIVE_CHAIN, Pulse, checked_pulse
 from ..pulse.quantities import COLUMN_QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_list
+from .alternating_beads import LIGHT_BEADS, LIGHT_SIZE, light_beads
 from .colours import COLOURS, curve_colour, grey
 from .differences import words_of_chains
 from .labels import distinguish, numbered
 from .legends import place_legend
-from .shared_axes import label_quantities, note_curve
+from .shared_axes import label_quantities, note_curve, use_prefix
 from .spreads import (
     BAND,
     draw_spread,
@@ -162,15 +163,13 @@ def plot_pulses(
             if free:
                 _draw_free_end(axes, len(values), values[-1], look)
             label = None if grouped else str(name)
-            line = _draw(axes, pulse, values[:-1] if free else values, look, label)
+            line = _draw(axes, pulse, quantity, values[:-1] if free else values, look, label)
             note_curve(line, quantity, pulse.chain, label if labels is None else None)
         if grouped:
             _label_groups(axes, words, looks)
         _label_parts(axes, pulses, quantity, looks)
         label_quantities(axes)
-        axes.set_yscale("log" if log else "linear")
-        if log:
-            label_log_axis(axes.yaxis)
+        _set_scale(axes, log=log)
         lowest = axes if lower is None else lower
         if lower is not None:
             lower.set_xlabel(f"{COLUMN_QUANTITIES[quantity].per} $k$")
@@ -276,6 +275,14 @@ def _label_groups(axes: Axes, words: Sequence[Sequence[str]], looks: Sequence[_L
         axes.plot([], [], color=grey(axes, 0.4), **_line(look), label=literal(name))
 
 
+def _set_scale(axes: Axes, *, log: bool) -> None:
+    axes.set_yscale("log" if log else "linear")
+    if log:
+        label_log_axis(axes.yaxis)
+    else:
+        use_prefix(axes)
+
+
 def _line(look: _Look) -> dict[str, Any]:
     """Line and symbol of a curve, as arguments of `Axes.plot`."""
     return {
@@ -313,7 +320,7 @@ def _label_parts(
     """Labels of symbols at free ends, and of bands; that of a single band has its colour."""
     # Those of pulses that the axes already had move to the end of the legend.
     present = {artist.get_label(): artist for artist in (*axes.lines, *axes.collections)}
-    for label in {LOTS, FREE_END} & present.keys():
+    for label in {LOTS, FREE_END, LIGHT_BEADS} & present.keys():
         present[label].remove()
     banded = {look.colour for pulse, look in zip(pulses, looks, strict=True)
               if spread_of(pulse, quantity) is not None}  # fmt: skip
@@ -321,16 +328,37 @@ def _label_parts(
         single = len(banded) == 1 and LOTS not in present
         colour = curve_colour(axes, *banded) if single else grey(axes, 0.4)
         axes.fill_between([], [], [], color=colour, alpha=BAND, linewidth=0.0, label=LOTS)
+    if LIGHT_BEADS in present or any(light_beads(each, quantity) is not None for each in pulses):
+        light: dict[str, Any] = {
+            "marker": MARKERS[0],
+            "markersize": LIGHT_SIZE,
+            "markerfacecolor": "none",
+        }
+        axes.plot([], [], color=grey(axes, 0.4), linestyle="none", label=LIGHT_BEADS, **light)
     if FREE_END in present or any(ends_free(pulse, quantity) for pulse in pulses):
         label_free_end(axes)
 
 
-def _draw(axes: Axes, pulse: Pulse, values: Array, look: _Look, label: str | None) -> Line2D:
+def _draw(
+    axes: Axes, pulse: Pulse, quantity: str, values: Array, look: _Look, label: str | None
+) -> Line2D:
     beads, numbers = pulse.chain.beads, pulse.bead[: len(values)]
     if pulse.method == EFFECTIVE_CHAIN:
         # Lines join the large beads.
         known = np.isfinite(values)
         beads, numbers, values = int(known.sum()), numbers[known], values[known]
+    elif (light := light_beads(pulse, quantity)) is not None:
+        # A line through all beads would be a zigzag.
+        light, beads = light[: len(values)], beads // 2
+        chosen = numbers[light], values[light]
+        _draw_line(axes, *chosen, beads, look, None).set_markersize(LIGHT_SIZE)
+        numbers, values = numbers[~light], values[~light]
+    return _draw_line(axes, numbers, values, beads, look, label)
+
+
+def _draw_line(
+    axes: Axes, numbers: Array, values: Array, beads: int, look: _Look, label: str | None
+) -> Line2D:
     (line,) = axes.plot(
         numbers,
         values,
@@ -368,7 +396,7 @@ def _draw_residuals(
         # An exact zero, such as that of bead 1, has no place on a logarithmic axis.
         shown = np.where(values == 0.0, np.nan, np.abs(values)) if least else values
         free = len(shown) in _free_ends((reference, pulse), quantity)
-        _draw(axes, pulse, shown[:-1] if free else shown, look, None)
+        _draw(axes, pulse, quantity, shown[:-1] if free else shown, look, None)
         if free:
             _draw_free_end(axes, len(shown), shown[-1], look)
         if not least:

@@ -7,9 +7,15 @@ from typing import Final
 
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, ScalarFormatter
 
 from ..chain.chain import Chain
 from ..pulse.quantities import COLUMN_QUANTITIES
+from ..representation import usual_unit
+
+# Units that have prefixes, and the largest value for which zeros would widen a small panel.
+PREFIXED: Final = ("J", "s", "N", "m", "N s")
+SMALL: Final = 5e-3
 
 # Quantity, chain and label of the curves of pulses; no label if a user has given it.
 _curves: Final[weakref.WeakKeyDictionary[Line2D, tuple[str, Chain, str | None]]] = (
@@ -43,6 +49,22 @@ def label_quantities(axes: Axes) -> None:
         if label is not None:
             words = f"{label}, " if several else ""
             line.set_label(f"{words}{labels[quantity, chain.units].partition(' [')[0]}")
+
+
+def use_prefix(axes: Axes) -> None:
+    """Show small values of a linear axis with a prefix of their unit, such as 0.2 mJ."""
+    label, largest = axes.get_ylabel(), max(map(abs, axes.get_ylim()))
+    if isinstance(axes.yaxis.get_major_formatter(), FuncFormatter):
+        axes.yaxis.set_major_formatter(ScalarFormatter())
+    name, _, unit = label.rpartition(" [")
+    if not name or not 0.0 < largest < SMALL or unit.rstrip("]") not in PREFIXED:
+        return
+    own = unit.rstrip("]")
+    # Units other than those of times and lengths have all prefixes, as that of momentum.
+    factor, shown = usual_unit(largest, own if own in ("s", "m") else "N s")
+    shown = shown.replace("N s", own)
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{factor * value:.6g}"))
+    axes.set_ylabel(f"{name} [{shown}]")
 
 
 def label_below(axes: Axes, label: str) -> None:

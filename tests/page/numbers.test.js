@@ -15,6 +15,12 @@ test("short numbers keep their size and sign", () => {
   assert.equal(short(NaN), "–");
 });
 
+test("an infinite radius is written as in chain files", () => {
+  const { number, unit } = parsed("inf", "mm");
+  assert.equal(plain(number), "inf");
+  assert.equal(valued(number, unit), "inf");
+});
+
 test("percentages of theories have decimals instead of powers", () => {
   assert.deepEqual([10, 0.001, 0.0001, -0.0005, 0.0000567, 1e-7].map((each) => percent(each)),
     ["10%", "0.001%", "0.0001%", "−0.0005%", "0.000057%", "1e−7%"]);

@@ -24,7 +24,7 @@ TITLES: Final = {
     "struck_by": "Strikers", "left_wall": "Left wall", "right_wall": "Right wall",
     "loss": "Loss in contacts", "drive": "Drive", "decorated": "Small beads between",
     "with_defects": "Defects", "with_scatter": "Random scatter",
-    "with_contacts": "Shapes of contacts", "cap": "Cap of a load cell",
+    "with_contacts": "Shapes of contacts", "cap": "Cap or free body at the end",
 }  # fmt: skip
 # Table of which files keep the entries, but which has no controls: `struck_by` adds strikers.
 WITHOUT_CONTROLS: Final = "chain.striker_properties"
@@ -143,11 +143,11 @@ def about(document: object = None) -> dict[str, Any]:
         "gallery": gallery(),
         "max_beads": MAX_BEADS,
         "document": gallery()[0]["document"] if document is None else document,
-        "sensors": [] if _has_wall(document) else None,
+        "sensors": [] if _has_force(document) else None,
     }  # fmt: skip
 
 
-def _has_wall(document: object) -> bool:
-    """Whether a given chain has the force on a wall, so that the page begins without a sensor."""
+def _has_force(document: object) -> bool:
+    """Whether a given chain has a wall or a cap, so that the page begins without a sensor."""
     chain = document.get("chain") if isinstance(document, Mapping) else None
-    return isinstance(chain, Mapping) and not {"left_wall", "right_wall"}.isdisjoint(chain)
+    return isinstance(chain, Mapping) and not {"left_wall", "right_wall", "cap"}.isdisjoint(chain)

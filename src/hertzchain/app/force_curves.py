@@ -17,11 +17,13 @@ from ..collision import Array, compression_time
 from ..errors import SimulationError
 from ..notebook.drawing import engineering
 from ..recorded_warnings import record_warnings
+from ..simulation.body_force import has_body_behind
 from ..simulation.run import Run
 from ..simulation.sensor_force import SHOWN
 from ..simulation.simulate import simulate
 from ..simulation.time_scales import UNBALANCED
 from ..simulation.yielding import peak_with_yielding_contacts, pressures_below_yield
+from .body_curve import BODY, TWICE, body_peaks, force_on_body
 from .yield_notes import IF_YIELDING
 
 # Intervals in the shortest contact, and the smallest number that needs no warning.  A light bead
@@ -48,10 +50,13 @@ def run_for_forces(
 ) -> tuple[Run, str]:
     """The same run with times that resolve contacts, and a sentence if they do not.
 
-    ``places`` are beads with a sensor, 0 for the left wall and N + 1 for the right one.
+    ``places`` are beads with a sensor, 0 for the left wall and N + 1 for the right end.
     """
     if not places or not run.success:
         return run, ""
+    if has_body_behind(run.chain):
+        # The force on this body is twice that in a sensor in it.
+        places = [min(k, run.chain.beads) for k in places]
     needed = _needed_intervals(run, places)
     most = min(MAX_INTERVALS, MAX_STATES // run.chain.beads)
     share = max(1.0, float(needed.sum()) / most)
@@ -159,16 +164,20 @@ def beads_of(chain: Chain, balls: Places) -> list[int]:
 
 
 def places_of(chain: Chain, balls: Places) -> dict[str, int]:
-    """Beads with a sensor and walls by the names of their curves."""
+    """Beads with a sensor, walls and a free body behind the row by the names of their curves."""
     found = {str(bead): bead for bead in beads_of(chain, balls)}
     sides = (("left", 0), ("right", chain.beads + 1))
+    if has_body_behind(chain):
+        found[BODY] = chain.beads + 1
     return found | {side: k for side, k in sides if f"{side} wall" in chain.features}
 
 
 def force_at(run: Run, place: int) -> Array:
-    """Force in a sensor in a bead, or on a wall, at the saved times."""
+    """Force in a sensor in a bead, on a wall, or on a free body, at the saved times."""
     if 1 <= place <= run.chain.beads:
         return run.sensor(place)
+    if place > 0 and has_body_behind(run.chain):
+        return force_on_body(run)
     return run.forces[:, 0 if place == 0 else -1]
 
 
@@ -195,7 +204,12 @@ def peaks_at(
             "label": f"sensor in {label}",
             "ball": f"sensor in {f'ball {ball}' if ball > 0 else label}",
         }
-        return {**names, **_sensor_peaks(forces, place, progress is None)}
+        found = _sensor_peaks(forces, place, progress is None)
+        if has_body_behind(forces.chain) and place == forces.chain.beads:
+            found["remark"] = TWICE
+        return {**names, **found}
+    if place > 0 and has_body_behind(forces.chain):
+        return body_peaks(forces, progress)
     side: Side = "left" if place == 0 else "right"
     found = _wall_peaks(whole, side, progress, float(force_at(forces, place).min()))
     return {"name": f"wall-{side}", "label": f"{side} wall", **found}

@@ -104,9 +104,11 @@ CHAIN_OPTIONS: Final = (
     click.option(
         "--cap",
         metavar="CAP",
-        help="Add the cap of a load cell in front of the wall: its mass, or its resonance "
-        "frequency on the wall, and perhaps a material, such as '5 g, steel-304', and the "
-        "stiffness of a pad or spring between the last bead and the cap, such as '5 g, 1 kN/mm'.",
+        help="Add a flat body behind the last ball.  In front of a wall, it is the cap of a load "
+        "cell; without a wall, it is a free body such as a box with an instrument.  Give its mass, "
+        "or its resonance frequency on the wall.  You can add its material, as in "
+        "'5 g, steel-304', and the stiffness of a pad or spring in front of it, as in "
+        "'5 g, 1 kN/mm'.",
     ),
     click.option(
         "--loss",

@@ -312,7 +312,8 @@ _LISTED: Final = (
     Section("chain.with_scatter", "random deviations of the radii and gaps", _SCATTER,
             repeated=True),
     Section("chain.struck_by", "strikers in front of the chain", _STRUCK_BY, repeated=True),
-    Section("chain.cap", "the flat cap of a load cell behind the last ball", _CAP),
+    Section("chain.cap", "a flat body behind the last ball: with a right wall, the cap of a load "
+            "cell; without one, a free body such as a box", _CAP),
     Section("chain.striker_properties", "properties of one of the first beads counted by strikers",
             _STRIKER_PROPERTIES, repeated=True),
     Section("chain.exponent", "the exponent of one pair of materials", _EXPONENTS, repeated=True),

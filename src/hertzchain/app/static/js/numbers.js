@@ -37,7 +37,7 @@ export function percent(value, digits) {
 }
 
 /** The shortest text of a number to 12 digits. @param {number} value */
-export const plain = (value) => String(+value.toPrecision(12));
+export const plain = (value) => value === Infinity ? "inf" : String(+value.toPrecision(12));
 
 /** Round values between two ends, at least a smallest step apart.
  * @param {number} low @param {number} high @param {number} count @param {number} [least] */

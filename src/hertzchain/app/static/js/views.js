@@ -195,7 +195,7 @@ export class Views {
       /** @type {any} */
       let last;
       const notes = each.shown.map(([what, force, time]) => {
-        if (last === time) return `the ${what}`;
+        if (last === time && time !== null) return `the ${what}`;
         last = time;
         const text = `${what} ${short(force * factor)} ${unit}`;
         if (time === null) return text;
@@ -209,6 +209,7 @@ export class Views {
         const [factor, shown] = own.si ? prefixed(value, unit) : [1, ""];
         notes.push(value === null ? `${what} …` : `${what} ${short(value * factor)} ${shown}`.trim());
       }
+      if (each.remark) notes.push(each.remark);
       return { name: each.name + faint, label, x: times(x, axis.factor), y: scaled(y), note: `${label}: ${notes.join("; ")}` };
     });
     const message = series.length ? "" : "Click a bead for a sensor, or add a wall.";
@@ -230,7 +231,7 @@ export class Views {
       }), ...impact.map(([what, ...each]) => [what.replace(/ above.*/, ""), ...each])].filter(([, value]) => value !== null).map(([what, value, unit]) => [`${alike ? label : ball}, ${what}`, unit, value]));
       numbers.push(["velocity of the last bead", "m/s", chain.exact("velocity")?.at(-1)], ["arrival there", "s", chain.exact("arrival")?.at(-1)]);
       // The peak without yield is compared with that with yield.
-      for (const [label, unit, value] of numbers) found.set(label, Object.assign(found.get(label) ?? [unit, ...chains.map(({ run }) => (/yield/.test(label) && run.header.peaks.right?.yielding) || NaN)], { [i + 1]: value ?? NaN }));
+      for (const [label, unit, value] of numbers) found.set(label, Object.assign(found.get(label) ?? [unit, ...chains.map(({ run }) => (/yield/.test(label) && (run.header.peaks.right ?? run.header.peaks.body)?.yielding) || NaN)], { [i + 1]: value ?? NaN }));
     });
     const rows = [...found].map(([label, [unit, a, b]]) => {
       const same = [...found.values()].flatMap(([each, ...values]) => (each === unit ? values.filter(Number.isFinite) : []));
@@ -348,7 +349,7 @@ const ends = (of, y) => y?.length === of?.beads.header?.beads && !of.beads.heade
 const jumps = (of, y) => ends(of, y) && y.at(-1) * y.at(-3) > 1.2 * y.at(-2) ** 2;
 
 /** Forces on sensors and walls with their peaks. @param {Results} results
- * @returns {{shown: [string, number, any][], impact?: [string, any, string][], times: any, values: any, name: string, label: string, ball?: string}[]} */
+ * @returns {{shown: [string, number, any][], impact?: [string, any, string][], times: any, values: any, name: string, label: string, ball?: string, remark?: string}[]} */
 function forcesOf({ run: { header, arrays } }) {
   return Object.entries(header.peaks).map(([name, each]) => ({ ...each, times: arrays.get("forces.times"), values: arrays.get(`force.${name}`) }));
 }

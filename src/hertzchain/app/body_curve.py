@@ -1,0 +1,88 @@
+"""The force on a free body behind the row, such as an instrument, and its acceleration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+from ..chain.bead_names import bead_label
+from ..chain.chain import Chain
+from ..chain.hertz_ratios import OUTSIDE_LAW
+from ..chain.materials import FULLY_PLASTIC
+from ..collision import Array
+from ..simulation.body_force import ABOVE, BodyForce, body_force
+from ..simulation.run import Run
+from ..simulation.sensor_force import MANY_TIMES
+from ..simulation.yield_range import at_fully_plastic_pressure
+from ..simulation.yielding import peak_with_yielding_contacts, pressures_below_yield
+from ..units import STANDARD_GRAVITY
+from .yield_notes import IF_YIELDING
+
+# Name of the curve among those of sensors and walls.
+BODY: Final = "body"
+TWICE: Final = "mean of the forces on both faces; the force on the body is twice this"
+AT_MOST: Final = f"that at {FULLY_PLASTIC:g} Y"
+ACCELERATION: Final = "largest acceleration (force / mass, unfiltered)"
+IN_G0: Final = "in multiples of standard gravity"
+
+
+def force_on_body(run: Run) -> Array:
+    """Force of the last contact on the last body at the saved times, without the static force."""
+    force: Array = run.forces[:, -2] - run.chain.static_state.forces[-2]
+    return force
+
+
+def body_peaks(run: Run, progress: Callable[..., None] | None) -> dict[str, Any]:
+    """Largest force on the last body, its acceleration and duration, and forces with yield.
+
+    ``progress`` is `None` in a draft, which simulates nothing else.
+    """
+    chain, found = run.chain, body_force(run)
+    above = " above the static force" if chain.static_state.forces.any() else ""
+    words = f"largest force {'so far' if progress is None else 'in this run'}{above}"
+    names = {
+        # A chain with such a body has no right wall, whose colour this is.
+        "name": "wall-right",
+        "label": f"free body behind the row, {bead_label(chain, chain.beads)}",
+        "ball": "free body behind the row",
+    }
+    if found is None:
+        largest = float(force_on_body(run).max(initial=0.0))
+        return {**names, "shown": [[words, largest, None]], "yielding": None}
+    shown: list[list[Any]] = [[words, found.force, found.time]]
+    with_yield = [] if progress is None else _with_yield(run, progress)
+    yielding = None
+    if with_yield and with_yield[0][0] == IF_YIELDING:
+        yielding = with_yield[0][1]
+    # Contacts yield in this run, or not at all.
+    elif any(law.yields for law in chain.contact_losses) or pressures_below_yield(run):
+        yielding = found.force
+    return {
+        **names, "shown": shown + with_yield, "impact": _motion(chain, found),
+        "yielding": yielding,
+    }  # fmt: skip
+
+
+def _motion(chain: Chain, found: BodyForce) -> list[tuple[str, float, str]]:
+    """Acceleration, in SI units also in multiples of standard gravity, and its duration."""
+    numbers = [(ACCELERATION, found.acceleration, "m/s²")]
+    if chain.units == "SI":
+        numbers.append((IN_G0, found.acceleration / STANDARD_GRAVITY, "g0"))
+    return [*numbers, (f"duration above {ABOVE:.0%} of it", found.duration, "s")]
+
+
+def _with_yield(run: Run, progress: Callable[..., None]) -> list[list[Any]]:
+    """Largest forces with contacts that yield, at first yield and at the largest pressure."""
+    options = {"until": run.end_time, "times": MANY_TIMES, "progress": progress}
+    if (other := at_fully_plastic_pressure(run, **options)) is not None:
+        found = body_force(other)
+        words = f"largest force if contacts yield at {FULLY_PLASTIC:g} Y"
+        return [] if found is None else [[words, found.force, None]]
+    if (first := peak_with_yielding_contacts(run, progress)) is None:
+        return []
+    outside = f", {OUTSIDE_LAW}" if first.outside else ""
+    shown: list[list[Any]] = [[f"{IF_YIELDING}{outside}", first.value, None]]
+    last = peak_with_yielding_contacts(run, progress, factor=FULLY_PLASTIC)
+    if last is not None and not last.outside:
+        shown.append([AT_MOST, last.value, None])
+    return shown

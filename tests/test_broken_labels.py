@@ -47,3 +47,18 @@ def test_the_spread_of_disorder_is_drawn_around_differences():
     ratio = disordered.velocity[19] / hc.propagate(chain).velocity[19]
     sigma = disordered.column("velocity_spread")[19]
     assert spread == pytest.approx(100.0 * ratio * 2.0 * np.sinh(sigma), rel=1e-9)
+
+
+@pytest.mark.parametrize("both", [False, True])
+def test_the_legend_of_a_sensitivity_covers_no_name_of_a_shaded_body(monkeypatch, both):
+    balls = hc.Chain.from_materials(diameters="12 mm", materials="steel-52100", beads=4)
+    row = balls.with_cap("40 g").struck_by(velocity="0.01 m/s")
+    problem = hc.Design(row, minimise="velocity@last", vary=[hc.vary.radii("5 mm", "6 mm")])
+    found = hc.design(problem, budget=100, seed=1)
+    larger = np.array([0.0, 0.1, 0.2, 0.1, 0.3, 0.0])
+    changes = larger, -0.2 * larger if both else -larger
+    monkeypatch.setattr(type(found), "changes", changes)
+    axes = found.plot("sensitivity")
+    # One colour needs no legend, which could be above the axes, where the names are.
+    assert (axes.get_legend() is not None) == both
+    assert {each.get_text() for each in axes.texts} == (set() if both else {"striker", "cap"})

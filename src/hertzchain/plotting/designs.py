@@ -231,8 +231,11 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             result.changes if own
             else changes(result.problem._with(objectives=(objective,)), result.chain, 0.01)
         )  # fmt: skip
-        _shade_given(result, axes)
+        shaded = shade_other_bodies(axes, result.chain)
         both = bars_of_changes(axes, *found)
+        # A legend, which may be above the axes, names the shaded beads.
+        if shaded and not both:
+            _name_given(result, axes)
         axes.set_xlabel("bead $k$")
         axes.xaxis.set_major_locator(BeadLocator())
         name = "score" if objective.single is None else objective.single.label
@@ -241,12 +244,9 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     return axes
 
 
-def _shade_given(result: DesignResult, axes: Axes) -> None:
-    """Shade strikers and a cap, whose sizes are given, as in the plot of a gradient."""
+def _name_given(result: DesignResult, axes: Axes) -> None:
+    """Name the shaded strikers and cap above the axes, where no bar is."""
     chain = result.chain
-    if not shade_other_bodies(axes, chain):
-        return
-    # Above the axes, where no bar is.
     words = {"va": "bottom", "fontsize": rcParams["legend.fontsize"],
              "transform": axes.get_xaxis_transform()}  # fmt: skip
     if count := chain.strikers:

@@ -172,7 +172,9 @@ def test_impossible_materials_are_rejected(build, said):
 
 
 def test_millimetres_given_as_metres_are_suspected():
-    said = "bead 1 has a diameter of 19 m.*the diameter as '19 mm' or the radius as '9.5 mm', or"
+    said = (
+        "several beads have a diameter of 19 m.*the diameter as '19 mm' or the radius as '9.5 mm'"
+    )
     with pytest.warns(hc.InputWarning, match=said):
         Chain.from_materials(9.5, "brass", beads=3)
 

@@ -47,7 +47,10 @@ def test_chain_files(tmp_path):
             "must be a number or a percentage",
         ),
         ("[chain]\nradii = [1, 2]\nbeads = 2", "has radii and also beads"),
-        ('[chain]\ndiameters = "10 mm"\nbeads = 9', "if diameters is a list; equal beads are"),
+        (
+            '[chain]\ndiameters = "10 mm"\nbeads = 9',
+            "materials is missing in .chain., which has diam",
+        ),
         ("[chain]\nbeads = 3\nbeads = 3", "the same key is given twice .at"),
         ("[chain]\nradii = [1, -2]", "bead 2 is -2"),
         ('[chain]\nradii = [1, "two"]', "value 2 of radii of .chain. must be a number.* got 'two'"),

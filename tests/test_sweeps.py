@@ -223,7 +223,13 @@ def test_a_missing_ratio_of_pressure_and_yield_has_a_reason():
         found = hc.sweep({"chain": row | chains, "sweep": keep, "axes": {key: {"list": values}}})
         missing = np.isnan(found.yield_ratio.values)
         assert (missing != known).all()
-        reason = "" if known else "yield_ratio: no elastic contact has a known yield strength"
+        yields = key == "loss.yield_pressure"
+        unknown = (
+            "all contacts between beads may yield, which limits their pressure; keep dent"
+            if yields
+            else "no elastic contact has a known yield strength"
+        )
+        reason = "" if known else f"yield_ratio: {unknown}"
         assert (found.reason.values == reason).all()
         assert not (found.status.values == 2).any()
 

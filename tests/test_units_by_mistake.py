@@ -1,5 +1,6 @@
 """Numbers in a wrong unit, which are accepted with a warning, or rejected."""
 
+import math
 import warnings
 
 import pytest
@@ -21,7 +22,7 @@ BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.1)
         (lambda: hc.simulate(BALLS, until=500, times=0), "check the unit"),
         (
             lambda: hc.Chain.from_materials(diameters=20, materials="brass", beads=3),
-            "bead 1 has a diameter of 20 m; if millimetres are meant, write the diameter as "
+            "several beads have a diameter of 20 m; if millimetres are meant, write the diameter as "
             "'20 mm' or the radius as '10 mm', or divide by 1000",
         ),
         (
@@ -143,3 +144,14 @@ def test_ranges_of_sizes_in_chain_files_name_the_keys_of_a_taper(tmp_path, key, 
     file.write_text(f'[chain]\n{key} = "20 mm:8 mm"\nbeads = 5\nmaterials = "brass"\n')
     with pytest.raises(hc.InputError, match=f"'20 mm:8 mm' is a range; .*, give {ends}"):
         hc.load_chain(file)
+
+
+def test_equal_balls_in_metres_are_named_once_and_the_odd_one_by_its_number():
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        row = hc.Chain.from_materials(diameters=12, materials="brass", beads=3)
+        row.struck_by(mass="50 g", radius=math.inf, velocity="1 m/s").with_cap("40 g")
+    said = {str(each.message) for each in warned if "a diameter of" in str(each.message)}
+    assert len(said) == 1
+    with pytest.warns(hc.InputWarning, match="bead 2 has a diameter of 12 m"):
+        hc.Chain.from_materials(diameters=[0.01, 12], materials="brass")

@@ -73,6 +73,7 @@ SMALL_EXCESS: Final = 1.1
 # Factor of the velocity beyond that of first yield from which a reduction does not help.
 FAR_AWAY: Final = 3.0
 UNKNOWN_YIELD: Final = "no elastic contact has a known yield strength"
+ALL_YIELD: Final = "all contacts between beads may yield, which limits their pressure; keep dent"
 # Shown with ratios of collisions that were not simulated.
 ESTIMATED: Final = (
     "estimated before a run (to about 10% in smooth chains only);\n"

@@ -176,9 +176,11 @@ def warn_unusual_radius(radii: Array) -> None:
         )
     if radii.max() > LARGE_RADIUS:
         k = int(np.argmax(radii))
-        diameter = 2.0 * float(radii[k])
+        diameter, count = 2.0 * float(radii[k]), int((radii == radii[k]).sum())
+        # Strikers change the numbers of equal balls: the same words appear only once.
+        which = f"bead {k + 1} has" if count == 1 else "several beads have"
         warn_user(
-            f"bead {k + 1} has a diameter of {diameter:g} m; if millimetres are meant, write the "
+            f"{which} a diameter of {diameter:g} m; if millimetres are meant, write the "
             f"diameter as '{diameter:g} mm' or the radius as '{0.5 * diameter:g} mm', or divide by "
             "1000",
             InputWarning,

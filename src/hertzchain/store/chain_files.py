@@ -287,12 +287,12 @@ class _ChainFile:
     def _scaled_beads(self, form: str, law: dict[str, Any], own: dict[str, Any]) -> Chain:
         table = self.table
         if form in ("radii", "diameters"):
-            self._require_without(
-                form,
-                ["beads"],
-                f"omit beads if {form} is a list; equal beads are taper = 'uniform' in scaled "
-                "variables, or have materials",
-            )
+            if "beads" in table and not self._is_list(form):
+                raise InputError(
+                    f"materials is missing in [chain], which has {form} and beads: give materials, "
+                    "such as 'steel-52100'; equal beads in scaled variables are taper = 'uniform'"
+                )
+            self._require_without(form, ["beads"], f"omit beads if {form} is a list")
             if form == "radii" and table.get("strikers"):
                 return Chain(table["radii"], strikers=table["strikers"], **law, **own)
             sizes = table[form]

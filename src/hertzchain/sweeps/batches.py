@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import __version__
 from ..chain.chain import Chain
-from ..chain.hertz_range import UNKNOWN_YIELD
+from ..chain.hertz_range import ALL_YIELD, UNKNOWN_YIELD
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError, warn_user
 from ..propagation.propagate import propagate_many
@@ -224,7 +224,8 @@ class _Batch:
                     self.whole[name][row, place, : len(found[name])] = found[name]
                 else:
                     self.single[name][row, place] = found[name]
-            reasons = [*self._missing_places(chains[i]), *self._unknown_yield(row, place)]
+            missing = self._missing_places(chains[i])
+            reasons = [*missing, *self._unknown_yield(chains[i], row, place)]
             self.reason[row][place] = "; ".join(reasons)
             self.outside_range[row, place] = table.outside_range[i]
             self.incomplete[row, place] = bool(walls) and not table.complete[i]
@@ -300,7 +301,7 @@ class _Batch:
         """Keep quantities at beads and between contacts, or why there are none."""
         reasons = [
             self.reason[row][place], *self._missing_places(run.chain),
-            *self._unknown_yield(row, place),
+            *self._unknown_yield(run.chain, row, place),
         ]  # fmt: skip
         for name, each in self.placed.items():
             if each.numbers(run.chain):
@@ -313,10 +314,14 @@ class _Batch:
         return [f"{each.absent} among {chain.beads}" for each in self.placed.values()
                 if not each.numbers(chain)]  # fmt: skip
 
-    def _unknown_yield(self, row: int, place: int) -> list[str]:
+    def _unknown_yield(self, chain: Chain, row: int, place: int) -> list[str]:
         """Why a point has no ratio of pressure and yield, if it should have one."""
         missing = "yield_ratio" in self.single and np.isnan(self.single["yield_ratio"][row, place])
-        return [f"yield_ratio: {UNKNOWN_YIELD}"] if missing else []
+        if not missing:
+            return []
+        # Walls and pads that are springs do not yield.
+        may_yield = [law.yields for law in chain.contact_losses[1:-1]]
+        return [f"yield_ratio: {ALL_YIELD if all(may_yield) else UNKNOWN_YIELD}"]
 
     def _keep_largest(self, row: int, place: int, run: Run) -> None:
         """Keep the largest values of the whole run."""

@@ -147,3 +147,63 @@ def test_lengths_of_designs_are_short_in_files():
     # The values are those of the chain in the file.
     again = hc.simulate(hc.chain_from_toml(text), rtol=1e-11).pulse().velocity[-1]
     assert again == pytest.approx(found.value, rel=1e-9)
+
+
+SOFT = hc.Chain.from_materials(diameters="6.35 mm", materials="ptfe", beads=5)
+STRUCK = SOFT.with_cap("40 g").struck_by(mass="50 g", radius=np.inf, velocity="1.5 m/s")
+MIXED = [
+    hc.vary.balls(
+        materials=["ptfe", "steel-52100"], diameters=["6.35 mm", "7.9375 mm"], beads="2:6"
+    )
+]
+
+
+def of_balls(loss, **options):
+    return hc.Design(
+        STRUCK.replace(loss=loss), minimise="sensor.largest@last", vary=MIXED, until=2e-3, **options
+    )
+
+
+def test_designs_with_yield_stay_within_the_range_of_the_law_unless_it_is_lifted():
+    problem = of_balls(hc.ElasticPlastic())
+    assert [str(each) for each in problem.requirements] == ["overlap_ratio <= 0.1"]
+    assert problem.requirements[0].default
+    found = hc.design(problem, budget=100, seed=1)
+    assert found.values["overlap_ratio"] <= 0.1
+    assert "overlap_ratio <= 0.1: " in found.summary()
+    assert "(added because contacts yield; to lift it, give a limit" in found.summary()
+    lifted = of_balls(hc.ElasticPlastic(), subject_to={"overlap_ratio": "<= 1"})
+    assert [str(each) for each in lifted.requirements] == ["overlap_ratio <= 1"]
+    assert lifted.identity != problem.identity
+    soft = hc.design(lifted, budget=100, seed=1)
+    # The search then prefers large dents, which the law does not describe.
+    assert soft.values["overlap_ratio"] > 0.1
+    assert soft.value < found.value
+    assert "added because" not in soft.summary()
+
+
+def test_other_designs_have_no_default_limit():
+    assert not of_balls(hc.Elastic()).requirements
+    shortest = dataclasses.replace(of_balls(hc.ElasticPlastic()), minimise="length")
+    assert not shortest.requirements
+
+
+def test_a_stock_has_a_row_to_compare_with_that_is_short_enough(tmp_path):
+    """Only the balls of 8 mm suffice for a row of equal ones, which is too long."""
+    stock = tmp_path / "stock.csv"
+    rows = ("4,steel-52100,3", "6,steel-52100,3", "8,steel-52100,5")
+    stock.write_text("\n".join(("diameter [mm],material,count", *rows)))
+    row = hc.Chain.from_materials(diameters="8 mm", materials="steel-52100", beads=5)
+    row = row.with_cap("40 g").struck_by(mass="5 g", radius=np.inf, velocity="0.01 m/s")
+    problem = hc.Design(
+        row, minimise="velocity@last", vary=[hc.vary.balls(stock, beads="2:6")],
+        subject_to={"length": "<= 36 mm"},
+    )  # fmt: skip
+    found = hc.design(problem, budget=30, seed=1)
+    lengths = {name: each.values["length"] for name, each in found.references.items()}
+    assert lengths == {
+        "row of equal balls": pytest.approx(40e-3), "row of balls sorted by size": pytest.approx(36e-3)
+    }  # fmt: skip
+    text = found.summary()
+    assert "which does NOT meet length <= 36 mm (40 mm)" in text
+    assert "best row of balls sorted by size (of 2 tried)" in text

@@ -22,8 +22,8 @@ BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.1)
         (lambda: hc.simulate(BALLS, until=500, times=0), "check the unit"),
         (
             lambda: hc.Chain.from_materials(diameters=20, materials="brass", beads=3),
-            "several beads have a diameter of 20 m; if millimetres are meant, write the diameter as "
-            "'20 mm' or the radius as '10 mm', or divide by 1000",
+            "several beads have a diameter of 20 m; if millimetres are meant, write the diameter "
+            "as '20 mm' or the radius as '10 mm', or divide by 1000",
         ),
         (
             lambda: hc.Chain.from_materials(diameters="10 nm", materials="brass", beads=3),

@@ -9,6 +9,7 @@ from ..representation import listed
 from .comparison import compared, objective_if_yielding, value_in_samples
 from .measures import in_words
 from .new_samples import FRESH
+from .requirements import TOLERANCE
 from .verified import Verified, excess_with_scatter, violated
 
 if TYPE_CHECKING:
@@ -46,9 +47,7 @@ def _compared_values(result: DesignResult, found: Verified) -> str:
     if result.problem.scatter is not None:
         text += " without scatter"
     if not both.met:
-        names = violated(result.problem, found.values)
-        limits = f"the limit{'s' * (len(names) > 1)} of {listed(names)}" if names else "the limits"
-        return f"{text}, which does NOT meet {limits}"
+        return f"{text}, which does NOT meet {_violated_limits(result, found)}"
     if not both.value:
         return text
     part = f"{both.own / both.value:.1%}"
@@ -57,6 +56,20 @@ def _compared_values(result: DesignResult, found: Verified) -> str:
     if part != yielding_part and both.within_range:
         text += f", {yielding_part} with contacts that yield"
     return f"{text}, which reverses the comparison" if both.reversed else text
+
+
+def _violated_limits(result: DesignResult, found: Verified) -> str:
+    """Limits that a chain violates, each with its value."""
+    names = violated(result.problem, found.values)
+    if not names:
+        return "the limits"
+    limits = [each for each in result.problem.requirements if str(each.measure) in names]
+    shown = [
+        f"{each} ({each.shown(found.values[str(each.measure)])})"
+        for each in limits
+        if each.excess(found.values[str(each.measure)]) > TOLERANCE
+    ]
+    return listed(shown)
 
 
 def _compared_second_hit(result: DesignResult, found: Verified) -> list[str]:

@@ -26,7 +26,7 @@ from .ball_space import BallSpace
 from .measures import PULSE, SHARES, Measure
 from .models import MODELS
 from .objective import Objective, objectives_from
-from .requirements import Requirement, requirements_from
+from .requirements import Requirement, default_requirements, requirements_from
 from .scatter import scatter_from
 from .size_space import SizeSpace, size_space
 from .sizes import Sizes
@@ -57,7 +57,9 @@ class Design:
     vary : sequence
         Variables: results of `hertzchain.vary`.
     subject_to : mapping
-        Constraints by measure, such as ``{"length": "<= 60 mm", "yield_ratio": "<= 1"}``.
+        Constraints by measure, such as ``{"length": "<= 60 mm", "yield_ratio": "<= 1"}``.  If
+        contacts yield, ``{"overlap_ratio": "<= 0.1"}``, the range of their law, is added unless a
+        limit of this ratio is given, such as ``"<= 1"``.
     scatter : Scatter or mapping, optional
         Deviations of manufactured beads; objective and constraints are then means or CVaR.
     until : float, optional
@@ -108,6 +110,8 @@ class Design:
         object.__setattr__(self, "vary", _variables_from(self.vary))
         object.__setattr__(self, "space", _space(chain, self.vary))
         requirements = requirements_from(self.subject_to, chain)
+        measures = (*reported, *(each.measure for each in requirements))
+        requirements += default_requirements(chain, measures, self.model)
         object.__setattr__(self, "requirements", requirements)
         object.__setattr__(self, "scatter", scatter_from(self.scatter))
         if self.scatter is not None:
@@ -269,6 +273,7 @@ class Design:
             "vary": [dataclasses.astuple(each) for each in self.vary],
             "balls": balls, "subject_to": dict(self.subject_to), "scatter": self.scatter,
             "until": self.until, "model": self.model,
+            "default limits": [str(each) for each in self.requirements if each.default],
         }  # fmt: skip
         return " ".join(
             f"{name}={hashlib.sha256(repr(value).encode()).hexdigest()[:12]}"

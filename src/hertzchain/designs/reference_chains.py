@@ -10,6 +10,7 @@ from ..collision import Array
 from .ball_space import BallSpace
 from .measures import places_of_balls
 from .problem import Design
+from .requirements import TOLERANCE
 from .size_space import SizeSpace
 from .trials import Reference, Trials
 
@@ -38,7 +39,14 @@ def reference_points(problem: Design) -> dict[str, list[Any]]:
             return {"given order": [space.given]}
         start = {} if space.start is None else {GIVEN_ROW: [space.start]}
         equal = {_equal_name(space): rows} if (rows := _equal_balls(space)) else {}
-        return start | (equal or {SORTED_BALLS: _sorted_balls(space)})
+        equal = equal or {SORTED_BALLS: _sorted_balls(space)}
+        # A stock may have too few balls for rows that are short or light enough.
+        if space.limits is not None and not any(
+            _meets_limits_of_chain(problem, row) for each in equal.values() for row in each
+        ):
+            allowed = _sorted_balls_within_limits(problem, space)
+            equal = equal | ({SORTED_BALLS: allowed} if allowed else {})
+        return start | equal
     levels = np.linspace(0.0, 1.0, ENDS)
     alike = [space.taper(level, level) for level in levels]
     if (given := _given_size(space)) is not None and not np.isclose(levels, given).any():
@@ -109,6 +117,18 @@ def _equal_balls(space: BallSpace) -> list[Any]:
     return [row for row in rows if space.in_stock(row)]
 
 
+def _meets_limits_of_chain(problem: Design, row: Any) -> bool:
+    """Whether a row of balls meets all limits that need no simulation, such as its length."""
+    space = problem.space
+    assert isinstance(space, BallSpace)
+    chain, price = space.chain_of(row), space.price(row)
+    return not any(
+        each.excess(each.measure.from_chain(chain, price)) > TOLERANCE
+        for each in problem.requirements
+        if each.measure.of_chain
+    )
+
+
 def _sorted_balls(space: BallSpace) -> list[Any]:
     """Rows of the largest and of the smallest balls in stock, sorted by size in both directions."""
     assert space.limits is not None
@@ -119,6 +139,31 @@ def _sorted_balls(space: BallSpace) -> list[Any]:
     parts = (stock[-used:], stock[:used])
     rows = [np.concatenate([row, empty]) for part in parts for row in (part[::-1], part)]
     return list({row.tobytes(): row for row in rows}.values())
+
+
+def _sorted_balls_within_limits(problem: Design, space: BallSpace) -> list[Any]:
+    """For each material, rows of the largest balls in stock that meet the limits of the chain.
+
+    They have neighbours in the sorted stock, and are sorted in both directions.
+    """
+    assert space.limits is not None
+    kinds: dict[Any, list[int]] = {}
+    for i in sorted(range(len(space.balls)), key=lambda i: space.balls[i].radius):
+        kinds.setdefault(space.balls[i].material, []).extend([i] * space.limits[i])
+    rows: list[Any] = []
+    for stock in kinds.values():
+        lengths = range(space.size, max(1, space.least) - 1, -1)
+        empty = len(space.balls)
+        windows = (
+            np.array([*stock[first : first + length], *[empty] * (space.size - length)])
+            for length in lengths if length <= len(stock)
+            for first in range(len(stock) - length, -1, -1)
+        )  # fmt: skip
+        row = next((each for each in windows if _meets_limits_of_chain(problem, each)), None)
+        if row is not None:
+            used = int((row < empty).sum())
+            rows += [np.concatenate([row[:used][::-1], row[used:]]), row]
+    return rows
 
 
 def _single(space: SizeSpace) -> bool:

@@ -369,6 +369,8 @@ def _requirement(result: DesignResult, index: int) -> str:
     if name in result.verified.yielding and not each.measure.of_chain:
         shown = each.shown(result.verified.yielding[name])
         text += f" ({shown} {result.verified.yielding_words})"
+    if each.default:
+        text += f" (added because contacts yield; to lift it, give a limit, such as {name} <= 1)"
     return text if each.excess(value) <= TOLERANCE else f"{text}, NOT met"
 
 

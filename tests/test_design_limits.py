@@ -202,8 +202,9 @@ def test_a_stock_has_a_row_to_compare_with_that_is_short_enough(tmp_path):
     found = hc.design(problem, budget=30, seed=1)
     lengths = {name: each.values["length"] for name, each in found.references.items()}
     assert lengths == {
-        "row of equal balls": pytest.approx(40e-3), "row of balls sorted by size": pytest.approx(36e-3)
-    }  # fmt: skip
+        "row of equal balls": pytest.approx(40e-3),
+        "row of balls sorted by size": pytest.approx(36e-3),
+    }
     text = found.summary()
     assert "which does NOT meet length <= 36 mm (40 mm)" in text
     assert "best row of balls sorted by size (of 2 tried)" in text

@@ -35,15 +35,16 @@ IMPACT: Final = (
         "--velocity",
         "speed",
         metavar="SPEED",
-        help="Velocity of the impact, such as '0.1 m/s'; replaces that of a FILE.  If nothing "
-        "moves there, the strikers or bead 1 move.  [default: 1 m/s, at which steel balls yield]",
+        help="Velocity of the impact, such as '0.1 m/s'.  Replaces that of a FILE; if nothing "
+        "moves in the file, its strikers or else bead 1 get this velocity.  "
+        "[default: 1 m/s, at which steel balls yield]",
     ),
     click.option(
         "--striker",
         metavar="STRIKER",
         help="Add a striker, which hits the chain at rest: a number of beads like the first, or a "
-        "mass, a diameter, flat, a material or several of these, such as '30 g' or '50 g, flat'; "
-        "'height=5 mm' is that of its fall, instead of --speed.  "
+        "mass, a diameter, flat, a material or several of these, such as '30 g' or '50 g, flat'.  "
+        "Instead of --speed, you can give the height from which it falls, as in 'height=5 mm'.  "
         "[default: bead 1 moves]",
     ),
 )
@@ -59,41 +60,44 @@ CHAIN_OPTIONS: Final = (
     click.option(
         "--taper",
         shell_complete=complete_tapers,
-        help="uniform, or backward-/forward- with linear/exponential; with two sizes, linear or "
-        "exponential.  [default: uniform; with two sizes, exponential]",
+        help="How the sizes change along the chain: uniform, or backward-linear, "
+        "forward-linear, backward-exponential or forward-exponential, which need --rate.  Between "
+        "a first and a last size: linear or exponential.  [default: uniform; between two sizes, "
+        "exponential]",
     ),
     click.option(
         "--rate",
         type=Fraction(),
-        help="Tapering parameter, such as 0.05 or 5%: S (linear), q (exponential).",
+        help="Rate of a taper, such as 0.05 or 5%: S of a linear one, q of an exponential one.",
     ),
     click.option("--beads", type=int, help="Number of beads N.  [default: 100]"),
     click.option(
         "--diameter",
         metavar="FIRST[:LAST]",
-        help="Diameter of all beads or of the first and last, such as '20 mm:5 mm'.",
+        help="Diameter of all beads, such as '20 mm', or of the first and the last one, such as "
+        "'20 mm:5 mm'.",
     ),
     click.option("--radius", metavar="FIRST[:LAST]", help="Radius, instead of the diameter."),
     click.option(
         "--material",
         metavar="NAME[,NAME]...",
         shell_complete=complete_materials,
-        help="Material of the beads, such as steel-52100 (SI units); several are those of the "
-        "beads in turn, such as 'steel-304, ptfe'.",
+        help="Material of the beads, such as steel-52100.  The chain is then in SI units.  Beads "
+        "have several materials in turn, as in 'steel-304, ptfe'.",
     ),
     *IMPACT,
     click.option(
         "--wall",
         metavar="NAME",
         shell_complete=complete_walls,
-        help="Wall at the last bead: same (as the bead), rigid, a material, or a stiffness such as "
-        "'5 kN/mm'; replaces that of a FILE.",
+        help="Add a wall behind the last bead: of the bead's material (same), rigid, of another "
+        "material, or with a stiffness such as '5 kN/mm'.  Replaces the wall of a FILE.",
     ),
     click.option(
         "--gravity",
         metavar="G",
-        help="Acceleration along the chain, positive towards the last bead, such as '9.81 m/s^2' "
-        "for a column whose first bead is on top; replaces that of a FILE.",
+        help="Acceleration along the chain, positive towards the last bead.  A column whose first "
+        "bead is on top has '9.81 m/s^2'.  Replaces that of a FILE.",
     ),
     click.option(
         "--precompression",
@@ -114,18 +118,21 @@ CHAIN_OPTIONS: Final = (
         "--loss",
         metavar="LAW",
         shell_complete=complete_losses,
-        help="Loss law with its parameters, such as restitution=0.96, viscoelastic='0.6 us' or "
-        "elastic-plastic, or with the restitution of two balls at one speed, such as "
-        "'viscoelastic, restitution=0.93, speed=0.8 m/s', or after a fall (height=30 mm), in the "
-        "first contact of two balls or in another one (contact=3, contact=wall); replaces that of "
-        "a FILE.",
+        help="Law of the loss in contacts with its parameter, such as restitution=0.96, "
+        "viscoelastic='0.6 us' or elastic-plastic.  The parameter can also follow from a measured "
+        "restitution and the speed of that impact, as in "
+        "'viscoelastic, restitution=0.93, speed=0.8 m/s'; instead of the speed, you can give the "
+        "height of a fall, as in 'height=30 mm'.  The balls of this measurement are the first two "
+        "that touch, or those of another contact, such as contact=3 or contact=wall.  Replaces "
+        "the loss of a FILE.",
     ),
     click.option(
         "--wall-loss",
         metavar="LAW",
         shell_complete=complete_losses,
-        help="Loss law of the contact with the wall, if it differs from that of the beads, in the "
-        "same form; a restitution is that of the last bead and the wall.",
+        help="Law of the loss in the contact with the wall, if it differs from that between "
+        "beads.  It has the same form as --loss, with the restitution of the last bead at the "
+        "wall.",
     ),
 )
 # Options that can be used with a FILE.

@@ -25,16 +25,16 @@ from .wording import on_command_line
 @click.option(
     "--method",
     metavar="NAME",
-    help="Method of search: law, scan, hybrid, gradient or evolution for sizes; "
-    "enumerate or genetic for balls and their order.  [default: that of FILE, or chosen "
-    "by problem]",
+    help="Method of the search.  For sizes: law, scan, hybrid, gradient or evolution.  For balls "
+    "and their order: enumerate or genetic.  [default: that of FILE, or the one that suits the "
+    "problem]",
 )
 @click.option("--seed", type=int, help="Seed of the random numbers.  [default: that of FILE, or 0]")
 @click.option(
     "--store",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Folder of the journals of trials, one for each problem, method, budget and seed.  "
+    help="Folder for the records of trials, from which an interrupted search resumes.  "
     "[default: the name of FILE with .design, in the working folder]",
 )
 @click.option("--threads", type=int, help="Number of threads.  [default: one per processor]")
@@ -42,13 +42,13 @@ from .wording import on_command_line
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Write the chain found (.toml, or .csv with a row per bead); of a Pareto front, the chain "
-    "of each point, as NAME-1.toml and so on.",
+    help="Write the chain that was found to FILE (.toml, or .csv with one row per bead).  The "
+    "chains of a Pareto front are written to NAME-1.toml and so on.",
 )
 @click.option(
     "--dry-run",
     is_flag=True,
-    help="Show the method, the values of the given chain and the estimated time; search nothing.",
+    help="Show the method, the values of the given chain and the estimated time, without a search.",
 )
 @figure_option("Plot chains, forces, history and sensitivity to FILE.")
 @json_option()

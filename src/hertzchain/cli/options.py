@@ -323,8 +323,10 @@ def _usual_name(sensor: str) -> str:
 quantity_option = click.option(
     "--quantity",
     metavar="NAME",
-    help="Such as wall_force.peak, velocity@20, 'velocity@ball 19', arrival@last or, in a sensor, "
-    "'sensor.largest@ball 4' and 'sensor.first_maximum@ball 4'.  "
+    help="The quantity, such as wall_force.peak.  Quantities of a bead have its place after @: "
+    "velocity@20 is that of bead 20, and arrival@last that of the last bead; 'velocity@ball 19' "
+    "does not count the strikers.  The force in a sensor is 'sensor.largest@ball 4' or "
+    "'sensor.first_maximum@ball 4'.  "
     "[default: wall_force.peak; without a wall, velocity@last]",
 )
 

@@ -39,27 +39,28 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
     "--scatter",
     "relative",
     metavar="SCATTER",
-    help="Standard deviation of each diameter, and hence radius, relative to its nominal value, "
-    "such as 0.01 or 1% (of its logarithm, which is normally distributed).",
+    help="Relative standard deviation of each diameter, such as 0.01 or 1%.  Logarithms of "
+    "diameters are normally distributed.",
 )
 @click.option(
     "--grade",
     type=Grade(),
-    help="Grade of the balls by ISO 3290-1, 3 to 200 (or G3 to G200), instead of --scatter: "
-    "diameters are uniformly distributed over the variation within a lot, 0.5 um (nominal +-0.25 "
-    "um) for grade 10 and 5 um for grade 100.",
+    help="Grade of the balls by ISO 3290-1, from 3 to 200 (or G3 to G200), instead of --scatter.  "
+    "Diameters are uniformly distributed over the variation that the grade permits within a lot: "
+    "0.5 um (nominal +-0.25 um) for grade 10, and 5 um for grade 100.",
 )
 @click.option(
     "--gaps",
     metavar="LENGTH",
-    help="Random gaps between these balls, alone or with --scatter or --grade, such as 5um: the "
-    "absolute value of a normal variable with this standard deviation, which is added to each gap.",
+    help="Add a random gap between balls, such as 5um, alone or with --scatter or --grade.  Each "
+    "gap is the absolute value of a normal variable with this standard deviation.",
 )
 @click.option(
     "--only",
     "some",
     metavar="BEADS",
-    help="Beads that deviate, such as 2:.  [default: all but strikers]",
+    help="Beads that deviate, such as '2:' (all from bead 2 on) or '3:8'.  [default: all but "
+    "strikers]",
 )
 @click.option(
     "--chains", "count", type=int, default=300, show_default=True, help="Number of chains."
@@ -79,9 +80,9 @@ def scatter(
 
     Many chains with random diameters or gaps are simulated, and the distribution of the quantity is
     printed.  All chains have the materials, walls and impact of the given one.  If there is no
-    striker, bead 1 is the projectile; exclude it with --only "2:" to keep the momentum of the
-    impact.  Without simulations, `hertzchain pulse --method disorder` predicts mean and spread of
-    the leading pulse.
+    striker, bead 1 is the projectile, and its mass scatters, too; use --only "2:" to keep the
+    momentum of the impact.  Without simulations, `hertzchain pulse --method disorder` predicts mean
+    and spread of the leading pulse.
 
     \b
     Examples:

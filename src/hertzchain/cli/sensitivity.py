@@ -48,7 +48,7 @@ WIDTH: Final = 92
     type=click.Choice(BY),
     default="radii",
     show_default=True,
-    help="Parameter of each bead or contact that changes.",
+    help="The parameter that changes, of one bead or contact after the other.",
 )
 @until_option
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
@@ -61,11 +61,10 @@ def sensitivity(
     """Show which beads a quantity depends on.
 
     The table states by how many percent the quantity changes if the radius (or another parameter)
-    of one bead changes by 1%, the largest changes first.  The changes of the peak force on the wall
-    are simulated, for +1% and -1%; those of other quantities follow from the derivatives, which
-    are exact or, with losses such as elastic-plastic, differences of simulations.  With --to gaps,
-    one gap after the other grows by 1 um (in scaled variables, by 0.01), in simulations with any
-    loss.
+    of one bead changes by 1%.  The largest changes are first.  The changes of the peak force on the
+    wall are simulated, for +1% and -1%.  Those of other quantities follow from derivatives, which
+    are exact or, with losses such as elastic-plastic, computed from differences of simulations.
+    With --to gaps, one gap after the other grows by 1 um (in scaled variables, by 0.01).
 
     \b
     Examples:

@@ -41,16 +41,16 @@ USUAL_TIMES: Final = 400
 @click.option(
     "--until",
     metavar="TIME",
-    help="Stop time, such as 60 or, in SI units, 2ms.  [default: when the peak force on the "
-    "right wall is complete and the impact is over, or after ten transits of the pulse, 20 if the "
-    "left end is free, and more if the wall is soft or the striker heavy; without a right wall, "
-    "when the pulse has left the chain]",
+    help="Stop time, such as 60 or, in SI units, 2ms.  [default: without a right wall, when the "
+    "pulse has left the chain; with one, when the peak force on it is complete and the impact is "
+    "over, but at most ten transits of the pulse, or more if the left end is free, the wall soft "
+    "or the striker heavy]",
 )
 @click.option(
     "--times",
     type=int,
-    help="Number of saved times.  Without --until, at most this number of times, and usually more "
-    "than half of it, is saved.  [default: 400; with --sensor, --forces, --animate or "
+    help="Number of saved times.  Without --until, it is the largest number; usually more than "
+    "half of it are saved.  [default: 400; with --sensor, --forces, --animate or "
     "several files, 4000]",
 )
 @click.option(
@@ -65,8 +65,8 @@ USUAL_TIMES: Final = 400
     type=click.Choice(["adaptive", "symplectic", "verlet", "forward-4"]),
     default="adaptive",
     show_default=True,
-    help="Method: adaptive, or fixed steps for long runs of elastic chains; symplectic chooses the "
-    "faster of verlet and forward-4.",
+    help="Method of integration.  The methods with fixed steps, verlet and forward-4, suit long "
+    "runs of elastic chains; symplectic chooses the faster of the two.",
 )
 @click.option("--step", metavar="TIME", help="Step of the methods with fixed steps.")
 @click.option(
@@ -93,8 +93,8 @@ USUAL_TIMES: Final = 400
     help="Save the forces on walls and, with --sensor, in sensors over time to FILE (.csv).",
 )
 @figure_option(
-    "Plot velocities or, with --sensor, forces to FILE; of several "
-    "chains, forces in sensors and on walls, or the leading pulses."
+    "Plot velocities or, with --sensor, forces to FILE.  Of several "
+    "chains, the forces in sensors and on walls are plotted, or the leading pulses."
 )
 @click.option(
     "--animate",
@@ -107,17 +107,17 @@ USUAL_TIMES: Final = 400
     "--magnify",
     type=click.FloatRange(min=0.0, min_open=True),
     metavar="FACTOR",
-    help="With --animate, the factor on displacements, gaps and overlaps.  [default: motion is "
-    "visible and no overlap exceeds 0.2 radii]",
+    help="With --animate, the factor by which displacements, gaps and overlaps are enlarged.  "
+    "[default: so that the motion is visible and no overlap exceeds 0.2 radii]",
 )
 @click.option(
     "--sensor",
     "sensors",
     multiple=True,
     metavar="BEAD",
-    help="Print the first maximum and the largest value of the force in a sensor in this bead, "
-    "such as 12, 'last' or, not counting the striker, 'ball 11'; repeatable.  With 'wall', --plot "
-    "plots the force on the wall.",
+    help="Put a force sensor into this bead, and print the first maximum and the largest value.  "
+    "Give its number with the strikers, such as 12, or without them, such as 'ball 11', or give "
+    "'last'.  Can be repeated.  With 'wall', --plot plots the force on the wall.",
 )
 @click.option(
     "--stream",
@@ -129,15 +129,15 @@ USUAL_TIMES: Final = 400
 @click.option(
     "--contacts",
     is_flag=True,
-    help="Print the materials and, for each contact, its stiffness, largest overlap, largest "
-    "pressure over that at first yield and, with a loss that leaves dents, its dent.",
+    help="Print the materials and a table of contacts: stiffness, largest overlap, largest "
+    "pressure over that at first yield and, with a loss that leaves dents, dent.",
 )
 @click.option(
     "--hits",
     type=click.IntRange(min=2),
     metavar="NUMBER",
-    help="With a loss that leaves dents, simulate this number of equal impacts, one after the "
-    "other has ended, and print the forces and the deepest dent of each.",
+    help="With a loss that leaves dents, simulate this number of equal impacts.  Each begins "
+    "after the one before has ended.  The forces and the deepest dent of each are printed.",
 )
 @click.option(
     "--waves", is_flag=True, help="Print the travelling waves: pulses, trains and reflections."

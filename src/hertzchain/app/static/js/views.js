@@ -287,7 +287,7 @@ export class Views {
 }
 
 /** Why a chain has no results yet. @param {Results} own */
-export const whyBlank = (own) => own.problem ? "" : own.pending.length ? `Compiling ${own.pending[0]}: once after an installation, about a minute …` : "Computing …";
+export const whyBlank = (own) => own.problem ? "" : own.pending.length ? `Compiling ${own.pending[0]}: once after an installation, about a minute …` : `Computing …${own.beads.header?.beads >= 100 ? " Long chains take up to half a minute." : ""}`;
 
 /** @param {string} text @param {string} unit */
 const inUnit = (text, unit) => (unit ? `${text} [${unit}]` : text);

@@ -136,7 +136,7 @@ export class Fields {
       if (document.activeElement !== slider || Math.abs(valueAt(Number(slider.value), range) - (shown.number ?? NaN)) > 1e-9 * Math.abs(shown.number ?? 1)) slider.value = String(position);
       slider.setAttribute("aria-valuetext", shown.number === null ? "default" : `${plain(shown.number)} ${shown.unit}`);
       slider.classList.toggle("idle", value === undefined);
-      unit.textContent = shown.number === Infinity ? "" : shown.unit.replace("%", "") || this.unitOfStiffness(place, key, value);
+      unit.textContent = shown.unit.replace("%", "") || this.unitOfStiffness(place, key, value);
       // A required key may be cleared if its alternative is there, such as a diameter for a radius.
       const required = key.required && (!key.unless || at(this.document, [...place.slice(0, -1), key.unless]) === undefined);
       clear.hidden = value === undefined || required || ["rate", "beads", "cells", "mass_ratio"].includes(key.name);

@@ -142,7 +142,7 @@ export class Views {
     if (!own.ready || !motion || !own.run.header) {
       const message = whyBlank(own);
       for (const chart of [this.budget, this.force, this.modes]) chart.draw([], { xLabel: "time", yLabel: "", message }, message);
-      replace($("legend-modes"), []);
+      for (const id of ["modes", "force", "budget"]) replace($(`legend-${id}`), []);
       return;
     }
     const axis = this.timeAxis(own), x = times(motion.times, axis.factor);
@@ -287,7 +287,7 @@ export class Views {
 }
 
 /** Why a chain has no results yet. @param {Results} own */
-export const whyBlank = (own) => own.problem ? "" : own.pending.length ? `Compiling ${own.pending[0]}: once after an installation, about a minute …` : `Computing …${own.beads.header?.beads >= 100 ? " Long chains take up to half a minute." : ""}`;
+export const whyBlank = (own) => own.problem ? "" : own.pending.length ? `Compiling ${own.pending[0]}: once after an installation, about a minute …` : `Computing${own.beads.header?.beads > 99 ? ", about a minute" : ""} …`;
 
 /** @param {string} text @param {string} unit */
 const inUnit = (text, unit) => (unit ? `${text} [${unit}]` : text);

@@ -96,7 +96,11 @@ def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:
     factor, prefixed = usual_unit(value, unit)
     # Thousands, also those that result from rounding, are written without an exponent.
     digits = max(digits, 4) if 999.5 <= abs(factor * value) < 1e4 else digits
-    return f"{factor * value:.{digits}g} {prefixed}"
+    text = f"{factor * value:.{digits}g}"
+    if digits < 3 and "e+0" in text:
+        # Bounds with two digits: 520, not 5.2e+02.
+        text = f"{float(text):g}"
+    return f"{text} {prefixed}"
 
 
 def usual_unit(value: float, unit: str) -> tuple[float, str]:

@@ -95,7 +95,7 @@ def body_lines(run: Run) -> list[str]:
     error = ""
     if found.error > SHOWN * found.force:
         size = measure(found.error, "N", units, 2)
-        error = f" (error at most {size}, from {len(run.times)} saved times)"
+        error = f" (error at most {size})"
     above = " above the static force" if run.chain.static_state.forces.any() else ""
     lasts = "not known, because the run begins or ends during it"
     if not math.isnan(found.duration):

@@ -13,7 +13,7 @@
 - waves: `waves`, `find_waves`, `wave_events`, `reflection`, `find_reflection`, `energy_flux`,
   `fronts`;
 - single beads: `velocity_peaks`, `sensor_force`, `sensor_curve`, `sensor_passages`,
-  `body_force`;
+  `body_force` with `resolved_body`;
 - predictability: `horizon`, `find_horizon`;
 - many chains: `simulate_many`, `ensemble_input`, `ensemble_columns`, `run_table`.
 """

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
+from .resolved_body import resolved
 from .sensor_curve import crossings_around
 from .sensor_force import sensor_maxima
 
@@ -22,8 +24,8 @@ class BodyForce(NamedTuple):
 
     The acceleration is this force over the mass of the body, without any filter.  The duration is
     the time around the maximum for which the force exceeds a tenth of it; NaN if the run begins
-    later or ends earlier.  ``error`` is a bound of the error of the force, which is interpolated
-    between saved times.  ``later`` states whether the largest force is not the first maximum.
+    later or ends earlier.  ``error`` is a bound of the error of the force.  ``later`` states
+    whether the largest force is not the first maximum.
     """
 
     force: float
@@ -45,15 +47,32 @@ def has_body_behind(chain: Chain) -> bool:
 
 
 def body_force(run: Run) -> BodyForce | None:
-    """The force on the last body of a free end.
+    """The force on the last body of a free end, regardless of the saved times.
 
-    `None` with a right wall, without saved times, and before the force has had a maximum.
+    `None` with a right wall, and before the force has had a maximum.  If the saved times do not
+    resolve the force, the run is repeated with others.  If it cannot be repeated, for example
+    because it is read from a file and began with dents, its own times are used.
     """
-    chain = run.chain
-    if chain.right_wall is not None or len(run.times) < 2:
+    if run.chain.right_wall is not None:
         return None
-    with ignore_warnings():
-        sensor = sensor_maxima(run, chain.beads)
+    # `Run` is frozen; a converted or replaced run has no such entry.
+    if "_body_force" not in run.__dict__:
+        with ignore_warnings():
+            try:
+                fine = resolved(run)
+            except (InputError, SimulationError):
+                fine = run
+            run.__dict__["_body_force"] = _from_saved_times(fine)
+    found: BodyForce | None = run.__dict__["_body_force"]
+    return found
+
+
+def _from_saved_times(run: Run) -> BodyForce | None:
+    """The force that the saved times of a run show; `None` without a maximum."""
+    chain = run.chain
+    if len(run.times) < 2:
+        return None
+    sensor = sensor_maxima(run, chain.beads)
     if not sensor.reached or math.isnan(sensor.first_maximum):
         return None
     # The sensor has half of the force on one face, and the static force acts on both.

@@ -10,7 +10,6 @@ from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
 from .body_force import body_force, has_body_behind
 from .run import Run
-from .sensor_force import MANY_TIMES
 from .simulate import simulate
 from .yielding import MAX_BEADS
 
@@ -42,10 +41,9 @@ def second_hit(run: Run) -> float:
     if chain.beads > MAX_BEADS or not leaves_dents(chain) or not run.dents.any():
         return math.nan
     until = run.end_time if run.status == "time reached" else None
-    times = MANY_TIMES if chain.right_wall is None else 0
     with ignore_warnings():  # Those of the run itself are shown.
         try:
-            again = struck_repeatedly(run, 2, times=times, check=False, until=until)[-1]
+            again = struck_repeatedly(run, 2, times=0, check=False, until=until)[-1]
         except (InputError, SimulationError):
             return math.nan
     return peak_at_right_end(again)

@@ -219,17 +219,15 @@ def peak_with_yielding_contacts(
 def _simulated_again(run: Run, dented: Chain, progress: Progress | None) -> Run | None:
     """A run of the dented chain; `None` if it fails.
 
-    The force on a wall is recorded within the steps, and that on a cap at many saved times, up to
-    the end of the run if this was given.
+    With a cap, it lasts up to the end of the run if this was given.
     """
-    from .sensor_force import MANY_TIMES
     from .simulate import simulate
 
     behind = run.chain.right_wall is None
     given = behind and run.status == "time reached"
-    until, times = run.end_time if given else None, MANY_TIMES if behind else 0
+    until = run.end_time if given else None
     try:
-        return simulate(dented, until=until, times=times, check=False, progress=progress)
+        return simulate(dented, until=until, times=0, check=False, progress=progress)
     except (InputError, SimulationError):
         return None
 

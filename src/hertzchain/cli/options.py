@@ -234,10 +234,12 @@ def names_from(text: str | None) -> list[str] | None:
 
 
 def measure_from(text: str | None, chain: Chain) -> Measure:
-    """A quantity of a chain; by default the peak on its wall, or the velocity of its last bead."""
+    """A quantity of a chain; by default the peak on its wall or cap, or the last velocity."""
     from ..designs.measures import measure_of
+    from ..simulation.body_force import has_body_behind
 
-    usual = "velocity@last" if chain.right_wall is None else "wall_force.peak"
+    free = "body_force.peak" if has_body_behind(chain) else "velocity@last"
+    usual = free if chain.right_wall is None else "wall_force.peak"
     return measure_of(chain, usual if text is None else text)
 
 
@@ -323,11 +325,12 @@ def _usual_name(sensor: str) -> str:
 quantity_option = click.option(
     "--quantity",
     metavar="NAME",
-    help="The quantity, such as wall_force.peak.  Quantities of a bead have its place after @: "
-    "velocity@20 is that of bead 20, and arrival@last that of the last bead; 'velocity@ball 19' "
-    "does not count the strikers.  The force in a sensor is 'sensor.largest@ball 4' or "
+    help="The quantity, such as wall_force.peak; on the last body of a free end, body_force.peak "
+    "and body_force.acceleration.  Quantities of a bead have its place after @: velocity@20 is "
+    "that of bead 20, and arrival@last that of the last bead; 'velocity@ball 19' does not count "
+    "the strikers.  The force in a sensor is 'sensor.largest@ball 4' or "
     "'sensor.first_maximum@ball 4'.  "
-    "[default: wall_force.peak; without a wall, velocity@last]",
+    "[default: wall_force.peak; with a cap and no wall, body_force.peak; else velocity@last]",
 )
 
 

@@ -157,6 +157,7 @@ def _document(found: Distribution) -> dict[str, Any]:
 def _table(found: Distribution) -> str:
     """Lines with values, each also relative to the nominal chain."""
     from ..chain.yield_pressure import assumed_for_all
+    from ..designs.measures import measure_of, note_on_free_faces
     from ..representation import counted, usual_unit, with_decimals
 
     rows = {"nominal": found.nominal, "mean": found.mean,
@@ -183,6 +184,8 @@ def _table(found: Distribution) -> str:
         lines.append(f"note: {count} without a value, the first because {found.reason}")
     if few := found._few_values_note(PERCENTILES):
         lines.append(f"note: {few} (--chains)")
+    if half := note_on_free_faces(found.chain, [measure_of(found.chain, found.quantity)]):
+        lines.append(f"note: {half}")
     if yielding := found._yielding_note:
         lines.append(f"note: {on_command_line(yielding)}")
     if assumed := assumed_for_all(found.chain):

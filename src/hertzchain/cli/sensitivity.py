@@ -75,7 +75,12 @@ def sensitivity(
     import hertzchain
 
     from ..designs.exact_gradients import name_of
-    from ..designs.sensitivity import changes_by_gaps, changes_of_peak, gradient_by_gaps
+    from ..designs.sensitivity import (
+        changes_by_gaps,
+        changes_of_peak,
+        end_of_largest,
+        gradient_by_gaps,
+    )
     from ..designs.yielding import value_if_yielding
     from ..errors import InputError
 
@@ -83,8 +88,9 @@ def sensitivity(
     measure = measure_from(quantity, chain)
     name = name_of(measure, chain.beads)
     if name is None:
-        raise InputError(f"{measure} has no derivatives; use wall_force.peak or velocity@last")
-    end = time_from("--until", until, chain)
+        raise InputError(f"{measure} has no derivatives; use wall_force.peak, body_force.peak or "
+                         "velocity@last")  # fmt: skip
+    end = end_of_largest(chain, measure, time_from("--until", until, chain))
     with progress_bar("chains simulated") as progress:
         changes: tuple[Array, ...] | None
         if by == "gaps":
@@ -138,7 +144,7 @@ def _lines(
     """The chain, the value, and the method of the derivatives or changes."""
     from ..chain.yield_pressure import assumed_for_all
     from ..derivatives.kinks import kink_note
-    from ..designs.measures import in_words
+    from ..designs.measures import in_words, note_on_free_faces
     from ..designs.sensitivity import GAP_STEP, derivatives_mislead
     from ..designs.yielding import yielding_note
 
@@ -149,6 +155,8 @@ def _lines(
         lines[1] += " with elastic contacts, to which all changes refer"
         note = yielding_note("it", measure, found.value, yielding)
         lines.append(f"  {note} (--loss elastic-plastic)")
+    if half := note_on_free_faces(chain, [measure]):
+        lines.append(f"note: {half}")
     if found.method == "central differences":
         first = "each change by 1% is simulated; derivatives (--json)" if changes else "derivatives"
         lines.append(

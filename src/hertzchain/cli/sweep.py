@@ -302,6 +302,9 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
 
 
 def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: bool) -> int:
+    from ..sweeps.free_faces import note_on_free_faces
+    from ..sweeps.plan import plan_of
+
     store = opened.folder
     counts = opened.counts()
     flags = {name: opened.flagged(name) for name in FLAGGED}
@@ -319,6 +322,9 @@ def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: boo
         for name, number in flags.items():
             if number:
                 click.echo(f"  points {FLAGGED[name]}: {number} (see variable `{name}`)")
+        plan = plan_of(opened.specification)
+        if note := note_on_free_faces(plan, plan.variables):
+            click.echo(f"  note: {note}")
     unfinished = counts["missing"] and part is None
     return FAILED if counts["failed"] or unfinished else DONE
 

@@ -48,6 +48,8 @@ class Reader:
             return [(name, self._sensor(name), "")]
         if name.group in ("wall_force", "left_wall_force"):
             return self._wall(name)
+        if name.group == "body_force":
+            return [(name, each, "") for each in self._body(name)]
         if name.group == "bead":
             return [(name, *self._fastest(name, (name.bead or 1) - 1))]
         return [(name, self._final(name), "")]
@@ -266,6 +268,28 @@ class Reader:
         read = self._gauge_time if name.item.endswith("time") else self._gauge
         return read(place, contacts)
 
+    def _body(self, name: Name) -> list[Dependence]:
+        """Force of the last contact of a free end, or the acceleration of its last body."""
+        from ..kernels.adjoint_layout import GAUGE
+
+        equation = self._equation
+        contact = equation.beads - 1
+        target = self._target(GAUGE, contact)
+        if name.item == "maxima":
+            return self._maxima(target, (contact,))
+        place = largest(self.record, target)
+        if place is None:
+            raise Missing(
+                f"the force on the last body has no maximum before the end of the run at {self._end}"
+            )
+        force = self._gauge(place, (contact,))
+        if name.item == "peak":
+            return [force]
+        mass = float(equation.masses[-1])
+        found = _combined(force.value / mass, (force, 1.0 / mass))
+        found.direct.masses[-1] -= force.value / mass**2
+        return [found]
+
     def _wall(self, name: Name) -> list[tuple[Name, Dependence, str]]:
         from ..kernels.adjoint_layout import GAUGE
 
@@ -309,7 +333,7 @@ class Reader:
         ]
         found = [self._gauge(place, contacts) for place in places if place is not None]
         if not found:
-            raise Missing("the force on the wall has no maximum before the end of the run")
+            raise Missing("the force has no maximum before the end of the run")
         return sorted(found, key=lambda each: -each.value)
 
     def _impact(self, side: int) -> int:

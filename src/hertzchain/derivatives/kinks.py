@@ -24,7 +24,7 @@ NEAR: Final = 0.05
 
 def has_kinks(name: Name) -> bool:
     """Whether a quantity is the largest of several maxima."""
-    return name.group.endswith("wall_force") and name.item == "peak"
+    return name.group.endswith(("wall_force", "body_force")) and name.item == "peak"
 
 
 def kink_note(names: Iterable[str]) -> str:

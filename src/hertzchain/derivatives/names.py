@@ -21,6 +21,7 @@ WALL: Final = (
     "peak", "maxima", "peak_time", "impulse", "first_contact_impulse", "impulse_of_impact",
     "duration",
 )  # fmt: skip
+BODY: Final = ("peak", "acceleration")
 SENSOR: Final = ("first_maximum", "first_maximum_time", "largest", "largest_time", "impulse")
 FINAL: Final = ("velocity", "position")
 # At the largest forward velocity of a bead in the whole run.
@@ -30,12 +31,16 @@ KNOWN: Final = (
     *(f"pulse.{each}" for each in PULSE),
     *(f"wall_force.{each}" for each in WALL),
     *(f"left_wall_force.{each}" for each in WALL),
+    *(f"body_force.{each}" for each in BODY),
     *(f"sensor.{each}" for each in SENSOR),
     *(f"final.{each}" for each in FINAL),
     *(f"bead.{each}" for each in BEAD),
     *(f"energy.{each}" for each in ENERGY),
 )
-NEED_END: Final = ("sensor.impulse", "sensor.largest", "sensor.largest_time")
+NEED_END: Final = (
+    "sensor.impulse", "sensor.largest", "sensor.largest_time",
+    *(f"body_force.{each}" for each in BODY),
+)  # fmt: skip
 # Times of maxima need rates of forces; the stored energy depends on whether a contact pushes.
 NOT_DAMPED: Final = (
     "pulse.peak_time", "wall_force.peak_time", "left_wall_force.peak_time",
@@ -90,6 +95,9 @@ def parse(chain: Chain, given: object, bead: int | str | None, until: float | No
                 f"{text} has no gradient under a static force of gravity or precompression; use "
                 f"{group}.peak or {group}.impulse"
             )
+    elif group == "body_force":
+        at_bead = None
+        _check_body(chain, text)
     elif group in ("pulse", "sensor", "final", "bead"):
         if at_bead is None:
             raise InputError(f"{text} belongs to a bead; give bead, or '{text}@{chain.beads}'")
@@ -116,3 +124,17 @@ def parse(chain: Chain, given: object, bead: int | str | None, until: float | No
             "a velocity or an arrival"
         )
     return Name(group, item, at_bead)
+
+
+def _check_body(chain: Chain, text: str) -> None:
+    """Raise `InputError` if a chain has no force on a last body with a gradient."""
+    if chain.right_wall is not None:
+        raise InputError(
+            f"{text} is that of the last body of a free right end, and this chain has a right "
+            "wall: use wall_force.peak"
+        )
+    if chain.static_state.forces.any():
+        raise InputError(
+            f"{text} has no gradient under a static force of gravity or precompression; use the "
+            "velocity of the body, such as velocity@last"
+        )

@@ -32,6 +32,8 @@ def unit_of_quantity(chain: Chain, name: Name) -> str:
         return "J"
     if name.group == "final":
         return _FINAL[name.item]
+    if name.item == "acceleration":
+        return "m/s^2"
     if "impulse" in name.item:
         return "N s"
     return "s" if name.item.endswith(("time", "duration")) else "N"

@@ -48,6 +48,8 @@ def targets_of(equation: Equation, names: list[Name]) -> Targets:
         elif name.group in ("wall_force", "left_wall_force"):
             wall = equation.beads if name.group == "wall_force" else 0
             targets.number(GAUGE, wall)
+        elif name.group == "body_force":
+            targets.number(GAUGE, equation.beads - 1)
         elif name.group == "bead":
             targets.number(MAXIMUM, bead - 1)
         elif name.group != "pulse":

@@ -25,7 +25,7 @@ from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback
 from .measured import measured
-from .measures import Measure, measure_of
+from .measures import Measure, label_in, measure_of
 from .scatter import Scatter, scatter_from
 from .yielding import value_if_yielding, yielding_note
 
@@ -94,7 +94,7 @@ class Distribution(Frozen):
     @property
     def label(self) -> str:
         """The quantity in words, such as ``peak force on the wall``."""
-        return self._measure.label
+        return label_in(self.chain, self._measure)
 
     @property
     def _measure(self) -> Measure:

@@ -19,7 +19,7 @@ from ..recorded_warnings import ignore_warnings
 from ..simulation.simulate import simulate
 from ..threads import Threads
 from .bounds import impact_varies
-from .measures import IMPULSE, LARGEST, LARGEST_IN_SENSOR, PULSE, SENSORS, SHARES, Measure
+from .measures import BODY, IMPULSE, LARGEST, LARGEST_IN_SENSOR, PULSE, SENSORS, SHARES, Measure
 from .problem import Design
 from .size_space import SizeSpace
 
@@ -38,6 +38,7 @@ NAMES: Final = {
     "wall_force.impulse": IMPULSE,
     IMPULSE: IMPULSE,
     "wall_force.duration": "wall_force.duration",
+    **{name: name for name in BODY},
 }
 PEAK: Final = Measure("wall_force.peak")
 # Several gradients, one for each maximum of the force on the wall.
@@ -125,8 +126,11 @@ def _slopes_by_field(
 def _gradients(
     chain: Chain, names: list[str], fields: tuple[str, ...], rtol: float, until: float | None
 ) -> list[Gradient]:
-    """Gradients by name, then those of all maxima; largest forces in sensors are of whole runs."""
-    whole = [name for name in names if name.startswith(LARGEST_IN_SENSOR)]
+    """Gradients by name, then those of all maxima.
+
+    Largest forces in sensors and on bodies are those of whole runs.
+    """
+    whole = [name for name in names if name.startswith((LARGEST_IN_SENSOR, "body_force"))]
     if until is not None or not whole:
         return gradients(chain, names, to=fields, rtol=rtol, until=until)
     others = [name for name in names if name not in whole]

@@ -8,6 +8,9 @@ name                                                    meaning
                                                         ``wall_force.impulse_of_impact``
 ``wall_force.largest_so_far``                           largest force on the right wall in the run,
                                                         which a later one may exceed
+``body_force.peak``, ``.acceleration``                  largest force on the last body of a free
+                                                        right end, such as an instrument, and its
+                                                        acceleration
 ``sensor.largest@k``                                    largest force in a sensor in bead k in the
                                                         run
 ``sensor.first_maximum@k``                              its first maximum
@@ -41,10 +44,11 @@ from ..collision import Array
 from ..derivatives.equation import has_gradient
 from ..errors import InputError, short_repr, unknown_name_error
 from ..pulse.pulse import Pulse
-from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..pulse.quantities import BODY_QUANTITIES, QUANTITIES, WALL_QUANTITIES
 from ..pulse.quantity_names import COLUMNS
 from ..representation import measure as shown
 from ..simulation.run_table import RunTable
+from ..simulation.sensor_force import HALF, free_face_note
 from ..validation.numbers import whole_number
 
 LARGEST_ON_WALL: Final = "wall_force.largest_so_far"
@@ -54,6 +58,10 @@ WALL: Final = {
     **{name: COLUMNS[name] for name in ("wall_force.peak", "wall_force.duration", LARGEST_ON_WALL)},
     **dict.fromkeys(("wall_force.impulse", IMPULSE), COLUMNS[IMPULSE]),
 }
+BODY_PEAK: Final = "body_force.peak"
+BODY: Final = {name: COLUMNS[name] for name in (BODY_PEAK, "body_force.acceleration")}
+# Of the whole chain and of a run: each has a column with one value per chain.
+ENDS: Final = WALL | BODY
 PULSE: Final = ("velocity", "momentum", "energy", "arrival", "residence", "peak_force")
 FIRST_MAXIMUM, LARGEST_IN_SENSOR = "sensor.first_maximum", "sensor.largest"
 SENSORS: Final = (LARGEST_IN_SENSOR, FIRST_MAXIMUM)
@@ -68,7 +76,7 @@ CURVES: Final = (*PULSE, *SHARES, *LARGEST)
 AT_BEAD: Final = (*CURVES, *SENSORS)
 # Names of columns, and of an attribute of `SensorForce`, which are accepted, too.
 BY_COLUMN: Final = (
-    {column: name for name, column in WALL.items()}
+    {column: name for name, column in ENDS.items()}
     | {COLUMNS[name]: name for name in SENSORS}
     | {"sensor.largest_so_far": LARGEST_IN_SENSOR}
 )
@@ -77,6 +85,8 @@ WORDS: Final = {
     "wall_force.impulse": "impulse on the wall", IMPULSE: "impulse on the wall",
     "wall_force.duration": "impulse / peak of the force on the wall",
     LARGEST_ON_WALL: "largest force on the wall in the run",
+    BODY_PEAK: "largest force on the last body",
+    "body_force.acceleration": "largest acceleration of the last body",
     "largest_force": "largest force", LARGEST_IN_SENSOR: "largest force in the sensor",
     FIRST_MAXIMUM: "first maximum of the force in the sensor",
     "yield_ratio": "pressure / pressure at first yield", "overlap_ratio": "overlap / radius",
@@ -84,7 +94,7 @@ WORDS: Final = {
 }  # fmt: skip
 # Units of lengths and masses of chains in summaries.
 USUAL: Final = {"m": (1e3, "mm"), "kg": (1e3, "g")}
-NAMES: Final = (*WALL, *AT_BEAD, "largest_force", *RANGE, *OF_CHAIN)
+NAMES: Final = (*ENDS, *AT_BEAD, "largest_force", *RANGE, *OF_CHAIN)
 
 
 @dataclass(frozen=True)
@@ -129,6 +139,8 @@ class Measure:
             return "1"
         if self.key in WALL:
             return WALL_QUANTITIES[WALL[self.key]].unit
+        if self.key in BODY:
+            return BODY_QUANTITIES[BODY[self.key]].unit
         if self.key in (*PULSE, *LARGEST):
             return QUANTITIES[self.quantity].unit
         return "N" if self.key in ("largest_force", *SENSORS) else OF_CHAIN.get(self.key, "1")
@@ -136,7 +148,7 @@ class Measure:
     @property
     def has_kinks(self) -> bool:
         """Whether its derivatives jump, because it is the largest of several peaks."""
-        kinks = ("wall_force.peak", "wall_force.duration", LARGEST_ON_WALL)
+        kinks = ("wall_force.peak", "wall_force.duration", LARGEST_ON_WALL, *BODY)
         return self.key in (*kinks, "largest_force", LARGEST_IN_SENSOR, *RANGE, *LARGEST)
 
     @property
@@ -154,8 +166,8 @@ class Measure:
         """Columns of a `RunTable` from which it is computed."""
         if self.over is not None:
             return (*self._numerator.columns, *self.over.columns)
-        if self.key in WALL:
-            return (WALL[self.key],)
+        if self.key in ENDS:
+            return (ENDS[self.key],)
         if self.key in SENSORS:
             return (COLUMNS[self.key],)
         if self.of_whole_run:
@@ -181,7 +193,13 @@ class Measure:
             self.over.check(chain)
         if self.key in WALL and chain.right_wall is None:
             raise InputError(
-                f"{self} needs a right wall, and the right end of this chain is free: add one"
+                f"{self} needs a right wall, and the right end of this chain is free: add one; "
+                "the force on its last body is body_force.peak"
+            )
+        if self.key in BODY and chain.right_wall is not None:
+            raise InputError(
+                f"{self} is that of the last body of a free right end, and this chain has a right "
+                "wall: use wall_force.peak"
             )
         if self.bead is not None and self.index(chain.beads) >= self._count(chain.beads):
             raise InputError(f"{self}: this chain has {chain.beads} beads")
@@ -213,7 +231,7 @@ class Measure:
         """Values of simulated chains, shape (C,); NaN if a run failed."""
         if self.over is not None:
             return self._numerator.from_table(table) / self.over.from_table(table)
-        if self.key in WALL:
+        if self.key in ENDS:
             return np.array(table[self.columns[0]])
         if self.key in SENSORS:
             bead = self.index(int(table.beads.max(initial=2))) + 1
@@ -316,6 +334,17 @@ def sensors_of(measures: Iterable[Measure], chains: Iterable[Chain]) -> tuple[in
     beads = {chain.beads for chain in chains}
     numbers = {each.index(n) + 1 for each in measures if each.key in SENSORS for n in beads}
     return tuple(sorted(numbers))
+
+
+def note_on_free_faces(chain: Chain, measures: Iterable[Measure]) -> str:
+    """That sensors in beads at free ends have half of the force; empty without any."""
+    sensors = {str(m): m.index(chain.beads) + 1 for m in measures if m.key in SENSORS}
+    return free_face_note(chain, sensors)
+
+
+def label_in(chain: Chain, measure: Measure) -> str:
+    """Description of a measure of a chain, for axes."""
+    return f"{measure.label} ({HALF})" if note_on_free_faces(chain, [measure]) else measure.label
 
 
 def in_words(value: float, unit: str, units: str) -> str:

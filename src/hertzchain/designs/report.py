@@ -11,8 +11,6 @@ import numpy as np
 from ..chain.hertz_ratios import OUTSIDE_LAW, caution_outside_law
 from ..chain.yield_pressure import assumed_for_all
 from ..representation import counted, listed, usual_unit, with_decimals
-from ..simulation.end_forces import has_free_face
-from ..simulation.sensor_force import FREE_FACE
 from ..simulation.yielding import unchecked_contacts
 from .ball_space import BallSpace
 from .compared_in_words import compared_in_words, second_hit_in_words, shown_if_yielding
@@ -22,7 +20,7 @@ from .comparison import (
     has_yielding_value,
     references_in_words,
 )
-from .measures import SENSORS, Measure, in_words, without_in_words
+from .measures import Measure, in_words, note_on_free_faces, without_in_words
 from .methods import SEEDED
 from .new_samples import FRESH
 from .requirements import TOLERANCE
@@ -198,11 +196,8 @@ def _heading(result: DesignResult) -> list[str]:
 
 def _on_free_faces(result: DesignResult) -> list[str]:
     """A remark on forces in sensors in beads at free ends."""
-    names = [
-        str(each) for each in result.problem.measures
-        if each.key in SENSORS and has_free_face(result.chain, each.bead or result.chain.beads)
-    ]  # fmt: skip
-    return [f"  {listed(names)}: {FREE_FACE}"] if names else []
+    note = note_on_free_faces(result.chain, result.problem.measures)
+    return [f"  {note}"] if note else []
 
 
 def _closest(result: DesignResult, value: str) -> str:

@@ -19,13 +19,16 @@ from ..derivatives.kinks import PART, mislead
 from ..derivatives.relative import per_unit, unit_of_parameter
 from ..derivatives.result import Gradient
 from ..errors import InputError
+from ..simulation.simulate import simulate
 from ..validation.objects import Progress
 from .exact_gradients import PEAK
 from .measured import measured
-from .measures import Measure
+from .measures import BODY, LARGEST_IN_SENSOR, Measure
 from .problem import Design
 
 STEP, RTOL = 1e-4, 1e-9
+# Measures with simulated changes.
+MEASURES: Final = (PEAK, *map(Measure, BODY))
 # By which a gap grows, and in words: derivatives by gaps hold only far below the overlaps.
 GAP_STEP: Final = MappingProxyType({"SI": (1e-6, "1 um"), "scaled": (0.01, "0.01")})
 
@@ -53,19 +56,29 @@ def changes_of_peak(
     until: float | None = None,
     progress: Progress | None = None,
 ) -> tuple[Array, Array] | None:
-    """Simulated relative changes of the peak on the wall if one value grows or shrinks by 1%.
+    """Simulated relative changes of a peak if one value grows or shrinks by 1%.
+
+    The peak is that on the right wall or on the last body of a free end, or the acceleration there.
 
     `None` for other quantities, for parameters such as Young's modulus, and if no changed
     chain has a complete peak.
     """
-    if found.quantity != "wall_force.peak" or by not in FIELDS:
+    measure = next((each for each in MEASURES if each.key == found.quantity), None)
+    if measure is None or by not in FIELDS:
         return None
 
     def peaks(chains: list[Chain]) -> Array:
-        return measured(chains, [PEAK], until=until, rtol=RTOL, progress=progress).values[:, 0]
+        return measured(chains, [measure], until=until, rtol=RTOL, progress=progress).values[:, 0]
 
     larger, smaller = np.expm1(_changes_of_logarithm(peaks, chain, by, (1.0 + PART, 1.0 - PART)))
     return None if np.isnan([larger, smaller]).all() else (larger, smaller)
+
+
+def end_of_largest(chain: Chain, measure: Measure, until: float | None) -> float | None:
+    """Stop time for a largest force on a body or in a sensor: by default the end of the run."""
+    if until is not None or measure.key not in (*BODY, LARGEST_IN_SENSOR):
+        return until
+    return simulate(chain, times=0, rtol=RTOL).end_time
 
 
 def gradient_by_gaps(

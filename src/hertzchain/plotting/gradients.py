@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from ..chain.bead_names import bead_label
 from ..chain.chain import Chain
 from ..collision import Array
-from ..designs.measures import parse_measure
+from ..designs.measures import label_in, parse_measure
 from ..designs.sensitivity import GAP_STEP
 from ..errors import InputError
 from .colours import COLOURS, grey
@@ -124,4 +124,4 @@ def _label(found: Gradient) -> str:
         return found.quantity
     if measure.bead and found._chain is not None:
         measure = replace(measure, name=bead_label(found._chain, measure.bead))
-    return measure.label
+    return measure.label if found._chain is None else label_in(found._chain, measure)

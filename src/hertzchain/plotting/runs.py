@@ -361,7 +361,10 @@ def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
     maxima = [(sensor.first_maximum_time, sensor.first_maximum),
               (sensor.largest_so_far_time, sensor.largest_so_far)]  # fmt: skip
     times, force = _with_points(run.times, run.sensor(number), maxima)
-    return times, force, bead_label(run.chain, number), False
+    name = bead_label(run.chain, number)
+    # Of a cap, also the whole force is known.
+    half = ", half of the force on it" if sensor.free_face else ""
+    return times, force, f"{name}{half}", False
 
 
 def wall_curve(wall: WallForce) -> tuple[Array, Array]:

@@ -150,7 +150,8 @@ def quantity_label(drawn: xr.DataArray) -> str:
     """Label of the quantity with its unit, and with the number of a selected bead or contact."""
     name = str(drawn.name)
     if (at := placed(name)) is not None:
-        return _with_unit(at.label, drawn)
+        half = drawn.attrs.get("free_face")
+        return _with_unit(f"{at.label} ({half})" if half else at.label, drawn)
     error = next((words for prefix, words in ERRORS.items() if name.startswith(prefix)), None)
     if error is not None:
         of = name.partition("_of_")[2].replace("_", " ")

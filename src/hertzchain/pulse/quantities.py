@@ -297,6 +297,28 @@ WALL_QUANTITIES: Final = _by_name(
     )
 )  # fmt: skip
 
+# Quantities of the last body of a free end, such as an instrument, which only `simulate` and
+# `simulate_many` give; without the static force.
+BODY_QUANTITIES: Final = _by_name(
+    (
+        Quantity(
+            "body_peak_force", "", "largest force of the last contact on the body behind it",
+            unit="N", scale="force", label="largest force on the last body", per="run",
+            attribute="force",
+        ),
+        Quantity(
+            "body_peak_time", "", "time of that force",
+            unit="s", scale="time", label="time of the largest force on the last body", per="run",
+            attribute="time",
+        ),
+        Quantity(
+            "body_acceleration", "", "that force over the mass of the body",
+            unit="m/s^2", scale="velocity/time", label="largest acceleration of the last body",
+            per="run", attribute="acceleration",
+        ),
+    )
+)  # fmt: skip
+
 # Quantities of sensors in beads, which only `simulate` and `simulate_many` give.
 SENSOR_QUANTITIES: Final = _by_name(
     (

@@ -6,11 +6,21 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
-from .quantities import FINAL_QUANTITIES, QUANTITIES, SENSOR_QUANTITIES, WALL_QUANTITIES
+from .quantities import (
+    BODY_QUANTITIES,
+    FINAL_QUANTITIES,
+    QUANTITIES,
+    SENSOR_QUANTITIES,
+    WALL_QUANTITIES,
+)
 
 # Full names, and those of the columns of tables, datasets and files.
 _OF_RUNS: Final = {
     **{f"wall_force.{each.attribute}": name for name, each in WALL_QUANTITIES.items()},
+    **{
+        f"body_force.{name.removeprefix('body_').removesuffix('_force')}": name
+        for name in BODY_QUANTITIES
+    },
     **{
         f"sensor.{name.removeprefix('sensor_').replace('_so_far', '')}": name
         for name in SENSOR_QUANTITIES
@@ -36,5 +46,5 @@ def column_name(name: Any) -> Any:
 
 
 def full_name(name: str) -> str:
-    """Name of a quantity of a wall, a sensor or the last state, from another name of it."""
+    """Name of a quantity of a wall, a body, a sensor or the last state, from another name of it."""
     return _FULL_NAMES.get(name, name)

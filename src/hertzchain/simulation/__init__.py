@@ -15,5 +15,6 @@
 - single beads: `velocity_peaks`, `sensor_force`, `sensor_curve`, `sensor_passages`,
   `body_force` with `resolved_body`;
 - predictability: `horizon`, `find_horizon`;
-- many chains: `simulate_many`, `ensemble_input`, `ensemble_columns`, `run_table`.
+- many chains: `simulate_many`, `ensemble_input`, `ensemble_columns`, `ends_of_runs`,
+  `run_table`.
 """

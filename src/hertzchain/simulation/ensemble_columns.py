@@ -21,6 +21,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..kernels.limits import MIN_HEIGHT
 from ..pulse.quantities import (
+    BODY_QUANTITIES,
     FINAL_QUANTITIES,
     LARGEST_QUANTITIES,
     QUANTITIES,
@@ -31,12 +32,13 @@ from ..pulse.quantities import (
 from ..validation.objects import Progress
 from .budget import budget_of
 from .end_forces import static_forces_around
+from .ends_of_runs import ON_WALL, body_of_run, sensors_of_run
 from .ensemble_input import kernel_input
 from .run import Run
 from .run_end import Status
 from .run_message import FAILURES, end_message, follows_first_contact, is_sensitive
 from .run_pulse import pulse_of, times_between
-from .sensor_force import MANY_TIMES, sensor_maxima
+from .sensor_force import MANY_TIMES
 from .simulate import MAX_RTOL, MIN_RTOL, default_step_limit, simulate, simulate_to_peak
 from .wall_bound import RIGHT
 
@@ -45,8 +47,8 @@ PULSE_QUANTITIES: Final = {
     name: each for name, each in QUANTITIES.items() if not each.estimate
 }  # fmt: skip
 TABLE_QUANTITIES: Final[dict[str, Quantity]] = {
-    **PULSE_QUANTITIES, **WALL_QUANTITIES, **SENSOR_QUANTITIES, **FINAL_QUANTITIES,
-    **LARGEST_QUANTITIES,
+    **PULSE_QUANTITIES, **WALL_QUANTITIES, **BODY_QUANTITIES, **SENSOR_QUANTITIES,
+    **FINAL_QUANTITIES, **LARGEST_QUANTITIES,
 }  # fmt: skip
 # These quantities need no motion after the largest force on the wall and the leading pulse.
 UNTIL_PEAK: Final = {
@@ -106,6 +108,8 @@ def check_member(chain: Chain, request: Request) -> None:
     """Raise `InputError` if a chain lacks a wall or a bead that the quantities require."""
     if chain.right_wall is None and any(name in WALL_QUANTITIES for name in request.keep):
         raise InputError("the right end of this chain is free; add a right_wall")
+    if chain.right_wall is not None and any(name in BODY_QUANTITIES for name in request.keep):
+        raise InputError(ON_WALL)
     beyond = [bead for bead in request.sensors if bead > chain.beads]
     if beyond:
         raise InputError(f"there is no bead {beyond[0]} with a sensor among {chain.beads}")
@@ -125,7 +129,8 @@ def by_kernel(chains: Sequence[Chain], request: Request, signal: NDArray[np.int6
     sensors = [(bead - 1, bead) for bead in request.sensors]
     whole_run = request.whole_run(chains[0])
     contacts = [(contact, contact) for contact in range(beads)] if whole_run else []
-    places = np.array([(beads, beads), *sensors, *contacts])
+    # That of the last contact is the last one.
+    places = np.array([(beads, beads), *sensors, *contacts, (beads - 1, beads - 1)])
     records = np.zeros((count, layout.RECORDS, beads))
     summary = np.zeros((count, layout.SUMMARY))
     readings = np.zeros((count, len(places), layout.GAUGE_ROWS))
@@ -185,6 +190,8 @@ class _KernelResults:
             found |= self._wall()
         if any(name in SENSOR_QUANTITIES for name in keep):
             found |= self._sensors(request.sensors)
+        if any(name in BODY_QUANTITIES for name in keep):
+            found |= self._body()
         overlaps = self._overlaps(request)
         found["largest_overlap"] = overlaps[:, 1:-1]
         found["dent"] = np.zeros_like(overlaps[:, 1:-1])  # the contacts are elastic
@@ -270,6 +277,16 @@ class _KernelResults:
             "wall_duration": duration,
         }
 
+    def _body(self) -> dict[str, Array]:
+        layout, contact = self.layout, self.readings[:, -1]
+        peaked = contact[:, layout.MAXIMA] > 0.0
+        force = np.where(peaked, contact[:, layout.PEAK] - contact[:, layout.REST], np.nan)
+        return {
+            "body_peak_force": force,
+            "body_peak_time": np.where(peaked, contact[:, layout.PEAK_TIME], np.nan),
+            "body_acceleration": force * self._inverse_masses[:, -1],
+        }
+
     def _sensors(self, beads: Sequence[int]) -> dict[str, Array]:
         layout, sensors = self.layout, self.readings[:, 1 : 1 + len(beads)]
         # The kernel adds only the forces of contacts.
@@ -318,7 +335,7 @@ class _KernelResults:
         overlaps = np.zeros((len(self.chains), self.given.shape[2]))
         overlaps[:, -1:] = self._overlaps_at(self.readings[:, :1, layout.PEAK], slice(-1, None))
         if request.whole_run(self.chains[0]):
-            peaks = self.readings[:, 1 + len(request.sensors) :, layout.PEAK]
+            peaks = self.readings[:, 1 + len(request.sensors) : -1, layout.PEAK]
             overlaps[:, :-1] = self._overlaps_at(peaks, slice(0, -1))
         else:
             overlaps[:, 1:-1] = self.records[:, layout.RECORD_OVERLAP, :-1]
@@ -376,6 +393,8 @@ def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:
         found |= {name: np.nan if each is None else each for name, each in values.items()}
     if any(name in SENSOR_QUANTITIES for name in keep):
         found |= sensors_of_run(run, request.sensors)
+    if any(name in BODY_QUANTITIES for name in keep):
+        found |= body_of_run(run)
     if any(name in FINAL_QUANTITIES for name in keep):
         found |= _final_of(run, options)
     found["largest_overlap"], found["dent"] = run.largest_overlaps[1:-1], run.dents[1:-1]
@@ -386,17 +405,6 @@ def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:
     sensitive = np.array([is_sensitive(chain, run._walls, RIGHT)])
     overlaps = run.largest_overlaps[np.newaxis]
     return Outcome(columns, [run.status], complete, sensitive, overlaps, {})
-
-
-def sensors_of_run(run: Run, beads: Sequence[int]) -> dict[str, Array]:
-    """Quantities of sensors."""
-    rows = []
-    for bead in beads:
-        found = sensor_maxima(run, bead)
-        first = found.first_maximum, found.first_maximum_time
-        largest = found.largest_so_far, found.largest_so_far_time
-        rows.append((*first, *largest, float(np.trapezoid(found.force, run.times))))
-    return dict(zip(SENSOR_QUANTITIES, np.array(rows).reshape(len(beads), -1).T, strict=True))
 
 
 def _final_of(run: Run, options: dict[str, Any]) -> dict[str, Any]:

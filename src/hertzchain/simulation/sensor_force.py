@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..chain.bead_names import bead_number, wall_number
+from ..chain.chain import Chain
 from ..chain.laws.unloading_ratio import UnloadingRatio
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, warn_user
 from ..kernels.limits import FALL, MIN_HEIGHT
-from ..representation import measure, short
+from ..representation import listed, measure, short
 from ..validation.keywords import checked_methods
 from .end_forces import has_free_face
 from .force_table import force_dataframe
@@ -37,6 +39,18 @@ SHOWN = 1e-4
 FREE_FACE = (
     "mean of the forces on both faces; the free face has none: the force on the body is twice this"
 )
+# Quantity with the whole force on the last body, and a remark in labels of figures.
+WHOLE_FORCE = "body_force.peak"
+HALF = "half of that on the body"
+
+
+def free_face_note(chain: Chain, sensors: Mapping[str, int]) -> str:
+    """That sensors in beads at free ends have half of the force, by name; empty without any."""
+    half = {name: bead for name, bead in sensors.items() if has_free_face(chain, bead)}
+    if not half:
+        return ""
+    whole = f" ({WHOLE_FORCE})" if chain.beads in half.values() else ""
+    return f"{listed([*half])}: {FREE_FACE}{whole}"
 
 
 @checked_methods

@@ -75,11 +75,12 @@ def simulate_many(
     keep : str or iterable of str
         Names of quantities (`hertzchain.pulse.quantities`): of the leading pulse, such as
         ``"velocity"`` or ``"peak_force"``; of the right wall, such as ``"wall_peak_force"``,
-        ``"wall_impulse_of_impact"`` or ``"wall_duration"``; of sensors, such as
+        ``"wall_impulse_of_impact"`` or ``"wall_duration"``; of the last body of a free end,
+        ``"body_peak_force"`` and ``"body_acceleration"``; of sensors, such as
         ``"sensor_first_maximum"``; of the end of the run, such as ``"final_velocity"``,
         ``"end_time"`` or ``"energy_backward"``; and of the whole run, ``"largest_overlap"``,
         ``"dent"`` and, for chains of materials, ``"yield_ratio"``.  Full names, such as
-        ``"wall_force.peak"``, are accepted, too.
+        ``"wall_force.peak"`` or ``"body_force.peak"``, are accepted, too.
         Energies, such as ``"energy_lost"``, are fractions of the total with the lost energy (that
         of the impact, without a drive); those of `Run.budget` are in joules.
     sensors : iterable of int or str

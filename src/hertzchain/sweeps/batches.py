@@ -16,8 +16,9 @@ from ..errors import IncompleteWarning, InputError, ModelRangeWarning, Simulatio
 from ..propagation.propagate import propagate_many
 from ..pulse.notes import notes_in_words
 from ..pulse.pulse import Pulse
-from ..pulse.quantities import QUANTITIES, SENSOR_QUANTITIES, WALL_QUANTITIES
+from ..pulse.quantities import BODY_QUANTITIES, QUANTITIES, SENSOR_QUANTITIES, WALL_QUANTITIES
 from ..recorded_warnings import ignore_warnings, record_warnings
+from ..simulation.ends_of_runs import ON_WALL, body_of_run
 from ..simulation.ensemble_columns import largest_yield_ratio
 from ..simulation.ensemble_input import is_covered
 from ..simulation.run import Run
@@ -270,6 +271,7 @@ class _Batch:
             times = MANY_TIMES if self.placed else 0
             run = simulate(chain, times=times, progress=self._check_stop, **options)
             self._keep_wall(row, place, run)
+            self._keep_body(row, place, run)
             self._keep_largest(row, place, run)
             if self._of_pulse:
                 self._keep_pulse(row, place, run.pulse())
@@ -296,6 +298,18 @@ class _Batch:
             for name in wanted:
                 value = getattr(wall, WALL_QUANTITIES[name].attribute)
                 self.single[name][row, place] = np.nan if value is None else value
+
+    def _keep_body(self, row: int, place: int, run: Run) -> None:
+        wanted = [name for name in self.single if name in BODY_QUANTITIES]
+        if not wanted:
+            return
+        if run.chain.right_wall is not None:
+            raise InputError(ON_WALL)
+        found = body_of_run(run)
+        for name in wanted:
+            self.single[name][row, place] = found[name]
+        if np.isnan(found[wanted[0]]):
+            self.reason[row][place] = "the force on the last body has no maximum in the run"
 
     def _keep_placed(self, row: int, place: int, run: Run) -> None:
         """Keep quantities at beads and between contacts, or why there are none."""

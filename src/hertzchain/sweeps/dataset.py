@@ -12,10 +12,12 @@ import numpy as np
 
 from .. import __version__
 from ..errors import IncompleteWarning, ModelRangeWarning, warn_user
+from ..simulation.sensor_force import HALF
 from ..store.sweep_layout import STATUS, Variable
 from ..store.sweep_store import FAILED, MEANINGS, plain_text
 from .axes import Axis
 from .batches import Result
+from .free_faces import has_free_face
 from .kept import PER_PLACE, PER_RUN
 from .placed import placed
 from .plan import Plan
@@ -138,7 +140,8 @@ def _kept(plan: Plan, name: str) -> Variable:
     if (at := placed(name)) is not None:
         attributes = at.quantity.attributes(plan.units)
         label = f"{attributes['long_name']}, {at.where}"
-        return _by_method(plan, "f8", {**attributes, "long_name": label})
+        half = {"free_face": HALF} if has_free_face(plan, at) else {}
+        return _by_method(plan, "f8", {**attributes, "long_name": label, **half})
     if name.startswith("worst_error_of_"):
         what = name.removeprefix("worst_error_of_")
         label = f"largest error of {what} relative to {spec.reference}, k >= 2"

@@ -8,6 +8,7 @@ from typing import Final
 from ..chain.chain import Chain
 from ..errors import InputError, unknown_name_error
 from ..pulse.quantities import (
+    BODY_QUANTITIES,
     LARGEST_QUANTITIES,
     ON_REQUEST,
     QUANTITIES,
@@ -24,11 +25,12 @@ PER_PLACE: Final[dict[str, Quantity]] = {
 }
 PER_RUN: Final[dict[str, Quantity]] = {
     **WALL_QUANTITIES,
+    **BODY_QUANTITIES,
     **{name: each for name, each in LARGEST_QUANTITIES.items() if each.per == "run"},
 }
 SWEEP_QUANTITIES: Final[dict[str, Quantity]] = PER_PLACE | PER_RUN
 # Quantities that only the method `simulate` gives.
-OF_RUNS: Final = (*WALL_QUANTITIES, *LARGEST_QUANTITIES)
+OF_RUNS: Final = (*WALL_QUANTITIES, *BODY_QUANTITIES, *LARGEST_QUANTITIES)
 
 
 def variable_name(name: str) -> str:

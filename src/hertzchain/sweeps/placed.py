@@ -13,7 +13,7 @@ from ..errors import InputError, SimulationError
 from ..pulse.quantities import QUANTITIES, SENSOR_QUANTITIES, Quantity
 from ..pulse.quantity_names import column_name, full_name
 from ..recorded_warnings import record_warnings
-from ..simulation.ensemble_columns import sensors_of_run
+from ..simulation.ends_of_runs import sensors_of_run
 from ..simulation.run import Run
 from ..simulation.velocity_peaks import peaks_from
 
@@ -51,7 +51,7 @@ def _either(names: dict[str, Quantity]) -> str:
 
 
 _AT_BEAD: Final = re.compile(
-    rf"({_either({**SENSOR_QUANTITIES, **LARGEST})})_((?:ball_|bead_)?[1-9][0-9]{{0,8}}|last)"
+    rf"({_either({**SENSOR_QUANTITIES, **LARGEST})})_((?:ball_|bead_)?[1-9][0-9]{{0,8}}|last|cap)"
 )
 _BETWEEN: Final = re.compile(
     rf"({_either(REFLECTION)})_([1-9][0-9]{{0,8}}_(?:0|[1-9][0-9]{{0,8}}|last))"
@@ -80,7 +80,7 @@ class Placed(NamedTuple):
         if self.column in REFLECTION:
             before, after = self.place.split("-")
             return f"contacts {before} to {after.replace('last', 'N')}"
-        words = {"last": "the last bead"}
+        words = {"last": "the last bead", "cap": "the cap"}
         return words.get(self.place, f"bead {self.place}" if self.place.isdigit() else self.place)
 
     @property
@@ -168,4 +168,7 @@ def example_of(column: str) -> str:
             f"{name}@20-last for the right end"
         )
     of = " of the sensor" if column in SENSOR_QUANTITIES else ""
-    return f"{name} needs the bead{of}: write {name}@5 or '{name}@ball 4'"
+    return (
+        f"{name} needs the bead{of}: write {name}@5, '{name}@ball 4', {name}@last or, with a cap, "
+        f"{name}@cap"
+    )

@@ -17,8 +17,9 @@ from ..chain.input_checks import checked_beads
 from ..chain.tapers import check_taper, taper_named, tapered_radii
 from ..collision import Array
 from ..errors import InputError, SimulationError, raise_all
-from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..pulse.quantities import BODY_QUANTITIES, QUANTITIES, WALL_QUANTITIES
 from ..recorded_warnings import record_warnings
+from ..simulation.ends_of_runs import ON_WALL
 from ..store.chain_files import BEAD_METHODS, chain_from
 from ..validation.numbers import has_unit
 from .axes import Axis
@@ -344,7 +345,9 @@ def _bad_requests(plan: Plan) -> list[str]:
     trials = [plan.trial(index) for index in plan.tried()]
     if any(name in WALL_QUANTITIES for name in spec.keep) and not any(t.has_wall for t in trials):
         problems.append("sweep.keep: the chains have no right wall: add right_wall to [chain]")
-    problems += absent_places(spec.keep, _chains(plan))
+    if any(name in BODY_QUANTITIES for name in spec.keep) and all(t.has_wall for t in trials):
+        problems.append(f"sweep.keep: {ON_WALL}")
+    problems += absent_places(spec.keep, tried_chains(plan))
     if "yield_ratio" in spec.keep and not any(each.has_materials for each in trials):
         problems.append("sweep.keep: yield_ratio needs chains with materials: add materials to "
                         "[chain]")  # fmt: skip
@@ -401,7 +404,7 @@ def _bad_units(plan: Plan) -> list[str]:
 def _method_error(plan: Plan, method: str) -> str:
     """Why a method supports neither the first nor the last chain; empty if it does."""
     reason = ""
-    for chain in _chains(plan):
+    for chain in tried_chains(plan):
         try:
             pulse_by(method, chain)
         except InputError as error:
@@ -413,7 +416,7 @@ def _method_error(plan: Plan, method: str) -> str:
     return reason
 
 
-def _chains(plan: Plan) -> list[Chain]:
+def tried_chains(plan: Plan) -> list[Chain]:
     """The first and the last chain that can be made, of those that are tried."""
     tried = [*plan.tried()]
     ends = (
@@ -441,7 +444,7 @@ def _columns(plan: Plan, method: str) -> Iterable[str]:
     """Quantities that a theory gives; all of them if it supports none of the chains."""
     if method in SIMULATIONS:
         return ()
-    for chain in _chains(plan):
+    for chain in tried_chains(plan):
         with suppress(InputError, SimulationError):
             return pulse_by(method, chain).columns()
     return QUANTITIES

@@ -1,0 +1,177 @@
+"""Force and acceleration of the last body of a free end as quantities of tables and commands."""
+
+import json
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.simulation.body_force import body_force
+
+pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+
+PEAK, ACCELERATION = "body_force.peak", "body_force.acceleration"
+
+
+def box(mass="100 g", beads=6, **more):
+    row = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=beads)
+    hammer = {"mass": "50 g", "radius": "flat", "velocity": "0.1 m/s"}
+    return row.with_cap(mass).struck_by(**hammer).replace(**more)
+
+
+def sampled(chain):
+    """Largest force of the last contact among many samples."""
+    return hc.simulate(chain, until="2 ms", times=50_001).force(chain.beads - 1).max()
+
+
+@pytest.fixture
+def file(tmp_path):
+    (tmp_path / "box.toml").write_text(hc.chain_as_toml(box()))
+    return tmp_path / "box.toml"
+
+
+@pytest.mark.parametrize("loss", [None, hc.Restitution(0.9), hc.ElasticPlastic()])
+def test_tables_have_the_force_and_the_acceleration_of_the_body(loss):
+    chains = [box(loss=loss), box("20 g", 4, loss=loss)]
+    table = hc.simulate_many(chains, keep=[PEAK, "body_peak_time", ACCELERATION])
+    for i, chain in enumerate(chains):
+        force = sampled(chain)
+        assert table["body_peak_force"][i] == pytest.approx(force, rel=1e-5)
+        assert table["body_acceleration"][i] == pytest.approx(force / chain.masses[-1], rel=1e-5)
+        found = body_force(hc.simulate(chain))
+        assert table["body_peak_time"][i] == pytest.approx(found.time, abs=1e-8)
+    dataset = table.to_dataset()
+    assert dataset["body_acceleration"].attrs["units"] == "m/s^2"
+
+
+def test_a_chain_with_a_wall_has_no_body_and_an_early_end_no_value():
+    walled = box().replace(right_wall=hc.Wall("5 kN/mm", exponent=1))
+    with pytest.warns(hc.IncompleteWarning, match="use wall_force.peak"):
+        hc.simulate_many([box(), walled], keep=[PEAK])
+    for loss in (None, hc.Restitution(0.9)):
+        table = hc.simulate_many([box(loss=loss)], keep=[PEAK], until=1e-4)
+        assert np.isnan(table["body_peak_force"][0])
+    with pytest.raises(hc.InputError, match=r"wall: use wall_force\.peak"):
+        hc.distribution(walled, PEAK, hc.Scatter(radius=0.01))
+    with pytest.raises(hc.InputError, match=r"wall: use wall_force\.peak"):
+        hc.gradient(walled, PEAK, until=1e-3)
+    with pytest.raises(hc.InputError, match=r"last body is body_force\.peak"):
+        hc.distribution(box(), "wall_force.peak", hc.Scatter(radius=0.01))
+
+
+def test_a_precompressed_row_excludes_the_static_force():
+    row = hc.Chain.uniform(6).replace(precompression=0.05, held_by="force")
+    table = hc.simulate_many([row], keep=[PEAK], until=20.0)
+    net = hc.simulate(row, until=20.0, times=20_001).force(5).max() - 0.05
+    assert table["body_peak_force"][0] == pytest.approx(net, rel=1e-6)
+    with pytest.raises(hc.InputError, match="under a static force"):
+        hc.gradient(row, PEAK, until=20.0)
+
+
+@pytest.mark.parametrize("name", [PEAK, ACCELERATION])
+def test_gradients_are_differences(name):
+    chain, end, step = box(), 4e-4, 1e-5
+    column = {PEAK: "body_peak_force", ACCELERATION: "body_acceleration"}[name]
+    found = hc.gradient(chain, name, to=("radii", "masses"), until=end)
+    for field, place in (("masses", 0), ("masses", -1), ("radii", 3)):
+        changed = []
+        for factor in (1.0 + step, 1.0 - step):
+            values = np.array(getattr(chain, field))
+            values[place] *= factor
+            changed.append(chain.replace(**{field: values}))
+        high, low = hc.simulate_many(changed, keep=[name], until=end, rtol=1e-12)[column]
+        own = getattr(chain, field)[place]
+        assert found[field][place] == pytest.approx((high - low) / (2.0 * step * own), rel=1e-5)
+    assert found.unit == ("N" if name == PEAK else "m/s^2")
+
+
+def test_scatter_of_a_chain_with_a_free_cap_is_that_of_the_force(run, file):
+    out = run("scatter", file, "--scatter", "1%", "--chains", "10", "--json").stdout
+    document = json.loads(out)
+    assert document["quantity"] == PEAK
+    assert document["nominal"] == pytest.approx(sampled(box()), rel=1e-5)
+    out = run("scatter", file, "--scatter", "1%", "--chains", "10", "--quantity", ACCELERATION)
+    assert f"{sampled(box()) / 0.1:.0f}"[:3] in out.stdout
+    assert "m/s^2" in out.stdout
+
+
+def test_sensitivity_is_that_of_the_force_on_the_body(run, file):
+    out = run("sensitivity", file).stdout
+    assert f"body_force.peak = {sampled(box()):.4g} N" in out
+    assert "% for +1%" in out
+    document = json.loads(run("sensitivity", file, "--to", "masses", "--json").stdout)
+    masses = box().masses.copy()
+    masses[-1] *= 1.01
+    change = sampled(box().replace(masses=masses)) / sampled(box()) - 1.0
+    assert document["change_if_larger"][-1] == pytest.approx(change, abs=1e-6)
+
+
+@pytest.mark.parametrize("command", [("scatter", "--scatter", "1%", "--chains", "5"),
+                                     ("sensitivity", "--until", "1ms")])  # fmt: skip
+@pytest.mark.parametrize("place", ["cap", "3"])
+def test_commands_say_that_a_sensor_in_a_cap_has_half_of_the_force(run, file, command, place):
+    name, *options = command
+    out = run(name, file, *options, "--quantity", f"sensor.largest@{place}").stdout
+    words = "the free face has none: the force on the body is twice this (body_force.peak)"
+    assert (words in out) == (place == "cap")
+
+
+SWEEP = """
+[chain]
+diameters = "10 mm"
+beads = 4
+materials = "steel-52100"
+cap = {mass = "100 g"}
+
+[[chain.struck_by]]
+mass = "50 g"
+radius = inf
+velocity = "0.1 m/s"
+
+[axes]
+diameters = ["8 mm", "10 mm"]
+
+[sweep]
+methods = ["simulate"]
+keep = KEEP
+"""
+
+
+def swept(run, folder, keep):
+    (folder / "sweep.toml").write_text(SWEEP.replace("KEEP", keep))
+    return run("sweep", folder / "sweep.toml", "--store", folder / "found.zarr")
+
+
+def test_sweeps_keep_the_force_on_a_body_and_sensors_in_caps(run, tmp_path):
+    code, out, err = swept(run, tmp_path, '["body_force.peak", "sensor.largest@cap"]')
+    assert code == 0, err
+    found = hc.open_sweep(tmp_path / "found.zarr")
+    force, half = found["body_peak_force"], found["sensor_largest_so_far_cap"]
+    np.testing.assert_allclose(force, 2.0 * half, rtol=1e-5)
+    assert float(force[1, 0]) == pytest.approx(sampled(box(beads=4)), rel=1e-5)
+    assert "note: sensor.largest@cap: mean of the forces on both faces" in out
+    label = hc.plotting.plot_sweep(found, "sensor_largest_so_far_cap").get_ylabel()
+    assert "(half of that on the body)" in " ".join(label.split())
+
+
+def test_sweeps_name_the_places_that_exist(run, tmp_path):
+    code, _, err = swept(run, tmp_path, '["sensor.largest@top"]')
+    assert code == 2
+    words = "write sensor.largest@5, 'sensor.largest@ball 4', sensor.largest@last or, with a cap,"
+    assert words in " ".join(err.split())
+    walled = SWEEP.replace("[[chain", 'right_wall = {stiffness = "5 kN/mm", exponent = 1}\n[[chain')
+    (tmp_path / "walled.toml").write_text(walled.replace("KEEP", '["body_force.peak"]'))
+    code, _, err = run("sweep", tmp_path / "walled.toml", "--store", tmp_path / "walled.zarr")
+    assert code == 2
+    assert "use wall_force.peak" in " ".join(err.split())
+
+
+def test_designs_minimise_the_force_on_the_body():
+    problem = hc.Design(
+        box(beads=4), minimise=PEAK, vary=[hc.vary.radii("3 mm", "6 mm", beads="2:5")],
+        subject_to={ACCELERATION: "<= 100000 m/s^2"},
+    )  # fmt: skip
+    found = hc.design(problem, budget=60)
+    assert found.values[PEAK] == pytest.approx(sampled(found.chain), rel=1e-4)
+    assert found.values[PEAK] < sampled(box(beads=4))
+    assert found.values[ACCELERATION] == pytest.approx(10.0 * found.values[PEAK], rel=1e-6)

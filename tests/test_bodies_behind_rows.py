@@ -148,13 +148,16 @@ def test_sensors_with_a_free_face_are_named_below_a_table(run, tmp_path):
     assert "\nsensor of" not in out[out.index(" chains: ") :]
 
 
-def test_a_figure_of_sensors_in_caps_does_not_state_the_whole_force():
+def test_a_figure_of_forces_on_caps_states_the_peaks_with_yield():
     from hertzchain.cli.compared_yield import figure_title
     from hertzchain.cli.run_summary import peaks_if_yielding
 
     runs = {"box": hc.simulate(box())}
     yielding = {"box": peaks_if_yielding(runs["box"])}
-    assert figure_title(runs, yielding) == "elastic contacts, beyond yield"
+    peak = body_force(hc.simulate(box(loss=hc.ElasticPlastic()))).force
+    assert figure_title(runs, yielding) == (
+        f"elastic contacts; peaks if contacts yield: box {peak:.3g} N"
+    )
 
 
 @pytest.mark.parametrize("behind", ["cap", "wall"])

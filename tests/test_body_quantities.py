@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.designs.comparison import shown_chains
 from hertzchain.simulation.body_force import body_force
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
@@ -171,7 +172,47 @@ def test_designs_minimise_the_force_on_the_body():
         box(beads=4), minimise=PEAK, vary=[hc.vary.radii("3 mm", "6 mm", beads="2:5")],
         subject_to={ACCELERATION: "<= 100000 m/s^2"},
     )  # fmt: skip
-    found = hc.design(problem, budget=60)
+    found = hc.design(problem, budget=120)
     assert found.values[PEAK] == pytest.approx(sampled(found.chain), rel=1e-4)
     assert found.values[PEAK] < sampled(box(beads=4))
     assert found.values[ACCELERATION] == pytest.approx(10.0 * found.values[PEAK], rel=1e-6)
+
+
+def test_figures_show_the_whole_force_on_a_cap(run, tmp_path):
+    for name, mass in (("heavy", "100 g"), ("light", "20 g")):
+        (tmp_path / f"{name}.toml").write_text(hc.chain_as_toml(box(mass)))
+    files = [tmp_path / "heavy.toml", tmp_path / "light.toml"]
+    for options in ((), ("--sensor", "cap")):
+        target = tmp_path / "forces.svg"
+        code, _, err = run("simulate", *files, *options, "--plot", target)
+        assert code == 0, err
+        drawn = target.read_text()
+        assert "force on the cap" in drawn
+        assert "half of the force" not in drawn
+    found = hc.simulate(box(), times=101)
+    axes = found.plot_forces(["body"])
+    assert axes.lines[0].get_ydata().max() == pytest.approx(sampled(box()), rel=1e-6)
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["force on the cap"]
+    axes = found.plot_forces([8])
+    assert axes.lines[0].get_ydata().max() == pytest.approx(0.5 * sampled(box()), rel=1e-3)
+    words = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert words == ["bead 8 (cap), half of the force on it"]
+    walled = hc.simulate(box().replace(right_wall=hc.Wall("5 kN/mm", exponent=1)))
+    with pytest.raises(hc.InputError, match="use 'wall'"):
+        walled.plot_forces(["body"])
+
+
+@pytest.mark.parametrize("objective", [PEAK, "sensor.largest@last", "velocity@last"])
+def test_the_figure_of_a_design_shows_the_force_on_the_cap_that_is_its_objective(objective):
+    problem = hc.Design(
+        box(beads=4), minimise=objective, vary=[hc.vary.radii("3 mm", "6 mm", beads="2:5")]
+    )
+    found = hc.design(problem, budget=90)
+    axes = found.plot("forces")
+    force = max(line.get_ydata().max() for line in axes.lines if len(line.get_ydata()) > 2)
+    if objective == "velocity@last":
+        assert "velocity" in axes.get_ylabel()
+        return
+    assert axes.get_ylabel().split() == ["force", "on", "the", "cap", "[N]"]
+    chains = [each.chain for each in shown_chains(found).values()]
+    assert force == pytest.approx(max(map(sampled, chains)), rel=1e-3)

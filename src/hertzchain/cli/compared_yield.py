@@ -133,8 +133,6 @@ def figure_title(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> s
         f"{name} {measure(peak.value, 'N', runs[name].chain.units, 3)}"
         for name, peak in peaks.items()
     )
-    # Curves of a sensor in a cap show half of the force on it, which is the known peak.
-    walls = all(runs[name].chain.right_wall is not None for name in peaks)
-    known = walls and not any(peak.outside for peak in peaks.values())
+    known = not any(peak.outside for peak in peaks.values())
     whole = f"{text}; peaks if contacts yield: {shown}"
     return whole if known and len(whole) <= TITLE else f"{text}, beyond yield"

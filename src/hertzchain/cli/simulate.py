@@ -359,12 +359,24 @@ def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str,
     return version | {"runs": named}
 
 
+def _curves(chain: Chain, beads: list[int]) -> list[int | str]:
+    """Sensors, walls and a cap without a wall, whose forces are plotted."""
+    from ..chain.bead_names import walls_of
+    from ..simulation.body_force import has_body_behind
+
+    walls = walls_of(chain).values()
+    if not has_body_behind(chain):
+        return [*beads, *walls]
+    return [*(bead for bead in beads if bead != chain.beads), *walls, "body"]
+
+
 def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], title: str, *, forces: bool) -> Axes:
-    """Plot forces in sensors and on walls; or else velocities, of one run as a map.
+    """Plot forces in sensors, on walls and on caps; or else velocities, of one run as a map.
+
+    A sensor in a cap without a wall is replaced by the whole force on it.
 
     The title is that of a figure of the forces of several runs.
     """
-    from ..chain.bead_names import walls_of
     from ..plotting.labels import with_losses
     from ..plotting.pulses import plot_pulses
     from ..plotting.runs import plot_forces_of_runs
@@ -375,7 +387,7 @@ def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], title: str, *, for
     runs = {labels[name]: run for name, run in runs.items()}
     beads = {labels[name]: places for name, places in beads.items()}
     first, *others = runs.values()
-    shown = {name: [*beads[name], *walls_of(run.chain).values()] for name, run in runs.items()}
+    shown = {name: _curves(run.chain, beads[name]) for name, run in runs.items()}
     if not others and not forces:
         return first.plot()
     if not all(shown.values()):

@@ -13,9 +13,11 @@ from ..collision import Array
 from ..errors import IncompleteWarning, InputWarning, ModelRangeWarning
 from ..pulse.quantities import QUANTITIES
 from ..recorded_warnings import ignore_warnings
+from ..simulation.body_force import body_force, has_body_behind
 from ..simulation.simulate import simulate
 from ..simulation.yielding import dented_chain, largest_overlap_ratio, may_dent
 from .comparison import shown_chains
+from .measures import BODY, SENSORS
 
 if TYPE_CHECKING:
     from ..simulation.run import Run
@@ -29,7 +31,7 @@ QUIET: Final = 0.01
 
 
 class Curve(NamedTuple):
-    """Force on the wall over time, or without a wall a quantity of the leading pulse by bead.
+    """Force on the wall or cap over time, or else a quantity of the leading pulse by bead.
 
     ``name`` is that of `shown_chains`; ``yields`` states whether the contacts yield, ``outside``
     whether overlaps are then outside the range of the law.
@@ -66,9 +68,18 @@ def compared_curves(result: DesignResult, most: float) -> list[Curve]:
             denting = limits is not None and may_dent(limits)
             if denting and (dented := dented_chain(found.chain)) is not None:
                 motions.append(_Motion(name, True, dented))
-        if result.chain.right_wall is None:
+        if not shows_forces(result):
             return _pulses(result, motions)
         return _forces(motions, result.problem.until, most)
+
+
+def shows_forces(result: DesignResult) -> bool:
+    """Whether curves are those of the force on a wall, or on a cap that is the objective."""
+    chain, single = result.chain, result.problem.objective.single
+    if chain.right_wall is not None or single is None:
+        return chain.right_wall is not None
+    of_sensor = single.key in SENSORS and single.index(chain.beads) + 1 == chain.beads
+    return single.key in BODY or (of_sensor and has_body_behind(chain))
 
 
 def plotted_quantity(result: DesignResult) -> str:
@@ -100,11 +111,22 @@ def _forces(motions: Sequence[_Motion], until: float | None, most: float) -> lis
     curves = []
     for name, with_yield, chain in motions:
         run = simulate(chain, times=TIMES, rtol=RTOL, until=ends[name])
+        if chain.right_wall is None:
+            curves.append(_on_body(run, name, with_yield))
+            continue
         wall, outside = run.wall_force(), with_yield and _outside(run)
         curves.append(Curve(name, with_yield, wall.times, wall.force, wall.largest_so_far, outside))
     if together:
         return _until_quiet(curves)
     return [cut for name in ends for cut in _until_quiet([c for c in curves if c.name == name])]
+
+
+def _on_body(run: Run, name: str, with_yield: bool) -> Curve:
+    """Force on the last body, without the static force."""
+    contact, body = run.chain.beads - 1, body_force(run)
+    force = run.forces[:, contact] - float(run.chain.static_state.forces[contact])
+    peak = float(force.max()) if body is None else body.force
+    return Curve(name, with_yield, run.times, force, peak, with_yield and _outside(run))
 
 
 def _outside(run: Run) -> bool:

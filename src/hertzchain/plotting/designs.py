@@ -17,15 +17,16 @@ from matplotlib.gridspec import GridSpecBase
 from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..collision import Array
 from ..designs.comparison import shown_chains
-from ..designs.curves import Curve, compared_curves, plotted_quantity
+from ..designs.curves import Curve, compared_curves, plotted_quantity, shows_forces
 from ..designs.exact_gradients import PEAK
-from ..designs.measures import USUAL, without_in_words
+from ..designs.measures import BODY_PEAK, USUAL, without_in_words
 from ..designs.objective import Objective
 from ..designs.pareto import beaten_if_yielding
 from ..designs.sensitivity import changes
 from ..designs.verified import WITH_YIELD
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
+from ..simulation.body_force import body_in_words
 from .colours import COLOURS, grey
 from .design_beads import CHARACTER, height_of_beads, plot_beads, violations
 from .enlarged import finish_enlarged, small_groups
@@ -66,9 +67,9 @@ VISIBLE: Final = 0.01
 
 
 def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
-    """Plot the force on the wall over time, or without a wall the leading pulse by bead.
+    """Plot the force on the wall or cap over time, or without any the leading pulse by bead.
 
-    Dashed curves are those of contacts that yield, if elastic ones leave the range of Hertz's law.
+    The force on a cap without a wall is plotted if it is the objective.  Dashed curves are those of contacts that yield, if elastic ones leave the range of Hertz's law.
     If forces or durations differ much, further panels have the weak and the short curve, enlarged,
     unless axes are given.
     """
@@ -84,7 +85,7 @@ def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 
 def _small(result: DesignResult, curves: Sequence[Curve]) -> list[tuple[str, bool]]:
     """Chains whose forces on a wall are weak or short beside the others, and whether short."""
-    if result.chain.right_wall is None:
+    if not shows_forces(result):
         return []
     names = list(dict.fromkeys(each.name for each in curves))
     chains = [[each for each in curves if each.name == name] for name in names]
@@ -122,7 +123,7 @@ def _draw_curves(
     result: DesignResult, curves: Sequence[Curve], axes: Axes, longest: float = 0.0
 ) -> Axes:
     """Draw curves, with times in the unit for the longest one or for a longer time."""
-    si, walled = result.chain.units == "SI", result.chain.right_wall is not None
+    si, walled = result.chain.units == "SI", shows_forces(result)
     factor, label = 1.0, "bead $k$"
     if walled:
         factor, label = time_axis(result.chain, max(longest, *(each.x[-1] for each in curves)))
@@ -139,7 +140,12 @@ def _draw_curves(
         axes.xaxis.set_major_locator(BeadLocator())
     quantity = QUANTITIES[plotted_quantity(result)]
     label = quantity.label_in(result.chain.units, damped=result.chain._damped)
-    axes.set_ylabel(("force on the wall [N]" if si else "force on the wall") if walled else label)
+    if walled:
+        where = "the wall"
+        if result.chain.right_wall is None:
+            where = body_in_words(result.chain)
+        label = f"force on {where}{' [N]' * si}"
+    axes.set_ylabel(label)
     axes.margins(x=0.0)
     place_legend(axes)
     return axes
@@ -148,7 +154,7 @@ def _draw_curves(
 def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes) -> str:
     """Label of both curves of a chain, with the peaks of forces, in lines that fit the axes."""
     unit = " N" if result.chain.units == "SI" else ""
-    walled = result.chain.right_wall is not None
+    walled = shows_forces(result)
     peaks = {each.yields: f"{each.peak:.4g}{unit}" for each in curves if each.name == name}
     parts = [f"{name}, peak {peaks[False]}" if walled else name]
     if True in peaks:
@@ -182,10 +188,10 @@ def _differ(curves: Sequence[Curve]) -> bool:
 
 
 def _draw_limits(result: DesignResult, axes: Axes) -> None:
-    """Draw limits of the peak force on the wall that are not far above the curves."""
+    """Draw limits of the peak force on the wall or cap that are not far above the curves."""
     top = NEAR * axes.get_ylim()[1]
     for each in result.problem.requirements:
-        if each.measure == PEAK and each.limit < top:
+        if each.measure.key in (PEAK.key, BODY_PEAK) and each.limit < top:
             axes.axhline(each.limit, color=grey(axes, 0.4), linestyle="--", linewidth=1.0,
                          label=f"limit {each.shown(each.limit)}")  # fmt: skip
 

@@ -15,6 +15,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import RUN_QUANTITIES
+from ..simulation.body_force import body_curve, body_in_words
 from ..simulation.run import Run
 from ..simulation.sensor_force import sensor_maxima, warn_if_coarse
 from ..simulation.wall_force import WallForce
@@ -41,6 +42,8 @@ from .widths import figure_size
 
 # Fewest equal beads of a section, and largest number of sections with boundaries in a map.
 SECTION, MAX_SECTIONS = 2, 8
+# Place of the whole force on the last body of a free end.
+BODY: Final = "body"
 # Fewest times of a map.
 MAP_TIMES: Final = 1000
 # Sensors of a single run differ also in print without colours; a dashed wall would look like a
@@ -169,7 +172,8 @@ def plot_forces(
     beads : sequence of int or str
         Numbers of the beads with a sensor; N + 1 is the right wall, 0 the left one.  Or names such
         as ``"ball 11"``, counted without the strikers, and ``"wall"``, or ``"left wall"`` and
-        ``"right wall"`` if there are two.
+        ``"right wall"`` if there are two; ``"body"`` is the whole force on the last body of a free
+        right end, such as a cap, in which a sensor has half of it.
     label : str
         Name of the run in the legend, if several runs are plotted into the same axes; followed by
         the names of the beads if there are several.  By default, labels name the properties in
@@ -252,7 +256,7 @@ def _draw_forces(
     mark_horizon(axes, run.known_horizon, factor)
 
 
-def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -> Axes:
+def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int | str]]) -> Axes:
     """Plot forces of several runs in the same axes, and weak or short ones also enlarged.
 
     Each of several places has a panel, unless forces or durations of the runs differ much.  Runs in
@@ -262,7 +266,7 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
     ----------
     runs : mapping of str to Run
         Runs with saved times, by name.
-    beads : mapping of str to sequence of int
+    beads : mapping of str to sequence of int or str
         Beads of each run, as for `plot_forces`.
 
     Returns
@@ -323,7 +327,7 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
     return first
 
 
-def _draw_places(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -> Axes:
+def _draw_places(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int | str]]) -> Axes:
     """Draw the forces at each place in a panel, with one curve per run."""
     places, labels = [*zip(*(beads[name] for name in runs), strict=True)], list[list[str]]()
     with figure_style():
@@ -355,6 +359,10 @@ def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
     if not isinstance(bead, str) and whole_number("bead", bead, least=0) in walls:
         wall = run.wall_force(walls[bead])
         return *wall_curve(wall), f"{wall.side} wall", not wall.complete
+    if bead == BODY:
+        if run.chain.right_wall is not None:
+            raise InputError("'body' is the last body of a free right end; use 'wall'")
+        return *body_curve(run), f"force on {body_in_words(run.chain)}", False
     number = bead_number(run.chain, bead, walls=True)
     sensor = sensor_maxima(run, number)
     warn_if_coarse(run, sensor)
@@ -362,7 +370,6 @@ def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
               (sensor.largest_so_far_time, sensor.largest_so_far)]  # fmt: skip
     times, force = _with_points(run.times, run.sensor(number), maxima)
     name = bead_label(run.chain, number)
-    # Of a cap, also the whole force is known.
     half = ", half of the force on it" if sensor.free_face else ""
     return times, force, f"{name}{half}", False
 

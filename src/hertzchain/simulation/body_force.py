@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+import numpy as np
+
+from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
 from .resolved_body import resolved
@@ -44,6 +47,23 @@ class BodyForce(NamedTuple):
 def has_body_behind(chain: Chain) -> bool:
     """Whether a cap without a wall, such as an instrument, is behind the row."""
     return chain.cap is not None and chain.right_wall is None
+
+
+def body_curve(run: Run) -> tuple[Array, Array]:
+    """Saved times and force on the last body, without the static force, with the largest one."""
+    contact = run.chain.beads - 1
+    times = run.times
+    force = run.forces[:, contact] - float(run.chain.static_state.forces[contact])
+    found = body_force(run)
+    if found is None or found.time in times or not times[0] < found.time < times[-1]:
+        return times, force
+    at = int(np.searchsorted(times, found.time))
+    return np.insert(times, at, found.time), np.insert(force, at, found.force)
+
+
+def body_in_words(chain: Chain) -> str:
+    """The last body of a chain."""
+    return "the last body" if chain.cap is None else "the cap"
 
 
 def body_force(run: Run) -> BodyForce | None:

@@ -216,3 +216,24 @@ def test_the_figure_of_a_design_shows_the_force_on_the_cap_that_is_its_objective
     assert axes.get_ylabel().split() == ["force", "on", "the", "cap", "[N]"]
     chains = [each.chain for each in shown_chains(found).values()]
     assert force == pytest.approx(max(map(sampled, chains)), rel=1e-3)
+
+
+def test_the_sensitivity_to_the_yield_strength_is_that_of_simulations(run, tmp_path):
+    chain = box(velocities=4.0 * box().velocities, loss=hc.ElasticPlastic())
+    (tmp_path / "yields.toml").write_text(hc.chain_as_toml(chain))
+    out = run("sensitivity", tmp_path / "yields.toml", "--to", "yield_strength").stdout
+    # The factor multiplies the yield strengths of all beads, except that of the flat hammer.
+    forces = [
+        body_force(hc.simulate(chain.replace(loss=hc.ElasticPlastic(factor=each)))).force
+        for each in (1.6 * 1.005, 1.6 * 0.995)
+    ]
+    change = 100.0 * (forces[0] / forces[1] - 1.0)
+    stated = float(out.partition("all beads together: ")[2].partition("%")[0])
+    assert stated == pytest.approx(change, rel=0.02)
+    assert "--to yield_strength shows" not in out
+    out = run("sensitivity", tmp_path / "yields.toml", "--to", "young").stdout
+    assert "note: --to yield_strength shows the dependence on the yield pressure" in out
+    (tmp_path / "elastic.toml").write_text(hc.chain_as_toml(box()))
+    code, _, err = run("sensitivity", tmp_path / "elastic.toml", "--to", "yield_strength")
+    assert code == 2
+    assert "yield_strength changes only contacts that yield" in " ".join(err.split())

@@ -33,7 +33,9 @@ if TYPE_CHECKING:
     from ..designs.measures import Measure
     from ..simulation.yielding import WithYield
 
-BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density", "gaps")
+BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density",
+             "yield_strength", "gaps")  # fmt: skip
+OF_MATERIALS: Final = ("young", "density", "yield_strength")
 OF_CONTACTS: Final = ("stiffness", "gaps")
 # Letters of a line of a note.
 WIDTH: Final = 92
@@ -64,7 +66,9 @@ def sensitivity(
     of one bead changes by 1%.  The largest changes are first.  The changes of the peak force on the
     wall are simulated, for +1% and -1%.  Those of other quantities follow from derivatives, which
     are exact or, with losses such as elastic-plastic, computed from differences of simulations.
-    With --to gaps, one gap after the other grows by 1 um (in scaled variables, by 0.01).
+    The yield strength, with --loss elastic-plastic, changes the assumed yield pressure.
+    With --to gaps, one gap after the other grows by 1 um (in scaled variables, by 0.01).  These
+    simulations may have any loss.
 
     \b
     Examples:
@@ -90,7 +94,8 @@ def sensitivity(
     if name is None:
         raise InputError(f"{measure} has no derivatives; use wall_force.peak, body_force.peak or "
                          "velocity@last")  # fmt: skip
-    end = end_of_largest(chain, measure, time_from("--until", until, chain))
+    given = time_from("--until", until, chain)
+    end = end_of_largest(chain, measure, given)
     with progress_bar("chains simulated") as progress:
         changes: tuple[Array, ...] | None
         if by == "gaps":
@@ -99,7 +104,7 @@ def sensitivity(
         else:
             found = hertzchain.gradient(chain, name, to=by, until=end, progress=progress)
             changes = changes_of_peak(chain, found, by, end, progress)
-    yielding = value_if_yielding(chain, measure, until=end)
+    yielding = value_if_yielding(chain, measure, until=given)
     if plot is not None:
         from ..plotting.gradients import plot_gradient
 
@@ -142,6 +147,8 @@ def _lines(
     changes: tuple[Array, ...] | None,
 ) -> list[str]:  # fmt: skip
     """The chain, the value, and the method of the derivatives or changes."""
+    import numpy as np
+
     from ..chain.yield_pressure import assumed_for_all
     from ..derivatives.kinks import kink_note
     from ..designs.measures import in_words, note_on_free_faces
@@ -163,6 +170,9 @@ def _lines(
             f"{first} are {found.method} of simulations, with an estimated error of "
             f"{found.error:.1g} of the largest one"
         )
+    if by in OF_MATERIALS:
+        together = float(np.nansum(found.relative(by)))
+        lines.append(f"all beads together: {together:+.4f}% per 1%")
     if by == "gaps":
         step = f"One gap at a time is {GAP_STEP[chain.units][1]} larger."
         lines.append(
@@ -176,6 +186,8 @@ def _lines(
         lines += textwrap.wrap(f"note: {note}", WIDTH)
     if assumed := assumed_for_all(chain):
         lines.append(f"note: {on_command_line(assumed)}")
+        if by != "yield_strength":
+            lines.append("note: --to yield_strength shows the dependence on the yield pressure")
     return lines
 
 

@@ -280,7 +280,8 @@ class Reader:
         place = largest(self.record, target)
         if place is None:
             raise Missing(
-                f"the force on the last body has no maximum before the end of the run at {self._end}"
+                f"the force on the last body has no maximum before the end of the run at "
+                f"{self._end}"
             )
         force = self._gauge(place, (contact,))
         if name.item == "peak":

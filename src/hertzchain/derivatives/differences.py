@@ -109,7 +109,8 @@ def _entries(chain: Chain, name: str) -> Array:
             f"{name} has exact derivatives only, which this loss does not permit; use "
             f"{', '.join((*FIELDS, *MATERIAL))}, or change it in separate simulations"
         )
-    return value_of_parameter(chain, name)
+    # Materials without a known yield strength have no contacts that yield.
+    return np.nan_to_num(value_of_parameter(chain, name))
 
 
 def changed(chain: Chain, name: str, index: int, factor: float) -> Chain:

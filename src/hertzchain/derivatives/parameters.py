@@ -19,7 +19,7 @@ from .damping import add_damping, by_law
 from .equation import Equation
 from .static_loads import add_static_loads
 
-MATERIAL: Final = ("young", "poisson", "density")
+MATERIAL: Final = ("young", "poisson", "density", "yield_strength")
 PARAMETERS: Final = (
     "radii", "masses", "stiffness", "gaps", "velocities", *MATERIAL, "left_wall.stiffness",
     "right_wall.stiffness", "left_wall.gap", "right_wall.gap", "precompression", "gravity",
@@ -38,6 +38,11 @@ def checked_parameters(chain: Chain, to: str | Iterable[str]) -> tuple[str, ...]
             raise InputError(
                 f"{name} is a parameter of materials, which this chain does not have; use 'masses' "
                 "and 'stiffness', or create the chain with Chain.from_materials"
+            )
+        if name == "yield_strength" and not any(law.yields for law in chain.contact_losses):
+            raise InputError(
+                "yield_strength changes only contacts that yield, and this chain has none: give "
+                "it the loss ElasticPlastic()"
             )
         end = name.split(".")[0]
         if end.endswith("_wall") and getattr(chain, end) is None:

@@ -14,7 +14,7 @@ from .names import Name
 from .parameters import MATERIAL
 
 _PARAMETERS: Final = {
-    "radii": "m", "masses": "kg", "gaps": "m", "velocities": "m/s", "young": "Pa", "poisson": "1",
+    "radii": "m", "masses": "kg", "gaps": "m", "velocities": "m/s", "young": "Pa", "yield_strength": "Pa", "poisson": "1",
     "density": "kg/m^3", "left_wall.gap": "m", "right_wall.gap": "m", "precompression": "N",
     "gravity": "m/s^2", "loss.time": "s", "loss.coefficient": "1",
     "loss.gamma": "kg/s",
@@ -52,7 +52,7 @@ def unit_of_parameter(chain: Chain, name: str) -> str:
 def value_of_parameter(chain: Chain, name: str) -> Array:
     """Values of a parameter; NaN if laws of contacts have several."""
     if name in MATERIAL:
-        return np.array([getattr(each, name) for each in chain.materials or ()])
+        return np.array([getattr(each, name) for each in chain.materials or ()], float)
     if name.startswith("loss."):
         item = name.removeprefix("loss.")
         values = {getattr(each, item) for each in chain.contact_losses if hasattr(each, item)}

@@ -69,9 +69,9 @@ VISIBLE: Final = 0.01
 def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     """Plot the force on the wall or cap over time, or without any the leading pulse by bead.
 
-    The force on a cap without a wall is plotted if it is the objective.  Dashed curves are those of contacts that yield, if elastic ones leave the range of Hertz's law.
-    If forces or durations differ much, further panels have the weak and the short curve, enlarged,
-    unless axes are given.
+    The force on a cap without a wall is plotted if it is the objective.  Dashed curves are those
+    of contacts that yield, if elastic ones leave the range of Hertz's law.  If forces or durations
+    differ much, further panels have the weak and the short curve, enlarged, unless axes are given.
     """
     with figure_style():
         curves = compared_curves(result, MUCH)

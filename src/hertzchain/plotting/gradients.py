@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from ..derivatives.result import Gradient
 
 NOUNS: Final = {"radii": "the radius", "masses": "the mass", "velocities": "the velocity",
-                "young": "Young's modulus", "gaps": "the gap"}  # fmt: skip
+                "young": "Young's modulus",
+                "yield_strength": "the yield strength", "gaps": "the gap"}  # fmt: skip
 # Sum of the changes for +1% and -1%, relative to their difference, below which one suffices.
 MIRRORED: Final = 0.05
 

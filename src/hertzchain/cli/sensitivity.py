@@ -66,9 +66,8 @@ def sensitivity(
     of one bead changes by 1%.  The largest changes are first.  The changes of the peak force on the
     wall are simulated, for +1% and -1%.  Those of other quantities follow from derivatives, which
     are exact or, with losses such as elastic-plastic, computed from differences of simulations.
-    The yield strength, with --loss elastic-plastic, changes the assumed yield pressure.
-    With --to gaps, one gap after the other grows by 1 um (in scaled variables, by 0.01).  These
-    simulations may have any loss.
+    With such a loss, --to yield_strength also changes the assumed yield pressure.  With --to gaps,
+    one gap after the other grows by 1 um (in scaled variables, by 0.01); any loss is possible.
 
     \b
     Examples:

@@ -85,9 +85,10 @@ def gradient(
     quantity : str
         ``"pulse."`` and a column of `Pulse`, of a ``bead``; ``"wall_force."`` or
         ``"left_wall_force."`` and ``peak``, ``peak_time``, ``impulse``, ``impulse_of_impact``,
-        ``first_contact_impulse`` or ``duration``; ``"sensor."`` and ``first_maximum``,
-        ``first_maximum_time``, ``largest``, ``largest_time`` or ``impulse``, of a sensor in a
-        ``bead``; ``"bead.largest_velocity"``, ``"bead.largest_momentum"`` or
+        ``first_contact_impulse`` or ``duration``; ``"body_force.peak"`` or
+        ``"body_force.acceleration"`` of the last body of a free right end; ``"sensor."`` and
+        ``first_maximum``, ``first_maximum_time``, ``largest``, ``largest_time`` or ``impulse``, of
+        a sensor in a ``bead``; ``"bead.largest_velocity"``, ``"bead.largest_momentum"`` or
         ``"bead.largest_energy"`` at the largest forward velocity of a ``bead`` in the whole run;
         ``"final.velocity"`` or ``"final.position"`` of a ``bead`` at ``until``; or
         ``"energy."`` and ``kinetic``, ``forward``, ``backward``, ``contacts`` or ``walls``, the
@@ -95,7 +96,8 @@ def gradient(
         ``"velocity@last"`` include the bead.  Differences have those that `simulate_many` gives.
     to : str or iterable of str
         Parameters: ``"radii"``, ``"masses"``, ``"stiffness"``, ``"gaps"``, ``"velocities"``,
-        ``"young"``, ``"poisson"``, ``"density"`` (of each bead), ``"left_wall.stiffness"``,
+        ``"young"``, ``"poisson"``, ``"density"`` (of each bead), with `ElasticPlastic`
+        ``"yield_strength"``, ``"left_wall.stiffness"``,
         ``"right_wall.stiffness"``, ``"left_wall.gap"``, ``"right_wall.gap"``,
         ``"precompression"``, ``"gravity"``, ``"loss.time"``, ``"loss.coefficient"`` or
         ``"loss.gamma"``; by differences, those of each bead or contact except gaps, where they are

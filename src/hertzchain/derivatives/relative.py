@@ -14,9 +14,9 @@ from .names import Name
 from .parameters import MATERIAL
 
 _PARAMETERS: Final = {
-    "radii": "m", "masses": "kg", "gaps": "m", "velocities": "m/s", "young": "Pa", "yield_strength": "Pa", "poisson": "1",
-    "density": "kg/m^3", "left_wall.gap": "m", "right_wall.gap": "m", "precompression": "N",
-    "gravity": "m/s^2", "loss.time": "s", "loss.coefficient": "1",
+    "radii": "m", "masses": "kg", "gaps": "m", "velocities": "m/s", "young": "Pa", "poisson": "1",
+    "yield_strength": "Pa", "density": "kg/m^3", "left_wall.gap": "m", "right_wall.gap": "m",
+    "precompression": "N", "gravity": "m/s^2", "loss.time": "s", "loss.coefficient": "1",
     "loss.gamma": "kg/s",
 }  # fmt: skip
 _FINAL: Final = {"velocity": "m/s", "position": "m"}

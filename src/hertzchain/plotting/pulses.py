@@ -329,11 +329,8 @@ def _label_parts(
         colour = curve_colour(axes, *banded) if single else grey(axes, 0.4)
         axes.fill_between([], [], [], color=colour, alpha=BAND, linewidth=0.0, label=LOTS)
     if LIGHT_BEADS in present or any(light_beads(each, quantity) is not None for each in pulses):
-        light: dict[str, Any] = {
-            "marker": MARKERS[0],
-            "markersize": LIGHT_SIZE,
-            "markerfacecolor": "none",
-        }
+        light: dict[str, Any] = {"marker": MARKERS[0], "markersize": LIGHT_SIZE}
+        light["markerfacecolor"] = "none"
         axes.plot([], [], color=grey(axes, 0.4), linestyle="none", label=LIGHT_BEADS, **light)
     if FREE_END in present or any(ends_free(pulse, quantity) for pulse in pulses):
         label_free_end(axes)

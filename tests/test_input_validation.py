@@ -141,6 +141,7 @@ def public_calls(folder):
             hc.Traces.from_arrays, times=moved.times, signals=signal, noise=0.01
         ),
         "Traces.with_scaled_times": tried(traces.with_scaled_times, factor=0.5),
+        "Traces.between": tried(traces.between, begin=None, until=1.0),
         "Traces.merge": tried(
             traces.merge,
             other=hc.Traces.from_arrays(

@@ -33,6 +33,7 @@ WORDINGS: Final = (
     (r"\(end=\.\.\. of load_drive\)", "(key end of [chain.drive])"),
     (r"\buse largest_so_far\b", "use the largest force so far"),
     (r"\bsimulate with until='([^']*)'", r"add --until '\1'"),
+    (r"\bgive fit until='([^']*)'", r"add --until '\1'"),
     (r"\buntil='([^']*)'", r"--until '\1'"),
     # In a specification of a sweep, it is the key method.max_steps.
     (r"(?<![-.'])\bmax_steps\b", "--max-steps"),
@@ -73,7 +74,7 @@ BY_OPTION: Final = {
         (r"\bgive simulate more times\b", "give more --times"),
     ),
     "until": (
-        (r"\bgive until\b", "give --until"),
+        (r"\bgive until\b(?!=)", "give --until"),
         (r"(; give .*), or until$", r"\1, or --until"),
         (r"\bwithout until\b", "without --until"),
     ),

@@ -11,8 +11,9 @@
 - systematic errors: `systematics` with `effect_limits`, `sensor_effects`, `signal_noise`, and
   `constants` that are taken as exact;
 - fits that mean less than they seem to: `diagnosis` with its `causes`, `static_causes`,
-  `ball_counts`, `common_effects`, `advice` and `second_pulse`, `plausibility`,
-  `prior_conflicts`, `without_priors`, `cap_notes`, `unused_parameters`, `silent_sensors`;
+  `constant_causes`, `ball_counts`, `ball_count_causes`, `common_effects`, `advice` and
+  `second_pulse`, `plausibility`, `prior_conflicts`, `without_priors`, `cap_notes`,
+  `unused_parameters`, `silent_sensors`;
 - the result: `result`, `result_text`, `result_document`, `shown_values`, `summary_width`,
   `fitted_file`;
 - further questions: `loss_comparison` of all `loss_laws`, and `defect_scan`;

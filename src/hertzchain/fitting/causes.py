@@ -37,13 +37,17 @@ class Cause:
     misread: bool = False
     # Whether amplitudes are wrong by so much that other causes mean nothing before.
     gross: bool = False
+    # Whether the row has another number of balls.
+    count: bool = False
 
     @property
     def values(self) -> str:
-        """The parameters of the fit, if these are not in the description of the cause."""
+        """Lines with the parameters of the fit, if these are not in the description."""
         if not self.misread or self.result.meaningless:
             return ""
-        return f" with {', '.join(f'{name} = {row}' for name, row in self.result.rows())}"
+        rows = self.result.rows()
+        longest = max(len(name) for name, _ in rows)
+        return "".join(f"\n  {name:<{longest}}  {row}" for name, row in rows)
 
 
 def try_further(

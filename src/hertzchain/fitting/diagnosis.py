@@ -8,29 +8,30 @@ chosen by their prediction in the linearised fit.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from ..errors import InputError, SimulationError
-from ..representation import listed, measure
+from ..errors import SimulationError
+from ..representation import measure
 from .advice import advice_to_free, considered, level_advice, nothing_explains
-from .ball_counts import ball_count, with_ball_fewer, with_ball_more
+from .ball_count_causes import likely_count, other_counts
+from .cap_notes import LEAVES, before_departure
 from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_ends, is_free, try_further
-from .chain_parameters import known_names
 from .clocks import fixed_offsets
 from .common_effects import separate_effects
+from .constant_causes import with_cap, with_exponent, with_masses, with_moduli, with_walls
 from .effect_limits import limited
 from .law_parameters import names_of_losses
 from .loss_laws import typical_law
 from .misread_columns import misread_columns
 from .misread_places import best_other_place
 from .misread_times import check_times, misread_times
-from .model import make_model
 from .names import Name
-from .parameters import ELASTIC, Parameter, kind_and_value
+from .parameters import Parameter, kind_and_value
+from .prior_conflicts import conflict_notes_of
 from .problem import Problem
 from .result import FitResult
 from .second_pulse import without_second_pulse
@@ -48,9 +49,6 @@ MAX_TRIED: Final = 4
 MAX_PAIRS: Final = 2
 # Common parameters that may differ between shots.
 OF_SHOTS: Final = ("struck_by.velocity", "time_offset")
-# Starts of a mass: a fit from the mass of the other balls can end there, because a heavier ball
-# reflects the pulse and a lighter one leaves its neighbour.
-MASS_STARTS: Final = (1.05, 0.95)
 # Law that is tried if the chain has no loss.
 LOSS: Final = "viscoelastic"
 # Columns may be wrong if a parameter is further from its prior, in standard deviations.
@@ -68,11 +66,14 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if result.goodness.only_noise:
         return result
     check_times(result.model)
-    causes = [*_columns(result, start, refit), *_clock(result, start, refit)]
+    columns = list(_columns(result, start, refit))
+    causes = [*columns, *_clock(result, start, refit)]
     misread = next((each for each in causes if each.whole and _much_better(result, each)), None)
     if misread is not None:
-        return replace(result, advice=(_sentence(result, misread),), misread=True)
+        return as_misread(result, misread)
     gross = next((each for each in causes if each.gross and _much_better(result, each)), None)
+    if gross is not None and _is_good(gross.result):
+        return as_misread(result, gross)
     if gross is not None:
         return replace(result, advice=_with_next(result, gross, start, refit))
     if result.meaningless and not any(_much_better(result, each) for each in causes):
@@ -95,7 +96,68 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     ))  # fmt: skip
     if "offset" in best.what:
         levels = ()
-    return replace(result, advice=(_sentence(result, best), *levels))
+    if best in columns and best.result.describes:
+        return as_misread(result, best)
+    best, others = _count_first(best, good)
+    found = replace(result, advice=(f"{_sentence(result, best)}{others}", *levels))
+    return _without_consequences(found) if _is_certain(best) else found
+
+
+def unit_is_wrong(problem: Problem, start: Mapping[str, float], refit: Refit) -> Cause | None:
+    """The fit to data in another unit, if known gains exclude that of the columns.
+
+    It is tried before a fit to the data as they are, which takes long and has no meaning.
+    """
+    model = problem.model
+    found = next((each for each in misread_columns(model) if each.unit), None)
+    if found is None:
+        return None
+    try:
+        other = refit(Problem(replace(model, traces=found.traces)), start, 1)
+    except SimulationError:
+        return None
+    cause = Cause(found.what, found.advice, other, 0, misread=True, gross=True)
+    return cause if _is_good(other) and not other.prior_conflict else None
+
+
+def as_misread(result: FitResult, cause: Cause) -> FitResult:
+    """A result without any meaning, because columns or times are read wrongly."""
+    found = replace(result, advice=(_sentence(result, cause),), misread=True)
+    return _without_consequences(found) if _is_good(cause.result) else found
+
+
+def _without_consequences(result: FitResult) -> FitResult:
+    """A result without notes on priors and bounds, which its cause contradicts."""
+    priors = len(conflict_notes_of(result))
+    ends = [f"{name} is at its bound and has no error" for name in result.at_bounds]
+    notes = tuple(
+        each for each in result.notes[priors:]
+        if each not in ends and not each.startswith(LEAVES.partition("{")[0])
+    )  # fmt: skip
+    return replace(result, notes=notes, explained=True)
+
+
+def _is_certain(cause: Cause) -> bool:
+    """Whether a cause is one of the data or the row, and not a parameter that may hide another."""
+    return (cause.misread or cause.count) and cause.result.describes
+
+
+def _count_first(best: Cause, good: Sequence[Cause]) -> tuple[Cause, str]:
+    """The number of balls rather than a delay that describes the data as well, and that delay."""
+    delays = [each for each in good if each.what.startswith("delay") and each.result.describes]
+    counts = [each for each in good if each.count and each.result.describes]
+    if not (counts and delays):
+        return best, ""
+    count, delay = (min(each, key=lambda one: one.result.chi2) for each in (counts, delays))
+    if best not in (count, delay) or count.result.chi2 > delay.result.chi2 + PRESENT:
+        return best, ""
+    return count, (
+        f". If the number is right, {delay.advice}: with {delay.what}, about the time in which the "
+        f"pulse passes one ball, chi2 is {delay.result.chi2:.0f}, and the data hardly distinguish "
+        "these causes"
+        if delay.result.chi2 < count.result.chi2 + PRESENT
+        else ""
+    )
 
 
 def _with_next(
@@ -133,8 +195,9 @@ def _with_other_columns(
         return None
     for cause in _columns(result, start, refit):
         if _is_good(cause.result) and not cause.result.prior_conflict:
-            agrees = f"the fit also agrees with the priors{cause.values}"
-            return replace(result, advice=(f"with {cause.what}, {agrees}: {cause.advice}",))
+            agrees = f"with {cause.what}, the fit also agrees with the priors: {cause.advice}"
+            text = f"{agrees}. The values are then{cause.values}"
+            return replace(result, advice=(text,), explained=True)
     return None
 
 
@@ -210,11 +273,12 @@ def _removed(result: FitResult, other: FitResult) -> float:
 
 
 def _sentence(result: FitResult, cause: Cause) -> str:
+    then = f". The values are then{cause.values}" if cause.values else ""
     if result.describes or result.goodness.undecided:
-        possible = cause.values or " with possible values"
-        return f"with {cause.what}, the model describes the data{possible}: {cause.advice}"
+        possible = "" if then else " with possible values"
+        return f"with {cause.what}, the model describes the data{possible}: {cause.advice}{then}"
     if cause.result.describes:
-        return f"{_improved(result, cause)}{cause.values}: {cause.advice}"
+        return f"{_improved(result, cause)}: {cause.advice}{then}"
     text = f"{_improved(result, cause)}: {cause.advice}"
     return f"{text}. The model still does not describe the data. {considered(result)}"
 
@@ -278,6 +342,14 @@ def _places(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iter
     )  # fmt: skip
 
 
+def _counts_and_effects(
+    result: FitResult, start: Mapping[str, float], refit: Refit
+) -> Iterator[Cause]:
+    """Fits with another number of balls and with effects of sensors, which may look like it."""
+    yield from likely_count(result, start, refit)
+    yield from _effects(result, start, refit)
+
+
 def _effects(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """Fits with the effects of sensors that reduce chi-squared most in the linearised fit."""
     groups = list(groups_of_effects(result))
@@ -335,99 +407,21 @@ def _losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
         ))  # fmt: skip
 
 
-def _beads(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """Fits with one ball more and one fewer at the end of the chains."""
-    model = result.model
-    for changed, words in ((with_ball_more, "one ball more"), (with_ball_fewer, "one ball fewer")):
-        try:
-            chains = tuple(changed(chain) for chain in model.chains)
-            other = make_model(model.traces, chains, model.parameters, model.simulator)
-            found = refit(Problem(other), start, 1)
-        except (InputError, SimulationError):
-            continue
-        yield Cause(f"{words} ({ball_count(chains[0])})", "check the number of balls", found, 0)
-
-
-def _exponent(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """The fit with the exponent of all contacts, if they have one that is not free."""
-    name = Name("exponent")
-    if not is_free(name.key, result.model) and str(name) in known_names(result.chain):
-        cause = try_further(result, (name,), refit)
-        moduli = [f"'{each}'" for each in result.model.names if each.key in ELASTIC]
-        if cause is not None and moduli:
-            advice = f"free 'stiffness' and 'exponent' instead of {listed(moduli)}"
-            yield replace(cause, advice=advice)
-        elif cause is not None:
-            yield cause
-
-
-def _cap(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """The fits with the mass of a cap, and with the stiffness of the walls behind it."""
-    if result.chain.cap is not None:
-        yield from _ends(result, start, refit)
-
-
-def _walls(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """The fits with the stiffness of the walls of a chain without a cap."""
-    if result.chain.cap is None:
-        yield from _ends(result, start, refit)
-
-
-def _ends(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """The fits with the stiffness of each wall that is not free, and with the mass of a cap."""
-    for name in fixed_ends(result.model):
-        # Its error includes those of others, which only priors determine, as in `_clear_cause`.
-        cause = try_further(result, (name,), refit, least=0.0)
-        if cause is not None:
-            yield cause
-
-
-def _moduli(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """The fits with the modulus of each material of the balls, if they have several."""
-    kinds = dict.fromkeys(each.name for each in result.chain.materials or ())
-    free = {replace(each, shot="") for each in result.model.names}
-    for name in (Name("materials.young", kind) for kind in kinds):
-        if len(kinds) > 1 and name not in free:
-            cause = try_further(result, (name,), refit)
-            if cause is not None:
-                yield cause
-
-
-def _masses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """The fit with one mass of the balls that contain sensors, if they are equal."""
-    model = result.model
-    inside = {
-        signal.place.bead(result.chain) - result.chain.strikers
-        for _, signal in model.traces if signal.place.body in ("ball", "bead")
-    }  # fmt: skip
-    balls = sorted(each for each in inside if each > 0)
-    if not balls or any(name.key == "mass" for name in model.names):
-        return
-    name = Name("mass", ",".join(map(str, balls)))
-    for factor in MASS_STARTS:
-        try:
-            cause = try_further(result, (name,), refit, factor=factor)
-        except InputError:
-            # The balls have several masses.
-            return
-        if cause is not None:
-            yield replace(cause, what=f"another mass of the balls with sensors, {cause.what}")
-
-
 # Causes that are tried one after the other, with words for those that other functions do not name.
 FURTHER: Final[Mapping[Callable[[FitResult, Mapping[str, float], Refit], Iterator[Cause]], str]] = {
     without_second_pulse: "",
+    before_departure: "",
     _places: "",
-    _effects: "",
+    _counts_and_effects: "",
     separate_effects: "another offset or gain of each sensor",
     _shots: "another velocity or time offset in each shot",
     _losses: "the loss",
     static_causes: "gravity and a precompression",
-    _exponent: "the exponent",
-    _cap: "the mass of the cap, the stiffness of the walls",
-    _walls: "the stiffness of the walls",
-    _moduli: "the moduli of several materials",
-    _masses: "the mass of balls with sensors",
-    _beads: "one ball more or fewer",
+    with_exponent: "the exponent",
+    with_cap: "the mass of the cap, the stiffness of the walls",
+    with_walls: "the stiffness of the walls",
+    with_moduli: "the moduli of several materials",
+    with_masses: "the mass of balls with sensors",
+    other_counts: "one ball more or fewer",
     _pairs: "",
 }

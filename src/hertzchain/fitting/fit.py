@@ -23,7 +23,7 @@ from .cap_notes import cap_notes
 from .chain_parameters import following
 from .clocks import clock_notes, with_clocks
 from .coarse_sampling import sampling_notes
-from .diagnosis import diagnosed
+from .diagnosis import as_misread, diagnosed, unit_is_wrong
 from .least_squares import Solution, solve, solve_again
 from .misread_columns import inversion_notes
 from .misread_times import nominal_pulses
@@ -67,6 +67,8 @@ def fit(
     priors: Priors | None = None,
     start: Mapping[str, float] | None = None,
     time_offset: TimeOffset = None,
+    begin: float | str | None = None,
+    until: float | str | None = None,
     starts: int = 4,
     progress: Progress | None = None,
 ) -> FitResult:
@@ -114,6 +116,9 @@ def fit(
         shots or for each.  It is fixed unless ``time_offset`` is in ``free``, and the fit then
         starts from it.  By default, it is that of the table ``[fit]``, or the start of the drive if
         the chain file reads it from the file of the traces; otherwise it is free.
+    begin, until : float or str, optional
+        First and last time of the data to fit [s], such as ``"550 us"``; by default those of the
+        record.  `Traces.between` selects the same samples.
     starts : int
         Largest number of starts, 1 to 6; more than one is used only if the first fit is poor or has
         not converged.  If a loss is free, a coarse scan over a tenth to five times its start then
@@ -147,11 +152,18 @@ def fit(
     """
     data, chains, settings = load_experiment(traces, chain, load_traces)
     callback("progress", progress)
+    if begin is not None or until is not None:
+        data = data.between(begin, until)
     settings = for_sensors(settings, data).updated(free, priors, start, time_offset)
     data, settings = with_clocks(with_time_offset(data, time_offset), settings)
     count = whole_number("starts", starts, least=1, most=6)
-    result = diagnosed(fit_with(data, chains, settings, count, progress), settings.start, fitted)
-    result = with_fits_without_priors(result, fitted)
+    problem = problem_of(data, chains, settings, progress)
+    wrong = unit_is_wrong(problem, settings.start, fitted)
+    if wrong is not None:
+        result = as_misread(_at_values_of(problem, wrong.result), wrong)
+    else:
+        result = diagnosed(fitted(problem, settings.start, count), settings.start, fitted)
+        result = with_fits_without_priors(result, fitted)
     # Later simulations, such as those of scans and posteriors, report their own progress.
     result.model.simulator.progress = None
     return result
@@ -162,6 +174,13 @@ def fit_with(
     progress: Progress | None = None,
 ) -> FitResult:  # fmt: skip
     """Fit with checked traces and chains."""
+    return fitted(problem_of(data, chains, settings, progress), settings.start, starts)
+
+
+def problem_of(
+    data: Traces, chains: Sequence[Chain], settings: Settings, progress: Progress | None = None
+) -> Problem:
+    """The problem of checked traces and chains."""
     parameters = free_parameters(
         data, chains, settings.free, settings.priors, settings.start, settings.optional
     )
@@ -173,8 +192,17 @@ def fit_with(
     places = list({signal.name: signal.place for _, signal in data}.values())
     simulator = Simulator(places, None if progress is None else lambda done: progress(done, 0))
     model = _without_spikes(make_model(data, chains, parameters, simulator))
-    problem = Problem(_coupled(model, settings.start))
-    return fitted(problem, settings.start, starts)
+    return Problem(_coupled(model, settings.start))
+
+
+def _at_values_of(problem: Problem, other: FitResult) -> FitResult:
+    """A result without a search, at the values of the fit to data in another unit."""
+    variables = other.variables
+    solution = Solution(
+        variables, problem.residuals(variables), problem.jacobian(variables), False,
+        "not begun", 1,
+    )  # fmt: skip
+    return result_of(problem, solution)
 
 
 def fitted(problem: Problem, start: Mapping[str, float], starts: int) -> FitResult:
@@ -272,7 +300,7 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
         *inversion_notes(_gains(model, values)),
         *coupling_notes(model.traces, chains, lambda k, each: model.gain(k, each, values)),
         *small_residual_notes(problem, solution.residuals),
-        *range_notes(chains[0], duration), *_cap_notes(model, chains, values),
+        *range_notes(chains[0], duration), *cap_notes(model, chains, values),
         *_sampling_notes(model, values),
         *filter(None, (solution.note,)),
     )  # fmt: skip
@@ -294,15 +322,6 @@ def _sampling_notes(model: Model, values: Mapping[Name, float]) -> list[str]:
             shot, model.predict_shot(k, values), number=k + 1 if len(shots) > 1 else None
         )
     ]  # fmt: skip
-
-
-def _cap_notes(
-    model: Model, chains: Sequence[Chain], values: Mapping[Name, float]
-) -> tuple[str, ...]:
-    """A note on the shot that is recorded longest after its impact, if its cap leaves the wall."""
-    recorded = [float(model.times_after_impact(k, values)[-1]) for k in range(len(chains))]
-    longest = int(np.argmax(recorded))
-    return cap_notes(chains[longest], recorded[longest]) if recorded[longest] > 0.0 else ()
 
 
 def _gains(model: Model, values: Mapping[Name, float]) -> dict[str, float]:

@@ -26,7 +26,7 @@ from ..validation.json_types import finite
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_list, check_type
-from .cap_notes import cap_notes
+from .cap_notes import planned_cap_notes
 from .clocks import with_clocks
 from .constants import FixedConstant, Optimum, fixed_constants
 from .crossings import pulse_duration
@@ -360,7 +360,7 @@ def _forecast(traces: Traces, chain: Chain, settings: Settings) -> Forecast:
     assumed = model.chain(0, values)
     notes = (
         *large_error_notes(model, found), *range_notes(assumed, duration),
-        *cap_notes(assumed, duration, planned=True),
+        *planned_cap_notes(assumed, duration),
     )  # fmt: skip
     return Forecast(
         tuple(map(str, model.names)), found.estimates, found.sigmas, found.covariance, found.weak,

@@ -36,6 +36,8 @@ class Misread:
     whole: bool = False
     # Whether amplitudes are wrong by so much that other causes mean nothing before.
     gross: bool = False
+    # Whether a prefix of the unit explains the amplitudes of all columns that are read differently.
+    unit: bool = False
 
 
 def prefix_of(ratio: float) -> float | None:
@@ -103,7 +105,7 @@ def _amplitudes(traces: Traces, ratios: Mapping[str, float]) -> Iterator[Misread
         )]),
         _scaled(traces, {name: 1.0 / factor for name, factor in wrong.items()}),
         whole=len(wrong) == len(traces.names) and all(map(prefix_of, wrong.values())),
-        gross=True,
+        gross=True, unit=all(map(prefix_of, wrong.values())),
     )  # fmt: skip
 
 

@@ -34,10 +34,10 @@ def best_other_place(model: Model) -> OtherPlace | None:
     others = list(_neighbours(signals, model))
     places = [*signals.values(), *dict.fromkeys(place for _, place in others)]
     simulator = Simulator(places, model.simulator.count_one)
-    least, found = BETTER * _difference(model), None
+    least, found = BETTER * rms_difference(model), None
     for name, place in others:
         other = _with_place(model, name, place, simulator)
-        difference = _difference(other)
+        difference = rms_difference(other)
         if difference < least:
             least, found = difference, OtherPlace(name, place, other)
     return found
@@ -71,6 +71,7 @@ def _with_place(model: Model, name: str, place: Place, simulator: Simulator) -> 
     return make_model(traces, model.chains, parameters, simulator)
 
 
-def _difference(model: Model) -> float:
+def rms_difference(model: Model) -> float:
+    """Rms difference of the data from the nominal chain at the best time offset."""
     shot, columns, grid = nominal_pulses(model)
     return difference_at_best_offset(shot, columns, float(grid[1] - grid[0]))

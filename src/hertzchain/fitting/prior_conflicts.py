@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from .parameters import Parameter
 from .sensor_comparison import SensorComparison
 from .shown_values import shown_value
 
+if TYPE_CHECKING:
+    from .result import FitResult
+
 # A parameter contradicts its prior beyond this number of standard deviations; several contradict
 # theirs together if the sum of squares is less probable than the same deviation of one.  Both tests
 # are conservative: a fit follows its priors, so that the variance of a deviation from a prior s is
@@ -28,7 +31,7 @@ AGREES: Final = 1.0
 # Larger numbers of standard deviations are not stated, because they have no meaning.
 MANY: Final = 100.0
 # Largest relative difference of a ratio from a power of ten that a wrong unit would cause.
-NEAR_POWER: Final = 0.1
+NEAR_POWER: Final = 0.2
 # Units that make values too small and too large by a thousand.
 UNITS: Final = ("mV instead of V", "V instead of mV")
 ADVICE: Final = (
@@ -99,6 +102,12 @@ def conflict_notes(
             found.append(f"{each} = {value} is {_counted(size)} from its prior, {prior}: {advice}")
     clause = conflict(deviations)
     return tuple(found) or ((f"{clause}: {ADVICE}",) if clause else ())
+
+
+def conflict_notes_of(result: FitResult) -> tuple[str, ...]:
+    """Notes on the contradicted priors of a fit, the first ones of its notes."""
+    values = dict(zip(result.model.names, result.estimates.tolist(), strict=True))
+    return conflict_notes(result.model.parameters, result.traces, values, result.sigmas)
 
 
 def gain_notes(

@@ -77,7 +77,9 @@ class FitResult(Estimates):
         If the model does not describe the data: a cause that another fit has confirmed, or what to
         consider.  If it does, an effect of the sensors that the data show, from another fit.
     misread : bool
-        Whether the model describes the data only if the unit of all columns or times is changed.
+        Whether the data require another sign, unit or order of columns, or other times.
+    explained : bool
+        Whether ``advice`` names an error of the data, or of the number of balls, that explains all.
     scan : str
         Losses from which a poor fit was started again, in words; or empty.
     without_priors : tuple of WithoutPriors
@@ -101,6 +103,7 @@ class FitResult(Estimates):
     residual_vector: Array = field(repr=False)
     advice: tuple[str, ...] = ()
     misread: bool = False
+    explained: bool = False
     scan: str = ""
     without_priors: tuple[WithoutPriors, ...] = ()
 

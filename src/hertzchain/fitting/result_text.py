@@ -49,11 +49,11 @@ def verdict_of(result: FitResult) -> str:
     if result.implausible:
         return f"{good}, but {result.implausible}, so the fit is meaningless"
     if result.misread:
-        return f"{good}: the data and the chain differ in units, so the fit is meaningless"
+        return f"{good}: columns or times are read wrongly, so the fit is meaningless"
     if not result.converged:
         return f"{good}: the fit has {result.reason}{NO_ERRORS}"
     text = f"{good}{good.verdict}{silent_clause(result.traces, result.undetermined)}"
-    if not result.prior_conflict or result.meaningless:
+    if not result.prior_conflict or result.meaningless or result.explained:
         return text
     return f"{text}. {'However' if result.describes else 'In addition'}, {result.prior_conflict}"
 

@@ -11,7 +11,7 @@ import numpy as np
 from ..collision import Array
 from ..representation import counted, listed, short
 from .causes import Refit
-from .prior_conflicts import conflict_notes, contradicted
+from .prior_conflicts import conflict_notes_of, contradicted
 from .problem import Problem
 from .result_document import parameters_document
 from .shown_values import shown_value
@@ -65,6 +65,9 @@ def with_fits_without_priors(result: FitResult, refit: Refit) -> FitResult:
     """
     if not result.prior_conflict or result.meaningless or not result.converged:
         return result
+    if result.explained:
+        # Values without a prior would describe the data less well than the cause does.
+        return result
     deviations = result.prior_deviations
     names = sorted(contradicted(deviations), key=lambda name: -abs(deviations[name]))
     found = [_fit_without(result, (name,), refit) for name in names[:MAX_TRIED]]
@@ -75,8 +78,7 @@ def with_fits_without_priors(result: FitResult, refit: Refit) -> FitResult:
     if not good:
         return result
     good.sort(key=lambda each: each.result.chi2 + each.result.penalty)
-    values = dict(zip(result.model.names, result.estimates.tolist(), strict=True))
-    own = len(conflict_notes(result.model.parameters, result.traces, values, result.sigmas))
+    own = len(conflict_notes_of(result))
     notes = *result.notes[:own], *(each.note for each in good), *result.notes[own:]
     return replace(result, notes=notes, without_priors=tuple(good))
 

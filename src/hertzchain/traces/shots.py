@@ -11,7 +11,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError
-from ..representation import counted
+from ..representation import counted, measure
 from .headers import positive_noise
 from .noise import (
     ACCURACY,
@@ -69,6 +69,29 @@ def made_again(shot: Shot) -> Shot:
         replace(new, valid=new.valid & old.valid, coupling=old.coupling, spikes=old.spikes)
         for new, old in pairs
     ))  # fmt: skip
+
+
+def shot_between(shot: Shot, begin: float, until: float) -> Shot:
+    """The samples of a shot from one time to another."""
+    first = int(np.searchsorted(shot.times, begin, side="left"))
+    end = int(np.searchsorted(shot.times, until, side="right"))
+    part, count = slice(first, end), end - first
+    if count < 2:
+        ends = measure(float(shot.times[0]), "s"), measure(float(shot.times[-1]), "s")
+        raise InputError(
+            f"{counted(max(count, 0), 'sample')} would remain between begin and until; the times "
+            f"of the data are from {ends[0]} to {ends[1]}"
+        )
+    found = replace(shot, times=shot.times[part], signals=tuple(
+        replace(
+            each, values=each.values[part], valid=each.valid[part],
+            before=min(max(each.before - first, 0), count), quiet=min(each.quiet, count),
+            spikes=tuple(i - first for i in each.spikes if first <= i < end),
+        )
+        for each in shot.signals
+    ))  # fmt: skip
+    # The noise was measured before the pulse, so that later samples do not change it.
+    return made_again(found) if first else found
 
 
 def check_times(times: Array, unit: str = "s", lines: Array | None = None) -> None:

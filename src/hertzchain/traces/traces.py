@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -17,7 +18,7 @@ from ..validation.objects import check_choice, check_list, check_type
 from .headers import header_of
 from .noise import check_names_of_noise
 from .notes import trace_notes
-from .shots import check_times, made_again, make_shot
+from .shots import check_times, made_again, make_shot, shot_between
 from .signals import Clock, Shot, Signal, merged_shots
 
 if TYPE_CHECKING:
@@ -175,6 +176,39 @@ class Traces:
         """
         factor = number("factor", factor, unit="", above=0.0)
         return Traces(tuple(shot.with_scaled_times(factor) for shot in self.shots))
+
+    def between(self, begin: float | str | None = None, until: float | str | None = None) -> Traces:
+        """Select the samples from one time of the data to another.
+
+        Select earlier samples if the chain does not describe later ones, such as those after the
+        cap of a load cell has left its wall.  The noise is measured again if ``begin`` omits
+        samples before the pulse.
+
+        Parameters
+        ----------
+        begin, until : float or str, optional
+            First and last time of the data [s], or with a unit, such as ``"550 us"``.  By default,
+            those of the record.
+
+        Returns
+        -------
+        Traces
+
+        Raises
+        ------
+        InputError
+            If fewer than two samples remain, or too few before the pulse to measure the noise.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> read = hc.Traces.from_arrays([0.0, 1e-6, 2e-6], {"wall [N]": [0, 5, 1]}, noise=0.1)
+        >>> read.between(until="1 us")
+        Traces(1 shot, wall: 2 samples, every 1 us; noise 0.1 N)
+        """
+        first = -math.inf if begin is None else number("begin", begin, unit="s")
+        last = math.inf if until is None else number("until", until, unit="s")
+        return Traces(tuple(shot_between(shot, first, last) for shot in self.shots))
 
     def __iter__(self) -> Iterator[tuple[int, Signal]]:
         """Pairs of the index of the shot and the signal."""

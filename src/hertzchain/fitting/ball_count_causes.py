@@ -1,0 +1,99 @@
+"""One ball more or fewer, behind all sensors or between them, as a cause of residuals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Final
+
+from ..errors import InputError, SimulationError
+from ..traces.places import Place, place_named
+from ..traces.traces import mapped
+from .ball_counts import ball_count, with_ball_fewer, with_ball_more
+from .causes import Cause, Refit
+from .misread_places import BETTER, rms_difference
+from .model import Model, make_model
+from .problem import Problem
+from .result import FitResult
+from .simulations import Simulator
+
+CHANGES: Final = ((1, with_ball_more, "one ball more"), (-1, with_ball_fewer, "one ball fewer"))
+COUNT: Final = "check the number of balls"
+
+
+def likely_count(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fit with another number of balls, if this agrees better with the nominal chain."""
+    least, best = BETTER * rms_difference(result.model), None
+    for what, advice, model in _other_counts(result.model):
+        difference = rms_difference(model)
+        if difference < least:
+            least, best = difference, (what, advice, model)
+    if best is not None:
+        yield from _fits([best], start, refit)
+
+
+def other_counts(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """Fits with one ball more and one fewer behind the last sensor in a ball."""
+    yield from _fits(_at_end(result.model), start, refit)
+
+
+def _fits(
+    others: Iterator[tuple[str, str, Model]] | list[tuple[str, str, Model]],
+    start: Mapping[str, float], refit: Refit,
+) -> Iterator[Cause]:  # fmt: skip
+    for what, advice, model in others:
+        try:
+            found = refit(Problem(model), start, 1)
+        except SimulationError:
+            continue
+        yield Cause(what, advice, found, 0, count=True)
+
+
+def _at_end(model: Model) -> Iterator[tuple[str, str, Model]]:
+    """Models with another number of balls at the end, where no sensor in a ball moves."""
+    for _, change, words in CHANGES:
+        try:
+            chains = tuple(change(chain) for chain in model.chains)
+            other = make_model(model.traces, chains, model.parameters, model.simulator)
+        except InputError:
+            continue
+        yield f"{words} ({ball_count(chains[0])})", COUNT, other
+
+
+def _other_counts(model: Model) -> Iterator[tuple[str, str, Model]]:
+    """Models with another number of balls behind a sensor, which moves all later ones."""
+    yield from _at_end(model)
+    places = {signal.name: signal.place for _, signal in model.traces}
+    inside = [each for each in places.values() if each.body in ("ball", "bead")]
+    inside.sort(key=lambda each: each.number)
+    for k in range(1, len(inside)):
+        before, later = inside[k - 1], inside[k:]
+        if before.number == later[0].number:
+            continue
+        for step, change, words in CHANGES:
+            try:
+                moved = {each.name: _moved(each, step) for each in later}
+                chains = tuple(change(chain) for chain in model.chains)
+                other = _with_places(replace(model, chains=chains), moved)
+            except InputError:
+                continue
+            what = f"{words} ({ball_count(chains[0])}), between {before.name} and {later[0].name}"
+            yield what, f"{COUNT}, and in which of them the sensors are", other
+
+
+def _moved(place: Place, step: int) -> Place:
+    return place_named(place.name.replace(str(place.number), str(place.number + step)))
+
+
+def _with_places(model: Model, places: Mapping[str, Place]) -> Model:
+    """The model with other places of sensors, which the names of parameters follow."""
+    traces = mapped(
+        model.traces, lambda _, each: replace(each, place=places.get(each.name, each.place))
+    )
+    parameters = [
+        replace(each, name=replace(each.name, item=places[each.name.item].name))
+        if each.name.item in places else each
+        for each in model.parameters
+    ]  # fmt: skip
+    kinds = list(dict.fromkeys(signal.place for _, signal in traces))
+    return make_model(traces, model.chains, parameters, Simulator(kinds, model.simulator.count_one))

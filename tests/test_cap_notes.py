@@ -99,7 +99,7 @@ def oscillating(count=680, seed=4):
 
 def test_a_bolted_cell_is_named_and_earlier_samples_are_described():
     wall = hc.Wall("50 kN/mm", exponent=1, loss=hc.Elastic())
-    chain = hc.Chain.from_materials("10 mm", "steel-52100", beads=8).struck_by(velocity="0.2 m/s")
+    chain = hc.Chain.from_materials("5 mm", "steel-52100", beads=8).struck_by(velocity="0.2 m/s")
     chain = chain.replace(right_wall=wall, loss=hc.Viscoelastic("0.6 us")).with_cap("2 g")
     traces, free = oscillating(), [*FREE, "loss.time"]
     priors = {"struck_by.velocity": (0.2, 0.002)}

@@ -31,7 +31,6 @@ from .misread_places import best_other_place
 from .misread_times import check_times, misread_times
 from .names import Name
 from .parameters import Parameter, kind_and_value
-from .prior_conflicts import conflict_notes_of
 from .problem import Problem
 from .result import FitResult
 from .second_pulse import without_second_pulse
@@ -39,6 +38,7 @@ from .sensor_effects import gained_by, groups_of_effects
 from .signal_noise import signal_noise_of
 from .static_causes import static_causes
 from .systematics import PRESENT
+from .without_priors import conflict_notes_of
 
 # Part of the excess of chi-squared that a cause must remove, and the part that it must remove in
 # the linearised fit to be tried.

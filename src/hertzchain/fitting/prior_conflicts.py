@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -16,9 +16,6 @@ from .names import Name
 from .parameters import Parameter
 from .sensor_comparison import SensorComparison
 from .shown_values import shown_value
-
-if TYPE_CHECKING:
-    from .result import FitResult
 
 # A parameter contradicts its prior beyond this number of standard deviations; several contradict
 # theirs together if the sum of squares is less probable than the same deviation of one.  Both tests
@@ -102,12 +99,6 @@ def conflict_notes(
             found.append(f"{each} = {value} is {_counted(size)} from its prior, {prior}: {advice}")
     clause = conflict(deviations)
     return tuple(found) or ((f"{clause}: {ADVICE}",) if clause else ())
-
-
-def conflict_notes_of(result: FitResult) -> tuple[str, ...]:
-    """Notes on the contradicted priors of a fit, the first ones of its notes."""
-    values = dict(zip(result.model.names, result.estimates.tolist(), strict=True))
-    return conflict_notes(result.model.parameters, result.traces, values, result.sigmas)
 
 
 def gain_notes(

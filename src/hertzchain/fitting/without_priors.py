@@ -11,7 +11,7 @@ import numpy as np
 from ..collision import Array
 from ..representation import counted, listed, short
 from .causes import Refit
-from .prior_conflicts import conflict_notes_of, contradicted
+from .prior_conflicts import conflict_notes, contradicted
 from .problem import Problem
 from .result_document import parameters_document
 from .shown_values import shown_value
@@ -81,6 +81,12 @@ def with_fits_without_priors(result: FitResult, refit: Refit) -> FitResult:
     own = len(conflict_notes_of(result))
     notes = *result.notes[:own], *(each.note for each in good), *result.notes[own:]
     return replace(result, notes=notes, without_priors=tuple(good))
+
+
+def conflict_notes_of(result: FitResult) -> tuple[str, ...]:
+    """Notes on the contradicted priors of a fit, the first ones of its notes."""
+    values = dict(zip(result.model.names, result.estimates.tolist(), strict=True))
+    return conflict_notes(result.model.parameters, result.traces, values, result.sigmas)
 
 
 def _fit_without(result: FitResult, names: Sequence[str], refit: Refit) -> WithoutPriors | None:

@@ -2,6 +2,7 @@
 
 import re
 
+import click
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -60,6 +61,9 @@ def test_a_forecast_states_it_only_for_later_samples(leaves, later):
     words = f"give until='{1e6 * leaves:.1f} us' or an earlier one"
     assert note.endswith(words) == later
     assert f"give --until '{1e6 * leaves:.1f} us' or" in on_command_line(words)
+    command = click.Command("forecast", params=[click.Option(["--until"])])
+    with click.Context(command):
+        assert on_command_line(words) == f"give --until '{1e6 * leaves:.1f} us' or an earlier one"
     assert (WORDS in note) == later
 
 

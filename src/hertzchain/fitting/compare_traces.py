@@ -32,13 +32,14 @@ from .arrival_notes import (
 )
 from .coarse_sampling import sampling_notes
 from .compared_part import check_reached, covered_part
-from .exchanged_columns import check_contained_or_exchanged, exchange_notes
+from .exchanged_columns import exchange_notes
 from .goodness import EXPLAINED
 from .misread_columns import inversion_notes
 from .misread_times import time_notes
 from .odd_sensors import odd_sensor_notes
 from .sensor_comparison import (
     check_arrivals,
+    check_contained,
     check_contains_a_pulse,
     check_durations,
     check_resolved,
@@ -87,8 +88,13 @@ def compare_traces(
             unexplained = [NOTHING_EXPLAINED]
     moments = shot.times - begin
     inside = covered_part(moments, float(grid[-1]), time_offset)
-    check_contained_or_exchanged(shot, inside, columns, spacing)
-    check_reached(shot, moments, columns, grid, float(time_offset), "".join(unexplained))
+    try:
+        check_contained(shot, inside)
+        check_reached(shot, moments, columns, grid, float(time_offset), "".join(unexplained))
+    except InputError:
+        # If columns are exchanged, the time offset is wrong, and the comparison names them.
+        if not exchange_notes(shot, columns, spacing):
+            raise
     signals = tuple(_at(moments, inside, column, spacing) for column in columns)
     error = np.nan if given else offset_error(shot, signals)
     found = TraceComparison(traces, signals, float(time_offset), given, error)

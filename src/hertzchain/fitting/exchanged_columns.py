@@ -8,9 +8,7 @@ from dataclasses import replace
 from typing import Final
 
 from ..collision import Array
-from ..errors import InputError
 from ..traces.signals import Shot
-from .sensor_comparison import check_contained
 from .time_offsets import coarse_offset
 
 # An exchange is mentioned if it reduces the rms difference to less than this part.
@@ -38,20 +36,6 @@ def exchange_notes(shot: Shot, columns: Sequence[Array], spacing: float) -> list
         f"with the columns of {signals[i].name} and {signals[j].name} exchanged, the rms "
         f"difference falls to {best / own:.0%} of its value: check the names of these columns"
     ]
-
-
-def check_contained_or_exchanged(
-    shot: Shot, inside: Array, columns: Sequence[Array], spacing: float
-) -> None:
-    """Raise `InputError` if the run ends before a measured pulse, unless columns are exchanged.
-
-    The time offset is then wrong, and the comparison names the columns.
-    """
-    try:
-        check_contained(shot, inside)
-    except InputError:
-        if not exchange_notes(shot, columns, spacing):
-            raise
 
 
 def _exchanged(shot: Shot, i: int, j: int) -> Shot:

@@ -12,6 +12,7 @@ from ..collision import Array
 from ..representation import listed, with_error
 from ..traces.headers import GAIN_UNITS
 from ..traces.traces import Traces
+from .misread_columns import POLARITY
 from .names import Name
 from .parameters import Parameter
 from .sensor_comparison import SensorComparison
@@ -117,7 +118,9 @@ def gain_notes(
             f"the gain of {sensor}, {gain:.4g} {unit}, {relation} its prior in [fit], "
             f"{with_error(mean, sigma)} {unit}"
         )
-        if size > CONTRADICTS:
+        if gain * mean < 0.0:
+            note += f": {POLARITY}"
+        elif size > CONTRADICTS:
             note += f": {_wrong_unit(Name('gain', sensor), gain / mean) or ADVICE}"
         found.append(note)
     return tuple(found)

@@ -47,9 +47,8 @@ def test_times_with_a_wrong_factor_are_recognised():
     assert "with all times divided by 10, chi2 falls from" in result.advice[0]
     assert "so the fit is meaningless" in result.summary(width=None).splitlines()[1]
     (advice,) = result.advice
-    assert advice.partition(". The values are then\n")[0].endswith(
-        "interval; traces.with_scaled_times(0.1) corrects them"
-    )
+    action, _, _ = advice.partition(". The values are then\n")
+    assert action.endswith("interval; traces.with_scaled_times(0.1) corrects them")
     assert on_command_line(action).endswith("interval; multiply them by 0.1 in the file")
     corrected = result.traces.with_scaled_times(0.1)
     np.testing.assert_allclose(corrected.shots[0].times, recorded()[0], rtol=1e-15)

@@ -167,7 +167,8 @@ def scale_of(signal: Signal, model: Array) -> float:
         return 1.0
     ok = signal.valid & np.isfinite(model)
     seen, own = signal.values[ok] - level_of(signal), model[ok] - model[ok][0]
-    return float(seen @ own / (own @ own))
+    size = float(own @ own)
+    return float(seen @ own) / size if size > 0.0 else 0.0
 
 
 def scaled(signal: Signal, model: Array) -> Array:

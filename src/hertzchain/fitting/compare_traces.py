@@ -88,13 +88,7 @@ def compare_traces(
             unexplained = [NOTHING_EXPLAINED]
     moments = shot.times - begin
     inside = covered_part(moments, float(grid[-1]), time_offset)
-    try:
-        check_contained(shot, inside)
-        check_reached(shot, moments, columns, grid, float(time_offset), "".join(unexplained))
-    except InputError:
-        # If columns are exchanged, the time offset is wrong, and the comparison names them.
-        if not exchange_notes(shot, columns, spacing):
-            raise
+    _check_in_record(shot, begin, time_offset, inside, grid, columns, "".join(unexplained))
     signals = tuple(_at(moments, inside, column, spacing) for column in columns)
     error = np.nan if given else offset_error(shot, signals)
     found = TraceComparison(traces, signals, float(time_offset), given, error)
@@ -117,6 +111,20 @@ def compare_traces(
         *coupling_notes(traces, [run.chain], gain),
     )
     return replace(found, notes=notes, exchanged=exchanged)
+
+
+def _check_in_record(
+    shot: Shot, begin: float, time_offset: float, inside: NDArray[np.bool_], grid: Array,
+    columns: Sequence[Array], unexplained: str,
+) -> None:  # fmt: skip
+    """Raise `InputError` if the record or the run misses a pulse, unless columns are exchanged."""
+    try:
+        check_contained(shot, inside)
+        check_reached(shot, shot.times - begin, columns, grid, float(time_offset), unexplained)
+    except InputError:
+        # If columns are exchanged, the time offset is wrong, and the comparison names them.
+        if not exchange_notes(shot, columns, float(grid[1] - grid[0])):
+            raise
 
 
 def _crest_notes(

@@ -27,7 +27,7 @@ def test_small_energies_have_a_prefix():
     balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=20, velocity="0.3 m/s")
     pulse = hc.propagate(balls)
     axes = hc.plot_pulses([pulse], "energy")
-    assert axes.get_ylabel() == "kinetic energy $E_k$ [uJ]"
+    assert axes.get_ylabel() == "kinetic energy $E_k$ [µJ]"
     assert axes.yaxis.get_major_formatter()(1e-4) == "100"
     hc.plot_pulses([pulse], "energy", log=True, ax=axes)
     assert axes.get_ylabel() == "kinetic energy $E_k$ [J]"

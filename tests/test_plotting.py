@@ -803,7 +803,7 @@ def test_a_crest_with_few_samples_says_so():
     signal = hc.Traces.from_arrays(times, {"wall [N]": data}, noise=0.1).shots[0].signals[0]
     axes = plt.figure().subplots()
     draw_crest(axes, times, signal, data, "fit")
-    assert [text.get_text() for text in axes.texts] == ["too few samples"]
+    assert [text.get_text() for text in axes.texts] == ["too few\nsamples"]
 
 
 def test_the_legend_of_bands_covers_none():
@@ -1660,13 +1660,13 @@ def test_the_band_of_the_noise_is_explained_only_where_it_is_visible(largest, sh
 
 @pytest.mark.parametrize("width", ["single column", "60 mm", None])
 def test_legends_above_panels_are_inside_the_figure(width):
-    from hertzchain.plotting.fits import _legend_above
+    from hertzchain.plotting.legends import legend_above
 
     with hc.figure_style(width):
         figure, axes = plt.subplots(layout="constrained")
         for name in ("CH1 (ball 10)", "CH2 (ball 18)", "wall", "±2σ of white noise", "normal law"):
             axes.plot([0.0, 1.0], label=name)
-        _legend_above(figure, axes)
+        legend_above(figure, axes)
         figure.draw_without_rendering()
     (legend,) = figure.legends
     box = legend.get_window_extent()

@@ -11,10 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from ..collision import Array
+from ..representation import counted
 from ..validation.objects import check_bool
 from .colours import curve_colour, grey
 from .legends import place_legend
-from .signals import draw_signal
+from .signals import draw_signal, label_signal
 from .style import (
     MARKERS,
     figure_style,
@@ -35,6 +37,10 @@ LABELS: Final = {"gap": "gap", "bead": "odd ball", "contact": "odd contact"}
 # The times are shown around the largest change of a signal by a defect, until the change is this
 # fraction of it, and at least this number of samples before and after.
 SMALL_CHANGE, MIN_SAMPLES = 0.2, 40
+# Percentiles of the data at this change between which they are shown, the room above and below as a
+# part of their range, and around the fits in standard deviations of the noise.
+USUAL: Final = (1.0, 99.0)
+ROOM, NOISE = 0.1, 3.0
 
 
 def plot_defect_scans(
@@ -125,12 +131,37 @@ def _draw_improved(axes: Axes, without: FitResult, best: FitResult) -> None:
     of_shot = f", shot {shot}" if len(shots) > 1 else ""
     axes.set_title(f"{literal(name)}{of_shot}, the signal that the defect improves most")
     axes.set_xlabel(label)
-    change = np.abs(new - old)
+    seen = np.where(signal.valid, signal.values, np.nan)
+    core, shown = _around_largest_change(np.abs(new - old))
+    axes.set_xlim(times[shown][0], times[shown][-1])
+    both = np.concatenate((new[core], old[core]))
+    fits = both.min() - NOISE * signal.sigma, both.max() + NOISE * signal.sigma
+    _limit_to_change(axes, seen[core], fits, seen[shown])
+    label_signal(axes, signal)
+
+
+def _around_largest_change(change: Array) -> tuple[slice, slice]:
+    """The samples at which a defect changes a signal most, and those that are shown around them."""
     middle, small = int(np.argmax(change)), np.flatnonzero(change < SMALL_CHANGE * change.max())
     first = int(small[small < middle].max(initial=0))
-    last = int(small[small > middle].min(initial=len(times) - 1))
+    last = int(small[small > middle].min(initial=len(change) - 1))
     room = max(last - first, MIN_SAMPLES)
-    axes.set_xlim(times[max(first - room, 0)], times[min(last + room, len(times) - 1)])
+    return slice(first, last + 1), slice(max(first - room, 0), last + room + 1)
+
+
+def _limit_to_change(axes: Axes, data: Array, fits: tuple[float, float], shown: Array) -> None:
+    """Limit the axis to the fits and most data at the change; count the shown data beyond it.
+
+    The pulse itself may be beside the change, and much higher.
+    """
+    usual = np.nanpercentile(data, USUAL) if np.isfinite(data).any() else fits
+    low, high = min(fits[0], usual[0]), max(fits[1], usual[1])
+    room = ROOM * (high - low)
+    axes.set_ylim(low - room, high + room)
+    beyond = int(np.sum((shown < low - room) | (shown > high + room)))
+    if beyond:
+        line = next(each for each in axes.lines if each.get_label() == "data")
+        line.set_label(f"data ({counted(beyond, 'sample')} beyond the axes)")
 
 
 def _place(name: str) -> str:

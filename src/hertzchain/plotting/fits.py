@@ -18,8 +18,9 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice
 from .colours import COLOURS, curve_colour, grey
 from .force_lines import MeasuredLine, label_sources
-from .legends import COMPACT, POINTS_PER_INCH, place_legend
+from .legends import POINTS_PER_INCH, legend_above, place_legend
 from .parameter_labels import parameter_in_words
+from .shared_axes import same_prefix, use_prefix
 from .signals import (
     RESIDUAL,
     draw_crest,
@@ -75,7 +76,8 @@ def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) 
         if axes.get_xlabel() in TIME_LABELS:
             factor, label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
         # In axes that have other curves, signals keep their units.
-        relative = ax is None and len({signal.unit for _, signal in traces}) > 1
+        several = len({signal.unit for _, signal in traces}) > 1
+        relative = ax is None and several
         # Curves that the axes already have, such as simulated ones, have the first colours.
         for i, (index, signal) in enumerate(traces, len(axes.get_legend_handles_labels()[1])):
             times, values = factor * traces.shots[index].times, signal.values
@@ -92,6 +94,8 @@ def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) 
         own = " or ".join(dict.fromkeys(signal_label(signal) for _, signal in traces))
         axes.set_ylabel("signal / largest value" if relative else own)
         axes.autoscale_view()
+        if not several:
+            use_prefix(axes)
         axes.margins(x=0.0)
         label_sources(axes)
         if legend:
@@ -129,6 +133,7 @@ def plot_fit(result: FitResult) -> Figure:
             draw_signal(upper, times, signal, fitted, FIT)
             draw_residuals(lower, times, residuals[i], limit)
             draw_crest(crest, times, signal, fitted, FIT)
+            same_prefix(crest, upper)
             upper.tick_params(labelbottom=False)
             lower.set_ylabel(RESIDUAL)
             figure.align_ylabels([upper, lower])
@@ -138,21 +143,8 @@ def plot_fit(result: FitResult) -> Figure:
             if row == 2 * rows - 2 or i == len(sensors) - 1:
                 lower.set_xlabel(label)
                 crest.set_xlabel(label)
-        _legend_above(figure, figure.axes[0], figure.axes[1])
+        legend_above(figure, figure.axes[0], figure.axes[1])
     return figure
-
-
-def _legend_above(figure: Figure, *panels: Axes) -> None:
-    """A legend of these panels above all of them."""
-    found = [axes.get_legend_handles_labels() for axes in panels]
-    entries = {label: handle for pair in found for handle, label in zip(*pair, strict=True)}
-    for rows in range(1, len(entries) + 1):
-        legend = figure.legend(entries.values(), entries.keys(), loc="outside upper right",
-                               ncols=-(-len(entries) // rows), **COMPACT)  # fmt: skip
-        if legend.get_window_extent().width <= figure.bbox.width:
-            break
-        if rows < len(entries):
-            legend.remove()
 
 
 def plot_fitted_sensor(
@@ -215,7 +207,7 @@ def plot_fit_residuals(result: FitResult) -> Figure:
         right.axhline(0.0, color=grey(right), linewidth=0.6)
         right.set_xlabel("lag [samples]")
         right.set_ylabel("autocorrelation")
-        _legend_above(figure, right, left)
+        legend_above(figure, right, left)
     return figure
 
 
@@ -336,7 +328,7 @@ def plot_trace_comparison(comparison: TraceComparison) -> Figure:
                 lower.set_xlabel(label)
                 lower.tick_params(labelbottom=True)
         figure.align_ylabels()
-        _legend_above(figure, *figure.axes)
+        legend_above(figure, *figure.axes)
     return figure
 
 

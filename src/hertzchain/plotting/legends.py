@@ -96,6 +96,19 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
         ).set_in_layout(False)
 
 
+def legend_above(figure: Figure, *panels: Axes) -> None:
+    """A legend of these panels above all of them."""
+    found = [axes.get_legend_handles_labels() for axes in panels]
+    entries = {label: handle for pair in found for handle, label in zip(*pair, strict=True)}
+    for rows in range(1, len(entries) + 1):
+        legend = figure.legend(entries.values(), entries.keys(), loc="outside upper right",
+                               ncols=-(-len(entries) // rows), **COMPACT)  # fmt: skip
+        if legend.get_window_extent().width <= figure.bbox.width:
+            break
+        if rows < len(entries):
+            legend.remove()
+
+
 def put_legend_above(axes: Axes) -> float:
     """Put the legend above axes without a title in a layout; return its height [inch]."""
     _, legend = _in_columns(axes, _compact(axes), axes.bbox.width)

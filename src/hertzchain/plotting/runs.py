@@ -26,7 +26,7 @@ from .colours import curve_colour, grey, signed_map
 from .enlarged import finish_enlarged, small_groups
 from .force_lines import ForceLine, common_title, force_lines, label_and_style, with_peaks
 from .legends import place_legend
-from .shared_axes import label_below, numbers_are_below
+from .shared_axes import label_below, numbers_are_below, without_prefix
 from .style import (
     TIME_LABELS,
     BeadLocator,
@@ -250,6 +250,7 @@ def _draw_forces(
     axes.autoscale_view()
     # A further run in these axes has the unit of this label, also if it is not shown.
     axes.set_xlabel(time_label, visible=not numbers_are_below(axes))
+    without_prefix(axes)
     axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
     axes.margins(x=0.0)
     label_and_style(axes, compared=compared is not None)

@@ -12,10 +12,13 @@ from matplotlib.ticker import FuncFormatter, ScalarFormatter
 from ..chain.chain import Chain
 from ..pulse.quantities import COLUMN_QUANTITIES
 from ..representation import usual_unit
+from .style import signed, with_micro
 
 # Units that have prefixes, and the largest value for which zeros would widen a small panel.
-PREFIXED: Final = ("J", "s", "N", "m", "N s")
+PREFIXED: Final = ("J", "s", "N", "m", "N s", "V")
 SMALL: Final = 5e-3
+# Volts below 1 V are shown in mV, as on most digitisers.
+SMALL_OF: Final = {"V": 1.0}
 
 # Quantity, chain and label of the curves of pulses; no label if a user has given it.
 _curves: Final[weakref.WeakKeyDictionary[Line2D, tuple[str, Chain, str | None]]] = (
@@ -54,17 +57,29 @@ def label_quantities(axes: Axes) -> None:
 def use_prefix(axes: Axes) -> None:
     """Show small values of a linear axis with a prefix of their unit, such as 0.2 mJ."""
     label, largest = axes.get_ylabel(), max(map(abs, axes.get_ylim()))
-    if isinstance(axes.yaxis.get_major_formatter(), FuncFormatter):
-        axes.yaxis.set_major_formatter(ScalarFormatter())
+    without_prefix(axes)
     name, _, unit = label.rpartition(" [")
-    if not name or not 0.0 < largest < SMALL or unit.rstrip("]") not in PREFIXED:
-        return
     own = unit.rstrip("]")
+    if not name or own not in PREFIXED or not 0.0 < largest < SMALL_OF.get(own, SMALL):
+        return
     # Units other than those of times and lengths have all prefixes, as that of momentum.
     factor, shown = usual_unit(largest, own if own in ("s", "m") else "N s")
-    shown = shown.replace("N s", own)
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{factor * value:.6g}"))
+    shown = with_micro(shown.replace("N s", own))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: signed(factor * value, "z.6g")))
     axes.set_ylabel(f"{name} [{shown}]")
+
+
+def without_prefix(axes: Axes) -> None:
+    """Show values without the factor of a prefix, before the label gets another unit."""
+    if isinstance(axes.yaxis.get_major_formatter(), FuncFormatter):
+        axes.yaxis.set_major_formatter(ScalarFormatter())
+
+
+def same_prefix(axes: Axes, other: Axes) -> None:
+    """Show values with the prefix of other axes, whose label states the unit."""
+    formatter = other.yaxis.get_major_formatter()
+    if isinstance(formatter, FuncFormatter):
+        axes.yaxis.set_major_formatter(FuncFormatter(formatter.func))
 
 
 def label_below(axes: Axes, label: str) -> None:

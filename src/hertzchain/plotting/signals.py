@@ -11,6 +11,7 @@ from ..collision import Array
 from ..traces.signals import Signal
 from .colours import COLOURS, grey
 from .legends import POINTS_PER_INCH
+from .shared_axes import use_prefix
 from .style import literal
 from .widths import NARROW, figure_size
 
@@ -51,9 +52,15 @@ def draw_signal(axes: Axes, times: Array, signal: Signal, curve: Array, name: st
     draw_data_and_curve(axes, times, np.where(signal.valid, signal.values, np.nan), curve, name)
     unused = ~signal.valid & np.isfinite(signal.values)
     axes.plot(times[unused], signal.values[unused], "x", color=grey(axes, 0.55), markersize=3.0)
-    axes.set_ylabel(signal_label(signal))
     axes.set_title(literal(signal.name))
     axes.margins(x=0.0)
+    label_signal(axes, signal)
+
+
+def label_signal(axes: Axes, signal: Signal) -> None:
+    """Label the axis of a signal, with a prefix of its unit that suits the limits."""
+    axes.set_ylabel(signal_label(signal))
+    use_prefix(axes)
 
 
 def signal_label(signal: Signal) -> str:
@@ -126,7 +133,8 @@ def draw_crest(axes: Axes, times: Array, signal: Signal, curve: Array, name: str
         # The record ends before this wave has passed: show the one before it.
         begin, end = _crest(values[:begin], sign * curve[:begin])
     if end - begin < CREST:
-        axes.text(0.5, 0.5, "too few samples", ha="center", va="center", transform=axes.transAxes)
+        # In two lines, the words fit a panel of a narrow figure.
+        axes.text(0.5, 0.5, "too few\nsamples", ha="center", va="center", transform=axes.transAxes)
         axes.set_xticks([])
         axes.set_yticks([])
         return

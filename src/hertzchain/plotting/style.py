@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 # Markers distinguish curves in prints in grey.
 MARKERS: Final = ("o", "+", "x", "s", "^", "v", "D")
 # The letter of micro in units of times, lengths and impulses.
-MICRO: Final = re.compile(r"\bu(?=(?:s|m|N s)\b)")
+MICRO: Final = re.compile(r"\bu(?=(?:s|m|N s|J|N|V)\b)")
 
 # Dates in the fonts of Matplotlib, which are before 1970, would be reported with each PDF file.
 logging.getLogger("fontTools.ttLib.tables._h_e_a_d").setLevel(logging.ERROR)

@@ -11,7 +11,8 @@ from scipy_row import BALLS, BEFORE, FREE, RADIUS, SPACING, TRUTH, chain, forces
 import hertzchain as hc
 from hertzchain.cli.wording import on_command_line
 from hertzchain.fitting.advice import DEFECTS, LAWS, considered
-from hertzchain.fitting.diagnosis import _exponent, _losses, without_tested
+from hertzchain.fitting.constant_causes import with_exponent
+from hertzchain.fitting.diagnosis import _losses, without_tested
 from hertzchain.fitting.fit import fitted as solved
 
 DESCRIBES = "and the model describes the data"
@@ -173,7 +174,7 @@ def test_common_parameters_that_differ_between_shots_are_named(options, name):
 def test_parameters_of_each_shot_are_not_tried_in_common():
     free = [each for each in EACH if each != "loss.time"]
     result = two_shots(None, [*free, "loss.time@*", "exponent@*"])
-    assert list(_losses(result, {}, solved)) == list(_exponent(result, {}, solved)) == []
+    assert list(_losses(result, {}, solved)) == list(with_exponent(result, {}, solved)) == []
 
 
 @pytest.mark.long
@@ -375,11 +376,11 @@ def test_sensors_with_several_effects_are_not_described():
 @pytest.mark.long
 def test_a_parameter_near_its_fixed_value_is_not_a_cause():
     good = hc.fit(traces(), chain(), free=FREE)
-    assert list(_exponent(good, {}, solved)) == []
+    assert list(with_exponent(good, {}, solved)) == []
     # It can be fitted, with an error that contains the true value of 1.5.
     free = hc.fit(traces(), chain(), free=[*FREE, "exponent"])
     assert abs(free.values["exponent"] - 1.5) < 2.0 * free.errors["exponent"] < 0.01
-    (cause,) = _exponent(fitted(exponent=1.45), {}, solved)
+    (cause,) = with_exponent(fitted(exponent=1.45), {}, solved)
     assert "exponent = 1.4" in cause.what
 
 

@@ -57,15 +57,11 @@ def test_a_fit_far_from_its_prior_says_so(mean, deviations):
 @pytest.mark.parametrize(
     ("factor", "error", "words"),
     [
-        (1e-3, 6e-4, "values in the column of wall are 1,000 times too small, because the unit in "
-         "its header is wrong, such as mV instead of V"),
-        (1e3, 1.0, "are 1,000 times too large, because the unit in its header is wrong, such as V "
-         "instead of mV"),
         (0.1, 6e-4, "are 10 times too small, because a probe or an amplifier"),
         (0.5, 6e-4, CALIBRATION),
     ],
 )  # fmt: skip
-def test_a_gain_that_is_wrong_by_a_power_of_ten_names_the_unit(factor, error, words):
+def test_a_gain_that_is_wrong_by_a_power_of_ten_is_explained(factor, error, words):
     times, columns = recorded()
     known = {name: values for name, values in columns.items() if "wall" not in name}
     header = next(name for name in columns if "wall" in name)
@@ -80,6 +76,24 @@ def test_a_gain_that_is_wrong_by_a_power_of_ten_names_the_unit(factor, error, wo
     assert words in note
     assert note in result.warnings
     assert ("diameters" in note) == (words == CALIBRATION)
+
+
+@pytest.mark.parametrize(("factor", "error"), [(1e-3, 6e-4), (1e3, 1.0)])
+def test_a_column_in_another_unit_is_fitted_in_that_unit(factor, error):
+    times, columns = recorded()
+    known = {name: values for name, values in columns.items() if "wall" not in name}
+    gain = 0.02
+    volts = hc.Traces.from_arrays(times, known | {"wall [V]": factor * gain * columns["wall [N]"]})
+    result = hc.fit(
+        volts, chain(), free=[*FREE, "gain[wall]"], priors={"gain[wall]": (1.03 * gain, error)}
+    )
+    assert result.explained
+    assert not result.describes
+    (note,) = result.warnings
+    assert note.startswith(f"with the values of wall multiplied by {1.0 / factor:g}, chi2 falls")
+    assert "check the unit in the header of this column" in note
+    # The values are those of the correct unit.
+    assert result.values["gain[wall]"] == pytest.approx(gain, rel=0.02)
 
 
 def test_a_prior_that_forbids_a_wrong_unit_names_the_column():

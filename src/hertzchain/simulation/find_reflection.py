@@ -10,11 +10,10 @@ import numpy as np
 
 from ..chain.bead_names import wall_number
 from ..chain.chain import Chain
-from ..collision import Array
 from ..errors import InputError, InputWarning, SimulationError, warn_user
 from ..representation import measure
 from ..validation.numbers import number, whole_number
-from .budget import overlaps_of, stored_energy
+from .energy_on_its_way import energy_between, incomplete
 from .reflection import Reflection
 from .trajectory import Trajectory
 from .wave_events import (
@@ -87,6 +86,9 @@ def reflection_of(
         If the contacts are less than 10 apart, or less than 5 from a wall or free end.
         If more than 5% of the incident energy is missing from the balance, because of other
         waves, or is still between the contacts; if ``missing_momentum`` exceeds 5%.
+        If the waves that are still on their way to one of the contacts have more than 5% of the
+        energy counted there, and more than 0.05% of the incident energy beyond
+        ``entered_energy``: the run, or ``until``, ends before weak waves have passed.
         If the reflected energy at the 6 contacts in front of ``before`` is another one, which is
         so where weak waves meet the reflected one, as in dimers.
 
@@ -131,8 +133,11 @@ def reflection_of(
     nearby = _nearby(self, found, far, stop) if self.chain.lossless else []
     if nearby:
         found = dataclasses.replace(found, nearby_energy=(min(nearby), max(nearby)))
-    _warn_of_balance(found, nearby)
-    _warn_if_near(self, first, second)
+    near_object = _near_object(self, first, second)
+    depends = _dependence(found, nearby)
+    balance = _balance(self, found, known=bool(near_object or depends))
+    for reason in filter(None, (depends, balance, near_object)):
+        warn_user(reason, InputWarning)
     return found
 
 
@@ -150,7 +155,7 @@ def _between(
     entering = [e for e in near if e.direction == sign] + [e for e in far if e.direction == -sign]
 
     def still_there(time: float) -> float:
-        gained = _energy_between(self, first, second, np.array([incident.begin, time]))
+        gained = energy_between(self, first, second, np.array([incident.begin, time]))
         return float(gained[1] - gained[0]) / incident.energy
 
     last, entered = _end_of_count(
@@ -189,26 +194,24 @@ def _nearby(run: Trajectory, found: Reflection, far: list[WaveEvent], stop: floa
     return nearby
 
 
-def _warn_if_near(run: Trajectory, first: int, second: int) -> None:
-    """Warn if a wave is longer than the distance from the contacts to what reflects it."""
+def _near_object(run: Trajectory, first: int, second: int) -> str:
+    """Why a wave is longer than the distance from the contacts to what reflects it, or ''."""
     inside = second not in (0, run.chain.beads)
     least = WIDTH * (2 if inside else 1)
     if abs(second - first) < least:
-        warn_user(
+        return (
             f"contacts {first} and {second} are {abs(second - first)} apart, but a wave extends "
             f"over about {WIDTH}: incident and reflected waves overlap there; choose contacts at "
-            f"least {least} apart{f', {WIDTH} on each side of the reflecting object' * inside}",
-            InputWarning,
+            f"least {least} apart{f', {WIDTH} on each side of the reflecting object' * inside}"
         )
-        return
     near = min(second, run.chain.beads - second)
     if 0 < near < WIDTH:
         end = 0 if second < WIDTH else run.chain.beads
-        warn_user(
+        return (
             f"contact {second} is {near} from the end of the chain, whose reflection meets the "
-            f"waves there; choose one at least {WIDTH} from the end, or the end itself, {end}",
-            InputWarning,
+            f"waves there; choose one at least {WIDTH} from the end, or the end itself, {end}"
         )
+    return ""
 
 
 def _events_at(run: Trajectory, contact: int) -> list[WaveEvent]:
@@ -254,20 +257,6 @@ def _inflow(run: Trajectory, first: int, second: int, begin: float, end: float) 
     flows = (ContactCurves(run, k).power_curve.antiderivative() for k in (first, second))
     here, there = (float(whole(end) - whole(begin)) for whole in flows)
     return here - there
-
-
-def _energy_between(run: Trajectory, first: int, second: int, times: Array) -> Array:
-    """Energy between two contacts, beyond the work of the static forces, at the saved times."""
-    chain, saved = run.chain, np.minimum(np.searchsorted(run.times, times), len(run.times) - 1)
-    low, high = sorted((first, second))
-    overlaps = overlaps_of(chain, run.times[saved], run.positions[saved])
-    stored = stored_energy(chain, overlaps, run.forces[saved])
-    stored -= static_forces_of(run) * overlaps
-    kinetic = 0.5 * chain.masses * run.velocities[saved] ** 2
-    # A wall keeps its energy, and the two sides of a contact share it.
-    shares = np.ones(high - low + 1)
-    shares[[0, -1]] = [1.0 if k in (0, chain.beads) else 0.5 for k in (low, high)]
-    return np.asarray(kinetic[:, low:high].sum(axis=1) + stored[:, low : high + 1] @ shares)
 
 
 def _time(chain: Chain, time: float) -> str:
@@ -318,39 +307,54 @@ def _check_count(run: Trajectory, found: Reflection) -> None:
             require_resolved(run, event, f"{name} wave")
 
 
-def _warn_of_balance(found: Reflection, nearby: list[float]) -> None:
-    """Warn if the coefficients are not, or not yet, those of one wave."""
+def _later(found: Reflection) -> str:
+    """How the waves that are still between the contacts can be counted."""
+    if found.disturbed:
+        return "another wave enters then; choose contacts nearer to the object between them"
+    return "simulate for longer"
+
+
+def _dependence(found: Reflection, nearby: list[float]) -> str:
+    """Why the coefficient is not that of neighbouring contacts, or ''."""
     usual = float(np.median(nearby)) if nearby else found.reflected_energy
-    if abs(found.reflected_energy - usual) > max(SAME * usual, SMALL):
-        low, high = found.nearby_energy
-        apart = sorted((found.before, found.before - found.incident.direction * NEARBY))
-        warn_user(
-            f"the reflected energy depends on the contact: {found.reflected_energy:.4f} at contact "
-            f"{found.before}, but {low:.4f} to {high:.4f} at neighbours (median {usual:.4f}, "
-            f"contacts {apart[0]} to {apart[1]}), because other waves meet the reflected one "
-            "there; choose a contact whose neighbours agree, or take the range as the uncertainty",
-            InputWarning,
-        )
+    if abs(found.reflected_energy - usual) <= max(SAME * usual, SMALL):
+        return ""
+    low, high = found.nearby_energy
+    apart = sorted((found.before, found.before - found.incident.direction * NEARBY))
+    return (
+        f"the reflected energy depends on the contact: {found.reflected_energy:.4f} at contact "
+        f"{found.before}, but {low:.4f} to {high:.4f} at neighbours (median {usual:.4f}, "
+        f"contacts {apart[0]} to {apart[1]}), because other waves meet the reflected one "
+        "there; choose a contact whose neighbours agree, or take the range as the uncertainty"
+    )
+
+
+def _balance(run: Trajectory, found: Reflection, *, known: bool) -> str:
+    """Why the coefficients are not, or not yet, those of one wave, or ''.
+
+    Weak waves that are on their way are not mentioned if a larger error is known.
+    """
     if abs(found.unexplained_energy) > MISSING:
-        reason = (
+        return (
             f"other waves contribute: {found.unexplained_energy:.0%} of the incident energy is "
             "missing from the balance, so the coefficients are not those of one wave; choose "
             "other contacts, since or until"
         )
-    elif found.stored_energy > MISSING:
-        advice = "simulate for longer"
-        if found.disturbed:
-            advice = "another wave enters then; choose contacts nearer to the object between them"
-        reason = (
+    if found.stored_energy > MISSING:
+        return (
             f"{found.stored_energy:.0%} of the incident energy is still between the contacts at "
-            f"{_time(found.chain, found.until)}; {advice}"
+            f"{_time(found.chain, found.until)}; {_later(found)}"
         )
-    elif abs(found.missing_momentum) > MISSING:
-        reason = (
+    if not known and (part := incomplete(run, found)):
+        return (
+            f"the {part.name} energy, {part.counted:.4f}, is not complete: waves with "
+            f"{part.coming:.4f} of the incident energy are still on their way to contact "
+            f"{part.contact} at {_time(found.chain, found.until)}; {_later(found)}"
+        )
+    if abs(found.missing_momentum) > MISSING:
+        return (
             f"{found.missing_momentum:.0%} of the incident momentum passes one of the contacts, "
             "but belongs to no wave, so the coefficients of momentum are not complete; choose "
             "other contacts, or integrate run.forces"
         )
-    else:
-        return
-    warn_user(reason, InputWarning)
+    return ""

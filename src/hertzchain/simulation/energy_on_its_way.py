@@ -1,0 +1,77 @@
+"""Energy between two contacts, and the part of it that still moves towards one of them."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from ..collision import Array
+from .budget import overlaps_of, stored_energy
+from .reflection import Reflection
+from .trajectory import Trajectory
+from .wave_events import static_forces_of
+
+# Energy that may be on its way to a contact, relative to the energy counted there and, at least,
+# to the incident energy: slow beads behind a pulse have a few times 1e-4 for a long time.
+COMING, LEAST = 0.05, 5e-4
+NAMES: Final = ("reflected", "transmitted")
+
+
+class Incomplete(NamedTuple):
+    """A coefficient of energy whose waves have not all passed the contact."""
+
+    name: str
+    contact: int
+    counted: float
+    coming: float
+
+
+def energy_between(run: Trajectory, first: int, second: int, times: Array) -> Array:
+    """Energy between two contacts, beyond the work of the static forces, at the saved times."""
+    return _energies(run, first, second, times).sum(axis=1)
+
+
+def incomplete(run: Trajectory, found: Reflection) -> Incomplete | None:
+    """The coefficient that would be larger by a relevant part if the run were longer."""
+    contacts, coming = (found.before, found.after), _coming(run, found)
+    counted = (found.reflected_energy, found.transmitted_energy)
+    for name, contact, energy, more in zip(NAMES, contacts, counted, coming, strict=True):
+        # Weak waves that entered in front of the object leave it as well.
+        if more > max(COMING * energy, LEAST) + found.entered_energy:
+            return Incomplete(name, contact, energy, more)
+    return None
+
+
+def _coming(run: Trajectory, found: Reflection) -> tuple[float, float]:
+    """Energy on its way to ``before`` and to ``after`` at the end, over the incident energy.
+
+    Without precompression, the beads of a wave move in its direction.
+    """
+    energies = _energies(run, found.before, found.after, np.array([found.until]))[0]
+    energies /= found.incident.energy
+    if found.after in (0, run.chain.beads):
+        return float(energies.sum()), 0.0
+    low, high = sorted((found.before, found.after))
+    saved = _saved(run, np.array([found.until]))[0]
+    onward = run.velocities[saved, low:high] * found.incident.direction > 0.0
+    return float(energies[~onward].sum()), float(energies[onward].sum())
+
+
+def _saved(run: Trajectory, times: Array) -> Array:
+    return np.minimum(np.searchsorted(run.times, times), len(run.times) - 1)
+
+
+def _energies(run: Trajectory, first: int, second: int, times: Array) -> Array:
+    """Energy of each bead between two contacts, with its share of that stored in contacts."""
+    chain, saved = run.chain, _saved(run, times)
+    low, high = sorted((first, second))
+    overlaps = overlaps_of(chain, run.times[saved], run.positions[saved])
+    stored = stored_energy(chain, overlaps, run.forces[saved])
+    stored -= static_forces_of(run) * overlaps
+    # The two sides of a contact share its energy, and a wall keeps none.
+    shared = 0.5 * stored
+    shared[:, [0, -1]] *= 2.0
+    stored_in_beads = shared[:, :-1] + shared[:, 1:]
+    kinetic = 0.5 * chain.masses * run.velocities[saved] ** 2
+    return np.asarray((kinetic + stored_in_beads)[:, low:high])

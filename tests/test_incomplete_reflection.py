@@ -1,0 +1,54 @@
+"""Reflection coefficients of weak reflectors in runs that end before the wave has returned."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+STEP = hc.Chain.from_radii(np.where(np.arange(120) < 60, 1.0, 1.2))
+
+
+@pytest.mark.parametrize("until", [105.0, 120.0])
+def test_a_weak_wave_that_has_not_returned_causes_a_warning(until):
+    run = hc.simulate(STEP, until=until, times=3000)
+    with pytest.warns(hc.InputWarning, match="reflected energy, 0.0000, is not complete: .* "
+                      "on their way to contact 30 at .*; simulate for longer"):  # fmt: skip
+        found = run.reflection(30, 75)
+    assert found.stored_energy < 0.05
+
+
+def test_the_energy_on_its_way_is_the_one_that_returns():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        late = hc.simulate(STEP, until=140.0, times=3000).reflection(30, 75)
+    with pytest.warns(hc.InputWarning, match=r"waves with 0\.0448 of the incident energy"):
+        hc.simulate(STEP, until=105.0, times=3000).reflection(30, 75)
+    assert late.reflected_energy + late.stored_energy == pytest.approx(0.0448, abs=1e-4)
+
+
+def test_a_transmitted_wave_that_has_not_passed_is_named():
+    """A bead of mass 20 pushes the beads behind it slowly."""
+    masses = np.ones(120)
+    masses[59] = 20.0
+    run = hc.simulate(hc.Chain.uniform(120).replace(masses=masses), until=170.0, times=4000)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        late = run.reflection(48, 72)
+    with pytest.warns(hc.InputWarning, match="transmitted energy, 0.2151, is not complete"):
+        early = run.reflection(48, 72, until=140.0)
+    assert early.transmitted_energy < 0.96 * late.transmitted_energy
+
+
+def test_sweeps_give_the_reason():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = hc.sweep({
+            "chain": {"taper": "uniform", "beads": 140, "masses": 1.0},
+            "axes": {"masses.70": [0.5, 0.7]},
+            "sweep": {"methods": ["simulate"], "keep": ["reflection.reflected_energy@25-84"]},
+            "method": {"until": 115.0},
+        })  # fmt: skip
+    for reason in found.reason.values.ravel():
+        assert "reflected energy, 0.0000, is not complete" in reason

@@ -12,9 +12,8 @@ from ..chain.repeated_cells import cell_repeats
 from ..pulse.pulse import EFFECTIVE_CHAIN, Pulse
 from ..pulse.quantities import COLUMN_QUANTITIES
 
-# Label and size of the symbols of light beads.
-LIGHT_BEADS: Final = "light beads"
-LIGHT_SIZE: Final = 2.5
+# Labels of filled and of open symbols.
+HEAVY_BEADS, LIGHT_BEADS = "heavy beads", "light beads"
 # Smallest number of beads whose alternation is drawn as two curves.
 LEAST: Final = 8
 # Relative difference of masses that alternate.

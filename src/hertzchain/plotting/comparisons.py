@@ -13,6 +13,7 @@ from ..pulse.free_end import ends_free
 from ..pulse.quantities import COLUMN_QUANTITIES
 from .colours import curve_colour, grey
 from .differences import loss_in_words, words_of_chains, words_of_loss
+from .free_ends import draw_end_outside_limits, include_ends, label_free_end
 from .labels import distinguish
 from .legends import place_legend
 from .shared_axes import label_below
@@ -44,10 +45,11 @@ def plot_comparison(
                 label=name.replace("_", " "),
             )  # fmt: skip
             if free:
-                ends.append((beads[end:], shown[end:], marker, curve_colour(axes, i)))
+                ends.append((int(beads[-1]), float(shown[-1]), marker, curve_colour(axes, i)))
         # No line joins a free end, which moves unlike the other beads.
-        for bead, error, marker, colour in ends:
-            axes.plot(bead, error, color=colour, marker=marker, linestyle="none")
+        include_ends(axes, [draw_end_outside_limits(axes, *end) for end in ends], linear=not log)
+        if ends:
+            label_free_end(axes)
         if log:
             axes.set_yscale("log")
             label_log_axis(axes.yaxis)

@@ -12,8 +12,9 @@ from ..pulse.free_end import split_free_ends
 from ..pulse.quantities import COLUMN_QUANTITIES
 from ..validation.objects import check_choice
 from .colours import curve_colour
+from .free_ends import FREE_END, label_free_end
 from .legends import place_legend
-from .pulses import FREE_END, label_free_end, number_of_curves
+from .pulses import number_of_curves
 from .shared_axes import label_below
 from .style import MARKERS, BeadLocator, figure_style, get_axes, set_title
 

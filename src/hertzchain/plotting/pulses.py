@@ -20,11 +20,13 @@ from ..pulse.pulse import EFFECTIVE_CHAIN, Pulse, checked_pulse
 from ..pulse.quantities import COLUMN_QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_list
-from .alternating_beads import LIGHT_BEADS, LIGHT_SIZE, light_beads
+from .alternating_beads import HEAVY_BEADS, LIGHT_BEADS, light_beads
 from .colours import COLOURS, curve_colour, grey
 from .differences import words_of_chains
+from .free_ends import FREE_END, draw_end_outside_limits, include_ends, label_free_end
 from .labels import distinguish, numbered
 from .legends import place_legend
+from .residuals import hidden_difference, relative_difference
 from .shared_axes import label_quantities, note_curve, use_prefix
 from .spreads import (
     BAND,
@@ -45,8 +47,6 @@ from .style import (
     set_title,
 )
 
-# Differences below this fraction of the largest ones are not visible on a linear axis.
-HIDDEN: Final = 0.02
 # Largest number of ticks of a logarithmic axis of differences, and its lower end relative to the
 # curve with the smallest differences: a change of sign would need an infinite axis.
 RESIDUAL_TICKS: Final = 4
@@ -59,8 +59,7 @@ NAME_LINES: Final = 2
 LINES: Final = ("-", "--", ":", "-.")
 # The curve from which differences are, if its name is long.
 FIRST: Final = "the first curve"
-# Labels of symbols at free ends and of bands.
-FREE_END: Final = "last bead (free end)"
+# Label of bands.
 LOTS: Final = "± one standard deviation"
 
 
@@ -82,7 +81,9 @@ def plot_pulses(
     of them share.  Pulses without a difference are numbered.  For several chains and
     several methods, the colour of a curve shows its chain, its line and symbol show its method,
     and the legend has one entry for each of these.  If the last bead leaves a free end at a larger
-    velocity, all values of this bead have symbols without a line.  A shaded band shows the spread
+    velocity, all values of this bead have filled symbols without a line; where their residuals
+    would hide those of the other beads, they are given as text.  In chains of alternating beads,
+    heavy beads have filled symbols and light ones open symbols.  A shaded band shows the spread
     of a pulse by `disorder`: one standard deviation over random chains.  If the values of the first
     and the last bead would make this band thin, a linear axis shows those of the other beads.
     Beads whose values are beyond it, or beyond the limits of given axes (``ax.set_ylim``), are
@@ -303,11 +304,6 @@ def number_of_curves(axes: Axes) -> int:
     )
 
 
-def label_free_end(axes: Axes) -> None:
-    """Explain the symbols at free ends in the legend."""
-    axes.plot([], [], color=grey(axes, 0.4), marker=MARKERS[0], linestyle="none", label=FREE_END)
-
-
 def _draw_free_end(axes: Axes, bead: int, value: float, look: _Look) -> None:
     """A filled symbol, which no line joins to the other beads."""
     colour = curve_colour(axes, look.colour)
@@ -320,7 +316,7 @@ def _label_parts(
     """Labels of symbols at free ends, and of bands; that of a single band has its colour."""
     # Those of pulses that the axes already had move to the end of the legend.
     present = {artist.get_label(): artist for artist in (*axes.lines, *axes.collections)}
-    for label in {LOTS, FREE_END, LIGHT_BEADS} & present.keys():
+    for label in {LOTS, FREE_END, HEAVY_BEADS, LIGHT_BEADS} & present.keys():
         present[label].remove()
     banded = {look.colour for pulse, look in zip(pulses, looks, strict=True)
               if spread_of(pulse, quantity) is not None}  # fmt: skip
@@ -329,9 +325,11 @@ def _label_parts(
         colour = curve_colour(axes, *banded) if single else grey(axes, 0.4)
         axes.fill_between([], [], [], color=colour, alpha=BAND, linewidth=0.0, label=LOTS)
     if LIGHT_BEADS in present or any(light_beads(each, quantity) is not None for each in pulses):
-        light: dict[str, Any] = {"marker": MARKERS[0], "markersize": LIGHT_SIZE}
-        light["markerfacecolor"] = "none"
-        axes.plot([], [], color=grey(axes, 0.4), linestyle="none", label=LIGHT_BEADS, **light)
+        style: dict[str, Any] = {
+            "color": grey(axes, 0.4), "linestyle": "none", "marker": MARKERS[0],
+        }  # fmt: skip
+        axes.plot([], [], label=HEAVY_BEADS, **style)
+        axes.plot([], [], label=LIGHT_BEADS, markerfacecolor="none", **style)
     if FREE_END in present or any(ends_free(pulse, quantity) for pulse in pulses):
         label_free_end(axes)
 
@@ -348,8 +346,10 @@ def _draw(
         # A line through all beads would be a zigzag.
         light, beads = light[: len(values)], beads // 2
         chosen = numbers[light], values[light]
-        _draw_line(axes, *chosen, beads, look, None).set_markersize(LIGHT_SIZE)
-        numbers, values = numbers[~light], values[~light]
+        _draw_line(axes, *chosen, beads, look, None)
+        line = _draw_line(axes, numbers[~light], values[~light], beads, look, label)
+        line.set_markerfacecolor(line.get_color())
+        return line
     return _draw_line(axes, numbers, values, beads, look, label)
 
 
@@ -368,13 +368,6 @@ def _draw_line(
     return line
 
 
-def _hidden(differences: Sequence[Array]) -> float:
-    """Largest difference of the curve that would not be visible beside others, otherwise 0."""
-    largest = [float(np.nanmax(np.abs(each), initial=0.0)) for each in differences]
-    present = [each for each in largest if each > 0.0]
-    return min(present) if present and min(present) < HIDDEN * max(present) else 0.0
-
-
 def _draw_residuals(
     axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequence[_Look]
 ) -> None:
@@ -385,8 +378,14 @@ def _draw_residuals(
     for pulse, look in zip(pulses, looks, strict=True):
         reference = first.setdefault(look.colour if grouped else 0, pulse)
         if reference is not pulse:
-            differences.append((look, pulse, reference, _difference(pulse, reference, quantity)))
-    least = _hidden([values for *_, values in differences])
+            differences.append(
+                (look, pulse, reference, relative_difference(pulse, reference, quantity))
+            )
+    inner = [
+        values[: len(values) - (len(values) in _free_ends((reference, pulse), quantity))]
+        for _, pulse, reference, values in differences
+    ]
+    least, ends = hidden_difference(inner), []
     if not least:
         axes.axhline(0.0, color=grey(axes, 0.6), linewidth=0.7)
     for look, pulse, reference, values in differences:
@@ -395,11 +394,13 @@ def _draw_residuals(
         free = len(shown) in _free_ends((reference, pulse), quantity)
         _draw(axes, pulse, quantity, shown[:-1] if free else shown, look, None)
         if free:
-            _draw_free_end(axes, len(shown), shown[-1], look)
+            colour = curve_colour(axes, look.colour)
+            ends.append(draw_end_outside_limits(axes, len(shown), shown[-1], look.marker, colour))
         if not least:
             draw_spread_of_difference(
                 axes, pulse, quantity, shown, curve_colour(axes, look.colour), free=free
             )
+    include_ends(axes, ends, linear=not least)
     if least:
         axes.set_yscale("log")
         # By default, a low panel has two ticks.
@@ -438,11 +439,3 @@ def _reference(pulses: Sequence[Pulse], looks: Sequence[_Look], name: str) -> st
     lines = textwrap.wrap(_with_units(name), LABEL_LETTERS, break_long_words=False)
     short = len(lines) <= NAME_LINES and max(map(len, lines), default=0) <= LABEL_LETTERS
     return name if name and short else FIRST
-
-
-def _difference(pulse: Pulse, reference: Pulse, quantity: str) -> Array:
-    """Relative difference of two pulses in percent, at the beads that both have."""
-    first, other = reference._predicted(quantity), pulse._predicted(quantity)
-    both = min(len(first), len(other))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(100.0 * (other[:both] / first[:both] - 1.0))

@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 
 from ..sweeps.methods import SIMULATIONS
 from .colours import curve_colour, grey
-from .pulses import LINES, label_free_end
+from .free_ends import label_free_end
+from .pulses import LINES
 from .style import MARKERS, broken_label, label_log_axis
 from .sweep_axes import free_end, places_of, set_axis
 from .sweep_labels import coordinate_text, quantity_label

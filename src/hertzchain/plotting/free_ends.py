@@ -1,0 +1,90 @@
+"""Symbols of last beads at free ends, which no line joins to those of the other beads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+from matplotlib import rcParams
+from matplotlib.axes import Axes
+from matplotlib.markers import MarkerStyle
+from matplotlib.path import Path
+
+from .colours import grey
+from .style import MARKERS
+
+# Label of the symbols, and the largest number of them beside it.
+FREE_END: Final = "last bead (free end)"
+MOST_SYMBOLS: Final = 3
+# Distance of their centres, in units of their size.
+DISTANCE: Final = 1.6
+# Free ends that would make an axis of differences longer by this factor are not on it.
+LONGER: Final = 1.5
+# A symbol of a bead beyond the axis is named this far [points] from the edge.
+EDGE: Final = 2.0
+
+
+def label_free_end(axes: Axes) -> None:
+    """Explain the symbols at free ends in the legend, beside those that are drawn."""
+    drawn = [
+        line.get_marker() for line in axes.lines
+        if line.get_linestyle() == "None" and np.size(line.get_xdata()) == 1
+    ]  # fmt: skip
+    shown = [each for each in MARKERS if each in drawn][:MOST_SYMBOLS] or [MARKERS[0]]
+    style: dict[str, Any] = {"color": grey(axes, 0.4), "linestyle": "none", "label": FREE_END}
+    if len(shown) > 1:
+        style["markersize"] = rcParams["lines.markersize"] * (1.0 + DISTANCE * (len(shown) - 1))
+    axes.plot([], [], marker=shown[0] if len(shown) == 1 else _row(shown), **style)
+
+
+def _row(markers: Sequence[str]) -> Path:
+    """Several symbols beside each other, as one symbol."""
+    paths = []
+    for i, marker in enumerate(markers):
+        style = MarkerStyle(marker)
+        path = style.get_path().transformed(style.get_transform())
+        shift = [DISTANCE * (i - 0.5 * (len(markers) - 1)), 0.0]
+        paths.append(Path(np.asarray(path.vertices, float) + shift, path.codes))
+    return Path.make_compound_path(*paths)
+
+
+def draw_end_outside_limits(
+    axes: Axes, bead: int, value: float, marker: str, colour: Any
+) -> tuple[int, float]:
+    """A filled symbol of a difference [%], which does not yet determine the limits."""
+    limits = axes.dataLim.get_points().copy()
+    axes.plot([bead], [value], color=colour, marker=marker, linestyle="none")
+    axes.dataLim.set_points(limits)
+    return bead, value
+
+
+def include_ends(axes: Axes, ends: Sequence[tuple[int, float]], *, linear: bool) -> None:
+    """Include the beads and differences of free ends in the limits, or name distant ones.
+
+    On a linear axis, a large difference of the last bead would hide those of the others.
+    """
+    if not ends:
+        return
+    beads, values = (np.array(each) for each in zip(*ends, strict=True))
+    (left, low), (right, high) = axes.dataLim.get_points()
+    right, lowest, highest = max(right, *beads), min(low, *values), max(high, *values)
+    beyond = linear and 0.0 < LONGER * (high - low) < highest - lowest
+    if not beyond:
+        low, high = lowest, highest
+    axes.dataLim.set_points(np.array([[left, low], [right, high]]))
+    axes.autoscale_view()
+    bottom, top = axes.get_ylim()
+    hidden = [round(value) for value in values if not bottom <= value <= top]
+    if beyond and hidden:
+        _name(axes, min(hidden), max(hidden), below=min(hidden) < bottom)
+
+
+def _name(axes: Axes, least: int, most: int, *, below: bool) -> None:
+    span = f"{least}%" if least == most else f"{least} to {most}%"
+    axes.annotate(
+        f"free end: {span}".replace("-", "\N{MINUS SIGN}"),
+        (1.0, 0.0 if below else 1.0), (-EDGE, EDGE if below else -EDGE),
+        xycoords="axes fraction", textcoords="offset points", fontsize="small",
+        ha="right", va="bottom" if below else "top", color=grey(axes, 0.4),
+    )  # fmt: skip

@@ -1,0 +1,65 @@
+"""Free ends in figures of differences, and the symbols of the legend."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+CHAIN = hc.Chain.tapered("backward-exponential", 0.05, beads=60)
+
+
+def entry(axes, name):
+    handles, labels = axes.get_legend_handles_labels()
+    return handles[labels.index(name)]
+
+
+def test_a_large_difference_of_the_free_end_does_not_set_the_axis():
+    upper = hc.plot_pulses([hc.propagate(CHAIN), hc.modified_bca(CHAIN)], residuals=True)
+    lower = upper.figure.axes[1]
+    end = hc.modified_bca(CHAIN).velocity[-1] / hc.propagate(CHAIN).velocity[-1] - 1.0
+    assert end < -0.2
+    assert lower.get_ylim()[0] > -10.0
+    assert [each.get_text() for each in lower.texts] == [
+        f"free end: \N{MINUS SIGN}{-100 * end:.0f}%"
+    ]
+    plt.close(upper.figure)
+
+
+def test_a_small_difference_of_the_free_end_is_on_the_axis():
+    upper = hc.plot_pulses([hc.propagate(CHAIN), hc.bca(CHAIN)], residuals=True)
+    lower = upper.figure.axes[1]
+    bottom, top = lower.get_ylim()
+    ends = [line.get_ydata()[0] for line in lower.lines if len(line.get_xdata()) == 1]
+    assert len(ends) == 1
+    assert bottom < ends[0] < top
+    assert not lower.texts
+    plt.close(upper.figure)
+
+
+@pytest.mark.parametrize(("log", "named"), [(False, 1), (True, 0)])
+def test_comparisons_explain_the_free_end(log, named):
+    axes = hc.modified_bca(CHAIN).compare(hc.propagate(CHAIN)).plot("velocity", log=log)
+    assert entry(axes, "last bead (free end)").get_marker() == "o"
+    assert len(axes.texts) == named
+    plt.close(axes.figure)
+
+
+def test_the_legend_has_the_symbols_of_the_free_ends():
+    axes = hc.plot_pulses([hc.propagate(CHAIN)])
+    assert entry(axes, "last bead (free end)").get_marker() == "o"
+    axes = hc.plot_pulses([hc.propagate(CHAIN), hc.modified_bca(CHAIN)])
+    both = entry(axes, "last bead (free end)").get_marker()
+    # A circle on the left, the four ends of a plus sign on the right.
+    assert np.sum(both.vertices[:, 0] > 0.0) == 4
+    plt.close("all")
+
+
+def test_heavy_beads_are_filled_and_light_ones_open():
+    axes = hc.plot_pulses([hc.propagate(hc.Chain.dimer(0.5, beads=41))])
+    assert entry(axes, "light beads").get_markerfacecolor() == "none"
+    assert entry(axes, "heavy beads").get_markerfacecolor() != "none"
+    curves = {line.get_xdata()[0]: line for line in axes.lines if len(line.get_xdata()) > 2}
+    assert curves[2].get_markerfacecolor() == "none"
+    assert curves[1].get_markerfacecolor() == curves[1].get_color()
+    plt.close(axes.figure)

@@ -169,7 +169,9 @@ def table_chains(name: str) -> set[tuple[str, float]]:
 
 
 @checked_arguments("reproduce_table")
-def reproduce_table(name: str, pulses: Pulses | None = None, window: Window | None = None) -> Table:
+def reproduce_table(
+    name: str | int, pulses: Pulses | None = None, window: Window | None = None
+) -> Table:
     """Recompute one table.
 
     The column "numerical" is the slope of a line fitted by least squares to ln P_k or ln E_k
@@ -178,8 +180,8 @@ def reproduce_table(name: str, pulses: Pulses | None = None, window: Window | No
 
     Parameters
     ----------
-    name : str
-        ``"table1"``, ``"table2"`` or ``"table3"``.
+    name : str or int
+        ``"table1"``, ``"table2"`` or ``"table3"``, or its number.
     pulses : mapping of (str, float) to Pulse, optional
         Simulated pulses by taper and rate, such as ``Reproduction.pulses``.  By default, the chains
         of the table are simulated.
@@ -197,6 +199,8 @@ def reproduce_table(name: str, pulses: Pulses | None = None, window: Window | No
     >>> reproduce_table("table3").agreeing
     20
     """
+    if isinstance(name, int):
+        name = f"table{name}"
     published = published_tables()[check_choice("table of the paper", name, published_tables())]
     if pulses is None:
         pulses = integrate_chains(table_chains(name))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputWarning, warn_user
-from ..representation import NO_BREAK, folded, measure, short, wrapped
+from ..representation import NO_BREAK, counted, folded, measure, short, wrapped
 from ..validation.keywords import checked_methods
 from ..validation.numbers import contact_number, whole_number
 from .wave_events import MIN_SAMPLES, WaveEvent
@@ -394,10 +394,9 @@ class Waves:
         return f"{most}, and more than half at {count}{ADVICE}"
 
     def _heading(self) -> str:
-        counts = [
-            f"{sum(w.direction == sign for w in self)} {name}" for sign, name in DIRECTIONS.items()
-        ]
-        return f"{self.chain.description}: {', '.join(counts)}"
+        right, left = (sum(w.direction == sign for w in self) for sign in DIRECTIONS)
+        counts = f"{counted(right, 'wave')} to the right, {left} to the left"
+        return f"{self.chain.description}: {counts}"
 
     def __repr__(self) -> str:
         if not len(self):

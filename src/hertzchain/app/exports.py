@@ -20,6 +20,7 @@ from ..pulse.notes import OUT_OF_ORDER, out_of_order
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
 from ..recorded_warnings import record_warnings
+from ..simulation.body_force import has_body_behind
 from ..simulation.budget import Budget
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
@@ -27,6 +28,7 @@ from ..theory.catalogue import THEORIES
 from ..theory.effective_chain import effective_chain
 from ..validation.numbers import number
 from ..validation.objects import check_choice
+from .body_curve import BODY
 from .documents import chain_of, document_as_toml
 from .force_curves import beads_of, run_for_forces
 from .messages import Part
@@ -140,17 +142,19 @@ def _csv(given: Mapping[str, Any], stop: Stop) -> Export:
 
 
 def _forces(given: Mapping[str, Any], stop: Stop) -> Export:
-    """Forces on walls and in sensors at the times of the figure, as `load_traces` reads them."""
+    """Forces on walls, in sensors and on a free body at the times of the figure."""
     chain = chain_of(given.get("document"))
     sensors = _sensors(chain, given.get("sensors"))
-    places = [*sensors, *walls_of(chain).values()]
+    body = has_body_behind(chain)
+    places = [*sensors, *walls_of(chain).values(), *[chain.beads + 1] * body]
     if not places:
         raise InputError("the chain has no wall and no sensor; add one to save forces")
     exact, run = _simulated(chain, stop, end := _run_until(given))
     run, _ = run_for_forces(run or _run(chain, exact, stop, end), places, RTOL, limited(stop))
     with TemporaryDirectory() as folder:
         path = Path(folder) / "forces.csv"
-        run.save_forces(path, [*sensors, *(f"{side} wall" for side in walls_of(chain))])
+        walls = [f"{side} wall" for side in walls_of(chain)]
+        run.save_forces(path, [*sensors, *walls, *[BODY] * body])
         return Export(path.name, "text/csv; charset=utf-8", path.read_bytes())
 
 

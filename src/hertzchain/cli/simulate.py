@@ -90,7 +90,8 @@ USUAL_TIMES: Final = 400
     "--forces",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Save the forces on walls and, with --sensor, in sensors over time to FILE (.csv).",
+    help="Save the forces on walls and, with --sensor, in sensors over time to FILE (.csv); of a "
+    "cap without a wall, also its force and acceleration.",
 )
 @figure_option(
     "Plot velocities or, with --sensor, forces to FILE.  Of several "
@@ -283,15 +284,19 @@ def _beads(chain: Chain, sensors: tuple[str, ...], forces: Path | None) -> list[
     inside = [each for each in sensors if wall_number(chain, each) is None]
     beads = [bead_number(chain, bead_from(each), "--sensor", walls=True) for each in inside]
     if forces is not None and not _places(chain, beads):
-        raise click.UsageError("--forces requires a force: add --sensor BEAD or --wall MATERIAL")
+        raise click.UsageError(
+            "--forces requires a force: add --sensor BEAD, --wall MATERIAL or --cap MASS"
+        )
     return beads
 
 
 def _places(chain: Chain, beads: list[int]) -> list[int | str]:
-    """Sensors and walls of a chain, for a table of forces."""
+    """Sensors, walls and a cap without a wall, for a table of forces."""
     from ..chain.bead_names import walls_of
+    from ..simulation.body_force import has_body_behind
 
-    return [*beads, *(f"{side} wall" for side in walls_of(chain))]
+    body = ["body"] * has_body_behind(chain)
+    return [*beads, *(f"{side} wall" for side in walls_of(chain)), *body]
 
 
 def _run(

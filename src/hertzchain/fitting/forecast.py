@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..chain.bead_names import numbered_bead, wall_number
+from ..chain.bead_names import CAP, bead_number, numbered_bead, wall_number
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, short_repr
@@ -425,6 +425,8 @@ def _place(text: object, chain: Chain, noise: Any) -> tuple[Place, str]:
         ) from None
     if place.body in ("left", "right"):
         wall_number(chain, f"{place.body} wall")
+    elif place.body == CAP:
+        bead_number(chain, CAP)
     else:
         numbered_bead(chain, place.body, place.number)
     return place, unit

@@ -7,7 +7,7 @@ import io
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -315,21 +315,31 @@ def _header(name: str, units: str) -> str:
 
 
 def write_forces(
-    times: Array, columns: Mapping[str, Array], units: str, path: str | os.PathLike[str]
-) -> None:
-    """Write forces over time as CSV; `hertzchain.Run.save_forces` documents it."""
+    times: Array, columns: Mapping[str, Array], units: str, path: str | os.PathLike[str],
+    acceleration: Array | None = None,
+) -> None:  # fmt: skip
+    """Write forces over time, and the acceleration of a body, as CSV; see `Run.save_forces`."""
     target = file_path("file of forces", path)
     if target.suffix != ".csv":
         raise InputError(f"the name of a file of forces must end in .csv, got {target.name!r}")
-    largest = max(float(np.abs(each).max()) for each in columns.values())
-    # Rounded forces have a step, from which load_traces determines their uncertainty.
-    decimals = DIGITS - 1 - math.floor(math.log10(largest)) if largest > 0.0 else 0
-    forces = [np.round(each, decimals) + 0.0 for each in columns.values()]
     si = units == "SI"
     headers = ["time [us]" if si else "time", *(f"{name} [N]" if si else name for name in columns)]
+    decimals = [_decimals(columns.values())] * len(columns)
+    values = [*columns.values()]
+    if acceleration is not None:
+        headers.append("body acceleration [m/s^2]" if si else "body acceleration")
+        decimals.append(_decimals([acceleration]))
+        values.append(acceleration)
+    rounded = [np.round(each, n) + 0.0 for each, n in zip(values, decimals, strict=True)]
     lines = io.StringIO()
     lines.write(",".join(headers) + "\n")
-    table = np.column_stack([1e6 * times if si else times, *forces])
-    fmt = ["%.12g", *[f"%.{max(decimals, 0)}f"] * len(forces)]
-    np.savetxt(lines, table, fmt=fmt, delimiter=",")
+    table = np.column_stack([1e6 * times if si else times, *rounded])
+    np.savetxt(lines, table, fmt=["%.12g", *(f"%.{max(n, 0)}f" for n in decimals)], delimiter=",")
     write_bytes(target, lines.getvalue().encode())
+
+
+def _decimals(columns: Iterable[Array]) -> int:
+    """Decimals of columns with the same unit, from the largest value."""
+    largest = max(float(np.abs(each).max()) for each in columns)
+    # Rounded forces have a step, from which load_traces determines their uncertainty.
+    return DIGITS - 1 - math.floor(math.log10(largest)) if largest > 0.0 else 0

@@ -7,14 +7,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
-from ..chain.bead_names import numbered_bead, usual_spelling
+from ..chain.bead_names import CAP, numbered_bead, usual_spelling
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, similar_names
 from ..simulation.run import Run
 
 QUANTITIES: Final = ("force", "velocity")
-NAME: Final = re.compile(r"(?:(ball|bead) +([0-9]+)|(?:(left|right) +)?wall)(?: +([a-z]+))?")
+NAME: Final = re.compile(r"(?:(ball|bead) +([0-9]+)|(?:(left|right) +)?wall|cap)(?: +([a-z]+))?")
 NUMBER: Final = re.compile(r"[0-9]{1,9}")
 
 
@@ -25,12 +25,12 @@ class Place:
     Attributes
     ----------
     name : str
-        Name such as ``"ball 6"``, ``"bead 7"`` (counted with the strikers), ``"wall"`` or
-        ``"ball 3 velocity"``.
+        Name such as ``"ball 6"``, ``"bead 7"`` (counted with the strikers), ``"cap"``, ``"wall"``
+        or ``"ball 3 velocity"``.
     body : str
-        ``"ball"``, ``"bead"``, ``"left"`` or ``"right"``.
+        ``"ball"``, ``"bead"``, ``"cap"``, ``"left"`` or ``"right"``.
     number : int
-        Number of the ball or bead; 0 for a wall.
+        Number of the ball or bead; 0 for a cap and a wall.
     quantity : str
         ``"force"`` or ``"velocity"``.
     """
@@ -49,6 +49,13 @@ class Place:
                     f"chain is free; add a {self.body}_wall"
                 )
             return 0 if self.body == "left" else chain.beads + 1
+        if self.body == CAP:
+            if chain.cap is None:
+                raise InputError(
+                    f"the traces have a sensor {self.name!r}, but the chain has no cap; add one or "
+                    "change the name of the column"
+                )
+            return chain.beads
         try:
             return numbered_bead(chain, self.body, self.number)
         except InputError as error:
@@ -88,7 +95,9 @@ def place_named(
     text = usual_spelling(name)
     found = NAME.fullmatch(text)
     quantity = (found[4] or "force") if found else ""
-    if found is None or quantity not in QUANTITIES or (found[1] is None and quantity != "force"):
+    capped = text.split(" ")[0] == CAP
+    wall = found is not None and found[1] is None and not capped
+    if found is None or quantity not in QUANTITIES or (wall and quantity != "force"):
         own = written or name
         what = f"column {own!r} does not name the place of its sensor"
         if column is not None:
@@ -98,7 +107,7 @@ def place_named(
             f"{what}; write 'ball 6', 'bead 7', 'wall' or 'ball 3 velocity', with a unit such as "
             f"[N], or give load_traces sensors={{{column or own!r}: {example!r}}}"
         )
-    body = found[1] or found[3] or "right"
+    body = CAP if capped else found[1] or found[3] or "right"
     return Place(text.removesuffix(" force"), body, int(found[2] or 0), quantity)
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from hertzchain.citations import Reference, topics
+from hertzchain.citations import SOFTWARE, Reference, topics
 
 
 def bibliography_page() -> str:
-    """All references by topic, as Markdown with links."""
-    parts = []
+    """The entry of this software and all references by topic, as Markdown with links."""
+    parts = [f"## This software\n\n- {SOFTWARE}\n"]
     for topic, references in topics().items():
         parts.append(f"## {topic}\n")
         parts += [_item(each) for each in references]

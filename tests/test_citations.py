@@ -97,3 +97,13 @@ def test_the_command_prints_text_and_bibtex(run):
     with_ascii = {"PYTHONIOENCODING": "ascii", "PYTHONPATH": str(ROOT / "src")}
     found = subprocess.run(command, capture_output=True, env=with_ascii, check=False)
     assert found.returncode == 0, found.stderr
+
+
+def test_the_entry_of_the_software_is_that_of_the_citation_file_and_comes_first():
+    source = (ROOT / "CITATION.cff").read_text("utf-8")
+    known = dict(
+        re.findall(r'(?m)^(?:  - )?(\w+): "?([^"\n]+)"?$', source.partition("references:")[0])
+    )
+    entry = f"{known['name']}, {known['title']}, version {known['version']}, {known['type']}."
+    assert text().startswith(f"This software:\n  {entry}\n\nThe paper:\n")
+    assert [*parsed(bibtex())][:2] == ["hertzchain", REFERENCES[0].key]

@@ -12,6 +12,10 @@ from typing import Final
 from . import __version__
 
 WIDTH: Final = 88
+# The entry of this software, as in CITATION.cff.
+SOFTWARE_AUTHORS: Final = "The hertzchain developers"
+SOFTWARE_TITLE: Final = "hertzchain: impacts on granular chains"
+SOFTWARE: Final = f"{SOFTWARE_AUTHORS}, {SOFTWARE_TITLE}, version {__version__}, software."
 # Letters that are written in LaTeX, so that every version of BibTeX sorts and prints them.
 LATEX: Final = str.maketrans({
     "á": r"{\'a}", "é": r"{\'e}", "ó": r"{\'o}", "ú": r"{\'u}", "ë": r"{\"e}", "ö": r"{\"o}",
@@ -85,8 +89,8 @@ def topics() -> dict[str, tuple[Reference, ...]]:
 
 
 def text() -> str:
-    """All references by topic, and this software."""
-    parts = []
+    """The entry of this software, and all references by topic, first the paper."""
+    parts = [f"This software:\n  {SOFTWARE}"]
     for topic, references in topics().items():
         lines = [f"{topic}:"]
         for each in references:
@@ -95,26 +99,25 @@ def text() -> str:
                 break_long_words=False, break_on_hyphens=False,
             )  # fmt: skip
         parts.append("\n".join(lines))
-    parts.append(f"This software:\n  hertzchain {__version__}; see CITATION.cff.")
     return "\n\n".join(parts)
 
 
 def bibtex() -> str:
-    """All references as a BibTeX file, and this software.
+    """The entries of this software and of all references as a BibTeX file.
 
     Examples
     --------
     >>> from hertzchain.citations import bibtex
-    >>> print(bibtex()[:18])
-    @misc{Machado2013,
+    >>> print(bibtex()[:17])
+    @misc{hertzchain,
     """
     entries = [each.bibtex() for references in topics().values() for each in references]
     software = {
-        "author": "{The hertzchain developers}",
-        "title": "hertzchain: impacts on granular chains",
+        "author": f"{{{SOFTWARE_AUTHORS}}}",
+        "title": SOFTWARE_TITLE,
         "note": f"Software, version {__version__}",
     }
-    return "\n\n".join([*entries, _entry("misc", "hertzchain", software)])
+    return "\n\n".join([_entry("misc", "hertzchain", software), *entries])
 
 
 def _entry(kind: str, key: str, fields: dict[str, str]) -> str:

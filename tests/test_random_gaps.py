@@ -153,7 +153,8 @@ def test_percentiles_far_from_the_nominal_value_are_in_the_legend() -> None:
     axes = found.plot()
     factor = 1.0 if found.unit == "N" else 1e-3
     labels = legend_texts(axes)
-    values = ", ".join(f"{factor * found.percentile(each):.4g}" for each in (5.0, 50.0, 95.0))
+    # With four digits, two of them would coincide.
+    values = ", ".join(f"{factor * found.percentile(each):.4f}" for each in (5.0, 50.0, 95.0))
     assert any(each.startswith(f"5%, median, 95%: {values}") for each in labels)
     assert any(each.startswith("mean: ") for each in labels)
     # No label stands at a line, where it could cover another.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from ..simulation.yield_range import at_fully_plastic_pressure, depends_on_yield_pressure
 from .progress import progress_bar
@@ -12,6 +12,8 @@ from .wording import on_command_line
 if TYPE_CHECKING:
     from ..simulation.run import Run
 
+# Digits of both ends of a range: more if they would coincide.
+DIGITS: Final = (3, 4, 5, 6)
 PAGE = 'see "How certain is a force?" in the documentation'
 
 
@@ -104,7 +106,14 @@ def range_in_words(ends: Ends, units: str) -> str:
     from ..chain.yield_pressure import BETWEEN
     from ..representation import measure
 
-    low, high = (measure(each, ends.unit, units, digits=3) for each in (ends.assumed, ends.other))
+    for digits in DIGITS:
+        low, high = (measure(each, ends.unit, units, digits) for each in (ends.assumed, ends.other))
+        if low != high:
+            break
+    else:
+        between = "; values between can differ" if ends.irregular else ""
+        low = measure(ends.assumed, ends.unit, units)
+        return f"{low} for yield pressures of {BETWEEN}{between}"
     if low.rpartition(" ")[2] == high.rpartition(" ")[2]:
         low = low.rpartition(" ")[0]
     between = "; values between can be outside this range" if ends.irregular else ""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from matplotlib.axes import Axes
 
-from ..representation import usual_unit
+from ..representation import usual_unit, with_decimals
 from .colours import COLOURS, grey
 from .legends import place_legend
 from .style import figure_style, get_axes, label_narrow_axis, set_title, with_micro
@@ -31,12 +31,14 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
                   edgecolor=axes.get_facecolor(), linewidth=0.5)  # fmt: skip
         elastic = "" if math.isnan(found.yielding) else ", elastic contacts"
         shown = f" {with_micro(unit)}" if unit != "1" else ""
-        axes.axvline(factor * found.nominal, color=grey(axes), label=(
-            f"nominal chain{elastic}: {factor * found.nominal:.{DIGITS}g}{shown}"
-        ))  # fmt: skip
+        marked = [percent for percent in MARKED if not found._few_values_note([percent])]
+        nominal, mean, *places = _in_words(found, factor, marked)
+        axes.axvline(factor * found.nominal, color=grey(axes),
+                     label=f"nominal chain{elastic}: {nominal}{shown}")  # fmt: skip
         axes.axvline(factor * found.mean, color=COLOURS[2], linestyle="--",
-                     label=f"mean: {factor * found.mean:.{DIGITS}g}{shown}")  # fmt: skip
-        _mark_percentiles(axes, found, factor, shown)
+                     label=f"mean: {mean}{shown}")  # fmt: skip
+        label = f"{', '.join(MARKED[each] for each in marked)}: {', '.join(places)}{shown}"
+        _mark_percentiles(axes, [factor * found.percentile(each) for each in marked], label)
         label_narrow_axis(axes)
         axes.set_xlabel(found.label + (f" [{with_micro(unit)}]" if unit != "1" else ""))
         axes.set_ylabel("number of chains")
@@ -46,17 +48,21 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
     return axes
 
 
-def _mark_percentiles(axes: Axes, found: Distribution, factor: float, unit: str) -> None:
+def _in_words(found: Distribution, factor: float, marked: list[float]) -> list[str]:
+    """Nominal value, mean and percentiles, with more digits if the percentiles would coincide."""
+    values = [found.nominal, found.mean, *map(found.percentile, marked)]
+    values = [factor * value for value in values]
+    texts = [f"{value:.{DIGITS}g}" for value in values]
+    if len(set(texts[2:])) == len(marked):
+        return texts
+    return with_decimals(values, factor * found.standard_deviation)
+
+
+def _mark_percentiles(axes: Axes, places: list[float], label: str) -> None:
     """Lines at the percentiles that the values determine; their values are in the legend.
 
     Labels at the lines would overlap in a narrow distribution far from the nominal value.
     """
-    marked = [percent for percent in MARKED if not found._few_values_note([percent])]
-    places = [factor * found.percentile(percent) for percent in marked]
-    if not places:
-        return
-    values = ", ".join(f"{place:.{DIGITS}g}" for place in places)
-    label = f"{', '.join(MARKED[percent] for percent in marked)}: {values}{unit}"
     for place in places:
         axes.axvline(place, color=grey(axes, 0.2), linestyle=":", label=label)
         label = "_nolegend_"

@@ -48,6 +48,7 @@ def draw_curves(
                 continue
             colour = curve_colour(axes, i if grouped else first + i)
             places = places_of(curve[along])
+            every = max(1, curve.size // MAX_SYMBOLS)
             if end := free_end(curve):
                 axes.plot(places[end], curve[end], color=colour, linestyle="none",
                           marker=MARKERS[(first + j) % len(MARKERS)])  # fmt: skip
@@ -58,12 +59,12 @@ def draw_curves(
                 curve[:end],
                 color=colour,
                 markerfacecolor="none",
-                markevery=max(1, curve.size // MAX_SYMBOLS),
+                markevery=every,
                 label=coordinate_text(curve[by], by) if labelled else None,
                 **looks[j],
             )
             flagged = {kind: each.isel(chosen) for kind, each in flags.items()}
-            for kind in mark_curve(axes, places, curve, flagged, colour):
+            for kind in mark_curve(axes, places, curve, flagged, colour, every):
                 marked.setdefault(kind, set()).add(colour)
     if grouped:
         _label_groups(drawn, axes, by, looks)

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.patheffects import withStroke
 
+from ..collision import Array
 from .colours import grey
 from .legends import place_legend_below
 from .sweep_axes import places_of
@@ -99,15 +100,28 @@ def mark_cells(
 
 
 def mark_curve(
-    axes: Axes, places: Any, curve: xr.DataArray, flags: Mapping[str, xr.DataArray], colour: str
-) -> list[str]:
-    """Mark the flagged points of a curve in its colour, and return the kinds of marks."""
+    axes: Axes, places: Any, curve: xr.DataArray, flags: Mapping[str, xr.DataArray], colour: str,
+    every: int = 1,
+) -> list[str]:  # fmt: skip
+    """Mark the flagged points of a curve in its colour, and return the kinds of marks.
+
+    Of long rows of flagged points, only the ends and those with a symbol, ``every`` so many, are
+    marked: pale markers that overlap would be black.
+    """
     found = [
         kind for kind, look in LOOKS.items() if look.curve and kind in flags and flags[kind].any()
     ]
     for kind in found:
-        there = flags[kind].values
+        there = _thinned(flags[kind].values.astype(bool), every)
         axes.plot(places[there], curve[there], color=colour, **LOOKS[kind].curve)
+    return found
+
+
+def _thinned(flagged: Array, every: int) -> Array:
+    """Flagged points with a symbol, and the ends of each row of flagged points."""
+    padded = np.concatenate(([False], flagged, [False]))
+    ends = ~(padded[:-2] & padded[2:])
+    found: Array = flagged & (ends | (np.arange(flagged.size) % every == 0))
     return found
 
 

@@ -380,6 +380,16 @@ def dimensions_of(path: Sequence[str]) -> set[str]:
     return dimensions or {""}
 
 
+def names_beside(path: Sequence[str]) -> list[str]:
+    """Names of all keys of a table within [chain], if a path leads to none of them."""
+    words = [word for word in path if not word.isdigit()]
+    if len(words) != 2 or words[0] not in TABLES or _keys_at(path):
+        return []
+    section = SECTIONS[f"chain.{words[0]}"]
+    keys = itertools.chain(section.keys, *section.variants.values())
+    return [*dict.fromkeys(key.name for key in keys)]
+
+
 def is_fraction(path: Sequence[str]) -> bool:
     """Whether the value at a path within [chain] may be a percentage."""
     return any(key.fraction for key in _keys_at(path))

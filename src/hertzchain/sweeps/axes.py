@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import InputError, short_repr, unknown_name_error
 from ..representation import counted, short
-from ..store.chain_schema import dimensions_of, is_count, is_fraction
+from ..store.chain_schema import dimensions_of, is_count, is_fraction, names_beside
 from ..units import PERCENT, UNITS, converted, quantity
 from ..validation.json_types import to_json_types
 from ..validation.keywords import FIELD_ALIASES
@@ -190,6 +190,8 @@ class Axis:
             return converted(self.long_name, number, unit, FRACTION)
         possible = [each for each in self._dimensions if each]
         if not possible:
+            if known := names_beside(self.path):
+                raise unknown_name_error(f"key of [chain.{self.path[0]}]", self.path[-1], known)
             raise InputError(f"has the unit {short_repr(unit)}, but {self.long_name} takes none")
         if not isinstance(unit, str):
             raise InputError(f"has the unit {short_repr(unit)}, which must be text")

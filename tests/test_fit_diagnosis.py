@@ -73,7 +73,7 @@ def test_a_second_pulse_is_named_with_its_time_and_size(size):
     onset = seen.times[np.argmax(seen.signals[0].values > 0.05 * seen.signals[0].values.max())]
     assert time == pytest.approx(1e6 * onset + 120.0, abs=8.0)
     assert percent == pytest.approx(100.0 * size, rel=0.25)
-    stiffness = re.search(r"stiffness = ([\d.]+)", advice)
+    stiffness = re.search(r"stiffness\s+=?\s*([\d.]+)", advice)
     assert float(stiffness[1]) == pytest.approx(TRUTH["stiffness"], rel=0.02)
 
 

@@ -30,7 +30,9 @@ MAX_BEADS_WITHOUT_WALL: Final = 150
 
 def is_covered(chain: Chain, until: float | None) -> bool:
     """Whether the elastic kernel integrates a chain."""
-    return _suits(chain) and (chain.gravity == 0.0 or until is not None)
+    # A run with a cap behind the row ends when the force on the cap is complete.
+    capped = chain.cap is not None and chain.right_wall is None
+    return _suits(chain) and (until is not None or not (capped or chain.gravity))
 
 
 @once

@@ -1,8 +1,9 @@
 """Criteria for the end of a run, and for the end of the next call of the compiled loop.
 
 Without ``until``, a chain with a right wall runs until the largest force on the wall is complete
-(`hertzchain.simulation.wall_watch`), or to a longest time; any other chain runs until the pulse has
-left.  With ``until``, the run stops at that time, and walls are watched in the same way.
+(`hertzchain.simulation.wall_watch`), or to a longest time.  A chain with a cap behind the row and
+no right wall runs until the largest force on the cap is complete
+(`hertzchain.simulation.body_watch`); any other chain runs until the pulse has left.  With ``until``, the run stops at that time, and walls are watched in the same way.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels import state_layout
 from ..kernels.wall_rule import CHECKS
+from .body_watch import STEPS_PER_CHECK, BodyWatch
 from .time_scales import fall_time
 from .wall_bound import RIGHT, motion_can_escape
 from .wall_watch import FEW_CHECKS, WallWatch
@@ -30,6 +32,8 @@ NATURAL_ENDS: Final[tuple[Status, ...]] = ("pulse left", "wall force complete")
 # Steps between two checks whether a wall was hit, if neither an impact, a drive nor a fall
 # determines when to begin watching.
 STEPS_PER_LOOK = 64
+# Row of the bound in `RunEnd.assess`.
+BOUND: Final = 2
 
 
 class RunEnd:
@@ -53,6 +57,9 @@ class RunEnd:
         self.fall = fall_time(chain)
         # Whether the run ends at once if no larger force on the right wall can follow.
         self.at_peak = at_peak
+        self.body: BodyWatch | None = None
+        if chain.cap is not None and chain.right_wall is None:
+            self.body = BodyWatch(chain, arrays)
         self.watch: WallWatch | None = None
         if any(chain.wall_stiffness):
             few = (fixed and until is not None) or (at_peak and motion_can_escape(chain, RIGHT))
@@ -62,6 +69,8 @@ class RunEnd:
     def goal(self) -> tuple[float, bool]:
         """Time at which the next call ends, and whether it ends earlier if the pulse has left."""
         watch = self.watch
+        if self.body is not None and self.body.left:
+            return self.until, False
         if watch is None or watch.closed:
             return self.until, self.by_itself
         if watch.started:
@@ -74,6 +83,8 @@ class RunEnd:
     @property
     def steps(self) -> int:
         """Steps until the next check whether a wall was hit; very many if none is needed."""
+        if self.body is not None and self.body.left:
+            return STEPS_PER_CHECK
         looking = self.watch is not None and not self.watch.started
         if not looking or self.struck or self.fall or self.chain.drive is not None:
             return int(np.iinfo(np.int64).max)
@@ -87,6 +98,8 @@ class RunEnd:
             kernel.TIME_REACHED: "time reached",
             kernel.STEP_TOO_SMALL: "step too small",
         }
+        if self.body is not None and self.by_itself and (self.body.left or code == kernel.PULSE_LEFT):
+            return self._after_pulse(self.body, code, kernel, forces)
         if self.watch is None or code in (kernel.TIME_REACHED, kernel.STEP_TOO_SMALL):
             return endings.get(code)
         if code == kernel.PULSE_LOST:
@@ -101,6 +114,15 @@ class RunEnd:
         if self.steps == STEPS_PER_LOOK and self.watch.hit:
             self.watch.start_at(self.watch.time)
         return None
+
+    def _after_pulse(self, body: BodyWatch, code: int, kernel: Any, forces: Array) -> Status | None:
+        """Continue after the pulse has left until the force on the cap is complete."""
+        body.left = True
+        if code == kernel.STEP_TOO_SMALL:
+            return "step too small"
+        if body.complete(body.later(forces)) or code == kernel.PULSE_LOST or not body.bound.known:
+            return "pulse left"
+        return "transit limit" if body.expired else None
 
     def _after_check(self, watch: WallWatch, forces: Array) -> Status | None:
         """Start to watch walls after a drive or a fall, or check whether the peak is complete."""
@@ -126,9 +148,14 @@ class RunEnd:
 
         The first array, (5, 2), has the rows momentum, energy, bound and force at the end of the
         run, and the latest end of a run without a given end; the second one is (2,).  The left wall
-        is first; NaN and false without a wall.
+        is first; NaN and false without a wall.  With a cap behind the row instead of a right wall,
+        its place has the bound of later forces on the cap, and whether the largest is complete.
         """
         approaches, complete = np.full((5, 2), np.nan), np.zeros(2, bool)
+        if self.body is not None:
+            with np.errstate(over="ignore", invalid="ignore"):
+                later = self.body.later(forces)
+            approaches[BOUND, RIGHT], complete[RIGHT] = later, self.body.complete(later)
         if self.watch is None:
             return approaches, complete
         with np.errstate(over="ignore", invalid="ignore"):  # with unstable steps

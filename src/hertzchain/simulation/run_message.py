@@ -58,8 +58,8 @@ def end_message(
         "pulse left": f"the pulse left the chain {at}",
         "wall force complete": _complete(chain, at, sensitive=sensitive),
         "transit limit": (
-            f"stopped {at}, because a run without until lasts no longer; the force on the right "
-            "wall is not complete"
+            f"stopped {at}, because a run without until lasts no longer; the force on the "
+            f"{'cap' if chain.right_wall is None else 'right wall'} is not complete"
         ),
         "nothing more happens": f"all beads are in free flight and separating {at}; {so_far}",
         "time reached": f"stopped as requested {at}; "

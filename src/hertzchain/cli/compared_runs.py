@@ -193,6 +193,8 @@ def _of_body(run: Run) -> dict[str, str]:
     units = run.chain.units
     if (body := body_force(run)) is None:
         return {"peak": "not reached"}
+    if not body.complete:
+        return {"peak": "not complete"}
     found = {
         "peak": measure(body.force, "N", units, 5), "time": measure(body.time, "s", units, 5),
         "acceleration": f"{float(f'{body.acceleration:.4g}'):g}",
@@ -241,7 +243,8 @@ def _of_last_bead(run: Run) -> dict[str, str]:
         "momentum of last bead": measure(found["momentum"], "N s", units),
     }
     if has_body_behind(run.chain) and (body := body_force(run)) is not None:
-        row["force on the cap"] = measure(body.force, "N", units, 5)
+        force = measure(body.force, "N", units, 5)
+        row["force on the cap"] = force if body.complete else f"not complete ({force} so far)"
     return row
 
 
@@ -271,7 +274,8 @@ def _peak(run: Run | None, beads: Sequence[int], place: Place) -> float:
     if place == "body":
         from ..simulation.body_force import body_force
 
-        return math.inf if (body := body_force(run)) is None else body.force
+        body = body_force(run)
+        return body.force if body is not None and body.complete else math.inf
     if place == "sensor":
         sensor = run.sensor_force(beads[0])
         return sensor.largest_so_far if sensor.reached else math.inf

@@ -66,7 +66,7 @@ def hits_as_list(runs: Sequence[Run], beads: Sequence[int]) -> list[dict[str, An
         }
         if has_body_behind(run.chain):
             body = body_force(run)
-            document["cap"] = None if body is None else body.force
+            document["cap"] = body.force if body is not None and body.complete else None
         rows.append(finite(document))
     return rows
 

@@ -78,13 +78,13 @@ def body_as_dict(run: Run) -> dict[str, object] | None:
             "duration": found.duration, "duration_above": ABOVE,
         }
     )  # fmt: skip
-    return numbers
+    return numbers | {"complete": found.complete}
 
 
 def body_lines(run: Run) -> list[str]:
     """Force of the last contact on the body behind it, its acceleration, and the duration."""
     from ..representation import measure
-    from ..simulation.body_force import ABOVE, body_force
+    from ..simulation.body_force import ABOVE, MAY_FOLLOW, body_force
     from ..simulation.sensor_force import SHOWN
 
     if (found := body_force(run)) is None:
@@ -96,12 +96,14 @@ def body_lines(run: Run) -> list[str]:
     if found.error > SHOWN * found.force:
         size = measure(found.error, "N", units, 2)
         error = f" (error at most {size})"
+    so_far = "" if found.complete else " so far"
+    later = "" if found.complete else f"; the run ends before the peak is complete: {MAY_FOLLOW}"
     above = " above the static force" if run.chain.static_state.forces.any() else ""
     lasts = "not known, because the run begins or ends during it"
     if not math.isnan(found.duration):
         lasts = measure(found.duration, "s", units, 3)
     return [
-        f"  largest force on it, from {contact}{above}: {force}{error}",
+        f"  largest force on it{so_far}, from {contact}{above}: {force}{error}{later}",
         f"  largest acceleration (this force / mass, unfiltered): "
         f"{acceleration_in_words(found.acceleration, units)}",
         f"  duration of the acceleration (around the largest, above {ABOVE:.0%} of it): {lasts}",

@@ -42,9 +42,9 @@ USUAL_TIMES: Final = 400
     "--until",
     metavar="TIME",
     help="Stop time, such as 60 or, in SI units, 2ms.  [default: without a right wall, when the "
-    "pulse has left the chain; with one, when the peak force on it is complete and the impact is "
-    "over, but at most ten transits of the pulse, or more if the left end is free, the wall soft "
-    "or the striker heavy]",
+    "pulse has left the chain and no larger force on a cap can follow; with one, when the peak "
+    "force on it is complete and the impact is over, but at most ten transits of the pulse, or "
+    "more if the left end is free, the wall soft or the striker heavy]",
 )
 @click.option(
     "--times",

@@ -49,7 +49,8 @@ class Reader:
         if name.group in ("wall_force", "left_wall_force"):
             return self._wall(name)
         if name.group == "body_force":
-            return [(name, each, "") for each in self._body(name)]
+            note = "" if self.ending.body_is_complete(self.record) else "the peak is not complete"
+            return [(name, each, note) for each in self._body(name)]
         if name.group == "bead":
             return [(name, *self._fastest(name, (name.bead or 1) - 1))]
         return [(name, self._final(name), "")]

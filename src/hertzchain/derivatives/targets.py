@@ -9,6 +9,8 @@ import numpy as np
 
 from ..collision import Array
 from ..kernels.wall_rule import HELD, MAX_REBOUNDS, ROUNDING, has_released, longest_watch
+from ..simulation.body_bound import body_bound
+from ..simulation.body_force import has_body_behind
 from ..simulation.time_scales import impact_momentum, rebound_time
 from ..simulation.wall_bound import LEFT, RIGHT, motion_can_escape, wall_targets
 from .equation import Equation
@@ -100,6 +102,22 @@ class Ending:
         return watched and all(
             is_past(record, name.bead or 1) for name in self.names if name.group == "bead"
         )  # fmt: skip
+
+    def body_is_complete(self, record: Record) -> bool:
+        """Whether no later force on a cap behind the row can exceed the largest one."""
+        equation = self.equation
+        chain = equation.chain
+        if not has_body_behind(chain) or record.moves:
+            return True
+        contact = equation.beads - 1
+        peak = max(
+            (float(equation.kept_forces(each.kept, contact).max()) for each in record.blocks),
+            default=0.0,
+        )
+        overlaps, p = equation.overlaps_at(record.positions), equation.exponents
+        stored = equation.stiffness * np.maximum(overlaps, 0.0) ** (p + 1.0) / (p + 1.0)
+        later = body_bound(chain).later(overlaps, stored, record.velocities)
+        return peak > 0.0 and later <= (1.0 + ROUNDING) * peak
 
     def _events(self, record: Record) -> bool:
         from ..kernels.adjoint_layout import GAUGE

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Final
 
@@ -111,7 +112,9 @@ def _slopes_by_field(
         unit = 1.0
         if row < len(measures):
             unit = float(np.max(measures[row]._units_of_share([chain])))
-        complete = each.status == "complete"
+        # A given end of the run determines the largest force on a body, as in `simulate_many`.
+        of_body = each.quantity in BODY and math.isfinite(each.value)
+        complete = each.status == "complete" or of_body
         values[row] = each.value / unit if complete else np.nan
         for field in fields:
             slopes[field][row] = each[field] / unit

@@ -32,6 +32,7 @@ from ..validation.objects import Progress
 from .exact_gradients import value_in_whole_run
 from .measured import measured
 from .measures import (
+    BODY,
     FIRST_MAXIMUM,
     LARGEST_IN_SENSOR,
     LARGEST_ON_WALL,
@@ -57,6 +58,10 @@ TIMES, LATER, MAX_CHECKED = 2000, 0.01, 10
 NOT_A_PEAK: Final = (
     f"{LARGEST_ON_WALL} is the largest force on the wall up to the end of the run; it is not a "
     "complete peak, so a larger force may follow"
+)
+LATER_ON_CAP: Final = (
+    "the run ends before the force on the cap is complete, so a larger force may follow; give a "
+    "later until, or none"
 )
 WITH_YIELD: Final = "with contacts that yield"
 
@@ -163,6 +168,8 @@ def verify_chain(
             table["wall_peak_force"][0]
         ):
             notes.append(NOT_A_PEAK)
+    if any(m.key in BODY for m in measures) and not table.reasons and not table.complete[0]:
+        notes.append(LATER_ON_CAP)
     notes += _later_motion(problem, chain, values)
     notes += _later_force(problem, chain, values, float(table["end_time"][0]))
     limits = None

@@ -13,6 +13,7 @@ from ..recorded_warnings import ignore_warnings
 from .resolved_body import resolved
 from .sensor_curve import crossings_around
 from .sensor_force import sensor_maxima
+from .wall_bound import RIGHT
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 # Part of the largest force above which the duration of an acceleration is counted.
 ABOVE: Final = 0.1
+# Of a peak that is not complete.
+MAY_FOLLOW: Final = "a larger force may follow"
 
 
 class BodyForce(NamedTuple):
@@ -28,7 +31,8 @@ class BodyForce(NamedTuple):
     The acceleration is this force over the mass of the body, without any filter.  The duration is
     the time around the maximum for which the force exceeds a tenth of it; NaN if the run begins
     later or ends earlier.  ``error`` is a bound of the error of the force.  ``later`` states
-    whether the largest force is not the first maximum.
+    whether the largest force is not the first maximum.  ``complete`` is false if a later force on a
+    cap may exceed it: if the run ended before `hertzchain.simulation.body_bound` excludes it.
     """
 
     force: float
@@ -37,6 +41,7 @@ class BodyForce(NamedTuple):
     mass: float
     error: float = 0.0
     later: bool = False
+    complete: bool = True
 
     @property
     def acceleration(self) -> float:
@@ -82,9 +87,12 @@ def body_force(run: Run) -> BodyForce | None:
                 fine = resolved(run)
             except (InputError, SimulationError):
                 fine = run
-            run.__dict__["_body_force"] = _from_saved_times(fine)
-    found: BodyForce | None = run.__dict__["_body_force"]
-    return found
+            found = _from_saved_times(fine)
+            if found is not None and has_body_behind(run.chain):
+                found = found._replace(complete=bool(run._complete[RIGHT]))
+            run.__dict__["_body_force"] = found
+    known: BodyForce | None = run.__dict__["_body_force"]
+    return known
 
 
 def _from_saved_times(run: Run) -> BodyForce | None:

@@ -71,4 +71,4 @@ class BodyWatch:
 
     def complete(self, later: float) -> bool:
         """Whether no later force can exceed the largest one."""
-        return 0.0 < self.peak and later <= (1.0 + ROUNDING) * self.peak
+        return self.peak > 0.0 and later <= (1.0 + ROUNDING) * self.peak

@@ -20,6 +20,7 @@ from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..errors import InputError
 from ..kernels.limits import MIN_HEIGHT
+from ..kernels.wall_rule import ROUNDING
 from ..pulse.quantities import (
     BODY_QUANTITIES,
     FINAL_QUANTITIES,
@@ -30,11 +31,10 @@ from ..pulse.quantities import (
     Quantity,
 )
 from ..validation.objects import Progress
-from .budget import budget_of
+from .body_bound import body_bound
 from .end_forces import static_forces_around
-from .ends_of_runs import ON_WALL, body_of_run, sensors_of_run
+from .ends_of_runs import ON_WALL, body_of_run, energy_parts, final_of_run, sensors_of_run
 from .ensemble_input import kernel_input
-from .run import Run
 from .run_end import Status
 from .run_message import FAILURES, end_message, follows_first_contact, is_sensitive
 from .run_pulse import pulse_of, times_between
@@ -203,6 +203,8 @@ class _KernelResults:
         status = [STATUS[int(code)] for code in self.summary[:, layout.STATUS]]
         reasons = {i: self._failure(i, each) for i, each in enumerate(status) if each in FAILURES}
         complete = self.summary[:, layout.WALL_COMPLETE] > 0.0
+        if any(name in BODY_QUANTITIES for name in keep):
+            complete = self._body_is_complete(found["body_peak_force"])
         # The kernel integrates only chains without losses.
         sensitive = follows_first_contact(
             self.readings[:, 0, layout.PEAK_TIME], self.summary[:, layout.WALL_FIRST_END]
@@ -287,6 +289,27 @@ class _KernelResults:
             "body_acceleration": force * self._inverse_masses[:, -1],
         }
 
+    def _body_is_complete(self, peaks: Array) -> Array:
+        """Whether no later force on the last body can exceed the largest one."""
+        rows = zip(self.chains, *self._final_contacts(), self._final_velocities, strict=True)
+        later = np.array([body_bound(chain).later(*row) for chain, *row in rows])
+        return np.asarray(later <= (1.0 + ROUNDING) * np.nan_to_num(peaks))
+
+    @property
+    def _final_velocities(self) -> Array:
+        found: Array = self.records[:, self.layout.FINAL_V]
+        return found
+
+    def _final_contacts(self) -> tuple[Array, Array]:
+        """Overlaps, negative in open contacts, and stored energies at the end of the runs."""
+        moved, at_rest = (
+            self.records[:, self.layout.FINAL_X], self.given[:, self.layout.GIVEN_AT_REST]
+        )  # fmt: skip
+        overlaps = at_rest - np.diff(np.pad(moved, ((0, 0), (1, 1))))
+        pressed = np.maximum(overlaps, 0.0)
+        exponents = self.given[:, self.layout.GIVEN_EXPONENT]
+        return overlaps, self._force(pressed, slice(None)) * pressed / (exponents + 1.0)
+
     def _sensors(self, beads: Sequence[int]) -> dict[str, Array]:
         layout, sensors = self.layout, self.readings[:, 1 : 1 + len(beads)]
         # The kernel adds only the forces of contacts.
@@ -312,11 +335,8 @@ class _KernelResults:
 
     def _final(self) -> dict[str, Array]:
         layout = self.layout
-        moved, velocities = self.records[:, layout.FINAL_X], self.records[:, layout.FINAL_V]
-        overlaps = self.given[:, layout.GIVEN_AT_REST] - np.diff(np.pad(moved, ((0, 0), (1, 1))))
-        overlaps = np.maximum(overlaps, 0.0)
-        exponents = self.given[:, layout.GIVEN_EXPONENT]
-        stored = self._force(overlaps, slice(None)) * overlaps / (exponents + 1.0)
+        moved, velocities = self.records[:, layout.FINAL_X], self._final_velocities
+        stored = self._final_contacts()[1]
         kinetic = 0.5 * velocities**2 / self._inverse_masses
         static = self.given[:, layout.GIVEN_NOISE].any()
         rest = [chain.static_state.positions for chain in self.chains] if static else 0.0
@@ -350,22 +370,6 @@ class _KernelResults:
         return np.where(stiffness > 0.0, found, 0.0)
 
 
-def energy_parts(
-    kinetic: Array, forward: Array, contacts: Array, walls: Array, lost: Array
-) -> dict[str, Array]:
-    """Fractions of the energy at the end of runs, from the kinetic energy of each bead."""
-    parts = {
-        "energy_forward": np.where(forward, kinetic, 0.0).sum(axis=-1),
-        "energy_backward": np.where(forward, 0.0, kinetic).sum(axis=-1),
-        "energy_in_contacts": contacts,
-        "energy_in_walls": walls,
-        "energy_lost": lost,
-    }
-    total = np.sum([*parts.values()], axis=0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return {name: np.asarray(values / total) for name, values in parts.items()}
-
-
 def largest_yield_ratio(chain: Chain, overlaps: Array) -> float:
     """Largest ratio of the pressure of a contact to that at first yield; NaN if it is unknown."""
     return hertz_range(chain, overlaps).largest_yield_ratio
@@ -396,7 +400,7 @@ def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:
     if any(name in BODY_QUANTITIES for name in keep):
         found |= body_of_run(run)
     if any(name in FINAL_QUANTITIES for name in keep):
-        found |= _final_of(run, options)
+        found |= final_of_run(run, options)
     found["largest_overlap"], found["dent"] = run.largest_overlaps[1:-1], run.dents[1:-1]
     if "yield_ratio" in keep:
         found["yield_ratio"] = largest_yield_ratio(chain, run.largest_overlaps)
@@ -405,25 +409,6 @@ def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:
     sensitive = np.array([is_sensitive(chain, run._walls, RIGHT)])
     overlaps = run.largest_overlaps[np.newaxis]
     return Outcome(columns, [run.status], complete, sensitive, overlaps, {})
-
-
-def _final_of(run: Run, options: dict[str, Any]) -> dict[str, Any]:
-    """The state at the end of a run, with the forces at that time, from a second run."""
-    end = run.end_time
-    last = simulate(run.chain, until=end, times=[end], **options)
-    budget = budget_of(
-        run.chain, last.times, last.positions, last.velocities, last.forces, last._accumulators,
-        np.zeros_like(last.velocities), last.state.start,
-    )  # fmt: skip
-    kinetic = 0.5 * run.chain.masses * last.velocities[0] ** 2
-    return {
-        "final_position": last.positions[0],
-        "final_velocity": last.velocities[0],
-        "end_time": end,
-    } | energy_parts(
-        kinetic, last.velocities[0] > 0.0,
-        *(budget.energy[name][0] for name in ("contacts", "walls", "lost")),
-    )  # fmt: skip
 
 
 def empty_columns(keep: Sequence[str], count: int, beads: int, sensors: int) -> dict[str, Array]:

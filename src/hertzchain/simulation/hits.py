@@ -53,7 +53,7 @@ def peak_at_right_end(run: Run) -> float:
     """Complete peak on the right wall, or largest force on a cap without a wall; otherwise NaN."""
     if run.chain.right_wall is None:
         body = body_force(run) if has_body_behind(run.chain) else None
-        return math.nan if body is None else body.force
+        return body.force if body is not None and body.complete else math.nan
     wall = run._wall_force("right")
     return wall.peak if wall.complete else math.nan
 

@@ -3,7 +3,8 @@
 Without ``until``, a chain with a right wall runs until the largest force on the wall is complete
 (`hertzchain.simulation.wall_watch`), or to a longest time.  A chain with a cap behind the row and
 no right wall runs until the largest force on the cap is complete
-(`hertzchain.simulation.body_watch`); any other chain runs until the pulse has left.  With ``until``, the run stops at that time, and walls are watched in the same way.
+(`hertzchain.simulation.body_watch`); any other chain runs until the pulse has left.  With
+``until``, the run stops at that time, and walls are watched in the same way.
 """
 
 from __future__ import annotations
@@ -98,7 +99,11 @@ class RunEnd:
             kernel.TIME_REACHED: "time reached",
             kernel.STEP_TOO_SMALL: "step too small",
         }
-        if self.body is not None and self.by_itself and (self.body.left or code == kernel.PULSE_LEFT):
+        if (
+            self.body is not None
+            and self.by_itself
+            and (self.body.left or code == kernel.PULSE_LEFT)
+        ):
             return self._after_pulse(self.body, code, kernel, forces)
         if self.watch is None or code in (kernel.TIME_REACHED, kernel.STEP_TOO_SMALL):
             return endings.get(code)

@@ -54,7 +54,8 @@ class RunTable(Frozen):
     reasons : mapping
         Reasons why chains failed, by their index; empty if none did.
     complete : ndarray of bool, shape (C,)
-        Whether the largest force on the right wall is complete, as `WallForce.complete`; if not,
+        Whether the largest force on the right wall is complete, as `WallForce.complete`, or with
+        quantities of the last body, whether no larger force on a cap can follow; if not,
         ``wall_peak_force`` is NaN.  Impulse of the impact and duration are NaN as long as the
         impact has not ended.
     sensitive : ndarray of bool, shape (C,)
@@ -231,7 +232,7 @@ class RunTable(Frozen):
             variables[name] = (dimensions, values, quantity.attributes(self.units))
         variables["status"] = ("chain", self.status, {"long_name": "end of the run"})
         variables["complete"] = (
-            "chain", self.complete, {"long_name": "largest force on the right wall is complete"}
+            "chain", self.complete, {"long_name": "largest force on the right end is complete"}
         )  # fmt: skip
         variables["sensitive"] = (
             "chain", self.sensitive,

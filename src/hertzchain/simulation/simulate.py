@@ -86,7 +86,9 @@ def simulate(
         transits of the pulse, 20 if the left end is free, or, for soft walls and heavy strikers,
         for the first transit and twice the time in which all beads, as one body, would rebound from
         the row.  Any other chain runs until the pulse has left, that is, until every bead has
-        passed its first velocity maximum.
+        passed its first velocity maximum; with a cap behind the row, it continues until no larger
+        force on the cap can follow (`hertzchain.simulation.body_bound`), at most for 50 times as
+        long, and with gravity or precompression, for which there is no such proof, not at all.
         If the chain falls from rest, transits are counted from the end of the fall.
         Required for a drive without an end.
     times : int or array_like

@@ -12,8 +12,8 @@ from ..chain.bead_names import bead_number
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain, require_same_units
 from ..collision import Array
-from ..errors import InputError, ModelRangeWarning, SimulationError
-from ..pulse.quantities import SENSOR_QUANTITIES
+from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError, warn_user
+from ..pulse.quantities import BODY_QUANTITIES, SENSOR_QUANTITIES
 from ..pulse.quantity_names import column_name
 from ..pulse.table_warnings import warn_exceeded, warn_failed
 from ..recorded_warnings import ignore_warnings
@@ -22,6 +22,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.memory import check_memory
 from ..validation.numbers import number, whole_number, worker_count
 from ..validation.objects import Progress, callback, check_bool, check_choice, check_list
+from .body_force import MAY_FOLLOW, has_body_behind
 from .ensemble_columns import (
     TABLE_QUANTITIES,
     Outcome,
@@ -118,7 +119,8 @@ def simulate_many(
     Warns
     -----
     IncompleteWarning
-        If chains fail, with the reason of the first.
+        If chains fail, with the reason of the first, or if a larger force on a cap behind the row
+        may follow after the end of a run.
     ModelRangeWarning
         If chains exceed the limits of Hertz's law, unless ``check_range`` is false.
 
@@ -138,10 +140,29 @@ def simulate_many(
         check_range=check_range, threads=threads, progress=progress,
     )  # fmt: skip
     warn_failed(len(table), table.reasons)
+    _warn_if_later_forces(table)
     if check_range and table.outside_range.any():
         rows = np.flatnonzero(table.outside_range).tolist()
         warn_exceeded(len(table), rows, table.exceeded_limits(rows[0])[0])
     return table
+
+
+def _warn_if_later_forces(table: RunTable) -> None:
+    """Warn once if runs end before the force on a cap behind the row is complete."""
+    kept = [name for name in table.columns if name in BODY_QUANTITIES]
+    if not kept:
+        return
+    rows = [
+        row for row, chain in enumerate(table.chains)
+        if chain is not None and row not in table.reasons
+        and has_body_behind(chain) and not table.complete[row] and np.isfinite(table[kept[0]][row])
+    ]  # fmt: skip
+    if rows:
+        warn_user(
+            f"{len(rows)} of {len(table)} runs end before the force on the cap is complete, the "
+            f"first that of chain {rows[0]}: {MAY_FOLLOW}",
+            IncompleteWarning,
+        )
 
 
 def tabulate_runs(
@@ -297,7 +318,7 @@ class _Ensemble:
 
         try:
             # The whole table has one warning.
-            with ignore_warnings(ModelRangeWarning):
+            with ignore_warnings(ModelRangeWarning, IncompleteWarning):
                 return by_simulate(chain, self.request, check_stop)
         except (InputError, SimulationError) as error:
             nothing: Array = np.zeros((1, chain.beads + 1))

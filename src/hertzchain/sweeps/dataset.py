@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import __version__
 from ..errors import IncompleteWarning, ModelRangeWarning, warn_user
+from ..pulse.quantities import BODY_QUANTITIES
 from ..simulation.sensor_force import HALF
 from ..store.sweep_layout import STATUS, Variable
 from ..store.sweep_store import FAILED, MEANINGS, plain_text
@@ -77,9 +78,11 @@ def batch_variables(plan: Plan) -> dict[str, Variable]:
     if plan.may_be_outside_range:
         label = {"long_name": "1 where the method is used outside its range"}
         found["outside_range"] = _by_method(plan, "i1", label)
-    if plan.keeps_wall:
-        label = {"long_name": "1 where the largest force on the wall is incomplete"}
+    if plan.keeps_wall or _keeps_body(plan):
+        place = "the wall" if plan.keeps_wall else "the cap"
+        label = {"long_name": f"1 where the largest force on {place} is incomplete"}
         found["incomplete"] = _by_method(plan, "i1", label)
+    if plan.keeps_wall:
         label = {"long_name": "1 where the largest force on the wall is sensitive to small changes"}
         found["sensitive"] = _by_method(plan, "i1", label)
     label = {"long_name": "why the method failed, or why values are missing; otherwise empty"}
@@ -93,6 +96,11 @@ def batch_variables(plan: Plan) -> dict[str, Variable]:
         "flag_values": list(range(len(MEANINGS))), "flag_meanings": " ".join(MEANINGS),
     })  # fmt: skip
     return found
+
+
+def _keeps_body(plan: Plan) -> bool:
+    """Whether quantities of the last body of a free end are kept, which may be incomplete."""
+    return any(name in BODY_QUANTITIES for name in plan.specification.keep)
 
 
 def _by_method(plan: Plan, dtype: str, attributes: dict[str, Any]) -> Variable:
@@ -126,8 +134,10 @@ def columns_of(plan: Plan, result: Result) -> Mapping[str, Any]:
         columns["reason"] = np.array(result.reason, dtype=np.dtypes.StringDType())
     if plan.may_be_outside_range:
         columns["outside_range"] = result.outside_range
+    if plan.keeps_wall or _keeps_body(plan):
+        columns["incomplete"] = result.incomplete
     if plan.keeps_wall:
-        columns |= {"incomplete": result.incomplete, "sensitive": result.sensitive}
+        columns["sensitive"] = result.sensitive
     if plan.ragged:
         columns["beads"] = result.beads
     return columns

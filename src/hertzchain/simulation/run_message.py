@@ -55,7 +55,7 @@ def end_message(
     milder = _milder(chain)
     so_far = f"the pulse had passed {passed} of {counted(chain.beads - chain.strikers, 'bead')}"
     return {
-        "pulse left": f"the pulse left the chain {at}",
+        "pulse left": _pulse_left(chain, at),
         "wall force complete": _complete(chain, at, sensitive=sensitive),
         "transit limit": (
             f"stopped {at}, because a run without until lasts no longer; the force on the "
@@ -74,6 +74,15 @@ def end_message(
             "a shorter step, or drift instead of step"
         ),
     }[status]
+
+
+def _pulse_left(chain: Chain, at: str) -> str:
+    """Message of a run that ended by itself at a free right end."""
+    static = chain.static_state
+    held = static.forces.any() or static.body_forces.any()
+    if chain.cap is None or chain.right_wall is not None or held:
+        return f"the pulse left the chain {at}"
+    return f"ended {at}: the pulse has left, and no larger force on the cap can follow"
 
 
 def _complete(chain: Chain, at: str, *, sensitive: bool) -> str:

@@ -10,7 +10,7 @@ from ..chain.chain import Chain
 from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..chain.materials import FULLY_PLASTIC
 from ..collision import Array
-from ..simulation.body_force import ABOVE, BodyForce, body_force
+from ..simulation.body_force import ABOVE, MAY_FOLLOW, BodyForce, body_force
 from ..simulation.run import Run
 from ..simulation.sensor_force import MANY_TIMES
 from ..simulation.yield_range import at_fully_plastic_pressure
@@ -49,6 +49,8 @@ def body_peaks(run: Run, progress: Callable[..., None] | None) -> dict[str, Any]
     if found is None:
         largest = float(force_on_body(run).max(initial=0.0))
         return {**names, "shown": [[words, largest, None]], "yielding": None}
+    if not found.complete:
+        words = f"largest force so far{above} ({MAY_FOLLOW})"
     shown: list[list[Any]] = [[words, found.force, found.time]]
     with_yield = [] if progress is None else _with_yield(run, progress)
     yielding = None

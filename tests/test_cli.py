@@ -222,7 +222,7 @@ def test_reproduce_leaves_with_3_outside_tolerance(run, tmp_path):
 
 def test_cite(run):
     code, out, _ = run("cite")
-    assert f"hertzchain {hertzchain.__version__};" in out
+    assert f"granular chains, version {hertzchain.__version__}," in out
     assert code == 0
     assert "arXiv:1307.1191" in out
     package = Path(hertzchain.__file__).parent

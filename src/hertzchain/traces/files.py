@@ -41,8 +41,8 @@ def load_traces(
 
     The header of a file is, for example, ``time [us], ball 6 [N], ball 11 [mV], wall [N],
     ball 3 velocity [m/s]``.  Balls are counted without the strikers (``bead 7`` counts them), and
-    a force in a ball is the mean of the forces on its two sides.  Units may also be in
-    parentheses, as in ``Time (s)``, or in a row of their own below the names, as in
+    a force in a ball, or in a ``cap``, is the mean of the forces on its two sides.  Units may also
+    be in parentheses, as in ``Time (s)``, or in a row of their own below the names, as in
     ``second,Volt``, and the times may be called ``t``.  Lines above the header, such as the
     settings of an oscilloscope, are not read, except ``Horizontal Units`` and ``Vertical Units``.
     Columns may also be separated by semicolons, tabs or spaces, and numbers may have decimal

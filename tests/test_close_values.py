@@ -1,4 +1,4 @@
-"""Values that coincide with few digits are told apart, and crowded marks remain legible."""
+"""Values that coincide with few digits have more, and crowded marks remain legible."""
 
 import numpy as np
 import pytest

@@ -109,5 +109,5 @@ def test_a_force_on_the_wall_as_that_of_a_bead(name):
 def test_sweeps_state_that_largest_velocities_need_a_bead():
     spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [5, 6]},
             "sweep": {"keep": ["largest_velocity"]}}  # fmt: skip
-    with pytest.raises(hc.InputError, match="needs the bead: write largest_velocity@5 or"):
+    with pytest.raises(hc.InputError, match="needs the bead: write largest_velocity@5, "):
         hc.sweep(spec)

@@ -399,7 +399,7 @@ BAD = [
     ({"axes": {"loss": {"gamma": [1]}, "loss.gamma": [2]}}, "loss.gamma: would undo axes.loss.gam"),
     ({"sweep": {"methods": [["bca"]]}}, "sweep.methods\\[1\\]: unknown method \\['bca'\\]"),
     ({"sweep": {"methods": ["simulate"], "keep": ["sensor.largest"]}},
-     "sweep.keep\\[1\\]: sensor.largest needs the bead .* sensor.largest@5 or"),
+     "sweep.keep\\[1\\]: sensor.largest needs the bead .* sensor.largest@5, "),
     ({"sweep": {"methods": ["simulate"], "keep": ["sensor.largest@bal 3"]}}, "needs the bead"),
     ({"sweep": {"methods": ["simulate"], "keep": ["velocity", "sensor.largest@99"]}},
      "sweep.keep\\[2\\]: sensor.largest@99: there is no such bead in"),

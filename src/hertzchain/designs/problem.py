@@ -102,6 +102,7 @@ class Design:
 
     def __post_init__(self) -> None:
         require_chain("Design", self.chain)
+        check_choice("model", self.model, ("simulation", *MODELS))
         chain = self.chain
         objectives = objectives_from(chain, self.minimise, self.maximise, self.match)
         object.__setattr__(self, "objectives", objectives)
@@ -167,7 +168,6 @@ class Design:
                 )
 
     def _check_model(self) -> None:
-        check_choice("model", self.model, ("simulation", *MODELS))
         if self.model == "simulation":
             return
         for each in self.measures:

@@ -158,3 +158,9 @@ def test_names_of_gradients_are_those_of_the_table_of_quantities():
         if name.startswith(("wall_force.", "sensor.", "final.", "pulse.")):
             assert name in COLUMNS or name == "wall_force.maxima"
     assert {name for name in NAMES if "." in name} <= {*COLUMNS}
+
+
+def test_a_cap_is_not_a_ball():
+    capped = ROW.with_cap("3 g")
+    with pytest.raises(hc.InputError, match=r"6 balls and a cap .* number from 1 to 6, or 'cap'"):
+        hc.simulate(capped, until="0.1 ms").sensor_force("ball 7")

@@ -859,7 +859,10 @@ def test_sweeps_count_incomplete_peaks(run, tmp_path):
         '[chain]\ntaper = "uniform"\n[chain.right_wall]\n[axes]\nbeads = [5, 20]\n'
         '[sweep]\nmethods = ["simulate"]\nkeep = ["wall_peak_force"]\n[method]\nuntil = 20.0\n'
     )
-    told = "points with an incomplete largest force on the wall or the cap: 1 (see variable `incomplete`)"
+    told = (
+        "points with an incomplete largest force on the wall or the cap: 1 (see variable "
+        "`incomplete`)"
+    )
     code, out, _ = run("sweep", specification, "--store", store)
     assert (code, told in out) == (0, True)
     assert told in run("sweep", "status", store)[1]

@@ -151,7 +151,10 @@ def test_on_the_command_line(run):
     assert peak in shown
     for wrong, said in (
         ("viscoelastic, restitution=0.93", "with a restitution needs its speed, too"),
-        ("viscoelastic, restitution=0.93, speed=0.8", "speed of --loss 0.8 has no unit"),
+        (
+            "viscoelastic, restitution=0.93, speed=0.8",
+            "speed=0.8 has no unit; write, for example, speed=0.8 m/s",
+        ),
         ("viscoelastic, restitution=1.93, speed=0.8 m/s", "below 1, got 1.93"),
     ):
         code, out, err = run("simulate", *options, "--loss", wrong)

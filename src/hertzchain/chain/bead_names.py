@@ -80,13 +80,12 @@ def wall_number(chain: Chain, name: object) -> int | None:
 def numbered_bead(chain: Chain, body: str, number: int) -> int:
     """Number of a bead, strikers included, from that of a ``"ball"`` or ``"bead"``."""
     shift = chain.strikers if body == "ball" else 0
-    count = chain.beads - shift
+    # A cap is the last bead, but not a ball.
+    capped = body == "ball" and chain.cap is not None
+    count = chain.beads - shift - capped
     if not 1 <= number <= count:
         after = " after its strikers" if shift else ""
-        # A cap is the last bead, but not a ball.
-        capped = body == "ball" and chain.cap is not None
         also, name = (f" and a {CAP}", f", or {CAP!r}") if capped else ("", "")
-        count -= capped
         raise InputError(
             f"there is no {body} {number}: the chain has {counted(count, body)}{also}{after}; give "
             f"a number from 1 to {count}{name}"

@@ -258,7 +258,7 @@ def _law_with_restitution(name: str, given: list[str], chain: Chain, option: str
             f"'{name}, restitution=0.93, speed=0.8 m/s'"
         )
     if not chain.scaled:
-        require_unit(f"speed of {option}", str(values["speed"]), "m/s")
+        _require_unit_of_speed(option, values["speed"])
     coefficient, speed = values.pop("restitution"), values.pop("speed")
     wall = option == "--wall-loss"
     contact = values.pop("contact", chain.beads if wall else usual_contact(chain))
@@ -277,6 +277,13 @@ def _law_with_restitution(name: str, given: list[str], chain: Chain, option: str
         return law
     except InputError as error:
         raise click.UsageError(f"{option} {name}: {error}") from None
+
+
+def _require_unit_of_speed(option: str, speed: object) -> None:
+    if isinstance(speed, float) and speed:
+        raise click.UsageError(
+            f"{option}: speed={speed:g} has no unit; write, for example, speed={speed:g} m/s"
+        )
 
 
 def _replace_height(values: dict[str, Any], chain: Chain, option: str) -> None:

@@ -78,7 +78,9 @@ def test_offsets_of_sensors_are_named_instead_of_a_common_one():
 
 
 @pytest.mark.long
-def test_a_missing_precompression_is_named():
+@pytest.mark.parametrize("gain", [None, 0.02])
+def test_a_missing_precompression_is_named(gain):
+    """Also by sensors in volts, whose gains are fitted."""
     # The force holds the bead that strikes, too.
     row = hc.Chain.from_materials(RADIUS, "steel-52100", beads=16).replace(
         right_wall=hc.Wall.of("steel-304"), loss=hc.Viscoelastic(0.4e-6),
@@ -88,9 +90,17 @@ def test_a_missing_precompression_is_named():
     names = {"ball 5 [N]": "bead 6 [N]", "ball 10 [N]": "bead 11 [N]", "wall [N]": "wall [N]"}
 
     def renamed(columns):
-        return {names[name]: each for name, each in columns.items()}
+        named = {names[name]: each for name, each in columns.items()}
+        if gain is None:
+            return named
+        return {name.replace("[N]", "[V]"): gain * each for name, each in named.items()}
 
-    result = hc.fit(traces(static=5.0, change=renamed), row, free=free)
+    priors = {}
+    if gain is not None:
+        priors = {f"gain[{name[:-4]}]": (1.02 * gain, 0.05 * gain) for name in names.values()}
+    result = hc.fit(
+        traces(static=5.0, change=renamed), row, free=[*free, *priors], priors=priors or None
+    )
     assert not result.describes
     advice = result.advice[0]
     value, error = map(float, re.search(r"precompression = (\S+) \+- (\S+) N", advice).groups())

@@ -19,6 +19,8 @@ from .simulations import Simulator
 
 CHANGES: Final = ((1, with_ball_more, "one ball more"), (-1, with_ball_fewer, "one ball fewer"))
 COUNT: Final = "check the number of balls"
+# From a single start, a fit with the correct number of balls can end at a wrong loss.
+STARTS: Final = 3
 
 
 def likely_count(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
@@ -43,7 +45,7 @@ def _fits(
 ) -> Iterator[Cause]:  # fmt: skip
     for what, advice, model in others:
         try:
-            found = refit(Problem(model), start, 1)
+            found = refit(Problem(model), start, STARTS)
         except SimulationError:
             continue
         yield Cause(what, advice, found, 0, count=True)

@@ -53,14 +53,17 @@ class Cause:
 def try_further(
     result: FitResult, names: Sequence[Name], refit: Refit, model: Model | None = None,
     neutral: float | None = None, factor: float = 1.0, least: float = CLEAR,
+    start: Mapping[str, float] | None = None,
 ) -> Cause | None:  # fmt: skip
-    """The fit with further parameters, by default of the same chains.
+    """The fit with further parameters, by default of the same chains, from the optimum or a start.
 
     None if it fails, or if no parameter differs by ``least`` standard errors from the value without
     the cause, which is by default that of the model.
     """
     model, values = model or result.model, result.values
-    parameters = [replace(each, start=values[str(each)]) for each in model.parameters]
+    parameters = list(model.parameters)
+    if start is None:
+        parameters = [replace(each, start=values[str(each)]) for each in parameters]
     fixed = {}
     for name in names:
         kind, value = kind_and_value(name, model.traces, model.chains)
@@ -68,7 +71,8 @@ def try_further(
         parameters.append(Parameter(name, kind, factor * value))
         fixed[str(name)] = value if neutral is None else neutral
     try:
-        found = refit(Problem(replace(model, parameters=tuple(parameters))), values, 1)
+        problem = Problem(replace(model, parameters=tuple(parameters)))
+        found = refit(problem, values if start is None else start, 1)
     except SimulationError:
         return None
     if not _beyond(least, fixed, found):

@@ -31,27 +31,33 @@ PRECOMPRESSION: Final = (
 )
 
 
-def static_causes(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+def static_causes(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """The fits with gravity and with a precompression, if the chains have neither."""
     if any(chain.gravity or chain.precompression for chain in result.model.chains):
         return
     if any(is_free(key, result.model) for key in ("gravity", "precompression")):
         return
-    for start in _accelerations(result):
-        cause = _with_static(result, Name("gravity"), start, refit)
+    for value in _accelerations(result):
+        cause = _with_static(result, Name("gravity"), value, start, refit)
         if cause is not None:
             value, error = (each["gravity"] for each in (cause.result.values, cause.result.errors))
             if abs(value) < STANDARD_GRAVITY + ALLOWED * error:
                 yield replace(cause, advice=GRAVITY)
-    forces = [
-        abs(extreme(from_level(signal)))
-        for _, signal in result.traces if signal.calibrated and signal.place.quantity == "force"
-    ]  # fmt: skip
-    if forces:
-        start = PART_OF_PEAK * max(forces)
-        cause = _with_static(result, Name("precompression"), start, refit)
+    if forces := _measured_forces(result):
+        value = PART_OF_PEAK * max(forces)
+        cause = _with_static(result, Name("precompression"), value, start, refit)
         if cause is not None:
             yield replace(cause, advice=PRECOMPRESSION)
+
+
+def _measured_forces(result: FitResult) -> list[float]:
+    """Largest forces of the signals whose gains are known."""
+    model, values = result.model, result.model.values(result.variables)
+    gains = [(signal, model.gain(shot, signal, values)) for shot, signal in result.traces]
+    return [
+        abs(extreme(from_level(signal)) / gain) for signal, gain in gains
+        if signal.place.quantity == "force" and (signal.calibrated or gain != 1.0)
+    ]  # fmt: skip
 
 
 def _accelerations(result: FitResult) -> list[float]:
@@ -60,11 +66,21 @@ def _accelerations(result: FitResult) -> list[float]:
     return [start for start, wall in ends if wall is not None]
 
 
-def _with_static(result: FitResult, name: Name, start: float, refit: Refit) -> Cause | None:
-    """The fit with a static force, which AC coupling hides; the derivative at zero is infinite."""
+def _with_static(
+    result: FitResult, name: Name, value: float, start: Mapping[str, float], refit: Refit
+) -> Cause | None:
+    """The fit with a static force, which AC coupling hides; the derivative at zero is infinite.
+
+    Large static forces spoil the optimum without them, so that it may be a poor start.
+    """
     try:
-        model = _model_with(result, name, start)
-        return try_further(result, (name,), refit, model, neutral=0.0)
+        model = _model_with(result, name, value)
+        near = try_further(result, (name,), refit, model, neutral=0.0)
+        if near is not None and near.result.describes:
+            return near
+        far = try_further(result, (name,), refit, model, neutral=0.0, start=start)
+        found = [each for each in (near, far) if each is not None]
+        return min(found, key=lambda each: each.result.chi2, default=None)
     except InputError:
         # The weight or the precompression has no support.
         return None

@@ -22,7 +22,6 @@ is no bound.
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -33,21 +32,13 @@ from ..collision import Array
 from ..frozen import once
 from ..kernels.law_kinds import DAMPED, UNLOADING
 from .kernel_input import kernel_chain
+from .momentum_limits import attraction_of, minorant
 
 
 def least_energy(masses: Array, momenta: Array) -> float:
     """Smallest kinetic energy if beads 1 to c have at most momentum c, and all beads the last."""
-    hull = [(0.0, 0.0)]
-    for mass, momentum in zip(np.cumsum(masses).tolist(), momenta.tolist(), strict=True):
-        if momentum == math.inf:
-            continue
-        while len(hull) > 1:
-            (m0, p0), (m1, p1) = hull[-2:]
-            if (p1 - p0) * (mass - m0) < (momentum - p0) * (m1 - m0):
-                break
-            hull.pop()
-        hull.append((mass, momentum))
-    return sum(0.5 * (p1 - p0) ** 2 / (m1 - m0) for (m0, p0), (m1, p1) in pairwise(hull))
+    # A product that is too large is infinite; a power would raise an error.
+    return sum(0.5 * momentum * momentum / mass for mass, momentum in minorant(masses, momenta))
 
 
 class BodyBound:
@@ -69,18 +60,7 @@ class BodyBound:
         # Static forces that hold the ends act on, and gravity does, too.
         self.known = not static.body_forces.any() and not static.forces.any()
         self.exists = np.asarray(chain.contact_stiffness) > 0.0
-        self.attraction, self.attraction_powers = self._attraction(equation)
-
-    def _attraction(self, equation: Any) -> tuple[Array, Array]:
-        """Largest impulse of attraction of each contact over a power of its overlap."""
-        strength, powers = np.zeros(self.chain.beads + 1), np.ones(self.chain.beads + 1)
-        for group in self.chain.contact_groups:
-            row, at = group.law.row(group.contacts.exponent), group.index
-            if row.kind == DAMPED and row.attractive:
-                powers[at] = row.overlap_power + 1.0
-                linear = row.speed_power == 1.0
-                strength[at] = equation.damping[at] / powers[at] if linear else np.inf
-        return np.where(self.exists, strength, 0.0), powers
+        self.attraction = attraction_of(chain, equation, self.exists)
 
     def force(self, overlap: float) -> float:
         """Largest force if a contact without a dent has been compressed to an overlap."""
@@ -117,10 +97,7 @@ class BodyBound:
         if self.behind:
             total = max(float(momenta[-1]), 0.0)
             return energy - 0.5 * total**2 / float(masses.sum())
-        pulls = np.where(np.isinf(self.attraction), np.inf, 0.0)
-        some = (overlaps > 0.0) & ~np.isinf(self.attraction)
-        pulls[some] = self.attraction[some] * overlaps[some] ** self.attraction_powers[some]
-        momenta[:-1] += pulls[1:-1]
+        momenta[:-1] += self.attraction.impulses(overlaps)[1:-1]
         return energy - least_energy(masses, momenta)
 
 

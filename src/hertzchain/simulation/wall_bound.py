@@ -56,7 +56,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -67,6 +66,7 @@ from ..collision import Array
 from ..frozen import once
 from ..kernels.law_kinds import DAMPED, UNLOADING
 from .kernel_input import kernel_chain
+from .momentum_limits import Attraction, attraction_of, minorant
 
 if TYPE_CHECKING:
     from ..kernels.forces import GeneralChain
@@ -96,20 +96,10 @@ def locked_energy(masses: Array, momenta: Array) -> float:
 
     The positive direction is that towards the wall; infinite entries set no limit.
     """
-    hull = [(0.0, 0.0)]
-    for mass, momentum in zip(np.cumsum(masses).tolist(), momenta.tolist(), strict=True):
-        if momentum == math.inf:
-            continue
-        while len(hull) > 1:
-            (m0, p0), (m1, p1) = hull[-2:]
-            if (p1 - p0) * (mass - m0) < (momentum - p0) * (m1 - m0):
-                break
-            hull.pop()
-        hull.append((mass, momentum))
     # A product that is too large is infinite; a power would raise an error.
     return sum(
-        0.5 * (p1 - p0) * (p1 - p0) / (m1 - m0)
-        for (m0, p0), (m1, p1) in pairwise(hull) if p1 < p0
+        0.5 * momentum * momentum / mass
+        for mass, momentum in minorant(masses, momenta) if momentum < 0.0
     )  # fmt: skip
 
 
@@ -130,7 +120,8 @@ class Target:
         self.powers = (row.overlap_power, row.speed_power)
         self.reloads = row.kind == UNLOADING
         self.can_escape = motion_can_escape(chain, side)
-        self.attraction, self.attraction_powers = self._attraction(equation)
+        pull = attraction_of(chain, equation, self.contacts)
+        self.attraction = Attraction(self._wall_last(pull.strength), self._wall_last(pull.powers))
 
         self.forces = self._forces_at_rest()
         forces = self._wall_last(self.forces)
@@ -144,17 +135,6 @@ class Target:
     def _wall_last(self, values: Array) -> Array:
         """Order values, with those at the wall last."""
         return values if self.side == RIGHT else values[::-1]
-
-    def _attraction(self, equation: GeneralChain) -> tuple[Array, Array]:
-        """Largest impulse of attraction of each contact over a power of its overlap."""
-        strength, powers = np.zeros(self.chain.beads + 1), np.ones(self.chain.beads + 1)
-        for group in self.chain.contact_groups:
-            row, at = group.law.row(group.contacts.exponent), group.index
-            if row.kind == DAMPED and row.attractive:
-                powers[at] = row.overlap_power + 1.0
-                linear = row.speed_power == 1.0
-                strength[at] = equation.damping[at] / powers[at] if linear else np.inf
-        return self._wall_last(np.where(self.contacts, strength, 0.0)), self._wall_last(powers)
 
     def _forces_at_rest(self) -> Array:
         """Forces at rest if all contacts are closed: each carries the beads beyond it."""
@@ -186,10 +166,7 @@ class Target:
         overlaps, stored = self._wall_last(overlaps), self._wall_last(stored)
         velocity = self.towards * self._wall_last(velocities)
         # With a nonlinear attraction, a contact that is open now may pull later.
-        attraction = np.where(np.isinf(self.attraction), np.inf, 0.0)
-        some = (overlaps > 0.0) & ~np.isinf(self.attraction)
-        attraction[some] = self.attraction[some] * overlaps[some] ** self.attraction_powers[some]
-        momenta = np.cumsum(self.masses * velocity) + attraction[1:]
+        momenta = np.cumsum(self.masses * velocity) + self.attraction.impulses(overlaps)[1:]
         # The last bead does not recede from the wall while the force on it reaches a maximum.
         momenta[-2] = momenta[-2:].min()
         energy = 0.5 * float(self.masses @ velocity**2) + float(stored[self.exists].sum())

@@ -26,6 +26,11 @@ LEAVES: Final = (
 )
 
 
+def is_cap_note(note: str) -> bool:
+    """Whether a note is one of `cap_notes`."""
+    return note.startswith(LEAVES.partition("{")[0])
+
+
 def departure(chain: Chain, duration: float) -> float:
     """Time from the impact at which the cap leaves its wall; infinite if it is after a duration."""
     if chain.cap is None:

@@ -18,7 +18,7 @@ from ..errors import SimulationError
 from ..representation import measure
 from .advice import advice_to_free, considered, level_advice, nothing_explains
 from .ball_count_causes import likely_count, other_counts
-from .cap_notes import LEAVES, before_departure
+from .cap_notes import before_departure, is_cap_note
 from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_ends, is_free, try_further
 from .clocks import fixed_offsets
 from .common_effects import separate_effects
@@ -31,6 +31,7 @@ from .misread_places import best_other_place
 from .misread_times import check_times, misread_times
 from .names import Name
 from .parameters import Parameter, kind_and_value
+from .prior_conflicts import bound_notes
 from .problem import Problem
 from .result import FitResult
 from .second_pulse import without_second_pulse
@@ -129,11 +130,10 @@ def as_misread(result: FitResult, cause: Cause) -> FitResult:
 def _without_consequences(result: FitResult) -> FitResult:
     """A result without notes on priors and bounds, which its cause contradicts."""
     priors = len(conflict_notes_of(result))
-    ends = [f"{name} is at its bound and has no error" for name in result.at_bounds]
+    ends = bound_notes(result.at_bounds)
     notes = tuple(
-        each for each in result.notes[priors:]
-        if each not in ends and not each.startswith(LEAVES.partition("{")[0])
-    )  # fmt: skip
+        each for each in result.notes[priors:] if each not in ends and not is_cap_note(each)
+    )
     return replace(result, notes=notes, explained=True)
 
 

@@ -30,7 +30,7 @@ from .misread_times import nominal_pulses
 from .model import Model, make_model
 from .names import ENDS, Name
 from .parameters import Parameter, Priors, free_parameters
-from .prior_conflicts import conflict_notes
+from .prior_conflicts import bound_notes, conflict_notes
 from .problem import Problem
 from .result import FitResult
 from .sensor_comparison import pulse_widths
@@ -354,7 +354,7 @@ def _other_shots(model: Model) -> list[str]:
 def _notes(model: Model, found: Uncertainty, at_bounds: tuple[str, ...]) -> tuple[str, ...]:
     """Notes on unused samples, bounds, large errors and failed runs, one sentence each."""
     notes = [*clock_notes(model.traces), *model.traces.notes()]
-    notes += [f"{name} is at its bound and has no error" for name in at_bounds]
+    notes += bound_notes(at_bounds)
     notes += large_error_notes(model, found)
     if {"stiffness", "exponent"} <= {name.key for name in model.names}:
         notes.append(

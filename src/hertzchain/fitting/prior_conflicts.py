@@ -1,4 +1,4 @@
-"""Priors from which a fit deviates by more than their errors allow."""
+"""Priors from which a fit deviates by more than their errors allow, and bounds that it reaches."""
 
 from __future__ import annotations
 
@@ -36,6 +36,11 @@ ADVICE: Final = (
     "check the diameters, masses and materials of the chain, the calibration of the sensors, and "
     "the prior itself"
 )
+
+
+def bound_notes(names: Sequence[str]) -> list[str]:
+    """A note on each parameter that is at its bound."""
+    return [f"{name} is at its bound and has no error" for name in names]
 
 
 def contradicted(deviations: Mapping[str, float]) -> tuple[str, ...]:

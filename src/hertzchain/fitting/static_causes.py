@@ -37,15 +37,15 @@ def static_causes(result: FitResult, start: Mapping[str, float], refit: Refit) -
         return
     if any(is_free(key, result.model) for key in ("gravity", "precompression")):
         return
-    for value in _accelerations(result):
-        cause = _with_static(result, Name("gravity"), value, start, refit)
+    for first in _accelerations(result):
+        cause = _with_static(result, Name("gravity"), first, start, refit)
         if cause is not None:
             value, error = (each["gravity"] for each in (cause.result.values, cause.result.errors))
             if abs(value) < STANDARD_GRAVITY + ALLOWED * error:
                 yield replace(cause, advice=GRAVITY)
     if forces := _measured_forces(result):
-        value = PART_OF_PEAK * max(forces)
-        cause = _with_static(result, Name("precompression"), value, start, refit)
+        first = PART_OF_PEAK * max(forces)
+        cause = _with_static(result, Name("precompression"), first, start, refit)
         if cause is not None:
             yield replace(cause, advice=PRECOMPRESSION)
 

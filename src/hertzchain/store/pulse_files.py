@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import io
 import json
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -17,6 +15,7 @@ from ..pulse.quantities import QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.objects import file_path
 from .digests import array_digest
+from .netcdf_files import read_netcdf
 from .results import pulses_as_csv
 from .run_files import CHAIN_FILE, PULSE, RECORDS, chain_file_of, stored_chain
 from .writing import write_bytes
@@ -101,7 +100,7 @@ def load_pulse(path: str | os.PathLike[str]) -> Pulse:
     """
     file = file_path("file of a pulse", path)
     name = os.fspath(file)
-    dataset = _read(file)
+    dataset = read_netcdf(file, "pulse")
     attributes = dataset.attrs
     if PULSE not in attributes:
         hint = f"read it with load_run({name!r}).pulse()" if RECORDS in dataset else (
@@ -122,29 +121,6 @@ def load_pulse(path: str | os.PathLike[str]) -> Pulse:
     if not whole:
         raise InputError(f"{name!r} is damaged or was changed after it was written; {AGAIN}")
     return _pulse_from(dataset, name)
-
-
-def _read(file: Path) -> xr.Dataset:
-    import xarray as xr
-
-    name = os.fspath(file)
-    try:
-        content = file.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot read the pulse {name!r}: {error.strerror}") from None
-    try:
-        with xr.open_dataset(io.BytesIO(content), engine="scipy") as dataset:
-            return dataset.load()
-    # SciPy raises errors of many types for a damaged file.
-    except Exception:  # noqa: BLE001
-        if file.suffix.lower() == ".csv":
-            raise InputError(
-                f"{name!r} is a CSV file, which cannot be read back as a pulse: only a netCDF file "
-                "keeps its chain; save it with pulse.save('pulse.nc')"
-            ) from None
-        raise InputError(
-            f"cannot read the pulse {name!r}: it is damaged or not a netCDF file of Pulse.save"
-        ) from None
 
 
 def _pulse_from(dataset: xr.Dataset, name: str) -> Pulse:

@@ -21,6 +21,7 @@ from ..simulation.state import State, fingerprint
 from .chain_as_toml import chain_as_toml
 from .chain_files import chain_from
 from .digests import array_digest
+from .netcdf_files import read_netcdf
 from .record_versions import RECORDS_VERSION, check_records
 
 if TYPE_CHECKING:
@@ -89,7 +90,8 @@ def _records(run: Run) -> bytes:
 def read_run(file: Path) -> Run:
     """Read a file of `Run.save`."""
     name = os.fspath(file)
-    saved, attributes = _read(file)
+    dataset = read_netcdf(file, "run")
+    saved, attributes = _variables(dataset), dataset.attrs
     if RECORDS not in saved:
         hint = (
             "read other netCDF files with xarray.open_dataset, and a part of a stream with "
@@ -129,30 +131,6 @@ def stored_chain(chain_file: object, name: str) -> Chain:
         return chain_from(tomllib.loads(str(chain_file)))
     except (InputError, tomllib.TOMLDecodeError) as error:
         raise InputError(f"the chain of {name!r} cannot be read: {error}") from None
-
-
-def _read(file: Path) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Variables and attributes of a netCDF file."""
-    import xarray as xr
-
-    try:
-        content = file.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot read the run {os.fspath(file)!r}: {error.strerror}") from None
-    try:
-        with xr.open_dataset(io.BytesIO(content), engine="scipy") as dataset:
-            return _variables(dataset), dict(dataset.attrs)
-    # SciPy raises errors of many types for a damaged file.
-    except Exception:  # noqa: BLE001
-        if file.suffix.lower() == ".csv":
-            raise InputError(
-                f"{os.fspath(file)!r} is a CSV file, which cannot be read back as a run: only a "
-                "netCDF file keeps its chain and events; save it with run.save('run.nc')"
-            ) from None
-        raise InputError(
-            f"cannot read the run {os.fspath(file)!r}: it is damaged or not a netCDF file of "
-            "Run.save"
-        ) from None
 
 
 def _variables(dataset: xr.Dataset) -> dict[str, Array]:

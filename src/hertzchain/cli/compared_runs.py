@@ -16,7 +16,7 @@ from .compared_yield import (
     possible_factors,
     smallest,
 )
-from .last_bead import last_bead_of
+from .last_bead import last_bead_of, shown_acceleration
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -188,7 +188,6 @@ def _of_place(run: Run, beads: Sequence[int], place: Place) -> dict[str, str]:
 def _of_body(run: Run) -> dict[str, str]:
     """Force on the last body of a free end, its acceleration and its duration."""
     from ..simulation.body_force import body_force
-    from ..units import STANDARD_GRAVITY
 
     units = run.chain.units
     if (body := body_force(run)) is None:
@@ -197,11 +196,10 @@ def _of_body(run: Run) -> dict[str, str]:
         return {"peak": "not complete"}
     found = {
         "peak": measure(body.force, "N", units, 5), "time": measure(body.time, "s", units, 5),
-        "acceleration": f"{float(f'{body.acceleration:.4g}'):g}",
     }  # fmt: skip
-    if units == "SI":
-        found["acceleration"] += " m/s^2"
-        found["in g0"] = f"{float(f'{body.acceleration / STANDARD_GRAVITY:.4g}'):g}"
+    found["acceleration"], in_g0 = shown_acceleration(body.acceleration, units)
+    if in_g0:
+        found["in g0"] = in_g0
     if not math.isnan(body.duration):
         found["duration"] = measure(body.duration, "s", units, 3)
     return found

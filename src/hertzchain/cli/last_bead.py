@@ -114,10 +114,17 @@ def acceleration_in_words(value: float, units: str) -> str:
     """An acceleration with four digits, in SI units also as a multiple of standard gravity."""
     from ..units import STANDARD_GRAVITY
 
-    if units != "SI":
-        return f"{value:.4g}"
-    shown, times = (f"{float(f'{each:.4g}'):g}" for each in (value, value / STANDARD_GRAVITY))
-    return f"{shown} m/s^2, {times} g0 (g0 = {STANDARD_GRAVITY:g} m/s^2)"
+    shown, in_g0 = shown_acceleration(value, units)
+    return f"{shown}, {in_g0} g0 (g0 = {STANDARD_GRAVITY:g} m/s^2)" if in_g0 else shown
+
+
+def shown_acceleration(value: float, units: str) -> tuple[str, str]:
+    """An acceleration, and in SI units its multiple of standard gravity, with four digits."""
+    from ..units import STANDARD_GRAVITY
+
+    # Without exponents of ten.
+    own, multiple = (f"{float(f'{each:.4g}'):g}" for each in (value, value / STANDARD_GRAVITY))
+    return (f"{own} m/s^2", multiple) if units == "SI" else (own, "")
 
 
 def final_velocities(run: Run) -> list[str]:

@@ -9,8 +9,7 @@ from ..chain.bead_names import bead_label
 from ..chain.chain import Chain
 from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..chain.materials import FULLY_PLASTIC
-from ..collision import Array
-from ..simulation.body_force import ABOVE, MAY_FOLLOW, BodyForce, body_force
+from ..simulation.body_force import ABOVE, MAY_FOLLOW, BodyForce, body_force, force_on_body
 from ..simulation.run import Run
 from ..simulation.sensor_force import MANY_TIMES
 from ..simulation.yield_range import at_fully_plastic_pressure
@@ -20,16 +19,9 @@ from .yield_notes import IF_YIELDING
 
 # Name of the curve among those of sensors and walls.
 BODY: Final = "body"
-TWICE: Final = "mean of the forces on both faces; the force on the body is twice this"
 AT_MOST: Final = f"that at {FULLY_PLASTIC:g} Y"
 ACCELERATION: Final = "largest acceleration (force / mass, unfiltered)"
 IN_G0: Final = "in multiples of standard gravity"
-
-
-def force_on_body(run: Run) -> Array:
-    """Force of the last contact on the last body at the saved times, without the static force."""
-    force: Array = run.forces[:, -2] - run.chain.static_state.forces[-2]
-    return force
 
 
 def body_peaks(run: Run, progress: Callable[..., None] | None) -> dict[str, Any]:

@@ -20,7 +20,6 @@ from ..pulse.notes import OUT_OF_ORDER, out_of_order
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
 from ..recorded_warnings import record_warnings
-from ..simulation.body_force import has_body_behind
 from ..simulation.budget import Budget
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
@@ -145,7 +144,7 @@ def _forces(given: Mapping[str, Any], stop: Stop) -> Export:
     """Forces on walls, in sensors and on a free body at the times of the figure."""
     chain = chain_of(given.get("document"))
     sensors = _sensors(chain, given.get("sensors"))
-    body = has_body_behind(chain)
+    body = chain._free_cap
     places = [*sensors, *walls_of(chain).values(), *[chain.beads + 1] * body]
     if not places:
         raise InputError("the chain has no wall and no sensor; add one to save forces")

@@ -17,13 +17,13 @@ from ..collision import Array, compression_time
 from ..errors import SimulationError
 from ..notebook.drawing import engineering
 from ..recorded_warnings import record_warnings
-from ..simulation.body_force import has_body_behind
+from ..simulation.body_force import force_on_body
 from ..simulation.run import Run
-from ..simulation.sensor_force import SHOWN
+from ..simulation.sensor_force import FREE_FACE, SHOWN
 from ..simulation.simulate import simulate
 from ..simulation.time_scales import UNBALANCED
 from ..simulation.yielding import peak_with_yielding_contacts, pressures_below_yield
-from .body_curve import BODY, TWICE, body_peaks, force_on_body
+from .body_curve import BODY, body_peaks
 from .yield_notes import IF_YIELDING
 
 # Intervals in the shortest contact, and the smallest number that needs no warning.  A light bead
@@ -54,7 +54,7 @@ def run_for_forces(
     """
     if not places or not run.success:
         return run, ""
-    if has_body_behind(run.chain):
+    if run.chain._free_cap:
         # The force on this body is twice that in a sensor in it.
         places = [min(k, run.chain.beads) for k in places]
     needed = _needed_intervals(run, places)
@@ -167,7 +167,7 @@ def places_of(chain: Chain, balls: Places) -> dict[str, int]:
     """Beads with a sensor, walls and a free body behind the row by the names of their curves."""
     found = {str(bead): bead for bead in beads_of(chain, balls)}
     sides = (("left", 0), ("right", chain.beads + 1))
-    if has_body_behind(chain):
+    if chain._free_cap:
         found[BODY] = chain.beads + 1
     return found | {side: k for side, k in sides if f"{side} wall" in chain.features}
 
@@ -176,7 +176,7 @@ def force_at(run: Run, place: int) -> Array:
     """Force in a sensor in a bead, on a wall, or on a free body, at the saved times."""
     if 1 <= place <= run.chain.beads:
         return run.sensor(place)
-    if place > 0 and has_body_behind(run.chain):
+    if place > 0 and run.chain._free_cap:
         return force_on_body(run)
     return run.forces[:, 0 if place == 0 else -1]
 
@@ -205,10 +205,10 @@ def peaks_at(
             "ball": f"sensor in {f'ball {ball}' if ball > 0 else label}",
         }
         found = _sensor_peaks(forces, place, progress is None)
-        if has_body_behind(forces.chain) and place == forces.chain.beads:
-            found["remark"] = TWICE
+        if forces.chain._free_cap and place == forces.chain.beads:
+            found["remark"] = FREE_FACE
         return {**names, **found}
-    if place > 0 and has_body_behind(forces.chain):
+    if place > 0 and forces.chain._free_cap:
         return body_peaks(forces, progress)
     side: Side = "left" if place == 0 else "right"
     found = _wall_peaks(whole, side, progress, float(force_at(forces, place).min()))

@@ -184,6 +184,11 @@ class Chain(ChainBuilders):
             )
         return loading_forces(self.contact_groups, np.pad(values, 1))[1:-1]
 
+    @property
+    def _free_cap(self) -> bool:
+        """Whether the cap has no wall behind it, such as an instrument behind the row."""
+        return self.cap is not None and self.right_wall is None
+
     def to_dataframe(self) -> pd.DataFrame:
         """Table with one row per bead, strikers and a cap included.
 

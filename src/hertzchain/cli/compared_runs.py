@@ -160,11 +160,9 @@ def _table(rows: Mapping[str, Mapping[str, str]], title: str) -> Table:
 
 def _common_place(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -> Place | None:
     """The first of the places that all chains have."""
-    from ..simulation.body_force import has_body_behind
-
     chains = {name: run.chain for name, run in runs.items()}
     # A first sensor elsewhere is the place that was asked for.
-    sensors = {name: beads[name][:1] or [chain.beads] * has_body_behind(chain)
+    sensors = {name: beads[name][:1] or [chain.beads] * chain._free_cap
                for name, chain in chains.items()}  # fmt: skip
     body = all(
         chain.right_wall is None and sensors[name] == [chain.beads]
@@ -233,14 +231,14 @@ def _of_last_bead(run: Run) -> dict[str, str]:
     """Velocity and momentum of the last bead of a free end, if the pulse has arrived."""
     if (found := last_bead_of(run)) is None:
         return {}
-    from ..simulation.body_force import body_force, has_body_behind
+    from ..simulation.body_force import body_force
 
     units = run.chain.units
     row = {
         "velocity of last bead": measure(found["velocity"], "m/s", units, 5),
         "momentum of last bead": measure(found["momentum"], "N s", units),
     }
-    if has_body_behind(run.chain) and (body := body_force(run)) is not None:
+    if run.chain._free_cap and (body := body_force(run)) is not None:
         force = measure(body.force, "N", units, 5)
         row["force on the cap"] = force if body.complete else f"not complete ({force} so far)"
     return row

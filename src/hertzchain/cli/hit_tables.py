@@ -50,7 +50,7 @@ def hits_as_list(runs: Sequence[Run], beads: Sequence[int]) -> list[dict[str, An
     A peak that is not complete is None.
     """
     from ..chain.bead_names import walls_of
-    from ..simulation.body_force import body_force, has_body_behind
+    from ..simulation.body_force import body_force
     from ..validation.json_types import finite
 
     rows = []
@@ -64,7 +64,7 @@ def hits_as_list(runs: Sequence[Run], beads: Sequence[int]) -> list[dict[str, An
             "sensors": {str(bead): run.sensor_force(bead).largest_so_far for bead in beads},
             "dents": run.dents.tolist(),
         }
-        if has_body_behind(run.chain):
+        if run.chain._free_cap:
             body = body_force(run)
             document["cap"] = body.force if body is not None and body.complete else None
         rows.append(finite(document))
@@ -78,7 +78,6 @@ def hit_table(runs: Sequence[Run], beads: Sequence[int]) -> Table:
 
     from ..chain.bead_names import bead_label, walls_of
     from ..chain.per_contact import contact_name
-    from ..simulation.body_force import has_body_behind
 
     chain = runs[0].chain
     si = chain.units == "SI"
@@ -87,7 +86,7 @@ def hit_table(runs: Sequence[Run], beads: Sequence[int]) -> Table:
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
     walls = [f"peak on the {side} wall{force}" for side in walls_of(chain)]
     sensors = [f"largest in {bead_label(chain, bead)}{force}" for bead in beads]
-    caps = [f"largest on the cap{force}"] if has_body_behind(chain) else []
+    caps = [f"largest on the cap{force}"] if chain._free_cap else []
     for name in ("hit", *walls, *caps, *sensors, f"deepest dent{length}", "at"):
         table.add_column(name, justify="left" if name == "at" else "right")
     for row in hits_as_list(runs, beads):

@@ -33,11 +33,10 @@ def free_end_lines(run: Run, beads: Sequence[int]) -> list[str]:
     ``beads`` have sensors.
     """
     from ..chain.bead_names import bead_label
-    from ..simulation.body_force import has_body_behind
 
     chain, last = run.chain, last_bead_of(run)
     lines = [] if last is None else [last_bead_line(run, last)]
-    if has_body_behind(chain) or chain.beads in beads:
+    if chain._free_cap or chain.beads in beads:
         forces = body_lines(run)
         if forces and not lines:
             lines.append(f"{bead_label(chain, chain.beads)} at the free end:")
@@ -142,7 +141,7 @@ def final_velocities(run: Run) -> list[str]:
         return []
     if chain.beads > SHORT:
         # The velocity of a body behind the row is that after the impact, not that in the pulse.
-        if chain.cap is None or chain.right_wall is not None:
+        if not chain._free_cap:
             return []
         velocity = measure(float(velocities[-1]), "m/s", chain.units, 5)
         return [f"{bead_label(chain, chain.beads)} at the end of the run: velocity {velocity}"]

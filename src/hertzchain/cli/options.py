@@ -236,9 +236,8 @@ def names_from(text: str | None) -> list[str] | None:
 def measure_from(text: str | None, chain: Chain) -> Measure:
     """A quantity of a chain; by default the peak on its wall or cap, or the last velocity."""
     from ..designs.measures import measure_of
-    from ..simulation.body_force import has_body_behind
 
-    free = "body_force.peak" if has_body_behind(chain) else "velocity@last"
+    free = "body_force.peak" if chain._free_cap else "velocity@last"
     usual = free if chain.right_wall is None else "wall_force.peak"
     return measure_of(chain, usual if text is None else text)
 

@@ -293,9 +293,8 @@ def _beads(chain: Chain, sensors: tuple[str, ...], forces: Path | None) -> list[
 def _places(chain: Chain, beads: list[int]) -> list[int | str]:
     """Sensors, walls and a cap without a wall, for a table of forces."""
     from ..chain.bead_names import walls_of
-    from ..simulation.body_force import has_body_behind
 
-    body = ["body"] * has_body_behind(chain)
+    body = ["body"] * chain._free_cap
     return [*beads, *(f"{side} wall" for side in walls_of(chain)), *body]
 
 
@@ -367,10 +366,9 @@ def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str,
 def _curves(chain: Chain, beads: list[int]) -> list[int | str]:
     """Sensors, walls and a cap without a wall, whose forces are plotted."""
     from ..chain.bead_names import walls_of
-    from ..simulation.body_force import has_body_behind
 
     walls = walls_of(chain).values()
-    if not has_body_behind(chain):
+    if not chain._free_cap:
         return [*beads, *walls]
     return [*(bead for bead in beads if bead != chain.beads), *walls, "body"]
 

@@ -42,7 +42,7 @@ def second_run(run: Run, **options: Any) -> Run | None:
 def ends_of_range(run: Run, other: Run | None, beads: Sequence[int]) -> list[Ends]:
     """Complete peaks on walls, forces in sensors and on a cap, and the velocity at a free end."""
     from ..chain.bead_names import bead_label, walls_of
-    from ..simulation.body_force import body_force, has_body_behind
+    from ..simulation.body_force import body_force
     from .last_bead import last_bead_of
 
     if other is None:
@@ -59,7 +59,7 @@ def ends_of_range(run: Run, other: Run | None, beads: Sequence[int]) -> list[End
         values = [each.sensor_force(bead).largest_so_far for each in (run, other)]
         found.append(Ends(at, "N", values[0], values[1]))
     forces = body_force(run), body_force(other)
-    if has_body_behind(run.chain) and forces[0] is not None and forces[1] is not None:
+    if run.chain._free_cap and forces[0] is not None and forces[1] is not None:
         at = f"force on {bead_label(run.chain, run.chain.beads)}"
         several = forces[0].later or forces[1].later
         found.append(Ends(at, "N", forces[0].force, forces[1].force, several))

@@ -10,7 +10,6 @@ import numpy as np
 from ..collision import Array
 from ..kernels.wall_rule import HELD, MAX_REBOUNDS, ROUNDING, has_released, longest_watch
 from ..simulation.body_bound import body_bound
-from ..simulation.body_force import has_body_behind
 from ..simulation.time_scales import impact_momentum, rebound_time
 from ..simulation.wall_bound import LEFT, RIGHT, motion_can_escape, wall_targets
 from .equation import Equation
@@ -107,7 +106,7 @@ class Ending:
         """Whether no later force on a cap behind the row can exceed the largest one."""
         equation = self.equation
         chain = equation.chain
-        if not has_body_behind(chain) or record.moves:
+        if not chain._free_cap or record.moves:
             return True
         contact = equation.beads - 1
         peak = max(

@@ -13,7 +13,7 @@ from ..collision import Array
 from ..errors import IncompleteWarning, InputWarning, ModelRangeWarning
 from ..pulse.quantities import QUANTITIES
 from ..recorded_warnings import ignore_warnings
-from ..simulation.body_force import body_force, has_body_behind
+from ..simulation.body_force import body_curve
 from ..simulation.simulate import simulate
 from ..simulation.yielding import dented_chain, largest_overlap_ratio, may_dent
 from .comparison import shown_chains
@@ -79,7 +79,7 @@ def shows_forces(result: DesignResult) -> bool:
     if chain.right_wall is not None or single is None:
         return chain.right_wall is not None
     of_sensor = single.key in SENSORS and single.index(chain.beads) + 1 == chain.beads
-    return single.key in BODY or (of_sensor and has_body_behind(chain))
+    return single.key in BODY or (of_sensor and chain._free_cap)
 
 
 def plotted_quantity(result: DesignResult) -> str:
@@ -123,10 +123,8 @@ def _forces(motions: Sequence[_Motion], until: float | None, most: float) -> lis
 
 def _on_body(run: Run, name: str, with_yield: bool) -> Curve:
     """Force on the last body, without the static force."""
-    contact, body = run.chain.beads - 1, body_force(run)
-    force = run.forces[:, contact] - float(run.chain.static_state.forces[contact])
-    peak = float(force.max()) if body is None else body.force
-    return Curve(name, with_yield, run.times, force, peak, with_yield and _outside(run))
+    times, force = body_curve(run)
+    return Curve(name, with_yield, times, force, float(force.max()), with_yield and _outside(run))
 
 
 def _outside(run: Run) -> bool:

@@ -49,16 +49,16 @@ class BodyForce(NamedTuple):
         return self.force / self.mass
 
 
-def has_body_behind(chain: Chain) -> bool:
-    """Whether a cap without a wall, such as an instrument, is behind the row."""
-    return chain.cap is not None and chain.right_wall is None
+def force_on_body(run: Run) -> Array:
+    """Force of the last contact at the saved times, without the static force."""
+    contact = run.chain.beads - 1
+    force: Array = run.forces[:, contact] - float(run.chain.static_state.forces[contact])
+    return force
 
 
 def body_curve(run: Run) -> tuple[Array, Array]:
     """Saved times and force on the last body, without the static force, with the largest one."""
-    contact = run.chain.beads - 1
-    times = run.times
-    force = run.forces[:, contact] - float(run.chain.static_state.forces[contact])
+    times, force = run.times, force_on_body(run)
     found = body_force(run)
     if found is None or found.time in times or not times[0] < found.time < times[-1]:
         return times, force
@@ -88,7 +88,7 @@ def body_force(run: Run) -> BodyForce | None:
             except (InputError, SimulationError):
                 fine = run
             found = _from_saved_times(fine)
-            if found is not None and has_body_behind(run.chain):
+            if found is not None and run.chain._free_cap:
                 found = found._replace(complete=bool(run._complete[RIGHT]))
             run.__dict__["_body_force"] = found
     known: BodyForce | None = run.__dict__["_body_force"]

@@ -31,8 +31,7 @@ MAX_BEADS_WITHOUT_WALL: Final = 150
 def is_covered(chain: Chain, until: float | None) -> bool:
     """Whether the elastic kernel integrates a chain."""
     # A run with a cap behind the row ends when the force on the cap is complete.
-    capped = chain.cap is not None and chain.right_wall is None
-    return _suits(chain) and (until is not None or not (capped or chain.gravity))
+    return _suits(chain) and (until is not None or not (chain._free_cap or chain.gravity))
 
 
 @once

@@ -74,12 +74,11 @@ def save_forces_of(
     'time [us],bead 5 [N],wall [N]'
     """
     from ..store.results import write_forces
-    from .body_force import has_body_behind
 
     if sensors is None:
         ends = ("left wall", "right wall")
         names: list[int | str] = [each for each in ends if each in self.chain.features]
-        names += [BODY] * has_body_behind(self.chain)
+        names += [BODY] * self.chain._free_cap
         if not names:
             raise InputError(
                 "the chain has no wall; give sensors, such as ['bead 5'], or add a right_wall"

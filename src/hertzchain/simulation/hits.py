@@ -8,7 +8,7 @@ from typing import Any
 from ..chain.chain import Chain
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
-from .body_force import body_force, has_body_behind
+from .body_force import body_force
 from .run import Run
 from .simulate import simulate
 from .yielding import MAX_BEADS
@@ -52,7 +52,7 @@ def second_hit(run: Run) -> float:
 def peak_at_right_end(run: Run) -> float:
     """Complete peak on the right wall, or largest force on a cap without a wall; otherwise NaN."""
     if run.chain.right_wall is None:
-        body = body_force(run) if has_body_behind(run.chain) else None
+        body = body_force(run) if run.chain._free_cap else None
         return body.force if body is not None and body.complete else math.nan
     wall = run._wall_force("right")
     return wall.peak if wall.complete else math.nan

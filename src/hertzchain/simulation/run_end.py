@@ -59,7 +59,7 @@ class RunEnd:
         # Whether the run ends at once if no larger force on the right wall can follow.
         self.at_peak = at_peak
         self.body: BodyWatch | None = None
-        if chain.cap is not None and chain.right_wall is None:
+        if chain._free_cap:
             self.body = BodyWatch(chain, arrays)
         self.watch: WallWatch | None = None
         if any(chain.wall_stiffness):

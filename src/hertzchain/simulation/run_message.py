@@ -80,7 +80,7 @@ def _pulse_left(chain: Chain, at: str) -> str:
     """Message of a run that ended by itself at a free right end."""
     static = chain.static_state
     held = static.forces.any() or static.body_forces.any()
-    if chain.cap is None or chain.right_wall is not None or held:
+    if not chain._free_cap or held:
         return f"the pulse left the chain {at}"
     return f"ended {at}: the pulse has left, and no larger force on the cap can follow"
 

@@ -22,7 +22,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.memory import check_memory
 from ..validation.numbers import number, whole_number, worker_count
 from ..validation.objects import Progress, callback, check_bool, check_choice, check_list
-from .body_force import MAY_FOLLOW, has_body_behind
+from .body_force import MAY_FOLLOW
 from .ensemble_columns import (
     TABLE_QUANTITIES,
     Outcome,
@@ -155,7 +155,7 @@ def _warn_if_later_forces(table: RunTable) -> None:
     rows = [
         row for row, chain in enumerate(table.chains)
         if chain is not None and row not in table.reasons
-        and has_body_behind(chain) and not table.complete[row] and np.isfinite(table[kept[0]][row])
+        and chain._free_cap and not table.complete[row] and np.isfinite(table[kept[0]][row])
     ]  # fmt: skip
     if rows:
         warn_user(

@@ -193,12 +193,11 @@ def peak_with_yielding_contacts(
     """
     from ..chain.hertz_range import hertz_range
     from ..chain.yield_pressure import with_factor
-    from .body_force import has_body_behind
 
     chain = run.chain
     if chain.materials is None or chain.units != "SI" or chain.beads > MAX_BEADS:
         return None
-    if chain.right_wall is None and not has_body_behind(chain):
+    if chain.right_wall is None and not chain._free_cap:
         return None
     if _peak_at_the_end(run) is None:
         return None

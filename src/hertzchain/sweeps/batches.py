@@ -18,7 +18,6 @@ from ..pulse.notes import notes_in_words
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import BODY_QUANTITIES, QUANTITIES, SENSOR_QUANTITIES, WALL_QUANTITIES
 from ..recorded_warnings import ignore_warnings, record_warnings
-from ..simulation.body_force import has_body_behind
 from ..simulation.ends_of_runs import ON_WALL, body_of_run
 from ..simulation.ensemble_columns import largest_yield_ratio
 from ..simulation.ensemble_input import is_covered
@@ -237,7 +236,7 @@ class _Batch:
     def _caps(self, chain: Chain) -> bool:
         """Whether the force on a cap behind the row is kept."""
         kept = any(name in BODY_QUANTITIES for name in self.single)
-        return kept and has_body_behind(chain)
+        return kept and chain._free_cap
 
     def _subject(self, row: int) -> Chain | Array | None:
         """Radii or chain of a point for `propagate_many`; `None` if the chain has features."""

@@ -10,6 +10,7 @@ from ..chain.chain import Chain
 from ..errors import InputError, unknown_name_error
 from ..pulse.quantities import QUANTITIES
 from ..pulse.quantity_names import full_name
+from ..simulation.body_force import not_on_a_wall
 from ..simulation.end_forces import static_forces_around
 from ..validation.numbers import whole_number
 
@@ -129,10 +130,7 @@ def parse(chain: Chain, given: object, bead: int | str | None, until: float | No
 def _check_body(chain: Chain, text: str) -> None:
     """Raise `InputError` if a chain has no force on a last body with a gradient."""
     if chain.right_wall is not None:
-        raise InputError(
-            f"{text} is that of the last body of a free right end, and this chain has a right "
-            "wall: use wall_force.peak"
-        )
+        raise InputError(not_on_a_wall(text))
     if chain.static_state.forces.any():
         raise InputError(
             f"{text} has no gradient under a static force of gravity or precompression; use the "

@@ -115,8 +115,8 @@ class Ending:
         )
         overlaps, p = equation.overlaps_at(record.positions), equation.exponents
         stored = equation.stiffness * np.maximum(overlaps, 0.0) ** (p + 1.0) / (p + 1.0)
-        later = body_bound(chain).later(overlaps, stored, record.velocities)
-        return peak > 0.0 and later <= (1.0 + ROUNDING) * peak
+        bound = body_bound(chain)
+        return bound.excludes_more(bound.later(overlaps, stored, record.velocities), peak)
 
     def _events(self, record: Record) -> bool:
         from ..kernels.adjoint_layout import GAUGE

@@ -47,6 +47,7 @@ from ..pulse.pulse import Pulse
 from ..pulse.quantities import BODY_QUANTITIES, QUANTITIES, WALL_QUANTITIES
 from ..pulse.quantity_names import COLUMNS
 from ..representation import measure as shown
+from ..simulation.body_force import not_on_a_wall
 from ..simulation.run_table import RunTable
 from ..simulation.sensor_force import HALF, free_face_note
 from ..validation.numbers import whole_number
@@ -197,10 +198,7 @@ class Measure:
                 "the force on its last body is body_force.peak"
             )
         if self.key in BODY and chain.right_wall is not None:
-            raise InputError(
-                f"{self} is that of the last body of a free right end, and this chain has a right "
-                "wall: use wall_force.peak"
-            )
+            raise InputError(not_on_a_wall(str(self)))
         if self.bead is not None and self.index(chain.beads) >= self._count(chain.beads):
             raise InputError(f"{self}: this chain has {chain.beads} beads")
         if self.of_whole_run and not has_gradient(chain):

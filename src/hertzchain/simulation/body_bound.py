@@ -31,6 +31,7 @@ from ..chain.contact_groups import reduced_masses
 from ..collision import Array
 from ..frozen import once
 from ..kernels.law_kinds import DAMPED, UNLOADING
+from ..kernels.wall_rule import ROUNDING
 from .kernel_input import kernel_chain
 from .momentum_limits import attraction_of, minorant
 
@@ -77,6 +78,11 @@ class BodyBound:
         speed = math.sqrt(2.0 * energy / self.reduced)
         damping = self.damping * depth ** self.powers[0] * speed ** self.powers[1]
         return float((self.law.loading_force(depth, self.contact) + damping)[0])
+
+    @staticmethod
+    def excludes_more(later: float, peak: float) -> bool:
+        """Whether this bound of later forces excludes one above the largest so far."""
+        return peak > 0.0 and later <= (1.0 + ROUNDING) * peak
 
     def _excess(self, overlaps: Array, stored: Array, velocities: Array) -> float:
         """Energy that the last contact can take up."""

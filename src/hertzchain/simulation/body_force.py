@@ -25,6 +25,14 @@ ABOVE: Final = 0.1
 MAY_FOLLOW: Final = "a larger force may follow"
 
 
+def not_on_a_wall(name: str) -> str:
+    """Why a chain with a right wall has no such quantity of a body behind it."""
+    return (
+        f"{name} is that of the last body of a free right end, and this chain has a right wall: "
+        "use wall_force.peak"
+    )
+
+
 class BodyForce(NamedTuple):
     """The largest force of the last contact on the body behind it, without the static force.
 

@@ -15,7 +15,6 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels import state_layout
-from ..kernels.wall_rule import ROUNDING
 from .body_bound import body_bound
 from .budget import overlaps_of, stored_energy
 
@@ -71,4 +70,4 @@ class BodyWatch:
 
     def complete(self, later: float) -> bool:
         """Whether no later force can exceed the largest one."""
-        return self.peak > 0.0 and later <= (1.0 + ROUNDING) * self.peak
+        return self.bound.excludes_more(later, self.peak)

@@ -11,17 +11,14 @@ from ..collision import Array
 from ..errors import IncompleteWarning, warn_user
 from ..pulse.quantities import BODY_QUANTITIES, SENSOR_QUANTITIES
 from ..representation import measure
-from .body_force import MAY_FOLLOW, body_force
+from .body_force import MAY_FOLLOW, body_force, not_on_a_wall
 from .budget import budget_of
 from .run import Run
 from .sensor_force import sensor_maxima
 from .simulate import simulate
 
 # Why a chain with a right wall has no force on a body.
-ON_WALL: Final = (
-    "body_force is that on the last body of a free right end, and this chain has a right wall: use "
-    "wall_force.peak"
-)
+ON_WALL: Final = not_on_a_wall("body_force")
 
 
 def sensors_of_run(run: Run, beads: Sequence[int]) -> dict[str, Array]:

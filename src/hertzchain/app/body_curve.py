@@ -27,6 +27,7 @@ IN_G0: Final = "in multiples of standard gravity"
 def body_peaks(run: Run, progress: Callable[..., None] | None) -> dict[str, Any]:
     """Largest force on the last body, its acceleration and duration, and forces with yield.
 
+    ``run`` is long enough for the largest force, if the engine can exclude a larger one.
     ``progress`` is `None` in a draft, which simulates nothing else.
     """
     chain, found = run.chain, body_force(run)
@@ -41,7 +42,7 @@ def body_peaks(run: Run, progress: Callable[..., None] | None) -> dict[str, Any]
     if found is None:
         largest = float(force_on_body(run).max(initial=0.0))
         return {**names, "shown": [[words, largest, None]], "yielding": None}
-    if not found.complete:
+    if not found.complete and progress is not None:
         words = f"largest force so far{above} ({MAY_FOLLOW})"
     shown: list[list[Any]] = [[words, found.force, found.time]]
     with_yield = [] if progress is None else _with_yield(run, progress)

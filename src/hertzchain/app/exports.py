@@ -32,8 +32,9 @@ from .documents import chain_of, document_as_toml
 from .force_curves import beads_of, run_for_forces
 from .messages import Part
 from .requests import SLOTS, Request
-from .results import Stop, has_static_forces, limited, motion, results
+from .results import Stop, has_static_forces, limited, results
 from .saved_page import saved_page
+from .shown_run import motion
 from .wording import title, without_advice
 
 if TYPE_CHECKING:

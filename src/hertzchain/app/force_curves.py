@@ -196,7 +196,7 @@ def _time_of_change(time: float, largest: float, smallest: float) -> float | Non
 def peaks_at(
     forces: Run, whole: Run, place: int, progress: Callable[..., None] | None
 ) -> dict[str, Any]:
-    """Peaks of a curve; ``whole`` is a run that is long enough for the peak on the wall."""
+    """Peaks of a curve; ``whole`` is long enough for the peak on the wall or the cap."""
     if 1 <= place <= forces.chain.beads:
         label, ball = bead_label(forces.chain, place), place - forces.chain.strikers
         # In a comparison with a chain that has other strikers, the ball has one name.
@@ -209,7 +209,7 @@ def peaks_at(
             found["remark"] = FREE_FACE
         return {**names, **found}
     if place > 0 and forces.chain._free_cap:
-        return body_peaks(forces, progress)
+        return body_peaks(whole, progress)
     side: Side = "left" if place == 0 else "right"
     found = _wall_peaks(whole, side, progress, float(force_at(forces, place).min()))
     return {"name": f"wall-{side}", "label": f"{side} wall", **found}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
 from typing import Any, Final
 
 import numpy as np
@@ -23,7 +22,6 @@ from ..pulse.pulse import Pulse
 from ..recorded_warnings import record_warnings
 from ..simulation.run import Run
 from ..simulation.run_message import NOT_STRUCK
-from ..simulation.simulate import simulate
 from ..simulation.time_scales import is_static
 from ..theory.catalogue import THEORIES
 from ..theory.effective_chain import effective_chain
@@ -31,7 +29,6 @@ from ..theory.spectrum import spectrum
 from .documents import chain_of, checked_as_toml
 from .force_curves import (
     coarse_frames,
-    contact_durations,
     drive_in_words,
     force_at,
     peaks_at,
@@ -40,7 +37,8 @@ from .force_curves import (
 )
 from .messages import Part, columns_as_int16
 from .requests import Request
-from .shown_times import pulse_of, saved_times
+from .shown_run import motion
+from .shown_times import pulse_of
 from .wording import chain_in_words, on_the_page, sentences, warnings_on_the_page
 from .yield_notes import assumption_note, yield_notes
 
@@ -49,8 +47,6 @@ MAX_SECONDS: Final = 20.0
 COMPILED: Final = ("local-rate",)
 # The budget of a longer chain takes as long as a draft of its motion.
 MAX_BEADS_OF_DRAFT_BUDGET: Final = 300
-# Number of times that a run is continued to twice its time if nothing has reached the wall.
-MAX_CONTINUATIONS: Final = 4
 AT_REST: Final = (
     f"nothing moves, because {NOT_STRUCK}; the spectrum shows the frequencies at which the chain "
     "can oscillate"
@@ -62,8 +58,6 @@ OVER_STATIC: Final = (
     "Excess over the static state: without the energy that is stored at rest, and without the "
     "work of the static forces"
 )
-# The run that is shown lasts at least until this multiple of the time of the peak on the wall.
-END_AFTER_PEAK: Final = 1.05
 
 Stop = Callable[[], bool]
 
@@ -262,59 +256,6 @@ def limited(stop: Stop) -> Callable[..., None]:
             )
 
     return progress
-
-
-def motion(
-    chain: Chain, exact: Pulse | None, request: Request, progress: Callable[..., None]
-) -> tuple[Run, Run, list[Warning]]:
-    """The run that is shown, and the same run continued until the peak on the wall is complete.
-
-    If the peak becomes complete, the run that is shown is as long as that of `simulate` without
-    ``until``; otherwise it includes the largest force.  Drafts are not continued.  The warnings
-    are those of the longest run: earlier ones state smaller overlaps.
-    """
-    options: dict[str, Any] = {"rtol": request.rtol, "check": False, "progress": progress}
-    with record_warnings():
-        end = request.run_until
-        times = saved_times(chain, exact, request.frames, request.clock, progress, end)
-    with record_warnings() as warned:
-        run = simulate(chain, times=times, **options)
-    if request.draft or chain.right_wall is None or not run.success:
-        return run, run, warned
-    if run._wall_force("right").complete_since is not None:
-        return run, run, warned
-    try:
-        with record_warnings() as of_whole:
-            whole = _to_the_wall(simulate(chain, start=run.state, times=0, **options), options)
-    except (InputError, SimulationError):
-        # Nothing ends this run, for example because its drive does not end, or it takes too long.
-        return run, run, warned
-    wall = whole._wall_force("right")
-    later = END_AFTER_PEAK * wall.largest_so_far_time
-    # The impact need not have ended, as on a soft wall that is still loaded after its peak.
-    if wall.complete:
-        later = max(later, whole.end_time, request.run_until)
-    if later > times[-1]:
-        peak = wall.largest_so_far_time
-        lasting = contact_durations(chain, whole.largest_overlaps)[-1]
-        with record_warnings(), suppress(SimulationError):  # The longer run may take too long.
-            times = saved_times(
-                chain, exact, request.frames, request.clock, progress, later, peak, lasting
-            )
-            run = simulate(chain, times=times, **options)
-    return run, whole, of_whole
-
-
-def _to_the_wall(run: Run, options: Mapping[str, Any]) -> Run:
-    """Continue a run that has reached its longest time before any bead has reached the wall."""
-    for _ in range(MAX_CONTINUATIONS):
-        if run.status != "transit limit" or run._wall_force("right").largest_so_far > 0.0:
-            break
-        later = simulate(run.chain, start=run.state, until=2.0 * run.end_time, times=0, **options)
-        if later._wall_force("right").largest_so_far > 0.0:
-            return later
-        run = later
-    return run
 
 
 def _run_part(

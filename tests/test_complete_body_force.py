@@ -11,6 +11,7 @@ import hertzchain as hc
 from hertzchain.cli import cli
 from hertzchain.simulation.body_bound import least_energy
 from hertzchain.simulation.body_force import body_force
+from hertzchain.simulation.ensemble_input import is_covered
 
 PEAK = "body_force.peak"
 EARLY = """
@@ -77,6 +78,27 @@ def test_tables_sweeps_and_scatters_use_the_same_run(early):
     assert table["body_peak_force"][0] == pytest.approx(200.340, abs=1e-3)
     nominal = hc.distribution(early, PEAK, hc.Scatter(radius=1e-9, samples=3), seed=1)
     assert np.median(nominal.values) == pytest.approx(200.340, abs=0.01)
+
+
+@pytest.mark.parametrize("behind", [None, hc.Wall()])
+@pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
+def test_the_elastic_kernel_continues_until_no_larger_force_follows(behind):
+    rng = np.random.default_rng(11)
+    rows = []
+    for _ in range(24):
+        sizes = [f"{each:g} mm" for each in rng.choice([4.0, 5.0, 6.0, 10.0, 16.0], 8)]
+        row = hc.Chain.from_materials(sizes, "steel-52100").with_cap(f"{rng.choice([2, 60])} g")
+        row = row.struck_by(mass="200 g", velocity="0.1 m/s").replace(left_wall=behind)
+        rows.append(row.replace(gaps=rng.choice([0.0, 1e-6], 9)) if rng.random() < 0.3 else row)
+    assert all(is_covered(row, None) for row in rows)
+    table = hc.simulate_many(rows, keep=[PEAK, "end_time"], rtol=1e-11)
+    assert (table["end_time"] < 1.0).all()
+    found = [body_force(hc.simulate(row, rtol=1e-12)) for row in rows]
+    # Between the wall and the cap, the balls may return for a long time.
+    assert table.complete.tolist() == [each.complete for each in found]
+    assert table.complete.sum() >= (24 if behind is None else 12)
+    assert table["body_peak_force"] == pytest.approx([each.force for each in found], rel=1e-9)
+    assert sum(each.later for each in found) >= 4
 
 
 def test_an_early_end_is_reported(early, path):

@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from .compilation import OPTIONS, compiled, entry_point, internal
+from .elastic_cap import ending_on_cap
 from .elastic_events import record_events, record_fall, record_largest
 from .elastic_forces import closing_of, force_of, overlap_of
 from .elastic_kinks import drop_kinks, find_kinks, impulse_defect, pass_step
@@ -55,6 +56,7 @@ from .elastic_layout import (
     LAST_IMPULSE,
     LEAST_PUSH,
     LENGTH,
+    LONGEST,
     MOST,
     NEW_V,
     NEW_X,
@@ -263,13 +265,16 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
     closed = started and state[TRANSIT, lane] == 0.0
     if time >= numbers[UNTIL]:
         return TIME_REACHED
+    lone = state[WORST, lane] >= GROWTH or state[LENGTH, lane] > LONG_STEP * time
     if passed and not started:
         if by_itself and not walled:
+            if numbers[LONGEST] > 0.0:
+                peak = gauges[lane, gauges.shape[1] - 1, PEAK]
+                return ending_on_cap(w, beads, lane, state, peak, records, numbers[LONGEST], lone)
             return PULSE_LEFT
         if walled:
             start_watch(w, beads, lane, state, records)
             started = True
-    lone = state[WORST, lane] >= GROWTH or state[LENGTH, lane] > LONG_STEP * time
     if lone and not started and (by_itself or walled):
         if nothing_can_happen(w, beads, lane):
             close(lane, state, impulse)

@@ -122,16 +122,26 @@ def is_largest(w, beads, lane, peak):
 
 @compiled
 def locked_energy(w, beads, lane, pushed):
-    """Smallest kinetic energy of beads 1 to N - 1, to which ``pushed`` is transferred.
+    """Smallest kinetic energy of beads 1 to N - 1, to which ``pushed`` is transferred."""
+    locked = 0.0
+    for at in range(lane, end_of_groups(w, beads - 1, lane, pushed), LANES):
+        if w[NEAR + at] < 0.0:
+            locked += 0.5 * w[NEAR + at] ** 2 / w[WORK + at]
+    return locked
+
+
+@compiled
+def end_of_groups(w, count, lane, pushed):
+    """Group the first beads, to the last of which ``pushed`` is transferred.
 
     Beads move together in groups whose velocities increase from left to right; the masses and
-    momenta of the groups are in rows WORK and NEAR.
+    momenta of the groups are in rows WORK and NEAR, up to the entry that is returned.
     """
     groups = lane
-    for k in range(beads - 1):
+    for k in range(count):
         at = k * LANES + lane
         mass = 1.0 / w[INVERSE_MASS + at]
-        momentum = w[V + LANES + at] * mass + (pushed if k == beads - 2 else 0.0)
+        momentum = w[V + LANES + at] * mass + (pushed if k == count - 1 else 0.0)
         while groups > lane:
             before, own = w[WORK + groups - LANES], w[NEAR + groups - LANES]
             if momentum * before > own * mass:
@@ -139,11 +149,7 @@ def locked_energy(w, beads, lane, pushed):
             mass, momentum, groups = mass + before, momentum + own, groups - LANES
         w[WORK + groups], w[NEAR + groups] = mass, momentum
         groups += LANES
-    locked = 0.0
-    for at in range(lane, groups, LANES):
-        if w[NEAR + at] < 0.0:
-            locked += 0.5 * w[NEAR + at] ** 2 / w[WORK + at]
-    return locked
+    return groups
 
 
 @compiled

@@ -24,6 +24,11 @@ LONGEST: Final = 50.0
 STEPS_PER_CHECK: Final = 16
 
 
+def has_rule(chain: Chain) -> bool:
+    """Whether a run ends when the force on the cap is complete."""
+    return chain._free_cap and body_bound(chain).known
+
+
 class BodyWatch:
     """The force on the cap during a run; ``arrays`` are the arrays of its state."""
 

@@ -14,6 +14,7 @@ from ..collision import HERTZ_EXPONENT, Array, compression_time
 from ..frozen import once
 from ..kernels.limits import MIN_ROUGH_PUSH, ROUNDING
 from ..kernels.wall_rule import MAX_REBOUNDS
+from .body_watch import LONGEST, has_rule
 from .kernel_input import static_closing
 from .time_scales import rebound_in_series, transit_times
 from .wall_bound import RIGHT, motion_can_escape, wall_targets
@@ -30,8 +31,7 @@ MAX_BEADS_WITHOUT_WALL: Final = 150
 
 def is_covered(chain: Chain, until: float | None) -> bool:
     """Whether the elastic kernel integrates a chain."""
-    # A run with a cap behind the row ends when the force on the cap is complete.
-    return _suits(chain) and (until is not None or not (chain._free_cap or chain.gravity))
+    return _suits(chain) and (until is not None or not chain.gravity)
 
 
 @once
@@ -114,6 +114,8 @@ def kernel_input(
     numbers[:, layout.LEAST_PUSH] = MIN_ROUGH_PUSH * (np.abs(speeds) / masses).sum(axis=1)
     numbers[:, layout.UNTIL] = math.inf if until is None else until
     numbers[:, layout.BY_ITSELF] = until is None
+    if until is None:
+        numbers[:, layout.LONGEST] = [LONGEST * has_rule(chain) for chain in chains]
     if walled:
         numbers[:, layout.REBOUNDS] = MAX_REBOUNDS * _rebounds(given, speeds, masses)
         at_rest = ~given[:, layout.GIVEN_BODY].any(axis=1)

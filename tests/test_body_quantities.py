@@ -12,6 +12,7 @@ from hertzchain.simulation.body_force import body_force
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 
 PEAK, ACCELERATION = "body_force.peak", "body_force.acceleration"
+DURATION = "body_force.duration"
 
 
 def box(mass="100 g", beads=6, **more):
@@ -23,6 +24,14 @@ def box(mass="100 g", beads=6, **more):
 def sampled(chain):
     """Largest force of the last contact among many samples."""
     return hc.simulate(chain, until="2 ms", times=50_001).force(chain.beads - 1).max()
+
+
+def lasting(chain):
+    """Time around the largest force of the last contact among many samples, above a tenth."""
+    run = hc.simulate(chain, until="2 ms", times=50_001)
+    force = run.force(chain.beads - 1)
+    below, top = np.flatnonzero(force < 0.1 * force.max()), int(np.argmax(force))
+    return run.times[below[below > top][0]] - run.times[below[below < top][-1]]
 
 
 @pytest.fixture
@@ -43,6 +52,45 @@ def test_tables_have_the_force_and_the_acceleration_of_the_body(loss):
         assert table["body_peak_time"][i] == pytest.approx(found.time, abs=1e-8)
     dataset = table.to_dataset()
     assert dataset["body_acceleration"].attrs["units"] == "m/s^2"
+
+
+@pytest.mark.parametrize("loss", [None, hc.Restitution(0.9)])
+def test_the_duration_is_a_quantity_of_tables_scatters_and_designs(loss, run, file, tmp_path):
+    chain = box(loss=loss)
+    # The samples are 40 ns apart.
+    expected = pytest.approx(lasting(chain), abs=1e-7)
+    table = hc.simulate_many([chain], keep=[DURATION, PEAK])
+    assert table["body_duration"][0] == expected
+    assert table.to_dataset()["body_duration"].attrs["units"] == "s"
+    same = hc.distribution(chain, DURATION, hc.Scatter(radius=1e-9, samples=2))
+    assert np.median(same.values) == expected
+    problem = hc.Design(
+        chain, minimise=PEAK, vary=[hc.vary.radii("4 mm", "5 mm", beads="2:7")],
+        subject_to={DURATION: "<= 0.15 ms", ACCELERATION: "<= 1000 m/s^2"},
+    )  # fmt: skip
+    found = hc.design(problem, budget=90)
+    assert found.values[DURATION] == pytest.approx(lasting(found.chain), abs=1e-7)
+    if loss is None:
+        out = run(
+            "scatter", file, "--scatter", "1%", "--chains", "3", "--quantity", DURATION
+        ).stdout
+        assert f"{1e6 * lasting(chain):.0f}"[:3] in out
+        code, _, err = swept(run, tmp_path, f'["{DURATION}"]')
+        assert code == 0, err
+        kept = hc.open_sweep(tmp_path / "found.zarr")["body_duration"]
+        assert float(kept[1, 0]) == pytest.approx(lasting(box(beads=4)), abs=1e-7)
+
+
+def test_the_duration_has_no_gradient_and_no_value_before_it_is_over(run, file):
+    with pytest.raises(hc.InputError, match=r"has no gradient.*use body_force\.peak"):
+        hc.gradient(box(), DURATION, until=1e-3)
+    code, _, err = run("sensitivity", file, "--quantity", DURATION)
+    assert code == 2
+    assert "has no derivatives" in err
+    with pytest.warns(hc.IncompleteWarning, match="a larger force may follow"):
+        table = hc.simulate_many([box()], keep=[PEAK, DURATION], until=1.8e-4)
+    assert table["body_peak_force"][0] > 0.0
+    assert np.isnan(table["body_duration"][0])
 
 
 def test_a_chain_with_a_wall_has_no_body_and_an_early_end_no_value():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from ..chain.bead_names import bead_number, with_bead_numbers
 from ..chain.chain import Chain
@@ -23,6 +23,8 @@ WALL: Final = (
     "duration",
 )  # fmt: skip
 BODY: Final = ("peak", "acceleration")
+OF_BODY: Final[tuple[str, ...]] = tuple(f"body_force.{each}" for each in BODY)
+DURATION: Final = "body_force.duration"
 SENSOR: Final = ("first_maximum", "first_maximum_time", "largest", "largest_time", "impulse")
 FINAL: Final = ("velocity", "position")
 # At the largest forward velocity of a bead in the whole run.
@@ -32,7 +34,7 @@ KNOWN: Final = (
     *(f"pulse.{each}" for each in PULSE),
     *(f"wall_force.{each}" for each in WALL),
     *(f"left_wall_force.{each}" for each in WALL),
-    *(f"body_force.{each}" for each in BODY),
+    *OF_BODY,
     *(f"sensor.{each}" for each in SENSOR),
     *(f"final.{each}" for each in FINAL),
     *(f"bead.{each}" for each in BEAD),
@@ -40,7 +42,7 @@ KNOWN: Final = (
 )
 NEED_END: Final = (
     "sensor.impulse", "sensor.largest", "sensor.largest_time",
-    *(f"body_force.{each}" for each in BODY),
+    *OF_BODY,
 )  # fmt: skip
 # Times of maxima need rates of forces; the stored energy depends on whether a contact pushes.
 NOT_DAMPED: Final = (
@@ -74,8 +76,7 @@ def parse(chain: Chain, given: object, bead: int | str | None, until: float | No
     text, at, number = given.partition("@") if isinstance(given, str) else (given, "", "")
     text = full_name(text) if isinstance(text, str) else text
     text = f"pulse.{text}" if text in PULSE else text
-    if text not in KNOWN:
-        raise unknown_name_error("quantity", text, KNOWN)
+    _check_known(text)
     group, item = str(text).split(".")
     most = QUANTITIES[item].count(chain.beads) if group == "pulse" else chain.beads
     if at and not (number.isdigit() or number == "last"):
@@ -125,6 +126,17 @@ def parse(chain: Chain, given: object, bead: int | str | None, until: float | No
             "a velocity or an arrival"
         )
     return Name(group, item, at_bead)
+
+
+def _check_known(text: Any) -> None:
+    """Raise `InputError` if a quantity does not exist or has no gradient."""
+    if text == DURATION:
+        raise InputError(
+            f"{DURATION} has no gradient, because it jumps where the force between two pulses "
+            f"falls below a tenth of the largest; use {' or '.join(OF_BODY)}, or compare chains"
+        )
+    if text not in KNOWN:
+        raise unknown_name_error("quantity", text, KNOWN)
 
 
 def _check_body(chain: Chain, text: str) -> None:

@@ -14,13 +14,14 @@ from ..chain.laws.velocity_power import VelocityPower
 from ..collision import Array
 from ..derivatives.equation import has_gradient
 from ..derivatives.gradient import gradients, quantity_values
+from ..derivatives.names import OF_BODY
 from ..derivatives.result import Gradient
 from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError
 from ..recorded_warnings import ignore_warnings
 from ..simulation.simulate import simulate
 from ..threads import Threads
 from .bounds import impact_varies
-from .measures import BODY, IMPULSE, LARGEST, LARGEST_IN_SENSOR, PULSE, SENSORS, SHARES, Measure
+from .measures import IMPULSE, LARGEST, LARGEST_IN_SENSOR, PULSE, SENSORS, SHARES, Measure
 from .problem import Design
 from .size_space import SizeSpace
 
@@ -39,7 +40,7 @@ NAMES: Final = {
     "wall_force.impulse": IMPULSE,
     IMPULSE: IMPULSE,
     "wall_force.duration": "wall_force.duration",
-    **{name: name for name in BODY},
+    **{name: name for name in OF_BODY},
 }
 PEAK: Final = Measure("wall_force.peak")
 # Several gradients, one for each maximum of the force on the wall.
@@ -113,7 +114,7 @@ def _slopes_by_field(
         if row < len(measures):
             unit = float(np.max(measures[row]._units_of_share([chain])))
         # A given end of the run determines the largest force on a body, as in `simulate_many`.
-        of_body = each.quantity in BODY and math.isfinite(each.value)
+        of_body = each.quantity in OF_BODY and math.isfinite(each.value)
         complete = each.status == "complete" or of_body
         values[row] = each.value / unit if complete else np.nan
         for field in fields:

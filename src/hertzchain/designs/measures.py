@@ -8,9 +8,10 @@ name                                                    meaning
                                                         ``wall_force.impulse_of_impact``
 ``wall_force.largest_so_far``                           largest force on the right wall in the run,
                                                         which a later one may exceed
-``body_force.peak``, ``.acceleration``                  largest force on the last body of a free
-                                                        right end, such as an instrument, and its
-                                                        acceleration
+``body_force.peak``, ``.acceleration``, ``.duration``   largest force on the last body of a free
+                                                        right end, such as an instrument, its
+                                                        acceleration, and the time for which it
+                                                        exceeds a tenth of the largest
 ``sensor.largest@k``                                    largest force in a sensor in bead k in the
                                                         run
 ``sensor.first_maximum@k``                              its first maximum
@@ -45,7 +46,7 @@ from ..derivatives.equation import has_gradient
 from ..errors import InputError, short_repr, unknown_name_error
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import BODY_QUANTITIES, QUANTITIES, WALL_QUANTITIES
-from ..pulse.quantity_names import COLUMNS
+from ..pulse.quantity_names import COLUMNS, full_name
 from ..representation import measure as shown
 from ..simulation.body_force import not_on_a_wall
 from ..simulation.run_table import RunTable
@@ -60,7 +61,10 @@ WALL: Final = {
     **dict.fromkeys(("wall_force.impulse", IMPULSE), COLUMNS[IMPULSE]),
 }
 BODY_PEAK: Final = "body_force.peak"
-BODY: Final = {name: COLUMNS[name] for name in (BODY_PEAK, "body_force.acceleration")}
+# All quantities of the last body except the time of its largest force.
+BODY: Final = {
+    full_name(name): name for name in BODY_QUANTITIES if not name.endswith("_time")
+}  # fmt: skip
 # Of the whole chain and of a run: each has a column with one value per chain.
 ENDS: Final = WALL | BODY
 PULSE: Final = ("velocity", "momentum", "energy", "arrival", "residence", "peak_force")
@@ -86,8 +90,7 @@ WORDS: Final = {
     "wall_force.impulse": "impulse on the wall", IMPULSE: "impulse on the wall",
     "wall_force.duration": "impulse / peak of the force on the wall",
     LARGEST_ON_WALL: "largest force on the wall in the run",
-    BODY_PEAK: "largest force on the last body",
-    "body_force.acceleration": "largest acceleration of the last body",
+    **{name: BODY_QUANTITIES[column].label for name, column in BODY.items()},
     "largest_force": "largest force", LARGEST_IN_SENSOR: "largest force in the sensor",
     FIRST_MAXIMUM: "first maximum of the force in the sensor",
     "yield_ratio": "pressure / pressure at first yield", "overlap_ratio": "overlap / radius",

@@ -16,6 +16,7 @@ from ..collision import Array
 from ..derivatives.differences import FIELDS, Differences, changed, needs_differences
 from ..derivatives.gradient import gradient
 from ..derivatives.kinks import PART, mislead
+from ..derivatives.names import OF_BODY
 from ..derivatives.relative import per_unit, unit_of_parameter
 from ..derivatives.result import Gradient
 from ..errors import InputError
@@ -23,12 +24,12 @@ from ..simulation.simulate import simulate
 from ..validation.objects import Progress
 from .exact_gradients import PEAK
 from .measured import measured
-from .measures import BODY, LARGEST_IN_SENSOR, Measure
+from .measures import LARGEST_IN_SENSOR, Measure
 from .problem import Design
 
 STEP, RTOL = 1e-4, 1e-9
 # Measures with simulated changes.
-MEASURES: Final = (PEAK, *map(Measure, BODY))
+MEASURES: Final = (PEAK, *map(Measure, OF_BODY))
 # By which a gap grows, and in words: derivatives by gaps hold only far below the overlaps.
 GAP_STEP: Final = MappingProxyType({"SI": (1e-6, "1 um"), "scaled": (0.01, "0.01")})
 
@@ -76,7 +77,7 @@ def changes_of_peak(
 
 def end_of_largest(chain: Chain, measure: Measure, until: float | None) -> float | None:
     """Stop time for a largest force on a body or in a sensor: by default the end of the run."""
-    if until is not None or measure.key not in (*BODY, LARGEST_IN_SENSOR):
+    if until is not None or measure.key not in (*OF_BODY, LARGEST_IN_SENSOR):
         return until
     return simulate(chain, times=0, rtol=RTOL).end_time
 

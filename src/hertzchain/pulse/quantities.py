@@ -316,6 +316,12 @@ BODY_QUANTITIES: Final = _by_name(
             unit="m/s^2", scale="velocity/time", label="largest acceleration of the last body",
             per="run", attribute="acceleration",
         ),
+        Quantity(
+            "body_duration", "",
+            "time around the largest force for which the force exceeds a tenth of it",
+            unit="s", scale="time", label="duration of the force on the last body", per="run",
+            attribute="duration",
+        ),
     )
 )  # fmt: skip
 
@@ -365,25 +371,18 @@ FINAL_QUANTITIES: Final = _by_name(
             "end_time", "t", "time at the end of the run",
             unit="s", scale="time", label="time at the end", per="run",
         ),
-        Quantity(
-            "energy_forward", "", "part of the energy in beads that move towards bead N",
-            unit="1", scale="1", label="part of the energy", per="run", values="finite",
-        ),
-        Quantity(
-            "energy_backward", "", "part of the energy in beads that move away from bead N",
-            unit="1", scale="1", label="part of the energy", per="run", values="finite",
-        ),
-        Quantity(
-            "energy_in_contacts", "", "part of the energy that contacts of two beads store",
-            unit="1", scale="1", label="part of the energy", per="run", values="finite",
-        ),
-        Quantity(
-            "energy_in_walls", "", "part of the energy that contacts with walls store",
-            unit="1", scale="1", label="part of the energy", per="run", values="finite",
-        ),
-        Quantity(
-            "energy_lost", "", "part of the energy that contacts have lost",
-            unit="1", scale="1", label="part of the energy", per="run", values="finite",
+        *(
+            Quantity(
+                name, "", f"part of the energy {where}",
+                unit="1", scale="1", label="part of the energy", per="run", values="finite",
+            )
+            for name, where in (
+                ("energy_forward", "in beads that move towards bead N"),
+                ("energy_backward", "in beads that move away from bead N"),
+                ("energy_in_contacts", "that contacts of two beads store"),
+                ("energy_in_walls", "that contacts with walls store"),
+                ("energy_lost", "that contacts have lost"),
+            )
         ),
     )
 )  # fmt: skip

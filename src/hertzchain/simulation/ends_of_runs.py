@@ -11,7 +11,7 @@ from ..collision import Array
 from ..errors import IncompleteWarning, warn_user
 from ..pulse.quantities import BODY_QUANTITIES, SENSOR_QUANTITIES
 from ..representation import measure
-from .body_force import MAY_FOLLOW, body_force, not_on_a_wall
+from .body_force import ABOVE, MAY_FOLLOW, body_force, not_on_a_wall
 from .budget import budget_of
 from .run import Run
 from .sensor_force import sensor_maxima
@@ -19,6 +19,11 @@ from .simulate import simulate
 
 # Why a chain with a right wall has no force on a body.
 ON_WALL: Final = not_on_a_wall("body_force")
+# Why a force on a body has no duration.
+NO_DURATION: Final = (
+    f"the force on the last body exceeds {ABOVE:.0%} of its largest value until the end of the "
+    "run; give a later until"
+)
 
 
 def sensors_of_run(run: Run, beads: Sequence[int]) -> dict[str, Array]:

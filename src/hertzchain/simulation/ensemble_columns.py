@@ -34,7 +34,7 @@ from ..validation.objects import Progress
 from .body_bound import body_bound
 from .end_forces import static_forces_around
 from .ends_of_runs import ON_WALL, body_of_run, energy_parts, final_of_run, sensors_of_run
-from .ensemble_input import kernel_input
+from .ensemble_input import is_covered, kernel_input
 from .run_end import Status
 from .run_message import FAILURES, end_message, follows_first_contact, is_sensitive
 from .run_pulse import pulse_of, times_between
@@ -86,6 +86,10 @@ class Request:
     def whole_run(self, chain: Chain) -> bool:
         """Whether overlaps after the passage of the leading pulse are requested, too."""
         return self.keeps_largest or (self.check_range and chain.materials is not None)
+
+    def by_kernel(self, chain: Chain) -> bool:
+        """Whether the elastic kernel integrates a chain: it records no durations."""
+        return is_covered(chain, self.until) and "body_duration" not in self.keep
 
     def peak_only(self, chain: Chain) -> bool:
         """Whether a run may end when its largest force on the wall is proven."""

@@ -33,7 +33,7 @@ from .ensemble_columns import (
     empty_columns,
     shape_of,
 )
-from .ensemble_input import is_covered, kind_of
+from .ensemble_input import kind_of
 from .run_table import RunTable
 
 DEFAULT_RTOL: Final = 1e-8
@@ -77,7 +77,8 @@ def simulate_many(
         Names of quantities (`hertzchain.pulse.quantities`): of the leading pulse, such as
         ``"velocity"`` or ``"peak_force"``; of the right wall, such as ``"wall_peak_force"``,
         ``"wall_impulse_of_impact"`` or ``"wall_duration"``; of the last body of a free end,
-        ``"body_peak_force"`` and ``"body_acceleration"``; of sensors, such as
+        ``"body_peak_force"``, ``"body_acceleration"`` and ``"body_duration"``, for which all chains
+        are integrated by `simulate`; of sensors, such as
         ``"sensor_first_maximum"``; of the end of the run, such as ``"final_velocity"``,
         ``"end_time"`` or ``"energy_backward"``; and of the whole run, ``"largest_overlap"``,
         ``"dent"`` and, for chains of materials, ``"yield_ratio"``.  Full names, such as
@@ -260,7 +261,7 @@ class _Ensemble:
                 assert isinstance(chain, Chain)
                 self.chains[row] = chain
                 check_member(chain, request)
-                if is_covered(chain, request.until):
+                if request.by_kernel(chain):
                     kind = (*kind_of(chain), request.whole_run(chain))
                     self.together.setdefault(kind, []).append(row)
                 else:
@@ -307,7 +308,7 @@ class _Ensemble:
 
     def _outcome(self, rows: list[int], signal: Signal) -> Outcome:
         members = [chain for row in rows if (chain := self.chains[row]) is not None]
-        if is_covered(members[0], self.request.until):
+        if self.request.by_kernel(members[0]):
             return by_kernel(members, self.request, signal)
         return self._alone(members[0], signal)
 

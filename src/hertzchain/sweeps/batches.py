@@ -18,7 +18,7 @@ from ..pulse.notes import notes_in_words
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import BODY_QUANTITIES, QUANTITIES, SENSOR_QUANTITIES, WALL_QUANTITIES
 from ..recorded_warnings import ignore_warnings, record_warnings
-from ..simulation.ends_of_runs import ON_WALL, body_of_run
+from ..simulation.ends_of_runs import NO_DURATION, ON_WALL, body_of_run
 from ..simulation.ensemble_columns import largest_yield_ratio
 from ..simulation.ensemble_input import is_covered
 from ..simulation.run import Run
@@ -314,8 +314,10 @@ class _Batch:
         found = body_of_run(run)
         for name in wanted:
             self.single[name][row, place] = found[name]
-        if np.isnan(found[wanted[0]]):
+        if np.isnan(found["body_peak_force"]):
             self.reason[row][place] = "the force on the last body has no maximum in the run"
+        elif "body_duration" in wanted and np.isnan(found["body_duration"]):
+            self.reason[row][place] = NO_DURATION
 
     def _keep_placed(self, row: int, place: int, run: Run) -> None:
         """Keep quantities at beads and between contacts, or why there are none."""

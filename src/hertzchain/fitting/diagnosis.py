@@ -62,7 +62,7 @@ UNITS: Final = (
 
 def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
     """A result with advice if the model does not describe the data, or if they show an effect."""
-    if (result.describes or result.goodness.undecided) and not result.implausible:
+    if result.goodness.accepted and not result.implausible:
         return _with_other_columns(result, start, refit) or _with_effect(result, refit)
     if result.goodness.only_noise:
         return result
@@ -248,7 +248,7 @@ def _clear_cause(result: FitResult, name: Name, refit: Refit) -> Cause | None:
 
 def _is_good(result: FitResult) -> bool:
     """Whether a model describes the data, or may do so, with possible values."""
-    return (result.describes or result.goodness.undecided) and not result.meaningless
+    return result.goodness.accepted and not result.meaningless
 
 
 def _much_better(result: FitResult, cause: Cause) -> bool:
@@ -274,7 +274,7 @@ def _removed(result: FitResult, other: FitResult) -> float:
 
 def _sentence(result: FitResult, cause: Cause) -> str:
     then = f". The values are then{cause.values}" if cause.values else ""
-    if result.describes or result.goodness.undecided:
+    if result.goodness.accepted:
         possible = "" if then else " with possible values"
         return f"with {cause.what}, the model describes the data{possible}: {cause.advice}{then}"
     if cause.result.describes:

@@ -215,7 +215,7 @@ def fitted(problem: Problem, start: Mapping[str, float], starts: int) -> FitResu
     good = goodness_of_problem(problem, solution.residuals)
     correlated = correlations(problem, solution.residuals)
     # Residuals of a wrong model are correlated, too, but they do not measure the noise.
-    if (good.describes or good.undecided) and np.any(correlated != 1.0):
+    if good.accepted and np.any(correlated != 1.0):
         problem.set_correlated(correlated)
         solution = solve_again(problem, solution)
     return result_of(problem, solution)

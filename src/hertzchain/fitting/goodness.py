@@ -120,6 +120,11 @@ class Goodness:
         return self._possible and self.explains
 
     @property
+    def accepted(self) -> bool:
+        """Whether the model describes the data, or may do so."""
+        return self.describes or self.undecided
+
+    @property
     def explains(self) -> bool:
         """Whether the model explains more of the data than noise would."""
         return self.explained > EXPLAINED + 2.0 * self.parameters

@@ -25,6 +25,7 @@ from .starts import (
     scaled_losses,
     with_other_losses,
 )
+from .weights import goodness_of_problem
 
 FTOL, XTOL, GTOL = 1e-7, 1e-9, 1e-10
 # Tolerance before the samples next to jumps are known, when chi-squared is not smooth.
@@ -34,7 +35,8 @@ MAX_ROUNDS: Final = 8
 MAX_EVALUATIONS: Final = 60
 # Evaluations from each start of a scan of the loss, which are enough to recognise the best optimum.
 SCAN_EVALUATIONS: Final = 4
-# No further start is tried if chi-squared per sample is below this value.
+# Sum of squares, over its expectation, above which further starts are tried even if the noise is
+# too uncertain to reject the fit.
 GOOD: Final = 1.3
 # Sums of squares whose relative difference is less than this belong to the same optimum.
 SAME: Final = 1e-3
@@ -84,7 +86,7 @@ def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bo
     tried, scan, note = 1, "", ""
     # A mass has one optimum above and one below that of the other balls.
     least = 2 if any(name.key in MASSES for name in problem.model.names) else 1
-    if best.cost > GOOD * problem.expected or not best.converged:
+    if not _accepted(problem, best):
         others = further_starts(problem.model, first, starts)
         if starts > 1 and (lossy := scaled_losses(problem.model)):
             scan = _between(lossy[0], problem.model, first)
@@ -99,11 +101,21 @@ def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bo
                     moved = bool(scan) and start[lossy[0].name] != first[lossy[0].name]
                     note = _start_note(lossy[0], first, start) if moved else ""
                 best = found
-            if (same and tried > least) or best.cost <= GOOD * problem.expected:
+            if (same and tried > least) or _accepted(problem, best):
                 break
     if problem.jumps:
         best = _without_jumps(problem, best)
     return replace(best, starts=tried, scan=scan, note=note)
+
+
+def _accepted(problem: Problem, found: Solution) -> bool:
+    """Whether no better minimum is sought: the search has ended, and the data do not reject it."""
+    if not found.converged or found.cost > GOOD * problem.expected:
+        return False
+    if problem.jumps and not problem.smooth:
+        return True  # residuals next to jumps are not those of noise
+    good = goodness_of_problem(problem, found.residuals)
+    return good.accepted or good.only_noise
 
 
 def _scanned(

@@ -241,7 +241,7 @@ class FitResult(Estimates):
     @property
     def loss_note(self) -> str:
         """A sentence if only one loss law was fitted, and the data do not exclude it."""
-        possible = (self.describes or self.goodness.undecided) and not self.meaningless
+        possible = self.goodness.accepted and not self.meaningless
         return ONE_LAW if possible and any("loss." in name for name in self.names) else ""
 
     def rows(self) -> list[tuple[str, str]]:

@@ -64,9 +64,11 @@ def warnings_of(result: FitResult) -> tuple[str, ...]:
         silent = [note for shot in result.traces.shots for note in silent_notes(shot)]
         own = (*clock_notes(result.traces), *result.traces.notes())
         return (*result.advice, *own, *dict.fromkeys(silent))
-    weak = (*(str(each) for each in result.weak), *prior_notes(result.held, result.weak))
-    if not result.describes and not result.goodness.undecided:
+    weak = [str(each) for each in result.weak]
+    if not result.goodness.accepted:
+        # Errors have no meaning then, so advice to reduce them would mislead.
         return (*result.advice, *weak, *result.notes)
+    weak += prior_notes(result.held, result.weak)
     effects = sorted(result.effects, key=lambda each: (-each.present, -each.improvement))
     # Data without noise are not of sensors.
     real = not result.goodness.noiseless
@@ -84,7 +86,7 @@ def _by_sensor(result: FitResult) -> str:
     """Chi-squared per sample of each sensor, and the sensors of which it is clearly larger."""
     ratios = result.chi2_per_sample
     text = ", ".join(f"{name} {value:.3g}" for name, value in ratios.items())
-    if not (result.describes or result.goodness.undecided):
+    if not result.goodness.accepted:
         return text
     larger = clearly_larger(ratios, result.goodness.independent)
     if not larger:

@@ -12,6 +12,7 @@ from ..recorded_warnings import ignore_warnings
 from ..simulation.yielding import pressures_below_yield
 from .chain_changes import at_speed, law_from
 from .chain_completion import complete_losses
+from .fit_options import begin_option, part_of, until_option
 from .options import (
     StrictCommand,
     figure_option,
@@ -62,12 +63,8 @@ MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
     help="Loss law instead of that of CHAIN, such as restitution=0.96 or viscoelastic='0.6 us'.",
 )
 @click.option("--shot", type=int, metavar="NUMBER", help="Shot of the traces, from 1.")
-@click.option(
-    "--until",
-    metavar="TIME",
-    help="Stop time, such as 700us.  [default: duration of the record, or the time in which the "
-    "pulse passes the chain if this is longer]",
-)
+@begin_option
+@until_option
 @click.option(
     "--time-offset",
     metavar="TIME",
@@ -79,14 +76,16 @@ MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 @figure_option("Plot data and simulation to FILE.")
 def compare(
     traces: tuple[Path, ...], chain: Path, sensors: tuple[str, ...], noises: tuple[str, ...],
-    speed: str | None, loss: str | None, shot: int | None, until: str | None,
-    time_offset: str | None, as_json: bool, plot: Path | None,
+    speed: str | None, loss: str | None, shot: int | None, begin: str | None,
+    until: str | None, time_offset: str | None, as_json: bool, plot: Path | None,
 ) -> None:  # fmt: skip
     """Compare a simulation with measured traces, without a fit.
 
     TRACES is a CSV file, or one for each channel, and CHAIN a chain file, as for `hertzchain fit`.
     If the files of channels have the same header, name the files, as in --sensor ch1.csv=wall.
     The chain is simulated, and peaks, arrivals and residuals of all sensors are printed.
+    --from and --until select samples by the times of the data, as in `hertzchain fit`; the
+    simulation lasts as long as they do.
 
     \b
     Examples:
@@ -95,6 +94,7 @@ def compare(
       hertzchain compare ch1.csv ch2.csv experiment.toml --sensor ch1.csv=wall \\
           --sensor "ch2.csv=ball 5"
       hertzchain compare data.csv experiment.toml --time-offset 80us --plot compared.png
+      hertzchain compare data.csv experiment.toml --until 634us
       hertzchain compare data.csv experiment.toml --speed "0.32 m/s" --loss restitution=0.96
     """
     import hertzchain
@@ -104,7 +104,6 @@ def compare(
     from ..fitting.parameters import priors_of_gains
     from ..fitting.prior_conflicts import gain_notes
     from ..fitting.settings import load_experiment
-    from ..validation.numbers import number
 
     noise: Any = noise_from(noises)
     seen = hertzchain.load_traces(
@@ -117,10 +116,13 @@ def compare(
         described = at_speed(described, speed)
     if loss is not None:
         described = described.replace(loss=law_from(loss, described))
+    first = float(data.shots[0].times[0])
+    data = part_of(data, begin, until)
     times = data.shots[0].times
-    end = _duration(described, float(times[-1] - times[0]))
-    if until is not None:
-        end = number("--until", seconds_from("--until", until), above=0.0)
+    # Without a time offset, the impact may be before the samples that --from selects.
+    if data.shots[0].clock is not None:
+        first = min(data.shots[0].time_offset, first)
+    end = _duration(described, float(times[-1]) - first)
     _check_unit_of_times(described, data, end)
     with progress_bar("beads passed") as progress:
         run = hertzchain.simulate(

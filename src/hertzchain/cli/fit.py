@@ -13,13 +13,16 @@ from ..simulation.yielding import pressures_below_yield
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
 from .fit_options import (
     also_free_option,
+    begin_option,
     free_option,
+    part_of,
     prior_option,
     priors_from,
     start_from,
     start_option,
     time_offset_from,
     time_offset_option,
+    until_option,
 )
 from .options import (
     StrictCommand,
@@ -29,7 +32,6 @@ from .options import (
     names_from,
     noise_from,
     noise_option,
-    seconds_from,
     sensors_from,
     sensors_option,
 )
@@ -64,17 +66,8 @@ HELD_BACK: Final = (
 @prior_option
 @start_option
 @time_offset_option
-@click.option(
-    "--from",
-    "begin",
-    metavar="TIME",
-    help="First time of the data to fit, such as 50us.  [default: that of the record]",
-)
-@click.option(
-    "--until",
-    metavar="TIME",
-    help="Last time of the data to fit, such as 550us.  [default: that of the record]",
-)
+@begin_option
+@until_option
 @click.option(
     "--starts", type=int, default=4, show_default=True, help="Largest number of starting points."
 )
@@ -148,7 +141,7 @@ def fit(
     places = sensors_from(sensors)
     noise: Any = noise_from(noises)
     traces = hertzchain.load_traces(*files[:-1], sensors=places, channels=channels, noise=noise)
-    traces = _between(traces, begin, until)
+    traces = part_of(traces, begin, until)
     known = time_offset_from(time_offset)
     settings: dict[str, Any] = {
         "free": _free(with_time_offset(traces, known), files[-1], free, also_free),
@@ -204,15 +197,6 @@ def _document(posterior: Posterior) -> dict[str, Any]:
     return {
         "mean": posterior.means, "error": posterior.errors, "long_enough": posterior.long_enough
     }  # fmt: skip
-
-
-def _between(traces: Traces, begin: str | None, until: str | None) -> Traces:
-    """Traces of the times that the options select."""
-    first, last = (
-        None if text is None else seconds_from(option, text)
-        for option, text in (("--from", begin), ("--until", until))
-    )
-    return traces if first is None and last is None else traces.between(first, last)
 
 
 def _laws(

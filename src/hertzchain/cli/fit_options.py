@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from .options import as_typed, seconds_from
+
+if TYPE_CHECKING:
+    from ..traces.traces import Traces
 
 free_option = click.option(
     "--free",
@@ -44,6 +49,28 @@ time_offset_option = click.option(
     "repeat it for the times of several shots.  [default: that of the table [fit] of the chain "
     "file, or the start of a drive in the file of the traces; otherwise free]",
 )
+begin_option = click.option(
+    "--from",
+    "begin",
+    metavar="TIME",
+    help="First time of the data to use, such as 50us, as read from the file.  [default: that of "
+    "the record]",
+)
+until_option = click.option(
+    "--until",
+    metavar="TIME",
+    help="Last time of the data to use, such as 550us, as read from the file.  [default: that of "
+    "the record]",
+)
+
+
+def part_of(traces: Traces, begin: str | None, until: str | None) -> Traces:
+    """Traces of the times of the data that the options select."""
+    first, last = (
+        None if text is None else seconds_from(option, text)
+        for option, text in (("--from", begin), ("--until", until))
+    )
+    return traces if first is None and last is None else traces.between(first, last)
 
 
 def start_from(texts: tuple[str, ...]) -> dict[str, float | str]:

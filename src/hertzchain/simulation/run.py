@@ -403,7 +403,7 @@ class Run(ContactHistory):
         Parameters
         ----------
         traces : Traces or path
-            Data of one shot; a path is read by `hertzchain.load_traces`.
+            Data of one shot; a path is read by `load_traces`, and `Traces.between` selects a part.
         time_offset : float, optional
             Time of the data at which the run begins [s]; by default, that of the least squares
             of the differences, with a free amplitude of each signal, unless the traces have one.

@@ -216,8 +216,14 @@ def test_a_noise_in_volts_is_that_of_a_sensor_without_calibration():
     named = hc.forecast(row, ["ball 5 [V]"], noise="2 mV", priors=priors, **known)
     short = hc.forecast(row, ["ball 5"], noise={"ball 5": "2 mV"}, priors=priors, **known)
     assert short.rows() == named.rows()
-    with pytest.raises(hc.InputError, match="if its signal is in V, name it 'ball 5 \\[V\\]'"):
-        hc.forecast(row, ["ball 5"], noise="0.02 N", priors=priors, **known)
+    # The gain also converts a noise in N.
+    given = hc.forecast(row, ["ball 5"], noise="0.4 N", priors=priors, **known)
+    assert given.rows() == named.rows()
+    assert any("a noise of 0.4 N is one of 2 mV" in each for each in given.notes)
+    # A gain without a unit is a factor on a signal in N.
+    plain = hc.forecast(row, ["ball 5"], noise="0.4 N", priors={"gain[ball 5]": (1, 0.02)}, **known)
+    assert plain.rows()[1][1].startswith("1.0")
+    assert not any("recorded in V" in each for each in plain.notes)
 
 
 def test_a_driven_chain_needs_a_stop_time():

@@ -23,7 +23,8 @@ from .wording import on_command_line
     required=True,
     metavar="PLACE",
     help="Place of a sensor, such as 'ball 7', wall, 'ball 3 velocity' or, without calibration, "
-    "'ball 7 [V]', whose gain needs a prior; a noise in V or mV has the same effect.  Repeatable.",
+    "'ball 7 [V]', whose gain needs a prior; a noise in V or mV has the same effect, and so has a "
+    "free gain with a unit such as 20 mV/N, which also converts a noise in N.  Repeatable.",
 )
 @click.option(
     "--noise",

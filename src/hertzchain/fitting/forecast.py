@@ -33,6 +33,7 @@ from .crossings import pulse_duration
 from .held_by_priors import prior_notes
 from .model import Model, Values, make_model
 from .parameters import Parameter, Priors, free_parameters
+from .planned_gains import recorded_in_volts
 from .problem import Problem
 from .result_document import constants_document, parameters_document
 from .settings import Settings, for_sensors, load_chain_and_settings
@@ -264,7 +265,8 @@ def forecast(
         ``free``, ``prior``, ``start``, ``time_offset`` and ``coupling``; arguments replace them.
     sensors : sequence of str
         Places of the sensors, such as ``"ball 7"``, ``"wall"`` and ``"ball 3 velocity"``.  A sensor
-        without calibration is ``"ball 7 [V]"``, or has a noise in V, such as ``"2 mV"``; a prior or
+        without calibration is ``"ball 7 [V]"``, or has a noise in V, such as ``"2 mV"``, or a free
+        gain with a unit, such as ``"20 mV/N"``, which also converts a noise in N; a prior or
         ``start`` gives its gain in V/N, or, for a velocity, in V s/m.
     noise : float, str or mapping
         Standard deviation of a sample of all sensors, or by name, in N, m/s or V, or with a unit.
@@ -323,13 +325,16 @@ def forecast(
     )
     with ignore_warnings():  # of other sensors in the chain file: a plan compares several sets
         settings = for_sensors(settings, traces).updated(free, priors, start)
+    traces, of_gains = recorded_in_volts(traces, settings)
     traces, settings = with_clocks(settings.timed(traces), settings)
     if traces.shots[0].clock is not None:
         traces = with_time_offset(traces, 0.0)  # the first sample is that of the impact
-    return _forecast(traces, chain, settings)
+    return _forecast(traces, chain, settings, of_gains)
 
 
-def _forecast(traces: Traces, chain: Chain, settings: Settings) -> Forecast:
+def _forecast(
+    traces: Traces, chain: Chain, settings: Settings, of_gains: tuple[str, ...]
+) -> Forecast:
     """Errors from derivatives at the values from which a fit would start."""
     parameters = free_parameters(
         traces, (chain,), settings.free, settings.priors, settings.start, settings.optional
@@ -359,7 +364,7 @@ def _forecast(traces: Traces, chain: Chain, settings: Settings) -> Forecast:
     found = uncertainty(problem, variables, jacobian, np.zeros(len(variables), bool))
     assumed = model.chain(0, values)
     notes = (
-        *large_error_notes(model, found), *range_notes(assumed, duration),
+        *of_gains, *large_error_notes(model, found), *range_notes(assumed, duration),
         *planned_cap_notes(assumed, duration),
     )  # fmt: skip
     return Forecast(

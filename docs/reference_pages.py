@@ -20,7 +20,8 @@ ONLY = {
 }
 # Classes whose objects are results of functions; their arguments are not shown.
 MADE_BY_FUNCTIONS = {
-    "Budget", "Comparison", "DefectScan", "EffectiveChain", "EffectivePulse", "EnergyFlux",
+    "Budget", "Comparison", "DefectScan", "EffectiveChain", "EffectivePulse",
+    "EnergyBalance", "EnergyFlux",
     "Estimate", "FitResult", "Fronts", "HertzRange", "Horizon", "LeadingPulse", "Loss",
     "LossComparison", "Posterior", "PulseTable", "Reflection", "Reproduction", "Run", "RunTable",
     "Scoreboard", "SensorForce", "SensorPassage", "SolitaryWave", "Spectrum", "State",

@@ -14,7 +14,7 @@ from hertzchain import Chain
 # Classes that users do not create; only their methods are called.
 RESULTS = (
     "Budget", "Calibration", "DefectScan", "DesignResult", "Distribution", "EffectiveChain",
-    "EffectivePulse", "EnergyFlux", "Gradient",
+    "EffectivePulse", "EnergyBalance", "EnergyFlux", "Gradient",
     "FitResult", "Forecast", "Fronts", "LossComparison", "Posterior", "TraceComparison",
     "HertzRange", "Horizon", "LeadingPulse", "PulseTable", "Reflection", "Run", "RunTable",
     "Scoreboard", "SensorPassage",
@@ -456,6 +456,7 @@ def public_calls(folder):
             run.leading_pulse().weights, times=run.times, velocities=run.velocities
         ),
         "Run.waves": tried(longer.waves, threshold=0.1, min_contacts=3),
+        "EnergyFlux.balance": tried(longer.energy_flux().balance, before=4, after=9),
         "Run.reflection": tried(longer.reflection, before=4, after=9, since=0.0, until=None),
         "Run.horizon": tried(run.horizon, within=0.01, progress=None),
         "Run.velocity_peaks": tried(run.velocity_peaks, bead=3),

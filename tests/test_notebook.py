@@ -130,6 +130,9 @@ def test_waves_fronts_and_states_have_their_numbers(units):
     root, _ = parsed(waves)
     assert len(root.findall(".//table/tr")) == min(len(waves), 12) + 1
     assert "no waves" in parsed(waves.passing(20).left.right)[1]
+    text = parsed(flux.balance(20, 40))[1]
+    for words in ("contacts 20 and 40", "relative", engineering(flux.right[19], "J", units)):
+        assert words in text
 
 
 @pytest.mark.parametrize("units", UNITS)

@@ -40,6 +40,21 @@ def test_a_contact_where_waves_meet_causes_a_warning(run, before):
     assert f"({found.nearby_energy[0]:.4f} to 0.0218 at neighbouring contacts)" in repr(found)
 
 
+@pytest.mark.parametrize("before", [61, 62, 63])
+def test_good_contacts_beyond_bad_ones_cause_no_warning(run, before):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = run.reflection(before, 84)
+    good = run.reflection(47, 84).reflected_energy
+    assert found.reflected_energy == pytest.approx(good, rel=0.01)
+
+
+def test_energy_that_moves_away_is_stated(run):
+    """At this time a second wave, with 4% of the energy, is in front of the interface."""
+    with pytest.warns(hc.InputWarning, match=r", and 0\.03.. moves away from it, of which"):
+        run.reflection(64, 84)
+
+
 def test_one_wave_in_equal_beads_has_one_coefficient():
     chain = hc.Chain.from_radii(np.where(np.arange(120) < 60, 1.0, 2.0))
     found = hc.simulate(chain, until=140.0, times=1500).reflection(50, 75)

@@ -118,6 +118,7 @@ def test_waves_and_what_belongs_to_them(beads, units):
         reflection = run.reflection(beads // 2, beads)
     check(reflection, ["reflected energy", "transmitted energy", "1 wave"])
     check(run.energy_flux(), ["most to the right", "contact"])
+    check(run.energy_flux().balance(beads // 2, beads), ["incident energy", "returned", "kept"])
     check(run.horizon(), ["predictable within 1%", "rtol 1e-13"])
     check(run, ["predictable"])
     assert len(str(waves).splitlines()) > len(waves)

@@ -73,6 +73,7 @@ from .pulse.comparison import Comparison as Comparison
 from .pulse.pulse import Pulse as Pulse
 from .pulse.pulse_table import PulseTable as PulseTable
 from .simulation.budget import Budget as Budget
+from .simulation.energy_balance import EnergyBalance as EnergyBalance
 from .simulation.energy_flux import EnergyFlux as EnergyFlux
 from .simulation.fronts import Fronts as Fronts
 from .simulation.horizon import Horizon as Horizon

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from ..simulation.energy_balance import EnergyBalance
 from ..simulation.energy_flux import EnergyFlux
 from ..simulation.fronts import Fronts
 from ..simulation.leading_pulse import LeadingPulse
@@ -159,6 +160,21 @@ def energy_flux_html(flux: EnergyFlux) -> str:
         legend((curve.label, curve.colour) for curve in curves),
         chart(curves, "contact", f"energy{joule}", whole=True),
     )  # fmt: skip
+
+
+def energy_balance_html(balance: EnergyBalance) -> str:
+    """Parts of the energy that passed a contact."""
+    low, high = balance.nearby_energy
+    shown = {
+        "incident energy": engineering(balance.incident_energy, "J", balance.chain.units),
+        "returned": f"{balance.returned_energy:.4f}",
+        "at neighbouring contacts": f"{low:.4f} to {high:.4f}",
+        "passed": f"{balance.passed_energy:.4f}",
+        "kept": f"{balance.kept_energy:.4f}",
+    }
+    about = f"between contacts {balance.before} and {balance.after}: {balance.chain.description}"
+    return page("EnergyBalance", about, numbers(shown),
+                note("Parts are relative to the incident energy."))  # fmt: skip
 
 
 def fronts_html(fronts: Fronts) -> str:

@@ -19,6 +19,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import measure, short
 from ..validation.keywords import checked_methods
+from .energy_balance import EnergyBalance, balance_of
 from .trajectory import Trajectory
 from .wave_events import (
     ContactCurves,
@@ -55,6 +56,48 @@ class EnergyFlux:
     def net(self) -> Array:
         """Energy to the right minus energy to the left, shape (N - 1,) [scaled, or J]."""
         return self.right - self.left
+
+    def balance(self, before: int, after: int | str) -> EnergyBalance:
+        """Parts of the energy that passed one contact, up to the end of the run.
+
+        Use it where a single wave cannot be separated, so that `Run.reflection` raises an error.
+        The balance is exact, but it includes all waves from the beginning to the end of the run:
+        end it before waves return from the ends of the chain.
+
+        Parameters
+        ----------
+        before, after : int
+            Contacts on both sides of an interface or defect, in the direction of the wave.  For a
+            wall or free end, ``after`` is N or 0; for a wall, also ``"wall"``, ``"right wall"`` or
+            ``"left wall"``.
+
+        Returns
+        -------
+        EnergyBalance
+            The parts that returned, passed and remained, and the range of the first of them at
+            neighbouring contacts.
+
+        Raises
+        ------
+        InputError
+            If there are no such contacts.
+        SimulationError
+            If no energy flows through ``before`` towards ``after``.
+
+        Examples
+        --------
+        A dimer in front of equal beads; the pulse sheds waves:
+
+        >>> import hertzchain as hc
+        >>> import numpy as np
+        >>> masses = np.ones(140)
+        >>> masses[1:70:2] = 0.5
+        >>> run = hc.simulate(hc.Chain.uniform(140).replace(masses=masses), until=130, times=4000)
+        >>> run.energy_flux().balance(54, 70)
+        EnergyBalance(contacts 54 to 70: incident energy 0.347, returned 0.0125 (0.0058 to 0.0132 at
+            neighbouring contacts), passed 0.8347, kept 0.1528)
+        """
+        return balance_of(self.chain, (self.right, self.left), before, after)
 
     def to_dataframe(self) -> pd.DataFrame:
         """Table with one row per contact.

@@ -25,6 +25,8 @@ class Incomplete(NamedTuple):
     contact: int
     counted: float
     coming: float
+    # Energy between the contacts that moves in the other direction.
+    away: float
 
 
 def energy_between(run: Trajectory, first: int, second: int, times: Array) -> Array:
@@ -36,10 +38,11 @@ def incomplete(run: Trajectory, found: Reflection) -> Incomplete | None:
     """The coefficient that would be larger by a relevant part if the run were longer."""
     contacts, coming = (found.before, found.after), _coming(run, found)
     counted = (found.reflected_energy, found.transmitted_energy)
-    for name, contact, energy, more in zip(NAMES, contacts, counted, coming, strict=True):
+    parts = zip(NAMES, contacts, counted, coming, reversed(coming), strict=True)
+    for name, contact, energy, more, away in parts:
         # Weak waves that entered in front of the object leave it as well.
         if more > max(COMING * energy, LEAST) + found.entered_energy:
-            return Incomplete(name, contact, energy, more)
+            return Incomplete(name, contact, energy, more, away)
     return None
 
 

@@ -13,7 +13,7 @@ from ..chain.chain import Chain
 from ..errors import InputError, InputWarning, SimulationError, warn_user
 from ..representation import measure
 from ..validation.numbers import number, whole_number
-from .energy_on_its_way import energy_between, incomplete
+from .energy_on_its_way import LEAST, Incomplete, energy_between, incomplete
 from .reflection import Reflection
 from .trajectory import Trajectory
 from .wave_events import (
@@ -37,9 +37,10 @@ WEAK: Final = 0.01
 MISSING: Final = 0.05
 # Number of contacts over which a wave extends.
 WIDTH: Final = 5
-# Neighbouring contacts with which the reflected energy is compared, and differences, relative to
-# it and to the incident energy, from which it depends on the contact.
-NEARBY: Final = 6
+# Neighbouring contacts with which the reflected energy is compared, and how many of those beyond
+# `before` are enough; differences, relative to it and to the incident energy, from which it depends
+# on the contact.
+NEARBY, ENOUGH = 6, 3
 SAME, SMALL = 0.1, 0.005
 
 
@@ -89,12 +90,14 @@ def reflection_of(
         If the waves that are still on their way to one of the contacts have more than 5% of the
         energy counted there, and more than 0.05% of the incident energy beyond
         ``entered_energy``: the run, or ``until``, ends before weak waves have passed.
-        If the reflected energy at the 6 contacts in front of ``before`` is another one, which is
-        so where weak waves meet the reflected one, as in dimers.
+        If the reflected energy at ``before`` differs from the median of the 6 contacts in front
+        of it and from that of the 6 contacts beyond it, which is so where weak waves meet the
+        reflected one, as in dimers.
 
     See Also
     --------
-    Run.energy_flux : Energy of all waves, for precompressed or strongly disordered chains.
+    EnergyFlux.balance : Balance of all waves, where a single one cannot be separated, as in most
+        dimers and in precompressed or strongly disordered chains.
 
     Examples
     --------
@@ -130,7 +133,7 @@ def reflection_of(
     found = _between(self, (first, second), incident, near, far, stop)
     _check_rarefactions(self, found)
     _check_count(self, found)
-    nearby = _nearby(self, found, far, stop) if self.chain.lossless else []
+    nearby = _neighbours(self, found, far, stop) if self.chain.lossless else []
     if nearby:
         found = dataclasses.replace(found, nearby_energy=(min(nearby), max(nearby)))
     near_object = _near_object(self, first, second)
@@ -175,11 +178,26 @@ def _between(
     )  # fmt: skip
 
 
-def _nearby(run: Trajectory, found: Reflection, far: list[WaveEvent], stop: float) -> list[float]:
-    """Reflected energy at the contacts that the incident wave passes just before ``before``."""
+def _neighbours(
+    run: Trajectory, found: Reflection, far: list[WaveEvent], stop: float
+) -> list[float]:
+    """Reflected energy at the contacts in front of ``before``, or at those beyond if they agree."""
+    front = _nearby(run, found, far, stop, -found.incident.direction)
+    if not _differs(found, front):
+        return front
+    # The place where waves meet the reflected one may be just in front of a good contact.
+    beyond = _nearby(run, found, far, stop, found.incident.direction)
+    return front if len(beyond) < ENOUGH or _differs(found, beyond) else beyond
+
+
+def _nearby(
+    run: Trajectory, found: Reflection, far: list[WaveEvent], stop: float, side: int
+) -> list[float]:
+    """Reflected energy at the contacts on one side of ``before``, up to the reflecting object."""
     incident, sign, nearby = found.incident, found.incident.direction, []
-    for contact in (found.before - sign * shift for shift in range(1, NEARBY + 1)):
-        if not 0 < contact < run.chain.beads:
+    for contact in (found.before + side * shift for shift in range(1, NEARBY + 1)):
+        too_near = side == sign and abs(found.after - contact) < _least_distance(run, found.after)
+        if too_near or not 0 < contact < run.chain.beads:
             break
         near = _events_at(run, contact)
         same = [
@@ -194,10 +212,15 @@ def _nearby(run: Trajectory, found: Reflection, far: list[WaveEvent], stop: floa
     return nearby
 
 
+def _least_distance(run: Trajectory, after: int) -> int:
+    """Distance between the two contacts at which waves at one of them pass completely."""
+    return WIDTH if after in (0, run.chain.beads) else 2 * WIDTH
+
+
 def _near_object(run: Trajectory, first: int, second: int) -> str:
     """Why a wave is longer than the distance from the contacts to what reflects it, or ''."""
     inside = second not in (0, run.chain.beads)
-    least = WIDTH * (2 if inside else 1)
+    least = _least_distance(run, second)
     if abs(second - first) < least:
         return (
             f"contacts {first} and {second} are {abs(second - first)} apart, but a wave extends "
@@ -275,14 +298,12 @@ def _check_rarefactions(run: Trajectory, found: Reflection) -> None:
         shares[contact] = float(energy) / found.incident.energy
     contact, share = max(shares.items(), key=lambda each: each[1])
     if share > WEAK:
-        there, back = ("right", "left") if found.after > found.before else ("left", "right")
         raise SimulationError(
             f"no coefficients: rarefactions, which reflection does not count, carry {share:.2g} "
-            f"times the energy of the first wave through contact {contact}; use flux = "
-            f"run.energy_flux(): flux.{back}[{found.before - 1}] / "
-            f"flux.{there}[{found.before - 1}] is the reflected fraction if the reflected wave "
-            f"arrives at contact {found.before} after the incident one has passed, and the run "
-            "ends before waves return from the ends"
+            f"times the energy of the first wave through contact {contact}; use "
+            f"run.energy_flux().balance({found.before}, {found.after}): returned_energy is the "
+            f"reflected fraction if the reflected wave arrives at contact {found.before} after the "
+            "incident one has passed, and the run ends before waves return from the ends"
         )
 
 
@@ -297,8 +318,8 @@ def _check_count(run: Trajectory, found: Reflection) -> None:
         reason = f"; {enters} at {until}" if found.disturbed else ""
         raise SimulationError(
             f"no coefficients: the incident wave passes contact {found.before} until {end}"
-            f"{reason}; choose other contacts, since or until, or use "
-            "run.energy_flux()"
+            f"{reason}; choose other contacts, since or until, or use the balance of all waves, "
+            f"run.energy_flux().balance({found.before}, {found.after})"
         )
     require_resolved(run, incident, "the incident wave")
     for event in (*found.reflected, *found.transmitted):
@@ -314,11 +335,24 @@ def _later(found: Reflection) -> str:
     return "simulate for longer"
 
 
+def _differs(found: Reflection, nearby: list[float]) -> bool:
+    """Whether the reflected energy is not the median of that at neighbouring contacts."""
+    usual = float(np.median(nearby)) if nearby else found.reflected_energy
+    return abs(found.reflected_energy - usual) > max(SAME * usual, SMALL)
+
+
+def _away(part: Incomplete) -> str:
+    """Energy that moves away from the contact and may still be reflected, if it is relevant."""
+    if part.away < LEAST:
+        return ""
+    return f", and {part.away:.4f} moves away from it, of which a part may still be reflected"
+
+
 def _dependence(found: Reflection, nearby: list[float]) -> str:
     """Why the coefficient is not that of neighbouring contacts, or ''."""
-    usual = float(np.median(nearby)) if nearby else found.reflected_energy
-    if abs(found.reflected_energy - usual) <= max(SAME * usual, SMALL):
+    if not _differs(found, nearby):
         return ""
+    usual = float(np.median(nearby))
     low, high = found.nearby_energy
     apart = sorted((found.before, found.before - found.incident.direction * NEARBY))
     return (
@@ -349,7 +383,8 @@ def _balance(run: Trajectory, found: Reflection, *, known: bool) -> str:
         return (
             f"the {part.name} energy, {part.counted:.4f}, is not complete: waves with "
             f"{part.coming:.4f} of the incident energy are still on their way to contact "
-            f"{part.contact} at {_time(found.chain, found.until)}; {_later(found)}"
+            f"{part.contact} at {_time(found.chain, found.until)}"
+            f"{_away(part)}; {_later(found)}"
         )
     if abs(found.missing_momentum) > MISSING:
         return (

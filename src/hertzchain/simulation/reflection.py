@@ -67,9 +67,10 @@ class Reflection:
         incident wave had left, relative to the incident energy.  It leaves with the counted
         waves, which limits the error of the coefficients of energy to this size.
     nearby_energy : tuple of float
-        Smallest and largest coefficient R of energy at the 6 contacts in front of ``before``.  In
-        dimers, weak waves that meet the reflected one change R from contact to contact.  NaN if it
-        is not known, as in chains with losses.
+        Smallest and largest coefficient R of energy at the 6 contacts in front of ``before``, or
+        at those beyond it if only their median agrees with R.  In dimers, weak waves that meet
+        the reflected one change R from contact to contact.  NaN if it is not known, as in chains
+        with losses.
 
     Examples
     --------

@@ -7,6 +7,7 @@ import pytest
 
 import hertzchain as hc
 from hertzchain.designs.comparison import shown_chains
+from hertzchain.plotting.run_overview import plot_run_and_forces
 from hertzchain.simulation.body_force import body_force
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
@@ -264,6 +265,62 @@ def test_the_figure_of_a_design_shows_the_force_on_the_cap_that_is_its_objective
     assert axes.get_ylabel().split() == ["force", "on", "the", "cap", "[N]"]
     chains = [each.chain for each in shown_chains(found).values()]
     assert force == pytest.approx(max(map(sampled, chains)), rel=1e-3)
+
+
+def test_the_labels_of_a_design_say_that_a_sensor_in_the_cap_has_half_of_the_force():
+    problem = hc.Design(
+        box(beads=4), minimise="sensor.largest@cap", until="1 ms",
+        vary=[hc.vary.radii("3 mm", "6 mm", beads="2:5")],
+    )  # fmt: skip
+    found = hc.design(problem, budget=90)
+    for kind in ("history", "sensitivity"):
+        assert "(half of that on the body)" in found.plot(kind).get_ylabel()
+
+
+def test_the_figure_of_one_chain_has_the_force_on_the_cap_above_the_map(run, file, tmp_path):
+    code, _, err = run("simulate", file, "--plot", tmp_path / "one.svg")
+    assert code == 0, err
+    drawn = (tmp_path / "one.svg").read_text()
+    assert "force on the cap" in drawn
+    assert "velocity [m/s]" in drawn
+    found = hc.simulate(box(), times=101)
+    upper = plot_run_and_forces(found, ["body"])
+    lower = upper.figure.axes[1]
+    assert upper.get_xlim() == lower.get_xlim()
+    assert upper.lines[0].get_ydata().max() == pytest.approx(sampled(box()), rel=1e-6)
+    early = hc.simulate(box(), until=2e-4, times=401).plot_forces(["body"])
+    assert "a larger force may follow" in early.get_legend().get_texts()[0].get_text()
+
+
+def test_a_time_axis_shows_the_times_at_which_forces_act():
+    run = hc.simulate(box("20 g"), until="5 ms", times=8001)
+    axes = run.plot_forces(["body"])
+    force, limits = run.force(7), axes.get_xlim()
+    last = run.times[np.flatnonzero(force > 0.02 * force.max())[-1]]
+    assert limits[0] == 0.0
+    assert 1e3 * last < limits[1] < 1.3e3 * last
+    # A later curve of a longer impact is not cut.
+    hc.simulate(box("2 kg", 20), until="5 ms", times=2001).plot_forces(["body"], ax=axes)
+    shown = [line.get_xdata()[line.get_ydata() > 1.0].max() for line in axes.lines]
+    assert max(shown) < axes.get_xlim()[1]
+
+
+def test_a_front_shows_the_initial_chain_and_the_one_to_compare():
+    problem = hc.Design(
+        box(beads=4), minimise=[PEAK, "length"], until="1 ms",
+        vary=[hc.vary.radii("3 mm", "8 mm", beads="2:5")],
+    )  # fmt: skip
+    found = hc.design(problem, budget=400, points=4)
+    axes = found.plot("front")
+    named = {line.get_label().partition(":")[0]: line for line in axes.lines}
+    line = named["initial chain"]
+    values = found._initial.values
+    if len(line.get_xdata()):
+        assert line.get_ydata()[0] == pytest.approx(values[PEAK])
+        assert line.get_xdata()[0] == pytest.approx(1e3 * values["length"])
+    else:
+        assert f"{values[PEAK]:.4g} N" in line.get_label()
+    assert {each.partition(":")[0] for each in shown_chains(found)} - {"design"} <= named.keys()
 
 
 def test_the_sensitivity_to_the_yield_strength_is_that_of_simulations(run, tmp_path):

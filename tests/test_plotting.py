@@ -1733,7 +1733,9 @@ def test_measured_and_simulated_curves_are_distinguished():
 
 def test_runs_of_almost_the_same_length_end_together():
     chain = hc.Chain.uniform(9)
-    runs = [hc.simulate(chain, until=end, times=200) for end in (28.0, 30.0)]
+    # A static force acts until the end.
+    pressed = chain.replace(precompression=0.1, held_by="force")
+    runs = [hc.simulate(pressed, until=end, times=200) for end in (28.0, 30.0)]
     first = plot_forces_of_runs(dict(zip("ab", runs, strict=True)), {"a": [4], "b": [4]})
     assert first.get_xlim() == (0.0, 28.0)
     # A largest force beyond this time, and a limit of the user, remain.

@@ -197,8 +197,10 @@ def simulate(
     check_writable(forces, "--forces", (".csv",))
     if magnify is not None and animation is None:
         raise click.UsageError("--magnify requires --animate")
+    chains = chains_from(options)
     if times is None:
-        fine = sensors or forces or animation or len(options.files) > 1
+        drawn = plot and any(_curves(chain, []) for chain in chains.values())
+        fine = sensors or forces or animation or drawn or len(chains) > 1
         times = MANY_TIMES if fine else USUAL_TIMES
     of_saved_times = {
         "out": out, "forces": forces, "plot": plot, "animate": animation, "sensor": sensors,
@@ -207,7 +209,6 @@ def simulate(
     _check_times(times, stream=stream, **of_saved_times)
     if stream is not None:
         check_stream_options(**of_saved_times, contacts=contacts, hits=hits, max_steps=max_steps)
-    chains = chains_from(options)
     if len(chains) > 1 and (out or forces or animation or stream):
         raise click.UsageError("--out, --forces, --animate and --stream require one chain FILE")
     check_hits(hits, chains.values())
@@ -374,7 +375,7 @@ def _curves(chain: Chain, beads: list[int]) -> list[int | str]:
 
 
 def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], title: str, *, forces: bool) -> Axes:
-    """Plot forces in sensors, on walls and on caps; or else velocities, of one run as a map.
+    """Plot forces in sensors, on walls and on caps, and velocities of one run as a map.
 
     A sensor in a cap without a wall is replaced by the whole force on it.
 
@@ -382,6 +383,7 @@ def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], title: str, *, for
     """
     from ..plotting.labels import with_losses
     from ..plotting.pulses import plot_pulses
+    from ..plotting.run_overview import plot_run_and_forces
     from ..plotting.runs import plot_forces_of_runs
     from ..plotting.style import literal
     from ..plotting.widths import journal_width
@@ -392,7 +394,8 @@ def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], title: str, *, for
     first, *others = runs.values()
     shown = {name: _curves(run.chain, beads[name]) for name, run in runs.items()}
     if not others and not forces:
-        return first.plot()
+        places = next(iter(shown.values()))
+        return plot_run_and_forces(first, places) if places else first.plot()
     if not all(shown.values()):
         return plot_pulses([run.pulse() for run in runs.values()], labels=[*map(literal, runs)])
     if not others:

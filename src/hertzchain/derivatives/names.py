@@ -99,7 +99,7 @@ def parse(chain: Chain, given: object, bead: int | str | None, until: float | No
             )
     elif group == "body_force":
         at_bead = None
-        _check_body(chain, text)
+        _check_body(chain, str(text))
     elif group in ("pulse", "sensor", "final", "bead"):
         if at_bead is None:
             raise InputError(f"{text} belongs to a bead; give bead, or '{text}@{chain.beads}'")

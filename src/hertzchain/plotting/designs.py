@@ -19,7 +19,7 @@ from ..collision import Array
 from ..designs.comparison import shown_chains
 from ..designs.curves import Curve, compared_curves, plotted_quantity, shows_forces
 from ..designs.exact_gradients import PEAK
-from ..designs.measures import BODY_PEAK, USUAL, without_in_words
+from ..designs.measures import BODY_PEAK, USUAL, label_in, without_in_words
 from ..designs.objective import Objective
 from ..designs.pareto import beaten_if_yielding
 from ..designs.sensitivity import changes
@@ -28,6 +28,7 @@ from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from ..simulation.body_force import body_in_words
 from .colours import COLOURS, grey
+from .compared_rows import draw_compared_rows
 from .design_beads import CHARACTER, height_of_beads, plot_beads, violations
 from .enlarged import finish_enlarged, small_groups
 from .gradients import bars_of_changes, shade_other_bodies
@@ -216,7 +217,7 @@ def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             label_log_axis(axes.yaxis)
         axes.set_xlabel("simulations")
         single = result.problem.objective.single
-        name = "score" if single is None else single.label
+        name = "score" if single is None else label_in(result.chain, single)
         if (scatter := result.problem.scatter) is not None:
             name = f"{scatter.statistic} of {name}"
         axes.set_ylabel(f"{name} [{unit}]" if unit else name)
@@ -244,7 +245,8 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             _name_given(result, axes)
         axes.set_xlabel("bead $k$")
         axes.xaxis.set_major_locator(BeadLocator())
-        name = "score" if objective.single is None else objective.single.label
+        single = objective.single
+        name = "score" if single is None else label_in(result.chain, single)
         size = "diameter" if result.chain.units == "SI" else "$R_k$"
         axes.set_ylabel(f"{name}:\nchange [%], {size} {PLUS_MINUS if both else '+'}1%")
     return axes
@@ -279,7 +281,7 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             )
         axes = get_axes(ax)
         first, second = (str(each.single) for each in result.problem.objectives)
-        words = {str(each): each.label for each in result.problem.measures}
+        words = {str(each): label_in(result.chain, each) for each in result.problem.measures}
         points = sorted(
             (each.values[second], each.values[first], each.verified.outside_range)
             for each in result.front
@@ -296,8 +298,8 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
                 axes.plot(x[flags], y[flags], "o", color=COLOURS[1], markerfacecolor=face,
                           label=f"{where} the range of Hertz's law")  # fmt: skip
         _draw_yielding_points(result, (second, across), (first, up), axes)
-        if outside.any():
-            place_legend(axes)
+        draw_compared_rows(result, (second, across, x_unit), (first, up, y_unit), axes)
+        place_legend(axes)
         if without := without_in_words(result.chain):
             # The row is drawn with them.
             words |= {str(each): f"{each.label}{without}" for each in result.problem.measures
@@ -404,10 +406,10 @@ def _draw_last(result: DesignResult, axes: Axes) -> None:
 
 
 def _usual_unit(result: DesignResult, unit: str) -> tuple[float, str]:
-    """Factor and unit of an axis, mm of lengths and g of masses; empty if there is no unit."""
+    """Factor and unit of an axis: mm of lengths, g of masses, ms of times; empty without one."""
     if result.chain.units != "SI" or unit in ("", "1"):
         return 1.0, ""
-    return USUAL.get(unit, (1.0, unit))
+    return (1e3, "ms") if unit == "s" else USUAL.get(unit, (1.0, unit))
 
 
 KINDS: Final[dict[str, Callable[..., Axes]]] = {

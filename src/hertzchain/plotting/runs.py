@@ -15,13 +15,14 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import RUN_QUANTITIES
-from ..simulation.body_force import body_curve, body_in_words
+from ..simulation.body_force import body_curve, body_force, body_in_words
 from ..simulation.run import Run
 from ..simulation.sensor_force import sensor_maxima, warn_if_coarse
 from ..simulation.wall_force import WallForce
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice, check_list, text
+from .acting_times import limit_to_forces
 from .colours import curve_colour, grey, signed_map
 from .enlarged import finish_enlarged, small_groups
 from .force_lines import ForceLine, common_title, force_lines, label_and_style, with_peaks
@@ -216,6 +217,8 @@ def plot_forces(
         _draw_forces(axes, run, given, name, len(axes.lines), places=places, named=bool(name))
         title = common_title(axes)
         set_title(axes, title or chain_title(run.chain), common=bool(title))
+        if len(axes.get_shared_x_axes().get_siblings(axes)) == 1:
+            limit_to_forces([axes])
         if legend:
             place_legend(axes, own=ax is None)
     return axes
@@ -342,11 +345,13 @@ def _draw_places(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int | str
                 _draw_forces(axes, run, [number], literal(name), i, compared=i, places=not alone)
             if alone:
                 axes.set_title(words.pop(), loc="left")
+        limit_to_forces([*grid[:, 0]])
+        for axes in grid[:, 0]:
             labels.append(axes.get_legend_handles_labels()[1])
             # Such as that of a wall whose peak is not complete.
             if labels[-1] != labels[0] or len(labels) == 1:
                 if len(places) == 1:
-                    with_peaks(axes, pairs[0][0][1].chain.units)
+                    with_peaks(axes, next(iter(runs.values())).chain.units)
                 place_legend(axes, own=len(places) == 1)
     first: Axes = grid[0, 0]
     return first
@@ -363,7 +368,9 @@ def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
     if bead == BODY:
         if run.chain.right_wall is not None:
             raise InputError("'body' is the last body of a free right end; use 'wall'")
-        return *body_curve(run), f"force on {body_in_words(run.chain)}", False
+        found = body_force(run)
+        cut_off = found is not None and not found.complete
+        return *body_curve(run), f"force on {body_in_words(run.chain)}", cut_off
     number = bead_number(run.chain, bead, walls=True)
     sensor = sensor_maxima(run, number)
     warn_if_coarse(run, sensor)

@@ -26,7 +26,7 @@ from hertzchain.fitting.loss_comparison import LossComparison, LossFit
 from hertzchain.fitting.model import make_model
 from hertzchain.fitting.names import Name, parse_name
 from hertzchain.fitting.parameters import default_names, every_name, free_parameters
-from hertzchain.fitting.posterior import MIN_WALKERS, steps_needed
+from hertzchain.fitting.posterior import MIN_WALKERS, moves_from, steps_needed
 from hertzchain.fitting.problem import Problem
 from hertzchain.fitting.sensors import Sensor, filtered
 from hertzchain.fitting.simulations import Simulator
@@ -1194,12 +1194,12 @@ def test_an_interrupted_sampling_does_not_lose_the_fit(tmp_path, monkeypatch):
 
     monkeypatch.setattr(hc.FitResult, "sample", interrupted)
     _, chain = hc.example_experiment()
-    arguments = ["fit", str(chain.parent / "fast.csv"), str(chain), "--sample", "1000", "--out",
+    arguments = ["fit", str(chain.parent / "fast.csv"), str(chain), "--sample", "100", "--out",
                  str(tmp_path / "fitted.toml"), "--plot", str(tmp_path / "fit.png")]  # fmt: skip
     done = CliRunner().invoke(cli, arguments, standalone_mode=False)
     assert isinstance(done.exception, (KeyboardInterrupt, click.Abort))
     assert "the model describes the data" in done.output
-    assert "11 parameters need about 7350 steps, more than --sample 1000" in done.output
+    assert "11 parameters need about 155 steps, more than --sample 100" in done.output
 
 
 @pytest.mark.long
@@ -1207,13 +1207,33 @@ def test_an_interrupted_sampling_does_not_lose_the_fit(tmp_path, monkeypatch):
 def test_the_steps_of_a_gaussian_posterior_are_estimated(count):
     emcee = pytest.importorskip("emcee")
     walkers = max(MIN_WALKERS, 2 * count + 2)
+    moves = moves_from(np.zeros(count), np.eye(count))
     sampler = emcee.EnsembleSampler(
-        walkers, count, lambda rows: -0.5 * np.sum(rows**2, axis=1), vectorize=True
+        walkers, count, lambda rows: -0.5 * np.sum(rows**2, axis=1), vectorize=True, moves=moves
     )
     sampler.random_state = np.random.RandomState(0).get_state()
     sampler.run_mcmc(np.random.default_rng(0).normal(size=(walkers, count)), 5000)
     needed = 50.0 * float(np.max(sampler.get_autocorr_time(tol=0)))
     assert steps_needed(count) == pytest.approx(needed, rel=0.4)
+
+
+@pytest.mark.long
+def test_walkers_have_the_distribution_of_a_skew_posterior_far_from_that_of_the_fit():
+    emcee = pytest.importorskip("emcee")
+
+    def log_density(rows):
+        # x is exponentially distributed, and y normal, with the mean x^2.
+        x, y = rows.T
+        return np.where(x > 0.0, -x - 0.5 * (y - x**2) ** 2, -np.inf)
+
+    moves = moves_from(np.array([0.3, 0.0]), np.diag([0.8, 1.2]))
+    sampler = emcee.EnsembleSampler(16, 2, log_density, vectorize=True, moves=moves)
+    sampler.random_state = np.random.RandomState(0).get_state()
+    sampler.run_mcmc(np.random.default_rng(0).uniform(0.1, 1.0, size=(16, 2)), 20_000)
+    x, y = sampler.get_chain(discard=2000, flat=True).T
+    quantiles = [0.1, 0.5, 0.9]
+    assert np.quantile(x, quantiles) == pytest.approx(-np.log1p(-np.array(quantiles)), rel=0.06)
+    assert np.std(y - x**2) == pytest.approx(1.0, rel=0.03)
 
 
 @pytest.mark.long

@@ -87,7 +87,7 @@ HELD_BACK: Final = (
     type=int,
     metavar="STEPS",
     help="Also sample the posterior with emcee (extra: fit), as a check of the errors; d "
-    "parameters need about 50 (15 + 12 d) steps.",
+    "parameters need about 100 + 5 d steps.",
 )
 @figure_option(
     "Plot data, fit and residuals to FILE; residuals, correlations, defects "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
@@ -27,9 +28,15 @@ if TYPE_CHECKING:
 MIN_WALKERS: Final = 16
 # Smallest number of steps for reliable errors, in autocorrelation times.
 LONG_ENOUGH: Final = 50
+# Fraction of the steps in which walkers move to points drawn from the distribution of the fit; in
+# the others they stretch, which reaches all parts of a posterior that differs from it.
+DRAWN: Final = 0.75
+# Degrees of freedom of Student's t distribution from which they are drawn: tails that are wider
+# than those of the posterior keep the acceptance from falling far from the optimum.
+TAILS: Final = 10.0
 # Autocorrelation time of the walkers in a Gaussian posterior, and its increase per parameter, in
 # steps.  It does not depend on the errors and correlations, because the moves are affine-invariant.
-AUTOCORRELATION, PER_PARAMETER = 15, 12
+AUTOCORRELATION, PER_PARAMETER = 2.0, 0.1
 # Fraction of the steps that is discarded.
 BURN_IN: Final = 0.25
 
@@ -191,7 +198,38 @@ class Posterior:
 
 def steps_needed(parameters: int) -> int:
     """Steps that a Gaussian posterior of this number of parameters usually needs."""
-    return LONG_ENOUGH * (AUTOCORRELATION + PER_PARAMETER * parameters)
+    return round(LONG_ENOUGH * (AUTOCORRELATION + PER_PARAMETER * parameters))
+
+
+def moves_from(centre: Array, root: Array) -> list[tuple[Any, float]]:
+    """Moves of walkers, and their shares, for a posterior near a normal distribution.
+
+    ``root`` times its transpose is the covariance of this distribution.
+    """
+    from emcee.moves import MHMove, StretchMove
+
+    return [(MHMove(_drawn(centre, root)), DRAWN), (StretchMove(), 1.0 - DRAWN)]
+
+
+def _drawn(centre: Array, root: Array) -> Callable[..., tuple[Array, Array]]:
+    """Proposals of an independence sampler from Student's t distribution.
+
+    The second value is the logarithm of the ratio of the densities of the proposal at the old and
+    the new points.
+    """
+    inverse, count = np.linalg.pinv(root), len(centre)
+
+    def log_density(points: Array) -> Array:
+        distance = ((points - centre) @ inverse.T) ** 2
+        return np.asarray(-0.5 * (TAILS + count) * np.log1p(distance.sum(axis=1) / TAILS))
+
+    def proposed(points: Array, random: Any) -> tuple[Array, Array]:
+        shape = random.normal(size=points.shape)
+        widths = np.sqrt(TAILS / random.chisquare(TAILS, size=(len(points), 1)))
+        new = centre + (widths * shape) @ root.T
+        return new, log_density(points) - log_density(new)
+
+    return proposed
 
 
 def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) -> Posterior:
@@ -230,7 +268,8 @@ def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) 
     root = spread[0] * np.sqrt(spread[1])
     begin = result.variables + random.normal(size=(walkers, count)) @ root.T
     begin = np.clip(begin, low + 1e-9, high - 1e-9)
-    sampler: Any = emcee.EnsembleSampler(walkers, count, log_probability)
+    moves = moves_from(result.variables, root)
+    sampler: Any = emcee.EnsembleSampler(walkers, count, log_probability, moves=moves)
     # The wrapper of emcee prints all interruptions to stdout, among the results of commands.
     sampler.log_prob_fn = log_probability
     sampler.random_state = np.random.RandomState(seed).get_state()

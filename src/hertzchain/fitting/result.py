@@ -411,7 +411,7 @@ class FitResult(Estimates):
         steps : int
             Steps of each walker; the number of walkers is two more than twice the number of
             parameters, at least 16.  If the posterior is Gaussian, d parameters need about
-            50 (15 + 12 d) steps.
+            100 + 5 d steps.
         seed : int
             Seed of the random numbers, 0 .. 2^32 - 1.
         progress : callable, optional
@@ -431,7 +431,7 @@ class FitResult(Estimates):
         --------
         >>> import hertzchain as hc
         >>> result = hc.fit(*hc.example_experiment())
-        >>> posterior = result.sample(1000)  # doctest: +SKIP
+        >>> posterior = result.sample(200)  # doctest: +SKIP
         """
         from .posterior import sample
 

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.fitting.causes import Cause
 from hertzchain.fitting.diagnosis import _count_first
+from hertzchain.fitting.names import Name
 
 BEFORE, SPACING = 80, 1e-6
 GAINS = {"ball 3": 0.02, "ball 6": 0.02, "wall": 0.01}
@@ -48,7 +50,10 @@ def test_a_missing_ball_is_named_without_its_consequences():
 def test_a_delay_that_describes_the_data_as_well_is_named_after_the_number_of_balls():
     def cause(what, chi2, count):
         result = SimpleNamespace(chi2=chi2, describes=True)
-        return SimpleNamespace(what=what, advice="add 'delay[wall]'", result=result, count=count)
+        return Cause(
+            what, "add 'delay[wall]'", result, 0, count=count,
+            names=() if count else (Name("delay", "wall"),),
+        )  # fmt: skip
 
     count, delay = (
         cause("one ball fewer (9)", 1834.0, True),

@@ -21,6 +21,8 @@ Refit = Callable[[Problem, Mapping[str, float], int], FitResult]
 CLEAR: Final = 2.0
 # Values of an effect of several sensors are reported beyond this number of standard deviations.
 CERTAIN: Final = 5.0
+# Parameters that change the level which the model has before the measured pulse.
+OF_LEVEL: Final = ("offset", "time_offset")
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,18 @@ class Cause:
     gross: bool = False
     # Whether the row has another number of balls.
     count: bool = False
+    # Parameters that the fit has in addition.
+    names: tuple[Name, ...] = ()
+
+    @property
+    def delays(self) -> bool:
+        """Whether the cause is a delay of one or several sensors."""
+        return bool(self.names) and all(each.key == "delay" for each in self.names)
+
+    @property
+    def shifts_level(self) -> bool:
+        """Whether the cause moves the levels of signals before the pulse, or the pulse itself."""
+        return any(each.key in OF_LEVEL for each in self.names)
 
     @property
     def values(self) -> str:
@@ -82,7 +96,8 @@ def try_further(
     if len(names) > 1:
         clear = _beyond(CERTAIN, fixed, found) or clear
     shown = ", ".join(f"{name} = {rows[name]}" for name in clear)
-    return Cause(shown, advice_to_free(names, model.traces), found, len(names))
+    advice = advice_to_free(names, model.traces)
+    return Cause(shown, advice, found, len(names), names=tuple(names))
 
 
 def _beyond(times: float, fixed: Mapping[str, float], found: FitResult) -> list[str]:

@@ -95,7 +95,7 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
         not each.result.describes,
         each.result.chi2 + (PRESENT * each.added if each.result.describes else 0.0),
     ))  # fmt: skip
-    if "offset" in best.what:
+    if best.shifts_level:
         levels = ()
     if best in columns and best.result.describes:
         return as_misread(result, best)
@@ -144,7 +144,7 @@ def _is_certain(cause: Cause) -> bool:
 
 def _count_first(best: Cause, good: Sequence[Cause]) -> tuple[Cause, str]:
     """The number of balls rather than a delay that describes the data as well, and that delay."""
-    delays = [each for each in good if each.what.startswith("delay") and each.result.describes]
+    delays = [each for each in good if each.delays and each.result.describes]
     counts = [each for each in good if each.count and each.result.describes]
     if not (counts and delays):
         return best, ""
@@ -323,7 +323,8 @@ def _clock(result: FitResult, start: Mapping[str, float], refit: Refit) -> Itera
     shown = ", ".join(
         f"{each} = {rows[str(each)]} instead of {measure(each.start, 's')}" for each in more
     )
-    yield Cause(shown, f"{advice_to_free(fixed, model.traces)}, or correct it", found, len(more))
+    advice = f"{advice_to_free(fixed, model.traces)}, or correct it"
+    yield Cause(shown, advice, found, len(more), names=tuple(fixed))
 
 
 def _places(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:

@@ -273,11 +273,11 @@ def test_exchanged_columns_are_not_also_wrong_gains_or_signs(run, files):
 @pytest.mark.parametrize(
     ("prior", "words"),
     [
-        ('["25 mV/N", "0.5 mV/N"]', r"standard deviations from its prior in \[fit\], 0.02500 \+- "
-         r"0.00050 V/N: check the diameters"),
-        ("[0.0175, 0.001]", r"agrees with its prior in \[fit\], 0.0175 \+- 0.0010 V/N$"),
+        ('["25 mV/N", "0.5 mV/N"]', r"standard deviations from its prior in \[fit\], 25.00 \+- "
+         r"0.50 mV/N: check the diameters"),
+        ("[0.0175, 0.001]", r"agrees with its prior in \[fit\], 17.5 \+- 1.0 mV/N$"),
         ("[0.0192, 0.001]", r"differs by [12]\.\d standard deviations from its prior in \[fit\], "
-         r"0.0192 \+- 0.0010 V/N$"),
+         r"19.2 \+- 1.0 mV/N$"),
         ("[17.5, 1.0]", "1,000 times too small, because the unit in its header is wrong, such as "
          "mV instead of V$"),
     ],
@@ -292,7 +292,7 @@ def test_the_gain_of_a_sensor_is_compared_with_its_prior(run, files, prior, word
     code, out, err = run("compare", files / "volts.csv", row)
     assert code == 0, err
     (note,) = (line for line in out.splitlines() if "[fit]" in line)
-    assert note.startswith("the gain of wall, 0.0")
+    assert note.startswith("the gain of wall, ")
     assert re.search(words, note), note
     document = json.loads(run("compare", files / "volts.csv", row, "--json").stdout)
     assert note in document["notes"]

@@ -111,7 +111,7 @@ def test_a_record_that_ends_before_the_pulse_is_not_regarded_as_clipped():
     data = hc.Traces.from_arrays(times[:330], columns)
     assert not any("saturated" in note for note in data.notes())
     result = hc.fit(data, chain(), free=["time_offset"])
-    assert ". The data of wall have no pulse above their noise" in result.verdict
+    assert ". No single sample of wall clearly exceeds its noise" in result.verdict
 
 
 def test_the_gain_of_a_sensor_without_a_pulse_is_not_determined(tmp_path):

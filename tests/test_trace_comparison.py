@@ -575,7 +575,7 @@ def test_the_level_before_the_pulse_does_not_change_a_comparison():
     assert shifted.sensors[0].residual == pytest.approx(plain.sensors[0].residual, rel=1e-9)
     np.testing.assert_allclose(shifted.scaled[0] - plain.scaled[0], 0.0125 * 4.0, rtol=1e-9)
     volts, newtons = (each for each in shifted.notes if "before the pulse" in each)
-    assert "before the pulse, ball 5 is at 0.0499 V, to which the simulation is shifted" in volts
+    assert "before the pulse, ball 5 is at 49.9 mV, to which the simulation is shifted" in volts
     assert "a fit needs 'offset[ball 5]'" in volts
     assert "before the pulse, wall is at 4 N, the simulation at 0 N" in newtons
     assert not any("before the pulse" in each for each in plain.notes)

@@ -30,6 +30,8 @@ KEPT_TOGETHER: Final = re.compile(
     r" (?==)|(?<==) |(?<=\d) (?=(?:m/s|[kmun]?N s|kg|Hz|[um]s|[smNJ])\b)"
 )
 # Spaces around the sign between a value and its error, and before units of sensors.
+# Units of signals without calibration and of their gains.
+IN_VOLTS: Final = ("V", "V/N", "V s/m")
 WITH_ERRORS: Final = re.compile(r" (?=\+- )|(?<=\+-) |(?<=\d) (?=(?:[um]?V|[MG]Pa|[unmc]m)\b)")
 
 
@@ -103,10 +105,17 @@ def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:
     return f"{text} {prefixed}"
 
 
+def shown_signal(value: float, unit: str, digits: int = 3) -> str:
+    """A value of a signal or a gain; small ones of sensors without calibration in mV."""
+    factor, unit = usual_unit(value, unit) if unit in IN_VOLTS else (1.0, unit)
+    return f"{factor * value:.{digits}g} {unit}"
+
+
 def usual_unit(value: float, unit: str) -> tuple[float, str]:
     """Factor and unit in which a value is shown: us or ms for short times, kN, MPa or GPa.
 
-    Lengths below 1 mm are shown in um, impulses and momenta in N s with a prefix.
+    Lengths below 1 mm are shown in um, signals and gains below 1 V and 1 V/N in mV and mV/N, and
+    impulses and momenta in N s with a prefix.
     """
     if unit == "N s" and 0.0 < abs(value) < math.inf:
         size = next((each for each in PREFIXES if abs(value) >= 0.99995 * each), min(PREFIXES))
@@ -115,6 +124,8 @@ def usual_unit(value: float, unit: str) -> tuple[float, str]:
         return 1e6, "um"
     if unit == "Pa":
         return (1e-9, "GPa") if abs(value) >= 1e9 else (1e-6, "MPa")
+    if unit in IN_VOLTS and 0.0 < abs(value) < 1.0:
+        return 1e3, f"m{unit}"
     if unit == "N" and abs(value) >= KILONEWTONS:
         return 1e-3, "kN"
     if unit == "s" and 0.0 < abs(value) < MICROSECONDS:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ..representation import listed
+from ..representation import listed, shown_signal
 from ..traces.amplitudes import CERTAIN, error_of_level, level_differs, level_of_model
 from ..traces.traces import Traces
 from .names import ENDS, Name
@@ -55,7 +55,8 @@ def level_advice(result: FitResult) -> tuple[str, ...]:
             shown = expected if abs(expected) > error else 0.0
             found.setdefault(signal.name, []).append((name, (
                 f"before the pulse{f' of shot {name.shot}' if several else ''}, {signal.name} is "
-                f"at {signal.level:.3g} {signal.unit}, the model at {shown:.3g} {signal.unit}"
+                f"at {shown_signal(signal.level, signal.unit)}, the model at "
+                f"{shown_signal(shown, signal.unit)}"
             )))  # fmt: skip
     return tuple(
         f"{notes[0][1]}: check its zero, or "

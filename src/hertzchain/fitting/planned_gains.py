@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..errors import InputError
-from ..representation import measure
+from ..representation import shown_signal
 from ..traces.headers import UNITS
 from ..traces.signals import Signal
 from ..traces.traces import Traces
@@ -32,7 +32,7 @@ def recorded_in_volts(traces: Traces, settings: Settings) -> tuple[Traces, tuple
         signals.append(replace(signal, unit="V", noise=noise))
         notes.append(
             f"{signal.name} is recorded in V, because its gain is in V: a noise of "
-            f"{measure(signal.noise, signal.unit)} is one of {1e3 * noise:.4g} mV"
+            f"{shown_signal(signal.noise, signal.unit)} is one of {shown_signal(noise, 'V')}"
         )
     return Traces((replace(shot, signals=tuple(signals)),)), tuple(notes)
 

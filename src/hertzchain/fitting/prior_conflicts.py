@@ -9,14 +9,14 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from ..representation import listed, with_error
+from ..representation import listed
 from ..traces.headers import GAIN_UNITS
 from ..traces.traces import Traces
 from .misread_columns import POLARITY
 from .names import Name
 from .parameters import Parameter
 from .sensor_comparison import SensorComparison
-from .shown_values import shown_value
+from .shown_values import shown_value, shown_with_error
 
 # A parameter contradicts its prior beyond this number of standard deviations; several contradict
 # theirs together if the sum of squares is less probable than the same deviation of one.  Both tests
@@ -120,8 +120,8 @@ def gain_notes(
         size = abs(gain - mean) / sigma
         relation = "agrees with" if size <= AGREES else f"differs by {_counted(size)} from"
         note = (
-            f"the gain of {sensor}, {gain:.4g} {unit}, {relation} its prior in [fit], "
-            f"{with_error(mean, sigma)} {unit}"
+            f"the gain of {sensor}, {each.scaling}, {relation} its prior in [fit], "
+            f"{shown_with_error(mean, sigma, unit)}"
         )
         if gain * mean < 0.0:
             note += f": {POLARITY}"

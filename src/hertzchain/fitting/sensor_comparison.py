@@ -11,7 +11,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError
-from ..representation import measure
+from ..representation import measure, shown_signal, usual_unit
 from ..simulation.run import Run
 from ..traces.amplitudes import (
     ARRIVED,
@@ -115,9 +115,14 @@ class SensorComparison:
         return self.simulated_arrival - self.measured_arrival
 
     @property
+    def volts(self) -> bool:
+        """Whether the sensor has no calibration."""
+        return self.unit == "V"
+
+    @property
     def scaling(self) -> str:
         """Factor of the simulation with its unit."""
-        return f"{self.scale:.4g} {GAIN_UNITS[self.quantity]}"
+        return shown_signal(self.scale, GAIN_UNITS[self.quantity], digits=4)
 
     @property
     def cells(self) -> tuple[str, ...]:
@@ -125,9 +130,10 @@ class SensorComparison:
         difference = shown_difference(self.peak_ratio)
         if self.lower_bound:
             difference = "saturated" if self.saturated else "no crest"
+        factor, unit = usual_unit(self.measured_peak, self.unit) if self.volts else (1.0, self.unit)
         return (
-            f"{'>' * self.lower_bound}{self.measured_peak:.4g} {self.unit}",
-            f"{self.simulated_peak:.4g} {self.unit}", difference,
+            f"{'>' * self.lower_bound}{factor * self.measured_peak:.4g} {unit}",
+            f"{factor * self.simulated_peak:.4g} {unit}", difference,
             *(_time(each) for each in (self.measured_arrival, self.simulated_arrival)),
             _time(self.delay, "+"),
             shown_part(self.residual),
@@ -315,7 +321,7 @@ def _too_short(run: Run, shot: Shot, signal: Signal, here: float, measured: floa
     return (
         f"the simulated pulse does not arrive at {signal.name} before the run ends at "
         f"{measure(end, 's')}: the signal is {here:.2g} {unit}, the measured one "
-        f"{measured:.3g} {signal.unit}; {advice}"
+        f"{shown_signal(measured, signal.unit)}; {advice}"
     )
 
 
@@ -368,23 +374,23 @@ def level_notes(shot: Shot, signals: Sequence[Array], columns: Sequence[Array]) 
         expected = level_of_model(signal, model)
         if not np.isfinite(expected):
             continue
-        error = error_of_level(signal)
+        error, level = error_of_level(signal), shown_signal(signal.level, signal.unit)
         if not signal.calibrated:
             # The scale is not accurate enough to compare the static force.
             scale, static = scale_of(signal, model), float(column[0])
             allowed = CERTAIN * error + 0.5 * abs(scale * static)
             if level_differs(signal, scale * expected, scale * static, allowed):
                 notes.append(
-                    f"before the pulse, {signal.name} is at {signal.level:.3g} {signal.unit}, to "
-                    f"which the simulation is shifted; a fit needs 'offset[{signal.name}]'"
+                    f"before the pulse, {signal.name} is at {level}, to which the simulation is "
+                    f"shifted; a fit needs 'offset[{signal.name}]'"
                 )
             continue
         if level_differs(signal, expected, float(column[0]), CERTAIN * error):
             # The foot of the simulated pulse is not zero, but cannot be measured.
             shown = expected if abs(expected) > error else 0.0
             notes.append(
-                f"before the pulse, {signal.name} is at {signal.level:.3g} {signal.unit}, the "
-                f"simulation at {shown:.3g} {signal.unit}; the difference is part of the "
+                f"before the pulse, {signal.name} is at {level}, the simulation at "
+                f"{shown_signal(shown, signal.unit)}; the difference is part of the "
                 "residual: check the zero of the sensor"
             )
     return notes
@@ -394,7 +400,7 @@ def missing_notes(sensors: Sequence[SensorComparison]) -> list[str]:
     """Notes on saturated and missing samples at the crest of a signal or at its arrival."""
     notes = []
     for each in sensors:
-        peak = f"{each.measured_peak:.4g} {each.unit}"
+        peak = shown_signal(each.measured_peak, each.unit, digits=4)
         if each.saturated:
             notes.append(
                 f"{each.name} is saturated at {peak}: its crest is missing, and is not part of the "

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..representation import with_error
+from ..representation import IN_VOLTS, usual_unit, with_error
 from ..traces.headers import GAIN_UNITS
 from ..traces.traces import Traces
 from .parameters import Parameter, kind_and_value
@@ -31,15 +31,20 @@ def shown_value(
     unit = unit_of_parameter(parameter, traces)
     if 0.0 < sigma < np.inf and not at_bound:
         return shown_with_error(value, sigma, unit)
-    factor, unit = SHOWN.get(unit, (1.0, unit))
+    factor, unit = factor_and_unit(value, unit)
     why = "at its bound" if at_bound else "not determined"
     return f"{factor * value:.5g} ({why}) {unit}".rstrip()
 
 
 def shown_with_error(value: float, sigma: float, unit: str) -> str:
-    """Value and error with their unit; times in us, lengths in um and moduli in GPa."""
-    factor, unit = SHOWN.get(unit, (1.0, unit))
+    """Value and error with their unit; times in us, lengths in um, moduli in GPa, small V in mV."""
+    factor, unit = factor_and_unit(max(abs(value), sigma), unit)
     return f"{with_error(factor * value, factor * sigma)} {unit}".rstrip()
+
+
+def factor_and_unit(value: float, unit: str) -> tuple[float, str]:
+    """Factor and unit in which a value of a parameter is shown."""
+    return usual_unit(value, unit) if unit in IN_VOLTS else SHOWN.get(unit, (1.0, unit))
 
 
 def unit_of_parameter(parameter: Parameter, traces: Traces) -> str:

@@ -52,7 +52,8 @@ def silent_clause(traces: Traces, names: Sequence[str]) -> str:
     silent = silent_sensors(traces)
     if not silent:
         return ""
-    text = f". The data of {listed(silent)} have no pulse above their noise"
     if not names:
-        return text
+        # Many samples together, or a prior, determine what no sample shows.
+        return f". No single sample of {listed(silent)} clearly exceeds its noise"
+    text = f". The data of {listed(silent)} have no pulse above their noise"
     return f"{text}, so {listed([*names])} {'is' if len(names) == 1 else 'are'} not determined"

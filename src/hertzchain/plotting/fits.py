@@ -12,7 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..fitting.shown_values import SHOWN
+from ..fitting.shown_values import factor_and_unit
+from ..representation import shown_signal
 from ..traces.noise import autocorrelation
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice
@@ -84,7 +85,7 @@ def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) 
             name = signal.name + (f", shot {index + 1}" if len(traces.shots) > 1 else "")
             if relative:
                 largest = float(np.nanmax(np.abs(values)))
-                values, name = values / largest, f"{name}: {largest:.3g} {signal.unit}"
+                values, name = values / largest, f"{name}: {shown_signal(largest, signal.unit)}"
             colour = curve_colour(axes, i)
             measured = np.where(signal.valid, values, np.nan)
             axes.add_line(MeasuredLine(times, measured, name, color=colour))
@@ -426,8 +427,9 @@ def _in_shown_units(posterior: Posterior) -> tuple[np.ndarray[Any, Any], list[st
     """Factors to units in which parameters are shown, their names in words, and these units."""
     factors, units = [], []
     for samples, unit in zip(posterior.samples.T, posterior.units, strict=True):
-        factor, shown = SHOWN.get(unit, (1.0, unit))
-        size = factor * float(np.abs(samples).max(initial=0.0))
+        largest = float(np.abs(samples).max(initial=0.0))
+        factor, shown = factor_and_unit(largest, unit)
+        size = factor * largest
         power = int(np.floor(np.log10(size))) if size > 0.0 else 0
         shown = literal(with_micro(shown))
         if not MIN_POWER <= power <= MAX_POWER:

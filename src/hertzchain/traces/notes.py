@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ..representation import counted, listed, measure
+from ..representation import counted, listed, measure, shown_signal
 from .missing_rows import gap_notes, gaps_between
 from .noise import ACCURACY
 
@@ -107,7 +107,7 @@ def _coarse_notes(shot: Shot, number: int) -> list[str]:
     steps: dict[str, list[str]] = {}
     for signal in shot.signals:
         if signal.coarse:
-            steps.setdefault(f"{signal.step:.3g} {signal.unit}", []).append(signal.name)
+            steps.setdefault(shown_signal(signal.step, signal.unit), []).append(signal.name)
     return [
         f"the samples of {', '.join(names)} in shot {number} are rounded to steps of {step}, more "
         "than three times their noise: rounding errors are then correlated, and equal successive "

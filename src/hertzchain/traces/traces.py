@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import InputError, short_repr, unknown_name_error
-from ..representation import counted, short
+from ..representation import counted, short, shown_signal
 from ..validation.keywords import checked_arguments, checked_fields, checked_methods
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_choice, check_list, check_type
@@ -332,7 +332,9 @@ class Traces:
     def __repr__(self) -> str:
         shot = self.shots[0]
         steps = 1e6 * np.diff(shot.times)
-        noises = ", ".join(dict.fromkeys(f"{signal.sigma:.3g} {signal.unit}" for _, signal in self))
+        noises = ", ".join(
+            dict.fromkeys(shown_signal(signal.sigma, signal.unit) for _, signal in self)
+        )
         every = f"{len(shot.times)} samples, every {np.median(steps):.3g} us"
         about = f"{counted(len(self.shots), 'shot')}, {', '.join(self.names)}"
         return short("Traces", about, every, f"noise {noises}", *self.notes())

@@ -63,3 +63,15 @@ def test_heavy_beads_are_filled_and_light_ones_open():
     assert curves[2].get_markerfacecolor() == "none"
     assert curves[1].get_markerfacecolor() == curves[1].get_color()
     plt.close(axes.figure)
+
+
+def test_free_ends_and_heavy_beads_of_several_dimers_have_different_symbols():
+    chains = [hc.Chain.dimer(ratio, beads=41) for ratio in (0.3428, 0.5, 0.6)]
+    axes = hc.plot_pulses([hc.propagate(chain) for chain in chains])
+    assert entry(axes, "last bead (free end)").get_marker() == "*"
+    assert entry(axes, "heavy beads").get_marker() == "o"
+    curves = [line for line in axes.lines if len(line.get_xdata()) > 2]
+    # A plus sign and a cross cannot be filled.
+    assert {line.get_marker() for line in curves} == {"o", "s", "^"}
+    assert sum(line.get_markerfacecolor() == "none" for line in curves) == 3
+    plt.close(axes.figure)

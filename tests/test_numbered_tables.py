@@ -14,4 +14,4 @@ def test_a_table_can_be_given_by_its_number():
 
 def test_waves_are_counted_in_words():
     waves = hc.simulate(hc.Chain.uniform(20), until=20.0, times=400).waves()
-    assert "20 beads: 1 wave to the right, 0 to the left" in " ".join(str(waves).split())
+    assert "20 beads; 1 wave to the right, 0 to the left" in " ".join(str(waves).split())

@@ -317,7 +317,7 @@ def test_the_recipe_for_a_quantity_needs_one_row(run_copy):
     np.testing.assert_allclose(found["real"], energy * expected, rtol=1e-13)
     assert (found["unit"], found["dims"]) == ("J", ["contact"])
     description = "energy stored in the contact at its largest overlap"
-    assert found["attributes"] == {"units": "1", "long_name": description, "symbol": "U"}
+    assert found["attributes"] == {"long_name": description, "symbol": "U"}
     assert found["labels"] == ["stored energy $U_k$ [J]", "stored energy $U_k$"]
     assert found["kept"] == found["values"]
     law = hc.local_rate(chain)
@@ -362,5 +362,5 @@ def test_sweeps_keep_the_quantities_of_walls():
     assert isinstance(found, xr.Dataset)
     wall = hc.simulate(hc.Chain.uniform(6).replace(right_wall=hc.Wall()), times=0).wall_force()
     for name, row in WALL_QUANTITIES.items():
-        assert found[name].attrs == {"units": "1", "long_name": row.description}
+        assert found[name].attrs == {"long_name": row.description}
         assert found[name].sel(beads=6).item() == getattr(wall, row.attribute)

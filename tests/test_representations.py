@@ -215,7 +215,7 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
         (hc.Chain.uniform(3), "Chain(uniform, 3 beads)"),
         (hc.Chain.dimer(0.3, beads=9), "Chain(dimer, mass ratio 0.3, 9 beads)"),
         (hc.Chain.dimer(0.3, beads=9).replace(stiffness=[2.0] * 8),
-         "Chain(dimer, mass ratio 0.3, 9 beads, masses, stiffness)"),
+         "Chain(dimer, mass ratio 0.3, 9 beads, given masses, given stiffness)"),
         (hc.Chain.uniform(4).replace(masses=[1.0, 2.0, 1.0, 2.0]),
          "Chain(dimer, mass ratio 2, 4 beads)"),
         (hc.Chain.dimer(radii=[1.0, 0.5], beads=8), "Chain(dimer, radius ratio 0.5, 8 beads)"),

@@ -448,7 +448,7 @@ def test_run_as_dataset(uniform_run):
     dataset = uniform_run.to_xarray()
     assert dataset.velocity.dims == ("time", "bead")
     assert dataset.bead.values[0] == 1
-    label = {"units": "1", "long_name": "velocity of the bead", "symbol": "v"}
+    label = {"long_name": "velocity of the bead", "symbol": "v"}
     assert dataset.velocity.attrs == label
     assert "rate" not in dataset.attrs
     taper = hc.Chain.tapered("forward-exponential", 0.03, beads=5)

@@ -20,6 +20,8 @@ from .tapers import ROUNDING, taper_named
 
 # Stiffness [N/m^1.5] from which it is in N/um^1.5.
 MICRONS: Final = 1e8
+# Features whose names would read like a count or a quality.
+GIVEN: Final = {"masses": "given masses", "stiffness": "given stiffness"}
 # Beads of a chain of which one is called different.
 MIN_BEADS: Final = 4
 
@@ -247,11 +249,11 @@ def _distinguishable(one: float, other: float) -> tuple[str, str]:
 def shown_features(
     names: Sequence[str], left_out: Sequence[str], velocities: Array, moving: int
 ) -> list[str]:
-    """Such as ``gaps`` and ``right wall``; equal velocities of all strikers are not named."""
+    """Such as ``given masses``, ``right wall``; equal velocities of all strikers are not named."""
     first = velocities[:moving]
     usual = moving > 0 and np.ptp(first) == 0.0 and not velocities[moving:].any()
     hidden = {"strikers", "cap", *left_out, *(["velocities"] if usual else [])}
-    return [name for name in names if name not in hidden]
+    return [GIVEN.get(name, name) for name in names if name not in hidden]
 
 
 def strikers_in_words(

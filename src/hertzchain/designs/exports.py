@@ -176,10 +176,11 @@ def dataset(result: DesignResult) -> xr.Dataset:
         for row, (_, found) in zip(rows, named, strict=True):
             values = getattr(found.chain, name)
             row[: len(values)] = values
-        data[name] = (("design", "bead"), rows, {"units": "1" if scaled else unit})
+        data[name] = (("design", "bead"), rows, {} if scaled else {"units": unit})
     for each in result.problem.measures:
         column = [found.values[str(each)] for _, found in named]
-        data[_variable(each)] = ("design", column, {"units": "1" if scaled else each.unit})
+        known = not scaled and each.unit != "1"
+        data[_variable(each)] = ("design", column, {"units": each.unit} if known else {})
     return xr.Dataset(
         data,
         {"design": [name for name, _ in named], "bead": np.arange(1, most + 1)},

@@ -305,7 +305,7 @@ class Scoreboard:
 
         dims = ("theory", "case", "bead")
         columns: dict[str, tuple[object, ...]] = {
-            name: (dims, values, {"units": "1", "long_name": f"relative error of {name}"})
+            name: (dims, values, {"long_name": f"relative error of {name}"})
             for name, values in self.errors.items()
         }
         columns["warned"] = (dims[:2], self.warned, {"long_name": "outside the theory's range"})

@@ -14,6 +14,9 @@ from ..pulse.quantities import COLUMN_QUANTITIES
 
 # Labels of filled and of open symbols.
 HEAVY_BEADS, LIGHT_BEADS = "heavy beads", "light beads"
+# Symbols that can be filled or open, and that of free ends beside them.
+FILLABLE: Final = ("o", "s", "^", "v", "D")
+END_SYMBOL: Final = "*"
 # Smallest number of beads whose alternation is drawn as two curves.
 LEAST: Final = 8
 # Relative difference of masses that alternate.

@@ -28,7 +28,7 @@ ARRAYS: Final = (
     ("velocities", "velocity", "m/s"), ("gaps", "gap", "m"), ("stiffness", "stiffness", ""),
     ("contact_exponents", "exponent", ""), ("contact_losses", "loss", ""),
 )  # fmt: skip
-VAGUE: Final = ("masses", "stiffness", "mixed exponents")
+VAGUE: Final = ("given masses", "given stiffness", "mixed exponents")
 OF_CONTACTS: Final = ("gaps", "stiffness", "contact_exponents", "contact_losses")
 
 

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.markers import MarkerStyle
 from matplotlib.path import Path
 
+from .alternating_beads import END_SYMBOL
 from .colours import grey
 from .style import MARKERS
 
@@ -21,6 +22,8 @@ MOST_SYMBOLS: Final = 3
 DISTANCE: Final = 1.6
 # Free ends that would make an axis of differences longer by this factor are not on it.
 LONGER: Final = 1.5
+# Size of a star, relative to other symbols.
+STAR: Final = 1.5
 # A symbol of a bead beyond the axis is named this far [points] from the edge.
 EDGE: Final = 2.0
 
@@ -31,11 +34,20 @@ def label_free_end(axes: Axes) -> None:
         line.get_marker() for line in axes.lines
         if line.get_linestyle() == "None" and np.size(line.get_xdata()) == 1
     ]  # fmt: skip
-    shown = [each for each in MARKERS if each in drawn][:MOST_SYMBOLS] or [MARKERS[0]]
-    style: dict[str, Any] = {"color": grey(axes, 0.4), "linestyle": "none", "label": FREE_END}
-    if len(shown) > 1:
-        style["markersize"] = rcParams["lines.markersize"] * (1.0 + DISTANCE * (len(shown) - 1))
-    axes.plot([], [], marker=shown[0] if len(shown) == 1 else _row(shown), **style)
+    known = [each for each in (*MARKERS, END_SYMBOL) if each in drawn]
+    shown = known[:MOST_SYMBOLS] or [MARKERS[0]]
+    style: dict[str, Any] = {"color": grey(axes, 0.4), "label": FREE_END}
+    if len(shown) == 1:
+        axes.plot([], [], **style, **end_style(shown[0]))
+        return
+    size = rcParams["lines.markersize"] * (1.0 + DISTANCE * (len(shown) - 1))
+    axes.plot([], [], **style, marker=_row(shown), markersize=size, linestyle="none")
+
+
+def end_style(marker: str) -> dict[str, Any]:
+    """Filled symbol of a free end, as arguments of `Axes.plot`."""
+    size = rcParams["lines.markersize"] * (STAR if marker == END_SYMBOL else 1.0)
+    return {"marker": marker, "linestyle": "none", "markersize": size}
 
 
 def _row(markers: Sequence[str]) -> Path:
@@ -54,7 +66,7 @@ def draw_end_outside_limits(
 ) -> tuple[int, float]:
     """A filled symbol of a difference [%], which does not yet determine the limits."""
     limits = axes.dataLim.get_points().copy()
-    axes.plot([bead], [value], color=colour, marker=marker, linestyle="none")
+    axes.plot([bead], [value], color=colour, **end_style(marker))
     axes.dataLim.set_points(limits)
     return bead, value
 

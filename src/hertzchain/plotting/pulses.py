@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -21,11 +20,18 @@ from ..pulse.quantities import COLUMN_QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_list
 from .alternating_beads import HEAVY_BEADS, LIGHT_BEADS, light_beads
-from .colours import COLOURS, curve_colour, grey
+from .colours import curve_colour, grey
 from .differences import words_of_chains
-from .free_ends import FREE_END, draw_end_outside_limits, include_ends, label_free_end
+from .free_ends import (
+    FREE_END,
+    draw_end_outside_limits,
+    end_style,
+    include_ends,
+    label_free_end,
+)
 from .labels import distinguish, numbered
 from .legends import place_legend
+from .looks import Look, line_style, looks_of, share_colours
 from .residuals import hidden_difference, relative_difference
 from .shared_axes import label_quantities, note_curve, use_prefix
 from .spreads import (
@@ -55,8 +61,6 @@ RESIDUAL_DEPTH: Final = 1e-4
 LABEL_LETTERS: Final = 16
 # Lines of a name in it; a curve with a longer name is called the first one, also in the legend.
 NAME_LINES: Final = 2
-# Lines of different methods, if curves of a chain share a colour.
-LINES: Final = ("-", "--", ":", "-.")
 # The curve from which differences are, if its name is long.
 FIRST: Final = "the first curve"
 # Label of bands.
@@ -152,8 +156,9 @@ def plot_pulses(
         axes, lower = _axes(ax, residuals=residuals)
         present = number_of_curves(axes)
         remove_values_beyond(axes)
-        looks = _looks(words, present)
-        grouped = labels is None and _share_colours(looks)
+        two_kinds = any(light_beads(each, quantity) is not None for each in pulses)
+        looks = looks_of(words, present, alternating=two_kinds)
+        grouped = labels is None and share_colours(looks)
         reference = _reference(pulses, looks, str(names[0]))
         names = _marked(names, reference if residuals and labels is None else "")
         ends = _free_ends(pulses, quantity)
@@ -221,59 +226,19 @@ def _words(pulses: Sequence[Pulse]) -> list[list[str]]:
     return [[pulse.method, *words] for pulse, words in zip(pulses, chains, strict=True)]
 
 
-@dataclass(frozen=True)
-class _Look:
-    """Numbers of the colour, of the symbol and of the line of a curve, and of beads per symbol."""
-
-    colour: int
-    symbol: int
-    line: int = 0
-    spacing: int = 1
-
-    @property
-    def marker(self) -> str:
-        # Curves whose colours repeat have another symbol.
-        return MARKERS[(self.symbol + self.symbol // len(COLOURS)) % len(MARKERS)]
-
-
-def _looks(words: Sequence[Sequence[str]], begin: int) -> list[_Look]:
-    """Colours by chain and lines by method if there are several of both, otherwise by pulse.
-
-    Lines of several methods for one chain differ, too: they often coincide.
-    """
-    chains = list(dict.fromkeys(tuple(chain) for _, *chain in words))
-    methods = list(dict.fromkeys(method for method, *_ in words))
-    different = len({*map(tuple, words)}) == len(words) >= len(chains) + len(methods)
-    if not different or min(len(chains), len(methods)) < 2:
-        lines = range(len(words)) if len(methods) == len(words) else [0] * len(words)
-        return [
-            _Look(begin + i, begin + i, line, begin + len(words)) for i, line in enumerate(lines)
-        ]
-    return [
-        # At a common bead, symbols of one colour would look like a filled one.
-        _Look(begin + chains.index((*chain,)), i := methods.index(method), i, len(methods))
-        for method, *chain in words
-    ]
-
-
-def _share_colours(looks: Sequence[_Look]) -> bool:
-    """Whether colours show chains, and several pulses have the same one."""
-    return len({look.colour for look in looks}) < len(looks)
-
-
 def _free_ends(pulses: Sequence[Pulse], quantity: str) -> set[int]:
     """Numbers of values at whose end at least one of the pulses jumps."""
     return {len(each._predicted(quantity)) for each in pulses if ends_free(each, quantity)}
 
 
-def _label_groups(axes: Axes, words: Sequence[Sequence[str]], looks: Sequence[_Look]) -> None:
+def _label_groups(axes: Axes, words: Sequence[Sequence[str]], looks: Sequence[Look]) -> None:
     """Entries of the legend for each chain, in its colour, and for each method, in grey."""
     chains = {look.colour: chain for (_, *chain), look in zip(words, looks, strict=True)}
     for colour, name in zip(chains, distinguish([*chains.values()])[0], strict=True):
         axes.plot([], [], color=curve_colour(axes, colour), label=literal(name))
     methods = {look: method for (method, *_), look in zip(words, looks, strict=True)}
     for look, name in {look.line: (look, name) for look, name in methods.items()}.values():
-        axes.plot([], [], color=grey(axes, 0.4), **_line(look), label=literal(name))
+        axes.plot([], [], color=grey(axes, 0.4), **line_style(look), label=literal(name))
 
 
 def _set_scale(axes: Axes, *, log: bool) -> None:
@@ -282,14 +247,6 @@ def _set_scale(axes: Axes, *, log: bool) -> None:
         label_log_axis(axes.yaxis)
     else:
         use_prefix(axes)
-
-
-def _line(look: _Look) -> dict[str, Any]:
-    """Line and symbol of a curve, as arguments of `Axes.plot`."""
-    return {
-        "linestyle": LINES[look.line % len(LINES)], "linewidth": 0.9,
-        "marker": look.marker, "markerfacecolor": "none",
-    }  # fmt: skip
 
 
 def _axes(ax: Axes | Sequence[Axes] | None, *, residuals: bool) -> tuple[Axes, Axes | None]:
@@ -304,15 +261,13 @@ def number_of_curves(axes: Axes) -> int:
     )
 
 
-def _draw_free_end(axes: Axes, bead: int, value: float, look: _Look) -> None:
+def _draw_free_end(axes: Axes, bead: int, value: float, look: Look) -> None:
     """A filled symbol, which no line joins to the other beads."""
     colour = curve_colour(axes, look.colour)
-    axes.plot([bead], [value], color=colour, marker=look.marker, linestyle="none")
+    axes.plot([bead], [value], color=colour, **end_style(look.end))
 
 
-def _label_parts(
-    axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequence[_Look]
-) -> None:
+def _label_parts(axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequence[Look]) -> None:
     """Labels of symbols at free ends, and of bands; that of a single band has its colour."""
     # Those of pulses that the axes already had move to the end of the legend.
     present = {artist.get_label(): artist for artist in (*axes.lines, *axes.collections)}
@@ -335,14 +290,19 @@ def _label_parts(
 
 
 def _draw(
-    axes: Axes, pulse: Pulse, quantity: str, values: Array, look: _Look, label: str | None
+    axes: Axes, pulse: Pulse, quantity: str, values: Array, look: Look, label: str | None
 ) -> Line2D:
     beads, numbers = pulse.chain.beads, pulse.bead[: len(values)]
     if pulse.method == EFFECTIVE_CHAIN:
         # Lines join the large beads.
         known = np.isfinite(values)
         beads, numbers, values = int(known.sum()), numbers[known], values[known]
-    elif (light := light_beads(pulse, quantity)) is not None:
+        line = _draw_line(axes, numbers, values, beads, look, label)
+        if look.alternating:
+            # Large beads, whose symbols are filled in the other curves.
+            line.set_markerfacecolor(line.get_color())
+        return line
+    if (light := light_beads(pulse, quantity)) is not None:
         # A line through all beads would be a zigzag.
         light, beads = light[: len(values)], beads // 2
         chosen = numbers[light], values[light]
@@ -354,7 +314,7 @@ def _draw(
 
 
 def _draw_line(
-    axes: Axes, numbers: Array, values: Array, beads: int, look: _Look, label: str | None
+    axes: Axes, numbers: Array, values: Array, beads: int, look: Look, label: str | None
 ) -> Line2D:
     (line,) = axes.plot(
         numbers,
@@ -363,16 +323,16 @@ def _draw_line(
         # Markers of different pulses at different beads do not hide each other.
         markevery=(look.symbol * max(1, beads // 60), max(look.spacing, beads // 20)),
         label=label,
-        **_line(look),
+        **line_style(look),
     )
     return line
 
 
 def _draw_residuals(
-    axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequence[_Look]
+    axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequence[Look]
 ) -> None:
     """Relative differences from the first pulse, of the same chain if colours are, in percent."""
-    grouped = _share_colours(looks)
+    grouped = share_colours(looks)
     first: dict[int, Pulse] = {}
     differences = []
     for pulse, look in zip(pulses, looks, strict=True):
@@ -395,7 +355,7 @@ def _draw_residuals(
         _draw(axes, pulse, quantity, shown[:-1] if free else shown, look, None)
         if free:
             colour = curve_colour(axes, look.colour)
-            ends.append(draw_end_outside_limits(axes, len(shown), shown[-1], look.marker, colour))
+            ends.append(draw_end_outside_limits(axes, len(shown), shown[-1], look.end, colour))
         if not least:
             draw_spread_of_difference(
                 axes, pulse, quantity, shown, curve_colour(axes, look.colour), free=free
@@ -427,9 +387,9 @@ def _marked(names: Sequence[str], reference: str) -> list[str]:
     return [f"{names[0]} ({FIRST})" if reference == FIRST else names[0], *names[1:]]
 
 
-def _reference(pulses: Sequence[Pulse], looks: Sequence[_Look], name: str) -> str:
+def _reference(pulses: Sequence[Pulse], looks: Sequence[Look], name: str) -> str:
     """Name of the curve from which differences are, or a short one instead of a long name."""
-    if _share_colours(looks):
+    if share_colours(looks):
         first: dict[int, str] = {}
         for pulse, look in zip(pulses, looks, strict=True):
             first.setdefault(look.colour, pulse.method)

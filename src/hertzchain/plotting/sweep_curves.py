@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from ..sweeps.methods import SIMULATIONS
 from .colours import curve_colour, grey
 from .free_ends import label_free_end
-from .pulses import LINES
+from .looks import LINES
 from .style import MARKERS, broken_label, label_log_axis
 from .sweep_axes import free_end, places_of, set_axis
 from .sweep_labels import coordinate_text, quantity_label

@@ -267,7 +267,7 @@ class Pulse(Columns):
         Returns
         -------
         xarray.Dataset
-            One variable per quantity, with its unit ("1" if scaled), description and symbol.
+            One variable per quantity, with its unit (if not scaled), description and symbol.
 
         Examples
         --------
@@ -316,7 +316,7 @@ class Pulse(Columns):
         }
         table = pd.DataFrame(columns, index=pd.Index(self.bead, name="bead"))
         table.attrs["units"] = {
-            name: QUANTITIES[name].attributes(self.chain.units)["units"] for name in columns
+            name: QUANTITIES[name].unit_in(self.chain.units) for name in columns
         }
         return table
 

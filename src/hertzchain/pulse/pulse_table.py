@@ -228,7 +228,7 @@ class PulseTable(Columns):
         Returns
         -------
         xarray.Dataset
-            One variable per quantity, with unit ("1": scaled), description and symbol;
+            One variable per quantity, with its unit (if not scaled), description and symbol;
             ``beads`` and ``status`` by chain.
 
         Examples

@@ -155,7 +155,7 @@ class Quantity:
         Returns
         -------
         dict of str
-            ``units``, ``long_name`` and, if there is one, ``symbol``.
+            ``long_name`` and, if there are any, ``units`` and ``symbol``.
 
         Examples
         --------
@@ -164,8 +164,9 @@ class Quantity:
         >>> QUANTITIES["arrival"].attributes("SI")["units"]
         's'
         """
-        found = {"units": self.unit_in(units), "long_name": self.description}
-        return found | ({"symbol": self.symbol} if self.symbol else {})
+        # As in the CF conventions, values without units are dimensionless.
+        known = {"units": self.unit_in(units), "long_name": self.description, "symbol": self.symbol}
+        return {name: each for name, each in known.items() if each not in ("", "1")}
 
 
 def _by_name(rows: Iterable[Quantity]) -> Mapping[str, Quantity]:

@@ -26,8 +26,8 @@ def force_dataframe(times: Array, force: Array, units: str) -> pd.DataFrame:
 
     table = pd.DataFrame({"force": force}, index=pd.Index(times, name="time"))
     table.attrs["units"] = {
-        "time": TIME.attributes(units)["units"],
-        "force": RUN_QUANTITIES["force"].attributes(units)["units"],
+        "time": TIME.unit_in(units),
+        "force": RUN_QUANTITIES["force"].unit_in(units),
     }
     return table
 

@@ -208,8 +208,8 @@ class RunTable(Frozen):
         Returns
         -------
         xarray.Dataset
-            One variable per kept quantity, with unit ("1": scaled) and description; ``status``,
-            ``complete``, ``sensitive``, ``outside_range`` and ``beads`` by chain.
+            One variable per kept quantity, with its unit (if not scaled) and description;
+            ``status``, ``complete``, ``sensitive``, ``outside_range`` and ``beads`` by chain.
 
         Examples
         --------

@@ -358,7 +358,7 @@ class Trajectory(ShortDir):
         -------
         xarray.Dataset
             ``position`` and ``velocity``, both (time, bead), ``force`` (time, contact),
-            ``radius`` and ``mass``, with their units ("1": scaled).  The attribute ``rate`` is
+            ``radius`` and ``mass``, with their units (if not scaled).  The attribute ``rate`` is
             that of a taper; other chains have none.
 
         Examples
@@ -427,7 +427,6 @@ class Trajectory(ShortDir):
         table = pd.DataFrame(columns, index=index)
         quantities = {"time": TIME, **RUN_QUANTITIES}
         table.attrs["units"] = {
-            name: quantities[name].attributes(self.chain.units)["units"]
-            for name in ("time", *columns)
+            name: quantities[name].unit_in(self.chain.units) for name in ("time", *columns)
         }
         return table

@@ -396,7 +396,7 @@ class Waves:
     def _heading(self) -> str:
         right, left = (sum(w.direction == sign for w in self) for sign in DIRECTIONS)
         counts = f"{counted(right, 'wave')} to the right, {left} to the left"
-        return f"{self.chain.description}: {counts}"
+        return f"{self.chain.description}; {counts}"
 
     def __repr__(self) -> str:
         if not len(self):

@@ -207,10 +207,10 @@ class StoredRun:
         for part in load_manifest(self.folder).present(self.folder):
             try:
                 content = part.content(self.folder)
-                unit = _dataset(self.folder / part.file, content).time.attrs["units"]
+                unit = _dataset(self.folder / part.file, content).time.attrs.get("units")
             except DamagedFileError:
                 continue
-            return SCALED if unit == "1" else str(unit)
+            return SCALED if unit is None else str(unit)
         return "s"  # without any part that can be read, which is the error to report
 
     def _read(self, start: float, stop: float, skip_damaged: bool) -> Iterator[xr.Dataset]:

@@ -88,7 +88,7 @@ def batch_variables(plan: Plan) -> dict[str, Variable]:
     label = {"long_name": "why the method failed, or why values are missing; otherwise empty"}
     found["reason"] = _by_method(plan, "str", label)
     if plan.ragged:
-        count = {"long_name": "number of beads", "units": "1"}
+        count = {"long_name": "number of beads"}
         found["beads"] = Variable(plan.dimensions, plan.shape, plan.block, "i8", count)
     # The status is written last wherever variables are written in order.
     found[STATUS] = _by_method(plan, "i1", {
@@ -155,12 +155,12 @@ def _kept(plan: Plan, name: str) -> Variable:
     if name.startswith("worst_error_of_"):
         what = name.removeprefix("worst_error_of_")
         label = f"largest error of {what} relative to {spec.reference}, k >= 2"
-        return _by_method(plan, "f8", {"long_name": label, "units": "1"})
+        return _by_method(plan, "f8", {"long_name": label})
     quantity = PER_PLACE[name.removeprefix("relative_error_of_")]
     attributes = quantity.attributes(plan.units)
     if name not in PER_PLACE:
         label = f"error of {quantity.name} relative to {spec.reference}"
-        attributes = {"long_name": label, "units": "1"}
+        attributes = {"long_name": label}
     one = _by_method(plan, "f8", attributes)
     if spec.at == "last":
         return one
@@ -197,7 +197,8 @@ def _axis_labels(axis: Axis, plan: Plan) -> dict[str, str]:
     labels = {"long_name": axis.long_name}
     if axis.coordinate().dtype.kind in "if":
         known = axis.si_unit if plan.units == "SI" else None
-        labels["units"] = axis.unit or known or "1"
+        if unit := axis.unit or known:
+            labels["units"] = unit
     return labels
 
 

@@ -100,7 +100,7 @@ def test_modes_of_two_chains_in_the_same_axes_name_what_differs():
     [
         ([], "at least one number"),
         ([42], "a mode must be a whole number from 1 to 41, got 42"),
-        ([0], "from 1 to 41; localised has indices from 0, .*got 0"),
+        ([0], "from 1 to 41, got 0"),
         (["first"], "whole number from 1 to 41, got 'first'"),
         ("1", "list of numbers of modes, got '1'"),
     ],
@@ -108,6 +108,11 @@ def test_modes_of_two_chains_in_the_same_axes_name_what_differs():
 def test_modes_that_do_not_exist_are_reported(modes, message):
     with pytest.raises(hc.InputError, match=message):
         hc.spectrum(ODD).plot_modes(modes)
+
+
+def test_localised_modes_are_numbers_that_plots_accept():
+    found = hc.spectrum(ODD)
+    assert list(shapes_of(found.plot_modes(found.localised))) == list(shapes_of(found.plot_modes()))
 
 
 def test_representations_name_the_figure_of_localised_modes():

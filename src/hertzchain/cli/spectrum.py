@@ -163,14 +163,15 @@ def _localised_lines(found: Spectrum, factor: float, unit: str, *, hint: bool) -
     """Localised modes with the bead that has most of their energy, and the option for a figure."""
     chosen = found.localised
     lines = [
-        f"  localised    {factor * found.frequencies[j]:.5g}{unit}, mode {j + 1}, around bead "
-        f"{int(found._energies[:, j].argmax()) + 1}, participation {found.participation[j]:.3g}"
+        f"  localised    {factor * found.frequencies[j - 1]:.5g}{unit}, mode {j}, around bead "
+        f"{int(found._energies[:, j - 1].argmax()) + 1}, participation "
+        f"{found.participation[j - 1]:.3g}"
         for j in chosen[:MAX_LISTED]
     ]
     if (more := len(chosen) - len(lines)) > 0:
         lines.append(f"  localised    {more} more modes")
     if hint and lines:
-        numbers = ",".join(str(j + 1) for j in chosen[:MAX_LISTED])
+        numbers = ",".join(str(j) for j in chosen[:MAX_LISTED])
         lines.append(f"  shapes       --modes {numbers} --plot FILE")
     return lines
 
@@ -188,8 +189,8 @@ def _document(found: Spectrum) -> dict[str, Any]:
         "sound_speed": speed,
         "host_bands": _host(found),
         "localised_modes": [
-            {"mode": int(j) + 1, "frequency": float(found.frequencies[j]),
-             "participation": float(found.participation[j])}
+            {"mode": int(j), "frequency": float(found.frequencies[j - 1]),
+             "participation": float(found.participation[j - 1])}
             for j in found.localised
         ],
     })  # fmt: skip

@@ -56,14 +56,12 @@ def _chosen(spectrum: Spectrum, modes: int | Sequence[int] | None) -> list[int]:
     """Indices of the modes with these numbers, by default of localised ones or the first."""
     count = len(spectrum.frequencies)
     if modes is None:
-        local = spectrum.localised[:MOST].tolist()
+        local = (spectrum.localised[:MOST] - 1).tolist()
         return local or list(range(min(USUAL, count)))
     given = [modes] if isinstance(modes, int) else check_list("modes", modes, "numbers of modes")
     if not given:
         raise InputError("modes must contain at least one number, such as [1, 2]")
-    meaning = "; localised has indices from 0, so that these modes are localised + 1"
-    numbers = [whole_number("a mode", each, least=1, most=count, meaning=meaning if each == 0
-                            else "") for each in given]  # fmt: skip
+    numbers = [whole_number("a mode", each, least=1, most=count) for each in given]
     return [number - 1 for number in dict.fromkeys(numbers)]
 
 
@@ -76,7 +74,7 @@ def _shape(spectrum: Spectrum, mode: int) -> Array:
 def _name(spectrum: Spectrum, mode: int) -> str:
     """Such as ``localised mode 41, 15.09 kHz``."""
     frequency = spectrum.frequencies[mode]
-    words = f"{'localised ' if mode in spectrum.localised else ''}mode {mode + 1}"
+    words = f"{'localised ' if mode + 1 in spectrum.localised else ''}mode {mode + 1}"
     if frequency == 0.0 and spectrum.decay_rates[mode] > 0.0:
         return f"{words}, overdamped"
     if spectrum.chain.units == "SI":

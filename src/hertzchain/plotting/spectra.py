@@ -73,7 +73,7 @@ def plot_spectrum(
             axes.xaxis.set_major_locator(BeadLocator())
             top = spectrum.frequencies.max()
             if (local := spectrum.localised).size:
-                axes.plot(number[local], factor * spectrum.frequencies[local], "o", markersize=5.0,
+                axes.plot(local, factor * spectrum.frequencies[local - 1], "o", markersize=5.0,
                           color=COLOURS[2], clip_on=False, label="localised mode")  # fmt: skip
         axes.set_ylim(0.0, factor * ROOM * top)
         gaps = _host_gaps(spectrum) if edges is None else spectrum.gaps(cell=cell)

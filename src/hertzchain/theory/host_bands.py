@@ -105,10 +105,11 @@ class HostBands(BandStructure):
 
     @property
     def localised(self) -> NDArray[np.intp]:
-        """Indices of the modes whose frequencies are outside all bands of the host.
+        """Numbers, from 1, of the modes whose frequencies are outside all bands of the host.
 
-        The amplitude of such a mode decays exponentially with the distance from an odd bead or an
-        end.  Empty if the chain has no host (`host_edges`).
+        Mode j has the frequency ``frequencies[j - 1]`` and the shape ``modes[:, j - 1]``.  The
+        amplitude of a localised mode decays exponentially with the distance from an odd bead or
+        an end.  Empty if the chain has no host (`host_edges`).
 
         Examples
         --------
@@ -117,15 +118,15 @@ class HostBands(BandStructure):
         >>> import hertzchain as hc
         >>> held = hc.Chain.uniform(40).replace(precompression=1.0, held_by="force")
         >>> found = hc.spectrum(held.with_defects({20: 0.5}))
-        >>> found.localised, found.participation[found.localised].round(2)
-        (array([39]), array([1.15]))
+        >>> found.localised, found.participation[found.localised - 1].round(2)
+        (array([40]), array([1.15]))
         """
         try:
             low, high = self.host_edges.T
         except InputError:
             return np.zeros(0, dtype=np.intp)
         room, f = OUTSIDE * high[-1], self.frequencies[:, np.newaxis]
-        return np.flatnonzero(~((f >= low - room) & (f <= high + room)).any(axis=1))
+        return np.flatnonzero(~((f >= low - room) & (f <= high + room)).any(axis=1)) + 1
 
 
 def _host(contacts: LinearContacts, description: str) -> tuple[LinearContacts, int]:

@@ -48,7 +48,7 @@ class Spectrum(HostBands):
     r"""Small oscillations of a chain, as returned by `spectrum`.
 
     Frequencies are in cycles per unit time, like those of drives (Hz for a chain in SI units).
-    There is one mode per bead.  Indices of the modes of odd beads or ends, outside the bands, are
+    There is one mode per bead.  Numbers of the modes of odd beads or ends, outside the bands, are
     `localised`; `participation` is the number of beads in each mode.  If a mode is overdamped,
     there are two instead, with frequency 0 and different decay rates.
 
@@ -280,9 +280,9 @@ class Spectrum(HostBands):
         Parameters
         ----------
         modes : int or sequence of int, optional
-            Numbers of modes from 1, as in `plot`; mode j belongs to ``modes[:, j - 1]`` and
-            ``frequencies[j - 1]``, so that localised ones are ``localised + 1``.  The default is
-            the first five localised modes, or the first three modes if none is localised.
+            Numbers of modes from 1, as in `plot` and `localised`; mode j belongs to
+            ``modes[:, j - 1]`` and ``frequencies[j - 1]``.  The default is the first five
+            localised modes, or the first three modes if none is localised.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; by default those of a new figure.
 
@@ -366,7 +366,7 @@ class Spectrum(HostBands):
             gaps = [f"{low:g} .. {high:g}" for low, high in self.gaps()[:-1]]
             about += f", gap{'s' * (len(gaps) > 1)} {' and '.join(gaps)}{unit}" if gaps else ""
         if len(local := self.localised):
-            modes = " and ".join(f"{self.frequencies[j]:g}" for j in local[:3])
+            modes = " and ".join(f"{self.frequencies[j - 1]:g}" for j in local[:3])
             about += f", localised at {modes}{unit}" if len(local) <= 3 else (
                 f", {len(local)} localised modes")  # fmt: skip
             about += " (plot_modes)"

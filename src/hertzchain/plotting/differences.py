@@ -18,7 +18,7 @@ from ..chain.laws.given_numbers import given_numbers
 from ..chain.walls import Wall
 from ..representation import MAX_DIGITS, measure
 from .style import with_micro
-from .titles import cap_in_title, chain_words, loss_in_title, short_material, wall_in_words
+from .titles import cap_in_title, loss_in_title, short_material, title_parts, wall_in_words
 
 # Digits of values; the second number is for values that the first one does not distinguish.
 DIGITS: Final = (4, MAX_DIGITS)
@@ -68,7 +68,7 @@ def words_of_chains(chains: Sequence[Chain]) -> list[list[str]]:
 
 def _title_parts(chain: Chain, *, strikers: bool, walls: bool) -> list[str]:
     """The parts of a title; with ``walls``, also those of the material of the beads."""
-    parts = chain_words(chain, strikers=strikers).split(", ")
+    parts = title_parts(chain, strikers=strikers)
     if not walls:
         return parts
     for side, wall, end in (("left", chain.left_wall, 0), ("right", chain.right_wall, -1)):

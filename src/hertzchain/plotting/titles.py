@@ -30,20 +30,25 @@ def chain_words(chain: Chain, *, strikers: bool = True) -> str:
 
     ``strikers`` is whether those of a chain in SI units are named.
     """
+    return ", ".join(title_parts(chain, strikers=strikers))
+
+
+def title_parts(chain: Chain, *, strikers: bool = True) -> list[str]:
+    """The parts of these words, which may have commas; the beads of a scaled chain are one part."""
     if chain.units == "SI":
         odd = _odd_bead(chain, "ball")
         materials = list(_materials(_of_balls(chain)).values()) or ["SI"]
         if odd is not None:
             materials = [odd.usual_material or "SI"]
         balls = beads_of(len(chain.radii[chain._balls]), "balls", materials)
-        title = f"{balls}{_strikers(chain, odd, named=strikers)}"
+        beads = _with_strikers(balls, chain, odd, named=strikers)
     else:
-        title = _scaled_beads(chain)
+        beads = [_scaled_beads(chain)]
     law = law_in_words(chain.exponents)
     gravity = "under gravity" if chain.gravity else ""
     wall = wall_in_words(chain, chain.right_wall)
-    parts = title, law, gravity, cap_in_title(chain), wall, loss_in_title(chain)
-    return ", ".join(filter(None, parts))
+    parts = *beads, law, gravity, cap_in_title(chain), wall, loss_in_title(chain)
+    return [part for part in parts if part]
 
 
 def chain_title(chain: Chain) -> str:
@@ -82,21 +87,22 @@ def _scaled_beads(chain: Chain) -> str:
     return f"{beads} and {strikers_in_words(first, radii, masses, chain.units)}"
 
 
-def _strikers(chain: Chain, odd: OddBead | None, *, named: bool) -> str:
-    """Sizes of the balls, and strikers with their size if it is another one."""
+def _with_strikers(beads: str, chain: Chain, odd: OddBead | None, *, named: bool) -> list[str]:
+    """The beads, their sizes, and strikers with their size if it is another one."""
     first, radii = chain.strikers, (chain.scatter or chain).radii
-    balls = sizes_in_words(radii[chain._balls])
+    balls = [sizes_in_words(radii[chain._balls])]
     if odd is not None:
-        balls = f"{length_in_words(2.0 * odd.usual_radius)}, {odd.words}"
+        balls = [length_in_words(2.0 * odd.usual_radius), odd.words]
     scatter = chain.scatter.words(chain.radii, chain._balls) if chain.scatter else ""
-    added = filter(None, (shape_in_words(radii[chain._balls]), scatter))
-    balls = ", ".join((balls, *added))
+    balls += filter(None, (shape_in_words(radii[chain._balls]), scatter))
     if not (first and named):
-        return f", {balls}"
+        return [beads, *balls]
     strikers = "a striker" if first == 1 else f"{first} strikers"
     # The radius of a striker of a given mass need not be its size.
-    own = sizes_in_words(radii[:first]) if chain.strikers_are_spheres else balls
-    return f" and {strikers}, {balls}" if own == balls else f", {balls}, and {strikers}, {own}"
+    own = [sizes_in_words(radii[:first])] if chain.strikers_are_spheres else balls
+    if own == balls:
+        return [f"{beads} and {strikers}", *balls]
+    return [beads, *balls, f"and {strikers}", *own]
 
 
 def _of_balls(chain: Chain) -> tuple[Material, ...]:

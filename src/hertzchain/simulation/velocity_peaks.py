@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 # Peaks lower than this fraction of the highest one are ignored.
 RIPPLE: Final = 0.01
+# Absolute tolerance of the times at half height, which have a relative one.
+TINY: Final = 1e-300
 
 
 @checked_methods
@@ -159,15 +162,31 @@ def find_peaks(
     curve = CubicHermiteSpline(times, velocity, acceleration)
     turning = curve.derivative().roots(extrapolate=False)
     turning = turning[np.isfinite(turning)]
+    # Between these times, the velocity rises or falls throughout.
+    edges = np.union1d(times, turning)
     # A forward maximum is positive and concave, a backward minimum negative and convex.
     turning = turning[curve(turning, 2) * curve(turning) < 0.0]
     heights = np.abs(curve(turning))
     crests = turning[heights > RIPPLE * np.max(heights, initial=0.0)]
-    peaks = curve(crests)
-    widths = np.full(len(crests), np.nan)
-    for i, (crest, peak) in enumerate(zip(crests, peaks, strict=True)):
-        halves = curve.solve(0.5 * peak, extrapolate=False)
-        before, after = halves[halves < crest], halves[halves > crest]
-        if len(before) and len(after):
-            widths[i] = after[0] - before[-1]
-    return VelocityPeaks(bead, crests, peaks, widths, units)
+    at_edges = curve(edges)
+    widths = np.array([
+        _width_at_half(curve, edges, at_edges, int(np.searchsorted(edges, crest)))
+        for crest in crests
+    ])  # fmt: skip
+    return VelocityPeaks(bead, crests, curve(crests), widths, units)
+
+
+def _width_at_half(curve: Any, edges: Array, velocities: Array, crest: int) -> float:
+    """Full width at half height of the peak at edge ``crest``; NaN if one side stays above it."""
+    from scipy.optimize import brentq
+
+    peak = velocities[crest]
+    below = velocities / peak <= 0.5
+    before, after = np.flatnonzero(below[:crest]), np.flatnonzero(below[crest:])
+    if not (len(before) and len(after)):
+        return math.nan
+    start, end = (
+        brentq(lambda t: float(curve(t) / peak - 0.5), edges[i], edges[i + 1], xtol=TINY)
+        for i in (int(before[-1]), crest + int(after[0]) - 1)
+    )
+    return float(end - start)

@@ -86,3 +86,48 @@ def test_the_static_force_of_a_sensor_is_stated(run, tmp_path):
     (tmp_path / "column.toml").write_text(hc.chain_as_toml(column))
     _, out, _ = run("simulate", tmp_path / "column.toml", "--sensor", "ball 10")
     assert f", with the static force of {static:.4g} N" in out
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
+@pytest.mark.parametrize("law", [hc.Dashpot(1.0), hc.VelocityPower(1.0, 1.5)])
+def test_the_force_with_which_a_dashpot_begins_is_exact(law):
+    # Both beads meet at speed 1, and the force falls from gamma on.
+    pair = hc.Chain.uniform(2).replace(loss=law, gaps=[0.1])
+    table = hc.simulate_many([pair], keep=["body_force.peak"], until=5.0)
+    assert table["body_force.peak"][0] == pytest.approx(1.0, rel=1e-5)
+    sensor = hc.simulate(pair, until=5.0).sensor_force(2)
+    assert abs(sensor.largest_so_far - 0.5) < sensor.error < 0.05
+
+
+def test_bounds_of_a_run_without_until_include_overlaps_between_saved_times():
+    balls = hc.Chain.uniform(6).with_cap(6.0).struck_by(radius=1.5, count=2)
+    chain = balls.replace(left_wall=hc.Wall(), loss=hc.Viscoelastic(0.05))
+    coarse = hc.simulate(chain, times=400)
+    assert coarse.times[-1] < coarse.end_time
+    exact = hc.simulate(chain, until=20.0, times=4000).sensor_force(2).largest_so_far
+    with pytest.warns(hc.IncompleteWarning, match="save more times"):
+        found = coarse.sensor_force(2)
+    assert found.largest_so_far < 0.95 * exact
+    assert found.largest_so_far + found.error >= exact
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
+def test_a_force_that_rises_at_the_last_saved_time_has_an_error():
+    # The run ends between the last saved time and the next one.
+    chain = hc.Chain.from_radii([1.0, 0.8, 1.3]).replace(gaps=[0.0, 0.5])
+    short = hc.simulate(chain, until=1.0).end_time
+    run = hc.simulate(chain, times=np.linspace(0.0, 0.97, 98), until=short)
+    exact = 0.5 * float(hc.simulate(chain, until=short, times=[0.0, short]).force(1)[-1])
+    found = run.sensor_force(1)
+    assert found.largest_so_far < 0.995 * exact < exact < found.largest_so_far + found.error
+
+
+def test_the_bound_includes_the_jump_of_a_contact_that_closes_near_the_maximum():
+    # Bead 3 begins to push back on bead 2 shortly before the force in bead 2 is largest.
+    chain = hc.Chain.uniform(3).replace(loss=hc.Dashpot(0.08), gaps=[0.0, 0.2])
+    exact = hc.simulate(chain, until=4.0, times=100_001).sensor(2).max()
+    for times in range(30, 400, 30):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", hc.IncompleteWarning)
+            found = hc.simulate(chain, until=4.0, times=times).sensor_force(2)
+        assert abs(found.largest_so_far - exact) <= found.error

@@ -24,6 +24,8 @@ MIN_TIMES: Final = 400
 # Parts into which an interval is divided by the next repetition, and their largest number.
 PARTS: Final = 40
 REPETITIONS: Final = 4
+# Repetitions with more times around the largest force, in chains with losses.
+AROUND: Final = 2
 # Difference of the velocities at the ends of the same motion, over the largest.
 SAME: Final = 1e-6
 
@@ -40,8 +42,12 @@ def resolved(run: Run) -> Run:
         if times is None:
             break
         fine = _again(run, times)
-    # The force of a contact that yields is largest at a corner.
-    return fine if run.chain.lossless else _again(run, _around_largest(fine))
+    if run.chain.lossless:
+        return fine
+    # The force of a contact that yields is largest at a corner, and that of a dashpot at a jump.
+    for _ in range(AROUND):
+        fine = _again(run, _around_largest(fine))
+    return fine
 
 
 def _more_times(fine: Run, run: Run) -> Array | None:

@@ -28,6 +28,9 @@ BETWEEN: Final = 8
 # error is at least the second number of times smaller (64 times for short intervals).
 RESOLVED: Final = 0.1
 SMALLER: Final = 16.0
+# Changes of a force next to a jump, over the jump: before it, and of the slope after it.
+JUMP: Final = 0.5
+STRAIGHT: Final = 0.05
 # Largest overlaps are seen if the saved times show at least this fraction of them.
 SEEN: Final = 0.98
 
@@ -42,12 +45,49 @@ def maximum_near(run: Trajectory, bead: int, force: Array, i: int) -> tuple[floa
     spline overshoots; the bound is then at least the height of the spline above the saved force.
     """
     if not 0 < i < len(force) - 1:
-        return float(force[i]), float(run.times[i]), 0.0
+        return float(force[i]), float(run.times[i]), _rise_to_the_end(run, force) if i else 0.0
     around = np.arange(max(i - NEIGHBOURS, 0), min(i + NEIGHBOURS + 1, len(force)))
     height, time, elastic = _top(run, bead, force, around, i)
+    if not elastic and (bound := _bound_at_jump(run.times, force, i)) is not None:
+        return float(force[i]), float(run.times[i]), bound
     coarse, *_ = _top(run, bead, force, around[(around - i) % 2 == 1], i)
-    corner = 0.0 if elastic else abs(height - float(force[i]))
+    corner = 0.0 if elastic else max(abs(height - float(force[i])), _beginning(run, bead, force, i))
     return height, time, max(2.0 * abs(height - coarse), corner)
+
+
+def _beginning(run: Trajectory, bead: int, force: Array, i: int) -> float:
+    """Largest change of the force next to saved time i if a contact begins or ends near it."""
+    used = slice(max(i - NEIGHBOURS, 0), i + NEIGHBOURS + 1)
+    acts = run.forces[used, bead - 1 : bead + 1] != 0.0
+    if not (acts.any(axis=0) & ~acts.all(axis=0)).any():
+        return 0.0
+    return float(np.abs(np.diff(force[max(i - 2, 0) : i + 3])).max())
+
+
+def _rise_to_the_end(run: Trajectory, force: Array) -> float:
+    """Bound of the rise of the force from the last saved time to the end of the run."""
+    steps = run.end_time - run.times[-1], run.times[-1] - run.times[-2]
+    return 2.0 * abs(float(force[-1] - force[-2])) * float(max(steps[0], 0.0) / steps[1])
+
+
+def _bound_at_jump(times: Array, force: Array, i: int) -> float | None:
+    """Bound of the error of the force at a jump next to saved time i; `None` without a jump.
+
+    A contact with a `Dashpot` begins with a force that is often the largest.  A spline would
+    overshoot there, by a tenth of the jump at any spacing of the times.  The force jumps if it
+    changes much less in both intervals on the other side, and in the one before the jump.
+    """
+    bounds = []
+    for step in (1, -1):
+        # The jump is between i - step and i.
+        places = i + step * np.arange(-2, 3)
+        if places.min() < 0 or places.max() >= len(force):
+            continue
+        (before, jump, first, second), steps = np.diff(force[places]), np.diff(times[places])
+        bend = abs(second / steps[3] - first / steps[2]) * abs(steps[2])
+        if jump > 0.0 and before < JUMP * jump and bend < STRAIGHT * jump:
+            bounds.append(2.0 * (abs(first) + bend) * float(steps[1] / steps[2]))
+    return min(bounds, default=None)
 
 
 def crossings_around(
@@ -103,14 +143,21 @@ def _limit(run: Trajectory, bead: int) -> tuple[float, bool]:
     largest = run.largest_overlaps
     overlaps = overlaps_of(chain, run.times, run.positions)
     seen = largest_between(run.times, overlaps, run.velocities)
-    whole = run.times[0] == 0.0 and run.times[-1] == run.end_time
-    unseen = whole and bool(np.any(seen[sides] < SEEN * largest[sides]))
+    unseen = _saved_throughout(run) and bool(np.any(seen[sides] < SEEN * largest[sides]))
     outside = sum(
         float(force_on_end(chain, contact, run.times).max()) for contact in (bead - 1, bead)
     )
     outside += static_forces_around(chain, bead)
     inside = float(loading_forces(chain.contact_groups, largest)[sides].sum())
     return 0.5 * (inside + outside), unseen
+
+
+def _saved_throughout(run: Trajectory) -> bool:
+    """Whether times were saved from the start to the end; without ``until`` that is between two."""
+    times = run.times
+    if len(times) < 2:
+        return False
+    return bool(times[0] == 0.0 and run.end_time - times[-1] <= times[-1] - times[-2])
 
 
 def _errors_between_neighbours(run: Trajectory, bead: int, force: Array) -> Array:

@@ -374,7 +374,7 @@ def test_calibrate_writes_what_make_calibrate_keeps(run, tmp_path):
 def test_warm_up_as_json_has_the_version_of_all_documents(run, monkeypatch):
     monkeypatch.setattr(hertzchain, "warm_up", lambda **_: 1.5)
     code, out, _ = run("warm-up", "--json")
-    assert (code, json.loads(out)) == (0, {"schema_version": 1, "seconds": 1.5})
+    assert (code, json.loads(out)) == (0, {"schema_version": 1, "seconds": 1.5, "warnings": []})
 
 
 def test_scoreboard(run, tmp_path):

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Callable
 from typing import Final
 
 import click
@@ -36,6 +35,7 @@ from . import (
 )  # fmt: skip
 from .environment import prepare_environment
 from .exit_codes import BAD_INPUT, DONE, FAILED, INTERRUPTED
+from .shown_warnings import forget_warnings, show_warning
 from .wording import on_command_line
 
 GROUPS: Final = {
@@ -111,7 +111,8 @@ def main() -> None:
         sys.exit(FAILED)
     try:
         with warnings.catch_warnings():
-            warnings.showwarning = _show_once()
+            forget_warnings()
+            warnings.showwarning = show_warning
             prepare_environment()
             code = cli.main(standalone_mode=False)
     except click.ClickException as error:
@@ -133,16 +134,3 @@ def main() -> None:
         sys.stdout = None
         code = FAILED
     sys.exit(code or DONE)
-
-
-def _show_once() -> Callable[..., None]:
-    """Show warnings on stderr, each text once: a command may create a chain again."""
-    shown = set[str]()
-
-    def show(message: Warning | str, *_: object, **__: object) -> None:
-        text = on_command_line(str(message))
-        if text not in shown:
-            click.echo(f"Warning: {text}", err=True)
-        shown.add(text)
-
-    return show

@@ -16,22 +16,27 @@ def show_table(table: Table) -> None:
     from rich.console import Console
     from rich.text import Text
 
+    # Numbers and the title must not be shortened; a narrow terminal wraps the lines.
+    needed = Console(width=1000).measure(table).maximum
     if isinstance(table.title, str):
         # One line, also above a narrow table.
         table.title = Text(table.title, no_wrap=True, overflow="ignore")
-    # Numbers must not be shortened; a narrow terminal wraps the lines.
-    needed = Console(width=1000).measure(table).maximum
+        needed = max(needed, table.title.cell_len)
     Console(width=max(needed, Console().width)).print(table)
 
 
 def show_json(document: dict[str, Any]) -> None:
-    """Print a document with the version of its schema; numbers that are not finite become null."""
+    """Print a document with the version of its schema, and the warnings of the command.
+
+    Numbers that are not finite become null.
+    """
     import json
 
     from ..store.results import SCHEMA_VERSION
     from ..validation.json_types import finite
+    from .shown_warnings import with_warnings
 
-    versioned = finite({"schema_version": SCHEMA_VERSION} | document)
+    versioned = finite({"schema_version": SCHEMA_VERSION} | with_warnings(document))
     click.echo(json.dumps(versioned, indent=2, allow_nan=False))
 
 

@@ -10,7 +10,7 @@ import click
 from ..pulse.quantities import COLUMN_QUANTITIES, ON_REQUEST
 from .chain_options import ChainOptions, chain_options, chains_from
 from .options import Fraction, LateHelp, StrictCommand, figure_option, fraction_from, json_option
-from .output import save_figure, show_table
+from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 from .pulse_tables import pulse_table, side_by_side
 
@@ -151,7 +151,9 @@ def pulse(
         save_figure(axes, plot)
     more = [quantity] if quantity in ON_REQUEST else []
     if as_json:
-        click.echo(results.pulses_as_json(pulses, more))
+        import json
+
+        show_json(json.loads(results.pulses_as_json(pulses, more)))
     elif as_csv:
         click.echo(results.pulses_as_csv(pulses, more), nl=False)
     else:

@@ -151,14 +151,13 @@ def _document(found: Distribution) -> dict[str, Any]:
         "reason": found.reason,
         "outside_range": found.outside_range,
         "values": found.values.tolist(),
+        "notes": _notes(found),
     }
 
 
 def _table(found: Distribution) -> str:
     """Lines with values, each also relative to the nominal chain."""
-    from ..chain.yield_pressure import assumed_for_all
-    from ..designs.measures import measure_of, note_on_free_faces
-    from ..representation import counted, usual_unit, with_decimals
+    from ..representation import usual_unit, with_decimals
 
     rows = {"nominal": found.nominal, "mean": found.mean,
             "standard deviation": found.standard_deviation}  # fmt: skip
@@ -179,15 +178,21 @@ def _table(found: Distribution) -> str:
     wide, long = (max(map(len, column)) for column in (shown, parts))
     for name, value, part in zip(rows, shown, parts, strict=True):
         lines.append(f"  {name:18}  {value:>{wide}}  {part:>{long}}".rstrip())
+    return "\n".join([*lines, *(f"note: {note}" for note in _notes(found))])
+
+
+def _notes(found: Distribution) -> list[str]:
+    """Remarks on the values, for the table and for JSON."""
+    from ..chain.yield_pressure import assumed_for_all
+    from ..designs.measures import measure_of, notes_on
+    from ..representation import counted
+
+    notes = []
     if found.failed:
         count = counted(found.failed, "chain")
-        lines.append(f"note: {count} without a value, the first because {found.reason}")
+        notes.append(f"{count} without a value, the first because {found.reason}")
     if few := found._few_values_note(PERCENTILES):
-        lines.append(f"note: {few} (--chains)")
-    if half := note_on_free_faces(found.chain, [measure_of(found.chain, found.quantity)]):
-        lines.append(f"note: {half}")
-    if yielding := found._yielding_note:
-        lines.append(f"note: {on_command_line(yielding)}")
-    if assumed := assumed_for_all(found.chain):
-        lines.append(f"note: {on_command_line(assumed)}")
-    return "\n".join(lines)
+        notes.append(f"{few} (--chains)")
+    notes += notes_on(found.chain, [measure_of(found.chain, found.quantity)])
+    materials = found._yielding_note, assumed_for_all(found.chain)
+    return notes + [on_command_line(note) for note in materials if note]

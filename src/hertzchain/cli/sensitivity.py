@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from math import isinf, isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -37,8 +36,6 @@ BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density",
              "yield_strength", "gaps")  # fmt: skip
 OF_MATERIALS: Final = ("young", "density", "yield_strength")
 OF_CONTACTS: Final = ("stiffness", "gaps")
-# Letters of a line of a note.
-WIDTH: Final = 92
 
 
 @click.command(cls=StrictCommand)
@@ -109,14 +106,15 @@ def sensitivity(
 
         save_figure(plot_gradient(found, by, changes=changes), plot)
     if as_json:
-        show_json(_document(found, yielding, by, changes))
+        show_json(_document(found, measure, yielding, by, changes))
     else:
         click.echo("\n".join(_lines(found, measure, yielding, by, changes)))
         show_table(_table(chain, found, by, changes, every_bead))
 
 
 def _document(
-    found: Gradient, yielding: WithYield, by: str, changes: tuple[Array, ...] | None
+    found: Gradient, measure: Measure, yielding: WithYield, by: str,
+    changes: tuple[Array, ...] | None,
 ) -> dict[str, Any]:  # fmt: skip
     from ..validation.json_types import finite
 
@@ -138,7 +136,7 @@ def _document(
     if changes:
         for key, values in zip(("larger", "smaller"), changes, strict=False):
             document[f"change_if_{key}"] = finite(values.tolist())
-    return document
+    return document | {"notes": _notes(found, measure, by, changes)}
 
 
 def _lines(
@@ -148,10 +146,8 @@ def _lines(
     """The chain, the value, and the method of the derivatives or changes."""
     import numpy as np
 
-    from ..chain.yield_pressure import assumed_for_all
-    from ..derivatives.kinks import kink_note
-    from ..designs.measures import in_words, note_on_free_faces
-    from ..designs.sensitivity import GAP_STEP, derivatives_mislead
+    from ..designs.measures import in_words
+    from ..designs.sensitivity import GAP_STEP
     from ..designs.yielding import yielding_note
 
     chain = found._chain
@@ -161,8 +157,6 @@ def _lines(
         lines[1] += " with elastic contacts, to which all changes refer"
         note = yielding_note("it", measure, found.value, yielding)
         lines.append(f"  {note} (--loss elastic-plastic)")
-    if half := note_on_free_faces(chain, [measure]):
-        lines.append(f"note: {half}")
     if found.method == "central differences":
         first = "each change by 1% is simulated; derivatives (--json)" if changes else "derivatives"
         lines.append(
@@ -180,14 +174,28 @@ def _lines(
             if found.method == "adjoint"
             else f"{step} This loss has no derivatives by gaps."
         )
-    elif changes and derivatives_mislead(found, by, *changes):
-        note = f"{kink_note([by])}; changes of several beads do not add up: use hertzchain scatter"
-        lines += textwrap.wrap(f"note: {note}", WIDTH)
-    if assumed := assumed_for_all(chain):
-        lines.append(f"note: {on_command_line(assumed)}")
+    return lines + [f"note: {note}" for note in _notes(found, measure, by, changes)]
+
+
+def _notes(
+    found: Gradient, measure: Measure, by: str, changes: tuple[Array, ...] | None
+) -> list[str]:  # fmt: skip
+    """Remarks on the value and its changes, for the table and for JSON."""
+    from ..chain.yield_pressure import assumed_for_all
+    from ..derivatives.kinks import kink_note
+    from ..designs.measures import notes_on
+    from ..designs.sensitivity import derivatives_mislead
+
+    assert found._chain is not None
+    notes = notes_on(found._chain, [measure])
+    if by != "gaps" and changes and derivatives_mislead(found, by, *changes):
+        several = "changes of several beads do not add up: use hertzchain scatter"
+        notes.append(f"{kink_note([by])}; {several}")
+    if assumed := assumed_for_all(found._chain):
+        notes.append(on_command_line(assumed))
         if by != "yield_strength":
-            lines.append("note: --to yield_strength shows the dependence on the yield pressure")
-    return lines
+            notes.append("--to yield_strength shows the dependence on the yield pressure")
+    return notes
 
 
 def _table(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
+from ..errors import IncompleteWarning
+from ..recorded_warnings import ignore_warnings
 from ..simulation.yield_range import at_fully_plastic_pressure, depends_on_yield_pressure
 from .progress import progress_bar
 from .wording import on_command_line
@@ -26,6 +28,8 @@ class Ends(NamedTuple):
     other: float
     # Whether values at pressures between them can be outside the range.
     irregular: bool = False
+    # Whether later forces may exceed both values.
+    so_far: bool = False
 
 
 def second_run(run: Run, **options: Any) -> Run | None:
@@ -49,11 +53,14 @@ def ends_of_range(run: Run, other: Run | None, beads: Sequence[int]) -> list[End
         return []
     found = []
     for side in walls_of(run.chain):
-        one, two = run.wall_force(side), other.wall_force(side)
+        one = run.wall_force(side)
+        with ignore_warnings(IncompleteWarning):  # `_without_range` states it
+            two = other.wall_force(side)
         if one.complete and two.complete and one.reached:
             # One of several pulses can be the largest.
             several = max(one.touches, two.touches) > 1
-            found.append(Ends(f"{side} wall", "N", one.peak, two.peak, several))
+            proven = one.proven and two.proven
+            found.append(Ends(f"{side} wall", "N", one.peak, two.peak, several, not proven))
     for bead in beads:
         at = f"sensor in {bead_label(run.chain, bead)}"
         values = [each.sensor_force(bead).largest_so_far for each in (run, other)]
@@ -98,7 +105,28 @@ def range_lines(run: Run, other: Run | None, beads: Sequence[int]) -> list[str]:
         return []
     lines = [on_command_line(f"{ASSUMED_PRESSURE} ({OTHER_PRESSURE.removeprefix('use ')}); {PAGE}")]
     found = ends_of_range(run, other, beads)
-    return lines + [f"  {each.name}: {range_in_words(each, run.chain.units)}" for each in found]
+    for each in found:
+        so_far = "peak so far " if each.so_far else ""
+        lines.append(f"  {each.name}: {so_far}{range_in_words(each, run.chain.units)}")
+    return lines + [f"  {each}" for each in _without_range(run, other)]
+
+
+def _without_range(run: Run, other: Run | None) -> list[str]:
+    """Walls whose peak is complete at the assumed yield pressure only."""
+    from ..chain.bead_names import walls_of
+    from ..chain.materials import FULLY_PLASTIC
+
+    if other is None:
+        return []
+    with ignore_warnings(IncompleteWarning):
+        sides = [
+            side for side in walls_of(run.chain)
+            if run.wall_force(side).complete and not other.wall_force(side).complete
+        ]  # fmt: skip
+    return [
+        f"{side} wall: no range, because the peak at {FULLY_PLASTIC:g} times is not complete"
+        for side in sides
+    ]
 
 
 def range_in_words(ends: Ends, units: str) -> str:

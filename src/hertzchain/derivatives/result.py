@@ -14,6 +14,7 @@ from ..collision import Array
 from ..errors import InputError, unknown_name_error
 from ..frozen import Frozen
 from ..representation import short
+from ..simulation.wall_bound import LATER_IMPACTS, RIGHT, motion_can_escape
 from ..validation.keywords import checked_methods
 from .accuracy import Accuracy
 from .differences import Differences
@@ -160,6 +161,15 @@ class Gradient(Frozen):
 
         return plot_gradient(self, name, ax=ax)
 
+    @property
+    def _remarks(self) -> list[str]:
+        """Status, forces on the wall that a later impact may exceed, and kinks."""
+        chain = self._chain
+        on_wall = self.quantity.startswith("wall_force")
+        later = on_wall and chain is not None and not motion_can_escape(chain, RIGHT)
+        kinks = [kink_note(self.kinks)] if self.kinks else []
+        return [self.status] + [LATER_IMPACTS] * later + kinks
+
     def __repr__(self) -> str:
         units = {name: f" [{unit}]" if unit else "" for name, unit in self.units.items()}
         names = "derivatives by " + ", ".join(f"{name}{units[name]}" for name in self.gradient)
@@ -167,8 +177,7 @@ class Gradient(Frozen):
         return short(
             "Gradient", f"{self.quantity} = {value}", names,
             f"relative error about {self.error:.1g}",
-            "" if self.method == "adjoint" else f"by {self.method}", self.status,
-            kink_note(self.kinks) if self.kinks else "",
+            "" if self.method == "adjoint" else f"by {self.method}", *self._remarks,
         )  # fmt: skip
 
     def _repr_html_(self) -> str:

@@ -24,7 +24,7 @@ from .ball_space import BallSpace
 from .balls import Ball
 from .bounds import bounds_of, impossible, note_on_impact
 from .dry_run import Estimate, estimate
-from .measures import in_words
+from .measures import in_words, notes_on
 from .methods import SEEDED, Found, method_for, run_method
 from .pareto import MAX_POINTS, SEARCHES, compared_points, design_front
 from .problem import Design
@@ -257,7 +257,8 @@ def _result(
     exceeded = excess_with_scatter(problem, verified)
     notes = (
         *notes, *note_on_impact(problem), *_differs(trials, best, verified, found.method),
-        *verified.notes, *_notes_on_samples(trials, exceeded, met=best.met),
+        *notes_on(verified.chain, problem.measures), *verified.notes,
+        *_notes_on_samples(trials, exceeded, met=best.met),
         *notes_on_rejections(trials, verified),
     )  # fmt: skip
     return DesignResult(

@@ -17,7 +17,7 @@ from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, SimulationError, warn_user
 from ..frozen import Frozen
 from ..recorded_warnings import ignore_warnings
-from ..representation import listed, short
+from ..representation import counted, listed, short
 from ..representation import measure as with_unit
 from ..simulation.run_table import RunTable
 from ..simulation.yielding import WithYield
@@ -25,7 +25,7 @@ from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback
 from .measured import measured
-from .measures import Measure, label_in, measure_of
+from .measures import Measure, label_in, measure_of, notes_on
 from .scatter import Scatter, scatter_from
 from .yielding import value_if_yielding, yielding_note
 
@@ -194,12 +194,13 @@ class Distribution(Frozen):
             with_unit(value, self.unit, "scaled" if self.unit == "1" else "SI")
             for value in (self.nominal, self.mean, self.standard_deviation)
         )
+        outside = self.outside_range
         return short(
             "Distribution", f"{self.quantity} of {len(self.values)} random chains",
             f"mean {mean}", f"standard deviation {deviation}", f"nominal {nominal}",
-            f"{self.failed} chains failed" if self.failed else "",
-            f"{self.outside_range} chains outside Hertz's range" if self.outside_range else "",
-            self._yielding_note,
+            f"{counted(self.failed, 'chain')} failed" if self.failed else "",
+            f"{counted(outside, 'chain')} outside Hertz's range" if outside else "",
+            *notes_on(self.chain, [self._measure]), self._yielding_note,
         )  # fmt: skip
 
 

@@ -51,6 +51,7 @@ from ..representation import measure as shown
 from ..simulation.body_force import not_on_a_wall
 from ..simulation.run_table import RunTable
 from ..simulation.sensor_force import HALF, free_face_note
+from ..simulation.wall_bound import LATER_IMPACTS, RIGHT, motion_can_escape
 from ..validation.numbers import whole_number
 
 LARGEST_ON_WALL: Final = "wall_force.largest_so_far"
@@ -341,6 +342,21 @@ def note_on_free_faces(chain: Chain, measures: Iterable[Measure]) -> str:
     """That sensors in beads at free ends have half of the force; empty without any."""
     sensors = {str(m): m.index(chain.beads) + 1 for m in measures if m.key in SENSORS}
     return free_face_note(chain, sensors)
+
+
+def note_on_later_impacts(chain: Chain, measures: Iterable[Measure]) -> str:
+    """That forces on the wall are those so far; empty if no later force can exceed them."""
+    keys = {each.key for m in measures for each in (m, m.over) if each is not None}
+    if not keys & (WALL.keys() - {LARGEST_ON_WALL}) or motion_can_escape(chain, RIGHT):
+        return ""
+    return f"the force on the wall is that so far: {LATER_IMPACTS}"
+
+
+def notes_on(chain: Chain, measures: Iterable[Measure]) -> list[str]:
+    """Notes on measures that have less than the whole force, or may be exceeded later."""
+    listed = list(measures)
+    notes = note_on_free_faces(chain, listed), note_on_later_impacts(chain, listed)
+    return [note for note in notes if note]
 
 
 def label_in(chain: Chain, measure: Measure) -> str:

@@ -20,7 +20,7 @@ from .comparison import (
     has_yielding_value,
     references_in_words,
 )
-from .measures import Measure, in_words, note_on_free_faces, without_in_words
+from .measures import Measure, in_words, without_in_words
 from .methods import SEEDED
 from .new_samples import FRESH
 from .requirements import TOLERANCE
@@ -49,7 +49,7 @@ def summary(result: DesignResult) -> str:
     if result.method == "none":
         return f"{NOT_SEARCHED}: {result.notes[0]}"
     problem = result.problem
-    lines = [*_heading(result), *_on_free_faces(result)]
+    lines = _heading(result)
     lines += [f"  {text}" for text in _starts(result)]
     for name, found in references_in_words(result).items():
         lines.append(f"  {name}: {compared_in_words(result, found)}")
@@ -192,12 +192,6 @@ def _heading(result: DesignResult) -> list[str]:
     elif found.dents:
         lines += [f"  {found.dents}", *second_hit_in_words(found)]
     return lines
-
-
-def _on_free_faces(result: DesignResult) -> list[str]:
-    """A remark on forces in sensors in beads at free ends."""
-    note = note_on_free_faces(result.chain, result.problem.measures)
-    return [f"  {note}"] if note else []
 
 
 def _closest(result: DesignResult, value: str) -> str:

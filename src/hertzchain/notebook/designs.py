@@ -9,6 +9,7 @@ import numpy as np
 from ..designs.compared_in_words import compared_in_words
 from ..designs.comparison import references_in_words
 from ..designs.distribution import Distribution
+from ..designs.measures import notes_on
 from ..designs.report import front_in_words, search_in_words
 from ..designs.requirements import TOLERANCE
 from ..designs.result import DesignResult
@@ -69,6 +70,7 @@ def distribution_html(found: Distribution) -> str:
         words["failed"] = f"{found.failed}"
     few = found._few_values_note(PERCENTILES)
     notes = [note(f"{few}.")] if few else []
+    notes += [note(sentence(each)) for each in notes_on(found.chain, [found._measure])]
     if found.outside_range:
         exceed = "exceeds" if found.outside_range == 1 else "exceed"
         chains = counted(found.outside_range, "chain")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from ..collision import Array
-from ..derivatives.kinks import kink_note
 from ..derivatives.result import Gradient
 from ..representation import measure
 from .drawing import COLOURS, Curve, chart, legend, note, numbers, page, sentence, table
@@ -32,10 +31,7 @@ def gradient_html(found: Gradient) -> str:
     parts.append(numbers(shown))
     rows = [_row(name, values, found.units[name]) for name, values in found.gradient.items()]
     parts.append(table(("parameter", "largest derivative", "at"), rows))
-    if found.status != "complete":
-        parts.append(note(sentence(found.status)))
-    if found.kinks:
-        parts.append(note(sentence(kink_note(found.kinks))))
+    parts += [note(sentence(each)) for each in found._remarks if each != "complete"]
     return page("Gradient", found.quantity, *parts)
 
 

@@ -8,6 +8,7 @@ from ..collision import Array
 from ..pulse.free_end import split_free_ends
 from ..pulse.pulse_table import PulseTable
 from ..pulse.quantities import QUANTITIES
+from ..representation import counted
 from ..simulation.ensemble_columns import TABLE_QUANTITIES
 from ..simulation.run_table import RunTable
 from .drawing import (
@@ -61,7 +62,7 @@ def pulse_table_html(pulses: PulseTable) -> str:
             rows.append((f"{name}, last", *_summary(last, QUANTITIES[name].unit, units)))
     head = ("quantity", "smallest", "median", "largest")
     return page(
-        "PulseTable", f"{len(pulses)} chains of up to {pulses._longest}",
+        "PulseTable", f"{counted(len(pulses), 'chain')} of up to {pulses._longest}",
         legend(entries), figure, numbers(shown), table(head, rows, numeric=True),
     )  # fmt: skip
 
@@ -93,7 +94,7 @@ def run_table_html(runs: RunTable) -> str:
         parts.insert(0, chart([Curve(part, factor * values)], "share of chains below [%]", label))
     parts.append(table(("quantity", "smallest", "median", "largest"), rows, numeric=True))
     parts += [note(f"{each}.") for each in (runs._peak_note, runs._range_note) if each]
-    return page("RunTable", f"{len(runs)} chains", *parts)
+    return page("RunTable", counted(len(runs), "chain"), *parts)
 
 
 def _summary(values: Array, unit: str, units: str) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..chain.chain import Chain
 from ..collision import Array, hertz_stiffness
 from ..errors import InputError, SimulationError, short_repr
-from ..representation import size_in_words
+from ..representation import counted, size_in_words
 from ..validation.keywords import checked_methods
 from .columns import Columns, with_columns
 from .notes import bouncing_notes
@@ -309,4 +309,4 @@ class PulseTable(Columns):
     def __repr__(self) -> str:
         failed = f", {len(self.reasons)} failed" if self.reasons else ""
         units = ", SI" if self.units == "SI" else ""
-        return f"PulseTable({len(self)} chains of up to {self._longest}{units}{failed})"
+        return f"PulseTable({counted(len(self), 'chain')} of up to {self._longest}{units}{failed})"

@@ -12,7 +12,7 @@ from ..kernels import state_layout
 from ..representation import counted, measure
 from .run_end import Status
 from .time_scales import fall_time, is_static, transit_times
-from .wall_bound import LEFT, RIGHT, motion_can_escape
+from .wall_bound import LATER_IMPACTS, LEFT, RIGHT, motion_can_escape
 
 FAILURES: Final = ("step limit", "step too small", "unstable steps", "underflow")
 
@@ -90,10 +90,7 @@ def _complete(chain: Chain, at: str, *, sensitive: bool) -> str:
     if motion_can_escape(chain, RIGHT):
         motion = " in this computed motion" if sensitive else ""
         return f"ended {at}, since no larger force on the right wall can follow{motion}"
-    return (
-        f"the impact on the right wall has ended {at}; the beads can return to the wall, and a "
-        "later impact may be stronger"
-    )
+    return f"the impact on the right wall has ended {at}; {LATER_IMPACTS}"
 
 
 def wide_range(chain: Chain) -> str:

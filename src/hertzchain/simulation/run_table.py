@@ -18,7 +18,7 @@ from ..collision import Array
 from ..frozen import Frozen
 from ..pulse.quantities import WALL_QUANTITIES
 from ..pulse.quantity_names import column_name
-from ..representation import short, size_in_words
+from ..representation import counted, short, size_in_words
 from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
@@ -288,6 +288,6 @@ class RunTable(Frozen):
         failed = f", {len(self.reasons)} failed" if self.reasons else ""
         units = ", SI" if self.units == "SI" else ""
         names = ", ".join(self.columns)
-        about = f"{len(self)} chains of up to {self._longest}{units}{failed}"
+        about = f"{counted(len(self), 'chain')} of up to {self._longest}{units}{failed}"
         parts = (about, self._peak_note, self._range_note, names)
         return short("RunTable", "; ".join(filter(None, parts)))

@@ -17,6 +17,7 @@ from ..pulse.quantities import BODY_QUANTITIES, SENSOR_QUANTITIES
 from ..pulse.quantity_names import column_name
 from ..pulse.table_warnings import warn_exceeded, warn_failed
 from ..recorded_warnings import ignore_warnings
+from ..representation import counted
 from ..threads import STOP, Signal, run_in_threads
 from ..validation.keywords import checked_arguments
 from ..validation.memory import check_memory
@@ -284,7 +285,7 @@ class _Ensemble:
         needed = 8 * sum(int(np.prod(shape, dtype=float)) for shape in shapes)
         needed += 8 * self.count * (longest + 1) + SCRATCH * min(self.count, 512) * longest
         check_memory(
-            f"the quantities of {self.count} chains of up to {longest} beads", needed,
+            f"the quantities of {counted(self.count, 'chain')} of up to {longest} beads", needed,
             "keep fewer quantities, or simulate fewer chains at a time",
         )  # fmt: skip
 

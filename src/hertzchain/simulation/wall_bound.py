@@ -56,7 +56,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -81,6 +81,10 @@ class Approach:
     momentum: float
     energy: float
     bound: float
+
+
+# Of a peak on a wall to which beads can return.
+LATER_IMPACTS: Final = "the beads can return to the wall, and a later impact may be stronger"
 
 
 def motion_can_escape(chain: Chain, side: int) -> bool:

@@ -41,6 +41,7 @@ def body_peaks(run: Run, progress: Callable[..., None] | None) -> dict[str, Any]
     }
     if found is None:
         largest = float(force_on_body(run).max(initial=0.0))
+        words = f"largest force so far{above} ({MAY_FOLLOW})"
         return {**names, "shown": [[words, largest, None]], "yielding": None}
     if not found.complete and progress is not None:
         words = f"largest force so far{above} ({MAY_FOLLOW})"

@@ -18,6 +18,7 @@ from ..errors import SimulationError
 from ..notebook.drawing import engineering
 from ..recorded_warnings import record_warnings
 from ..simulation.body_force import force_on_body
+from ..simulation.end_forces import has_free_face
 from ..simulation.run import Run
 from ..simulation.sensor_force import FREE_FACE, SHOWN
 from ..simulation.simulate import simulate
@@ -205,7 +206,7 @@ def peaks_at(
             "ball": f"sensor in {f'ball {ball}' if ball > 0 else label}",
         }
         found = _sensor_peaks(forces, place, progress is None)
-        if forces.chain._free_cap and place == forces.chain.beads:
+        if has_free_face(forces.chain, place):
             found["remark"] = FREE_FACE
         return {**names, **found}
     if place > 0 and forces.chain._free_cap:
@@ -269,7 +270,7 @@ def _wall_peaks(
     above = " above the static force" if wall.static_force else ""
     impact = [
         ("impulse of the impact" + above, wall.excess_impulse, "N s"),
-        ("duration (impulse / peak)", wall.duration, "s"),
+        (f"duration (impulse / peak{', both' + above if above else ''})", wall.duration, "s"),
     ]
     # In a draft, the impact need not have ended, but the text on the page keeps its length.
     if progress is not None and not (known and wall.complete_since is not None):

@@ -83,13 +83,17 @@ def body_as_dict(run: Run) -> dict[str, object] | None:
 def body_lines(run: Run) -> list[str]:
     """Force of the last contact on the body behind it, its acceleration, and the duration."""
     from ..representation import measure
-    from ..simulation.body_force import ABOVE, MAY_FOLLOW, body_force
+    from ..simulation.body_force import ABOVE, MAY_FOLLOW, body_force, force_on_body
     from ..simulation.sensor_force import SHOWN
 
-    if (found := body_force(run)) is None:
-        return []
     units = run.chain.units
     contact = f"contact {run.chain.beads - 1}"
+    if (found := body_force(run)) is None:
+        largest = float(force_on_body(run).max(initial=0.0))
+        if not (run.chain._free_cap and largest > 0.0):
+            return []
+        return [f"  force on it, from {contact}: no maximum yet, largest so far "
+                f"{measure(largest, 'N', units, 5)}; {MAY_FOLLOW}"]  # fmt: skip
     force = f"{measure(found.force, 'N', units, 5)} at t = {measure(found.time, 's', units, 5)}"
     error = ""
     if found.error > SHOWN * found.force:

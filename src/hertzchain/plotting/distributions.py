@@ -17,9 +17,8 @@ if TYPE_CHECKING:
     from ..designs.distribution import Distribution
 
 
-# Percentiles that are marked, and digits of their values in the legend.
+# Percentiles that are marked.
 MARKED: Final = {5.0: "5%", 50.0: "median", 95.0: "95%"}
-DIGITS: Final = 4
 
 
 def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
@@ -49,13 +48,9 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
 
 
 def _in_words(found: Distribution, factor: float, marked: list[float]) -> list[str]:
-    """Nominal value, mean and percentiles, with more digits if the percentiles would coincide."""
+    """Nominal value, mean and percentiles, with the decimals of the command."""
     values = [found.nominal, found.mean, *map(found.percentile, marked)]
-    values = [factor * value for value in values]
-    texts = [f"{value:.{DIGITS}g}" for value in values]
-    if len(set(texts[2:])) == len(marked):
-        return texts
-    return with_decimals(values, factor * found.standard_deviation)
+    return with_decimals([factor * value for value in values], factor * found.standard_deviation)
 
 
 def _mark_percentiles(axes: Axes, places: list[float], label: str) -> None:

@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..simulation.body_force import MAY_FOLLOW
 from .colours import grey
 from .differences import words_of_chains
 from .labels import distinguish
@@ -18,8 +19,6 @@ from .legends import figure_of
 from .style import literal
 from .widths import NARROW, journal_width
 
-# Added to the label of a wall whose force may still exceed the plotted values.
-CUT_OFF: Final = "a larger force may follow"
 # A run that ends before this part of the time axis states its end in the legend; others end with
 # the axis.
 SHORT_RUN: Final = 0.9
@@ -90,7 +89,7 @@ def label_and_style(axes: Axes, *, compared: bool) -> None:
         line.set_label(line.words)
         if line.named:
             continue
-        remarks = [CUT_OFF] if line.analysed else []
+        remarks = [MAY_FOLLOW] if line.analysed else []
         if _end(line) < SHORT_RUN * longest and journal_width.get() is None:
             end = f"{_end(line):.4g}"
             remarks.append(f"run ends at {end} {unit}" if unit else f"run ends at $t$ = {end}")
@@ -160,10 +159,10 @@ def with_peaks(axes: Axes, units: str) -> None:
 def _label_circles(axes: Axes, lines: list[ForceLine]) -> None:
     """Explain circles at the ends of curves whose labels, which are those of a user, do not."""
     for line in [*axes.lines]:
-        if line.get_label() == CUT_OFF:
+        if line.get_label() == MAY_FOLLOW:
             line.remove()
     if any(line.named and line.analysed for line in lines):
-        axes.plot([], [], "o", color=grey(axes, 0.4), markerfacecolor="none", label=CUT_OFF)
+        axes.plot([], [], "o", color=grey(axes, 0.4), markerfacecolor="none", label=MAY_FOLLOW)
 
 
 def _end_together(axes: Axes, lines: list[ForceLine]) -> None:

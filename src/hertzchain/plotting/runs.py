@@ -358,7 +358,7 @@ def _draw_places(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int | str
 
 
 def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
-    """Times, forces and name of a curve, and whether the peak of a wall is not complete."""
+    """Times, forces and name of a curve, and whether the peak on a wall or cap is not complete."""
     walls = {number: side for side, number in walls_of(run.chain).items()}
     if (named := wall_number(run.chain, bead)) is not None:
         bead = named
@@ -368,8 +368,8 @@ def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
     if bead == BODY:
         if run.chain.right_wall is not None:
             raise InputError("'body' is the last body of a free right end; use 'wall'")
-        found = body_force(run)
-        cut_off = found is not None and not found.complete
+        largest = body_force(run)
+        cut_off = largest is None or not largest.complete
         return *body_curve(run), f"force on {body_in_words(run.chain)}", cut_off
     number = bead_number(run.chain, bead, walls=True)
     sensor = sensor_maxima(run, number)

@@ -11,11 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..chain.chain import Chain
-from ..representation import measure
 from .differences import words_of_chains
 from .labels import distinguish, numbered
 from .style import literal, set_title
-from .titles import chain_words
+from .titles import chain_words, load_in_title
 
 
 @dataclass
@@ -74,5 +73,5 @@ def _described(chains: Sequence[Chain]) -> tuple[list[str], list[str]]:
     names, _ = distinguish([["", *words] for words in every])
     common = [part for part in every[0] if all(part in other for other in every)]
     if len({chain.precompression for chain in chains}) == 1 and chains[0].precompression:
-        common.append(f"under {measure(chains[0].precompression, 'N', chains[0].units)}")
+        common.append(load_in_title(chains[0]))
     return [literal(name) for name in names], [literal(part) for part in common]

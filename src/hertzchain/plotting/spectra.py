@@ -16,7 +16,6 @@ from ..chain.chain import Chain
 from ..chain.drives import Driven
 from ..collision import Array
 from ..errors import InputError
-from ..representation import measure
 from ..theory.dispersion import spring_modes
 from ..theory.response import WallName
 from ..theory.spectrum import ROOM, Spectrum
@@ -79,7 +78,7 @@ def plot_spectrum(
         gaps = _host_gaps(spectrum) if edges is None else spectrum.gaps(cell=cell)
         _shade(axes, axes.axhspan, gaps, factor, ROOM * top)
         axes.set_ylabel(label)
-        set_title(axes, _title(spectrum.chain))
+        set_title(axes, chain_title(spectrum.chain))
         if gaps is not None:
             place_legend(axes, own=ax is None)
     return axes
@@ -145,14 +144,6 @@ def _amplitude_label(axes: Axes, chain: Chain) -> str:
     drive = drives[0] if len(drives) == 1 else " or ".join(kinds)
     unit = {("displacement",): " [N/m]", ("force",): ""}.get(tuple(kinds), " [1 or N/m]")
     return f"{force}\nper {drive}{unit if chain.units == 'SI' else ''}"
-
-
-def _title(chain: Chain) -> str:
-    """The chain and its static forces."""
-    parts = [chain_title(chain)]
-    if chain.precompression:
-        parts.append(f"under {measure(chain.precompression, 'N', chain.units)}")
-    return ", ".join(parts)
 
 
 def _resonances(spectrum: Spectrum, drive: Driven, at: int | WallName) -> Array:

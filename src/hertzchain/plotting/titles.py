@@ -22,6 +22,7 @@ from ..chain.description import (
 from ..chain.laws.restitution import Restitution
 from ..chain.materials import Material
 from ..chain.walls import Wall
+from ..representation import measure
 from .style import literal
 
 
@@ -52,8 +53,15 @@ def title_parts(chain: Chain, *, strikers: bool = True) -> list[str]:
 
 
 def chain_title(chain: Chain) -> str:
-    """The same, escaped for Matplotlib."""
-    return literal(chain_words(chain))
+    """The same with the precompression, escaped for Matplotlib."""
+    return literal(", ".join(filter(None, (chain_words(chain), load_in_title(chain)))))
+
+
+def load_in_title(chain: Chain) -> str:
+    """Such as ``under 20 N`` of a precompressed chain; empty without precompression."""
+    if not chain.precompression:
+        return ""
+    return f"under {measure(chain.precompression, 'N', chain.units)}"
 
 
 def _odd_bead(chain: Chain, noun: str) -> OddBead | None:

@@ -81,7 +81,7 @@ MEANT: Final = {
 SHORT_SYMBOL: Final = 2
 _FACTOR: Final = re.compile(r"([*/·]?)\s*([A-Za-zµ]+)\s*(?:(?:\^|\*\*)\s*([+-]?\d+(?:\.\d*)?))?\s*")
 _QUANTITY: Final = re.compile(
-    r"\s*([+-]?(?:inf(?=\s)|\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*((?:[A-Za-zµμ°%/]|1\s*/)[^\[\]{}()=,;]*?)\s*"
+    r"\s*([+-]?(?:(?:inf|nan)(?=\s)|\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*((?:[A-Za-zµμ°%/]|1\s*/)[^\[\]{}()=,;]*?)\s*"
 )
 # Sizes of balls such as "3/16 in", "1 1/2 in" and "1-1/2 in".
 _FRACTION_OF_INCH: Final = re.compile(r"\s*(?:(\d+)[\s-]+)?(\d+)\s*/\s*(\d+)\s*(in)\s*")

@@ -99,8 +99,10 @@ def with_bead_numbers(chain: Chain, quantity: str) -> str:
 
 
 def bead_label(chain: Chain, number: int) -> str:
-    """``bead 12``; in a chain with strikers, ``bead 12 (ball 11)``; ``bead 12 (cap)``."""
+    """``bead 12``, ``bead 12 (cap)``; with a striker, ``bead 1 (striker)``, ``bead 3 (ball 2)``."""
     if chain.cap is not None and number == chain.beads:
         return f"bead {number} ({CAP})"
     ball = number - chain.strikers
-    return f"bead {number}" + (f" (ball {ball})" if chain.strikers and ball > 0 else "")
+    if not chain.strikers:
+        return f"bead {number}"
+    return f"bead {number} ({f'ball {ball}' if ball > 0 else 'striker'})"

@@ -194,7 +194,7 @@ def wall_named(name: str, chain: Chain) -> Wall:
         return Wall()
     if name == "rigid":
         return Wall.rigid()
-    if name[:1].isdigit() and not chain.scaled:
+    if name.lstrip("+-.")[:1].isdigit() and not chain.scaled:
         return _wall_of_stiffness(name)
     if chain.scaled:
         raise click.UsageError(

@@ -280,10 +280,13 @@ def _beads(chain: Chain, sensors: tuple[str, ...], forces: Path | None) -> list[
 
     Walls are omitted, because their forces are always reported.
     """
-    from ..chain.bead_names import bead_number, wall_number
+    from ..chain.bead_names import bead_label, bead_number, wall_number
 
     inside = [each for each in sensors if wall_number(chain, each) is None]
     beads = [bead_number(chain, bead_from(each), "--sensor", walls=True) for each in inside]
+    for i, bead in enumerate(beads):
+        if bead in beads[:i]:
+            raise click.UsageError(f"--sensor names {bead_label(chain, bead)} twice; keep one")
     if forces is not None and not _places(chain, beads):
         raise click.UsageError(
             "--forces requires a force: add --sensor BEAD, --wall MATERIAL or --cap MASS"

@@ -22,6 +22,7 @@ WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(factor=([\d.]+)\)",
      r"use loss = {law = 'elastic-plastic', factor = \1} in the chain file"),
     (r"\bloss=None\b", "no loss"),
+    (r"\buse Wall\.rigid\(\)", "use --wall rigid, or rigid = true in the chain file"),
     (r"(?<!\.)\bpiecewise_local_rate (?=for steps)", "the method piecewise-local-rate "),
     (r"\bgive it for the pair \(('[^']*'), ('[^']*')\) or for 'others'",
      r"give it in a table with between = [\1, \2], or in one without between"),

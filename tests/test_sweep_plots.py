@@ -205,3 +205,74 @@ def test_only_points_in_the_plot_are_counted(walls, beads, count):
     title = hc.plot_sweep(walls, beads=beads).get_title()
     assert title.partition(" sensitive")[0].partition("; ")[2] == count
     assert ("sensitive" in title) == bool(count)
+
+
+BALLS = {
+    "radii": "5 mm", "beads": 8, "materials": "steel-52100",
+    "right_wall": {"material": "steel-52100"},
+}  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_only_values_that_are_not_complete_are_called_so():
+    found = hc.sweep({
+        "chain": BALLS, "axes": {"velocity": [0.01, 0.1, 0.15, 0.4]}, "method": {"until": "200 us"},
+        "sweep": {"methods": ["simulate"], "keep": ["wall_peak_force", "wall_impulse_of_impact",
+                                                    "wall_largest_so_far", "largest_overlap"]},
+    })  # fmt: skip
+    peaks, impulses = (found[name].isnull().values.ravel() for name in (
+        "wall_peak_force", "wall_impulse_of_impact"))  # fmt: skip
+    assert 0 < peaks.sum() < found.incomplete.sum() == impulses.sum()
+    axes = hc.plot_sweep(found, "wall_peak_force")
+    assert axes.get_title() == f"{peaks.sum()} points not complete, blank"
+    assert "not complete" not in axes.get_legend_handles_labels()[1]
+    # The axis shows that points are blank.
+    low, high = axes.get_xlim()
+    assert low <= 0.01 < 0.4 <= high
+    so_far = hc.plot_sweep(found, "wall_largest_so_far")
+    assert "not complete" in so_far.get_legend_handles_labels()[1]
+    overlaps = hc.plot_sweep(found, "largest_overlap", levels=[1e-9])
+    assert "not complete" not in overlaps.get_legend_handles_labels()[1]
+    bar = overlaps.collections[0].colorbar.ax
+    assert bar.get_ylabel() == "largest overlap $d_k$ [µm]"
+    assert bar.get_ylim()[1] == pytest.approx(1e6 * float(found.largest_overlap.max()))
+
+
+def test_large_numbers_of_an_axis_have_a_power_of_ten():
+    axes = {"rate": [0.2, 0.4, 0.6]}
+    found = swept({"taper": "backward-exponential", "beads": 30}, axes, methods=["local-rate"],
+                  keep=["momentum"], at="last")  # fmt: skip
+    drawn = hc.plot_sweep(found)
+    drawn.figure.canvas.draw()
+    assert "10^{7}" in drawn.yaxis.get_offset_text().get_text()
+
+
+def test_a_sweep_of_one_point_has_a_symbol_for_each_method():
+    found = swept(FORWARD, {"rate": [0.05]}, methods=["propagate", "local-rate"], at="last",
+                  keep=["momentum"])  # fmt: skip
+    axes = hc.plot_sweep(found)
+    assert axes.get_xlabel().startswith("rate of the taper")
+    curves = [line for line in axes.lines if len(line.get_xdata())]
+    assert len({line.get_marker() for line in curves} - {"", "None"}) == len(curves) == 2
+
+
+def test_long_names_of_an_axis_do_not_overlap():
+    names = ["steel-52100", "brass", "tungsten-carbide", "titanium", "silicon-nitride", "nylon"]
+    found = swept(BALLS | {"velocity": "10 mm/s"}, {"materials": names}, methods=["simulate"],
+                  keep=["wall_peak_force"])  # fmt: skip
+    axes = hc.plot_sweep(found)
+    axes.figure.draw_without_rendering()
+    labels = axes.get_xticklabels()
+    assert {label.get_rotation() for label in labels} == {30.0}
+    # Inclined texts next to each other are apart if their right ends are a line height apart.
+    ends = [label.get_window_extent().x1 for label in labels]
+    height = labels[0].get_fontsize() * axes.figure.dpi / 72.0
+    assert min(np.diff(ends)) > height / np.sin(np.radians(30.0))
+
+
+def test_a_wide_legend_below_a_map_does_not_move_its_colour_bar(walls):
+    axes = hc.plot_sweep(walls)
+    axes.figure.draw_without_rendering()
+    bar = axes.collections[0].colorbar.ax
+    assert bar.bbox.x0 - axes.bbox.x1 < 0.1 * axes.bbox.width

@@ -20,7 +20,9 @@ MICROSECONDS: Final = 0.001
 MILLISECONDS: Final = 1.0
 # Lengths [m] below which they are shown in um, and prefixes of impulses.
 MILLIMETRE: Final = 1e-3
-PREFIXES: Final = MappingProxyType({1e3: "k", 1.0: "", 1e-3: "m", 1e-6: "u", 1e-9: "n"})
+PREFIXES: Final = MappingProxyType(
+    {1e3: "k", 1.0: "", 1e-3: "m", 1e-6: "u", 1e-9: "n", 1e-12: "p", 1e-15: "f"}
+)
 # Powers of ten of the smallest and largest values with errors that have no exponent, and the
 # largest number of their digits.
 SMALLEST, LARGEST, MAX_DIGITS = -4, 5, 12

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 import numpy as np
 from matplotlib import rcParams
 from matplotlib.axes import Axes
+from matplotlib.font_manager import FontProperties
 from matplotlib.ticker import FuncFormatter
 
 from ..simulation.budget import BALANCED, COLOURS, MOVING, Balanced, Budget
@@ -17,7 +17,7 @@ from ..validation.objects import check_bool, check_choice, check_type
 from .colours import grey
 from .legends import figure_of, place_legend
 from .runs import check_times
-from .shared_axes import label_below
+from .shared_axes import label_below, prefixed
 from .style import (
     figure_style,
     get_axes,
@@ -31,6 +31,8 @@ from .widths import NARROW
 
 # Hatching of locations, besides their colours.
 HATCHES: Final = {"scattered back": "//", "left wall": "\\\\", "lost": ".."}
+# Height of a line of text relative to its letters.
+LINE_HEIGHT: Final = 1.5
 UNITS: Final = {"energy": "J", "momentum": "N s"}
 
 
@@ -99,6 +101,7 @@ def plot_budget(
         axes.plot(times, total, color=grey(axes), linewidth=1.0, label="total input")
         if np.any(below < 0.0):
             axes.axhline(0.0, color=grey(axes), linewidth=0.6)
+            _leave_room(axes)
             for height, text in ((0.98, "+ forward"), (0.02, "− backward")):
                 axes.text(0.015, height, text, transform=axes.transAxes,
                           fontsize=rcParams["legend.fontsize"],
@@ -107,9 +110,11 @@ def plot_budget(
         axes.set_ylabel(label_y)
         if budget.chain.units == "SI":
             # The energy of an impact may be a few microjoules; a prefix avoids many zeros.
-            scale, prefix = _prefix(float(np.abs([above, below]).max()))
-            axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: signed(value / scale)))
-            axes.set_ylabel(f"{label_y} [{prefix}{UNITS[of]}]")
+            scale, unit = prefixed(float(np.abs([above, below]).max()), UNITS[of])
+            axes.yaxis.set_major_formatter(
+                FuncFormatter(lambda value, _: signed(scale * value, "z.6g"))
+            )
+            axes.set_ylabel(f"{label_y} [{unit}]")
         label_below(axes, label)
         set_title(axes, chain_title(budget.chain))
         axes.margins(x=0.0)
@@ -123,9 +128,9 @@ def plot_budget(
     return axes
 
 
-def _prefix(largest: float) -> tuple[float, str]:
-    """Unit prefix that brings a number between 1 and 1000, if there is one."""
-    prefixes = {0: "", -3: "m", -6: "µ", -9: "n"}
-    power = 3 * math.floor(math.log10(largest) / 3) if largest > 0.0 else 0
-    power = min(0, max(-9, power))
-    return 10.0**power, prefixes[power]
+def _leave_room(axes: Axes) -> None:
+    """Leave room for a line of text above and below the areas."""
+    size = FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points()
+    inches = axes.get_window_extent().height / axes.figure.dpi
+    line = min(0.25, 0.03 + LINE_HEIGHT * size / 72.0 / inches)
+    axes.margins(y=line / (1.0 - 2.0 * line))

@@ -21,6 +21,7 @@ from .colours import COLOURS, curve_colour, grey
 from .force_lines import MeasuredLine, label_sources
 from .legends import POINTS_PER_INCH, legend_above, place_legend
 from .parameter_labels import parameter_in_words
+from .pulses import LINES
 from .shared_axes import same_prefix, use_prefix
 from .signals import (
     RESIDUAL,
@@ -32,6 +33,7 @@ from .signals import (
     signal_label,
 )
 from .style import (
+    MARKERS,
     TIME_LABELS,
     figure_style,
     get_axes,
@@ -88,7 +90,12 @@ def plot_traces(traces: Traces, *, legend: bool = True, ax: Axes | None = None) 
                 values, name = values / largest, f"{name}: {shown_signal(largest, signal.unit)}"
             colour = curve_colour(axes, i)
             measured = np.where(signal.valid, values, np.nan)
-            axes.add_line(MeasuredLine(times, measured, name, color=colour))
+            # A symbol at the largest value, because colours alone do not distinguish curves.
+            crest = [int(np.nanargmax(np.abs(measured)))] if signal.valid.any() else []
+            axes.add_line(MeasuredLine(
+                times, measured, name, color=colour, marker=MARKERS[i % len(MARKERS)],
+                markevery=crest, markerfacecolor="none",
+            ))  # fmt: skip
             unused = ~signal.valid & np.isfinite(values)
             axes.plot(times[unused], values[unused], "x", color=colour)
         axes.set_xlabel(label)
@@ -189,11 +196,12 @@ def plot_fit_residuals(result: FitResult) -> Figure:
         for i, (shot, name, values) in enumerate(result.residuals()):
             seen = values[np.isfinite(values)]
             label = name + (f", shot {shot}" if len(result.traces.shots) > 1 else "")
-            colour = curve_colour(left, i)
+            look = {"color": curve_colour(left, i), "linestyle": LINES[i % len(LINES)]}
             left.hist(np.clip(seen, -5.0, 5.0), residual_bins(steps[i]), density=True,
-                      histtype="step", color=colour)  # fmt: skip
+                      histtype="step", **look)  # fmt: skip
             rho = autocorrelation(seen)[:41]
-            right.plot(np.arange(1, len(rho)), rho[1:], color=colour, linewidth=1.0, label=label)
+            right.plot(np.arange(1, len(rho)), rho[1:], **look, linewidth=1.0, label=label,
+                       marker=MARKERS[i % len(MARKERS)], markersize=3.0)  # fmt: skip
         grid = np.linspace(-5.0, 5.0, 201)
         left.plot(grid, np.exp(-0.5 * grid**2) / np.sqrt(2.0 * np.pi), "--", color=grey(left),
                   linewidth=0.9, label="normal distribution")  # fmt: skip

@@ -19,6 +19,11 @@ from .legends import figure_of
 from .style import literal
 from .widths import NARROW, journal_width
 
+# Added to the labels of forces in sensors that are 0, or smaller than this part of the largest
+# one, and of forces that are largest at the end.
+NOT_REACHED: Final = "not reached"
+STILL_RISING: Final = "still rising"
+NOTHING: Final = 1e-6
 # A run that ends before this part of the time axis states its end in the legend; others end with
 # the axis.
 SHORT_RUN: Final = 0.9
@@ -85,11 +90,12 @@ def label_and_style(axes: Axes, *, compared: bool) -> None:
     _, _, unit = axes.get_xlabel().rstrip("]").partition("[")
     longest = max(_end(line) for line in lines)
     labels = _labels(lines)[0]
+    largest = max(float(np.max(line.get_ydata())) for line in lines)
     for line in lines:
         line.set_label(line.words)
         if line.named:
             continue
-        remarks = [MAY_FOLLOW] if line.analysed else []
+        remarks = [MAY_FOLLOW] if line.analysed else _unfinished(line, largest)
         if _end(line) < SHORT_RUN * longest and journal_width.get() is None:
             end = f"{_end(line):.4g}"
             remarks.append(f"run ends at {end} {unit}" if unit else f"run ends at $t$ = {end}")
@@ -106,6 +112,16 @@ def label_and_style(axes: Axes, *, compared: bool) -> None:
             width, opacity = (EQUAL_WIDTH, 1.0) if equal else RUN_LINES[line.run]
             line.set(linestyle="-", linewidth=narrower * width, alpha=opacity)
     _end_together(axes, lines)
+
+
+def _unfinished(line: ForceLine, largest: float) -> list[str]:
+    """A remark on a sensor that the pulse has not reached or passed when the run ends."""
+    force = np.asarray(line.get_ydata(), dtype=float)
+    if journal_width.get() is not None or not largest > 0.0:
+        return []
+    if force.max() < NOTHING * largest:
+        return [NOT_REACHED]
+    return [STILL_RISING] if force.argmax() == len(force) - 1 else []
 
 
 def _labels(lines: Sequence[ForceLine]) -> tuple[dict[ForceLine, str], str]:

@@ -52,6 +52,18 @@ MIN_LETTERS, HANDLE_LETTERS = 12, 4
 POINTS_PER_INCH: Final = 72.0
 
 
+class LegendBelow(Legend):
+    """A legend that may be wider than its axes without a layout that makes the axes narrower."""
+
+    def get_tightbbox(self, renderer: Any = None) -> Bbox | None:
+        """The box for which a layout makes room: no wider than the axes."""
+        box, within = super().get_tightbbox(renderer), self.axes.bbox
+        if box is None:
+            return None
+        left, right = np.clip([box.x0, box.x1], within.x0, within.x1)
+        return Bbox.from_extents(left, box.y0, right, box.y1)
+
+
 def place_legend(axes: Axes, *, own: bool = False) -> None:
     """Add a legend at a place inside the axes where it covers no data, otherwise above the axes.
 
@@ -143,6 +155,7 @@ def place_legend_below(axes: Axes, *, own: bool = False) -> Legend:
         wrapped = _wrapped(labels, (right - left) / width)
         legend = axes.legend(handles, wrapped, **{**COMPACT, **compact}, **place)
     if own:
+        legend.__class__ = LegendBelow
         height = legend.get_window_extent().height / figure.dpi
         figure.set_figheight(figure.get_figheight() + height)
     return legend

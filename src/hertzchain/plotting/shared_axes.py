@@ -6,12 +6,14 @@ import weakref
 from typing import Final
 
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, ScalarFormatter
 
 from ..chain.chain import Chain
 from ..pulse.quantities import COLUMN_QUANTITIES
 from ..representation import usual_unit
+from .log_labels import PLAIN
 from .style import signed, with_micro
 
 # Units that have prefixes, and the largest value for which zeros would widen a small panel.
@@ -61,12 +63,26 @@ def use_prefix(axes: Axes) -> None:
     name, _, unit = label.rpartition(" [")
     own = unit.rstrip("]")
     if not name or own not in PREFIXED or not 0.0 < largest < SMALL_OF.get(own, SMALL):
+        use_power_of_ten(axes.yaxis)
         return
-    # Units other than those of times and lengths have all prefixes, as that of momentum.
-    factor, shown = usual_unit(largest, own if own in ("s", "m") else "N s")
-    shown = with_micro(shown.replace("N s", own))
+    factor, shown = prefixed(largest, own)
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: signed(factor * value, "z.6g")))
     axes.set_ylabel(f"{name} [{shown}]")
+
+
+def prefixed(largest: float, unit: str) -> tuple[float, str]:
+    """Factor and unit with the prefix that suits the largest value, such as 1e3 and mJ."""
+    # Units other than those of times and lengths have all prefixes, as that of momentum.
+    factor, shown = usual_unit(largest, unit if unit in ("s", "m") else "N s")
+    return factor, with_micro(shown.replace("N s", unit))
+
+
+def use_power_of_ten(axis: Axis) -> None:
+    """Write the factor of an axis with large or small numbers as a power of ten, not as 1e7."""
+    largest = max(map(abs, axis.get_view_interval()))
+    formatter = axis.get_major_formatter()
+    if isinstance(formatter, ScalarFormatter) and not PLAIN[0] <= largest < PLAIN[1]:
+        formatter.set_useMathText(True)
 
 
 def without_prefix(axes: Axes) -> None:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ..pulse.free_end import jumps_at_end
-from .style import label_log_axis, literal
+from .style import INCHES_PER_LETTER, label_log_axis, literal
 from .sweep_labels import axis_label
 
 if TYPE_CHECKING:
@@ -25,9 +25,22 @@ def set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) -> 
     if axis.get_scale() == "log":
         label_log_axis(axis)
     if values.dtype.kind not in "if":
-        axis.set_ticks(range(values.size), labels=[literal(str(value)) for value in values])
+        names = [str(value) for value in values]
+        axis.set_ticks(range(values.size), labels=[*map(literal, names)])
+        width = axes.get_window_extent().width / axes.figure.dpi
+        if which == "x" and INCHES_PER_LETTER * max(map(len, names)) > width / values.size:
+            axes.tick_params("x", labelrotation=30.0)
+            for label in axis.get_ticklabels():
+                label.set(horizontalalignment="right", rotation_mode="anchor")
     elif values.dtype.kind == "i" and axis.get_scale() == "linear":
         axis.set_major_locator(MaxNLocator("auto", integer=True, steps=[1, 2, 5, 10]))
+
+
+def show_all_places(axes: Axes, coordinate: xr.DataArray) -> None:
+    """Let the x axis reach all points of the sweep, also those without a value."""
+    ends = np.array([places_of(coordinate).min(), places_of(coordinate).max()], dtype=float)
+    axes.update_datalim(np.column_stack([ends, ends]), updatey=False)
+    axes.autoscale_view(scaley=False)
 
 
 def scale(values: np.ndarray[Any, Any]) -> str:

@@ -11,8 +11,9 @@ from ..sweeps.methods import SIMULATIONS
 from .colours import curve_colour, grey
 from .free_ends import label_free_end
 from .looks import LINES
+from .shared_axes import use_power_of_ten
 from .style import MARKERS, broken_label, label_log_axis
-from .sweep_axes import free_end, places_of, set_axis
+from .sweep_axes import free_end, places_of, set_axis, show_all_places
 from .sweep_labels import coordinate_text, quantity_label
 from .sweep_marks import label_marks, mark_curve
 
@@ -37,7 +38,8 @@ def draw_curves(
     names = drawn[by].to_numpy().tolist() if by in drawn.dims else [None]
     own = drawn["approach"].to_numpy().tolist() if grouped else names if by == "approach" else []
     methods = own or [None] * len(names)
-    looks = _looks(methods, first, ordered=_ordered(drawn[along]))
+    # A line of one point would be invisible.
+    looks = _looks(methods, first, ordered=_ordered(drawn[along]) and drawn.sizes[along] > 1)
     free, marked = False, dict[str, set[str]]()
     for i in range(len(names)):
         for j in range(len(methods)) if grouped else [i]:
@@ -75,6 +77,10 @@ def draw_curves(
     axes.set_yscale("log" if log else "linear")
     if log:
         label_log_axis(axes.yaxis)
+    else:
+        use_power_of_ten(axes.yaxis)
+    # Before the ticks of a logarithmic axis are chosen.
+    show_all_places(axes, drawn[along])
     set_axis(axes, "x", drawn[along])
 
 

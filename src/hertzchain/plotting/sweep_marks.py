@@ -108,11 +108,14 @@ def mark_curve(
     Of long rows of flagged points, only the ends and those with a symbol, ``every`` so many, are
     marked: pale markers that overlap would be black.
     """
-    found = [
-        kind for kind, look in LOOKS.items() if look.curve and kind in flags and flags[kind].any()
-    ]
+    known = curve.notnull().to_numpy()
+    shown = {
+        kind: flags[kind].to_numpy().astype(bool) & known
+        for kind, look in LOOKS.items() if look.curve and kind in flags
+    }  # fmt: skip
+    found = [kind for kind, flagged in shown.items() if flagged.any()]
     for kind in found:
-        there = _thinned(flags[kind].values.astype(bool), every)
+        there = _thinned(shown[kind], every)
         axes.plot(places[there], curve[there], color=colour, **LOOKS[kind].curve)
     return found
 

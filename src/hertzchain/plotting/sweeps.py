@@ -21,6 +21,7 @@ from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list
 from .colours import signed_map
 from .legends import place_legend
+from .shared_axes import PREFIXED, SMALL, prefixed, use_power_of_ten
 from .style import broken_label, figure_style, get_axes, label_log_axis, literal, set_title
 from .sweep_axes import edges_of, places_of, set_axis
 from .sweep_curves import draw_curves
@@ -43,8 +44,12 @@ if TYPE_CHECKING:
 FLAGGED_PEAKS: Final = {
     "incomplete": "not complete", "sensitive": "sensitive to small changes",
 }  # fmt: skip
+# Part of the names of quantities that have values where a force is not complete.
+SO_FAR: Final = "so_far"
 # Dimensions without nearest values; relative difference of numbers that are regarded as the same.
 PLACES, SAME = ("bead", "contact", "point"), 1e-9
+# Dimensions that are not axes of a sweep.
+RESERVED: Final = ("approach", "bead", "contact")
 # Largest number of values of an axis for one curve per value.
 MAX_CURVES: Final = 6
 # Colour map of values of one sign.
@@ -159,6 +164,8 @@ def plot_sweep(
             caption.append(f"relative to {METHODS.get(reference, reference)}")
         for flag, words in FLAGGED_PEAKS.items():
             count = _number_of_points(flagged[flag]) if flag in flagged else 0
+            if flag == "incomplete" and SO_FAR not in str(drawn.name) and by is not None:
+                words += ", blank"
             caption += [f"{counted(count, 'point')} {words}"] * bool(count)
         set_title(axes, "; ".join(part for part in caption if part))
         if by is None:
@@ -188,14 +195,15 @@ def _first_colour(dataset: xr.Dataset, drawn: xr.DataArray) -> int:
 
 
 def _in_shown_units(drawn: xr.DataArray) -> tuple[xr.DataArray, float]:
-    """Times in us or ms instead of s, and errors in percent, and the factor."""
+    """Times in us or ms, errors in percent, small values with a prefix; and the factor."""
     factor, unit = 1.0, drawn.attrs.get("units")
+    largest = float(np.nanmax(np.abs(drawn.values), initial=0.0)) if unit in PREFIXED else 0.0
     if str(drawn.name).startswith((*ERRORS,)):
         factor, unit = 100.0, PERCENT
-    elif unit == "s":
-        largest = float(np.nanmax(np.abs(drawn.values), initial=0.0))
-        if 0.0 < largest < MILLISECONDS:
-            factor, unit = (1e6, "µs") if largest < MICROSECONDS else (1e3, "ms")
+    elif unit in PREFIXED and unit != "s" and 0.0 < largest < SMALL:
+        factor, unit = prefixed(largest, unit)
+    elif unit == "s" and 0.0 < largest < MILLISECONDS:
+        factor, unit = (1e6, "µs") if largest < MICROSECONDS else (1e3, "ms")
     if factor == 1.0:
         return drawn, 1.0
     return (factor * drawn).assign_attrs({**drawn.attrs, "units": unit}), factor
@@ -238,7 +246,14 @@ def _selected_at(
             raise unknown_name_error(f"dimension of {values.name}", given, map(str, values.dims))
         values = values.isel({name: _index(values[name], given, value, warn)})
     numbers = [name for name in values.dims if values[name].dtype.kind in "if"]
-    return values.squeeze(drop=False).sortby([name for name in numbers if values.sizes[name] > 1])
+    single = [name for name in values.dims if values.sizes[name] == 1]
+    along = [name for name in single if name not in RESERVED]
+    if along and {*values.dims} <= {*single, "approach"}:
+        # A sweep of one point is shown over its first axis.
+        single.remove(along[0])
+    return values.squeeze(single, drop=False).sortby(
+        [name for name in numbers if values.sizes[name] > 1]
+    )
 
 
 def _flags(dataset: xr.Dataset, name: str, at: Mapping[str, Any]) -> xr.DataArray:
@@ -261,6 +276,9 @@ def _flagged(
         if "approach" in flags.dims:
             flags = flags.sel(approach=drawn["approach"])
         flagged[name] = flags.broadcast_like(drawn) & ~flagged["failed"] & ~flagged["missing"]
+    if "incomplete" in flagged and SO_FAR not in str(drawn.name):
+        # The flag is that of a point; its other quantities may be complete.
+        flagged["incomplete"] &= drawn.isnull()
     return flagged
 
 
@@ -371,6 +389,8 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
     bar = axes.figure.colorbar(mesh, ax=axes, label=label)
     if norm is not None:
         label_log_axis(bar.ax.yaxis)
+    else:
+        use_power_of_ten(bar.ax.yaxis)
     if levels:
         lines = axes.contour(
             x, y, values, levels=sorted(set(levels)), colors="white", linewidths=1.2

@@ -286,3 +286,20 @@ def test_a_row_of_a_table_does_not_compute_quantities_of_all_chains(monkeypatch)
 
     monkeypatch.setattr(type(table), "masses", property(fail))
     assert table[1].momentum == pytest.approx(momentum)
+
+
+def test_equal_runs_and_their_results_are_equal():
+    chain = hc.Chain.uniform(6).replace(right_wall=hc.Wall())
+    run, again, other = (hc.simulate(chain, times=n) for n in (200, 200, 199))
+    assert run == again != other
+    assert hash(run) == hash(again)
+    assert run.state == again.state
+    for way in WAYS_TO_COPY.values():
+        assert way(run) == run
+        for name in ("waves", "budget", "horizon", "leading_pulse", "fronts", "wall_force"):
+            result = getattr(run, name)()
+            assert way(result) == result, name
+    changed = copy.deepcopy(run)
+    changed.velocities[-1, -1] += 1.0
+    assert changed != run
+    assert hash(changed) == hash(run)

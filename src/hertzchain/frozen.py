@@ -23,12 +23,10 @@ class ShortDir:
         return [name for name in super().__dir__() if name not in self._omitted]
 
 
-class Frozen(ShortDir):
-    """Frozen dataclass with arrays: compared by its fields, and read-only also in copies.
+class Compared:
+    """Dataclass with arrays, compared by its fields; NaN is equal to NaN.
 
-    Decorate it with ``eq=False``, because tuples of arrays cannot be compared.  Copies and
-    unpickled arrays of NumPy are writable, even if the original is read-only.  The radii of a
-    copied chain could then be changed without changing its masses.
+    Decorate it with ``eq=False``, because tuples of arrays cannot be compared.
     """
 
     def __eq__(self, other: object) -> bool:
@@ -41,6 +39,26 @@ class Frozen(ShortDir):
             for each in dataclasses.fields(self)  # type: ignore[arg-type]
             if each.compare
         )
+
+    def __hash__(self) -> int:
+        # Arrays of these results can be written to: only their shapes are constant.
+        values = [
+            getattr(self, each.name)
+            for each in dataclasses.fields(self)  # type: ignore[arg-type]
+            if each.compare
+        ]
+        return hash(tuple(
+            each.shape if isinstance(each, np.ndarray) else _number_of(each) for each in values
+        ))  # fmt: skip
+
+
+class Frozen(Compared, ShortDir):
+    """Frozen dataclass with arrays: compared by its fields, and read-only also in copies.
+
+    Decorate it with ``eq=False``, because tuples of arrays cannot be compared.  Copies and
+    unpickled arrays of NumPy are writable, even if the original is read-only.  The radii of a
+    copied chain could then be changed without changing its masses.
+    """
 
     def __hash__(self) -> int:
         # Kept, because caches call it often; that of numbers is the same in all processes.

@@ -37,6 +37,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, short_repr, unknown_name_error
+from ..frozen import Compared
 from ..pulse.quantities import QUANTITIES
 from ..representation import measure, short
 from ..validation.keywords import checked_methods
@@ -76,7 +77,7 @@ class Parts(dict[str, Array]):
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class Budget:
+class Budget(Compared):
     """Energy and momentum at the saved times of a run; see `hertzchain.simulation.budget`.
 
     Names that the dictionaries do not contain raise an error that lists those that they contain.

@@ -17,6 +17,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..frozen import Compared
 from ..representation import measure, short
 from ..validation.keywords import checked_methods
 from .energy_balance import EnergyBalance, balance_of
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class EnergyFlux:
+class EnergyFlux(Compared):
     """Energy that passed each contact from the first saved time to the last.
 
     Attributes

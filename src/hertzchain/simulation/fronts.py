@@ -21,6 +21,7 @@ from ..chain.contact_groups import loading_forces
 from ..chain.scales import scale
 from ..collision import Array
 from ..errors import InputError
+from ..frozen import Compared
 from ..representation import measure, short
 from ..validation.keywords import checked_methods
 from .missing_values import reason, together
@@ -42,7 +43,7 @@ SETTLED: Final = 0.9
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class Fronts:
+class Fronts(Compared):
     r"""Fronts of a run; see `hertzchain.simulation.fronts`.
 
     Attributes

@@ -8,11 +8,12 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..frozen import Compared
 from ..representation import measure, short
 
 
 @dataclass(frozen=True, eq=False)
-class Horizon:
+class Horizon(Compared):
     """Estimated error of a run's velocities, and the time up to which it is small.
 
     Attributes

@@ -42,6 +42,7 @@ from ..chain.chain import Chain
 from ..chain.scales import scale
 from ..collision import Array
 from ..errors import InputError
+from ..frozen import Compared
 from ..representation import measure, short
 from ..validation.keywords import checked_methods
 from ..validation.numbers import real_numbers
@@ -53,7 +54,7 @@ if TYPE_CHECKING:
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class LeadingPulse:
+class LeadingPulse(Compared):
     r"""The leading pulse of a run; see `hertzchain.simulation.leading_pulse`.
 
     Attributes

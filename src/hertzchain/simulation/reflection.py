@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from ..chain.chain import Chain
+from ..frozen import Compared
 from ..representation import counted, measure
 from ..validation.keywords import checked_methods
 from .wave_events import (
@@ -24,7 +25,7 @@ WIDE: Final = 5e-3
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class Reflection:
+class Reflection(Compared):
     r"""Reflected and transmitted waves, and coefficients, of an object between two contacts.
 
     With impulses J and works W of the wave events at the contacts ``before`` and ``after``,

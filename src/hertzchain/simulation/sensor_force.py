@@ -14,6 +14,7 @@ from ..chain.chain import Chain
 from ..chain.laws.unloading_ratio import UnloadingRatio
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, warn_user
+from ..frozen import Compared
 from ..kernels.limits import FALL, MIN_HEIGHT
 from ..representation import listed, measure, short
 from ..validation.keywords import checked_methods
@@ -55,7 +56,7 @@ def free_face_note(chain: Chain, sensors: Mapping[str, int]) -> str:
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class SensorForce:
+class SensorForce(Compared):
     """The force in a sensor embedded in a bead, :math:`(F_{k-1} + F_k)/2`.
 
     Attributes

@@ -14,6 +14,7 @@ from ..chain.contact_groups import dents
 from ..chain.scales import Scale, scale
 from ..collision import Array
 from ..errors import InputError
+from ..frozen import Compared
 from ..representation import measure, short
 from ..validation.keywords import checked_methods
 from .kernel_input import initial_state, kernel_chain
@@ -50,7 +51,7 @@ def _array_scales(state: State) -> Mapping[str, Scale]:
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class State:
+class State(Compared):
     """The complete state of a run, such as ``run.state``.
 
     With ``start=``, `hertzchain.simulate` continues from it.  The result is equal, bit for bit, to

@@ -19,7 +19,7 @@ from ..chain.contact_groups import dents, loading_overlaps
 from ..chain.scales import scale
 from ..collision import Array
 from ..errors import InputError
-from ..frozen import ShortDir
+from ..frozen import Compared, ShortDir
 from ..pulse.quantities import BEAD_QUANTITIES, RUN_QUANTITIES, TIME
 from ..representation import counted
 from ..validation.keywords import checked_methods
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class Trajectory(ShortDir):
+class Trajectory(Compared, ShortDir):
     """The motion of a chain as recorded by the compiled loop; `hertzchain.Run` has the fields."""
 
     _omitted = ("evaluations", "prediction")

@@ -11,6 +11,7 @@ import numpy as np
 from ..chain.bead_names import bead_number
 from ..collision import Array
 from ..errors import InputError
+from ..frozen import Compared
 from ..representation import counted, measure, short
 from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
@@ -27,7 +28,7 @@ TINY: Final = 1e-300
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class VelocityPeaks:
+class VelocityPeaks(Compared):
     """Forward maxima and backward minima of a bead's velocity, in order of time.
 
     In a chain without precompression a wave moves the beads in its own direction: a forward

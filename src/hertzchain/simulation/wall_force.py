@@ -10,6 +10,7 @@ from ..chain.bead_names import Side
 from ..chain.chain import Chain
 from ..chain.drives import Drive, SineBurst, StepDrive, TableDrive
 from ..collision import Array
+from ..frozen import Compared
 from ..kernels.wall_rule import HELD
 from ..representation import counted, measure, short
 from ..validation.keywords import checked_methods
@@ -39,7 +40,7 @@ def sensitive_in_words(run: str, place: str = "") -> str:
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class WallForce:
+class WallForce(Compared):
     """The force on one wall.
 
     If the other end of the chain is free and no constant force pushes the beads towards the wall,

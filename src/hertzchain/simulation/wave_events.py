@@ -28,6 +28,7 @@ import numpy as np
 from ..chain.bisection import bisected
 from ..collision import Array
 from ..errors import InputError
+from ..frozen import Compared
 from ..representation import measure, short
 from .trajectory import Trajectory
 
@@ -45,8 +46,8 @@ SPLINE_ORDER: Final = 5
 BISECTIONS: Final = 45
 
 
-@dataclass(frozen=True)
-class WaveEvent:
+@dataclass(frozen=True, eq=False)
+class WaveEvent(Compared):
     """One wave at one contact.
 
     Attributes

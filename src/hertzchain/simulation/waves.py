@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputWarning, warn_user
+from ..frozen import Compared
 from ..representation import NO_BREAK, counted, folded, measure, short, wrapped
 from ..validation.keywords import checked_methods
 from ..validation.numbers import contact_number, whole_number
@@ -32,8 +33,8 @@ ADVICE: Final = "; use run.energy_flux() or waves.at(k)"
 
 
 @checked_methods
-@dataclass(frozen=True)
-class Wave:
+@dataclass(frozen=True, eq=False)
+class Wave(Compared):
     """One travelling wave.
 
     Attributes
@@ -221,7 +222,7 @@ class Wave:
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class Waves:
+class Waves(Compared):
     """The waves of a run, ordered by the time at their first contact.
 
     ``len``, ``waves[0]`` and loops work as with a list of `Wave`.

@@ -296,3 +296,29 @@ def test_the_height_of_a_fall_on_the_command_line(run):
     code, _, err = run(*row, "--striker", "4 g, height=5")
     assert code == 2
     assert "height of --striker 5 has no unit; write" in " ".join(err.split())
+
+
+def test_the_energy_of_an_impact_determines_the_velocity(run):
+    row = hc.Chain.from_materials(diameters="10 mm", materials="brass", beads=5)
+    struck = row.struck_by(mass="300 g", radius="flat", energy="2 J")
+    kinetic = 0.5 * struck.masses @ struck.velocities**2
+    assert kinetic == pytest.approx(2.0, rel=1e-14)
+    both = row.struck_by(energy="20 mJ", count=2)
+    assert 0.5 * both.masses @ both.velocities**2 == pytest.approx(0.04, rel=1e-14)
+    text = '[chain]\ndiameters = "10 mm"\nmaterials = "brass"\nbeads = 5\n[chain.struck_by]\n'
+    assert hc.chain_from_toml(text + 'energy = "2 J"\nmass = "300 g"\nradius = "flat"') == struck
+    with pytest.raises(hc.InputError, match="have a velocity or an energy, not both"):
+        hc.chain_from_toml(text + 'energy = "2 J"\nvelocity = "1 m/s"')
+    with pytest.raises(hc.InputError, match="have a height to fall from or an energy, not both"):
+        row.struck_by(height="5 mm", energy="2 J")
+    with pytest.raises(hc.InputError, match="energy requires a chain in SI units"):
+        hc.Chain.uniform(5).struck_by(energy=1.0)
+    with pytest.raises(hc.InputError, match="energy of the strikers"):
+        row.struck_by(energy=-1.0)
+    options = ("simulate", "--material", "steel-52100", "--diameter", "10 mm", "--beads", "5")
+    code, out, _ = run(*options, "--striker", "20 g, 0.1 mJ")
+    assert code == 0
+    assert "impact at 0.1 m/s" in out
+    code, _, err = run(*options, "--striker", "20 g, 0.1 mJ", "--speed", "1 m/s")
+    assert code == 2
+    assert "has an energy, which determines the speed" in " ".join(err.split())

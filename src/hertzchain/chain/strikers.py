@@ -42,6 +42,7 @@ def struck_by(
     *,
     velocity: float | None = None,
     height: float | None = None,
+    energy: float | None = None,
     radius: float | None = None,
     diameter: float | None = None,
     mass: float | None = None,
@@ -66,6 +67,9 @@ def struck_by(
         Height h from which the strikers fall [m], instead of their velocity
         :math:`v = \sqrt{2gh}` with g = 9.80665 m/s^2, in an SI chain.  It may also be that of a
         pendulum.
+    energy : float, optional
+        Kinetic energy E of each striker [J], instead of its velocity :math:`v = \sqrt{2E/m}`, in
+        an SI chain.
     radius : float, optional
         Radius of a striker [scaled, or m].  If only a mass is given, the default is the
         radius of a sphere of this mass.  An infinite radius, or ``"flat"``, is a flat face,
@@ -115,6 +119,12 @@ def struck_by(
     >>> row.struck_by(height="5 mm").velocities[0].round(4)
     np.float64(0.3132)
 
+    A hammer of 300 g with an impact energy of 2 J:
+
+    >>> hammer = row.struck_by(mass="300 g", radius="flat", energy="2 J")
+    >>> hammer.velocities[0].round(3)
+    np.float64(3.651)
+
     A 50 g piston with a flat steel face hits a chain of brass balls:
 
     >>> balls = hc.Chain.from_materials(5e-3, "brass", beads=20)
@@ -131,7 +141,8 @@ def struck_by(
         radius = _half(diameter, self._unit("m"))
     plain = mass if isinstance(mass, Real) else 0.0
     own, radius, mass, drawn = _striker(self, radius, mass, material)
-    speed = _speed(self, velocity, height)
+    heavy = _sphere_mass(self, drawn, own) if mass is None else mass
+    speed = _speed(self, velocity, height, energy, heavy)
     distance = number("gap", gap, unit=self._unit("m"), least=0.0, most=MAX_GAP, hint=GAP_HINT)
     _warn_heavy(self, drawn, mass, plain=0.0 if math.isinf(radius) else plain)
     behind = _velocities_without_impact(self)
@@ -149,7 +160,6 @@ def struck_by(
         unit = self._unit(f"N/m**{_exponent(self):.15g}")
         stiffness = number("stiffness of the new contacts", stiffness, unit=unit, above=0.0)
     if "masses" in self.given:
-        heavy = _sphere_mass(self, drawn, own) if mass is None else mass
         new["masses"] = np.concatenate((np.full(count, heavy), self.masses))
     if "stiffness" in self.given:
         new["stiffness"] = _listed_stiffness(self, stiffness, radius, own, count)
@@ -245,23 +255,40 @@ def _infinite_if_flat(size: float | None) -> float | None:
     return math.inf if isinstance(size, str) and size in FLAT_FACES else size
 
 
-def _speed(chain: ChainFields, velocity: float | None, height: float | None) -> float:
-    """Velocity of strikers, also from the height from which they fall."""
-    if height is None:
+def _speed(
+    chain: ChainFields, velocity: float | None, height: float | None, energy: float | None,
+    mass: float,
+) -> float:  # fmt: skip
+    """Velocity of strikers, also from the height from which they fall, or from their energy."""
+    given = {"velocity": velocity, "height": height, "energy": energy}
+    names = [name for name, value in given.items() if value is not None]
+    if len(names) > 1:
+        one, other = (f"{name} to fall from" if name == "height" else name for name in names[:2])
+        article = "an" if other == "energy" else "a"
+        raise InputError(f"strikers have a {one} or {article} {other}, not both: omit one")
+    if height is None and energy is None:
         return number("velocity of the strikers", 1.0 if velocity is None else velocity,
                       unit=chain._unit("m/s"), least=0.0, most=MAX_VELOCITY,
                       hint="positive velocities are towards the chain")  # fmt: skip
-    if velocity is not None:
-        raise InputError("strikers have a velocity or a height to fall from, not both: omit one")
     if chain.scaled:
-        raise InputError("height requires a chain in SI units; give the velocity of the strikers")
-    return speed_of_fall("height of the strikers", height)
+        raise InputError(
+            f"{names[0]} requires a chain in SI units; give the velocity of the strikers"
+        )
+    if height is not None:
+        return speed_of_fall("height of the strikers", height)
+    return speed_of_energy("energy of the strikers", energy, mass)
 
 
 def speed_of_fall(what: str, height: object) -> float:
     """Speed [m/s] after a fall from a height at rest."""
     fall = number(what, height, unit="m", least=0.0, most=MAX_FALL)
     return math.sqrt(2.0 * STANDARD_GRAVITY * fall)
+
+
+def speed_of_energy(what: str, energy: object, mass: float) -> float:
+    """Speed [m/s] of a body with this kinetic energy and mass [kg]."""
+    most = 0.5 * mass * MAX_VELOCITY**2
+    return math.sqrt(2.0 * number(what, energy, unit="J", least=0.0, most=most) / mass)
 
 
 def _half(diameter: float, unit: str) -> float:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 # Largest number of strikers, if the chain has as many beads, that is certainly not a mass in grams.
 MAX_STRIKERS: Final = 20
+# Properties of a striker that determine its speed.
+OF_SPEED: Final = {"height": "a height to fall from", "energy": "an energy"}
 BOOLEANS: Final = {"true": True, "false": False}
 
 
@@ -54,10 +56,10 @@ def struck(chain: Chain, striker: str, speed: str | None) -> Chain:
     This is ``speed`` if it is given, and that from a height of the striker instead.
     """
     given = _striker(striker, chain)
-    if "height" in given and speed is not None:
+    fixed = next((words for key, words in OF_SPEED.items() if key in given), None)
+    if fixed is not None and speed is not None:
         raise click.UsageError(
-            f"--striker {striker!r} has a height to fall from, which determines the speed: omit it "
-            "or --speed"
+            f"--striker {striker!r} has {fixed}, which determines the speed: omit it or --speed"
         )
     if chain.strikers:
         raise click.UsageError("--striker adds strikers, but the file has some: change them there")
@@ -66,7 +68,7 @@ def struck(chain: Chain, striker: str, speed: str | None) -> Chain:
             "--striker replaces the impact of bead 1, but the chain of the file has a drive: add "
             "strikers to the file"
         )
-    if not chain.velocities.any() and "height" not in given:
+    if not chain.velocities.any() and fixed is None:
         raise click.UsageError(
             "--striker requires the velocity of the impact, and no bead of the file moves: add "
             "--speed"
@@ -81,7 +83,7 @@ def struck(chain: Chain, striker: str, speed: str | None) -> Chain:
             f"--striker requires a speed towards the chain, above 0, but that of the impact is "
             f"{chain.velocities[0]:g}: give a positive --speed"
         )
-    if "height" not in given:
+    if fixed is None:
         given["velocity"] = float(chain.velocities[0])
     return chain.replace(velocities=None).struck_by(**given)
 
@@ -107,12 +109,14 @@ def _striker(text: str, chain: Chain) -> dict[str, Any]:
             key, value = "mass", part
         elif found is not None and has_dimension(found[1], "m"):
             key, value = "diameter", part
+        elif found is not None and has_dimension(found[1], "J"):
+            key, value = "energy", part
         elif found is None and part[:1].isalpha():
             key, value = "material", part
         else:
             raise click.UsageError(
                 "--striker must be a number of beads like the first, or a mass, a diameter, flat, "
-                f"a material or height=..., such as --striker '50 g, flat', got {part!r}"
+                f"an energy, a material or height=..., such as --striker '50 g, flat', got {part!r}"
             )
         if key in given:
             raise click.UsageError(f"--striker {text!r} has two values of the {key}: omit one")

@@ -44,7 +44,8 @@ IMPACT: Final = (
         metavar="STRIKER",
         help="Add a striker, which hits the chain at rest: a number of beads like the first, or a "
         "mass, a diameter, flat, a material or several of these, such as '30 g' or '50 g, flat'.  "
-        "Instead of --speed, you can give the height from which it falls, as in 'height=5 mm'.  "
+        "Instead of --speed, you can give the height from which it falls, as in 'height=5 mm', or "
+        "its energy, as in '500 g, flat, 2 J'.  "
         "[default: bead 1 moves]",
     ),
 )

@@ -151,6 +151,8 @@ _STRUCK_BY: Final = (
     _number("velocity", "velocity of the strikers", "velocity", default=1.0),
     _number("height", "height from which the strikers fall, instead of their velocity", "length",
             least=0.0),
+    _number("energy", "kinetic energy of each striker, instead of its velocity", "energy",
+            least=0.0),
     _number("radius", "radius of a striker; inf or 'flat' is a flat face", "length", above=0.0),
     _number("diameter", "diameter of a striker, instead of its radius", "length", above=0.0),
     _number("mass", "mass of a striker", "mass", above=0.0),

@@ -230,5 +230,5 @@ def test_a_design_says_that_a_sensor_in_a_cap_has_half_of_the_force(run, tmp_pat
     file.write_text(DESIGN.replace("SENSOR", sensor))
     code, out, err = run("design", file, "--store", tmp_path / "trials")
     assert code == 0, err
-    stated = f"\n  sensor.largest@{sensor}: mean of the forces on both faces; the free face has"
+    stated = f"\nnote: sensor.largest@{sensor}: mean of the forces on both faces; the free face has"
     assert (stated in out) == half

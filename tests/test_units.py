@@ -116,7 +116,7 @@ def test_ways_to_write_powers_and_products():
         ("5 %", "gap must have a unit such as m, cm, mm.* got '%'"),
         ("1/0 in", "unknown unit"),
         ("3/16 mm", "unknown unit"),
-        ("nan mm", "must be a number"),
+        ("nan mm", "and finite, got 'nan mm'"),
         ("1e999 mm", "must be at least 0 and finite, got '1e999 mm'"),
         ("-1 mm", "must be at least 0, got '-1 mm'"),
     ],

@@ -100,12 +100,7 @@ def plot_budget(
                               label=f"{name}{kinetic}")  # fmt: skip
         axes.plot(times, total, color=grey(axes), linewidth=1.0, label="total input")
         if np.any(below < 0.0):
-            axes.axhline(0.0, color=grey(axes), linewidth=0.6)
-            _leave_room(axes)
-            for height, text in ((0.98, "+ forward"), (0.02, "− backward")):
-                axes.text(0.015, height, text, transform=axes.transAxes,
-                          fontsize=rcParams["legend.fontsize"],
-                          va="top" if height > 0.5 else "bottom")  # fmt: skip
+            _label_directions(axes)
         label_y = budget._name(of)
         axes.set_ylabel(label_y)
         if budget.chain.units == "SI":
@@ -126,6 +121,16 @@ def plot_budget(
             # In the order in which the parts are stacked.
             axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), reverse=True)
     return axes
+
+
+def _label_directions(axes: Axes) -> None:
+    """Draw the line at 0, and name the directions above and below the areas."""
+    axes.axhline(0.0, color=grey(axes), linewidth=0.6)
+    _leave_room(axes)
+    for height, text in ((0.98, "+ forward"), (0.02, "− backward")):
+        axes.text(0.015, height, text, transform=axes.transAxes,
+                  fontsize=rcParams["legend.fontsize"],
+                  va="top" if height > 0.5 else "bottom")  # fmt: skip
 
 
 def _leave_room(axes: Axes) -> None:

@@ -20,8 +20,8 @@ from ..validation.objects import check_bool, check_choice
 from .colours import COLOURS, curve_colour, grey
 from .force_lines import MeasuredLine, label_sources
 from .legends import POINTS_PER_INCH, legend_above, place_legend
+from .looks import LINES
 from .parameter_labels import parameter_in_words
-from .pulses import LINES
 from .shared_axes import same_prefix, use_prefix
 from .signals import (
     RESIDUAL,

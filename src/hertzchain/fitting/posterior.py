@@ -232,6 +232,13 @@ def _drawn(centre: Array, root: Array) -> Callable[..., tuple[Array, Array]]:
     return proposed
 
 
+def _root_of_covariance(jacobian: Array) -> Array:
+    """Matrix whose product with its transpose is the covariance of the variables."""
+    inverse = np.linalg.pinv(jacobian, rcond=1e-10)
+    vectors, values, _ = np.linalg.svd(inverse @ inverse.T)
+    return np.asarray(vectors * np.sqrt(values))
+
+
 def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) -> Posterior:
     """Sample the posterior from the optimum of a fit; `FitResult.sample` documents it."""
     steps = whole_number("steps", steps, least=10)
@@ -263,9 +270,7 @@ def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) 
     needed = 8 * steps * walkers * (count + 1)
     check_memory(f"{steps} steps of {walkers} walkers", needed, "use fewer steps")
     random = np.random.default_rng(seed)
-    inverse = np.linalg.pinv(weights[:, None] * result.jacobian, rcond=1e-10)
-    spread = np.linalg.svd(inverse @ inverse.T)
-    root = spread[0] * np.sqrt(spread[1])
+    root = _root_of_covariance(weights[:, None] * result.jacobian)
     begin = result.variables + random.normal(size=(walkers, count)) @ root.T
     begin = np.clip(begin, low + 1e-9, high - 1e-9)
     moves = moves_from(result.variables, root)

@@ -199,9 +199,8 @@ def simulate(
         raise click.UsageError("--magnify requires --animate")
     chains = chains_from(options)
     if times is None:
-        drawn = plot and any(_curves(chain, []) for chain in chains.values())
-        fine = sensors or forces or animation or drawn or len(chains) > 1
-        times = MANY_TIMES if fine else USUAL_TIMES
+        fine = sensors or forces or animation or (plot and _with_forces(chains))
+        times = MANY_TIMES if fine or len(chains) > 1 else USUAL_TIMES
     of_saved_times = {
         "out": out, "forces": forces, "plot": plot, "animate": animation, "sensor": sensors,
         "budget": budget, "waves": waves, "horizon": horizon,
@@ -375,6 +374,11 @@ def _curves(chain: Chain, beads: list[int]) -> list[int | str]:
     if not chain._free_cap:
         return [*beads, *walls]
     return [*(bead for bead in beads if bead != chain.beads), *walls, "body"]
+
+
+def _with_forces(chains: dict[str, Chain]) -> bool:
+    """Whether a figure without sensors has forces on walls or caps."""
+    return any(_curves(chain, []) for chain in chains.values())
 
 
 def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], title: str, *, forces: bool) -> Axes:

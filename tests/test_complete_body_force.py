@@ -72,6 +72,42 @@ def test_a_run_without_an_end_has_the_later_pulse_on_the_cap(early):
     assert found.force == pytest.approx(expected, rel=1e-5)
 
 
+def test_a_resumed_run_has_the_largest_force_before(early, tmp_path):
+    run = hc.simulate(early)
+    first = hc.simulate(early, until=0.5 * (body_force(run).time + run.end_time))
+    later = hc.simulate(early, start=first.state, until=run.end_time)
+    assert later.force(early.beads - 1).max() < 50.0
+    assert body_force(later).force == pytest.approx(by_scipy(early, 1e-3), rel=1e-5)
+    assert body_force(later).complete
+    later.save(tmp_path / "later.nc")
+    assert body_force(hc.load_run(tmp_path / "later.nc")).force == body_force(later).force
+
+
+def test_a_run_that_resumes_an_unknown_one_is_not_complete(early):
+    # The second hit begins with dents, and its resumed run does not contain the largest force.
+    hit = hc.simulate(early.replace(loss=hc.ElasticPlastic()))
+    again = hc.simulate(hit.chain, start=hit.state.struck_again())
+    end = again.end_time
+    first = hc.simulate(hit.chain, start=hit.state.struck_again(), until=0.9 * end)
+    part = body_force(hc.simulate(hit.chain, start=first.state, until=end))
+    assert body_force(again).complete
+    assert part is None or not part.complete
+
+
+def test_a_row_without_a_cap_is_complete_only_if_proven():
+    row = hc.Chain.uniform(6)
+    assert body_force(hc.simulate(row)).complete
+    table = hc.simulate_many([row], keep=[PEAK])
+    assert table.complete[0]
+    driven = row.replace(velocities=np.zeros(6), drive=hc.SineBurst(0.5, 0.1, cycles=6))
+    with pytest.warns(hc.IncompleteWarning, match="force on the last body is complete"):
+        table = hc.simulate_many([driven], keep=[PEAK], until=20.0)
+    assert not table.complete[0]
+    found = [body_force(hc.simulate(driven, until=until)) for until in (20.0, 60.0)]
+    assert found[1].force > 6.0 * found[0].force
+    assert [each.complete for each in found] == [False, True]
+
+
 def test_tables_sweeps_and_scatters_use_the_same_run(early):
     table = hc.simulate_many([early], keep=[PEAK])
     assert table.complete[0]

@@ -103,10 +103,10 @@ class Ending:
         )  # fmt: skip
 
     def body_is_complete(self, record: Record) -> bool:
-        """Whether no later force on a cap behind the row can exceed the largest one."""
+        """Whether no later force on the last body of a free end can exceed the largest one."""
         equation = self.equation
         chain = equation.chain
-        if not chain._free_cap or record.moves:
+        if chain.right_wall is not None or record.moves:
             return True
         contact = equation.beads - 1
         peak = max(

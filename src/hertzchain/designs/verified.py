@@ -59,9 +59,9 @@ NOT_A_PEAK: Final = (
     f"{LARGEST_ON_WALL} is the largest force on the wall up to the end of the run; it is not a "
     "complete peak, so a larger force may follow"
 )
-LATER_ON_CAP: Final = (
-    "the run ends before the force on the cap is complete, so a larger force may follow; give a "
-    "later until, or none"
+LATER_ON_BODY: Final = (
+    "the run ends before the force on the last body is complete, so a larger force may follow; "
+    "give a later until, or none"
 )
 WITH_YIELD: Final = "with contacts that yield"
 
@@ -169,7 +169,7 @@ def verify_chain(
         ):
             notes.append(NOT_A_PEAK)
     if any(m.key in BODY for m in measures) and not table.reasons and not table.complete[0]:
-        notes.append(LATER_ON_CAP)
+        notes.append(LATER_ON_BODY)
     notes += _later_motion(problem, chain, values)
     notes += _later_force(problem, chain, values, float(table["end_time"][0]))
     limits = None

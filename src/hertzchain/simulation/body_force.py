@@ -39,8 +39,10 @@ class BodyForce(NamedTuple):
     The acceleration is this force over the mass of the body, without any filter.  The duration is
     the time around the maximum for which the force exceeds a tenth of it; NaN if the run begins
     later or ends earlier.  ``error`` is a bound of the error of the force.  ``later`` states
-    whether the largest force is not the first maximum.  ``complete`` is false if a later force on a
-    cap may exceed it: if the run ended before `hertzchain.simulation.body_bound` excludes it.
+    whether the largest force is not the first maximum.  ``complete`` is false if a later force may
+    exceed it: if the run ended before `hertzchain.simulation.body_bound` excludes it.  The force of
+    a run that was resumed includes the time before; if that is not known, because the run did not
+    begin with the chain, ``complete`` is false.
     """
 
     force: float
@@ -96,8 +98,9 @@ def body_force(run: Run) -> BodyForce | None:
             except (InputError, SimulationError):
                 fine = run
             found = _from_saved_times(fine)
-            if found is not None and run.chain._free_cap:
-                found = found._replace(complete=bool(run._complete[RIGHT]))
+            if found is not None:
+                whole = fine.times[0] <= 0.0
+                found = found._replace(complete=whole and bool(run._complete[RIGHT]))
             run.__dict__["_body_force"] = found
     known: BodyForce | None = run.__dict__["_body_force"]
     return known

@@ -11,7 +11,7 @@ from ..collision import Array
 from ..errors import IncompleteWarning, warn_user
 from ..pulse.quantities import BODY_QUANTITIES, SENSOR_QUANTITIES
 from ..representation import measure
-from .body_force import ABOVE, MAY_FOLLOW, body_force, not_on_a_wall
+from .body_force import ABOVE, MAY_FOLLOW, body_force, body_in_words, not_on_a_wall
 from .budget import budget_of
 from .run import Run
 from .sensor_force import sensor_maxima
@@ -38,9 +38,10 @@ def sensors_of_run(run: Run, beads: Sequence[int]) -> dict[str, Array]:
 
 
 def incomplete_in_words(run: Run) -> str:
-    """That a run ended before the largest force on its cap was complete."""
+    """That a run ended before the largest force on its last body was complete."""
     end = measure(run.end_time, "s", run.chain.units, 6)
-    return f"the run ends at t = {end}, before the force on the cap is complete: {MAY_FOLLOW}"
+    body = body_in_words(run.chain)
+    return f"the run ends at t = {end}, before the force on {body} is complete: {MAY_FOLLOW}"
 
 
 def body_of_run(run: Run) -> dict[str, float]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from ..collision import Array
-from ..errors import SimulationError
+from ..errors import InputError, SimulationError
 from .saved_times import check_memory_for
 from .simulate import default_step_limit, simulate
 from .state import State, first_state
@@ -36,7 +36,7 @@ def resolved(run: Run) -> Run:
     Between two saved times the impulse on this body is the change of its momentum, so that no pulse
     is missed between them.
     """
-    fine = run
+    run = fine = _from_the_chain(run)
     for _ in range(REPETITIONS):
         times = _more_times(fine, run)
         if times is None:
@@ -82,8 +82,23 @@ def _start_of(run: Run) -> State:
     return first_state(run.chain) if given is None else given
 
 
+def _from_the_chain(run: Run) -> Run:
+    """The run itself or, if it was resumed, the uninterrupted one, if the latter ends alike."""
+    if not _start_of(run).time > 0.0:
+        return run
+    try:
+        return _repeated(run, np.array([0.0, run.end_time]), None)
+    except (InputError, SimulationError):
+        return run
+
+
 def _again(run: Run, times: Array) -> Run:
     """The same run with other saved times."""
+    return _repeated(run, times, run.__dict__.get("_start"))
+
+
+def _repeated(run: Run, times: Array, start: State | None) -> Run:
+    """The same run with other saved times, from a state or from the chain."""
     from ..kernels.state_layout import STEP
 
     options: dict[str, Any] = {"rtol": run.rtol}
@@ -92,7 +107,6 @@ def _again(run: Run, times: Array) -> Run:
         options = {"method": run.method, "step": step}
     else:
         options["max_steps"] = max(default_step_limit(run.chain.beads), 2 * run.steps)
-    start = run.__dict__.get("_start")
     again = simulate(run.chain, times=times, start=start, **options)
     if start is None and not _same_end(run, again):
         raise SimulationError("the run began with dents or from another state that is not known")

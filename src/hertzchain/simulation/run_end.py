@@ -59,7 +59,7 @@ class RunEnd:
         # Whether the run ends at once if no larger force on the right wall can follow.
         self.at_peak = at_peak
         self.body: BodyWatch | None = None
-        if chain._free_cap:
+        if chain.right_wall is None and chain.beads > 1:
             self.body = BodyWatch(chain, arrays)
         self.watch: WallWatch | None = None
         if any(chain.wall_stiffness):
@@ -101,6 +101,7 @@ class RunEnd:
         }
         if (
             self.body is not None
+            and self.chain._free_cap
             and self.by_itself
             and (self.body.left or code == kernel.PULSE_LEFT)
         ):
@@ -153,8 +154,8 @@ class RunEnd:
 
         The first array, (5, 2), has the rows momentum, energy, bound and force at the end of the
         run, and the latest end of a run without a given end; the second one is (2,).  The left wall
-        is first; NaN and false without a wall.  With a cap behind the row instead of a right wall,
-        its place has the bound of later forces on the cap, and whether the largest is complete.
+        is first; NaN and false without a wall.  Without a right wall, its place has the bound of
+        later forces on the last body, and whether the largest is complete.
         """
         approaches, complete = np.full((5, 2), np.nan), np.zeros(2, bool)
         if self.body is not None:

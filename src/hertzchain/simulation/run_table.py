@@ -55,7 +55,7 @@ class RunTable(Frozen):
         Reasons why chains failed, by their index; empty if none did.
     complete : ndarray of bool, shape (C,)
         Whether the largest force on the right wall is complete, as `WallForce.complete`, or with
-        quantities of the last body, whether no larger force on a cap can follow; if not,
+        quantities of the last body, whether no larger force on it can follow; if not,
         ``wall_peak_force`` is NaN.  Impulse of the impact and duration are NaN as long as the
         impact has not ended.
     sensitive : ndarray of bool, shape (C,)

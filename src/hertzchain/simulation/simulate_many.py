@@ -121,8 +121,8 @@ def simulate_many(
     Warns
     -----
     IncompleteWarning
-        If chains fail, with the reason of the first, or if a larger force on a cap behind the row
-        may follow after the end of a run.
+        If chains fail, with the reason of the first, or if a larger force on the last body of
+        a free end may follow after the end of a run.
     ModelRangeWarning
         If chains exceed the limits of Hertz's law, unless ``check_range`` is false.
 
@@ -150,21 +150,30 @@ def simulate_many(
 
 
 def _warn_if_later_forces(table: RunTable) -> None:
-    """Warn once if runs end before the force on a cap behind the row is complete."""
+    """Warn once if runs end before the force on the last body of a free end is complete."""
     kept = [name for name in table.columns if name in BODY_QUANTITIES]
     if not kept:
         return
     rows = [
         row for row, chain in enumerate(table.chains)
         if chain is not None and row not in table.reasons
-        and chain._free_cap and not table.complete[row] and np.isfinite(table[kept[0]][row])
+        and chain.right_wall is None and not table.complete[row]
+        and np.isfinite(table[kept[0]][row])
     ]  # fmt: skip
     if rows:
         warn_user(
-            f"{len(rows)} of {len(table)} runs end before the force on the cap is complete, the "
-            f"first that of chain {rows[0]}: {MAY_FOLLOW}",
+            f"{len(rows)} of {len(table)} runs end before the force on {_bodies(table, rows)} is "
+            f"complete, the first that of chain {rows[0]}: {MAY_FOLLOW}",
             IncompleteWarning,
         )
+
+
+def _bodies(table: RunTable, rows: Sequence[int]) -> str:
+    """The last body of some of the chains."""
+    caps = all(
+        chain is not None and chain._free_cap for chain in map(table.chains.__getitem__, rows)
+    )
+    return "the cap" if caps else "the last body"
 
 
 def tabulate_runs(

@@ -229,14 +229,14 @@ class _Batch:
             reasons = [*missing, *self._unknown_yield(chains[i], row, place)]
             self.reason[row][place] = "; ".join(reasons)
             self.outside_range[row, place] = table.outside_range[i]
-            ends = bool(walls) or self._caps(chains[i])
+            ends = bool(walls) or self._bodies(chains[i])
             self.incomplete[row, place] = ends and not table.complete[i]
             self.sensitive[row, place] = table.sensitive[i]
 
-    def _caps(self, chain: Chain) -> bool:
-        """Whether the force on a cap behind the row is kept."""
+    def _bodies(self, chain: Chain) -> bool:
+        """Whether the force on the last body of a free end is kept."""
         kept = any(name in BODY_QUANTITIES for name in self.single)
-        return kept and chain._free_cap
+        return kept and chain.right_wall is None
 
     def _subject(self, row: int) -> Chain | Array | None:
         """Radii or chain of a point for `propagate_many`; `None` if the chain has features."""

@@ -96,7 +96,20 @@ def test_the_force_with_which_a_dashpot_begins_is_exact(law):
     table = hc.simulate_many([pair], keep=["body_force.peak"], until=5.0)
     assert table["body_force.peak"][0] == pytest.approx(1.0, rel=1e-5)
     sensor = hc.simulate(pair, until=5.0).sensor_force(2)
-    assert abs(sensor.largest_so_far - 0.5) < sensor.error < 0.05
+    assert sensor.largest_so_far == pytest.approx(0.5, rel=1e-12)
+    assert sensor.first_maximum == sensor.largest_so_far
+    assert sensor.error < 1e-12
+
+
+@pytest.mark.parametrize("law", [hc.Dashpot(0.1), hc.VelocityPower(0.1, 1.5)])
+def test_saved_times_do_not_miss_the_jump_with_which_a_contact_closes(law):
+    # Bead 1 meets bead 2 with speed 1; bead 2 is light, and its force falls before it rises again.
+    row = hc.Chain.uniform(3).replace(loss=law, masses=[10.0, 0.02, 10.0], gaps=[0.1, 0.3])
+    for times in (60, 100, 1000, 10_000):
+        found = hc.simulate(row, until=5.0, times=times).sensor_force(2)
+        assert found.first_maximum == pytest.approx(0.05, rel=1e-9)
+        assert found.first_maximum_time == pytest.approx(0.1, rel=1e-9)
+        assert found.largest_so_far > 10.0 * found.first_maximum
 
 
 def test_bounds_of_a_run_without_until_include_overlaps_between_saved_times():
@@ -109,6 +122,14 @@ def test_bounds_of_a_run_without_until_include_overlaps_between_saved_times():
         found = coarse.sensor_force(2)
     assert found.largest_so_far < 0.95 * exact
     assert found.largest_so_far + found.error >= exact
+
+
+def test_a_resumed_run_states_that_earlier_forces_are_not_included():
+    chain = hc.Chain.uniform(9)
+    first = hc.simulate(chain, until=6.0)
+    later = hc.simulate(chain, start=first.state, until=12.0)
+    assert "forces before t = 6 are not included" in " ".join(repr(later.sensor_force(8)).split())
+    assert "not included" not in repr(hc.simulate(chain, until=12.0).sensor_force(8))
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")

@@ -294,3 +294,26 @@ def test_waves_that_have_not_separated_are_marked():
         velocity = (wave.amplitude / exact.force_constant) ** (5 / 6)
         assert wave.momentum == pytest.approx(exact.momentum(velocity), rel=0.05)
         assert wave.energy == pytest.approx(exact.energy(velocity), rel=0.1)
+
+
+def test_a_short_chain_whose_waves_are_not_listed_is_reported():
+    # Seed 2000 of random chains: with 400 saved times, the wave that returns at the end is missed.
+    row = hc.Chain.from_radii([1.0, 0.2189, 1.0, 0.2189, 1.0])
+    wall = hc.Wall(stiffness=0.01 * float(row.stiffness[-1]))
+    row = row.replace(right_wall=wall, precompression=0.55, held_by="force")
+    for times in (400, 800):
+        with pytest.warns(hc.InputWarning, match="more than half at 4 of 4 contacts"):
+            hc.simulate(row, until=40.0, times=times).waves()
+
+
+@pytest.mark.parametrize("precompression", [0.0, 0.1])
+def test_beads_ahead_of_a_pulse_have_no_velocity_peaks(precompression):
+    row = hc.Chain.uniform(40)
+    if precompression:
+        row = row.replace(precompression=precompression, held_by="force")
+    run = hc.simulate(row, until=5.0, times=2000)
+    assert len(run.velocity_peaks(2))
+    for bead in range(12, 41):
+        assert len(run.velocity_peaks(bead)) == 0
+    # The foot of the pulse is there.
+    assert run.velocity(12).max() > 0.0

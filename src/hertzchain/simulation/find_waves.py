@@ -71,7 +71,9 @@ def find_waves(self: Trajectory, *, threshold: float = 0.01, min_contacts: int =
     -----
     InputWarning
         If some weaker waves are not resolved; they are marked.  If most of the energy that passes
-        more than 5 neighbouring contacts is in no listed wave (`Waves.unlisted_energy`).
+        more than 5 neighbouring contacts, or all contacts of a shorter chain, is in no listed wave
+        (`Waves.unlisted_energy`).  A wave that has not passed ``min_contacts`` contacts by the end
+        of the run is not listed.
 
     Examples
     --------

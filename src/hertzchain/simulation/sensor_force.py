@@ -22,6 +22,7 @@ from .end_forces import has_free_face
 from .force_table import force_dataframe
 from .sensor_curve import maximum_near, place_and_bound_of_largest
 from .sensor_passages import passages_of
+from .touches import touches_of
 from .trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -64,7 +65,8 @@ class SensorForce(Compared):
     bead : int
         Number k of the bead.
     times, force : ndarray, shape (T,)
-        Force at the saved times [scaled, or s and N].
+        Force at the saved times [scaled, or s and N].  Both maxima are those from the first saved
+        time on: in a run that was resumed, they do not include the time before.
     first_maximum, first_maximum_time : float
         The first maximum and its time: the largest force before the first fall by 10% of it that
         begins above 1% of the largest force, both counted from the force at rest.  Ripples after
@@ -82,7 +84,8 @@ class SensorForce(Compared):
         show the largest overlaps of both contacts are too few: the bound then includes the force
         at these overlaps.  With `UnloadingRatio`, the force jumps whenever a contact begins to
         open, and which maximum is the first depends on the saved times: the bound is then at least
-        that of the jumps.
+        that of the jumps.  With `Dashpot` and `VelocityPower`, the force begins with a jump when a
+        contact closes between saved times; it is located from the motion before.
     units : str
         ``"scaled"`` or ``"SI"``.
     static_force : float
@@ -132,6 +135,9 @@ class SensorForce(Compared):
             facts.append(f"both with the static force of {static}")
         if self.error > SHOWN * abs(self.largest_so_far):
             facts.append(f"errors at most {measure(self.error, 'N', self.units, digits=2)}")
+        if len(self.times) and self.times[0] > 0.0:
+            begin = measure(float(self.times[0]), "s", self.units)
+            facts.append(f"forces before t = {begin} are not included")
         if self.free_face:
             facts.append(FREE_FACE)
         return short("SensorForce", f"bead {self.bead}", *facts)
@@ -250,14 +256,10 @@ def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
     static = run.chain.static_state.forces[bead - 1 : bead + 1]
     at_rest = 0.5 * float(static.sum()) if bead > run.chain.strikers else 0.0
     found = find_maxima(bead, run.times, force, at_rest, run.chain.units)
-    place, bound = place_and_bound_of_largest(run, bead, force)
-    near = [place]
-    if not math.isnan(found.first_maximum_time):
-        near.insert(0, int(np.searchsorted(found.times, found.first_maximum_time)))
+    tops, bound = _tops(run, bead, force, at_rest)
     largest_change = float((run.forces - run.chain.static_state.forces).max())
     reached = float(np.abs(force - at_rest).max()) > NEGLIGIBLE * largest_change
-    tops = [maximum_near(run, bead, force, i) for i in near]
-    first, first_time, _ = tops[0] if len(tops) == 2 else (math.nan,) * 3
+    first, first_time, _ = tops[0] if len(tops) > 1 else (math.nan,) * 3
     # The first maximum may be larger between saved times than the one at a saved time.
     largest, largest_time, _ = max(tops)
     return replace(
@@ -267,6 +269,33 @@ def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
         static_force=at_rest, reached=reached, free_face=has_free_face(run.chain, bead),
         velocity=run.velocity(bead),
     )  # fmt: skip
+
+
+def _tops(
+    run: Trajectory, bead: int, force: Array, at_rest: float
+) -> tuple[list[tuple[float, float, float]], float]:
+    """Heights, times and errors of the first maximum, if any, and of the largest force.
+
+    The second result is an upper bound of the largest force.
+    """
+    touches = touches_of(run, bead, force)
+    place, bound = place_and_bound_of_largest(run, bead, force)
+
+    def top(time: float) -> tuple[float, float, float]:
+        closes = touches.at(time)
+        if closes is not None:
+            return float(touches.forces[closes]), time, float(touches.errors[closes])
+        return maximum_near(run, bead, force, int(np.searchsorted(run.times, time)))
+
+    curve = touches.inserted(run.times, force)
+    found = find_maxima(bead, *curve, at_rest)
+    largest = float(run.times[place])
+    if touches.forces.max(initial=0.0) > force.max():
+        largest = found.largest_so_far_time
+    tops = [top(largest)]
+    if not math.isnan(found.first_maximum_time):
+        tops.insert(0, top(found.first_maximum_time))
+    return tops, bound
 
 
 def find_maxima(

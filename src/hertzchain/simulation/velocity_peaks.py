@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 # Peaks lower than this fraction of the highest one are ignored.
 RIPPLE: Final = 0.01
+# Fraction of the largest velocity of any bead below which velocities are rounding errors, or the
+# foot of a pulse that has not arrived, which is too small to be computed accurately.
+NOTHING: Final = 1e-12
 # Absolute tolerance of the times at half height, which have a relative one.
 TINY: Final = 1e-300
 
@@ -115,7 +118,8 @@ def velocity_peaks_of(self: Trajectory, bead: int | str) -> VelocityPeaks:
     Returns
     -------
     VelocityPeaks
-        Their times, velocities and widths, from the saved times.
+        Their times, velocities and widths, from the saved times.  Peaks below 1% of the largest
+        one of this bead, or below 1e-12 of the largest velocity of any bead, are ignored.
 
     Raises
     ------
@@ -142,13 +146,19 @@ def peaks_from(run: Trajectory, k: int, which: slice = slice(None)) -> VelocityP
     net = run.forces[:, k - 1] - run.forces[:, k] + run.chain.static_state.body_forces[k - 1]
     acceleration = net / run.chain.masses[k - 1]
     curves = (run.times[which], run.velocity(k)[which], acceleration[which])
-    return find_peaks(k, *curves, run.chain.units)
+    floor = NOTHING * float(np.abs(run.velocities).max(initial=0.0))
+    return find_peaks(k, *curves, run.chain.units, floor=floor)
 
 
 def find_peaks(
-    bead: int, times: Array, velocity: Array, acceleration: Array, units: str = "scaled"
+    bead: int,
+    times: Array,
+    velocity: Array,
+    acceleration: Array,
+    units: str = "scaled",
+    floor: float = 0.0,
 ) -> VelocityPeaks:
-    """Find the peaks of a bead's velocity.
+    """Find the peaks of a bead's velocity that are higher than ``floor``.
 
     Between two saved times the velocity is interpolated by the cubic with the given velocities and
     accelerations at both; the error of a peak is of fourth order in the spacing.
@@ -168,7 +178,7 @@ def find_peaks(
     # A forward maximum is positive and concave, a backward minimum negative and convex.
     turning = turning[curve(turning, 2) * curve(turning) < 0.0]
     heights = np.abs(curve(turning))
-    crests = turning[heights > RIPPLE * np.max(heights, initial=0.0)]
+    crests = turning[heights > max(floor, RIPPLE * np.max(heights, initial=0.0))]
     at_edges = curve(edges)
     widths = np.array([
         _width_at_half(curve, edges, at_edges, int(np.searchsorted(edges, crest)))

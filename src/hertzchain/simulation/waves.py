@@ -383,7 +383,7 @@ class Waves(Compared):
         missed = np.concatenate(([False], self.unlisted_energy > UNLISTED, [False]))
         begin, end = np.flatnonzero(np.diff(missed.astype(int))).reshape(-1, 2).T
         # Where waves meet, or a wall reflects one, a few contacts have maxima without a direction.
-        long = end - begin > MEETING
+        long = end - begin > min(MEETING, self.chain.beads - 2)
         if not long.any():
             return ""
         contacts = np.concatenate(

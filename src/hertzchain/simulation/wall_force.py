@@ -80,7 +80,11 @@ class WallForce(Compared):
         End of the impact: time at which the contact opened for the first time since the motion
         towards the wall could not exceed the peak.  Under a static force it need not open: the
         force must fall to 0.1% of the peak, both without the static force.  `None` if the peak is
-        not complete or the impact has not ended, as on a soft wall that is still loaded.
+        not complete or the impact has not ended, as on a soft wall that is still loaded.  The
+        motion and the static force are compared 16 times per transit of the pulse, after steps of
+        the integration.  Under a static force, this time, ``impulse_of_impact`` and `duration`
+        therefore depend on the steps, by about 1%, and those of `simulate_many` differ from those
+        of `simulate`.  Without one, they are exact unless the contact opens close to a comparison.
     largest_so_far, largest_so_far_time : float
         Largest force of the run and its time, complete or not.
     bound : float

@@ -73,6 +73,34 @@ def test_hosts_of_two_beads_and_chains_without_host():
         _ = scattered.host_edges
 
 
+@pytest.mark.parametrize("beads", [4, 5, 6, 8, 12])
+def test_columns_under_gravity_have_no_host(beads):
+    column = hc.Chain.uniform(beads).replace(gravity=0.1, right_wall=hc.Wall(stiffness=1.0))
+    assert hc.spectrum(column).localised.size == 0
+
+
+def test_a_contact_of_another_stiffness_has_a_host():
+    stiffness = np.ones(39)
+    stiffness[19] = 4.0
+    row = hc.Chain.from_radii(np.ones(40), masses=np.ones(40), stiffness=stiffness)
+    found = hc.spectrum(row.replace(precompression=1.0, held_by="force"))
+    np.testing.assert_allclose(found.host_edges, [[0.0, 6.0**0.5 / (2 * np.pi)]])
+    assert list(found.localised) == [40]
+
+
+@pytest.mark.parametrize("time", [0.0, 0.1, 0.3])
+def test_damped_modes_of_a_band_are_not_localised(time):
+    row = hc.Chain(
+        np.ones(40), masses=np.resize([1.0, 0.34], 40), velocities=np.zeros(40),
+        precompression=1.0, held_by="force", left_wall=hc.Wall(stiffness=1.0),
+        loss=hc.Viscoelastic(time) if time else None,
+    )  # fmt: skip
+    found = hc.spectrum(row)
+    # Dampers lower the frequencies of the optical band into the gap.
+    assert (found.frequencies[22] < found.band_edges()[1, 0]) == (time > 0.0)
+    assert list(found.localised) == [21]
+
+
 def test_localised_modes_are_marked_in_plots():
     axes = hc.spectrum(ODD).plot()
     labels = axes.get_legend_handles_labels()[1]

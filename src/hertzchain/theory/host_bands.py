@@ -37,6 +37,15 @@ class HostBands(BandStructure):
         return np.asarray(self.contacts.masses[:, np.newaxis] * np.abs(self.modes) ** 2)
 
     @property
+    def _undamped(self) -> Array:
+        """Frequencies of the shapes of the modes without dampers, by Rayleigh's quotient."""
+        if not self.contacts.dampers.any():
+            return self.frequencies
+        stretched = np.diff(np.pad(self.modes, ((1, 1), (0, 0))), axis=0)
+        stored = self.contacts.springs @ np.abs(stretched) ** 2
+        return np.asarray(np.sqrt(stored / self._energies.sum(axis=0)) / (2.0 * math.pi))
+
+    @property
     def participation(self) -> Array:
         r"""Number of beads that take part in each mode, shape (M,).
 
@@ -64,7 +73,8 @@ class HostBands(BandStructure):
         Raises
         ------
         InputError
-            If more than a fifth of the beads differ from any cell of up to four beads.
+            If more than a fifth of the beads differ from any cell of up to four beads, or more than
+            a fifth of the contacts other than those of such beads, as under gravity.
 
         Examples
         --------
@@ -109,7 +119,9 @@ class HostBands(BandStructure):
 
         Mode j has the frequency ``frequencies[j - 1]`` and the shape ``modes[:, j - 1]``.  The
         amplitude of a localised mode decays exponentially with the distance from an odd bead or
-        an end.  Empty if the chain has no host (`host_edges`).
+        an end.  Empty if the chain has no host (`host_edges`).  With loss, the frequency that is
+        compared with the bands is that of the same shape without dampers, because the bands neglect
+        losses, which reduce all frequencies.
 
         Examples
         --------
@@ -125,7 +137,7 @@ class HostBands(BandStructure):
             low, high = self.host_edges.T
         except InputError:
             return np.zeros(0, dtype=np.intp)
-        room, f = OUTSIDE * high[-1], self.frequencies[:, np.newaxis]
+        room, f = OUTSIDE * high[-1], self._undamped[:, np.newaxis]
         return np.flatnonzero(~((f >= low - room) & (f <= high + room)).any(axis=1)) + 1
 
 
@@ -143,7 +155,8 @@ def _host(contacts: LinearContacts, description: str) -> tuple[LinearContacts, i
             for values, each in zip((masses, springs), usual, strict=True)
         ]
         # Each other bead may have other springs on both sides.
-        if others[0].sum() <= MAX_OTHERS * beads and others[1].sum() <= 2 * MAX_OTHERS * beads:
+        room = max(2 * others[0].sum(), MAX_OTHERS * len(springs))
+        if others[0].sum() <= MAX_OTHERS * beads and others[1].sum() <= room:
             return LinearContacts(usual[0], np.append(0.0, usual[1]), np.zeros(cell + 1)), cell
     raise InputError(
         f"most beads of this chain ({description}) do not repeat a cell of up to {MAX_CELL} beads, "

@@ -30,7 +30,7 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
 from .alternating_masses import alternates
 from .decoration import small_beads
-from .growth_errors import COVERED, add_accumulated
+from .growth_errors import add_accumulated, add_lost_maxima, covered
 from .lossy_law import lossy_pulse
 from .strikers import FEATURES as STRIKERS
 from .strikers import other_method, struck_pulse
@@ -98,7 +98,8 @@ def local_rate(chain: Chain) -> Pulse:
         overlap; momentum, energy and force are derived from them.  The estimate is NaN where the
         error is unknown: beyond a contact whose rate is outside the tables, where the estimate
         would exceed 100%, and where beads of forward tapers may lose their first maximum: at the
-        last ones if rates are below -0.1235, and beyond a rate below -0.161.
+        last ones if rates are below -0.1235, and beyond a rate below -0.161; for exponents below
+        1.85, except 3/2, at smaller rates.
 
     Raises
     ------
@@ -118,7 +119,8 @@ def local_rate(chain: Chain) -> Pulse:
     The estimated error exceeds 96% or more of the errors in each class of random chains for the
     exponent 3/2; it is not an upper bound.  Errors within one chain are correlated: in a taper
     of constant rate, most beads may exceed the estimate, by up to four times.  Beyond 100 contacts,
-    it contains errors that accumulate along the chain.  Where a warning is issued, use
+    or from the first one for exponents other than 3/2 and 2, it contains errors that accumulate
+    along the chain.  Where a warning is issued, use
     `propagate`, or `simulate` with a loss.
 
     Examples
@@ -171,14 +173,16 @@ def smooth_pulse(chain: Chain, theory: str = "local_rate", advice: str = "") -> 
 def _with_accumulated(
     largest: float, radii: Array, errors: Array, functions: UniversalFunctions
 ) -> float:
-    """Largest of the estimated errors, to which those that accumulate in a long chain are added."""
+    """Largest of the estimated errors, with those that accumulate and of lost maxima."""
     from ..kernels import local_rate_pulse as kernel
 
     contacts = len(errors)
-    if contacts <= COVERED or not np.isfinite(largest):
+    if contacts <= covered(functions.exponent) or not np.isfinite(largest):
         return largest
-    slow, _ = kernel.divide(kernel.logarithms(radii)[1], contacts)
+    rates = kernel.logarithms(radii)[1]
+    slow, _ = kernel.divide(rates, len(rates))
     add_accumulated(errors, slow[:contacts], functions)
+    add_lost_maxima(errors, slow[: len(rates)], functions.exponent)
     return float(errors.max())
 
 
@@ -345,7 +349,9 @@ class Solution:
         constants, lost = functions.error, self.lost
         each = range(len(self.rates))
         errors = np.array([estimated_error(k, self.error_parts, constants, lost) for k in each])
-        add_accumulated(errors, self.slow[: len(errors)], functions)
+        slow = self.slow[: len(errors)]
+        add_accumulated(errors, slow, functions)
+        add_lost_maxima(errors, slow, functions.exponent)
         return _known(errors, self.rates, functions)
 
 

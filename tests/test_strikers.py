@@ -196,7 +196,7 @@ def test_counts_of_beads_do_not_include_strikers():
     ):
         assert hc.simulate(at_rest, until=0.05).beads_passed == 0
     for table in (hc.propagate_many([chain, hc.Chain.uniform(9)]), hc.simulate_many([chain])):
-        assert " chains of up to 20 beads and 1 striker" in repr(table)
+        assert " of up to 20 beads and 1 striker" in repr(table)
     assert "up to 20 beads and 1 striker" in hc.propagate_many([chain])._repr_html_()
 
 

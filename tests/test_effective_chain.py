@@ -45,6 +45,21 @@ def test_where_the_small_beads_are_not_light():
     assert effective.spacing(velocity[25])[25] / spacing > 1.02
 
 
+@pytest.mark.parametrize("exponent", [1.25, 1.75, 2.0, 2.5, 3.0])
+def test_the_range_of_small_beads_depends_on_the_exponent(exponent):
+    ratio = 0.5 * min(1.0, 1.5 / exponent)
+    for part in (0.6, 0.8, 1.0):
+        chain = hc.Chain.uniform(45, exponent=exponent).decorated(part * ratio)
+        pulse = hc.propagate(chain)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            spacing = hc.effective_chain(chain).spacing(pulse.velocity[::2])
+        time = pulse.peak_time[::2]
+        assert spacing[18:38].sum() == pytest.approx(time[38] - time[18], rel=4e-3)
+    with pytest.warns(hc.ModelRangeWarning, match="the effective chain is accurate to"):
+        hc.effective_chain(hc.Chain.uniform(45, exponent=exponent).decorated(1.05 * ratio))
+
+
 def test_light_beads_are_those_of_little_mass():
 
     def alternating(large, small):
@@ -81,7 +96,7 @@ def test_without_small_beads_it_is_the_bca():
 @pytest.mark.parametrize("exponent", [1.5, 2.5])
 def test_contacts_in_series_by_balance_of_forces(exponent):
     """Push two large beads together by one, and find the overlaps contact after contact."""
-    chain = hc.Chain.from_radii([1.0, 0.3, 0.2, 0.4, 1.2], exponent=exponent)
+    chain = hc.Chain.from_radii([1.0, 0.2, 0.15, 0.18, 1.2], exponent=exponent)
     effective = hc.effective_chain(chain, [1, 5])
 
     def overlaps(force):

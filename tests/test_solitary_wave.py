@@ -148,6 +148,16 @@ def test_profiles_reach_far_and_can_be_pickled():
     assert wave.overlap(wave.overlap.width(level) / 2.0) == pytest.approx(level, rel=1e-9)
 
 
+@pytest.mark.parametrize("exponent", [1.25, 1.5, 2.0, 3.0, 20.0])
+def test_profiles_are_zero_where_they_underflow(exponent):
+    wave, at = hc.solitary_wave(exponent), np.arange(0.0, 60.0, 0.05)
+    for profile in (wave.velocity, wave.overlap, wave.force):
+        with np.errstate(over="raise", invalid="raise"):
+            values = profile(at)
+        assert (np.diff(values) <= 0.0).all()
+        assert values[-1] == 0.0
+
+
 def test_printed_profile():
     xi = np.arange(0.0, 3.1, 0.5)
     velocity = [1, 0.75888, 0.32625, 0.07566, 8.723e-3, 4.450e-4, 8.602e-6]

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..chain.chain import Chain
 from ..chain.feature_support import require_supported
 from ..collision import (
+    HERTZ_EXPONENT,
     Array,
     collision_cascade,
     collision_overlap,
@@ -39,7 +40,8 @@ from .decoration import SMALL, small_beads
 from .solitary_wave import solitary_wave
 
 # Largest mass of the small beads between two large ones, over that of the lighter large bead,
-# for which the spacing is accurate to about 0.2%: one small bead of half the radius.
+# for which the spacing is accurate to about 0.2%: one small bead of half the radius.  For larger
+# exponents p, it is (3/2p)^3 of this: a stiffer law makes a shorter pulse.
 MAX_LOAD: Final = 0.125
 # Relative error of the spacing over the change of the radius per large bead where radii shrink and
 # grow, from simulations of exponential tapers with q from 0.01 to 0.05 and ratios 0.3 to 0.5.
@@ -324,7 +326,7 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
     :math:`\lambda_j m_j` to that of bead b, which conserves momentum.  Between equal large
     beads, `EffectiveChain.spacing` agrees with the simulation to 0.2% for one small bead of up
     to half the radius, and to 0.25% for several small beads that have one eighth of the mass in
-    total.  The energy that remains in the small beads is neglected, and so is the decay of
+    total; for exponents p from 3/2 to 3, to 0.4% up to :math:`(3/2p)^3/8` of the mass.  The energy that remains in the small beads is neglected, and so is the decay of
     the pulse at resonant size ratios.
 
     Parameters
@@ -348,7 +350,7 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
     -----
     ModelRangeWarning
         If the small beads between two large ones have more than one eighth of the mass of
-        the lighter large bead.
+        the lighter large bead, or for an exponent p above 3/2, more than :math:`(3/2p)^3/8` of it.
 
     Examples
     --------
@@ -403,6 +405,11 @@ def _checked_large(chain: Chain, large: Sequence[int]) -> NDArray[Any]:
     return index - 1
 
 
+def _part(share: float) -> str:
+    """Ratio of the radii of one small bead of the largest mass, in words."""
+    return "half" if share == 1.0 else f"{0.5 * share:.3g} times"
+
+
 def _warn_if_steep(masses: Array) -> None:
     """Warn if the sizes of the large beads change too fast for the time of a solitary wave."""
     # The beads at the ends have only half the share of the small beads.
@@ -440,11 +447,13 @@ def _check_small(chain: Chain, index: NDArray[Any]) -> None:
     lighter = np.minimum(masses[index[:-1]], masses[index[1:]])
     load = np.bincount(cell, weights=masses[small], minlength=len(between)) / lighter
     worst = int(np.argmax(load))
-    if load[worst] > MAX_LOAD * (1.0 + 1e-9):
+    share = min(1.0, HERTZ_EXPONENT / chain.exponents)
+    limit, accuracy = MAX_LOAD * share**3, "0.2%" if share == 1.0 else "0.4%"
+    if load[worst] > limit * (1.0 + 1e-9):
         warn_user(
             f"the small beads between beads {index[worst] + 1} and {index[worst + 1] + 1} have "
             f"{load[worst]:.3g} times the mass of the lighter of the two; the effective chain is "
-            f"accurate to 0.2% only up to {MAX_LOAD:g} (one small bead of half the radius), "
-            "because heavier beads do not follow their neighbours immediately",
+            f"accurate to {accuracy} only up to {limit:.3g} (one small bead of {_part(share)} the "
+            "radius), because heavier beads do not follow their neighbours immediately",
             ModelRangeWarning,
         )

@@ -107,7 +107,8 @@ class WaveTail:
         s, _, weight = _rule()
         near = distance - 0.5
         reference = self._minus_log(near)[..., None]
-        ratio = self._minus_log(near[..., None] + s) - reference
+        # Overlaps do not grow, but where they underflow their logarithms end at a constant.
+        ratio = np.maximum(self._minus_log(near[..., None] + s) - reference, 0.0)
         integral = np.sum(weight * np.exp(-self.exponent * ratio), axis=-1)
         force = np.exp(-self.exponent * reference[..., 0])
         return np.asarray(force * integral / math.sqrt(self.squared_speed))

@@ -326,8 +326,9 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
     :math:`\lambda_j m_j` to that of bead b, which conserves momentum.  Between equal large
     beads, `EffectiveChain.spacing` agrees with the simulation to 0.2% for one small bead of up
     to half the radius, and to 0.25% for several small beads that have one eighth of the mass in
-    total; for exponents p from 3/2 to 3, to 0.4% up to :math:`(3/2p)^3/8` of the mass.  The energy that remains in the small beads is neglected, and so is the decay of
-    the pulse at resonant size ratios.
+    total; for exponents p from 3/2 to 3, to 0.4% up to :math:`(3/2p)^3/8` of the mass. The
+    energy that remains in the small beads is neglected, and so is the decay of the pulse at
+    resonant size ratios.
 
     Parameters
     ----------

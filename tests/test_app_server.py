@@ -196,11 +196,15 @@ def test_the_peak_with_contacts_that_yield_is_stated():
     peak = computed(yields)["run"][0]["peaks"]["right"]
     dented = chain_of(yields).replace(loss=hc.ElasticPlastic())
     expected = hc.simulate(dented).wall_force().peak
+    harder = chain_of(yields).replace(loss=hc.ElasticPlastic(factor=2.8))
+    harder = hc.simulate(harder).wall_force().peak
     assert peak["yielding"] == pytest.approx(expected, rel=1e-6)
     assert peak["first"] > 10.0 * expected
     assert [each[:2] for each in peak["shown"]] == [
-        ["peak", peak["first"]], ["peak if contacts yield at 1.6 Y", peak["yielding"]]
-    ]  # fmt: skip
+        ["peak", peak["first"]],
+        ["peak if contacts yield at 1.6 Y", peak["yielding"]],
+        ["that at 2.8 Y", pytest.approx(harder, rel=1e-6)],
+    ]
     # Contacts that do not yield have the same peak; that of other losses is not known.
     peak = computed(below)["run"][0]["peaks"]["right"]
     assert peak["yielding"] == peak["first"]

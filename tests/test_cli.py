@@ -735,8 +735,8 @@ def test_command_line_lists_waves(run):
     assert "times [us]" in out
     assert "width [us]" in out
     first = found[0]
-    assert f"{1e6 * first['first_time']:.4g}..{1e6 * first['last_time']:.4g} " in out
-    assert f" {1e6 * first['width']:.4g} " in out
+    assert f"{1e6 * first['first_time']:#.4g}..{1e6 * first['last_time']:#.4g} " in out
+    assert f" {1e6 * first['width']:#.4g} " in out
     code, out, _ = run("simulate", "--beads", 40, "--until", 60, "--waves", "--json")
     (wave,) = json.loads(out)["waves"]
     assert wave["direction"] == "right"

@@ -200,7 +200,7 @@ FALLING = STEEL_BEADS + 'velocity = "0.1 m/s"\ngravity = "9.81 m/s^2"\nright_wal
         (STEEL_BEADS + "velocities = [1, 2, 0, 0, 0, 0]\n", ("pulse", "--speed", "1 m/s"),
          "beads of the file have different velocities: change them there\n"),
         (RETREATING, ("simulate",), "; give a positive velocity, or --until\n"),
-        (FALLING, ("sensitivity",), "under gravity has no natural end; give --until\n"),
+        (FALLING, ("sensitivity", "--quantity", "largest_velocity@3"), "under gravity has no natural end; give --until\n"),
         (FALLING, ("scatter", "--scatter", "1%", "--quantity", "largest_velocity@3"),
          "such as velocity@3, or give --until\n"),
     ],

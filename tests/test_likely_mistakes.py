@@ -37,7 +37,7 @@ def test_all_wrong_units_of_a_file_are_reported():
         hc.chain_from_toml(text)
     for said in (
         "velocity of [chain] must have a unit such as m/s",
-        "unknown unit of precompression of [chain] 'J'",
+        "precompression of [chain] must have a unit such as N, kN, mN, MN, got 'J'",
         "gap of [chain.right_wall] must have a unit such as m,",
     ):
         assert said in str(caught.value)

@@ -26,6 +26,7 @@ PREFIXES: Final = MappingProxyType(
 # Powers of ten of the smallest and largest values with errors that have no exponent, and the
 # largest number of their digits.
 SMALLEST, LARGEST, MAX_DIGITS = -4, 5, 12
+BYTES: Final = ("kB", "MB", "GB", "TB")
 NO_BREAK: Final = "\N{NO-BREAK SPACE}"
 # Spaces around an equals sign, and between a number and its unit.
 KEPT_TOGETHER: Final = re.compile(
@@ -174,6 +175,42 @@ def with_decimals(values: Sequence[float], spread: float) -> list[str]:
 def _second_digit(error: float) -> int:
     """Power of ten of the second digit of a number, rounded to two digits."""
     return int(f"{error:.1e}".partition("e")[2]) - 1
+
+
+def in_bytes(size: float) -> str:
+    """``120 bytes``, ``1.3 kB``, ``2.5 GB``: decimal units, as in file managers."""
+    if size < 1000.0:
+        return f"{size:.0f} bytes"
+    power = min(int(math.log10(size)) // 3, len(BYTES))
+    return f"{size / 1000.0**power:.3g} {BYTES[power - 1]}"
+
+
+def in_column(values: Sequence[float], digits: int) -> list[str]:
+    """Numbers of a column or a legend with at most these digits: 5.800 beside 5.837.
+
+    All have as many digits as the value that needs most of them; a dash takes the place of NaN.
+    """
+    texts = [f"{value:.{digits}g}" for value in values]
+    most = max(map(_digits_of, texts), default=1)
+    found = zip(values, texts, strict=True)
+    return ["-" if math.isnan(value) else _padded(value, text, most) for value, text in found]
+
+
+def _padded(value: float, text: str, digits: int) -> str:
+    """The number with zeros at its end, unless it is whole or very large."""
+    if value == 0.0 or not math.isfinite(value) or _digits_of(text) == digits:
+        return text
+    large = abs(value) >= 1.0 and ("e" in text or abs(value) >= 10.0 ** (digits - 1))
+    return text if large else f"{value:#.{digits}g}"
+
+
+def _digits_of(text: str) -> int:
+    """Number of significant digits, without zeros at the end of whole numbers."""
+    mantissa = text.lstrip("-").partition("e")[0]
+    if not mantissa.replace(".", "").isdigit():
+        return 1
+    shown = mantissa if "." in mantissa else mantissa.rstrip("0")
+    return max(len(shown.replace(".", "").lstrip("0")), 1)
 
 
 def counted(count: int, noun: str) -> str:

@@ -7,19 +7,17 @@ from typing import Any, Final
 
 from ..chain.bead_names import bead_label
 from ..chain.chain import Chain
-from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..chain.materials import FULLY_PLASTIC
 from ..simulation.body_force import ABOVE, MAY_FOLLOW, BodyForce, body_force, force_on_body
 from ..simulation.run import Run
 from ..simulation.sensor_force import MANY_TIMES
 from ..simulation.yield_range import at_fully_plastic_pressure
-from ..simulation.yielding import peak_with_yielding_contacts, pressures_below_yield
+from ..simulation.yielding import pressures_below_yield
 from ..units import STANDARD_GRAVITY
-from .yield_notes import IF_YIELDING
+from .yield_notes import known_peak, peaks_if_yielding
 
 # Name of the curve among those of sensors and walls.
 BODY: Final = "body"
-AT_MOST: Final = f"that at {FULLY_PLASTIC:g} Y"
 ACCELERATION: Final = "largest acceleration (force / mass, unfiltered)"
 IN_G0: Final = "in multiples of standard gravity"
 
@@ -47,11 +45,10 @@ def body_peaks(run: Run, progress: Callable[..., None] | None) -> dict[str, Any]
         words = f"largest force so far{above} ({MAY_FOLLOW})"
     shown: list[list[Any]] = [[words, found.force, found.time]]
     with_yield = [] if progress is None else _with_yield(run, progress)
-    yielding = None
-    if with_yield and with_yield[0][0] == IF_YIELDING:
-        yielding = with_yield[0][1]
+    yielding = known_peak(with_yield)
     # Contacts yield in this run, or not at all.
-    elif any(law.yields for law in chain.contact_losses) or pressures_below_yield(run):
+    yields = any(law.yields for law in chain.contact_losses)
+    if yielding is None and (yields or pressures_below_yield(run)):
         yielding = found.force
     return {
         **names, "shown": shown + with_yield, "impact": _motion(chain, found),
@@ -74,11 +71,4 @@ def _with_yield(run: Run, progress: Callable[..., None]) -> list[list[Any]]:
         found = body_force(other)
         words = f"largest force if contacts yield at {FULLY_PLASTIC:g} Y"
         return [] if found is None else [[words, found.force, None]]
-    if (first := peak_with_yielding_contacts(run, progress)) is None:
-        return []
-    outside = f", {OUTSIDE_LAW}" if first.outside else ""
-    shown: list[list[Any]] = [[f"{IF_YIELDING}{outside}", first.value, None]]
-    last = peak_with_yielding_contacts(run, progress, factor=FULLY_PLASTIC)
-    if last is not None and not last.outside:
-        shown.append([AT_MOST, last.value, None])
-    return shown
+    return peaks_if_yielding(run, progress)

@@ -11,7 +11,6 @@ import numpy as np
 from ..chain.bead_names import Side, bead_label
 from ..chain.chain import Chain
 from ..chain.drives import Drive
-from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..collision import Array, compression_time
 from ..errors import SimulationError
@@ -23,9 +22,9 @@ from ..simulation.run import Run
 from ..simulation.sensor_force import FREE_FACE, SHOWN
 from ..simulation.simulate import simulate
 from ..simulation.time_scales import UNBALANCED
-from ..simulation.yielding import peak_with_yielding_contacts, pressures_below_yield
+from ..simulation.yielding import pressures_below_yield
 from .body_curve import BODY, body_peaks
-from .yield_notes import IF_YIELDING
+from .yield_notes import known_peak, peaks_if_yielding
 
 # Intervals in the shortest contact, and the smallest number that needs no warning.  A light bead
 # between two others oscillates faster than a collision of two beads suggests.
@@ -251,19 +250,18 @@ def _wall_peaks(
     # This property does not issue the warning of `wall_force`.
     wall = run._wall_force(side)
     # A peak that a later impact may exceed is shown as the largest force of the run.
-    known = wall.proven and not math.isnan(wall.peak)
+    complete = not math.isnan(wall.peak)
+    known = wall.proven and complete
     first, time = wall.peak if known else None, wall.peak_time
     largest = wall.largest_so_far
     largest_time = _time_of_change(wall.largest_so_far_time, largest, smallest)
     words = _largest_in_words(run.chain, progress is None)
     shown = [[words, largest, largest_time] if first is None else ["peak", first, time]]
     yielding = None
-    if side == "right" and first is not None and progress is not None:
-        found = peak_with_yielding_contacts(run, progress)
-        if found is not None:
-            outside = f", {OUTSIDE_LAW}" if found.outside else ""
-            shown.append([f"{IF_YIELDING}{outside}", found.value, None])
-            yielding = None if found.outside else found.value
+    if side == "right" and complete and progress is not None:
+        shown += (with_yield := peaks_if_yielding(run, progress))
+        if with_yield:
+            yielding = known_peak(with_yield)
         # No contact yields, or the peak includes it.
         elif isinstance(run.chain.loss, ElasticPlastic) or pressures_below_yield(run):
             yielding = first

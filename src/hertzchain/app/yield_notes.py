@@ -5,15 +5,46 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
-from ..chain.materials import FIRST_YIELD
+from ..chain.hertz_ratios import OUTSIDE_LAW
+from ..chain.materials import FIRST_YIELD, FULLY_PLASTIC
 from ..chain.yield_pressure import ASSUMED_PRESSURE, OTHER_PRESSURE
 from ..simulation.run import Run
 from ..simulation.yield_range import depends_on_yield_pressure
-from ..simulation.yielding import dents_in_words, remark_on_overlaps
+from ..simulation.yielding import (
+    dents_in_words,
+    peak_with_yielding_contacts,
+    remark_on_overlaps,
+)
+from ..validation.objects import Progress
 from .wording import on_the_page
 
 # Label of the peak in a second simulation, of an elastic chain with contacts that yield.
 IF_YIELDING: Final = f"peak if contacts yield at {FIRST_YIELD:g} Y"
+AT_MOST: Final = f"that at {FULLY_PLASTIC:g} Y"
+# After labels of peaks that a later force may exceed.
+SO_FAR: Final = " (so far)"
+
+
+def peaks_if_yielding(run: Run, progress: Progress | None) -> list[list[Any]]:
+    """Labels, peaks and no times of an elastic run with contacts that yield, at both pressures."""
+    if (first := peak_with_yielding_contacts(run, progress)) is None:
+        return []
+    label = f"{IF_YIELDING}{SO_FAR}" if first.so_far else IF_YIELDING
+    if first.outside:
+        return [[f"{label}, {OUTSIDE_LAW}", first.value, None]]
+    shown: list[list[Any]] = [[label, first.value, None]]
+    last = peak_with_yielding_contacts(run, progress, factor=FULLY_PLASTIC)
+    if last is not None and not last.outside:
+        shown.append([f"{AT_MOST}{SO_FAR if last.so_far else ''}", last.value, None])
+    return shown
+
+
+def known_peak(shown: list[list[Any]]) -> float | None:
+    """The peak at first yield; `None` if there is none within the range of the law."""
+    if not shown or shown[0][0].removesuffix(SO_FAR) != IF_YIELDING:
+        return None
+    value: float = shown[0][1]
+    return value
 
 
 def yield_notes(run: Run) -> list[str]:

@@ -134,7 +134,7 @@ def _advice(kind: str, direction: Literal["backward", "forward"], rate: float) -
     other = "forward" if direction == "backward" else "backward"
     if rate < 0.0:
         return f"for the other direction, use {other}-{kind} with {-rate:g}"
-    if rate >= 1.0 and kind == "exponential":
+    if 1.0 <= rate < 100.0 and kind == "exponential":
         return f"for {rate:g}%, write {rate / 100.0:g}"
     example = 0.05 if kind == "exponential" else 0.005
     return f"try {example}, or a uniform chain for equal beads"

@@ -295,7 +295,7 @@ def _described(options: ChainOptions) -> Chain:
 def _materials(text: str, beads: int) -> str | list[str]:
     """The material of all beads, or those of the beads in turn."""
     names = [name.strip() for name in text.split(",")]
-    if len(names) > beads:
+    if len(names) > max(beads, 1):
         there = "is only 1 bead" if beads == 1 else f"are only {beads} beads"
         raise click.UsageError(
             f"--material has {len(names)} materials, but there {there}: omit some"

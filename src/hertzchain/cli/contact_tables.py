@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -62,6 +63,7 @@ def contact_table(run: Run) -> Table:
     from rich.table import Table
 
     from ..chain.hertz_ratios import linear_springs
+    from ..representation import in_column
     from ..simulation.hits import leaves_dents
 
     chain = run.chain
@@ -76,20 +78,21 @@ def contact_table(run: Run) -> Table:
         "pressure / yield", *dented,
     ):  # fmt: skip
         table.add_column(name, justify="left" if name == "between" else "right", no_wrap=True)
-    for row in rows:
-        ratio = row["pressure_over_yield"]
+    length = 1e6 if si else 1.0
+    stiffness = in_column([row["stiffness"] for row in rows], 5)
+    overlaps = in_column([length * row["largest_overlap"] for row in rows], 4)
+    pressures = [row["pressure_over_yield"] for row in rows]
+    ratios = in_column([math.nan if each is None else each for each in pressures], 3)
+    dents = in_column([length * row["dent"] for row in rows], 4)
+    for i, row in enumerate(rows):
         table.add_row(
             str(row["contact"]),
             " and ".join(row["between"]),
-            f"{row['stiffness']:.5g}",
+            stiffness[i],
             f"{row['exponent']:g}",
-            f"{(1e6 if si else 1.0) * row['largest_overlap']:.4g}",
-            "spring, not checked"
-            if springs[row["contact"]]
-            else "-"
-            if ratio is None
-            else f"{ratio:.3g}",
-            *[f"{(1e6 if si else 1.0) * row['dent']:.4g}" for _ in dented],
+            overlaps[i],
+            "spring, not checked" if springs[row["contact"]] else ratios[i],
+            *[dents[i] for _ in dented],
         )
     return table
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
@@ -78,6 +79,7 @@ def hit_table(runs: Sequence[Run], beads: Sequence[int]) -> Table:
 
     from ..chain.bead_names import bead_label, walls_of
     from ..chain.per_contact import contact_name
+    from ..representation import in_column
 
     chain = runs[0].chain
     si = chain.units == "SI"
@@ -89,15 +91,24 @@ def hit_table(runs: Sequence[Run], beads: Sequence[int]) -> Table:
     caps = [f"largest on the cap{force}"] if chain._free_cap else []
     for name in ("hit", *walls, *caps, *sensors, f"deepest dent{length}", "at"):
         table.add_column(name, justify="left" if name == "at" else "right")
-    for row in hits_as_list(runs, beads):
-        deepest = max(range(len(row["dents"])), key=row["dents"].__getitem__)
-        dent = row["dents"][deepest]
-        cap = [row["cap"]] if caps else []
-        forces = [*row["wall_peaks"].values(), *cap, *row["sensors"].values()]
-        table.add_row(
-            str(row["hit"]),
-            *("not complete" if each is None else f"{each:.5g}" for each in forces),
-            f"{(1e6 if si else 1.0) * dent:.3g}",
-            contact_name(deepest, chain.beads) if dent else "-",
-        )
+    hits = hits_as_list(runs, beads)
+    deepest = [max(range(len(row["dents"])), key=row["dents"].__getitem__) for row in hits]
+    depths = [row["dents"][contact] for row, contact in zip(hits, deepest, strict=True)]
+    dents = in_column([(1e6 if si else 1.0) * depth for depth in depths], 3)
+    forces = [
+        [*row["wall_peaks"].values(), *([row["cap"]] if caps else []), *row["sensors"].values()]
+        for row in hits
+    ]
+    columns = [_forces(column) for column in zip(*forces, strict=True)]
+    for i, row in enumerate(hits):
+        at = contact_name(deepest[i], chain.beads) if depths[i] else "-"
+        table.add_row(str(row["hit"]), *(column[i] for column in columns), dents[i], at)
     return table
+
+
+def _forces(column: Sequence[float | None]) -> list[str]:
+    """Forces of all hits; some are not complete."""
+    from ..representation import in_column
+
+    shown = in_column([math.nan if each is None else each for each in column], 5)
+    return ["not complete" if each == "-" else each for each in shown]

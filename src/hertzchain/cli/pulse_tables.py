@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
@@ -43,9 +43,11 @@ def pulse_table(pulse: Pulse, every_bead: bool) -> Table:
         if spreads and name.endswith(("_spread", "_error")):
             heading, unit = name.rpartition("_")[2], ""
         table.add_column(f"{heading}\n{symbol}{escape(unit)}", justify="right", no_wrap=True)
-    for i in rows:
-        table.add_row(str(i + 1), *(_cell(columns[name], i, digits[name]) for name in shown))
+    cells = [_cells(columns[name], rows, digits[name]) for name in shown]
+    for i, *row in zip(rows, *cells, strict=True):
+        table.add_row(str(i + 1), *row)
     notes = [SPREADS] * spreads + [OUT_OF_ORDER] * out_of_order(pulse.residence)
+    notes += [note for name in shown for note in _static_notes(pulse, name)]
     _add_notes(table, [pulse], *notes)
     return table
 
@@ -64,13 +66,32 @@ def side_by_side(pulses: list[Pulse], quantity: str, every_bead: bool) -> Table:
     columns = [pulse.column(quantity) for pulse in pulses]
     for pulse in pulses:
         table.add_column(pulse.method, justify="right")
-    for i in rows:
-        table.add_row(str(i + 1), *(_cell(values, i, 8) for values in columns))
+    cells = [_cells(values, rows, 8) for values in columns]
+    for i, *row in zip(rows, *cells, strict=True):
+        table.add_row(str(i + 1), *row)
     timed = quantity in ("residence", "speed")
     unordered = timed and any(out_of_order(each.residence) for each in pulses)
     speeds = [note for each in pulses for note in _speed_notes(each)] if quantity == "speed" else []
-    _add_notes(table, pulses, OUT_OF_ORDER if unordered else "", *speeds)
+    static = [note for each in pulses for note in _static_notes(each, quantity)]
+    _add_notes(table, pulses, OUT_OF_ORDER if unordered else "", *speeds, *static)
     return table
+
+
+def _static_notes(pulse: Pulse, quantity: str) -> list[str]:
+    """Note on a force or overlap that contains the one at rest."""
+    from ..pulse.quantities import QUANTITIES
+    from ..representation import measure
+
+    chain = pulse.chain
+    at_rest = {"peak_force": chain.static_state.forces, "peak_overlap": chain.static_state.overlaps}
+    if quantity not in at_rest or not at_rest[quantity].any():
+        return []
+    unit = QUANTITIES[quantity].unit
+    between = at_rest[quantity][1:-1]
+    low, high = (measure(float(each), unit, chain.units) for each in (between.min(), between.max()))
+    shown = low if low == high else f"{low} to {high}"
+    noun = quantity.removeprefix("peak_")
+    return [f"{quantity}: it includes the static {noun}, {shown}"]
 
 
 def _speed_notes(pulse: Pulse) -> list[str]:
@@ -89,11 +110,13 @@ def _speed_notes(pulse: Pulse) -> list[str]:
     return found
 
 
-def _cell(values: Array | None, i: int, digits: int) -> str:
-    """Format a number; empty without values, a dash for NaN."""
-    if values is None or i >= len(values):
-        return ""
-    return "-" if math.isnan(values[i]) else f"{values[i]:.{digits}g}"
+def _cells(values: Array | None, rows: Sequence[int], digits: int) -> list[str]:
+    """Numbers of some rows; empty without values, a dash for NaN."""
+    from ..representation import in_column
+
+    count = 0 if values is None else sum(i < len(values) for i in rows)
+    shown = [] if values is None else in_column([float(values[i]) for i in rows[:count]], digits)
+    return shown + [""] * (len(rows) - count)
 
 
 def _add_notes(table: Table, pulses: list[Pulse], *more: str) -> None:

@@ -72,6 +72,7 @@ def run_as_dict(
         else [peak.value, harder.value],
         "yielding_overlap_ratio": None if peak is None else peak.overlap_ratio,
         "yielding_within_range": None if peak is None else not peak.outside,
+        "yielding_proven": None if peak is None else not peak.so_far,
         "peak_of_second_hit": finite(second_hit(run)) if second else None,
         "yield_pressure_range": range_as_dict(run, other, beads),
         "sensors": [_numbers(run.sensor_force(bead)) for bead in beads],
@@ -183,7 +184,8 @@ def _if_yielding(run: Run, yielding: Yielding) -> list[str]:
         return []
     shown = measure(peak.value, "N", run.chain.units, 5)
     outside = f", {peak.caution}" if peak.outside else ""
-    lines = [f"  peak with contacts that yield: {shown} (--loss elastic-plastic){outside}"]
+    so_far = " so far" if peak.so_far else ""
+    lines = [f"  peak{so_far} with contacts that yield: {shown} (--loss elastic-plastic){outside}"]
     if harder is not None and not peak.outside:
         several = peak.several_pulses or harder.several_pulses
         ends = Ends("", "N", peak.value, harder.value, several)

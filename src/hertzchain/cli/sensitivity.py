@@ -78,7 +78,7 @@ def sensitivity(
     from ..designs.sensitivity import (
         changes_by_gaps,
         changes_of_peak,
-        end_of_largest,
+        end_of_run,
         gradient_by_gaps,
     )
     from ..designs.yielding import value_if_yielding
@@ -91,7 +91,7 @@ def sensitivity(
         raise InputError(f"{measure} has no derivatives; use wall_force.peak, body_force.peak or "
                          "velocity@last")  # fmt: skip
     given = time_from("--until", until, chain)
-    end = end_of_largest(chain, measure, given)
+    end = end_of_run(chain, measure, given)
     with progress_bar("chains simulated") as progress:
         changes: tuple[Array, ...] | None
         if by == "gaps":
@@ -207,6 +207,7 @@ def _table(
     from rich.table import Table
 
     from ..designs.sensitivity import GAP_STEP
+    from ..representation import in_column
 
     absolute = found[by]
     shown = {"% per 1%": found.relative(by)}
@@ -225,13 +226,14 @@ def _table(
     columns += [*shown, *([] if changes else [f"derivative by {by}{unit}"])]
     for column in columns:
         table.add_column(escape(column), justify="right", no_wrap=True)
-    for i in rows:
+    sizes = in_column([2e3 * chain.face_radii[i] for i in rows], 5) if of_beads else []
+    derivatives = in_column([absolute[i] for i in rows], 5)
+    for place, i in enumerate(rows):
         cells = [_place(chain, i) if of_beads else f"{i + 1}"]
-        face = chain.face_radii[i]
-        size = "flat" if isinf(face) else f"{2e3 * face:.5g}"
-        cells += [size] if of_beads and chain.units == "SI" else []
+        if of_beads and chain.units == "SI":
+            cells.append("flat" if isinf(chain.face_radii[i]) else sizes[place])
         cells += ["-" if isnan(each[i]) else f"{each[i]:+.4f}" for each in shown.values()]
-        table.add_row(*cells, *([] if changes else [f"{absolute[i]:.5g}"]))
+        table.add_row(*cells, *([] if changes else [derivatives[place]]))
     return table
 
 

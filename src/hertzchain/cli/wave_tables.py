@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..validation.json_types import finite
@@ -11,7 +13,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from ..simulation.horizon import Horizon
-    from ..simulation.waves import Wave, Waves
+    from ..simulation.waves import Waves
 
 
 def wave_table(waves: Waves) -> Table:
@@ -41,22 +43,33 @@ def wave_table(waves: Waves) -> Table:
         unit = time_unit if unit == "s" else unit
         shown = f"{name} [{unit}]" if real else name
         table.add_column(escape(shown), justify="right", no_wrap=True)
-    for row, wave in zip(rows, waves, strict=True):
+    columns = [
+        _ranges([(factor * row["first_time"], factor * row["last_time"]) for row in rows]),
+        *(_along(waves, name) for name in ("amplitude", "momentum", "energy")),
+        _along(waves, "width", factor),
+        _ranges([() if row["speed"] is None else (row["speed"],) for row in rows]),
+    ]
+    for row, *shown in zip(rows, *columns, strict=True):
         table.add_row(
             row["direction"] + ("" if row["resolved"] else " *"),
             f"{row['first_contact']}..{row['last_contact']}",
-            f"{factor * row['first_time']:.4g}..{factor * row['last_time']:.4g}",
-            *(_along(wave, name) for name in ("amplitude", "momentum", "energy")),
-            _along(wave, "width", factor),
-            "" if row["speed"] is None else f"{row['speed']:.4g}",
+            *shown,
         )
     return table
 
 
-def _along(wave: Wave, name: str, factor: float = 1.0) -> str:
-    """A quantity of a wave; where it changes along the track, those of its begin and its end."""
-    found = wave._along(name)
-    return "..".join(f"{factor * value:.4g}" for value in found if math.isfinite(value))
+def _along(waves: Waves, name: str, factor: float = 1.0) -> list[str]:
+    """A quantity of waves; where it changes along a track, those of its begin and its end."""
+    return _ranges([[factor * value for value in wave._along(name)] for wave in waves])
+
+
+def _ranges(rows: Sequence[Sequence[float]]) -> list[str]:
+    """Cells with no, one or two numbers, of which those that are not finite are omitted."""
+    from ..representation import in_column
+
+    kept = [[value for value in row if math.isfinite(value)] for row in rows]
+    texts = iter(in_column([value for row in kept for value in row], 4))
+    return ["..".join(itertools.islice(texts, len(row))) for row in kept]
 
 
 def waves_as_list(waves: Waves) -> list[dict[str, Any]]:

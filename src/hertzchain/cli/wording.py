@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from typing import Final
 
 import click
+from click.core import ParameterSource
 
 from ..errors import InputError, SimulationError
 
@@ -136,6 +137,17 @@ def in_words_of_the_command() -> Iterator[None]:
         raise
 
 
+def _with_dashes(message: str, context: click.Context) -> str:
+    """The message with the option in the place of the argument that it is about, if it is given."""
+    name, space, rest = message.partition(" ")
+    option = f"--{name.replace('_', '-')}"
+    for param in context.command.params:
+        given = context.get_parameter_source(param.name or "") == ParameterSource.COMMANDLINE
+        if given and param.name == name and option in param.opts:
+            return f"{option}{space}{rest}"
+    return message
+
+
 def on_command_line(message: str) -> str:
     """The message without Python expressions for which the command line has other words."""
     context = click.get_current_context(silent=True)
@@ -143,4 +155,4 @@ def on_command_line(message: str) -> str:
     chosen = [pair for option, pairs in BY_OPTION.items() if option in own for pair in pairs]
     for expression, words in (*chosen, *WORDINGS):
         message = re.sub(expression, words, message)
-    return message
+    return message if context is None else _with_dashes(message, context)

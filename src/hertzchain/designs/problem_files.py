@@ -34,10 +34,12 @@ from typing import Any, Final
 from ..errors import InputError, errors_at, short_repr, similar_names, unknown_name_error
 from ..store.chain_files import chain_from
 from ..store.toml_files import read_toml
+from ..validation.numbers import whole_number
 from ..validation.objects import file_path, shown_path
 from . import vary as variables
 from .balls import SHIPPED
 from .problem import Design, Variable
+from .search_budget import budget_from
 
 PROBLEM: Final = (
     "minimise",
@@ -82,6 +84,10 @@ def load_design(path: str | os.PathLike[str]) -> tuple[Design, dict[str, Any]]:
                 "'20 mm'] or balls = 'bearing-balls'"
             )
         problem = Design(chain_from(document, file.parent), **given)
+        if "budget" in table:
+            budget_from(table["budget"])
+        if "seed" in table:
+            whole_number("seed", table["seed"], least=0)
     return problem, {key: table[key] for key in OPTIONS if key in table}
 
 

@@ -24,7 +24,7 @@ from ..simulation.simulate import simulate
 from ..validation.objects import Progress
 from .exact_gradients import PEAK
 from .measured import measured
-from .measures import LARGEST_IN_SENSOR, Measure
+from .measures import ENDS, LARGEST_IN_SENSOR, SENSORS, Measure
 from .problem import Design
 
 STEP, RTOL = 1e-4, 1e-9
@@ -75,9 +75,15 @@ def changes_of_peak(
     return None if np.isnan([larger, smaller]).all() else (larger, smaller)
 
 
-def end_of_largest(chain: Chain, measure: Measure, until: float | None) -> float | None:
-    """Stop time for a largest force on a body or in a sensor: by default the end of the run."""
-    if until is not None or measure.key not in (*OF_BODY, LARGEST_IN_SENSOR):
+def end_of_run(chain: Chain, measure: Measure, until: float | None) -> float | None:
+    """Stop time for a force, by default the end of the run, as for `distribution`.
+
+    Forces that cannot be exceeded need none: derivatives follow from the steps up to them.
+    """
+    later = measure.key in (*OF_BODY, LARGEST_IN_SENSOR)
+    # Static forces end neither an impact nor the waves.
+    static = chain.gravity != 0.0 or chain.precompression != 0.0
+    if until is not None or not (later or (static and measure.key in (*ENDS, *SENSORS))):
         return until
     return simulate(chain, times=0, rtol=RTOL).end_time
 

@@ -26,6 +26,7 @@ from ..designs.sensitivity import changes
 from ..designs.verified import WITH_YIELD
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
+from ..representation import in_column
 from ..simulation.body_force import body_in_words
 from .colours import COLOURS, grey
 from .compared_rows import draw_compared_rows
@@ -156,7 +157,12 @@ def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes)
     """Label of both curves of a chain, with the peaks of forces, in lines that fit the axes."""
     unit = " N" if result.chain.units == "SI" else ""
     walled = shows_forces(result)
-    peaks = {each.yields: f"{each.peak:.4g}{unit}" for each in curves if each.name == name}
+    texts = in_column([each.peak for each in curves], 4)
+    peaks = {
+        each.yields: f"{text}{unit}"
+        for each, text in zip(curves, texts, strict=True)
+        if each.name == name
+    }
     parts = [f"{name}, peak {peaks[False]}" if walled else name]
     if True in peaks:
         outside = any(each.outside for each in curves if each.name == name)

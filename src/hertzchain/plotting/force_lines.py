@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..representation import in_column
 from ..simulation.body_force import MAY_FOLLOW
 from .colours import grey
 from .differences import words_of_chains
@@ -166,10 +167,11 @@ def oscillates(line: ForceLine) -> bool:
 
 def with_peaks(axes: Axes, units: str) -> None:
     """Add the largest plotted value of each complete force to its label."""
-    for line in force_lines(axes):
-        if not (line.named or line.analysed):
-            peak = f": {np.max(line.get_ydata()):.3g}{' N' if units == 'SI' else ''}"
-            line.set_label(line.words + peak + str(line.get_label()).removeprefix(line.words))
+    lines = [line for line in force_lines(axes) if not (line.named or line.analysed)]
+    peaks = in_column([float(np.max(line.get_ydata())) for line in lines], 3)
+    for line, peak in zip(lines, peaks, strict=True):
+        shown = f": {peak}{' N' if units == 'SI' else ''}"
+        line.set_label(line.words + shown + str(line.get_label()).removeprefix(line.words))
 
 
 def _label_circles(axes: Axes, lines: list[ForceLine]) -> None:

@@ -25,12 +25,14 @@ MAX_BEADS: Final = 100
 class WithYield(NamedTuple):
     """A value with contacts that yield, and the largest overlap / radius of their run.
 
-    A force on a wall may have several pulses, of which each can be the largest.
+    A force on a wall may have several pulses, of which each can be the largest, and a later impact
+    may exceed a peak so far.
     """
 
     value: float
     overlap_ratio: float
     several_pulses: bool = False
+    so_far: bool = False
 
     @property
     def outside(self) -> bool:
@@ -211,8 +213,9 @@ def peak_with_yielding_contacts(
     found = None if again is None else _peak_at_the_end(again)
     if again is None or found is None:
         return None
-    peak, several = found
-    return WithYield(peak, largest_overlap_ratio(dented, again.largest_overlaps), several)
+    peak, several, so_far = found
+    ratio = largest_overlap_ratio(dented, again.largest_overlaps)
+    return WithYield(peak, ratio, several, so_far)
 
 
 def _simulated_again(run: Run, dented: Chain, progress: Progress | None) -> Run | None:
@@ -231,15 +234,15 @@ def _simulated_again(run: Run, dented: Chain, progress: Progress | None) -> Run 
         return None
 
 
-def _peak_at_the_end(run: Run) -> tuple[float, bool] | None:
-    """Complete peak on the right wall, or largest force on a body, and whether others are similar.
+def _peak_at_the_end(run: Run) -> tuple[float, bool, bool] | None:
+    """Complete peak on the right wall, or largest force on a body; whether others are similar.
 
-    One of several pulses can be the largest.
+    One of several pulses can be the largest.  The last value is whether a later one may be.
     """
     from .body_force import body_force
 
     if run.chain.right_wall is None:
         found = body_force(run)
-        return None if found is None else (found.force, found.later)
+        return None if found is None else (found.force, found.later, not found.complete)
     wall = run._wall_force("right")
-    return (wall.peak, wall.touches > 1) if wall.complete else None
+    return (wall.peak, wall.touches > 1, not wall.proven) if wall.complete else None

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from .. import __version__
 from ..errors import InputError, short_repr
+from ..representation import counted, in_bytes
 from ..store.sweep_store import SweepStore, locked
 from ..validation.keywords import checked_arguments
 from ..validation.memory import check_memory
@@ -346,7 +347,7 @@ def _check_room(plan: Plan, folder: str | os.PathLike[str] | None) -> None:
     """Raise `InputError` if the results do not fit on the disk, or into memory without a store."""
     size, advice = bytes_of(plan), "keep fewer quantities, at = 'last', or"
     if folder is None:
-        what = f"the results of {plan.points} points"
+        what = f"the results of {counted(plan.points, 'point')}"
         check_memory(what, size, f"{advice} give a store", USABLE_PART)
         return
     # Path.exists raises OSError for a name that is too long.
@@ -356,15 +357,16 @@ def _check_room(plan: Plan, folder: str | os.PathLike[str] | None) -> None:
     free = shutil.disk_usage(parent).free
     if size > USABLE_PART * free:
         raise InputError(
-            f"the results of {plan.points} points need {size / 2**30:.3g} GiB, but {parent} has "
-            f"{free / 2**30:.3g} GiB free; {advice} another place"
+            f"the results of {counted(plan.points, 'point')} need {in_bytes(size)}, but {parent} "
+            f"has {in_bytes(free)} free; {advice} another place"
         )
 
 
 def _check_memory(plan: Plan, workers: int) -> None:
     """Raise `InputError` if the batches of all workers together do not fit into memory."""
     check_memory(
-        f"{workers} batches of {math.prod(plan.block)} points of {plan.longest} beads",
+        f"{workers} {'batch' if workers == 1 else 'batches'} of "
+        f"{counted(math.prod(plan.block), 'point')} of {counted(plan.longest, 'bead')}",
         workers * plan.bytes_in_memory, "use a smaller batch, fewer workers or shorter chains",
         USABLE_PART,
     )  # fmt: skip
@@ -412,7 +414,7 @@ def _checked_shard(shard: Any) -> tuple[int, int] | None:
     parts = check_list("shard", shard, "two whole numbers")
     if len(parts) != 2:
         raise InputError(f"shard must be two whole numbers such as (1, 4), got {short_repr(shard)}")
-    i, n = (whole_number("shard", part, least=1) for part in parts)
+    i, n = (whole_number("shard", part, least=0) for part in parts)
     if not 1 <= i <= n:
         raise InputError(f"shard {i} of {n} does not exist: shards are numbered 1 to {n}")
     return i, n

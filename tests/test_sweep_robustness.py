@@ -442,7 +442,7 @@ def test_a_full_disk_is_reported_and_the_sweep_resumes(specification, undisturbe
 def test_a_sweep_that_cannot_fit_is_rejected(specification, tmp_path, monkeypatch):
     monkeypatch.setattr(sweep_module.shutil, "disk_usage",
                         lambda _: type("Usage", (), {"free": 1000})())  # fmt: skip
-    with pytest.raises(hc.InputError, match=r"512 points need .* kB.* has 1 kB free"):
+    with pytest.raises(hc.InputError, match=r"512 points need .* MB.* has 1 kB free"):
         hc.sweep(specification, tmp_path / "sweep")
     assert list(tmp_path.glob("sweep*")) == []
 

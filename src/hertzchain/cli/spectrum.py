@@ -198,7 +198,7 @@ def _document(found: Spectrum) -> dict[str, Any]:
 
 
 def _table(found: Spectrum, *, every_mode: bool, hint: bool) -> str:
-    from ..representation import measure
+    from ..representation import in_column, measure
 
     bands, gaps, speed = _bands(found)
     units, factor, unit = found.chain.units, 1.0, ""
@@ -222,5 +222,6 @@ def _table(found: Spectrum, *, every_mode: bool, hint: bool) -> str:
     if every_mode:
         heading = "frequency [kHz]" if unit else "frequency"
         lines.append(f"{'mode':>6}{heading:>18}")
-        lines += [f"{j:>6}{factor * each:>18.6g}" for j, each in enumerate(f, 1)]
+        shown_modes = in_column([factor * each for each in f], 6)
+        lines += [f"{j:>6}{each:>18}" for j, each in enumerate(shown_modes, 1)]
     return "\n".join(lines)

@@ -21,13 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..chain.chain import Chain
 from ..chain.feature_support import require_supported
 from ..collision import (
-    HERTZ_EXPONENT,
-    Array,
-    collision_cascade,
-    collision_overlap,
-    compression_time,
-    reduced_mass,
-)
+    HERTZ_EXPONENT, Array, collision_cascade, collision_overlap, compression_time, reduced_mass,
+)  # fmt: skip
 from ..errors import InputError, ModelRangeWarning, short_repr, warn_user
 from ..frozen import Frozen
 from ..pulse.notes import WARNING
@@ -406,11 +401,6 @@ def _checked_large(chain: Chain, large: Sequence[int]) -> NDArray[Any]:
     return index - 1
 
 
-def _part(share: float) -> str:
-    """Ratio of the radii of one small bead of the largest mass, in words."""
-    return "half" if share == 1.0 else f"{0.5 * share:.3g} times"
-
-
 def _warn_if_steep(masses: Array) -> None:
     """Warn if the sizes of the large beads change too fast for the time of a solitary wave."""
     # The beads at the ends have only half the share of the small beads.
@@ -454,7 +444,7 @@ def _check_small(chain: Chain, index: NDArray[Any]) -> None:
         warn_user(
             f"the small beads between beads {index[worst] + 1} and {index[worst + 1] + 1} have "
             f"{load[worst]:.3g} times the mass of the lighter of the two; the effective chain is "
-            f"accurate to {accuracy} only up to {limit:.3g} (one small bead of {_part(share)} the "
-            "radius), because heavier beads do not follow their neighbours immediately",
+            f"accurate to {accuracy} only up to {limit:.3g} (one small bead of {0.5 * share:.3g} "
+            "times the radius), because heavier beads do not follow their neighbours immediately",
             ModelRangeWarning,
         )

@@ -1,4 +1,4 @@
-"""Find the small beads between large ones."""
+"""Find the small beads between large ones, and warn where theories of such chains do not hold."""
 
 from __future__ import annotations
 
@@ -13,6 +13,11 @@ from ..errors import ModelRangeWarning, warn_user
 
 # A bead is small if its radius is below this fraction of the large radii on both sides.
 SMALL: Final = 0.8
+# Relative error of the spacing over the change of the radius per large bead where radii shrink and
+# grow, from simulations of exponential tapers with q from 0.01 to 0.05 and ratios 0.3 to 0.5.
+ERROR_PER_CHANGE: Final = (1.0, 0.8)
+# Estimated error above which there is a warning, and contacts of a pulse, over which it is a mean.
+MAX_ERROR, PULSE_CONTACTS = 0.02, 5
 
 
 def small_beads(radii: Array) -> NDArray[np.bool_]:
@@ -57,3 +62,23 @@ def warn_if_decorated(chain: Chain, theory: str) -> bool:
             ModelRangeWarning,
         )
     return bool(small.any())
+
+
+def warn_if_steep(masses: Array) -> None:
+    """Warn if the sizes of the large beads change too fast for the time of a solitary wave."""
+    # The beads at the ends have only half the share of the small beads.
+    change = np.diff(np.log(masses[1:-1])) / 3.0
+    if not len(change):
+        return
+    width = min(PULSE_CONTACTS, len(change))
+    change = np.convolve(change, np.full(width, 1.0 / width), "valid")
+    shrinking, growing = ERROR_PER_CHANGE
+    error = np.where(change < 0.0, shrinking, growing) * np.abs(change)
+    if error.max() > MAX_ERROR:
+        warn_user(
+            f"the times from large bead to large bead have an estimated error of {error.max():.1%},"
+            f" because the radii of the large beads change by up to {np.abs(change).max():.1%} per "
+            "bead, and the times are those of the solitary wave in equal beads; use propagate or "
+            "simulate with the decorated chain",
+            ModelRangeWarning,
+        )

@@ -21,7 +21,12 @@ from numpy.typing import ArrayLike, NDArray
 from ..chain.chain import Chain
 from ..chain.feature_support import require_supported
 from ..collision import (
-    HERTZ_EXPONENT, Array, collision_cascade, collision_overlap, compression_time, reduced_mass,
+    HERTZ_EXPONENT,
+    Array,
+    collision_cascade,
+    collision_overlap,
+    compression_time,
+    reduced_mass,
 )  # fmt: skip
 from ..errors import InputError, ModelRangeWarning, short_repr, warn_user
 from ..frozen import Frozen
@@ -31,16 +36,13 @@ from ..representation import measure, short
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import real_numbers, whole_number
 from ..validation.objects import check_list
-from .decoration import SMALL, small_beads
+from .decoration import SMALL, small_beads, warn_if_steep
 from .solitary_wave import solitary_wave
 
 # Largest mass of the small beads between two large ones, over that of the lighter large bead,
 # for which the spacing is accurate to about 0.2%: one small bead of half the radius.  For larger
 # exponents p, it is (3/2p)^3 of this: a stiffer law makes a shorter pulse.
 MAX_LOAD: Final = 0.125
-# Relative error of the spacing over the change of the radius per large bead where radii shrink and
-# grow, from simulations of exponential tapers with q from 0.01 to 0.05 and ratios 0.3 to 0.5.
-ERROR_PER_CHANGE: Final = (1.0, 0.8)
 # Notes of pulses of the whole chain, and a warning about their velocities and forces.
 NOT_OF_SMALL: Final = "not predicted for small beads"
 OF_LARGE: Final = "a large bead is reached when it becomes faster than the large one behind it"
@@ -50,8 +52,6 @@ ONLY_TIMES: Final = (
     "0.05, those from large bead to large bead differ by up to 7% from the simulation, but "
     "velocities are too large by 39% to 67%"
 )
-# Estimated error above which there is a warning, and contacts of a pulse, over which it is a mean.
-MAX_ERROR, PULSE_CONTACTS = 0.02, 5
 
 
 @checked_methods
@@ -189,7 +189,7 @@ class EffectiveChain(Frozen):
                 f"velocity must be one positive number or one for each of the {len(self.masses)} "
                 f"large beads, got {short_repr(velocity)}"
             )
-        _warn_if_steep(self.masses)
+        warn_if_steep(self.masses)
         v = np.broadcast_to(v, self.masses.shape)
         s, p = 1.0 / (self.exponent + 1.0), self.exponent
         mass = 0.5 * (self.masses[:-1] + self.masses[1:])
@@ -399,26 +399,6 @@ def _checked_large(chain: Chain, large: Sequence[int]) -> NDArray[Any]:
             f"the last bead have only one neighbour), got {short_repr(large)}"
         )
     return index - 1
-
-
-def _warn_if_steep(masses: Array) -> None:
-    """Warn if the sizes of the large beads change too fast for the time of a solitary wave."""
-    # The beads at the ends have only half the share of the small beads.
-    change = np.diff(np.log(masses[1:-1])) / 3.0
-    if not len(change):
-        return
-    width = min(PULSE_CONTACTS, len(change))
-    change = np.convolve(change, np.full(width, 1.0 / width), "valid")
-    shrinking, growing = ERROR_PER_CHANGE
-    error = np.where(change < 0.0, shrinking, growing) * np.abs(change)
-    if error.max() > MAX_ERROR:
-        warn_user(
-            f"the times from large bead to large bead have an estimated error of {error.max():.1%},"
-            f" because the radii of the large beads change by up to {np.abs(change).max():.1%} per "
-            "bead, and the times are those of the solitary wave in equal beads; use propagate or "
-            "simulate with the decorated chain",
-            ModelRangeWarning,
-        )
 
 
 def _check_small(chain: Chain, index: NDArray[Any]) -> None:

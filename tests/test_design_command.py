@@ -302,11 +302,11 @@ def test_the_summary_states_that_the_arriving_ball_counts(file, run):
 
 
 def test_constraints_that_cannot_be_met_give_exit_code_3(file, run):
-    file.write_text(PROBLEM + '[design.subject_to]\n"wall_force.impulse" = "<= 0.5"\n')
+    file.write_text(PROBLEM + '[design.subject_to]\n"wall_force.impulse_of_impact" = "<= 0.5"\n')
     chain = file.with_name("found.toml")
     found = run(file, "--out", chain)
     assert found.returncode == 3
-    assert "cannot be met: wall_force.impulse is at least 1" in found.stdout
+    assert "cannot be met: wall_force.impulse_of_impact is at least 1" in found.stdout
     assert not chain.exists()
     assert f"{chain} was not written, because there is no design" in found.stderr
 
@@ -816,7 +816,7 @@ minimise = "wall_force.peak"
 [[design.vary]]
 diameters = ["5 mm", "10 mm"]
 [design.subject_to]
-"wall_force.impulse" = "<= 1e-9 N*s"
+"wall_force.impulse_of_impact" = "<= 1e-9 N*s"
 """
     file.write_text(text)
     shown = run(file, "--dry-run").stdout

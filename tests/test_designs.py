@@ -338,13 +338,13 @@ def test_if_no_chain_meets_the_constraints_the_sum_of_violations_is_smallest():
 def test_an_impossible_impulse_is_reported_with_its_bound():
     problem = hc.Design(
         WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)],
-        subject_to={"wall_force.impulse": "<= 0.9"},
+        subject_to={"wall_force.impulse_of_impact": "<= 0.9"},
     )  # fmt: skip
     found = hc.design(problem)
     assert not found.met
     assert found.runs == 1
     assert "at least 1, because the wall must stop the momentum" in found.notes[0]
-    assert found.values["wall_force.impulse"] >= 1.0
+    assert found.values["wall_force.impulse_of_impact"] >= 1.0
 
 
 @pytest.mark.long
@@ -915,7 +915,9 @@ def test_a_curve_of_a_known_chain_is_found_again():
 
 def test_slopes_are_those_of_finer_differences():
     problem = hc.Design(
-        WALLED, minimise="wall_force.impulse", vary=[hc.vary.radii(0.4, 1.5, by="spline", knots=4)]
+        WALLED,
+        minimise="wall_force.impulse_of_impact",
+        vary=[hc.vary.radii(0.4, 1.5, by="spline", knots=4)],
     )
     trials = Trials(problem, budget_from(100), Journal(None, ""), seed=0)
     point = np.array([0.5, 0.4, 0.6])

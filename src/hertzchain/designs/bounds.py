@@ -41,7 +41,7 @@ def bound_of(problem: Design, measure: Measure) -> Bound | None:
     momentum = _momentum(chain)
     if momentum is None:
         return None
-    if measure.key in ("wall_force.impulse", IMPULSE) and chain.left_wall is None:
+    if measure.key == IMPULSE and chain.left_wall is None:
         return Bound(measure, momentum, 1,
                      "the wall must stop the momentum of the impact")  # fmt: skip
     if measure.key == "energy_share":

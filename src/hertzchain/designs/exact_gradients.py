@@ -37,7 +37,6 @@ SAMPLE_RTOL: Final = 1e-7
 COST: Final = 2
 NAMES: Final = {
     "wall_force.peak": "wall_force.peak",
-    "wall_force.impulse": IMPULSE,
     IMPULSE: IMPULSE,
     "wall_force.duration": "wall_force.duration",
     **{name: name for name in OF_BODY},

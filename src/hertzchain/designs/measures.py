@@ -3,9 +3,8 @@
 ======================================================  ===========================================
 name                                                    meaning
 ======================================================  ===========================================
-``wall_force.peak``, ``.impulse``, ``.duration``        force on the right wall; the impulse is that
-                                                        of the impact on the wall, also called
-                                                        ``wall_force.impulse_of_impact``
+``wall_force.peak``, ``.duration``                      force on the right wall
+``wall_force.impulse_of_impact``                        impulse of the impact on the right wall
 ``wall_force.largest_so_far``                           largest force on the right wall in the run,
                                                         which a later one may exceed
 ``body_force.peak``, ``.acceleration``, ``.duration``   largest force on the last body of a free
@@ -59,7 +58,7 @@ IMPULSE: Final = "wall_force.impulse_of_impact"
 # Columns of a `RunTable` with the force on the wall; the impulse is that of the impact.
 WALL: Final = {
     **{name: COLUMNS[name] for name in ("wall_force.peak", "wall_force.duration", LARGEST_ON_WALL)},
-    **dict.fromkeys(("wall_force.impulse", IMPULSE), COLUMNS[IMPULSE]),
+    IMPULSE: COLUMNS[IMPULSE],
 }
 BODY_PEAK: Final = "body_force.peak"
 # All quantities of the last body except the time of its largest force.
@@ -88,7 +87,7 @@ BY_COLUMN: Final = (
 )
 WORDS: Final = {
     "wall_force.peak": "peak force on the wall",
-    "wall_force.impulse": "impulse on the wall", IMPULSE: "impulse on the wall",
+    IMPULSE: "impulse on the wall",
     "wall_force.duration": "impulse / peak of the force on the wall",
     LARGEST_ON_WALL: "largest force on the wall in the run",
     **{name: BODY_QUANTITIES[column].label for name, column in BODY.items()},

@@ -12,6 +12,7 @@ from ..traces.headers import UNITS
 from ..traces.signals import Signal
 from ..traces.traces import Traces
 from ..units import volts_per
+from ..validation.objects import check_list
 from .names import Name, parse_name
 from .settings import Settings
 
@@ -39,7 +40,8 @@ def recorded_in_volts(traces: Traces, settings: Settings) -> tuple[Traces, tuple
 
 def _gain(signal: Signal, settings: Settings) -> float | None:
     """Size of the gain in V per unit, if it is given with a unit, and free."""
-    if settings.free is not None and not any(_is_gain_of(each, signal) for each in settings.free):
+    free = None if settings.free is None else check_list("free", settings.free, "names")
+    if free is not None and not any(_is_gain_of(each, signal) for each in free):
         return None
     for text, given in {**_means(settings.priors), **settings.start}.items():
         if isinstance(given, str) and _is_gain_of(text, signal):

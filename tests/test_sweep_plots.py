@@ -276,3 +276,100 @@ def test_a_wide_legend_below_a_map_does_not_move_its_colour_bar(walls):
     axes.figure.draw_without_rendering()
     bar = axes.collections[0].colorbar.ax
     assert bar.bbox.x0 - axes.bbox.x1 < 0.1 * axes.bbox.width
+
+
+@pytest.fixture(scope="module")
+def last_beads():
+    """Velocities and momenta of last beads by two methods."""
+    return hc.sweep({
+        "chain": {"taper": "forward-exponential"},
+        "axes": {"rate": [0.02, 0.04], "beads": [10, 20]},
+        "sweep": {"methods": ["propagate", "bca"], "keep": ["velocity", "momentum"], "at": "last"},
+    })  # fmt: skip
+
+
+def _looks_and_labels(axes):
+    curves = [line for line in axes.lines if not str(line.get_label()).startswith("_")]
+    return [(line.get_color(), line.get_marker()) for line in curves], [
+        line.get_label() for line in curves
+    ]
+
+
+@pytest.mark.parametrize("together", [True, False])
+def test_quantities_in_one_figure_have_own_colours_and_names(together):
+    found = hc.sweep({
+        "chain": {"taper": "uniform", "beads": 10, "masses": 1.0},
+        "axes": {"masses.5": [0.5, 1.0]},
+        "sweep": {"methods": ["simulate"], "keep": ["largest_velocity@4", "largest_velocity@7"]},
+    })  # fmt: skip
+    names = ["largest_velocity_4", "largest_velocity_7"]
+    if together:
+        axes = hc.plot_sweep(found, names)
+    else:
+        axes = hc.plot_sweep(found, names[0])
+        assert hc.plot_sweep(found, names[1], ax=axes) is axes
+    looks, labels = _looks_and_labels(axes)
+    assert labels == ["largest velocity of bead 4", "largest velocity of bead 7"]
+    assert len({colour for colour, _ in looks}) == len({marker for _, marker in looks}) == 2
+    assert axes.get_ylabel() == "largest velocity"
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == labels
+
+
+def test_values_in_one_figure_are_named_by_what_distinguishes_them(last_beads):
+    axes = hc.plot_sweep(last_beads, "velocity", beads=10)
+    hc.plot_sweep(last_beads, "velocity", beads=20, ax=axes)
+    looks, labels = _looks_and_labels(axes)
+    assert labels == ["propagation, beads = 10", "BCA, beads = 10",
+                      "propagation, beads = 20", "BCA, beads = 20"]  # fmt: skip
+    assert len({colour for colour, _ in looks}) == 4
+    assert axes.get_ylabel() == "velocity $v_{N}$"
+
+
+def test_methods_of_several_quantities_share_entries_of_the_legend(last_beads):
+    axes = hc.plot_sweep(last_beads, ["velocity", "momentum"])
+    _, labels = _looks_and_labels(axes)
+    assert labels == [
+        "beads = 10, velocity $v_{N}$", "beads = 20, velocity $v_{N}$",
+        "beads = 10, momentum $P_{N}$", "beads = 20, momentum $P_{N}$", "propagation", "BCA",
+    ]  # fmt: skip
+
+
+def test_labels_of_users_remain_and_are_followed_by_the_method(last_beads):
+    axes = hc.plot_sweep(last_beads, "velocity", beads=10, approach="bca", label="short")
+    assert axes.get_legend() is not None
+    hc.plot_sweep(last_beads, "velocity", beads=20, label="long", ax=axes)
+    assert _looks_and_labels(axes)[1] == ["short", "long, propagation", "long, BCA"]
+
+
+def test_quantities_of_other_axes_keep_the_unit_of_the_first():
+    found = hc.sweep({
+        "chain": {"taper": "uniform", "materials": "steel-52100", "radius": 0.005, "beads": 10},
+        "axes": {"velocity": [0.01, 0.02]},
+        "sweep": {"keep": ["energy"], "at": [1, 5]},
+    })  # fmt: skip
+    axes = hc.plot_sweep(found, "energy", bead=1)
+    hc.plot_sweep(found, "energy", bead=5, ax=axes)
+    for line, bead in zip(axes.lines, (1, 5), strict=False):
+        expected = 1e9 * found.energy.sel(bead=bead).squeeze().to_numpy()
+        np.testing.assert_allclose(line.get_ydata(), expected, rtol=1e-12)
+    assert axes.get_ylabel().endswith("[nJ]")
+
+
+@pytest.mark.parametrize(("quantities", "levels", "message"), [
+    (["velocity", "momentun"], None, "did you mean 'momentum'"),
+    (["velocity", "momentum"], [1.0], "a map has one quantity, got velocity and momentum"),
+    ([], None, "at least one name"),
+    (3, None, "names of quantities, or one name, got 3"),
+])  # fmt: skip
+def test_quantities_that_cannot_share_a_figure_are_errors(last_beads, quantities, levels, message):
+    with pytest.raises(hc.InputError, match=message):
+        hc.plot_sweep(last_beads, quantities, levels=levels, approach="bca")
+
+
+def test_quantities_of_different_units_are_drawn_one_by_one():
+    found = hc.sweep({
+        "chain": {"taper": "uniform", "materials": "steel-52100", "radius": 0.005, "beads": 10},
+        "axes": {"velocity": [0.01, 0.02]}, "sweep": {"keep": ["energy", "velocity"], "at": [5]},
+    })  # fmt: skip
+    with pytest.raises(hc.InputError, match="have the units J, m/s; call plot_sweep once for each"):
+        hc.plot_sweep(found, ["energy", "velocity"])

@@ -9,13 +9,14 @@ from matplotlib.axes import Axes
 
 from ..sweeps.methods import SIMULATIONS
 from .colours import curve_colour, grey
-from .free_ends import label_free_end
+from .free_ends import FREE_END, label_free_end
 from .looks import LINES
 from .shared_axes import use_power_of_ten
 from .style import MARKERS, broken_label, label_log_axis
 from .sweep_axes import free_end, places_of, set_axis, show_all_places
 from .sweep_labels import coordinate_text, quantity_label
-from .sweep_marks import label_marks, mark_curve
+from .sweep_marks import label_marks, mark_curve, remove_labelled
+from .sweep_sharing import Group, first_free_colour, note_curve
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,9 +27,11 @@ MAX_SYMBOLS: Final = 40
 
 def draw_curves(
     drawn: xr.DataArray, flags: Mapping[str, xr.DataArray], axes: Axes, *, by: str, log: bool,
-    law: bool, first: int = 0,
+    law: bool, group: Group, first: int = 0,
 ) -> None:  # fmt: skip
     """Draw one curve for each method or value of a short axis, in colours from the first one.
+
+    Colours that other curves in the axes have are not used again.
 
     Of several methods for each value, the colour shows the value, and line and symbol the method.
     Flagged points are marked; with ``law``, Hertz's law has a range, too.
@@ -38,8 +41,12 @@ def draw_curves(
     names = drawn[by].to_numpy().tolist() if by in drawn.dims else [None]
     own = drawn["approach"].to_numpy().tolist() if grouped else names if by == "approach" else []
     methods = own or [None] * len(names)
+    # Methods of a legend that several quantities share have the same symbol in each.
+    symbol = first
+    first = first_free_colour(axes, 0 if grouped else first, len(names))
+    symbol = symbol if grouped else first
     # A line of one point would be invisible.
-    looks = _looks(methods, first, ordered=_ordered(drawn[along]) and drawn.sizes[along] > 1)
+    looks = _looks(methods, symbol, ordered=_ordered(drawn[along]) and drawn.sizes[along] > 1)
     free, marked = False, dict[str, set[str]]()
     for i in range(len(names)):
         for j in range(len(methods)) if grouped else [i]:
@@ -48,29 +55,32 @@ def draw_curves(
             if log and by == "approach" and len(names) > 1 and not (curve > 0.0).any():
                 # Errors that are all negative have no place on a logarithmic scale.
                 continue
-            colour = curve_colour(axes, i if grouped else first + i)
+            colour = curve_colour(axes, first + i)
             places = places_of(curve[along])
             every = max(1, curve.size // MAX_SYMBOLS)
             if end := free_end(curve):
                 axes.plot(places[end], curve[end], color=colour, linestyle="none",
-                          marker=MARKERS[(first + j) % len(MARKERS)])  # fmt: skip
+                          marker=MARKERS[(symbol + j) % len(MARKERS)])  # fmt: skip
                 free = True
-            labelled = by in curve.coords and not grouped
-            axes.plot(
+            label = coordinate_text(curve[by], by) if by in curve.coords else ""
+            (line,) = axes.plot(
                 places[:end],
                 curve[:end],
                 color=colour,
                 markerfacecolor="none",
                 markevery=every,
-                label=coordinate_text(curve[by], by) if labelled else None,
+                label=None if grouped else label or None,
                 **looks[j],
             )
+            if not grouped:
+                note_curve(line, group, label, first + i)
             flagged = {kind: each.isel(chosen) for kind, each in flags.items()}
             for kind in mark_curve(axes, places, curve, flagged, colour, every):
                 marked.setdefault(kind, set()).add(colour)
     if grouped:
-        _label_groups(drawn, axes, by, looks)
+        _label_groups(drawn, axes, by, looks, group, first)
     if free:
+        remove_labelled(axes, FREE_END)
         label_free_end(axes)
     label_marks(axes, marked, law=law)
     axes.set_ylabel(broken_label(axes, "height", quantity_label(drawn)))
@@ -85,12 +95,16 @@ def draw_curves(
 
 
 def _label_groups(
-    drawn: xr.DataArray, axes: Axes, by: str, looks: Sequence[Mapping[str, Any]]
-) -> None:
+    drawn: xr.DataArray, axes: Axes, by: str, looks: Sequence[Mapping[str, Any]], group: Group,
+    first: int,
+) -> None:  # fmt: skip
     """Entries of the legend for each value, in its colour, and for each method, in grey."""
-    for i, value in enumerate(drawn[by]):
-        axes.plot([], [], color=curve_colour(axes, i), label=coordinate_text(value, by))
+    for i, value in enumerate(drawn[by], first):
+        label = coordinate_text(value, by)
+        (line,) = axes.plot([], [], color=curve_colour(axes, i), label=label)
+        note_curve(line, group, label, i)
     for method, look in zip(drawn["approach"], looks, strict=True):
+        remove_labelled(axes, coordinate_text(method, "approach"))
         axes.plot([], [], color=grey(axes, 0.4), markerfacecolor="none", **look,
                   label=coordinate_text(method, "approach"))  # fmt: skip
 

@@ -132,5 +132,18 @@ def label_marks(axes: Axes, marked: Mapping[str, set[str]], *, law: bool) -> Non
     """One entry of the legend for each kind: in the colour of the marked curve, or in grey."""
     for kind, look in LOOKS.items():
         if colours := marked.get(kind, set()):
-            one = next(iter(colours)) if len(colours) == 1 else grey(axes, 0.4)
-            axes.plot([], [], color=one, label=mark_label(kind, law=law), **look.curve)
+            label = mark_label(kind, law=law)
+            # That of curves which the axes already had.
+            others = remove_labelled(axes, label)
+            one = grey(axes, 0.4) if others or len(colours) > 1 else next(iter(colours))
+            axes.plot([], [], color=one, label=label, **look.curve)
+
+
+def remove_labelled(axes: Axes, label: str) -> bool:
+    """Remove entries of the legend with this label that are no curves; whether there were any."""
+    found = [
+        line for line in axes.lines if line.get_label() == label and not np.size(line.get_xdata())
+    ]
+    for line in found:
+        line.remove()
+    return bool(found)

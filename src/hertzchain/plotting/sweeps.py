@@ -11,24 +11,23 @@ from matplotlib.colors import LogNorm
 
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, InputWarning, unknown_name_error, warn_user
-from ..representation import MICROSECONDS, MILLISECONDS, counted
+from ..representation import counted
 from ..store.sweep_export import FLAGS, check_sweep
 from ..store.sweep_store import FAILED, MISSING
 from ..sweeps.kept import variable_name
 from ..units import PERCENT
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
-from ..validation.objects import check_bool, check_choice, check_list
+from ..validation.objects import check_bool, check_choice, check_list, text
 from .colours import signed_map
 from .legends import place_legend
-from .shared_axes import PREFIXED, SMALL, prefixed, use_power_of_ten
-from .style import broken_label, figure_style, get_axes, label_log_axis, literal, set_title
+from .shared_axes import use_power_of_ten
+from .style import broken_label, figure_style, get_axes, label_log_axis, set_title
 from .sweep_axes import edges_of, places_of, set_axis
+from .sweep_captions import SO_FAR, caption_of, counted_flags
 from .sweep_curves import draw_curves
 from .sweep_labels import (
     ERRORS,
-    METHODS,
-    coordinate_text,
     quantity_label,
     reference_of,
     short_value,
@@ -36,16 +35,11 @@ from .sweep_labels import (
     with_symbols,
 )
 from .sweep_marks import mark_cells
+from .sweep_sharing import Group, in_unit, label_shared, shared_unit
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Flags of the largest force on a wall, in words.
-FLAGGED_PEAKS: Final = {
-    "incomplete": "not complete", "sensitive": "sensitive to small changes",
-}  # fmt: skip
-# Part of the names of quantities that have values where a force is not complete.
-SO_FAR: Final = "so_far"
 # Dimensions without nearest values; relative difference of numbers that are regarded as the same.
 PLACES, SAME = ("bead", "contact", "point"), 1e-9
 # Dimensions that are not axes of a sweep.
@@ -59,15 +53,16 @@ SEQUENTIAL: Final = "viridis"
 @checked_arguments("plot_sweep")
 def plot_sweep(
     dataset: xr.Dataset,
-    quantity: str | None = None,
+    quantity: str | Sequence[str] | None = None,
     *,
     log: bool = False,
     levels: list[float] | None = None,
+    label: str = "",
     legend: bool = True,
     ax: Axes | None = None,
     **at: Any,
 ) -> Axes:
-    """Plot one quantity of a sweep: curves over one axis, or a map over two.
+    """Plot quantities of a sweep: curves over one axis, or a map of one quantity over two.
 
     Markers show points outside the range of a method or of Hertz's law, points whose largest force
     on a wall is not complete or sensitive to small changes and, in maps, points that have failed or
@@ -84,17 +79,23 @@ def plot_sweep(
     ----------
     dataset : xarray.Dataset
         Result of `hertzchain.sweep` or `hertzchain.open_sweep`.
-    quantity : str, optional
-        Quantity to plot; by default, the first that was kept.
+    quantity : str or sequence of str, optional
+        Name of the quantity to plot, among those in ``dataset.data_vars``, or names of several
+        quantities with the same unit; by default, the first that was kept.
     log : bool
         Whether the scale of the quantity is logarithmic.
     levels : list of float, optional
         Values of contour lines in a map, such as 0.01 for an error of 1%.  With levels, two axes
         of any length give a map.
+    label : str
+        Name of the curves in the legend, followed by the method or value if there are several.  By
+        default, curves of several sweeps or quantities in the same axes are named by the
+        properties in which they differ.
     legend : bool
         Whether curves have a legend; that of markers in a map remains.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into.  By default, a new figure is created.
+        Axes to draw into.  By default, a new figure is created.  The colours and markers continue
+        those of sweeps that the axes already have.
     **at
         Values along the other dimensions: ``bead=20``, ``approach="bca"``, or a value of an axis,
         by its dimension or, in a mapping, by its name in the specification
@@ -107,8 +108,9 @@ def plot_sweep(
     ------
     InputError
         If the quantity, a dimension or a value does not exist, if the number of remaining
-        dimensions, apart from the methods, is not 1 or 2, if a map would have several methods, or
-        if none of the points to plot is done or has a value.
+        dimensions, apart from the methods, is not 1 or 2, if a map would have several methods or
+        quantities, if several quantities have different units, or if none of the points to plot is
+        done or has a value.
 
     Warns
     -----
@@ -128,52 +130,85 @@ def plot_sweep(
     ... })
     >>> [curve.get_label() for curve in hc.plot_sweep(found).lines]
     ['beads = 20', 'beads = 30']
+    >>> axes = hc.plot_sweep(found, label="$s = 0.02$", rate=0.02)
+    >>> axes = hc.plot_sweep(found, label="$s = 0.06$", rate=0.06, ax=axes)
+    >>> [curve.get_label() for curve in axes.lines]
+    ['$s = 0.02$', '$s = 0.06$']
     """
     log, legend = check_bool("log", log), check_bool("legend", legend)
     given = [] if levels is None else check_list("levels", levels, "numbers")
     levels = [number("level", level) for level in given]
+    name = "" if isinstance(label, str) and not label else text("label", label)
     check_sweep(dataset)
-    drawn = _selected(dataset, quantity, at)
-    along = [name for name in drawn.dims if name != "approach"]
-    short = _short_axis(drawn, along) if len(along) == 2 and not levels else None
-    if not along or len(along) > 2 or (drawn.ndim == 3 and short is None):
-        raise InputError(_undrawable(drawn, at))
-    _check_done(dataset, at)
-    _check_values(drawn)
-    drawn, reference = _without_reference(dataset, drawn)
-    drawn, factor = _in_shown_units(with_damping(with_symbols(drawn, dataset), dataset))
-    levels = [factor * level for level in levels]
+    wanted = [quantity] if quantity is None or isinstance(quantity, str) else check_list(
+        "quantities", quantity, "names of quantities, or one name")  # fmt: skip
+    if not wanted:
+        raise InputError("quantities must contain at least one name, such as 'velocity'")
+    selected = [_to_plot(dataset, each, at, several=bool(levels)) for each in wanted]
+    along = [each for each in selected[0][0].dims if each != "approach"]
+    short = _short_axis(selected[0][0], along) if len(along) == 2 and not levels else None
     by = "approach" if len(along) == 1 else short
+    if by is None and name:
+        raise InputError("a map has no legend; omit label")
+    _check_together([drawn for drawn, _ in selected], curves=by is not None)
+    _check_done(dataset, at)
+    for drawn, _ in selected:
+        _check_values(drawn)
     with figure_style():
         axes = get_axes(ax)
-        flagged = _flagged(dataset, drawn, at)
-        # Scaled chains have no materials, and therefore no range of Hertz's law.
-        law = dataset.attrs.get("units") == "SI"
-        if by is not None:
-            draw_curves(drawn, flagged, axes, by=by, log=log, law=law,
-                        first=_first_colour(dataset, drawn))  # fmt: skip
-        else:
-            _map(drawn, axes, log=log, levels=levels)
-        caption = [literal(str(dataset.attrs.get("title", "")))]
-        only = {"approach"} if dataset.sizes.get("approach") == 1 else set()
-        caption += [
-            coordinate_text(value, str(name)) for name, value in drawn.coords.items()
-            if value.ndim == 0 and name not in only
-        ]  # fmt: skip
-        if reference is not None:
-            caption.append(f"relative to {METHODS.get(reference, reference)}")
-        for flag, words in FLAGGED_PEAKS.items():
-            count = _number_of_points(flagged[flag]) if flag in flagged else 0
-            if flag == "incomplete" and SO_FAR not in str(drawn.name) and by is not None:
-                words += ", blank"
-            caption += [f"{counted(count, 'point')} {words}"] * bool(count)
-        set_title(axes, "; ".join(part for part in caption if part))
-        if by is None:
-            mark_cells(axes, drawn, flagged, law=law, own=ax is None)
-        several = by in drawn.dims or len(axes.get_legend_handles_labels()[1]) > 1
-        if by is not None and legend and several:
+        unit = shared_unit(axes, [drawn for drawn, _ in selected])
+        for drawn, reference in selected:
+            shown = with_damping(with_symbols(in_unit(drawn, unit), dataset), dataset)
+            flagged = _flagged(dataset, shown, at)
+            # Scaled chains have no materials, and therefore no range of Hertz's law.
+            law = dataset.attrs.get("units") == "SI"
+            caption = caption_of(dataset, shown, reference)
+            flags = counted_flags(shown, flagged, curves=by is not None)
+            if by is None:
+                _map(shown, axes, log=log, levels=[unit.factor * level for level in levels])
+                set_title(axes, "; ".join((*caption, *flags)))
+                mark_cells(axes, shown, flagged, law=law, own=ax is None)
+                return axes
+            draw_curves(shown, flagged, axes, by=by, log=log, law=law,
+                        group=Group(unit, quantity_label(shown), tuple(caption), name),
+                        first=_first_colour(dataset, shown))  # fmt: skip
+            common = label_shared(axes)
+            parts = caption if common is None else common
+            set_title(axes, "; ".join((*parts, *flags)), common=common is not None)
+        several = by in shown.dims or len(axes.get_legend_handles_labels()[1]) > 1
+        if legend and (several or name):
             place_legend(axes, own=ax is None)
     return axes
+
+
+def _to_plot(
+    dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any], *, several: bool
+) -> tuple[xr.DataArray, str | None]:
+    """Values of a quantity along the remaining dimensions, and the reference of errors."""
+    drawn = _selected(dataset, quantity, at)
+    along = [name for name in drawn.dims if name != "approach"]
+    short = _short_axis(drawn, along) if len(along) == 2 and not several else None
+    if not along or len(along) > 2 or (drawn.ndim == 3 and short is None):
+        raise InputError(_undrawable(drawn, at))
+    return _without_reference(dataset, drawn)
+
+
+def _check_together(drawn: Sequence[xr.DataArray], *, curves: bool) -> None:
+    """Require that several quantities have one unit and the same axes, and are not a map."""
+    names = " and ".join(str(each.name) for each in drawn)
+    if len(drawn) > 1 and not curves:
+        raise InputError(f"a map has one quantity, got {names}; call plot_sweep once for each")
+    units = [each.attrs.get("units", "1") for each in drawn]
+    if len({*units}) > 1:
+        raise InputError(
+            f"{names} have the units {', '.join(units)}; call plot_sweep once for each, with "
+            "ax=... to draw into the same figure"
+        )
+    if len({each.dims for each in drawn}) > 1:
+        raise InputError(
+            f"{names} have different dimensions; call plot_sweep once for each, with ax=... to "
+            "draw into the same figure"
+        )
 
 
 def _without_reference(dataset: xr.Dataset, drawn: xr.DataArray) -> tuple[xr.DataArray, str | None]:
@@ -192,21 +227,6 @@ def _first_colour(dataset: xr.Dataset, drawn: xr.DataArray) -> int:
     if "approach" not in drawn.dims:
         return 0
     return dataset["approach"].to_numpy().tolist().index(drawn["approach"][0].item())
-
-
-def _in_shown_units(drawn: xr.DataArray) -> tuple[xr.DataArray, float]:
-    """Times in us or ms, errors in percent, small values with a prefix; and the factor."""
-    factor, unit = 1.0, drawn.attrs.get("units")
-    largest = float(np.nanmax(np.abs(drawn.values), initial=0.0)) if unit in PREFIXED else 0.0
-    if str(drawn.name).startswith((*ERRORS,)):
-        factor, unit = 100.0, PERCENT
-    elif unit in PREFIXED and unit != "s" and 0.0 < largest < SMALL:
-        factor, unit = prefixed(largest, unit)
-    elif unit == "s" and 0.0 < largest < MILLISECONDS:
-        factor, unit = (1e6, "µs") if largest < MICROSECONDS else (1e3, "ms")
-    if factor == 1.0:
-        return drawn, 1.0
-    return (factor * drawn).assign_attrs({**drawn.attrs, "units": unit}), factor
 
 
 def _selected(dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any]) -> xr.DataArray:
@@ -280,12 +300,6 @@ def _flagged(
         # The flag is that of a point; its other quantities may be complete.
         flagged["incomplete"] &= drawn.isnull()
     return flagged
-
-
-def _number_of_points(flags: xr.DataArray) -> int:
-    """Number of points at which at least one plotted value is flagged."""
-    within = [name for name in ("approach", *PLACES[:2]) if name in flags.dims]
-    return int(flags.any(within).sum())
 
 
 def _check_done(dataset: xr.Dataset, at: Mapping[str, Any]) -> None:

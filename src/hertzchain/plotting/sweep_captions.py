@@ -1,0 +1,50 @@
+"""Titles of figures of sweeps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Final
+
+from ..representation import counted
+from .style import literal
+from .sweep_labels import METHODS, coordinate_text
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Flags of the largest force on a wall, in words.
+FLAGGED_PEAKS: Final = {
+    "incomplete": "not complete", "sensitive": "sensitive to small changes",
+}  # fmt: skip
+# Part of the names of quantities that have values where a force is not complete.
+SO_FAR: Final = "so_far"
+
+
+def caption_of(dataset: xr.Dataset, drawn: xr.DataArray, reference: str | None) -> list[str]:
+    """Parts of the title: that of the sweep, selected values, and the reference of errors."""
+    only = {"approach"} if dataset.sizes.get("approach") == 1 else set()
+    caption = [
+        literal(str(dataset.attrs.get("title", ""))),
+        *(coordinate_text(value, str(name)) for name, value in drawn.coords.items()
+          if value.ndim == 0 and name not in only),
+        f"relative to {METHODS.get(reference, reference)}" if reference is not None else "",
+    ]  # fmt: skip
+    return [part for part in caption if part]
+
+
+def counted_flags(
+    drawn: xr.DataArray, flagged: Mapping[str, xr.DataArray], *, curves: bool
+) -> list[str]:
+    """Numbers of points whose force on a wall is flagged, in words."""
+    found = []
+    for flag, words in FLAGGED_PEAKS.items():
+        count = _number_of_points(flagged[flag]) if flag in flagged else 0
+        blank = flag == "incomplete" and SO_FAR not in str(drawn.name) and curves
+        found += [f"{counted(count, 'point')} {words}{', blank' * blank}"] * bool(count)
+    return found
+
+
+def _number_of_points(flags: xr.DataArray) -> int:
+    """Number of points at which at least one plotted value is flagged."""
+    within = [name for name in ("approach", *("bead", "contact")) if name in flags.dims]
+    return int(flags.any(within).sum())

@@ -355,6 +355,39 @@ def light_bead() -> Figure:
     return canvas
 
 
+def ringing() -> Figure:
+    """Spectra of a light ball that was struck itself, and of forces near it."""
+    balls = hc.Chain.from_materials(diameters="19.05 mm", materials="steel-52100", beads=41)
+    row = balls.with_defects(diameters={21: "10 mm"})
+    row = row.replace(precompression="20 N", held_by="force")
+    found, velocities = hc.spectrum(row), np.zeros(41)
+    velocities[20] = 1e-4
+    times = np.arange(4000) / 200e3
+    run = hc.simulate(row.replace(velocities=velocities), times=times)
+    window, frequencies = np.hanning(4000) / 1000, np.fft.rfftfreq(4000, 1 / 200e3)
+    sensor = run.sensor_force("ball 20").force
+    curves = {"contact 21": (run.force(21), "-"), "sensor in ball 20": (sensor, "--")}
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.1), layout="constrained")
+        speed = np.abs(np.fft.rfft(window * run.velocity(21)))
+        left.plot(frequencies / 1e3, 1e6 * speed)
+        left.set_ylabel("velocity of ball 21 [µm/s]")
+        for name, (force, style) in curves.items():
+            change = np.abs(np.fft.rfft(window * (force - force.mean())))
+            right.plot(frequencies / 1e3, 1e3 * change, style, label=name)
+        right.set_ylabel("force [mN]")
+        right.legend(loc="upper left")
+        for axes in (left, right):
+            axes.axvspan(0.0, found.host_edges[0, 1] / 1e3, color="0.92", zorder=0)
+            axes.set(xlabel="frequency [kHz]", xlim=(0, 20), yscale="log")
+        left.set_ylim(1e-3, 1e3)
+        right.set_ylim(2e-4, 3e2)
+        left.text(4.2, 0.85, "band", transform=left.get_xaxis_transform(), ha="center")
+        frequency = found.frequencies[-1] / 1e3
+        left.axvline(frequency, color="0.5", linewidth=0.8, linestyle="--", zorder=1)
+    return canvas
+
+
 HOWTO_FIGURES: Final = (
     losses,
     defect_chains,
@@ -367,5 +400,6 @@ HOWTO_FIGURES: Final = (
     pads,
     localisation,
     light_bead,
+    ringing,
     impurities,
 )

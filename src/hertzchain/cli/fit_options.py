@@ -45,9 +45,9 @@ time_offset_option = click.option(
     "--time-offset",
     multiple=True,
     metavar="TIME",
-    help="Known time of the data at which the simulation begins, such as -50us, which is fixed; "
-    "repeat it for the times of several shots.  [default: that of the table [fit] of the chain "
-    "file, or the start of a drive in the file of the traces; otherwise free]",
+    help="Known time of the data at which the simulation begins, such as -50us.  It is not "
+    "fitted.  Repeat the option for the times of several shots.  [default: that of the table [fit] "
+    "of the chain file, or the start of a drive in the file of the traces; otherwise free]",
 )
 begin_option = click.option(
     "--from",

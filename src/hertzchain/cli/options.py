@@ -324,11 +324,10 @@ def _usual_name(sensor: str) -> str:
 quantity_option = click.option(
     "--quantity",
     metavar="NAME",
-    help="The quantity, such as wall_force.peak; on the last body of a free end, body_force.peak "
-    "and body_force.acceleration.  Quantities of a bead have its place after @: velocity@20 is "
-    "that of bead 20, and arrival@last that of the last bead; 'velocity@ball 19' does not count "
-    "the strikers.  The force in a sensor is 'sensor.largest@ball 4' or "
-    "'sensor.first_maximum@ball 4'.  "
+    help="The quantity, such as wall_force.peak.  Those of the last body of a free end are "
+    "body_force.peak and body_force.acceleration.  Quantities of a bead have its place after @, as "
+    "in velocity@20 and arrival@last; 'velocity@ball 19' does not count the strikers.  The force "
+    "in a sensor is 'sensor.largest@ball 4' or 'sensor.first_maximum@ball 4'.  "
     "[default: wall_force.peak; with a cap and no wall, body_force.peak; else velocity@last]",
 )
 

@@ -41,10 +41,11 @@ USUAL_TIMES: Final = 400
 @click.option(
     "--until",
     metavar="TIME",
-    help="Stop time, such as 60 or, in SI units, 2ms.  [default: without a right wall, when the "
-    "pulse has left the chain and no larger force on a cap can follow; with one, when the peak "
-    "force on it is complete and the impact is over, but at most ten transits of the pulse, or "
-    "more if the left end is free, the wall soft or the striker heavy]",
+    help="Stop time, such as 60 or, in SI units, 2ms.  By default, a run without a right wall ends "
+    "when the pulse has left the chain and no larger force on a cap can follow.  A run with this "
+    "wall ends when the peak force on it is complete and the impact is over, at the latest after "
+    "ten transits of the pulse.  If the left end is free, the wall soft or the striker heavy, more "
+    "transits are allowed.",
 )
 @click.option(
     "--times",

@@ -520,7 +520,7 @@ def test_a_budget_of_time_is_kept_by_slow_chains(method):
 def test_a_budget_of_time_permits_an_enumeration_if_there_are_few_choices(budget, method):
     limit = budget_from(budget)
     given = orders()
-    assert method_for(given, "auto", simulations_within(limit, given.chain, None)) == method
+    assert method_for(given, "auto", simulations_within(limit, given)) == method
 
 
 def test_a_search_with_a_budget_of_time_resumes(tmp_path):

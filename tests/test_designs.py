@@ -661,7 +661,9 @@ def test_points_of_a_front_whose_contacts_yield_are_marked(partly_yielding):
 
 def test_the_plot_of_a_front_has_hollow_points_where_contacts_yield(partly_yielding):
     axes = partly_yielding.plot("front")
-    hollow = [line for line in axes.lines if line.get_markerfacecolor() == "none"]
+    # Rows to compare with are hollow, too.
+    own = [line for line in axes.lines if line.get_label().startswith("outside")]
+    hollow = [line for line in own if line.get_markerfacecolor() == "none"]
     outside = sum(point.verified.outside_range for point in partly_yielding.front)
     assert [len(line.get_xdata()) for line in hollow] == [outside]
     # The same points with contacts that yield.
@@ -890,7 +892,8 @@ def test_the_figure_of_a_momentum_design_shows_momenta():
     found = hc.design(problem, budget=60)
     axes = found.plot("forces")
     assert axes.get_ylabel() == "momentum $P_k$"
-    _, line = axes.lines
+    # A search that finds the row of equal beads draws it once.
+    *_, line = axes.lines
     np.testing.assert_allclose(line.get_ydata()[4], found.value, rtol=1e-6)
     plt.close(axes.figure)
 

@@ -98,11 +98,11 @@ def descend(trials: Trials, start: Array, end: float, *, box: float = FIRST_BOX)
     return best
 
 
-def _stalled(scores: list[tuple[float, float]]) -> bool:
+def _stalled(scores: list[tuple[float, float, float]]) -> bool:
     """Whether the best of the latest points gains very little."""
     if len(scores) <= STALLED:
         return False
-    (violated, before), (_, now) = scores[-1 - STALLED], scores[-1]
+    (violated, before, _), (_, now, _) = scores[-1 - STALLED], scores[-1]
     return violated == 0.0 and before - now <= MIN_GAIN * abs(now)
 
 

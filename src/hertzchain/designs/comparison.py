@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from ..representation import counted
+from ..simulation.state import fingerprint
 from .ball_space import BallSpace
 from .reference_chains import EQUAL_BALLS, EQUAL_PLACES, SORTED_BALLS
 from .verified import Verified, met
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from ..chain.chain import Chain
     from .result import DesignResult
 
+# Name of the design among chains that are shown.
+DESIGN: Final = "design"
 # Relative difference of values that is not reported.
 NEGLIGIBLE: Final = 1e-3
 
@@ -121,8 +124,25 @@ def shown_chains(result: DesignResult) -> dict[str, Verified]:
     """The chains of a figure, by name: the best one without a search, and the design.
 
     The first one is the best reference that meets the constraints, or the initial chain if there
-    is none or if it is better.
+    is none or if it is better; it is omitted if the design is the same chain (`same_as`).
     """
+    words, other = _without_search(result)
+    own = {DESIGN: result.verified}
+    return own if _same(other, result.verified) else {words: other} | own
+
+
+def same_as(result: DesignResult) -> str:
+    """Name of the best chain without a search, if the design is the same chain; else empty."""
+    words, other = _without_search(result)
+    return words if _same(other, result.verified) else ""
+
+
+def _same(one: Verified, other: Verified) -> bool:
+    return fingerprint(one.chain) == fingerprint(other.chain)
+
+
+def _without_search(result: DesignResult) -> tuple[str, Verified]:
+    """The best chain without a search, and its name."""
     initial, name = result._initial, _best_feasible(result)
     words, other = "initial chain", initial
     if name is not None:
@@ -130,7 +150,7 @@ def shown_chains(result: DesignResult) -> dict[str, Verified]:
         loss = result._sign * (result.objective_of(found) - result.objective_of(initial))
         if not loss > 0.0 or not met(result.problem, initial.values):
             words, other = _best_in_words(result, name), found
-    return {words: other, "design": result.verified}
+    return words, other
 
 
 def _best_in_words(result: DesignResult, name: str) -> str:

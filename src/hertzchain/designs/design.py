@@ -130,6 +130,7 @@ def design(
     ):
         # The limits of the models are notes of the chains that are reported.
         trials = Trials(problem, limit, journal, seed, worker_count("threads", threads), progress)
+        trials.scores = [] if chosen == "enumerate" else None
         if reason is not None:
             return _result(trials, Found("none"), _given(trials), {}, (reason,))
         if len(problem.objectives) == 2:
@@ -154,7 +155,7 @@ def dry_run(
 
 
 def _chosen_method(problem: Design, method: str, limit: Budget) -> str:
-    within = simulations_within(limit, problem.chain, problem.until)
+    within = simulations_within(limit, problem)
     return method_for(problem, method, within)
 
 
@@ -273,6 +274,7 @@ def _result(
         trials.rejected, trials.journal.seconds, notes,
         tuple((count, str(ball)) for count, ball in parts),
         tuple(ball.price for _, ball in parts), best.met,
+        problem.objective.sign * np.array(trials.scores or [], float),
     )  # fmt: skip
 
 

@@ -118,6 +118,7 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "values": dict(result.values),
         "rtol": result.verified.rtol,
         "hertz_range_kept": not result.verified.outside_range,
+        "forces_predicted": not result.verified.not_a_prediction,
         "with_yielding_contacts": dict(result.verified.yielding),
         **_range_of_yield(result.verified),
         "dents": result.verified.dents or None,

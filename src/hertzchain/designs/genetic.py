@@ -95,7 +95,7 @@ class Population:
         new = [neat for key, neat in tried.items() if key not in self.known]
         for each in self.trials.evaluate(new):
             self.known[each.x.tobytes()] = each
-        before = self.members[0].rank if self.members else (np.inf, np.inf)
+        before = self.members[0].rank if self.members else (np.inf,) * 3
         members = {each.x.tobytes(): each for each in self.members}
         members |= {key: self.known[key] for key in tried if key in self.known}
         self.members = sorted(members.values(), key=lambda each: each.rank)[:POPULATION]

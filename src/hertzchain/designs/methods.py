@@ -190,7 +190,7 @@ def polish(trials: Trials, point: Array, end: float) -> Outcome | None:
 def _evolved(trials: Trials, end: float) -> list[Outcome]:
     """Runs of the evolution strategy, whose population follows from the budget; their best."""
     rng, size = np.random.default_rng([trials.seed, 1]), trials.problem.space.size
-    total = simulations_within(trials.budget, trials.problem.chain, trials.problem.until)
+    total = simulations_within(trials.budget, trials.problem)
     share = max(0.0, (end - trials.used) * total)
     if trials.draws is not None:
         share /= len(trials.draws)

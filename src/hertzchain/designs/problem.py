@@ -191,6 +191,18 @@ class Design:
         return self.objectives[0]
 
     @property
+    def tie_breaker(self) -> Requirement | None:
+        """The limit that decides between chains with the same number of beads.
+
+        It is the first one on a simulated measure: the chain that is farthest within it is better.
+        """
+        single = self.objective.single
+        if len(self.objectives) > 1 or single is None or single.key != "beads":
+            return None
+        simulated = (each for each in self.requirements if not each.measure.of_chain)
+        return next(simulated, None)
+
+    @property
     def measures(self) -> tuple[Measure, ...]:
         """All measures of objectives and constraints, once each."""
         limited = [each.measure for each in self.requirements]

@@ -54,6 +54,10 @@ def summary(result: DesignResult) -> str:
     for name, found in references_in_words(result).items():
         lines.append(f"  {name}: {compared_in_words(result, found)}")
     lines += _no_better(result)
+    if problem.tie_breaker is not None:
+        lines.append(
+            f"  among rows of as many beads, {problem.tie_breaker.preference} is preferred"
+        )
     if result.promise is not None:
         value, error = result.promise
         lines.append(f"  the local-rate law promised {value:.6g} with an estimated error of "
@@ -135,10 +139,16 @@ def point_in_words(point: DesignResult) -> str:
 
 def _outside_in_words(found: Verified) -> str:
     """A statement that contacts left Hertz's law, if no value with contacts that yield is known."""
-    if not found.outside_range or found.yielding:
+    return "" if found.yielding else _left_law(found)
+
+
+def _left_law(found: Verified) -> str:
+    """A statement that contacts left the range of their law, and whether forces are predicted."""
+    if not found.outside_range:
         return ""
     yields = any(law.yields for law in found.chain.contact_losses)
-    return f", {OUTSIDE_LAW if yields else OUTSIDE_HERTZ}"
+    words = f", {OUTSIDE_LAW if yields else OUTSIDE_HERTZ}"
+    return words + ", where forces are not a prediction" * found.not_a_prediction
 
 
 def _counted(result: DesignResult, each: Measure) -> str:
@@ -173,7 +183,7 @@ def _heading(result: DesignResult) -> list[str]:
         searched = result._shown(result._sign * result.expected)
         first = (f"{_first_upper(aim)} {problem.scatter.statistic} of {single}: {searched} in the "
                  f"search; {value} without scatter")  # fmt: skip
-    outside = "" if result.front else _outside_in_words(found)
+    outside = "" if result.front else _outside_of_value(result)
     if result.met_in_search and excess_with_scatter(problem, found):
         first = f"The constraints are NOT met in new samples of the scatter. {first}{outside}"
     elif not result.met:
@@ -192,6 +202,15 @@ def _heading(result: DesignResult) -> list[str]:
     elif found.dents:
         lines += [f"  {found.dents}", *second_hit_in_words(found)]
     return lines
+
+
+def _outside_of_value(result: DesignResult) -> str:
+    """A statement that the value is outside the range of the law.
+
+    Values with contacts that yield suffice instead, unless forces are not a prediction.
+    """
+    found = result.verified
+    return _left_law(found) if found.not_a_prediction else _outside_in_words(found)
 
 
 def _closest(result: DesignResult, value: str) -> str:

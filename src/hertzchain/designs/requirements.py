@@ -43,6 +43,11 @@ class Requirement:
     def __str__(self) -> str:
         return f"{self.measure} {'<=' if self.sign > 0 else '>='} {self.shown(self.limit)}"
 
+    @property
+    def preference(self) -> str:
+        """The side of the measure that is farther from the limit, in words."""
+        return f"{'the smallest' if self.sign > 0 else 'the largest'} {self.measure}"
+
     def shown(self, value: float) -> str:
         """A value of the measure, in the unit in which the limit was given."""
         unit = "" if self.measure.unit == "1" else self.measure.unit

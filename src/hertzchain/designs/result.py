@@ -82,6 +82,9 @@ class DesignResult:
         Price of one ball of each of these kinds; NaN if it is unknown.
     met_in_search : bool
         Whether the values of the search, with a scatter those of its samples, meet all constraints.
+    candidates : ndarray
+        Objectives of all simulated choices that meet the constraints, of the method
+        ``"enumerate"``; empty for others.
     """
 
     problem: Design
@@ -107,6 +110,7 @@ class DesignResult:
     parts: tuple[tuple[int, str], ...] = field(default=())
     part_prices: tuple[float, ...] = field(default=())
     met_in_search: bool = True
+    candidates: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def chain(self) -> Chain:
@@ -313,10 +317,12 @@ class DesignResult:
         ----------
         kind : str, optional
             ``"beads"`` or ``"forces"`` of the design and of the best reference that meets the
-            constraints, or of the initial chain if there is none or if it is better;
-            ``"history"``, the best objective over the number of simulations; ``"sensitivity"``,
-            the changes of the objective if the radius of a bead changes by 1%; or ``"front"``, of
-            two objectives.  By default the first three and one of the others.
+            constraints, or of the initial chain if there is none or if it is better (only of the
+            design if it is the same chain);
+            ``"history"``, the best objective over the number of simulations, or of the method
+            ``"enumerate"`` the distribution over all choices that meet the constraints;
+            ``"sensitivity"``, the changes of the objective if the radius of a bead changes by 1%;
+            or ``"front"``, of two objectives.  By default the first three and one of the others.
         ax : matplotlib.axes.Axes, optional
             Axes to draw one kind into.  By default, a new figure is created.
 

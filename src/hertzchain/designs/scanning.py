@@ -24,8 +24,8 @@ def scan(trials: Trials, end: float) -> list[Outcome]:
     ranks = [each.rank for each in found]
     optima = []
     for i in range(len(found)):
-        behind = ranks[i - 1] if i > 0 else (np.inf, np.inf)
-        ahead = ranks[i + 1] if i < len(found) - 1 else (np.inf, np.inf)
+        behind = ranks[i - 1] if i > 0 else (np.inf,) * 3
+        ahead = ranks[i + 1] if i < len(found) - 1 else (np.inf,) * 3
         if ranks[i] < behind and ranks[i] <= ahead and np.isfinite(ranks[i][1]):
             optima.append(_refined(trials, found[i], 1.0 / (count - 1), end))
     return sorted(optima, key=lambda each: each.rank)

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from ..chain.chain import Chain
 from ..errors import InputError
+from ..simulation.ensemble_columns import ALONE
 from ..simulation.ensemble_input import is_covered
 from ..validation.numbers import has_unit, number, whole_number
+
+if TYPE_CHECKING:
+    from .problem import Design
 
 DEFAULT: Final = 20_000
 # Largest time that an elastic chain takes in a search [s], which grows with the square of the
@@ -35,11 +38,14 @@ class Budget:
         return max(runs / self.runs, seconds / self.seconds)
 
 
-def simulations_within(limit: Budget, chain: Chain, until: float | None) -> float:
+def simulations_within(limit: Budget, problem: Design) -> float:
     """Number of simulations that a budget surely permits, also on a slow computer."""
     if math.isfinite(limit.runs):
         return limit.runs
-    together = is_covered(chain, until)
+    chain = problem.chain
+    # The kernel that integrates chains together records no durations on a body.
+    alone = any(ALONE in each.columns for each in problem.measures)
+    together = is_covered(chain, problem.until) and not alone
     each = SLOWEST * (1.0 + (chain.beads / MANY_BEADS) ** 2) * (1.0 if together else LOSSY)
     return limit.seconds / each
 

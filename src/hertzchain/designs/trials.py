@@ -54,6 +54,8 @@ class Outcome:
     values: Array
     score: float
     violation: float
+    # Order of trials with the same score, which a number of balls often has.
+    tie: float = 0.0
 
     @property
     def met(self) -> bool:
@@ -61,11 +63,11 @@ class Outcome:
         return self.violation <= TOLERANCE
 
     @property
-    def rank(self) -> tuple[float, float]:
+    def rank(self) -> tuple[float, float, float]:
         """Order of trials: those that meet the constraints by score, then by violation."""
         if np.isnan(self.score) or np.isnan(self.violation):
-            return np.inf, np.inf
-        return (0.0, self.score) if self.met else (self.violation, self.score)
+            return np.inf, np.inf, np.inf
+        return (0.0 if self.met else self.violation), self.score, self.tie
 
 
 class Reference(NamedTuple):
@@ -103,6 +105,8 @@ class Trials:
     verified: dict[bytes, Verified] = field(default_factory=dict)
     # Number of trials after which a budget of time is checked.
     size: int = FIRST_SIZE
+    # Scores of all trials of an enumeration that meet the constraints.
+    scores: list[float] | None = None
 
     def __post_init__(self) -> None:
         self.clock, self.rejecting = Clock(), threading.Lock()
@@ -213,7 +217,10 @@ class Trials:
         excess = violation(self.problem.requirements, values[:, self.limits])
         failed = ~np.isfinite(values).all(axis=1)
         scores[failed] = np.nan
-        return [Outcome(*each) for each in zip(points, values, scores, excess, strict=True)]
+        ties = np.zeros(len(scores))
+        if (limit := self.problem.tie_breaker) is not None:
+            ties = limit.excess(values[:, self.position[limit.measure]])
+        return [Outcome(*each) for each in zip(points, values, scores, excess, ties, strict=True)]
 
     def slopes(self, point: Array) -> tuple[Outcome, Array, Array]:
         """Values at a point, the derivatives of all measures, shape (M, n), and linear models.
@@ -384,15 +391,17 @@ class Trials:
 
     def _note(self, found: Sequence[Outcome], cost: int) -> None:
         """Count trials, keep the best ones, and record each improvement of the best score."""
-        best = self.best[0].rank if self.best else (np.inf, np.inf)
+        best = self.best[0].rank if self.best else (np.inf,) * 3
         for each in found:
             self.runs += cost
             if cost and not np.isfinite(each.values).all():
                 self.rejected += 1
                 self.failures += [each.x] * (len(self.failures) < MAX_FAILURES)
+            if self.scores is not None and cost and each.met and np.isfinite(each.score):
+                self.scores.append(each.score)
             if each.rank < best:
                 best = each.rank
-                if each.met:
+                if each.met and not (self.history and each.score >= self.history[-1][1]):
                     self.history.append((self.runs, each.score))
         known = {np.ascontiguousarray(each.x).tobytes(): each for each in [*self.best, *found]}
         self.best = sorted(known.values(), key=lambda each: each.rank)[: self.kept]

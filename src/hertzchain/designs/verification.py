@@ -90,13 +90,13 @@ class Verification:
             top = pairs[i][0]
             found = self.with_samples(top, f"design {i + 1}" if i else "design")
             pairs[i] = top, found
-            first, second = top.rank
+            first, second, third = top.rank
             first += sum(excess_with_scatter(self.trials.problem, found).values())
-            ranked = sorted([((first, second), i, True), *ranked[1:]])
+            ranked = sorted([((first, second, third), i, True), *ranked[1:]])
         order = [pairs[i] for _, i, _ in ranked]
         return Best(*order[0], tuple(found for _, found in order[1:]))
 
-    def _verified_rank(self, outcome: Outcome, found: Verified) -> tuple[float, float]:
+    def _verified_rank(self, outcome: Outcome, found: Verified) -> tuple[float, float, float]:
         trials = self.trials
         values = np.array([[found.values[str(each)] for each in trials.measures]])
         return trials.outcomes([outcome.x], values)[0].rank

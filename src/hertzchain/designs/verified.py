@@ -116,6 +116,13 @@ class Verified:
         return self.hertz_range is not None and bool(self.hertz_range.violations)
 
     @property
+    def not_a_prediction(self) -> bool:
+        """Whether an overlap is beyond 0.1 of the effective radius, also if contacts yield."""
+        elastic = 0.0 if self.hertz_range is None else self.hertz_range.overlap_ratio
+        largest = float(np.nan_to_num(elastic).max())
+        return largest > NO_PREDICTION or self.yielding_outside_range
+
+    @property
     def yielding_outside_range(self) -> bool:
         """Whether there are values with contacts that yield, outside the range of their law."""
         return bool(self.yielding) and self.yielding_overlap_ratio > NO_PREDICTION

@@ -14,7 +14,7 @@ from ..chain.chain import Chain
 from ..chain.description import sizes_in_words
 from ..chain.drawn_bodies import body_centres, flat_bodies, half_heights, known_radii
 from ..collision import Array
-from ..designs.comparison import shown_chains
+from ..designs.comparison import DESIGN, same_as, shown_chains
 from ..designs.verified import Verified, violated
 from .chains import draw_beads, length_of, material_legend
 from .colours import grey
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 MAX_ROWS, ROOM = 3, 1.3
 # Width of a character, relative to the size of the font, and the longest line of a name.
 CHARACTER, MAX_NAME = 0.6, 14
+# Statement on a row whose overlaps exceed 0.1 of its radii.
+NOT_PREDICTED: Final = "forces not predicted"
 # Distance of both rows of beads, in radii of the largest one.
 DISTANCE: Final = 2.4
 
@@ -48,7 +50,9 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
                 largest = factor * half_heights(chain).max()
                 axes.plot([end] * 2, [row * height - largest, row * height + largest],
                           color=grey(axes), linewidth=3.0)  # fmt: skip
-            lines = [*textwrap.wrap(name, MAX_NAME), *violations(result, each)]
+            words = f"{name} = {same}" if name == DESIGN and (same := same_as(result)) else name
+            lines = [*textwrap.wrap(words, MAX_NAME), *violations(result, each)]
+            lines += [NOT_PREDICTED] * each.not_a_prediction
             axes.text(-0.01, row * height, " \n".join(lines) + " ", ha="right", va="center",
                       fontsize=rcParams["font.size"] * (1.0 if len(lines) == 1 else 0.8),
                       transform=axes.get_yaxis_transform())  # fmt: skip
@@ -56,7 +60,9 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes.autoscale_view()
         axes.margins(x=0.01)
         if result.chain.units == "SI":
-            _write_diameters(result.chain, axes, height - half_heights(result.chain).max() * factor)
+            _write_diameters(
+                result.chain, axes, row * height - half_heights(result.chain).max() * factor
+            )
         axes.set_yticks([])
         axes.spines["left"].set_visible(False)  # it would look like a wall
         axes.set_xlabel(f"position{unit}")
@@ -68,11 +74,11 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 
 
 def height_of_beads(result: DesignResult, width: float) -> float:
-    """Height [inch] of both rows of beads in axes of a width [inch]."""
+    """Height [inch] of the rows of beads in axes of a width [inch]."""
     chains = [each.chain for each in shown_chains(result).values()]
     largest = max(float(half_heights(chain).max()) for chain in chains)
     length = max(length_of(chain) for chain in chains)
-    return width * (DISTANCE + 2.0) * largest / length
+    return width * (DISTANCE * (len(chains) - 1) + 2.0) * largest / length
 
 
 def violations(result: DesignResult, found: Verified) -> list[str]:

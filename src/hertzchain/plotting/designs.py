@@ -16,10 +16,10 @@ from matplotlib.gridspec import GridSpecBase
 
 from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..collision import Array
-from ..designs.comparison import shown_chains
+from ..designs.comparison import DESIGN, same_as, shown_chains
 from ..designs.curves import Curve, compared_curves, plotted_quantity, shows_forces
 from ..designs.exact_gradients import PEAK
-from ..designs.measures import BODY_PEAK, USUAL, label_in, without_in_words
+from ..designs.measures import BODY_PEAK, label_in, without_in_words
 from ..designs.objective import Objective
 from ..designs.pareto import beaten_if_yielding
 from ..designs.sensitivity import changes
@@ -31,6 +31,7 @@ from ..simulation.body_force import body_in_words
 from .colours import COLOURS, grey
 from .compared_rows import draw_compared_rows
 from .design_beads import CHARACTER, height_of_beads, plot_beads, violations
+from .design_history import plot_history, usual_unit
 from .enlarged import finish_enlarged, small_groups
 from .gradients import bars_of_changes, shade_other_bodies
 from .legends import POINTS_PER_INCH, covers_data, place_legend, put_legend_above
@@ -40,7 +41,6 @@ from .style import (
     broken_label,
     figure_style,
     get_axes,
-    label_log_axis,
     time_axis,
 )
 from .widths import NARROW, figure_size
@@ -55,15 +55,11 @@ NARROW_LABEL, LABEL = 18, 27
 PANEL, ENLARGED, LABELS_OF_BEADS = 1.7, 0.7, 0.9
 # Largest height of both rows of beads [inch], and their part of the width of a figure.
 MAX_BEADS, PART = 2.4, 0.8
-# Name of the design among the compared chains.
-DESIGN: Final = "design"
 PLUS_MINUS: Final = "\N{PLUS-MINUS SIGN}"
 # Largest limit of a force that is drawn, relative to the largest force of the axes.
 NEAR: Final = 1.5
 # Width of the handle of a legend in characters.
 HANDLE: Final = 6
-# Largest over smallest value of a history from which its axis is logarithmic.
-WIDE: Final = 10.0
 # Least difference of two curves that is visible, relative to the largest value.
 VISIBLE: Final = 0.01
 
@@ -163,7 +159,8 @@ def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes)
         for each, text in zip(curves, texts, strict=True)
         if each.name == name
     }
-    parts = [f"{name}, peak {peaks[False]}" if walled else name]
+    title = f"{name} = {same}" if name == DESIGN and (same := same_as(result)) else name
+    parts = [f"{title}, peak {peaks[False]}" if walled else title]
     if True in peaks:
         outside = any(each.outside for each in curves if each.name == name)
         caution = [f"{OUTSIDE_LAW})"] if outside else []
@@ -201,33 +198,6 @@ def _draw_limits(result: DesignResult, axes: Axes) -> None:
         if each.measure.key in (PEAK.key, BODY_PEAK) and each.limit < top:
             axes.axhline(each.limit, color=grey(axes, 0.4), linestyle="--", linewidth=1.0,
                          label=f"limit {each.shown(each.limit)}")  # fmt: skip
-
-
-def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
-    """Plot the best objective over the number of simulations."""
-    with figure_style():
-        axes = get_axes(ax)
-        runs, scores = result.history.T
-        factor, unit = _usual_unit(result, result.unit)
-        values = factor * result._sign * scores
-        if not len(runs):
-            axes.text(0.5, 0.5, "no trial met the constraints", ha="center",
-                      transform=axes.transAxes)  # fmt: skip
-            axes.set_axis_off()
-            return axes
-        axes.step([*runs, result.runs], [*values, *values[-1:]], where="post", color=COLOURS[1])
-        axes.set_xscale("log")
-        label_log_axis(axes.xaxis)
-        if values.min() > 0.0 and values.max() > WIDE * values.min():
-            axes.set_yscale("log")
-            label_log_axis(axes.yaxis)
-        axes.set_xlabel("simulations")
-        single = result.problem.objective.single
-        name = "score" if single is None else label_in(result.chain, single)
-        if (scatter := result.problem.scatter) is not None:
-            name = f"{scatter.statistic} of {name}"
-        axes.set_ylabel(f"{name} [{unit}]" if unit else name)
-    return axes
 
 
 def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
@@ -294,7 +264,7 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         )
         units = {str(each): each.unit for each in result.problem.measures}
         (across, x_unit), (up, y_unit) = (
-            _usual_unit(result, units[name]) for name in (second, first)
+            usual_unit(result, units[name]) for name in (second, first)
         )
         x, y, outside = np.array(points).T
         x, y, outside = across * x, up * y, outside.astype(bool)
@@ -364,7 +334,8 @@ def plot_design(result: DesignResult) -> Figure:
         small = _small(result, curves)
         width, _ = figure_size(8.0, 1.0)
         narrow = width < NARROW
-        beads = LABELS_OF_BEADS + min(MAX_BEADS, height_of_beads(result, PART * width))
+        most = MAX_BEADS if len(shown_chains(result)) > 1 else 0.5 * MAX_BEADS
+        beads = LABELS_OF_BEADS + min(most, height_of_beads(result, PART * width))
         # Long legends are above the forces of a narrow figure.
         room = 0.5 if narrow and any(each.yields for each in curves) else 0.0
         panel = PANEL if narrow else 1.5 * PANEL
@@ -409,13 +380,6 @@ def _draw_last(result: DesignResult, axes: Axes) -> None:
         axes.set_ylabel("mass $m_k$")
     else:
         plot_sensitivity(result, ax=axes)
-
-
-def _usual_unit(result: DesignResult, unit: str) -> tuple[float, str]:
-    """Factor and unit of an axis: mm of lengths, g of masses, ms of times; empty without one."""
-    if result.chain.units != "SI" or unit in ("", "1"):
-        return 1.0, ""
-    return (1e3, "ms") if unit == "s" else USUAL.get(unit, (1.0, unit))
 
 
 KINDS: Final[dict[str, Callable[..., Axes]]] = {

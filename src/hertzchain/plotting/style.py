@@ -239,8 +239,8 @@ def signed(value: float, digits: str = "g") -> str:
 
 
 def with_micro(text: str) -> str:
-    """Text whose units have the micro sign, such as µs for us."""
-    return MICRO.sub("µ", text)
+    """Text whose units have the micro sign and raised exponents, such as µs for us and m/s²."""
+    return MICRO.sub("µ", text).replace("/s^2", "/s²")
 
 
 def label_log_axis(axis: Axis) -> None:

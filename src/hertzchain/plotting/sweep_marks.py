@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PathCollection
+from matplotlib.collections import LineCollection, PathCollection
 from matplotlib.patheffects import withStroke
 
 from ..collision import Array
 from .colours import grey
 from .legends import place_legend_below
-from .sweep_axes import places_of
+from .sweep_axes import edges_of, places_of
 from .widths import NARROW, figure_size
 
 if TYPE_CHECKING:
@@ -28,6 +28,12 @@ MARKED_AREA: Final = 9000.0
 LEGEND_AREA: Final = 24.0
 # Area of the frame of a cell, inside which another marker is visible, relative to that of others.
 FRAME: Final = 3.0
+# Number of marked cells of a kind from which they are hatched and outlined, and the two widths of
+# their lines: white on black, which is visible on each colour.
+MANY: Final = 50
+STROKES: Final = (("black", 2.4), ("white", 1.0))
+# The kind that may cover much of a map, and its hatching.
+HATCHED, HATCH = "outside_range", "///"
 # Longest line of the legend of a narrow figure.
 LEGEND_LINE: Final = 32
 
@@ -88,7 +94,10 @@ def mark_cells(
         colour: dict[str, Any] = (
             {} if {"c", "edgecolors"} & look.cell.keys() else {"c": grey(axes, 0.1)}
         )
-        if there.any():
+        if kind == HATCHED and there.sum() > MANY:
+            edges = edges_of(places_of(drawn[across])), edges_of(places_of(drawn[down]))
+            _outline(axes, *edges, there, mark_label(kind, law=law))
+        elif there.any():
             axes.scatter(x[there], y[there], size * (FRAME if look.frame else 1.0), zorder=3.0,
                          label=mark_label(kind, law=law), **look.cell, **colour)  # fmt: skip
     if axes.get_legend_handles_labels()[1]:
@@ -97,6 +106,24 @@ def mark_cells(
         for handle in legend.legend_handles:
             if isinstance(handle, PathCollection):
                 handle.set_sizes([LEGEND_AREA])
+
+
+def _outline(axes: Axes, x: Array, y: Array, there: Array, label: str) -> None:
+    """Outline the region of marked cells, with given edges of cells, and hatch it."""
+    shown = np.ma.masked_where(~there, np.zeros(there.shape))
+    axes.pcolor(x, y, shown, facecolor="none", edgecolor=grey(axes, 0.6), linewidth=0.0,
+                hatch=HATCH, zorder=2.5)  # fmt: skip
+    padded = np.pad(there, 1).astype(int)
+    lines = [
+        ((x[i], y[j]), (x[i], y[j + 1])) for j, i in np.argwhere(np.diff(padded[1:-1], axis=1))
+    ] + [((x[i], y[j]), (x[i + 1], y[j])) for j, i in np.argwhere(np.diff(padded[:, 1:-1], axis=0))]
+    for colour, width in STROKES:
+        axes.add_collection(
+            LineCollection(lines, colors=colour, linewidths=width, capstyle="round", zorder=3.0),
+            autolim=False,
+        )
+    # For the legend.
+    axes.fill([], [], facecolor="none", edgecolor=grey(axes, 0.6), hatch=HATCH, label=label)
 
 
 def mark_curve(

@@ -54,6 +54,8 @@ TABLE_QUANTITIES: Final[dict[str, Quantity]] = {
 UNTIL_PEAK: Final = {
     *PULSE_QUANTITIES, "wall_peak_force", "wall_peak_time", "wall_largest_so_far",
 }  # fmt: skip
+# The quantity whose chains the kernel for many chains does not integrate.
+ALONE: Final = "body_duration"
 # Factor of the tolerance for `simulate`, whose method has larger errors at equal tolerance.
 TIGHTER: Final = 0.1
 # Scratch arrays of the kernel that are not in use, each with its number of gauges; a set has 8 MB.
@@ -89,7 +91,7 @@ class Request:
 
     def by_kernel(self, chain: Chain) -> bool:
         """Whether the elastic kernel integrates a chain: it records no durations."""
-        return is_covered(chain, self.until) and "body_duration" not in self.keep
+        return is_covered(chain, self.until) and ALONE not in self.keep
 
     def peak_only(self, chain: Chain) -> bool:
         """Whether a run may end when its largest force on the wall is proven."""

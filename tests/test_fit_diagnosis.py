@@ -12,7 +12,8 @@ import hertzchain as hc
 from hertzchain.cli.wording import on_command_line
 from hertzchain.fitting.advice import DEFECTS, LAWS, considered
 from hertzchain.fitting.constant_causes import with_exponent
-from hertzchain.fitting.diagnosis import _losses, without_tested
+from hertzchain.fitting.diagnosis import without_tested
+from hertzchain.fitting.free_causes import with_losses
 from hertzchain.fitting.fit import fitted as solved
 
 DESCRIBES = "and the model describes the data"
@@ -174,7 +175,7 @@ def test_common_parameters_that_differ_between_shots_are_named(options, name):
 def test_parameters_of_each_shot_are_not_tried_in_common():
     free = [each for each in EACH if each != "loss.time"]
     result = two_shots(None, [*free, "loss.time@*", "exponent@*"])
-    assert list(_losses(result, {}, solved)) == list(with_exponent(result, {}, solved)) == []
+    assert list(with_losses(result, {}, solved)) == list(with_exponent(result, {}, solved)) == []
 
 
 @pytest.mark.long

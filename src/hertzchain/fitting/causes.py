@@ -41,6 +41,8 @@ class Cause:
     gross: bool = False
     # Whether the row has another number of balls.
     count: bool = False
+    # Whether a ball of the row, or a gap in it, is another one.
+    row: bool = False
     # Parameters that the fit has in addition.
     names: tuple[Name, ...] = ()
 

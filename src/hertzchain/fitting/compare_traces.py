@@ -30,8 +30,10 @@ from .arrival_notes import (
     silent_notes,
     with_pulses,
 )
+from .ball_count_notes import OUTSIDE, count_notes
 from .coarse_sampling import sampling_notes
 from .compared_part import check_reached, covered_part
+from .comparison_notes import level_notes, missing_notes, pulse_notes, unit_notes
 from .exchanged_columns import exchange_notes
 from .goodness import EXPLAINED
 from .misread_columns import inversion_notes
@@ -43,14 +45,10 @@ from .sensor_comparison import (
     check_contains_a_pulse,
     check_durations,
     check_resolved,
-    level_notes,
-    missing_notes,
-    pulse_notes,
     pulse_widths,
-    unit_notes,
 )
 from .sensors import sampled
-from .time_offsets import best_offset, explained_by_offset, offset_error
+from .time_offsets import best_offset, difference_at_best_offset, explained_by_offset, offset_error
 from .trace_comparison import TraceComparison
 
 
@@ -108,6 +106,7 @@ def compare_traces(
         *inversion_notes({} if exchanged else {each.name: each.scale for each in found.sensors}),
         *level_notes(shot, signals, columns),
         *([] if exchanged else _crest_notes(found, run, columns, inside)),
+        *([] if suspicious else _count_notes(found, run, columns, grid)),
         *coupling_notes(traces, [run.chain], gain),
     )
     return replace(found, notes=notes, exchanged=exchanged)
@@ -138,6 +137,21 @@ def _crest_notes(
         *missing_notes(found.sensors), *pulse_notes(run, shot, columns, inside, until),
         *odd_sensor_notes(found.sensors, shot, inside, outside),
     ]  # fmt: skip
+
+
+def _count_notes(
+    found: TraceComparison, run: Run, columns: Sequence[Array], grid: Array
+) -> list[str]:
+    """A note on the number of balls, if arrivals differ and the run begins at the impact."""
+    (shot,) = found.traces.shots
+    delays = [abs(each.delay) for each in found.sensors if np.isfinite(each.delay)]
+    late = max(delays, default=0.0) > OUTSIDE * min(pulse_widths(columns, grid))
+    if run.times[0] != 0.0 or len(shot.signals) < 2 or not late:
+        return []
+    own = difference_at_best_offset(shot, columns, float(grid[1]))
+    return count_notes(run, own, lambda other: difference_at_best_offset(
+        shot, _columns(other, shot)[1], float(grid[1])
+    ))  # fmt: skip
 
 
 def _suspicious(

@@ -19,21 +19,31 @@ from ..representation import measure
 from .advice import advice_to_free, considered, level_advice, nothing_explains
 from .ball_count_causes import likely_count, other_counts
 from .cap_notes import before_departure, is_cap_note
-from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_ends, is_free, try_further
+from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_ends, try_further
 from .clocks import fixed_offsets
 from .common_effects import separate_effects
 from .constant_causes import with_cap, with_exponent, with_masses, with_moduli, with_walls
 from .effect_limits import limited
-from .law_parameters import names_of_losses
-from .loss_laws import typical_law
+from .exchanged_columns import MUCH_BETTER
+from .free_causes import (
+    MAX_TRIED,
+    MOST,
+    PROMISING,
+    other_places,
+    with_effects,
+    with_losses,
+    with_pairs,
+    with_shots,
+)
 from .misread_columns import misread_columns
-from .misread_places import best_other_place
+from .misread_places import rms_difference
 from .misread_times import check_times, misread_times
 from .names import Name
 from .parameters import Parameter, kind_and_value
 from .prior_conflicts import bound_notes
 from .problem import Problem
 from .result import FitResult
+from .row_causes import row_causes
 from .second_pulse import without_second_pulse
 from .sensor_effects import gained_by, groups_of_effects
 from .signal_noise import signal_noise_of
@@ -41,17 +51,8 @@ from .static_causes import static_causes
 from .systematics import PRESENT
 from .without_priors import conflict_notes_of
 
-# Part of the excess of chi-squared that a cause must remove, and the part that it must remove in
-# the linearised fit to be tried.
-MOST, PROMISING = 0.75, 0.4
-# Largest number of effects that are tried.
-MAX_TRIED: Final = 4
-# Largest number of pairs of effects that are tried.
-MAX_PAIRS: Final = 2
-# Common parameters that may differ between shots.
-OF_SHOTS: Final = ("struck_by.velocity", "time_offset")
-# Law that is tried if the chain has no loss.
-LOSS: Final = "viscoelastic"
+# Largest number of causes that are named besides the best one.
+MAX_OTHERS: Final = 2
 # Columns may be wrong if a parameter is further from its prior, in standard deviations.
 FAR_FROM_PRIOR: Final = 10.0
 UNITS: Final = (
@@ -66,31 +67,24 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
         return _with_other_columns(result, start, refit) or _with_effect(result, refit)
     if result.goodness.only_noise:
         return result
-    check_times(result.model)
-    columns = list(_columns(result, start, refit))
-    causes = [*columns, *_clock(result, start, refit)]
-    misread = next((each for each in causes if each.whole and _much_better(result, each)), None)
-    if misread is not None:
-        return as_misread(result, misread)
-    gross = next((each for each in causes if each.gross and _much_better(result, each)), None)
-    if gross is not None and _is_good(gross.result):
-        return as_misread(result, gross)
-    if gross is not None:
-        return replace(result, advice=_with_next(result, gross, start, refit))
-    if result.meaningless and not any(_much_better(result, each) for each in causes):
-        # Effects of sensors do not make a fit meaningless, and fits far from the data take long.
-        return replace(result, advice=(UNITS,))
-    noise = None if causes else signal_noise_of(result)
-    tried: dict[str, None] = {}
+    columns, found = _of_columns(result, start, refit)
+    if found is not None:
+        return found
+    noise = None if columns else signal_noise_of(result)
+    causes, tried = list(columns), dict[str, None]()
     for further, words in FURTHER.items():
-        if not any(_explains(result, cause.result) for cause in causes):
+        if not any(_settles(result, cause, further) for cause in causes):
             causes += further(result, start, _noting(refit, words, tried))
     good = [cause for cause in causes if _removed(result, cause.result) > MOST]
     levels = level_advice(result)
     if noise is not None and all(noise.cost < cause.result.chi2 for cause in good):
         return replace(result, advice=(*levels, noise.advice))
+    # Delays, gaps and odd balls all make signals late, so that those that fail are not advised.
+    rejected = [cause for cause in good if _is_late(cause) and not cause.result.describes]
+    good = [cause for cause in good if cause not in rejected]
     if not good:
-        return replace(result, advice=(*levels, nothing_explains(result, tried, levels)))
+        advice = f"{_only_late(result, rejected)}{nothing_explains(result, tried, levels)}"
+        return replace(result, advice=(*levels, advice))
     best = min(good, key=lambda each: (
         not each.result.describes,
         each.result.chi2 + (PRESENT * each.added if each.result.describes else 0.0),
@@ -100,25 +94,117 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if best in columns and best.result.describes:
         return as_misread(result, best)
     best, others = _count_first(best, good)
+    others = others or _not_distinguished(best, good)
     found = replace(result, advice=(f"{_sentence(result, best)}{others}", *levels))
     return _without_consequences(found) if _is_certain(best) else found
 
 
-def unit_is_wrong(problem: Problem, start: Mapping[str, float], refit: Refit) -> Cause | None:
-    """The fit to data in another unit, if known gains exclude that of the columns.
+def quickly_diagnosed(
+    result: FitResult, start: Mapping[str, float], refit: Refit
+) -> tuple[FitResult, bool]:
+    """A result with advice on data or rows that are others, and whether more is to be tried.
 
-    It is tried before a fit to the data as they are, which takes long and has no meaning.
+    These causes are tested before a search for defects, which takes as long as all others.
+    """
+    if (result.goodness.accepted and not result.implausible) or result.goodness.only_noise:
+        return diagnosed(result, start, refit), False
+    columns, found = _of_columns(result, start, refit)
+    if found is not None:
+        return found, False
+    if columns:
+        return result, True
+    for cause in itertools.chain(
+        other_places(result, start, refit), likely_count(result, start, refit)
+    ):
+        if cause.result.describes:
+            found = replace(result, advice=(_sentence(result, cause),))
+            return (_without_consequences(found) if _is_certain(cause) else found), False
+    return result, True
+
+
+def _of_columns(
+    result: FitResult, start: Mapping[str, float], refit: Refit
+) -> tuple[list[Cause], FitResult | None]:
+    """Fits to columns and times that are read differently, and the result if these decide it."""
+    check_times(result.model)
+    columns = list(_columns(result, start, refit))
+    causes = [*columns, *_clock(result, start, refit)]
+    misread = next((each for each in causes if each.whole and _much_better(result, each)), None)
+    if misread is not None:
+        return causes, as_misread(result, misread)
+    gross = next((each for each in causes if each.gross and _much_better(result, each)), None)
+    if gross is not None and _is_good(gross.result):
+        return causes, as_misread(result, gross)
+    if gross is not None:
+        return causes, replace(result, advice=_with_next(result, gross, start, refit))
+    if result.meaningless and not any(_much_better(result, each) for each in causes):
+        # Effects of sensors do not make a fit meaningless, and fits far from the data take long.
+        return causes, replace(result, advice=(UNITS,))
+    return causes, None
+
+
+def _settles(result: FitResult, cause: Cause, further: object) -> bool:
+    """Whether no further cause is tried; a delay may be a gap, which looks like it."""
+    return _explains(result, cause.result) and not (further is row_causes and _has_delay(cause))
+
+
+def _has_delay(cause: Cause) -> bool:
+    return any(each.key == "delay" for each in cause.names)
+
+
+def _is_late(cause: Cause) -> bool:
+    """Whether a cause makes the signals of all sensors beyond a place late."""
+    return cause.row or _has_delay(cause)
+
+
+def _only_late(result: FitResult, rejected: Sequence[Cause]) -> str:
+    """A sentence on signals that are late for another reason than one delay, gap or ball."""
+    if not rejected:
+        return ""
+    best = min(rejected, key=lambda each: each.result.chi2)
+    return (
+        f"{_improved(result, best)}. A delay of a channel, a gap and an odd ball all make signals "
+        "late, but none of them alone describes the data; "
+    )
+
+
+def _not_distinguished(best: Cause, good: Sequence[Cause]) -> str:
+    """Delays, gaps and odd balls that describe the data as well as the best one of them."""
+    if not _is_late(best):
+        return ""
+    limit = best.result.chi2 + PRESENT
+    others = [
+        each for each in good
+        if each is not best and _is_late(each) and each.result.describes
+        and each.result.chi2 < limit
+    ]  # fmt: skip
+    others.sort(key=lambda each: each.result.chi2)
+    return "".join(
+        f". With {each.what} instead, chi2 is {each.result.chi2:.0f}, and the data hardly "
+        f"distinguish these causes: {each.advice}"
+        for each in others[:MAX_OTHERS]
+    )
+
+
+def first_misread(problem: Problem, start: Mapping[str, float], refit: Refit) -> Cause | None:
+    """The fit to data in another unit or order, if those of the columns are clearly wrong.
+
+    It is tried before a fit to the data as they are, which takes long and has no meaning: if known
+    gains exclude the unit, or if columns in another order agree much better with the nominal chain.
     """
     model = problem.model
-    found = next((each for each in misread_columns(model) if each.unit), None)
-    if found is None:
-        return None
-    try:
-        other = refit(Problem(replace(model, traces=found.traces)), start, 1)
-    except SimulationError:
-        return None
-    cause = Cause(found.what, found.advice, other, 0, misread=True, gross=True)
-    return cause if _is_good(other) and not other.prior_conflict else None
+    for each in misread_columns(model):
+        other = replace(model, traces=each.traces)
+        exchanged = each.order and rms_difference(other) < MUCH_BETTER * rms_difference(model)
+        if not (each.unit or exchanged):
+            continue
+        try:
+            found = refit(Problem(other), start, 1)
+        except SimulationError:
+            continue
+        if _is_good(found) and not found.prior_conflict:
+            return Cause(each.what, each.advice, found, 0, misread=True, gross=each.gross)
+    return None
 
 
 def as_misread(result: FitResult, cause: Cause) -> FitResult:
@@ -327,96 +413,24 @@ def _clock(result: FitResult, start: Mapping[str, float], refit: Refit) -> Itera
     yield Cause(shown, advice, found, len(more), names=tuple(fixed))
 
 
-def _places(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """The fit with one sensor in a neighbouring ball, if this agrees better with the chain."""
-    found = best_other_place(result.model)
-    if found is None:
-        return
-    try:
-        other = refit(Problem(found.model), start, 1)
-    except SimulationError:
-        return
-    yield Cause(
-        f"the sensor {found.name!r} in {found.place.name.removesuffix(' velocity')} instead",
-        "check the number in the name of this column, and how balls and strikers are counted",
-        other, 0,
-    )  # fmt: skip
-
-
 def _counts_and_effects(
     result: FitResult, start: Mapping[str, float], refit: Refit
 ) -> Iterator[Cause]:
     """Fits with another number of balls and with effects of sensors, which may look like it."""
     yield from likely_count(result, start, refit)
-    yield from _effects(result, start, refit)
-
-
-def _effects(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """Fits with the effects of sensors that reduce chi-squared most in the linearised fit."""
-    groups = list(groups_of_effects(result))
-    excess = max(result.chi2 - result.goodness.freedom, 1.0)
-    gained = [each / excess for each in gained_by(result, groups)]
-    order = sorted(range(len(groups)), key=lambda i: (gained[i] < MOST, len(groups[i]), -gained[i]))
-    for i in [i for i in order if gained[i] > PROMISING][:MAX_TRIED]:
-        yield from filter(None, [try_further(result, groups[i], refit)])
-
-
-def _pairs(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """Fits with two offsets, gains or delays that reduce chi-squared most together."""
-    singles = [names for names in groups_of_effects(result) if len(names) == 1 and names[0].item]
-    pairs = [(*one, *two) for one, two in itertools.combinations(singles, 2)]
-    gained = gained_by(result, pairs)
-    excess = max(result.chi2 - result.goodness.freedom, 1.0)
-    order = sorted(range(len(pairs)), key=lambda i: -gained[i])
-    for i in [i for i in order if gained[i] > PROMISING * excess][:MAX_PAIRS]:
-        yield from filter(None, [try_further(result, pairs[i], refit)])
-
-
-def _shots(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """Fits in which a common velocity or time offset has another value in each shot."""
-    model = result.model
-    for key in OF_SHOTS:
-        own = [Name(key, shot=str(k)) for k in range(2, len(model.chains) + 1)]
-        if not own or {each for each in model.names if each.key == key} != {Name(key)}:
-            continue
-        # The common parameter becomes that of the first shot.
-        cause = try_further(result, own, refit)
-        if cause is not None:
-            yield replace(cause, advice=f"free '{key}@*' instead of '{key}'")
-
-
-def _losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """Fits with a loss, if the chains have none, or with the parameters of their losses."""
-    model = result.model
-    if not all(chain.lossless for chain in model.chains):
-        for key in names_of_losses(result.chain):
-            name = Name(key)
-            cause = None if is_free(name.key, model) else try_further(result, (name,), refit)
-            if cause is not None:
-                yield cause
-        return
-    law = typical_law(LOSS, model.chains[0])
-    chains = tuple(chain.replace(loss=law) for chain in model.chains)
-    name = Name("loss.time")
-    lossy = replace(model, chains=chains)
-    cause = try_further(result, (name,), refit, lossy, neutral=0.0)
-    if cause is not None:
-        yield replace(cause, what=f"a {LOSS} loss, {cause.what}", advice=(
-            f"add a loss to the chain, such as loss = {{law = '{LOSS}', time = "
-            f"'{1e6 * cause.result.values[str(name)]:.3g} us'}}, and {str(name)!r} to the free "
-            "parameters; compare_losses compares other laws"
-        ))  # fmt: skip
+    yield from with_effects(result, start, refit)
 
 
 # Causes that are tried one after the other, with words for those that other functions do not name.
 FURTHER: Final[Mapping[Callable[[FitResult, Mapping[str, float], Refit], Iterator[Cause]], str]] = {
     without_second_pulse: "",
     before_departure: "",
-    _places: "",
+    other_places: "",
     _counts_and_effects: "",
     separate_effects: "another offset or gain of each sensor",
-    _shots: "another velocity or time offset in each shot",
-    _losses: "the loss",
+    row_causes: "a gap, an odd ball and a ball of another material between two sensors",
+    with_shots: "another velocity or time offset in each shot",
+    with_losses: "the loss",
     static_causes: "gravity and a precompression",
     with_exponent: "the exponent",
     with_cap: "the mass of the cap, the stiffness of the walls",
@@ -424,5 +438,5 @@ FURTHER: Final[Mapping[Callable[[FitResult, Mapping[str, float], Refit], Iterato
     with_moduli: "the moduli of several materials",
     with_masses: "the mass of balls with sensors",
     other_counts: "one ball more or fewer",
-    _pairs: "",
+    with_pairs: "",
 }

@@ -23,7 +23,7 @@ from .cap_notes import cap_notes
 from .chain_parameters import following
 from .clocks import clock_notes, with_clocks
 from .coarse_sampling import sampling_notes
-from .diagnosis import as_misread, diagnosed, unit_is_wrong
+from .diagnosis import as_misread, diagnosed, first_misread
 from .least_squares import Solution, solve, solve_again
 from .misread_columns import inversion_notes
 from .misread_times import nominal_pulses
@@ -158,7 +158,7 @@ def fit(
     data, settings = with_clocks(with_time_offset(data, time_offset), settings)
     count = whole_number("starts", starts, least=1, most=6)
     problem = problem_of(data, chains, settings, progress)
-    wrong = unit_is_wrong(problem, settings.start, fitted)
+    wrong = first_misread(problem, settings.start, fitted)
     if wrong is not None:
         result = as_misread(_at_values_of(problem, wrong.result), wrong)
     else:

@@ -38,6 +38,8 @@ class Misread:
     gross: bool = False
     # Whether a prefix of the unit explains the amplitudes of all columns that are read differently.
     unit: bool = False
+    # Whether columns of one quantity and unit are in another order.
+    order: bool = False
 
 
 def prefix_of(ratio: float) -> float | None:
@@ -149,6 +151,7 @@ def _order(model: Model, predicted: list[Array]) -> Iterator[Misread]:
             f"the columns of {listed(list(places))} {how}",
             "check the names of these columns",
             _exchanged(model.traces, places),
+            order=True,
         )
 
 

@@ -52,8 +52,26 @@ def _delayed(sensors: Sequence[SensorComparison]) -> list[str]:
     return [
         f"the measured signal of {odd.name} is {measure(abs(difference), 's', digits=2)} "
         f"{'late' if difference < 0.0 else 'early'} compared with those of the other sensors: "
-        f"check the delay of its channel and its place{_end(odd, BALLS)}"
+        f"check {_late_causes(sensors, odd, difference)}"
     ]
+
+
+def _late_causes(
+    sensors: Sequence[SensorComparison], odd: SensorComparison, difference: float
+) -> str:
+    """Causes of the delay of one sensor; those at an end of the row may be due to the row."""
+    own = f"the delay of its channel and its place{_end(odd, BALLS)}"
+    order = sorted(sensors, key=lambda each: each.simulated_arrival)
+    early = difference > 0.0
+    if early and odd is order[0]:
+        between = f"between {odd.name} and {order[1].name}"
+    elif not early and odd is order[-1] and "wall" not in odd.name:
+        between = f"between {order[-2].name} and {odd.name}"
+    elif not early and odd is order[-1]:
+        between = f"between {order[-2].name} and the wall"
+    else:
+        return own
+    return f"for a gap or an odd ball {between}, and check {own}"
 
 
 def _amplified(sensors: Sequence[SensorComparison]) -> list[str]:

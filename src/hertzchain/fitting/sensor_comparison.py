@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -13,20 +13,13 @@ from ..collision import Array
 from ..errors import InputError
 from ..representation import measure, shown_signal, usual_unit
 from ..simulation.run import Run
-from ..traces.amplitudes import (
-    ARRIVED,
-    CERTAIN,
-    error_of_level,
-    extreme,
-    level_differs,
-    level_of,
-    level_of_model,
-)
+from ..traces.amplitudes import ARRIVED, extreme, level_of
+from ..traces.crests import crest_of
 from ..traces.headers import GAIN_UNITS
 from ..traces.signals import Shot, Signal
 from .crossings import arrival_error, half_width, reached
-from .misread_columns import POLARITY, PROBES, advice_on_amplitude, prefix_of, usual_factor
-from .shown_values import shown_difference, shown_part, shown_ratio
+from .misread_columns import prefix_of
+from .shown_values import shown_difference, shown_part
 
 # A simulated signal that is still rising at the end of the run below this fraction of the measured
 # peak, or of the largest value anywhere in the run, shows that the pulse has not arrived.
@@ -49,13 +42,17 @@ MIN_TIMES: Final = 5.0
 # A gap between samples, as a part of the width of a pulse, in which its crest may be higher than
 # its ends by 1%.
 SHORT: Final = 0.14
+# Digits of peaks, and the part of the width over which samples are averaged to find the crest.
+MAX_DIGITS, SMOOTHED = 4, 0.3
 
 
 @dataclass(frozen=True)
 class SensorComparison:
     """Measured and simulated signal of one sensor.
 
-    Peaks are the largest deviations from the level before the pulse, arrivals the times of the
+    Peaks are the crests of the largest deviations from the level before the pulse: maxima of a
+    polynomial through the samples around them, because noise makes the largest sample higher than
+    the crest.  If these are few, the peak is the largest sample.  Arrivals are the times of the
     data at which a signal reaches half of its peak, in the compared interval.  Both signals are
     compared at the times of the samples: few samples within a pulse lower both peaks equally, and
     the simulated one is then below that of `Run.wall_force` or `Run.sensor_force`.  If the crest of
@@ -84,6 +81,9 @@ class SensorComparison:
     crest_missing : bool
         Whether the crest is missing for another reason: samples are missing there, or the data end
         before it.
+    peak_error : float
+        Standard error of the measured peak from the noise, in the unit of the signal; NaN if the
+        crest is missing, or if too few samples are near it.
     """
 
     name: str
@@ -98,6 +98,7 @@ class SensorComparison:
     scale: float
     saturated: bool = False
     crest_missing: bool = False
+    peak_error: float = np.nan
 
     @property
     def lower_bound(self) -> bool:
@@ -130,19 +131,34 @@ class SensorComparison:
         difference = shown_difference(self.peak_ratio)
         if self.lower_bound:
             difference = "saturated" if self.saturated else "no crest"
-        factor, unit = usual_unit(self.measured_peak, self.unit) if self.volts else (1.0, self.unit)
         return (
-            f"{'>' * self.lower_bound}{factor * self.measured_peak:.4g} {unit}",
-            f"{factor * self.simulated_peak:.4g} {unit}", difference,
+            *self.shown_peaks, difference,
             *(_time(each) for each in (self.measured_arrival, self.simulated_arrival)),
             _time(self.delay, "+"),
             shown_part(self.residual),
         )  # fmt: skip
 
     @property
+    def shown_peaks(self) -> tuple[str, str]:
+        """Measured and simulated peak, with digits that the error of the measured one allows."""
+        factor, unit = usual_unit(self.measured_peak, self.unit) if self.volts else (1.0, self.unit)
+        values = factor * self.measured_peak, factor * self.simulated_peak
+        seen, own = (_rounded(each, factor * self.peak_error) for each in values)
+        return f"{'>' * self.lower_bound}{seen} {unit}", f"{own} {unit}"
+
+    @property
     def row(self) -> str:
         """Row of a table."""
         return _aligned(self.name, *self.cells)
+
+
+def _rounded(value: float, error: float) -> str:
+    """A value to the first digit of its error, and to at most four digits."""
+    if not error > 0.0 or abs(value) < 1e-3:
+        return f"{value:.{MAX_DIGITS}g}"
+    first = math.floor(math.log10(abs(value)))
+    decimals = min(-math.floor(math.log10(error)), MAX_DIGITS - 1 - first)
+    return f"{round(value, decimals):.{max(decimals, 0)}f}"
 
 
 def _time(value: float, sign: str = "") -> str:
@@ -194,10 +210,13 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
     covered = np.isfinite(model)
     present = covered & np.isfinite(signal.values)
     measured, simulated = seen[present], (own - own[0])[covered]
-    peaks = extreme(measured), extreme(simulated)
+    largest = extreme(measured), extreme(simulated)
     saturated = bool(clipped.any())
     width = half_width(times[covered], simulated)
-    missing = not saturated and crest_is_missing(times[covered], seen[covered] / peaks[0], width)
+    missing = not saturated and crest_is_missing(times[covered], seen[covered] / largest[0], width)
+    crests = [_crest(times[present], each[present], width) for each in (seen, own - own[0])]
+    smooth = not (saturated or missing) and all(np.isfinite(error) for _, error in crests)
+    peaks = (crests[0][0], crests[1][0]) if smooth else largest
     # A signal without a crest and its model are compared at the same height.
     half = ARRIVED * abs(peaks[0 if saturated or missing else 1])
     levels = ARRIVED * peaks[0], float(np.copysign(half, peaks[1]))
@@ -208,7 +227,15 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
         signal.name, signal.unit, signal.place.quantity, *peaks,
         arrival, reached(times[covered], simulated, levels[1]), error,
         rest / abs(peaks[0]), scale_of(signal, model), saturated, missing,
+        signal.sigma * crests[0][1] if smooth else np.nan,
     )  # fmt: skip
+
+
+def _crest(times: Array, values: Array, width: float) -> tuple[float, float]:
+    """Height of the crest of a signal, and its error over that of a sample."""
+    count = max(1, round(SMOOTHED * width / max(float(np.median(np.diff(times))), 1e-300)))
+    mean = np.convolve(values, np.full(count, 1.0 / count), "same")
+    return crest_of(times, values, width, float(times[np.argmax(np.abs(mean))]))
 
 
 def crest_is_missing(times: Array, height: Array, width: float) -> bool:
@@ -337,102 +364,3 @@ def check_contained(shot: Shot, inside: Array) -> None:
                 f"at {measure(end, 's')} of the data; simulate for longer, or check time_offset "
                 "and the unit of the times"
             )
-
-
-def unit_notes(sensors: Sequence[SensorComparison], outside: Collection[str]) -> list[str]:
-    """Notes on peaks of calibrated sensors that differ by a power of ten, or much.
-
-    ``outside`` has the sensors whose simulated pulse is not in the record.
-    """
-    notes = []
-    for each in sensors:
-        if each.name in outside:
-            continue
-        ratio = 1.0 / each.peak_ratio
-        if each.quantity == "velocity":
-            ratio = abs(ratio)  # reflected waves change the sign of the largest velocity
-        if each.unit == "V" or 1.0 / NOTED < ratio < NOTED:
-            continue
-        problem = (
-            f"the simulated peak of {each.name} is {shown_ratio(1.0 / ratio)} the measured one"
-        )
-        if ratio < 0.0:
-            notes.append(f"{problem}: {POLARITY}")
-        elif prefix_of(ratio) or usual_factor(ratio) in PROBES:
-            notes.append(f"{problem}: {advice_on_amplitude(usual_factor(ratio))}")
-        elif ratio > 1.0 or not each.lower_bound:
-            notes.append(
-                f"{problem}: check its gain and unit, and the velocity and sizes of the chain"
-            )
-    return notes
-
-
-def level_notes(shot: Shot, signals: Sequence[Array], columns: Sequence[Array]) -> list[str]:
-    """Notes on sensors whose level before the pulse is not that of the simulation."""
-    notes = []
-    for signal, model, column in zip(shot.signals, signals, columns, strict=True):
-        expected = level_of_model(signal, model)
-        if not np.isfinite(expected):
-            continue
-        error, level = error_of_level(signal), shown_signal(signal.level, signal.unit)
-        if not signal.calibrated:
-            # The scale is not accurate enough to compare the static force.
-            scale, static = scale_of(signal, model), float(column[0])
-            allowed = CERTAIN * error + 0.5 * abs(scale * static)
-            if level_differs(signal, scale * expected, scale * static, allowed):
-                notes.append(
-                    f"before the pulse, {signal.name} is at {level}, to which the simulation is "
-                    f"shifted; a fit needs 'offset[{signal.name}]'"
-                )
-            continue
-        if level_differs(signal, expected, float(column[0]), CERTAIN * error):
-            # The foot of the simulated pulse is not zero, but cannot be measured.
-            shown = expected if abs(expected) > error else 0.0
-            notes.append(
-                f"before the pulse, {signal.name} is at {level}, the simulation at "
-                f"{shown_signal(shown, signal.unit)}; the difference is part of the "
-                "residual: check the zero of the sensor"
-            )
-    return notes
-
-
-def missing_notes(sensors: Sequence[SensorComparison]) -> list[str]:
-    """Notes on saturated and missing samples at the crest of a signal or at its arrival."""
-    notes = []
-    for each in sensors:
-        peak = shown_signal(each.measured_peak, each.unit, digits=4)
-        if each.saturated:
-            notes.append(
-                f"{each.name} is saturated at {peak}: its crest is missing, and is not part of the "
-                "residual"
-            )
-        elif each.crest_missing:
-            notes.append(
-                f"samples of {each.name} are missing at its crest, or the data end before it: "
-                f"{peak} is the largest of the others, a lower bound of the peak"
-            )
-        if np.isnan(each.measured_arrival):
-            notes.append(
-                f"samples of {each.name} are missing where it reaches half of its peak: its "
-                "arrival is not known"
-            )
-    return notes
-
-
-def pulse_notes(
-    run: Run, shot: Shot, columns: Sequence[Array], inside: Array, until: float
-) -> list[str]:
-    """Notes on incomplete simulated peaks and on the end of the record."""
-    notes = []
-    for signal, column in zip(shot.signals, columns, strict=True):
-        if np.argmax(np.abs(column - column[0])) >= len(column) - 2:
-            notes.append(
-                f"the simulated peak of {signal.name} is not complete, because the run ends first; "
-                "simulate for longer to compare peaks and to find a more accurate time offset"
-            )
-    if np.mean(inside) < COMPLETE:
-        notes.append(
-            f"the run ends at {measure(float(run.times[-1]), 's')}, before the record ends; "
-            f"simulate with until={measure(until, 's')!r} to compare the whole record"
-        )
-    return notes

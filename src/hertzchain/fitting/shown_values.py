@@ -19,6 +19,8 @@ SHOWN: Final[Mapping[str, tuple[float, str]]] = {
     "m": (1e6, "um"),
     "Pa": (1e-9, "GPa"),
 }
+# Values at a bound, in the unit shown, that are zero.
+NEARLY_ZERO: Final = 1e-6
 # Ratio from which values are compared by their ratio instead of a difference in percent, and the
 # smallest that has a meaning.
 FACTOR, NO_AGREEMENT = 2.0, 1e-6
@@ -32,8 +34,12 @@ def shown_value(
     if 0.0 < sigma < np.inf and not at_bound:
         return shown_with_error(value, sigma, unit)
     factor, unit = factor_and_unit(value, unit)
-    why = "at its bound" if at_bound else "not determined"
-    return f"{factor * value:.5g} ({why}) {unit}".rstrip()
+    # A value near its bound 0 is zero, and one without an error has no meaning.
+    if at_bound and abs(factor * value) < NEARLY_ZERO:
+        return "0 (at its bound)"
+    if not at_bound:
+        return f"{factor * value:.2g} {unit}".rstrip() + " (not determined)"
+    return f"{factor * value:.5g} {unit}".rstrip() + " (at its bound)"
 
 
 def shown_with_error(value: float, sigma: float, unit: str) -> str:

@@ -131,6 +131,18 @@ class TraceComparison:
         return f"{with_error(factor * self.time_offset, factor * error)} {unit}"
 
     @property
+    def _peak_errors(self) -> list[str]:
+        """A line on the standard errors of the measured peaks, if any is known."""
+        errors = [
+            each.peak_error / abs(each.measured_peak) for each in self.sensors
+            if each.peak_error > 0.0
+        ]  # fmt: skip
+        if not errors:
+            return []
+        ends = dict.fromkeys(f"{100.0 * each:.2g}%" for each in (min(errors), max(errors)))
+        return [f"errors of measured peaks, from noise: {' to '.join(ends)}"]
+
+    @property
     def _arrival_errors(self) -> list[str]:
         """Lines on the standard errors of the measured arrivals, if any is known."""
         errors = [each.arrival_error for each in self.sensors if np.isfinite(each.arrival_error)]
@@ -171,8 +183,9 @@ class TraceComparison:
             f"record; time offset {self.time_offset_text}, {how}",
             HEADING,
             *(each.row for each in self.sensors),
-            "peak: from the level before the pulse; arrival: at half of the peak;",
+            "peak: of the crest, from the level before the pulse; arrival: at half of the peak;",
             "residual: rms of data minus simulation over the measured peak",
+            *self._peak_errors,
             *self._arrival_errors,
         ]
         factors = [f"{each.name} by {each.scaling}" for each in self.sensors if each.unit == "V"]

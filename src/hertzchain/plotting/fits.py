@@ -287,7 +287,7 @@ def _title_with_peaks(axes: Axes, comparison: TraceComparison, i: int) -> None:
     """Add the peaks to the title of a figure of its own, unless it is for a journal."""
     if journal_width.get() is None:
         found = comparison.sensors[i]
-        peak, simulated = found.cells[:2]
+        peak, simulated = found.shown_peaks
         axes.set_title(f"{literal(found.name)}, peak: {DATA} {peak}, {SIMULATION} {simulated}")
 
 

@@ -18,7 +18,7 @@ SYNONYMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "speed": ("velocity", "velocities"), "v": ("velocity",), "p": ("exponent",),
         "n": ("beads",), "number": ("beads",), "wall": ("right_wall",),
-        "diameter": ("diameters", "first_diameter", "radius"), "q": ("rate",), "s": ("rate",),
+        "q": ("rate",), "s": ("rate",),
         "losses": ("loss",), "damping": ("loss",), "preload": ("precompression",),
         "material": ("name",), "materials": ("name",), "rho": ("density",),
         "chains": ("samples",),
@@ -37,7 +37,9 @@ ELSEWHERE: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
 )
 MATERIALS: Final = frozenset(("material", "materials"))
 # Other names of fields of a chain, accepted by builders, chain files and sweeps.
-FIELD_ALIASES: Final[Mapping[str, str]] = MappingProxyType({"material": "materials"})
+FIELD_ALIASES: Final[Mapping[str, str]] = MappingProxyType(
+    {"material": "materials", "diameter": "diameters"}
+)
 _TWICE: Final = re.compile(r"multiple values for argument '(\w+)'")
 P = ParamSpec("P")
 R = TypeVar("R")

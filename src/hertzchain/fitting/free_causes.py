@@ -1,0 +1,103 @@
+"""Effects of sensors, and parameters of shots and losses that are not free, as causes."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Final
+
+from ..errors import SimulationError
+from .causes import Cause, Refit, is_free, try_further
+from .law_parameters import names_of_losses
+from .loss_laws import typical_law
+from .misread_places import best_other_place
+from .names import Name
+from .problem import Problem
+from .result import FitResult
+from .sensor_effects import gained_by, groups_of_effects
+
+# Part of the excess of chi-squared that a cause must remove, and the part that it must remove in
+# the linearised fit to be tried.
+MOST, PROMISING = 0.75, 0.4
+# Largest number of effects that are tried.
+MAX_TRIED: Final = 4
+# Largest number of pairs of effects that are tried.
+MAX_PAIRS: Final = 2
+# Common parameters that may differ between shots.
+OF_SHOTS: Final = ("struck_by.velocity", "time_offset")
+# Law that is tried if the chain has no loss.
+LOSS: Final = "viscoelastic"
+
+
+def other_places(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fit with one sensor in a neighbouring ball, if this agrees better with the chain."""
+    found = best_other_place(result.model)
+    if found is None:
+        return
+    try:
+        other = refit(Problem(found.model), start, 1)
+    except SimulationError:
+        return
+    yield Cause(
+        f"the sensor {found.name!r} in {found.place.name.removesuffix(' velocity')} instead",
+        "check the number in the name of this column, and how balls and strikers are counted",
+        other, 0,
+    )  # fmt: skip
+
+
+def with_effects(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """Fits with the effects of sensors that reduce chi-squared most in the linearised fit."""
+    groups = list(groups_of_effects(result))
+    excess = max(result.chi2 - result.goodness.freedom, 1.0)
+    gained = [each / excess for each in gained_by(result, groups)]
+    order = sorted(range(len(groups)), key=lambda i: (gained[i] < MOST, len(groups[i]), -gained[i]))
+    for i in [i for i in order if gained[i] > PROMISING][:MAX_TRIED]:
+        yield from filter(None, [try_further(result, groups[i], refit)])
+
+
+def with_pairs(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """Fits with two offsets, gains or delays that reduce chi-squared most together."""
+    singles = [names for names in groups_of_effects(result) if len(names) == 1 and names[0].item]
+    pairs = [(*one, *two) for one, two in itertools.combinations(singles, 2)]
+    gained = gained_by(result, pairs)
+    excess = max(result.chi2 - result.goodness.freedom, 1.0)
+    order = sorted(range(len(pairs)), key=lambda i: -gained[i])
+    for i in [i for i in order if gained[i] > PROMISING * excess][:MAX_PAIRS]:
+        yield from filter(None, [try_further(result, pairs[i], refit)])
+
+
+def with_shots(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """Fits in which a common velocity or time offset has another value in each shot."""
+    model = result.model
+    for key in OF_SHOTS:
+        own = [Name(key, shot=str(k)) for k in range(2, len(model.chains) + 1)]
+        if not own or {each for each in model.names if each.key == key} != {Name(key)}:
+            continue
+        # The common parameter becomes that of the first shot.
+        cause = try_further(result, own, refit)
+        if cause is not None:
+            yield replace(cause, advice=f"free '{key}@*' instead of '{key}'")
+
+
+def with_losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """Fits with a loss, if the chains have none, or with the parameters of their losses."""
+    model = result.model
+    if not all(chain.lossless for chain in model.chains):
+        for key in names_of_losses(result.chain):
+            name = Name(key)
+            cause = None if is_free(name.key, model) else try_further(result, (name,), refit)
+            if cause is not None:
+                yield cause
+        return
+    law = typical_law(LOSS, model.chains[0])
+    chains = tuple(chain.replace(loss=law) for chain in model.chains)
+    name = Name("loss.time")
+    lossy = replace(model, chains=chains)
+    cause = try_further(result, (name,), refit, lossy, neutral=0.0)
+    if cause is not None:
+        yield replace(cause, what=f"a {LOSS} loss, {cause.what}", advice=(
+            f"add a loss to the chain, such as loss = {{law = '{LOSS}', time = "
+            f"'{1e6 * cause.result.values[str(name)]:.3g} us'}}, and {str(name)!r} to the free "
+            "parameters; compare_losses compares other laws"
+        ))  # fmt: skip

@@ -1,0 +1,284 @@
+"""A gap, an odd ball or a ball of another material between sensors, as a cause of residuals.
+
+It makes the signals of all sensors beyond it late, as a wrong delay of those before it does.  A fit
+with a free delay of each sensor therefore shows between which of them it may be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.materials import catalogue
+from ..collision import Array
+from ..errors import InputError, SimulationError
+from .ball_counts import ball_count
+from .causes import CLEAR, Cause, Refit
+from .model import Model, make_model
+from .names import Name
+from .parameters import Parameter, kind_and_value
+from .problem import Problem
+from .result import FitResult
+
+# Gaps that are tried, in units of the time by which signals are late times the velocity of the
+# impact, and relative changes of a radius.
+GAPS: Final = (0.4, 0.6, 0.8, 1.0, 1.3)
+RADII: Final = (0.02, 0.05)
+# Largest number of defects that are fitted.
+MAX_FITS: Final = 4
+# Balls of softer materials are seen without any measurement [Pa].
+LEAST_MODULUS: Final = 40e9
+# A further defect is fitted if its chi-squared in the linearised fit is below this multiple of that
+# of the best fit, or if it is larger by less than this than that of a fit that describes the data.
+SIMILAR, LESS_LIKELY = 1.5, 64.0
+# The first one is fitted only below this multiple of that with delays, if these describe the data.
+WORSE: Final = 4.0
+# Balls on each side of the best place at which defects are tried again.
+NEAR: Final = 4
+# Parameters without which the row is tried.
+OF_ROW: Final = ("delay", "gap", "radius", "mass")
+TINY: Final = float(np.finfo(float).tiny)
+
+
+@dataclass(frozen=True, eq=False)
+class Base:
+    """The fit with a delay of each sensor but the first, and the times between sensors."""
+
+    fit: FitResult
+    model: Model
+    jacobian: Array
+    inverse: Array
+    # Balls at both ends of the part of the row in which the time differs most, and the difference.
+    first: int
+    last: int
+    late: float
+
+    @property
+    def values(self) -> dict[Name, float]:
+        """Values of all parameters but the delays."""
+        found = self.fit.values
+        return {name: found[str(name)] for name in self.model.names}
+
+    def residuals(self, model: Model, values: Mapping[Name, float]) -> Array:
+        """Residuals at these values that a linear adjustment of the others does not explain."""
+        problem, fitted = Problem(model), self.fit.problem
+        residuals = (problem.predicted(values) - fitted.data) / fitted.scale
+        residuals[fitted.skipped] = 0.0
+        residuals = np.concatenate((residuals, self.fit.residual_vector[len(residuals) :]))
+        return np.asarray(residuals - self.jacobian @ (self.inverse @ residuals))
+
+    @property
+    def own_cost(self) -> float:
+        """Chi-squared of the fit itself, without that of the priors."""
+        return float(self.fit.residual_vector @ self.fit.residual_vector)
+
+    def moved(self, fit: FitResult, ball: int) -> Base:
+        """The base from the fit with a defect at a ball, and its neighbours."""
+        extra = [i for i, name in enumerate(fit.model.names) if name not in self.model.names]
+        jacobian = np.delete(fit.jacobian, extra, axis=1)
+        return replace(
+            self, fit=fit, jacobian=jacobian, inverse=np.linalg.pinv(jacobian, rcond=1e-12),
+            first=max(self.first, ball - NEAR), last=min(self.last, ball + NEAR + 1),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A defect of the row, the problem that fits it, and its chi-squared in the linearised fit."""
+
+    cost: float
+    ball: int
+    what: str
+    advice: str
+    problem: Problem
+    name: Name | None = None
+
+    @property
+    def label(self) -> str:
+        """What distinguishes it from the others."""
+        return self.what or str(self.name)
+
+
+def row_causes(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fits with a gap, an odd ball or a ball of another material between two sensors.
+
+    The most likely one is fitted first; from each better fit, all of them are tried again.
+    """
+    if any(name.key in OF_ROW for name in result.model.names):
+        return
+    base = _base(result, start, refit)
+    if base is None:
+        return
+    best: Cause | None = None
+    tried: set[str] = set()
+    for _ in range(MAX_FITS):
+        trials = [each for each in _trials(base) if each.label not in tried]
+        trial = min(trials, key=lambda each: each.cost, default=None)
+        if trial is None or trial.cost > _limit(base, best):
+            break
+        tried.add(trial.label)
+        cause = _fitted(trial, refit)
+        if cause is None:
+            continue
+        yield cause
+        if best is not None and cause.result.chi2 > best.result.chi2:
+            continue
+        best, base = cause, base.moved(cause.result, trial.ball)
+
+
+def _limit(base: Base, best: Cause | None) -> float:
+    """Chi-squared of the linearised fit beyond which a defect is not fitted."""
+    if best is None:
+        return WORSE * base.own_cost if base.fit.describes else np.inf
+    return base.own_cost + LESS_LIKELY if best.result.describes else SIMILAR * base.own_cost
+
+
+def _trials(base: Base) -> list[Trial]:
+    return [*_gaps(base), *_balls(base)]
+
+
+def _base(result: FitResult, start: Mapping[str, float], refit: Refit) -> Base | None:
+    """The fit with delays, if they differ between two sensors; it needs two of them."""
+    model = result.model
+    places = {signal.name: signal.place.bead(result.chain) for _, signal in model.traces}
+    order = sorted(places, key=lambda name: places[name])
+    if len(order) < 2 or places[order[0]] == 0:
+        return None
+    names = [Name("delay", each) for each in order[1:]]
+    more = [Parameter(each, *kind_and_value(each, model.traces, model.chains)) for each in names]
+    try:
+        found = refit(Problem(replace(model, parameters=(*model.parameters, *more))), start, 1)
+    except SimulationError:
+        return None
+    own = [found.model.names.index(each) for each in names]
+    jacobian = np.delete(found.jacobian, own, axis=1)
+    delays = [0.0, *(found.values[str(each)] for each in names)]
+    steps = np.diff(delays)
+    errors = [found.errors[str(each)] for each in names]
+    k = int(np.argmax(np.abs(steps)))
+    if not abs(steps[k]) > CLEAR * min(errors[max(k - 1, 0) : k + 1]):
+        return None
+    strikers = result.chain.strikers
+    first, last = (places[each] - strikers for each in order[k : k + 2])
+    base = replace(found.model, parameters=model.parameters)
+    inverse = np.linalg.pinv(jacobian, rcond=1e-12)
+    return Base(found, base, jacobian, inverse, first, last, float(steps[k]))
+
+
+def _gaps(base: Base) -> list[Trial]:
+    """Gaps between the balls of this part of the row, if the signals beyond it are late."""
+    if base.late <= 0.0:
+        return []
+    travelled = base.late * float(np.abs(base.fit.chain.velocities).max())
+    last = min(base.last, ball_count(base.fit.chain))
+    trials = []
+    for ball in range(base.first, last):
+        name = Name("gap", f"{ball}-{ball + 1}")
+        trial = _of_size(base, name, ball, [part * travelled for part in GAPS])
+        if trial is not None:
+            advice = f"check for a gap between balls {ball} and {ball + 1}"
+            trials.append(replace(trial, advice=f"{advice}, or {_to_free(name)}"))
+    return trials
+
+
+def _balls(base: Base) -> list[Trial]:
+    """Balls of another size, and of other materials."""
+    trials: list[Trial] = []
+    for ball in range(base.first, min(base.last, ball_count(base.fit.chain)) + 1):
+        name = Name("radius", str(ball))
+        _, radius = kind_and_value(name, base.model.traces, base.model.chains)
+        for sign in (1.0, -1.0):
+            sizes = [radius * (1.0 + sign * part) for part in RADII]
+            trial = _of_size(base, name, ball, sizes, radius)
+            if trial is not None:
+                advice = f"check the size of ball {ball}, or {_to_free(name)}"
+                trials.append(replace(trial, advice=advice))
+        trials += _materials(base, ball)
+    return trials
+
+
+def _of_size(
+    base: Base, name: Name, ball: int, sizes: Sequence[float], nominal: float = 0.0
+) -> Trial | None:
+    """The best of several sizes of a defect, between which residuals are linear."""
+    best, values = None, base.values
+    model = _with(base.model, name, nominal)
+    last, before = nominal, base.residuals(base.model, values)
+    for size in sizes:
+        try:
+            there = base.residuals(model, {**values, name: size})
+        except SimulationError:
+            break
+        step = there - before
+        part = min(max(-float(before @ step) / max(float(step @ step), TINY), 0.0), 1.0)
+        rest = before + part * step
+        cost, value = float(rest @ rest), last + part * (size - last)
+        if best is None or cost < best[0]:
+            best = cost, value
+        last, before = size, there
+    if best is None:
+        return None
+    starts = {**values, name: best[1]}
+    return Trial(best[0], ball, "", "", _starting(model, starts), name)
+
+
+def _materials(base: Base, ball: int) -> Iterator[Trial]:
+    """Chains in which a ball has another material of the catalogue, with their free parameters."""
+    for name, other in catalogue().items():
+        if other.young < LEAST_MODULUS:
+            continue
+        try:
+            chains = tuple(_with_material(chain, ball, name) for chain in base.model.chains)
+            model = make_model(
+                base.model.traces, chains, base.model.parameters, base.model.simulator
+            )
+            rest = base.residuals(model, base.values)
+        except (InputError, SimulationError):
+            continue
+        yield Trial(
+            float(rest @ rest), ball, f"ball {ball} of {name}",
+            f"check the material of ball {ball}", _starting(model, base.values),
+        )  # fmt: skip
+
+
+def _with_material(chain: Chain, ball: int, name: str) -> Chain:
+    """The chain in which a ball has another material."""
+    if chain.materials is None or {"masses", "stiffness"} & set(chain.given):
+        raise InputError("the chain is not defined by its materials")
+    materials = list(chain.materials)
+    materials[chain.strikers + ball - 1] = catalogue()[name]
+    return chain.replace(materials=materials)
+
+
+def _with(model: Model, name: Name, start: float) -> Model:
+    """The model in which a defect is free, too."""
+    kind, _ = kind_and_value(name, model.traces, model.chains)
+    return replace(model, parameters=(*model.parameters, Parameter(name, kind, start)))
+
+
+def _starting(model: Model, starts: Mapping[Name, float]) -> Problem:
+    """The problem of a model whose parameters start from these values."""
+    parameters = tuple(replace(each, start=starts[each.name]) for each in model.parameters)
+    return Problem(replace(model, parameters=parameters))
+
+
+def _to_free(name: Name) -> str:
+    return f"add {str(name)!r} to the free parameters"
+
+
+def _fitted(trial: Trial, refit: Refit) -> Cause | None:
+    """The fit with a defect; None if it fails."""
+    starts = {str(each.name): each.start for each in trial.problem.model.parameters}
+    try:
+        found = refit(trial.problem, starts, 1)
+    except SimulationError:
+        return None
+    what = trial.what
+    if trial.name is not None:
+        what = f"{trial.name} = {dict(found.rows())[str(trial.name)]}"
+    names = () if trial.name is None else (trial.name,)
+    return Cause(what, trial.advice, found, len(names), row=True, names=names)

@@ -13,8 +13,8 @@ from hertzchain.cli.wording import on_command_line
 from hertzchain.fitting.advice import DEFECTS, LAWS, considered
 from hertzchain.fitting.constant_causes import with_exponent
 from hertzchain.fitting.diagnosis import without_tested
-from hertzchain.fitting.free_causes import with_losses
 from hertzchain.fitting.fit import fitted as solved
+from hertzchain.fitting.free_causes import with_losses
 
 DESCRIBES = "and the model describes the data"
 NOTHING = "none of the effects tested explains the residuals ("

@@ -167,7 +167,7 @@ def label_marks(axes: Axes, marked: Mapping[str, set[str]], *, law: bool) -> Non
 
 
 def remove_labelled(axes: Axes, label: str) -> bool:
-    """Remove entries of the legend with this label that are no curves; whether there were any."""
+    """Remove entries of the legend with this label and without data; whether there were any."""
     found = [
         line for line in axes.lines if line.get_label() == label and not np.size(line.get_xdata())
     ]

@@ -396,6 +396,7 @@ def public_calls(folder):
             rtol=1e-6,
             max_steps=9999,
         ),
+        "Gradient.to_dataframe": tried(hc.gradient(chain, "pulse.velocity@3").to_dataframe),
         "Gradient.plot": tried(hc.gradient(chain, "pulse.velocity@3").plot, name="radii", ax=None),
         "Gradient.relative": tried(hc.gradient(chain, "pulse.velocity@3").relative, name="radii"),
         "gradients": tried(
@@ -411,6 +412,7 @@ def public_calls(folder):
         "RunTable.exceeded_limits": tried(runs.exceeded_limits, index=0),
         "RunTable[...]": tried(lambda name: runs[name], name="velocity"),
         "Comparison": tried(hc.Comparison, pulse=pulse, reference=pulse),
+        "Comparison.to_dataframe": tried(compared.to_dataframe),
         "Comparison.plot": tried(compared.plot, quantity="velocity", legend=True, ax=None),
         "Comparison.errors": tried(compared.errors, quantity="velocity"),
         "Comparison.worst": tried(compared.worst, quantity="velocity", first_bead=2),
@@ -526,6 +528,8 @@ def public_calls(folder):
         "Spectrum.transfer_force": tried(
             lines.transfer_force, frequencies=[0.1], contact=2, **sent
         ),
+        "Spectrum.to_dataframe": tried(lines.to_dataframe),
+        "Spectrum.to_xarray": tried(lines.to_xarray),
         "Spectrum.bands": tried(lines.bands, phase=0.1, cell=None),
         "Spectrum.group_velocity": tried(lines.group_velocity, phase=0.1, cell=None),
         "Spectrum.band_edges": tried(lines.band_edges, cell=None),

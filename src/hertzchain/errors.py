@@ -18,15 +18,17 @@
 from __future__ import annotations
 
 import difflib
+import functools
 import numbers
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Final
+from typing import Any, Final, TypeVar
 
 from .recorded_warnings import is_taken
 
+Value = TypeVar("Value")
 # Least similarity of two names, as measured by difflib, for one to be suggested instead of the
 # other: "mas" and "masses" are similar enough, "iron" and "bronze" are not.
 NEAR: Final = 0.65
@@ -38,6 +40,10 @@ MAX_LISTED: Final = 20
 
 class InputError(ValueError):
     """A chain, option or file cannot be used."""
+
+
+class UnavailableError(InputError, AttributeError):
+    """A property that an object does not have: `hasattr` returns False."""
 
 
 class SimulationError(RuntimeError):
@@ -62,6 +68,19 @@ class InputWarning(UserWarning):
 
 class DamageWarning(UserWarning):
     """Corrupted files of a store or a streamed run were skipped, as requested."""
+
+
+def unavailable_without(get: Callable[[Any], Value]) -> Callable[[Any], Value]:
+    """Raise `UnavailableError` instead of `InputError` in the getter of a property."""
+
+    @functools.wraps(get)
+    def checked(self: Any) -> Value:
+        try:
+            return get(self)
+        except InputError as error:
+            raise UnavailableError(str(error)) from None
+
+    return checked
 
 
 def warn_user(message: str, category: type[Warning]) -> None:

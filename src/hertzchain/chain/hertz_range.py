@@ -401,7 +401,9 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     )
 
 
-def warn_outside_hertz(chain: Chain, overlaps: ArrayLike | None = None, later: str = "") -> None:
+def warn_outside_hertz(
+    chain: Chain, overlaps: ArrayLike | None = None, later: str = "", *, method: str = ""
+) -> None:
     """Issue a warning for each limit of Hertz's law that a chain in SI units exceeds.
 
     Parameters
@@ -412,6 +414,8 @@ def warn_outside_hertz(chain: Chain, overlaps: ArrayLike | None = None, later: s
         Largest overlap of each contact, as for `hertz_range`.
     later : str
         Words to add if larger overlaps may follow.
+    method : str
+        Name of the method that gave the overlaps, such as ``"BCA"``, if others give other ones.
 
     Examples
     --------
@@ -422,7 +426,7 @@ def warn_outside_hertz(chain: Chain, overlaps: ArrayLike | None = None, later: s
     if chain.units == "SI" and chain.materials is not None:
         for violation in hertz_range(chain, overlaps).violations:
             more = f"; {later}" * bool(later and "/ sound" not in violation)
-            warn_user(f"{violation}{more}", ModelRangeWarning)
+            warn_user(f"{method}{': ' * bool(method)}{violation}{more}", ModelRangeWarning)
 
 
 def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:

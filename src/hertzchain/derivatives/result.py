@@ -21,6 +21,7 @@ from .differences import Differences
 from .kinks import kink_note
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
 
@@ -131,6 +132,37 @@ class Gradient(Frozen):
         own = self.parameters[name]
         # Central differences have no derivative by an entry that is 0.
         return np.where(own == 0.0, 0.0, slopes * own / self.value)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per bead or contact of each parameter.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``parameter``, ``number`` of the bead or contact (missing for a parameter
+            without one), ``value`` and ``derivative`` of the quantity, and ``unit`` of the
+            derivative, which is empty in a scaled chain.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> found = hc.gradient(hc.Chain.uniform(3), "pulse.energy@3", to="velocities")
+        >>> found.to_dataframe().derivative.round(4).tolist()
+        [0.9891, 0.0021, 0.0033]
+        """
+        import pandas as pd
+
+        rows = []
+        for name, slopes in self.gradient.items():
+            single = np.ndim(slopes) == 0
+            values = np.broadcast_to(self.parameters[name], np.shape(slopes))
+            entries = zip(np.atleast_1d(values), np.atleast_1d(slopes), strict=True)
+            rows += [
+                (name, None if single else k, value, slope, self.units.get(name, ""))
+                for k, (value, slope) in enumerate(entries, 1)
+            ]
+        columns = ["parameter", "number", "value", "derivative", "unit"]
+        return pd.DataFrame(rows, columns=columns).astype({"number": "Int64"})
 
     def plot(self, name: str = "radii", *, ax: Axes | None = None) -> Axes:
         """Plot by how many percent the quantity changes if a parameter of each bead grows by 1%.

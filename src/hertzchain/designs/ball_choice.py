@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..chain.chain import Chain
 from ..chain.materials import Material, material
 from ..chain.places import ball_places
-from ..errors import InputError
+from ..errors import InputError, unavailable_without
 from ..representation import counted, short
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_bool, check_list
@@ -47,6 +47,7 @@ class BallChoice:
             object.__setattr__(self, "diameters", tuple(np.atleast_1d(values).tolist()))
 
     @property
+    @unavailable_without
     def balls(self) -> tuple[Ball, ...]:
         """The balls to choose from."""
         found, name = load_balls(self.catalogue), repr(str(self.catalogue))

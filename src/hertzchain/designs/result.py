@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..errors import InputError
+from ..errors import InputError, unavailable_without
 from ..representation import short
 from ..validation.keywords import checked_methods
 from ..validation.objects import check_choice, check_type
@@ -289,6 +289,7 @@ class DesignResult:
         return dataset(self)
 
     @cached_property
+    @unavailable_without
     def sensitivity(self) -> Array:
         r"""Derivatives :math:`\partial \ln V/\partial \ln R_k` of the objective V, shape (N,)."""
         from .sensitivity import sensitivity
@@ -296,6 +297,7 @@ class DesignResult:
         return sensitivity(self.problem, self.chain)
 
     @cached_property
+    @unavailable_without
     def changes(self) -> tuple[Array, Array]:
         """Relative changes of the objective if one radius grows, or shrinks, by 1%, each (N,).
 

@@ -50,14 +50,14 @@ class ForceLine(Line2D):
 
     def __init__(
         self, x: Array, y: Array, run: int, words: str, *, cut_off: bool, named: bool,
-        chain: Chain | None = None, **style: Any,
+        chain: Chain | None = None, static: float = 0.0, **style: Any,
     ) -> None:  # fmt: skip
         analysed = cut_off and journal_width.get() is None
         if analysed:
             style.update(marker="o", markevery=[-1], markerfacecolor="none", clip_on=False)
         super().__init__(x, y, **style)
         self.run, self.words, self.named, self.analysed = run, words, named, analysed
-        self.chain = chain
+        self.chain, self.static = chain, static
 
 
 class MeasuredLine(Line2D):

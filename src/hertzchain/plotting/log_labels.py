@@ -16,15 +16,19 @@ ROUNDING: Final = 1e-9
 class OneNotation(Formatter):
     """Plain numbers, or powers of ten for all numbers if a visible one is very small or large."""
 
+    def __init__(self, factor: float = 1.0) -> None:
+        self._factor = factor
+
     def __call__(self, value: float, pos: int | None = None) -> str:  # noqa: ARG002
         """Label of a single number."""
-        return with_power(value) if _is_extreme([value]) else f"{value:g}"
+        shown = self._factor * value
+        return with_power(shown) if _is_extreme([shown]) else f"{shown:g}"
 
     def format_ticks(self, values: Iterable[float]) -> list[str]:
         """Labels of all ticks, of which those beyond the limits of the axis are not visible."""
         assert self.axis is not None
-        ticks = [float(each) for each in values]
-        low, high = sorted(map(float, self.axis.get_view_interval()))
+        ticks = [self._factor * float(each) for each in values]
+        low, high = sorted(self._factor * float(each) for each in self.axis.get_view_interval())
         visible = [each for each in ticks if low / (1 + ROUNDING) <= each <= high * (1 + ROUNDING)]
         write = with_power if _is_extreme(visible) else "{:g}".format
         return [write(each) for each in ticks]

@@ -48,15 +48,17 @@ from .style import (
     figure_style,
     get_axes,
     get_two_axes,
-    label_log_axis,
     literal,
     set_title,
+    shrink_to_height,
 )
 
 # Largest number of ticks of a logarithmic axis of differences, and its lower end relative to the
 # curve with the smallest differences: a change of sign would need an infinite axis.
 RESIDUAL_TICKS: Final = 4
 RESIDUAL_DEPTH: Final = 1e-4
+# Part of the decades of this axis below its smallest value, which leaves room for a symbol.
+MARGIN: Final = 0.08
 # Letters in a line of the label of a low panel.
 LABEL_LETTERS: Final = 16
 # Lines of a name in it; a curve with a longer name is called the first one, also in the legend.
@@ -98,7 +100,8 @@ def plot_pulses(
     pulses : sequence of Pulse
         Pulses to compare.
     quantity : str
-        Name of the quantity.
+        ``"velocity"``, ``"momentum"``, ``"energy"``, ``"arrival"``, ``"peak_force"`` or another
+        name in ``columns()`` of the pulses, or ``"speed"``.
     labels : sequence of str, optional
         Labels in the legend, one per pulse; text between dollar signs is mathematics.
     log : bool
@@ -190,6 +193,8 @@ def plot_pulses(
         show_band(axes, pulses, quantity, keep=bool(present) or log)
         if legend:
             place_legend(axes, own=ax is None)
+        if lower is not None:
+            shrink_to_height(lower)
     return axes
 
 
@@ -243,10 +248,7 @@ def _label_groups(axes: Axes, words: Sequence[Sequence[str]], looks: Sequence[Lo
 
 def _set_scale(axes: Axes, *, log: bool) -> None:
     axes.set_yscale("log" if log else "linear")
-    if log:
-        label_log_axis(axes.yaxis)
-    else:
-        use_prefix(axes)
+    use_prefix(axes)
 
 
 def _axes(ax: Axes | Sequence[Axes] | None, *, residuals: bool) -> tuple[Axes, Axes | None]:
@@ -367,7 +369,20 @@ def _draw_residuals(
         axes.yaxis.set_major_locator(LogLocator(numticks=RESIDUAL_TICKS))
         sizes = np.abs(np.concatenate([values for *_, values in differences]))
         smallest = float(np.nanmin(sizes, where=sizes > 0.0, initial=least))
-        axes.set_ylim(bottom=0.5 * max(smallest, RESIDUAL_DEPTH * least))
+        bottom = max(smallest, RESIDUAL_DEPTH * least)
+        decades = max(float(np.nanmax(sizes)) / bottom, 2.0)
+        axes.set_ylim(bottom=bottom / decades**MARGIN)
+        _hide_cut_symbols(axes, bottom)
+
+
+def _hide_cut_symbols(axes: Axes, bottom: float) -> None:
+    """Omit symbols of points below an axis, of which the edge would show a part."""
+    for line in axes.lines:
+        every = line.get_markevery()
+        if isinstance(every, tuple):
+            values = np.asarray(line.get_ydata(), dtype=float)
+            marked = np.arange(len(values))[every[0] :: every[1]]
+            line.set_markevery(marked[values[marked] >= bottom].tolist())
 
 
 def _label_residuals(axes: Axes, reference: str) -> None:

@@ -27,7 +27,8 @@ from .colours import curve_colour, grey, signed_map
 from .enlarged import finish_enlarged, small_groups
 from .force_lines import ForceLine, common_title, force_lines, label_and_style, with_peaks
 from .legends import place_legend
-from .shared_axes import label_below, numbers_are_below, without_prefix
+from .shared_axes import label_below, numbers_are_below, use_prefix
+from .static_forces import change_label, show_changes, small_change, static_force, static_forces
 from .style import (
     TIME_LABELS,
     BeadLocator,
@@ -104,6 +105,10 @@ def plot_run(
         colours, low, high = signed_map(values)
     drawn = RUN_QUANTITIES[quantity]
     label = f"{quantity} [{drawn.unit}]" if run.chain.units == "SI" else drawn.label
+    if quantity == "force" and not relative and (found := _small_change(run)) is not None:
+        factor, label = change_label(*found, run.chain)
+        values = factor * (values - static_forces(run.chain))
+        colours, low, high = signed_map(values)
     if relative:
         label = f"{quantity} / largest of the {drawn.per}"
     with figure_style():
@@ -119,7 +124,8 @@ def plot_run(
             shading="nearest",
             rasterized=True,
         )
-        axes.figure.colorbar(mesh, ax=axes, label=label)
+        bar = axes.figure.colorbar(mesh, ax=axes, label=label)
+        use_prefix(bar.ax)
         label_below(axes, time_label)
         axes.set_ylabel(f"{drawn.per} $k$")
         axes.yaxis.set_major_locator(BeadLocator(int(numbers[0])))
@@ -129,6 +135,15 @@ def plot_run(
         mark_horizon(axes, run.known_horizon, factor)
         set_title(axes, chain_title(run.chain))
     return axes
+
+
+def _small_change(run: Run) -> tuple[float, float] | None:
+    """A static force and the largest change, if all loaded contacts have this static force."""
+    statics = static_forces(run.chain)
+    loaded = statics > 0.0
+    if not loaded.any() or run.forces[:, ~loaded].any():
+        return None
+    return small_change([*run.forces[:, loaded].T], statics[loaded].tolist())
 
 
 def _with_many_times(times: Array, values: Array) -> tuple[Array, Array]:
@@ -240,12 +255,14 @@ def _draw_forces(
         factor, time_label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
     number = 1 + max((line.run for line in force_lines(axes)), default=-1)
     dashes = itertools.cycle(SENSOR_LINES)
+    statics = [_static(run, bead, curve[2]) for bead, curve in zip(beads, curves, strict=True)]
     for i, (times, force, curve, cut_off) in enumerate(curves, first):
         wall = curve.endswith("wall")
         words = filter(None, (name, curve if places else ""))
         line = ForceLine(
             factor * times, force, number if compared is None else compared, ", ".join(words),
             cut_off=cut_off, named=named, chain=None if name else run.chain,
+            static=statics[i - first],
             color=curve_colour(axes, i), linestyle="-" if wall else next(dashes),
             linewidth=WALL_WIDTH if wall else None,
         )  # fmt: skip
@@ -253,8 +270,7 @@ def _draw_forces(
     axes.autoscale_view()
     # A further run in these axes has the unit of this label, also if it is not shown.
     axes.set_xlabel(time_label, visible=not numbers_are_below(axes))
-    without_prefix(axes)
-    axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
+    show_changes(axes, run.chain)
     axes.margins(x=0.0)
     label_and_style(axes, compared=compared is not None)
     mark_horizon(axes, run.known_horizon, factor)
@@ -380,6 +396,16 @@ def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
     name = bead_label(run.chain, number)
     half = ", half of the force on it" if sensor.free_face else ""
     return times, force, f"{name}{half}", False
+
+
+def _static(run: Run, bead: int | str, curve: str) -> float:
+    """Static force of a curve; that on a body is not known."""
+    if bead == BODY:
+        return 0.0
+    walls = {f"{side} wall": number for side, number in walls_of(run.chain).items()}
+    if curve in walls:
+        return static_force(run.chain, walls[curve])
+    return static_force(run.chain, bead_number(run.chain, bead, walls=True))
 
 
 def wall_curve(wall: WallForce) -> tuple[Array, Array]:

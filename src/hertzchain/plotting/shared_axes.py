@@ -14,10 +14,10 @@ from ..chain.chain import Chain
 from ..pulse.quantities import COLUMN_QUANTITIES
 from ..representation import usual_unit
 from .log_labels import PLAIN
-from .style import signed, with_micro
+from .style import label_log_axis, signed, with_micro
 
 # Units that have prefixes, and the largest value for which zeros would widen a small panel.
-PREFIXED: Final = ("J", "s", "N", "m", "N s", "V")
+PREFIXED: Final = ("J", "s", "N", "m", "m/s", "N s", "V")
 SMALL: Final = 5e-3
 # Volts below 1 V are shown in mV, as on most digitisers.
 SMALL_OF: Final = {"V": 1.0}
@@ -57,16 +57,25 @@ def label_quantities(axes: Axes) -> None:
 
 
 def use_prefix(axes: Axes) -> None:
-    """Show small values of a linear axis with a prefix of their unit, such as 0.2 mJ."""
+    """Show small values of an axis with a prefix of their unit, such as 0.2 mJ."""
+    log = axes.get_yscale() == "log"
     label, largest = axes.get_ylabel(), max(map(abs, axes.get_ylim()))
     without_prefix(axes)
     name, _, unit = label.rpartition(" [")
     own = unit.rstrip("]")
     if not name or own not in PREFIXED or not 0.0 < largest < SMALL_OF.get(own, SMALL):
-        use_power_of_ten(axes.yaxis)
+        if log:
+            label_log_axis(axes.yaxis)
+        else:
+            use_power_of_ten(axes.yaxis)
         return
     factor, shown = prefixed(largest, own)
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: signed(factor * value, "z.6g")))
+    if log:
+        label_log_axis(axes.yaxis, factor)
+    else:
+        axes.yaxis.set_major_formatter(
+            FuncFormatter(lambda value, _: signed(factor * value, "z.6g"))
+        )
     axes.set_ylabel(f"{name} [{shown}]")
 
 

@@ -53,6 +53,8 @@ LOG_DIGITS: Final = (
     (6.0, (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)),
     (MAX_PLAIN, (1.0, 2.0, 5.0)),
 )
+# Height of a figure of two panels in a journal relative to one panel, and least size of letters.
+TALLER, MIN_LABEL = 1.25, 5.5
 # Times [s] above which they are in ms, and ratio above which curves need axes of their own.
 LONG, MUCH = 2e-3, 5.0
 # Factors of the labels of time axes in SI units.
@@ -154,7 +156,7 @@ def get_axes(ax: Axes | None, figsize: tuple[float, float] | None = None) -> Axe
 def get_two_axes(ax: object) -> tuple[Axes, Axes]:
     """A pair of axes, or those of a new figure: for curves and, below, for their residuals."""
     if ax is None:
-        upper, lower = plt.subplots(2, sharex=True, height_ratios=(3, 1.2))[1]
+        upper, lower = _two_panels()
     else:
         pair = [] if isinstance(ax, Axes) else check_list("ax", ax, "two axes")
         if len(pair) != 2:
@@ -165,6 +167,28 @@ def get_two_axes(ax: object) -> tuple[Axes, Axes]:
     upper.tick_params(labelbottom=False)
     upper.figure.align_ylabels([upper, lower])
     return upper, lower
+
+
+def _two_panels() -> tuple[Axes, Axes]:
+    """A panel above a low one; in a journal, this is higher, so that its label fits beside it."""
+    if journal_width.get() is None:
+        upper, lower = plt.subplots(2, sharex=True, height_ratios=(3, 1.2))[1]
+        return upper, lower
+    width, height = plt.rcParams["figure.figsize"]
+    upper, lower = plt.subplots(
+        2, sharex=True, height_ratios=(3, 1.7), figsize=(width, TALLER * height)
+    )[1]
+    return upper, lower
+
+
+def shrink_to_height(axes: Axes) -> None:
+    """Make the letters of the label of the y axis smaller if it is longer than the axis."""
+    axes.figure.draw_without_rendering()  # type: ignore[union-attr]
+    label = axes.yaxis.label
+    # Letters of another size are rounded to pixels.
+    share = 0.93 * axes.bbox.height / label.get_window_extent().height
+    if share < 1.0:
+        label.set_fontsize(max(share * float(label.get_fontsize()), MIN_LABEL))
 
 
 def literal(text: str) -> str:
@@ -243,10 +267,11 @@ def with_micro(text: str) -> str:
     return MICRO.sub("µ", text).replace("/s^2", "/s²")
 
 
-def label_log_axis(axis: Axis) -> None:
+def label_log_axis(axis: Axis, factor: float = 1.0) -> None:
     """Label an axis by plain numbers, such as 0.2, 0.5 and 1, or 0.1, 1 and 10 for more decades.
 
-    If one of them is much smaller or larger, all of them have powers of ten.
+    If one of them is much smaller or larger, all of them have powers of ten.  Labels are values
+    times a factor, such as that of a prefix of the unit.
     """
     low, high = sorted(map(float, axis.get_view_interval()))
     if low <= 0.0:
@@ -255,8 +280,9 @@ def label_log_axis(axis: Axis) -> None:
         digits = next(each for ratio, each in LOG_DIGITS if high < ratio * low)
         axis.set_major_locator(LogLocator(subs=digits))
         axis.set_minor_locator(NullLocator())
-    if high < MAX_PLAIN * low or (low > PLAIN[0] and high < PLAIN[1]):
-        axis.set_major_formatter(OneNotation())
+    plain = factor * low > PLAIN[0] and factor * high < PLAIN[1]
+    if high < MAX_PLAIN * low or plain or factor != 1.0:
+        axis.set_major_formatter(OneNotation(factor))
 
 
 def label_narrow_axis(axes: Axes) -> None:

@@ -113,7 +113,7 @@ def propagate(
     columns.setflags(write=False)
     velocity, peak_time, arrival, overlap, residence = columns
     overlap, residence = overlap[:-1], residence[:-1]
-    warn_outside_hertz(chain, overlap)
+    warn_outside_hertz(chain, overlap, method="propagation")
     # Two times of the struck bead are 0, and two entries after the last contact NaN.
     sound = np.count_nonzero((columns > 0.0) & (columns < np.inf)) == columns.size - 4
     build = assemble_pulse if sound else Pulse

@@ -49,7 +49,7 @@ def for_any_units(
                 if scaled is not chain:
                     pulse = in_units_of(chain, pulse)
                     if pulse.peak_overlap is not None:
-                        warn_outside_hertz(chain, pulse.peak_overlap)
+                        warn_outside_hertz(chain, pulse.peak_overlap, method=pulse.method)
             return with_warnings(pulse, warned)
 
         return convert  # type: ignore[return-value]

@@ -19,6 +19,7 @@ from .pulse import EFFECTIVE_CHAIN, Pulse, checked_pulse
 from .quantities import ON_REQUEST, QUANTITIES
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
 # Quantities that are plotted by default.
@@ -171,6 +172,32 @@ class Comparison:
         return first_bead + int(
             self._reduce(quantity, first_bead, lambda e: float(np.nanargmax(e)))
         )
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table of the relative errors, with one row per bead; those of contact k are in row k.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``bead``; columns are the `quantities`.  The last row is NaN in columns of
+            contacts.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(30)
+        >>> table = hc.bca(chain).compare(hc.propagate(chain)).to_dataframe()
+        >>> round(table.velocity.loc[20].item(), 3)
+        0.467
+        """
+        import pandas as pd
+
+        beads = self.pulse.bead
+        columns = {
+            name: pd.Series(errors, index=beads[: len(errors)])
+            for name in self.quantities for errors in (self.errors(name),)
+        }  # fmt: skip
+        return pd.DataFrame(columns, index=pd.Index(beads, name="bead"))
 
     def plot(
         self, quantity: str | None = None, *, log: bool = False, legend: bool = True,

@@ -360,7 +360,8 @@ class Pulse(Columns):
         Parameters
         ----------
         quantity : str
-            Name of the quantity.
+            ``"velocity"``, ``"momentum"``, ``"energy"``, ``"arrival"``, ``"peak_force"`` or another
+            name in ``pulse.columns()``, or ``"speed"``.
         label : str, optional
             Name in the legend; by default the method.
         log : bool

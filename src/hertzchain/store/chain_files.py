@@ -54,7 +54,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_type, file_path, shown_path
 from .bead_tables import load_beads
-from .chain_schema import FORMS, with_usual_names, without_units
+from .chain_schema import FORMS, MASS_RATIO_IN_SI, with_usual_names, without_units
 from .contact_values import exponent_from, law_from, losses_from
 from .drive_tables import drive_from
 from .schema_checks import check_document, has_tables
@@ -328,7 +328,7 @@ class _ChainFile:
     def _si_beads(self, form: str, law: dict[str, Any], own: dict[str, Any]) -> Chain:
         table = self.table
         if form == "mass_ratio":
-            raise InputError("[chain] has mass_ratio, a scaled chain, and also materials or SI")
+            raise InputError(MASS_RATIO_IN_SI)
         if "velocity" in table:
             self._require_without("velocity", ["velocities"])
         radii: Any = None

@@ -71,9 +71,14 @@ FORMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     }
 )
 
+MASS_RATIO_IN_SI: Final = (
+    "[chain] has mass_ratio, which describes a scaled chain, and also materials or units = 'SI'; "
+    "omit these, or give cell_diameters, such as [0.01, 0.008], and cells instead of mass_ratio"
+)
 _CHAIN: Final = (
     Key("taper", "choice", "name of a taper, or uniform; exponential or linear with sizes",
-        choices=(*TAPERS, "uniform", *SHAPES)),
+        choices=(*TAPERS, "uniform", *SHAPES),
+        other="; alternating beads have no taper but mass_ratio (or cell) and beads (cells)"),
     *(_number(name, parameter_description(name), fraction=True) for name in PARAMETERS),
     Key("beads", "integer", "number of beads", least=1),
     _number("radius", "radius of the first bead of a taper", "length", above=0.0),

@@ -220,7 +220,7 @@ def _problem_of_one(key: Key, value: Any, what: str, *, several: bool = False) -
             yield f"{what} must be {allowed}, got {short_repr(value)}{hint}"
     elif key.kind == "choice":
         if not isinstance(value, str) or value not in key.choices:
-            yield str(unknown_name_error(what, value, key.choices))
+            yield str(unknown_name_error(what, value, key.choices, more=key.other))
     elif key.kind == "integer":
         if isinstance(value, bool) or not isinstance(value, numbers.Integral):
             given = f"{short_repr(value)} ({key.description}){whole_hint(value)}"

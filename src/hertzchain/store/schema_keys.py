@@ -46,6 +46,8 @@ class Key:
         Dimension if the key ``of`` is ``"displacement"``, where that differs.
     choices : tuple of str
         Allowed values of a choice.
+    other : str
+        Words for the message about any other value, on keys to use instead.
     above, least, most, below : float
         Bounds of a number.
     per : str
@@ -71,6 +73,7 @@ class Key:
     fraction: bool = False
     dimension_if_displacement: str = ""
     choices: tuple[str, ...] = ()
+    other: str = ""
     above: float = -math.inf
     least: float = -math.inf
     most: float = math.inf

@@ -10,7 +10,7 @@
 - the solitary wave: `solitary_wave`, its `solitary_wave_solver`, `wave_profile` and `wave_tail`,
   approximations in `long_wave`, `attenuation` by losses, the `striker_train`;
 - small oscillations of compressed chains: `spectrum` and its `band_structure`, `host_bands`,
-  `linear_contacts`, `eigenmodes`, `response`, `bands`, `dispersion`;
+  `mode_tables`, `linear_contacts`, `eigenmodes`, `response`, `bands`, `dispersion`;
 - tables: `table_files`, `packed_tables`, `table_weights`, `loss_table`, `step_table`,
   `striker_table`, `disorder_table`;
 - all theories by name: `catalogue`.

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..errors import unavailable_without
 from ..frozen import Frozen
 from ..validation.keywords import checked_methods
 from ..validation.numbers import bounded_numbers
@@ -28,6 +29,7 @@ class BandStructure(Frozen):
     contacts: LinearContacts
 
     @property
+    @unavailable_without
     def sound_speed(self) -> float:
         r"""Speed of long waves in an infinite chain with the same cell [R_1 per unit time, or m/s].
 

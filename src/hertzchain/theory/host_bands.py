@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..collision import Array
-from ..errors import InputError
+from ..errors import InputError, unavailable_without
 from .band_structure import BandStructure
 from .bands import SAME, plane_waves, slow_wave_speed
 from .linear_contacts import LinearContacts
@@ -64,6 +64,7 @@ class HostBands(BandStructure):
         return np.asarray(energy.sum(axis=0) ** 2 / (energy**2).sum(axis=0))
 
     @property
+    @unavailable_without
     def host_edges(self) -> Array:
         """Edges of the bands of the periodic host of a chain with a few other beads, shape (C, 2).
 
@@ -87,6 +88,7 @@ class HostBands(BandStructure):
         return np.sort(plane_waves(host, cell, np.array([0.0, math.pi])), axis=0).T.copy()
 
     @property
+    @unavailable_without
     def host_sound_speed(self) -> float:
         """Speed of long waves in the periodic host of a chain with a few other beads.
 

@@ -30,8 +30,8 @@ from ..representation import measure, short
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import bounded_numbers, contact_number, whole_number
 from .eigenmodes import eigenmodes
-from .host_bands import HostBands
 from .linear_contacts import LinearContacts, linear_contacts
+from .mode_tables import ModeTables
 from .response import Complex, Response, WallName, driven_place
 
 if TYPE_CHECKING:
@@ -44,13 +44,18 @@ FREQUENCIES, ROOM = 2001, 1.25
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class Spectrum(HostBands):
+class Spectrum(ModeTables):
     r"""Small oscillations of a chain, as returned by `spectrum`.
 
     Frequencies are in cycles per unit time, like those of drives (Hz for a chain in SI units).
     There is one mode per bead.  Numbers of the modes of odd beads or ends, outside the bands, are
     `localised`; `participation` is the number of beads in each mode.  If a mode is overdamped,
     there are two instead, with frequency 0 and different decay rates.
+
+    If the chain repeats a cell of beads, `band_edges` and `gaps` are those of an infinite chain,
+    `bands` and `group_velocity` describe its plane waves, and `sound_speed` is that of long waves.
+    If only a few beads differ from others that repeat, `host_edges` and `host_sound_speed` are
+    those of the others.  `to_dataframe` has one row per mode, `to_xarray` also the shapes.
 
     Attributes
     ----------

@@ -1,0 +1,89 @@
+"""Tables of spectra, comparisons and gradients."""
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+HELD = hc.Chain.uniform(40).replace(precompression=1.0, held_by="force")
+
+
+@pytest.fixture(scope="module")
+def odd():
+    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=40)
+    return hc.spectrum(
+        balls.with_defects({20: 2.5e-3}).replace(precompression=10.0, held_by="force")
+    )
+
+
+def test_modes_have_a_table_and_shapes(odd):
+    table, dataset = odd.to_dataframe(), odd.to_xarray()
+    assert table.index[table.localised].tolist() == odd.localised.tolist() == [40]
+    assert table.attrs["units"]["frequency"] == dataset.frequency.units == "Hz"
+    # Stiffness times a shape is the squared angular frequency times the masses.
+    springs, shape = odd.contacts.springs[1:-1], dataset["shape"].sel(mode=40).to_numpy()
+    forces = springs * np.diff(shape)
+    pull = np.append(0.0, forces) - np.append(forces, 0.0)
+    omega = 2.0 * np.pi * table.frequency[40]
+    np.testing.assert_allclose(pull, omega**2 * odd.chain.masses * shape, atol=1e-9 * pull.max())
+
+
+def test_scaled_modes_have_no_units():
+    assert set(hc.spectrum(HELD).to_dataframe().attrs["units"].values()) == {""}
+
+
+def test_errors_of_pulses_have_a_table():
+    chain = hc.Chain.uniform(9)
+    theory, exact = hc.bca(chain), hc.propagate(chain)
+    table = theory.compare(exact).to_dataframe()
+    assert table.velocity[5] == pytest.approx(theory.velocity[4] / exact.velocity[4] - 1.0)
+    assert np.isnan(table.residence).tolist() == [False] * 8 + [True]
+
+
+def test_derivatives_of_beads_contacts_and_walls_have_a_table():
+    chain = hc.Chain.uniform(5).replace(right_wall=hc.Wall(stiffness=2.0))
+    found = hc.gradient(chain, "wall_force.peak", to=["radii", "gaps", "right_wall.stiffness"])
+    table = found.to_dataframe()
+    assert table.parameter.value_counts().to_dict() == {
+        "radii": 5, "gaps": 4, "right_wall.stiffness": 1,
+    }  # fmt: skip
+    radii = table[table.parameter == "radii"]
+    assert radii.number.tolist() == [1, 2, 3, 4, 5]
+    assert radii.derivative.tolist() == found["radii"].tolist()
+    wall = table[table.parameter == "right_wall.stiffness"]
+    assert wall.number.isna().all()
+    assert wall.value.tolist() == [2.0]
+
+
+@pytest.mark.parametrize("name", ["sound_speed"])
+def test_properties_that_a_chain_does_not_have_are_missing(odd, name):
+    assert not hasattr(odd, name)
+    assert getattr(odd, name, None) is None
+    with pytest.raises(hc.InputError, match="do not repeat|does not repeat|repeat"):
+        getattr(odd, name)
+    assert hasattr(hc.spectrum(HELD), name)
+
+
+def test_hosts_that_a_chain_does_not_have_are_missing():
+    taper = hc.Chain.tapered("forward-exponential", 0.05, beads=20)
+    found = hc.spectrum(taper.replace(precompression=1.0, held_by="force"))
+    for name in ("host_edges", "host_sound_speed"):
+        assert not hasattr(found, name)
+        with pytest.raises(hc.InputError, match="has no host"):
+            getattr(found, name)
+
+
+def test_warnings_about_yield_name_their_method():
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.6)
+    for method, name in ((hc.propagate, "propagation"), (hc.bca, "BCA")):
+        with pytest.warns(hc.ModelRangeWarning, match=f"^{name}: pressure / yield is 1"):
+            method(chain)
+
+
+def test_the_taper_of_alternating_beads_is_named():
+    for chain, said in (
+        ({"taper": "dimer", "beads": 9}, "alternating beads have no taper but mass_ratio"),
+        ({"mass_ratio": 0.5, "beads": 9, "materials": "brass"}, "describes a scaled chain"),
+    ):
+        with pytest.raises(hc.InputError, match=said):
+            hc.sweep({"chain": chain, "axes": {"beads": [9, 11]}})

@@ -516,7 +516,7 @@ def test_a_chain_in_si_units_is_shown_in_si_units(run, tmp_path):
     assert document["pulses"][0]["peak_force"][50] == pytest.approx(209.121, rel=1e-5)
     _, out, err = run("pulse", tmp_path / "balls.csv")
     # Balls of hardened steel yield at 0.4 m/s.
-    assert err.startswith("Warning: pressure / yield is 1.4 at contact 1")
+    assert err.startswith("Warning: propagation: pressure / yield is 1.4 at contact 1")
     assert "[m/s]" in out
     assert "[N]" in out
 

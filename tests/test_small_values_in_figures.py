@@ -50,6 +50,7 @@ def test_small_changes_of_scaled_forces_have_a_power_of_ten():
 def test_a_map_of_small_changes_is_relative_to_the_static_force():
     run = shaken(1e-4)
     axes = run.plot("force")
+    assert axes.get_xlim()[1] == pytest.approx(100.0, rel=0.01)
     assert axes.figure.axes[1].get_ylabel().startswith("force \N{MINUS SIGN} static force of 20 N")
     (mesh,) = axes.collections
     change = run.forces[:, 1:-1] - 20.0

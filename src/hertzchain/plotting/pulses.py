@@ -191,11 +191,16 @@ def plot_pulses(
             lower.set_xlim(axes.get_xlim())
         set_title(axes, literal(title))
         show_band(axes, pulses, quantity, keep=bool(present) or log)
-        if legend:
-            place_legend(axes, own=ax is None)
-        if lower is not None:
-            shrink_to_height(lower)
+        _finish(axes, lower, legend=legend, own=ax is None)
     return axes
+
+
+def _finish(axes: Axes, lower: Axes | None, *, legend: bool, own: bool) -> None:
+    """Add the legend, and make the label of a low panel fit beside it."""
+    if legend:
+        place_legend(axes, own=own)
+    if lower is not None:
+        shrink_to_height(lower)
 
 
 def _checked(pulses: Sequence[Pulse], quantity: str) -> list[Pulse]:

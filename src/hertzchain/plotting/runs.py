@@ -106,8 +106,8 @@ def plot_run(
     drawn = RUN_QUANTITIES[quantity]
     label = f"{quantity} [{drawn.unit}]" if run.chain.units == "SI" else drawn.label
     if quantity == "force" and not relative and (found := _small_change(run)) is not None:
-        factor, label = change_label(*found, run.chain)
-        values = factor * (values - static_forces(run.chain))
+        size, label = change_label(*found, run.chain)
+        values = size * (values - static_forces(run.chain))
         colours, low, high = signed_map(values)
     if relative:
         label = f"{quantity} / largest of the {drawn.per}"
@@ -139,11 +139,11 @@ def plot_run(
 
 def _small_change(run: Run) -> tuple[float, float] | None:
     """A static force and the largest change, if all loaded contacts have this static force."""
-    statics = static_forces(run.chain)
-    loaded = statics > 0.0
+    resting = static_forces(run.chain)
+    loaded = resting > 0.0
     if not loaded.any() or run.forces[:, ~loaded].any():
         return None
-    return small_change([*run.forces[:, loaded].T], statics[loaded].tolist())
+    return small_change([*run.forces[:, loaded].T], resting[loaded].tolist())
 
 
 def _with_many_times(times: Array, values: Array) -> tuple[Array, Array]:
@@ -255,14 +255,14 @@ def _draw_forces(
         factor, time_label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
     number = 1 + max((line.run for line in force_lines(axes)), default=-1)
     dashes = itertools.cycle(SENSOR_LINES)
-    statics = [_static(run, bead, curve[2]) for bead, curve in zip(beads, curves, strict=True)]
+    resting = [_static(run, bead, curve[2]) for bead, curve in zip(beads, curves, strict=True)]
     for i, (times, force, curve, cut_off) in enumerate(curves, first):
         wall = curve.endswith("wall")
         words = filter(None, (name, curve if places else ""))
         line = ForceLine(
             factor * times, force, number if compared is None else compared, ", ".join(words),
             cut_off=cut_off, named=named, chain=None if name else run.chain,
-            static=statics[i - first],
+            static=resting[i - first],
             color=curve_colour(axes, i), linestyle="-" if wall else next(dashes),
             linewidth=WALL_WIDTH if wall else None,
         )  # fmt: skip

@@ -76,14 +76,14 @@ def show_changes(axes: Axes, chain: Chain) -> None:
     axes.set_ylabel(label)
 
 
-def small_change(forces: Sequence[Array], statics: Sequence[float]) -> tuple[float, float] | None:
+def small_change(forces: Sequence[Array], resting: Sequence[float]) -> tuple[float, float] | None:
     """A static force and the largest change, if all forces differ little from one static force."""
-    static = statics[0]
-    if not min(statics) > 0.0:
+    static = resting[0]
+    if not min(resting) > 0.0:
         return None
-    changes = zip(forces, statics, strict=True)
+    changes = zip(forces, resting, strict=True)
     change = max(float(np.abs(force - own).max()) for force, own in changes)
-    same = max(abs(own - static) for own in statics) <= SAME * change
+    same = max(abs(own - static) for own in resting) <= SAME * change
     return (static, change) if same and 0.0 < change < SMALL_CHANGE * static else None
 
 

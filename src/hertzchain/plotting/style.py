@@ -183,7 +183,8 @@ def _two_panels() -> tuple[Axes, Axes]:
 
 def shrink_to_height(axes: Axes) -> None:
     """Make the letters of the label of the y axis smaller if it is longer than the axis."""
-    axes.figure.draw_without_rendering()  # type: ignore[union-attr]
+    figure = axes.figure if isinstance(axes.figure, Figure) else axes.figure.figure
+    figure.draw_without_rendering()
     label = axes.yaxis.label
     # Letters of another size are rounded to pixels.
     share = 0.93 * axes.bbox.height / label.get_window_extent().height

@@ -99,7 +99,7 @@ class Trial:
 
     @property
     def label(self) -> str:
-        """What distinguishes it from the others."""
+        """The effect, or else the name of the parameter."""
         return self.what or str(self.name)
 
 

@@ -111,3 +111,38 @@ def test_durations_on_a_body_permit_fewer_simulations():
         for name in ("peak", "duration")
     )
     assert force == pytest.approx(30.0 * duration)
+
+
+@pytest.mark.parametrize(
+    ("named", "numbered"),
+    [("ball 1:", "2:"), ("ball1:ball 2", "2:3"), ("ball 3", "4"), ("ball 2:last", "3:4"),
+     (["ball 1", "bead 4"], [2, 4])],
+)  # fmt: skip
+def test_names_of_balls_do_not_count_strikers(named, numbered):
+    row = hc.Chain.from_materials(diameters="10 mm", materials=STEEL, beads=3)
+    row = row.struck_by(mass="50 g", velocity="0.1 m/s")
+    for vary in (
+        lambda beads: hc.vary.balls(materials=[STEEL], beads=beads),
+        lambda beads: hc.vary.radii("4 mm", "5 mm", beads=beads),
+    ):
+        found, expected = (
+            hc.Design(row, maximise="velocity@last", vary=[vary(beads)]).space
+            for beads in (named, numbered)
+        )
+        if hasattr(found, "places"):
+            np.testing.assert_array_equal(found.places, expected.places)
+        else:
+            np.testing.assert_array_equal(found.blocks[0].places, expected.blocks[0].places)
+
+
+@pytest.mark.parametrize(
+    ("beads", "message"),
+    [("ball 1:3", "name both ends, as in 'ball 1:ball 5'"), ("ball 4:", "there is no ball 4"),
+     ("cap", "the chain has no cap")],
+)  # fmt: skip
+def test_ambiguous_and_missing_names_are_rejected(beads, message):
+    row = hc.Chain.from_materials(diameters="10 mm", materials=STEEL, beads=3)
+    row = row.struck_by(mass="50 g", velocity="0.1 m/s")
+    radii = hc.vary.radii("4 mm", "5 mm", beads=beads)
+    with pytest.raises(hc.InputError, match=message):
+        hc.Design(row, maximise="velocity@last", vary=[radii])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 from ..errors import InputError, short_repr
 from ..representation import counted
@@ -18,6 +18,10 @@ NAME: Final = re.compile(r"(ball|bead) +([0-9]{1,9})")
 BEFORE_NUMBER: Final = r"(?:[ _#]*|-)"
 AT_NAME: Final = re.compile(
     rf"@ *((?:(?:ball|bead){BEFORE_NUMBER}[0-9]{{1,9}})(?![0-9])|cap\b)", re.IGNORECASE
+)
+# The same in a range of places, such as "ball 1:last".
+PLACE: Final = re.compile(
+    rf"(?:ball|bead){BEFORE_NUMBER}[0-9]{{1,9}}(?![0-9])|\b(?:{LAST}|{CAP})\b", re.IGNORECASE
 )
 OTHER_SPELLING: Final = re.compile(rf"\b(ball|bead){BEFORE_NUMBER}(?=[0-9])")
 
@@ -96,6 +100,21 @@ def numbered_bead(chain: Chain, body: str, number: int) -> int:
 def with_bead_numbers(chain: Chain, quantity: str) -> str:
     """A quantity such as ``velocity@ball 9`` with the numbers of its beads, ``velocity@10``."""
     return AT_NAME.sub(lambda found: f"@{bead_number(chain, found[1])}", quantity)
+
+
+def numbered_places(chain: Chain, places: Any) -> Any:
+    """Places such as ``"ball 1:"`` or ``["ball 1", 4]`` with the numbers of beads, ``"2:"``."""
+    if isinstance(places, list | tuple):
+        return [bead_number(chain, k) if isinstance(k, str) else k for k in places]
+    if not isinstance(places, str) or not PLACE.search(places):
+        return places
+    ends = [part.strip() for part in places.split(":")[:2]]
+    if chain.strikers and any(map(str.isdigit, ends)):
+        raise InputError(
+            f"beads = {short_repr(places)} has a name and a number, which count differently behind "
+            "a striker: name both ends, as in 'ball 1:ball 5'"
+        )
+    return PLACE.sub(lambda found: str(bead_number(chain, found[0])), places)
 
 
 def bead_label(chain: Chain, number: int) -> str:

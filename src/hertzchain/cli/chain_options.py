@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import os
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -34,9 +34,11 @@ IMPACT: Final = (
         "--speed",
         "--velocity",
         "speed",
+        multiple=True,
         metavar="SPEED",
         help="Velocity of the impact, such as '0.1 m/s'.  Replaces that of a FILE; if nothing "
         "moves in the file, its strikers or else bead 1 get this velocity.  "
+        "`simulate` compares several speeds if it is repeated.  "
         "[default: 1 m/s, at which steel balls yield]",
     ),
     click.option(
@@ -142,6 +144,10 @@ CHANGES: Final = (
 )  # fmt: skip
 
 
+# Names of chains at each of several speeds, by the names of their files.
+Speeds = dict[str, dict[str, str]]
+
+
 @dataclass(frozen=True)
 class ChainOptions:
     """Values of the options, as given."""
@@ -162,6 +168,8 @@ class ChainOptions:
     cap: str | None = None
     loss: str | None = None
     wall_loss: str | None = None
+    # Speeds after the first one, which `simulate` compares with it.
+    other_speeds: tuple[str, ...] = ()
 
 
 def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -178,7 +186,11 @@ def _with_options(command: Callable[..., Any], options: tuple[Any, ...]) -> Call
     @functools.wraps(command)
     def with_chain(**given: Any) -> Any:
         names = given.keys() & {each.name for each in fields(ChainOptions)}
-        return command(ChainOptions(**{name: given.pop(name) for name in names}), **given)
+        found = {name: given.pop(name) for name in names}
+        if "speed" in found:
+            first, *others = found["speed"] or (None,)
+            found |= {"speed": first, "other_speeds": tuple(others)}
+        return command(ChainOptions(**found), **given)
 
     for option in options[::-1]:
         with_chain = option(with_chain)
@@ -196,6 +208,9 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
     """The chains of all files, by the names of the files; one without a name for options."""
     from ..store.chain_files import load_chain
 
+    if options.other_speeds:
+        given = ", ".join((str(options.speed), *options.other_speeds))
+        raise click.UsageError(f"give one --speed, got {given}; simulate accepts several")
     if options.files and options.chain_file is not None:
         raise click.UsageError("give the chain as FILE or as --chain FILE, not both")
     files = options.files or tuple(filter(None, (options.chain_file,)))
@@ -203,7 +218,7 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
         return {"": _changed(_described(options), options)}
     beside = [
         each.name for each in fields(options)
-        if each.name not in ("files", "chain_file", *CHANGES)
+        if each.name not in ("files", "chain_file", "other_speeds", *CHANGES)
         and getattr(options, each.name) is not None
     ]  # fmt: skip
     if beside:
@@ -223,6 +238,26 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
         name: _changed(chain, options, file)
         for file, (name, chain) in zip(files, chains.items(), strict=True)
     }
+
+
+def chains_at_speeds(options: ChainOptions) -> tuple[dict[str, Chain], Speeds]:
+    """The chains of all files at all speeds; for several speeds, also their names by speed."""
+    from ..representation import measure
+
+    if not options.other_speeds:
+        return chains_from(options), {}
+    chains: dict[str, Chain] = {}
+    speeds: Speeds = {}
+    for speed in (options.speed, *options.other_speeds):
+        found = chains_from(replace(options, speed=speed, other_speeds=()))
+        for name, chain in found.items():
+            label = measure(float(chain.velocities.max()), "m/s", chain.units, 4).strip()
+            own = f"{name}, {label}" if name else label
+            if own in chains:
+                raise click.UsageError(f"--speed is {label} twice; keep one")
+            chains[own] = chain
+            speeds.setdefault(label, {})[name] = own
+    return chains, speeds
 
 
 def _changed(chain: Chain, options: ChainOptions, file: Path | None = None) -> Chain:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeVar
 
 from ..representation import listed, measure
 from .compared_yield import (
@@ -26,8 +26,10 @@ if TYPE_CHECKING:
 
     # A wall, the body behind each row, or the first sensor.
     Place = Side | Literal["body", "sensor"]
+    from .chain_options import Speeds
     from .compared_yield import AtPressures, Yielding
 
+T = TypeVar("T")
 NONE: Final = "-"
 OF_WALLS: Final = ("peak", "time", "impulse", "duration")
 # Headings on two lines, so that the table fits on a page.
@@ -38,27 +40,33 @@ HEADINGS: Final = MappingProxyType({
 })  # fmt: skip
 
 
-def compared_runs(
+class Peaks(NamedTuple):
+    """Peaks of all chains at one place, and those with contacts that yield."""
+
+    place: Place
+    own: dict[str, float]
+    at: dict[str, AtPressures]
+
+    @property
+    def where(self) -> str:
+        """The place in words."""
+        words = {"body": "the last body", "sensor": "the first sensor"}
+        return words.get(self.place, f"the {self.place} wall")
+
+
+def peaks_of(
     runs: Mapping[str, Run],
     others: Mapping[str, Run | None],
     yielding: Mapping[str, Yielding],
     beads: Mapping[str, Sequence[int]],
-) -> tuple[Table, list[str]] | None:
-    """Table of the forces at one place of all chains, the smallest one marked, and notes on it.
+) -> Peaks | None:
+    """Peaks at the first place that all chains have; none if there is none.
 
-    The place is the right wall, the body behind each row, the left wall or else the first sensor.
-    If the chains have none of them in common, forces on right walls are not marked, and free ends
-    have the motion of their last beads.  There is no table of chains in different units.  The
-    ``others`` have the largest possible yield pressure; ``yielding`` are the peaks of elastic runs
-    if their contacts yield.
+    Peaks that are not known are infinite.
     """
-    if len({run.chain.units for run in runs.values()}) > 1:
+    one_unit = len({run.chain.units for run in runs.values()}) == 1
+    if not one_unit or (place := _common_place(runs, beads)) is None:
         return None
-    if (place := _common_place(runs, beads)) is None:
-        return _of_different_ends(runs)
-    rows = {
-        name: _of_place(run, beads[name], place) | _of_contacts(run) for name, run in runs.items()
-    }
     own = {name: _peak(run, beads[name], place) for name, run in runs.items()}
     at = {
         name: at_pressures(
@@ -67,24 +75,78 @@ def compared_runs(
         )
         for name, run in runs.items()
     }  # fmt: skip
+    return Peaks(place, own, at)
+
+
+def compared_runs(
+    runs: Mapping[str, Run],
+    others: Mapping[str, Run | None],
+    yielding: Mapping[str, Yielding],
+    beads: Mapping[str, Sequence[int]],
+    speeds: Speeds,
+) -> tuple[Table, list[str]] | None:
+    """Table of the forces at one place of all chains, the smallest one marked, and notes on it.
+
+    The place is the right wall, the body behind each row, the left wall or else the first sensor.
+    If the chains have none of them in common, forces on right walls are not marked, and free ends
+    have the motion of their last beads.  There is no table of chains in different units.  The
+    ``others`` have the largest possible yield pressure; ``yielding`` are the peaks of elastic runs
+    if their contacts yield.  Of several ``speeds``, each has its own marks.
+    """
+    if len({run.chain.units for run in runs.values()}) > 1:
+        return None
+    if (peaks := peaks_of(runs, others, yielding, beads)) is None:
+        return _of_different_ends(runs, speeds)
+    place, own, at = peaks
+    rows = {
+        name: _of_place(run, beads[name], place) | _of_contacts(run) for name, run in runs.items()
+    }
     lawful = [name for name, run in runs.items() if has_law_of_yield(run)]
     elastic = any(each.elastic for each in at.values())
+    groups = {label: [*names.values()] for label, names in speeds.items()} or {"": [*runs]}
+    # Chains are compared at the same speed only.
+    compared = {label: names for label, names in groups.items() if len(names) > 1}
     # Peaks of elastic contacts beyond yield and of contacts that yield are not compared.
     if not (elastic and lawful):
-        _mark(rows, "peak", smallest(own))
-        if place == "body":
-            # The least force on a heavy body is not the least acceleration of a light one.
-            masses = {name: float(run.chain.masses[-1]) for name, run in runs.items()}
-            known = {name: peak / masses[name] for name, peak in own.items()}
-            _mark(rows, "acceleration", smallest(known))
+        for names in compared.values():
+            _mark_peaks(rows, {name: runs[name] for name in names}, own, place)
     if elastic or any(others.values()):
         # If all contacts have a law, the own peaks are those at the smallest pressure.
         for i in (0, 1) if elastic else (1,):
-            _add_peaks(rows, i, at, runs)
-    where = {"body": "the last body", "sensor": "the first sensor"}.get(place, f"the {place} wall")
-    title = f"{len(rows)} chains: force on {where}; * marks the smallest"
-    notes = comparison_notes(own, at, lawful)
-    return _table(rows, title), [*_notes_on_place(runs, beads, place), *notes]
+            _add_peaks(rows, i, at, runs, compared)
+    marks = "; * marks the smallest" * bool(compared) + " of each speed" * bool(speeds and compared)
+    title = f"{_counted(rows, speeds)}: force on {peaks.where}{marks}"
+    notes = [
+        f"at {label}: {note}" if label else note
+        for label, names in compared.items()
+        for note in comparison_notes(
+            _part(own, names), _part(at, names), [name for name in lawful if name in names]
+        )
+    ]  # fmt: skip
+    return _table(rows, title, speeds), [*_notes_on_place(runs, beads, place), *notes]
+
+
+def _part(values: Mapping[str, T], names: Sequence[str]) -> dict[str, T]:
+    return {name: values[name] for name in names}
+
+
+def _counted(rows: Mapping[str, object], speeds: Speeds) -> str:
+    """Numbers of chains and, if there are several, of speeds."""
+    if not speeds:
+        return f"{len(rows)} chains"
+    chains = len(next(iter(speeds.values())))
+    return f"{chains} chain{'s' * (chains > 1)} at {len(speeds)} speeds"
+
+
+def _mark_peaks(
+    rows: dict[str, dict[str, str]], runs: Mapping[str, Run], own: Mapping[str, float], place: Place
+) -> None:
+    """Mark the smallest peak of some chains and, on bodies, the smallest acceleration."""
+    _mark(rows, "peak", smallest(_part(own, [*runs])))
+    if place == "body":
+        # The least force on a heavy body is not the least acceleration of a light one.
+        masses = {name: float(run.chain.masses[-1]) for name, run in runs.items()}
+        _mark(rows, "acceleration", smallest({name: own[name] / masses[name] for name in runs}))
 
 
 def _notes_on_place(
@@ -109,7 +171,7 @@ def _notes_on_place(
     return [f"sensor of {listed(half)}: {FREE_FACE}"] if half else []
 
 
-def _of_different_ends(runs: Mapping[str, Run]) -> tuple[Table, list[str]] | None:
+def _of_different_ends(runs: Mapping[str, Run], speeds: Speeds) -> tuple[Table, list[str]] | None:
     """Table of the forces on right walls and of the last beads of free ends; nothing is marked."""
     walls = [name for name, run in runs.items() if run.chain.right_wall is not None]
     last = {name: _of_last_bead(run) for name, run in runs.items()}
@@ -124,23 +186,25 @@ def _of_different_ends(runs: Mapping[str, Run]) -> tuple[Table, list[str]] | Non
     }
     places = ["force on the right wall"] * bool(walls)
     places.append("last bead of free ends in the leading pulse")
-    return _table(rows, f"{len(rows)} chains: {', '.join(places)}"), []
+    return _table(rows, f"{_counted(rows, speeds)}: {', '.join(places)}", speeds), []
 
 
 def _add_peaks(
-    rows: dict[str, dict[str, str]], i: int, at: Mapping[str, AtPressures], runs: Mapping[str, Run]
-) -> None:
+    rows: dict[str, dict[str, str]], i: int, at: Mapping[str, AtPressures],
+    runs: Mapping[str, Run], compared: Mapping[str, Sequence[str]],
+) -> None:  # fmt: skip
     """Add the column of a yield pressure; the smallest peak is marked if all are known."""
     column = f"peak at {possible_factors()[i]} Y"
     values = {name: each[i] for name, each in at.items()}
     for name, value in values.items():
         known = math.isfinite(value)
         rows[name][column] = measure(value, "N", runs[name].chain.units, 5) if known else NONE
-    if all_known(values):
-        _mark(rows, column, smallest(values))
+    for names in compared.values():
+        if all_known(found := _part(values, names)):
+            _mark(rows, column, smallest(found))
 
 
-def _table(rows: Mapping[str, Mapping[str, str]], title: str) -> Table:
+def _table(rows: Mapping[str, Mapping[str, str]], title: str, speeds: Speeds) -> Table:
     """A table of the columns in which any row has an entry."""
     from rich import box
     from rich.table import Table
@@ -150,11 +214,18 @@ def _table(rows: Mapping[str, Mapping[str, str]], title: str) -> Table:
         if any(row.get(key, NONE) != NONE for row in rows.values())
     ]  # fmt: skip
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", padding=0)
-    for key in ("chain", *columns):
+    named = not speeds or any(any(names) for names in speeds.values())
+    first = ["speed"] * bool(speeds) + ["chain"] * named
+    for key in (*first, *columns):
         heading = HEADINGS.get(key, key).replace("peak at ", "peak at\n")
-        table.add_column(heading, justify="left" if key == "chain" else "right", vertical="bottom")
-    for name, row in rows.items():
-        table.add_row(name, *(row.get(key, NONE) for key in columns))
+        table.add_column(heading, justify="left" if key in first else "right", vertical="bottom")
+    groups = speeds or {"": dict(zip(rows, rows, strict=True))}
+    for label, names in groups.items():
+        for i, (chain, name) in enumerate(names.items()):
+            begin = ["" if i else label] * bool(speeds) + [chain] * named
+            table.add_row(*begin, *(rows[name].get(key, NONE) for key in columns))
+        if named:
+            table.add_section()
     return table
 
 

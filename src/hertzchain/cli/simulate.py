@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from .chain_options import ChainOptions, chain_options, chains_from
-from .compared_runs import compared_runs
+from .chain_options import ChainOptions, Speeds, chain_options, chains_at_speeds
+from .compared_runs import compared_runs, peaks_of
 from .compared_yield import figure_title
 from .hit_tables import check_hits, hit_table, hits_as_list
 from .options import (
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
     from ..chain.chain import Chain
     from ..simulation.run import Run
+    from .compared_runs import Peaks
     from .compared_yield import Yielding
 
 USUAL_TIMES: Final = 400
@@ -170,7 +172,9 @@ def simulate(
     If contacts yield at the assumed pressure of the loss elastic-plastic, 1.6 times the yield
     strength, a second simulation at 2.8 times shows the range of the forces.
 
-    Several chain files are simulated one after another.  A table and --plot compare them.
+    Several chain files are simulated one after another.  A table and --plot compare them.  If
+    --speed is repeated, the table has each chain at each speed, and --plot shows the peaks over the
+    speed; the summaries are then printed only with an option such as --contacts.
 
     With --stream, trajectories are kept only on disk, in netCDF files, and memory does not
     grow with the run.  If a run is interrupted, run the same command again and it resumes.
@@ -186,11 +190,14 @@ def simulate(
       hertzchain simulate experiment.toml --sensor "ball 5" --forces forces.csv
       hertzchain simulate experiment.toml --cap "100 g"
       hertzchain simulate equal.toml tapered.toml --plot comparison.png
+      hertzchain simulate equal.toml tapered.toml --speed 0.1m/s --speed 0.2m/s
       hertzchain simulate experiment.toml --loss elastic-plastic --hits 3
       hertzchain simulate experiment.toml --loss "elastic-plastic, factor=2.8"
       hertzchain simulate experiment.toml --until 10s --times 100000 --stream long
       hertzchain simulate --beads 50 --until 60 --times 600 --waves --horizon
     """
+    from ..errors import ModelRangeWarning
+    from ..recorded_warnings import ignore_warnings
     from ..simulation.sensor_force import MANY_TIMES
 
     check_writable(animation, "--animate", (".gif", ".mp4"))
@@ -198,7 +205,7 @@ def simulate(
     check_writable(forces, "--forces", (".csv",))
     if magnify is not None and animation is None:
         raise click.UsageError("--magnify requires --animate")
-    chains = chains_from(options)
+    chains, speeds = chains_at_speeds(options)
     if times is None:
         fine = sensors or forces or animation or (plot and _with_forces(chains))
         times = MANY_TIMES if fine or len(chains) > 1 else USUAL_TIMES
@@ -210,7 +217,9 @@ def simulate(
     if stream is not None:
         check_stream_options(**of_saved_times, contacts=contacts, hits=hits, max_steps=max_steps)
     if len(chains) > 1 and (out or forces or animation or stream):
-        raise click.UsageError("--out, --forces, --animate and --stream require one chain FILE")
+        raise click.UsageError(
+            "--out, --forces, --animate and --stream require one chain FILE and one --speed"
+        )
     check_hits(hits, chains.values())
     beads = {name: _beads(chain, sensors, forces) for name, chain in chains.items()}
     if stream is not None:
@@ -222,16 +231,23 @@ def simulate(
         return
     settings = {"times": times, "rtol": rtol, "method": method, "drift": drift,
                 "max_steps": max_steps}  # fmt: skip
-    runs = {
-        name: _run(chain, until, step, settings, horizon=horizon) for name, chain in chains.items()
-    }
+    # The table of several speeds has the limits of Hertz's law.
+    with ignore_warnings(ModelRangeWarning) if speeds else nullcontext():
+        runs = {
+            name: _run(chain, until, step, settings, horizon=horizon)
+            for name, chain in chains.items()
+        }
     for name, run in runs.items():
         _save(run, beads[name], out, forces, animation, magnify)
     others = {name: _at_other_pressure(run, until, step, settings) for name, run in runs.items()}
     yielding = {name: peaks_if_yielding(run) for name, run in runs.items()}
     if plot is not None:
-        title = figure_title(runs, yielding)
-        save_figure(_drawn(runs, beads, title, forces=bool(sensors)), plot)
+        peaks = peaks_of(runs, others, yielding, beads) if speeds else None
+        if peaks is not None:
+            save_figure(_drawn_over_speeds(runs, peaks, speeds), plot)
+        else:
+            title = figure_title(runs, yielding)
+            save_figure(_drawn(runs, beads, title, forces=bool(sensors)), plot)
     again = {name: _hits(run, hits, until, step, settings) for name, run in runs.items()}
     shown = {"second": hits is None, "waves": waves, "contacts": contacts, "budget": budget}
     if as_json:
@@ -243,26 +259,46 @@ def simulate(
             each |= {"hits": hits_as_list(every, beads[name])} if hits else {}
         show_json(found[0] if len(found) == 1 else _together(runs, found))
     else:
-        _show(runs, others, yielding, beads, again if hits else {}, shown)
+        compared = compared_runs(runs, others, yielding, beads, speeds) if len(runs) > 1 else None
+        asked = waves or contacts or budget or horizon or hits is not None
+        if not (speeds and compared) or asked:
+            _show(runs, others, yielding, beads, again if hits else {}, shown)
+            click.echo("\n" * (compared is not None), nl=False)
+        if compared is not None:
+            show_table(compared[0])
+            for note in compared[1]:
+                click.echo(note)
+
+
+def _drawn_over_speeds(runs: dict[str, Run], peaks: Peaks, speeds: Speeds) -> Axes:
+    """Plot the peaks of each chain over the speeds, also with contacts that yield."""
+    from ..plotting.peaks_over_speed import plot_peaks
+
+    names: dict[str, list[str]] = {}
+    for at_speed in speeds.values():
+        for chain, name in at_speed.items():
+            names.setdefault(chain, []).append(name)
+    return plot_peaks(
+        {chain: [float(runs[name].chain.velocities.max()) for name in own]
+         for chain, own in names.items()},
+        {chain: [peaks.own[name] for name in own] for chain, own in names.items()},
+        {chain: [peaks.at[name].smallest for name in own] for chain, own in names.items()
+         if any(peaks.at[name].elastic for name in own)},
+        where=peaks.where, units=next(iter(runs.values())).chain.units,
+    )  # fmt: skip
 
 
 def _show(
     runs: dict[str, Run], others: dict[str, Run | None], yielding: dict[str, Yielding],
     beads: dict[str, list[int]], again: dict[str, list[Run]], shown: dict[str, bool],
 ) -> None:  # fmt: skip
-    """Print the summaries of runs and of their repetitions, and a table of several chains."""
+    """Print the summaries of runs and of their repetitions."""
     for i, (name, run) in enumerate(runs.items()):
         heading = f"{name}: " if len(runs) > 1 else ""
         click.echo("\n" * (i > 0) + heading, nl=False)
         show_run(run, beads[name], others[name], yielding[name], **shown)
         if name in again:
             show_table(hit_table(again[name], beads[name]))
-    if len(runs) > 1 and (found := compared_runs(runs, others, yielding, beads)) is not None:
-        table, notes = found
-        click.echo()
-        show_table(table)
-        for note in notes:
-            click.echo(note)
 
 
 def _check_times(times: int, **options: object) -> None:

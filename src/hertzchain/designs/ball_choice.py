@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..chain.bead_names import numbered_places
 from ..chain.chain import Chain
 from ..chain.materials import Material, material
 from ..chain.places import ball_places
@@ -74,7 +75,7 @@ class BallChoice:
 
     def space(self, chain: Chain) -> BallSpace:
         """The choices for a chain."""
-        places, balls = ball_places(chain, self.beads), self.balls
+        places, balls = ball_places(chain, numbered_places(chain, self.beads)), self.balls
         _check(chain, places)
         if chain.units != "SI" or chain.materials is None:
             raise InputError(
@@ -104,7 +105,7 @@ class OrderChoice:
 
     def space(self, chain: Chain) -> BallSpace:
         """The orders for a chain."""
-        places = ball_places(chain, self.beads)
+        places = ball_places(chain, numbered_places(chain, self.beads))
         _check(chain, places)
         kinds = chain.materials or (None,) * chain.beads
         items = [(float(chain.radii[k]), kinds[k]) for k in places]

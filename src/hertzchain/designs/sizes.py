@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ..chain.bead_names import numbered_places
 from ..chain.chain import Chain
 from ..chain.input_checks import warn_large_limit
 from ..chain.places import ball_places, places_from
@@ -76,7 +77,7 @@ class Sizes:
             )
         places = (
             places_from(self.beads, chain.beads - 1, "contact") if gaps
-            else ball_places(chain, self.beads)
+            else ball_places(chain, numbered_places(chain, self.beads))
         )  # fmt: skip
         if chain.units == "SI" and self.field == "radii":
             warn_large_limit(low, high, chain.radii)

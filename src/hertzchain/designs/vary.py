@@ -44,8 +44,8 @@ def radii(
         Smallest and largest radius [scaled, or m].
     beads : str or sequence of int
         Beads that vary: ``"first:last"`` or ``"first:last:step"``, with both ends included, or a
-        list.  A range without an end, such as ``"2:"``, does not include a cap.  All others are
-        fixed.
+        list.  A range without an end, such as ``"2:"``, does not include a cap.  Names do
+        not count the strikers: ``"ball 1:"`` or ``"ball 2:ball 6"``.  All others are fixed.
     by : str
         ``"bead"``, ``"spline"`` or ``"common"``.  A spline continues the size of the bead behind
         the first that varies, which fixes its first coefficient, unless there is none, that bead is

@@ -1243,7 +1243,7 @@ CRYSTAL = ("spectrum", "--material", "steel-316", "--diameter", "19 mm", "--bead
 
 @pytest.mark.parametrize(("words", "option"), [
     (("pulse", "--beads", 5, "--beads", 6), "--beads"),
-    (("simulate", *BALLS, "--velocity", "2 m/s"), "--speed or --velocity"),
+    (("simulate", *BALLS, "--cap", "1 g", "--cap", "2 g"), "--cap"),
     (("sweep", "run", "a.toml", "--shard", "1/2", "--shard", "2/2"), "--shard"),
     (("verify", "--only", "a", "--only", "b"), "--only"),
 ])  # fmt: skip

@@ -19,6 +19,7 @@ from .compared_yield import (
 from .last_bead import last_bead_of, shown_acceleration
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from rich.table import Table
 
     from ..chain.bead_names import Side
@@ -76,6 +77,24 @@ def peaks_of(
         for name, run in runs.items()
     }  # fmt: skip
     return Peaks(place, own, at)
+
+
+def drawn_over_speeds(runs: Mapping[str, Run], peaks: Peaks, speeds: Speeds) -> Axes:
+    """Plot the peaks of each chain over the speeds, also with contacts that yield."""
+    from ..plotting.peaks_over_speed import plot_peaks
+
+    names: dict[str, list[str]] = {}
+    for at_speed in speeds.values():
+        for chain, name in at_speed.items():
+            names.setdefault(chain, []).append(name)
+    return plot_peaks(
+        {chain: [float(runs[name].chain.velocities.max()) for name in own]
+         for chain, own in names.items()},
+        {chain: [peaks.own[name] for name in own] for chain, own in names.items()},
+        {chain: [peaks.at[name].smallest for name in own] for chain, own in names.items()
+         if any(peaks.at[name].elastic for name in own)},
+        where=peaks.where, units=next(iter(runs.values())).chain.units,
+    )  # fmt: skip
 
 
 def compared_runs(

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from .chain_options import ChainOptions, Speeds, chain_options, chains_at_speeds
-from .compared_runs import compared_runs, peaks_of
+from .chain_options import ChainOptions, chain_options, chains_at_speeds
+from .compared_runs import compared_runs, drawn_over_speeds, peaks_of
 from .compared_yield import figure_title
 from .hit_tables import check_hits, hit_table, hits_as_list
 from .options import (
@@ -29,10 +29,10 @@ from .yield_range import second_run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from rich.table import Table
 
     from ..chain.chain import Chain
     from ..simulation.run import Run
-    from .compared_runs import Peaks
     from .compared_yield import Yielding
 
 USUAL_TIMES: Final = 400
@@ -196,8 +196,6 @@ def simulate(
       hertzchain simulate experiment.toml --until 10s --times 100000 --stream long
       hertzchain simulate --beads 50 --until 60 --times 600 --waves --horizon
     """
-    from ..errors import ModelRangeWarning
-    from ..recorded_warnings import ignore_warnings
     from ..simulation.sensor_force import MANY_TIMES
 
     check_writable(animation, "--animate", (".gif", ".mp4"))
@@ -231,23 +229,18 @@ def simulate(
         return
     settings = {"times": times, "rtol": rtol, "method": method, "drift": drift,
                 "max_steps": max_steps}  # fmt: skip
-    # The table of several speeds has the limits of Hertz's law.
-    with ignore_warnings(ModelRangeWarning) if speeds else nullcontext():
-        runs = {
-            name: _run(chain, until, step, settings, horizon=horizon)
-            for name, chain in chains.items()
-        }
+    runs = _runs(chains, until, step, settings, horizon=horizon, quiet=bool(speeds))
     for name, run in runs.items():
         _save(run, beads[name], out, forces, animation, magnify)
     others = {name: _at_other_pressure(run, until, step, settings) for name, run in runs.items()}
     yielding = {name: peaks_if_yielding(run) for name, run in runs.items()}
     if plot is not None:
         peaks = peaks_of(runs, others, yielding, beads) if speeds else None
-        if peaks is not None:
-            save_figure(_drawn_over_speeds(runs, peaks, speeds), plot)
-        else:
-            title = figure_title(runs, yielding)
-            save_figure(_drawn(runs, beads, title, forces=bool(sensors)), plot)
+        title = figure_title(runs, yielding)
+        save_figure(
+            _drawn(runs, beads, title, forces=bool(sensors)) if peaks is None
+            else drawn_over_speeds(runs, peaks, speeds), plot,
+        )  # fmt: skip
     again = {name: _hits(run, hits, until, step, settings) for name, run in runs.items()}
     shown = {"second": hits is None, "waves": waves, "contacts": contacts, "budget": budget}
     if as_json:
@@ -259,33 +252,20 @@ def simulate(
             each |= {"hits": hits_as_list(every, beads[name])} if hits else {}
         show_json(found[0] if len(found) == 1 else _together(runs, found))
     else:
-        compared = compared_runs(runs, others, yielding, beads, speeds) if len(runs) > 1 else None
         asked = waves or contacts or budget or horizon or hits is not None
+        compared = compared_runs(runs, others, yielding, beads, speeds) if len(runs) > 1 else None
         if not (speeds and compared) or asked:
             _show(runs, others, yielding, beads, again if hits else {}, shown)
             click.echo("\n" * (compared is not None), nl=False)
-        if compared is not None:
-            show_table(compared[0])
-            for note in compared[1]:
-                click.echo(note)
+        _show_table(compared)
 
 
-def _drawn_over_speeds(runs: dict[str, Run], peaks: Peaks, speeds: Speeds) -> Axes:
-    """Plot the peaks of each chain over the speeds, also with contacts that yield."""
-    from ..plotting.peaks_over_speed import plot_peaks
-
-    names: dict[str, list[str]] = {}
-    for at_speed in speeds.values():
-        for chain, name in at_speed.items():
-            names.setdefault(chain, []).append(name)
-    return plot_peaks(
-        {chain: [float(runs[name].chain.velocities.max()) for name in own]
-         for chain, own in names.items()},
-        {chain: [peaks.own[name] for name in own] for chain, own in names.items()},
-        {chain: [peaks.at[name].smallest for name in own] for chain, own in names.items()
-         if any(peaks.at[name].elastic for name in own)},
-        where=peaks.where, units=next(iter(runs.values())).chain.units,
-    )  # fmt: skip
+def _show_table(compared: tuple[Table, list[str]] | None) -> None:
+    """Print the table of several chains, if there is one, and its notes."""
+    if compared is not None:
+        show_table(compared[0])
+        for note in compared[1]:
+            click.echo(note)
 
 
 def _show(
@@ -336,6 +316,19 @@ def _places(chain: Chain, beads: list[int]) -> list[int | str]:
 
     body = ["body"] * chain._free_cap
     return [*beads, *(f"{side} wall" for side in walls_of(chain)), *body]
+
+
+def _runs(
+    chains: dict[str, Chain], until: str | None, step: str | None, settings: dict[str, Any], *,
+    horizon: bool, quiet: bool,
+) -> dict[str, Run]:  # fmt: skip
+    """Runs of all chains; without warnings on Hertz's law if a table has its limits."""
+    from ..errors import ModelRangeWarning
+    from ..recorded_warnings import ignore_warnings
+
+    with ignore_warnings(ModelRangeWarning) if quiet else nullcontext():
+        return {name: _run(chain, until, step, settings, horizon=horizon)
+                for name, chain in chains.items()}  # fmt: skip
 
 
 def _run(

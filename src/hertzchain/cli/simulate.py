@@ -235,12 +235,7 @@ def simulate(
     others = {name: _at_other_pressure(run, until, step, settings) for name, run in runs.items()}
     yielding = {name: peaks_if_yielding(run) for name, run in runs.items()}
     if plot is not None:
-        peaks = peaks_of(runs, others, yielding, beads) if speeds else None
-        title = figure_title(runs, yielding)
-        save_figure(
-            _drawn(runs, beads, title, forces=bool(sensors)) if peaks is None
-            else drawn_over_speeds(runs, peaks, speeds), plot,
-        )  # fmt: skip
+        _plot(plot, runs, others, yielding, beads, speeds, forces=bool(sensors))
     again = {name: _hits(run, hits, until, step, settings) for name, run in runs.items()}
     shown = {"second": hits is None, "waves": waves, "contacts": contacts, "budget": budget}
     if as_json:
@@ -258,6 +253,18 @@ def simulate(
             _show(runs, others, yielding, beads, again if hits else {}, shown)
             click.echo("\n" * (compared is not None), nl=False)
         _show_table(compared)
+
+
+def _plot(
+    plot: Path, runs: dict[str, Run], others: dict[str, Run | None],
+    yielding: dict[str, Yielding], beads: dict[str, list[int]], speeds: Speeds, *, forces: bool,
+) -> None:  # fmt: skip
+    """Write the figure of runs, or of their peaks over several speeds."""
+    peaks = peaks_of(runs, others, yielding, beads) if speeds else None
+    if peaks is not None:
+        save_figure(drawn_over_speeds(runs, peaks, speeds), plot)
+    else:
+        save_figure(_drawn(runs, beads, figure_title(runs, yielding), forces=forces), plot)
 
 
 def _show_table(compared: tuple[Table, list[str]] | None) -> None:

@@ -11,9 +11,9 @@ from scipy_row import BEFORE, FACTOR, LOSS_TIME, RADIUS, SPACING, VELOCITY, chai
 
 import hertzchain as hc
 from hertzchain.fitting.advice import level_advice
+from hertzchain.fitting.comparison_notes import level_notes
 from hertzchain.fitting.model import make_model
 from hertzchain.fitting.names import Name
-from hertzchain.fitting.sensor_comparison import level_notes
 from hertzchain.fitting.simulations import Simulator
 from hertzchain.traces.missing_rows import gap_notes, gaps_between
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -42,6 +43,7 @@ from .wording import on_command_line
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from ..fitting.causes import Refit
     from ..fitting.defect_scan import DefectScan
     from ..fitting.posterior import Posterior
     from ..fitting.result import FitResult
@@ -113,12 +115,12 @@ def fit(
 
     The exit code is 1 if the search does not converge, and 3 if the model does not describe the
     data within their noise, if this cannot be decided, if a value contradicts its prior, or if the
-    data of a sensor whose gain or delay is free contain no pulse.  If --defects finds a gap or an
-    odd ball, the fit that includes it is printed first, and the exit code, --out, --plot and
-    --sample refer to this fit.  The same holds for the fit with the best of --laws if the data
-    reject the law of the chain file.  All results are printed and written before sampling begins,
-    so only the posterior is lost if sampling is interrupted; with --json, they are printed at the
-    end.
+    data of a sensor whose gain or delay is free contain no pulse.  With --defects, the fit is
+    printed before the search begins; if that finds a gap or an odd ball, the fit that includes it
+    follows, and the exit code, --out, --plot and --sample refer to this fit.  The same holds for
+    the fit with the best of --laws if the data reject the law of the chain file.  All results are
+    printed and written before sampling begins, so only the posterior is lost if sampling is
+    interrupted; with --json, they are printed at the end.
 
     \b
     Examples:
@@ -147,41 +149,117 @@ def fit(
         "free": _free(with_time_offset(traces, known), files[-1], free, also_free),
         "priors": priors_from(priors), "start": start_from(starting_values), "time_offset": known,
     }  # fmt: skip
-    # The number of simulations is not known in advance.
-    with progress_bar("simulations", counted=False) as progress:
-        result = hertzchain.fit(traces, files[-1], starts=starts, progress=progress, **settings)
+    postponed = PostponedDiagnosis()
+    result = _first_fit(traces, files[-1], postponed if defects else None, starts, settings)
     tested = _tested(laws=laws is not None, defects=defects)
     result = without_tested(result, *tested)
     document = result.as_dict()
+    # The search for defects takes long and may be stopped.
+    shown = _show_first(result, laws) if defects and not as_json else None
     lines: list[str] = []
-    scans: list[DefectScan] = []
-    fits: dict[str, FitResult] = {}
+    found = Found(result)
     if laws is not None:
-        result, found = _laws(result, document, laws, files[-1], settings)
-        lines += found
-    if defects and result.explained:
-        lines.append(HELD_BACK)
-    elif defects:
-        result, scans, found, fits = _defects(result, document, tested)
-        lines += found
+        found.result, lines = _laws(result, document, laws, files[-1], settings)
+    if defects:
+        found = _searched(found.result, document, tested, postponed)
+        lines += found.lines
+    result = found.result
     # Sampling takes long and may be stopped: everything else is printed and written before.
     if not as_json:
-        lines.insert(0, "\n".join((*_summary(result, laws), *_pressures(result))))
-        click.echo(on_command_line("\n\n".join(lines)))
+        if result is not shown:
+            lines.insert(0, "\n".join((*_summary(result, laws), *_pressures(result))))
+        click.echo(on_command_line(("\n" if shown else "") + "\n\n".join(lines)))
+    _written(found, document, out, plot, sample, as_json=as_json)
+    return _exit_code(result)
+
+
+class PostponedDiagnosis:
+    """The part of a diagnosis that takes as long as a search for defects, which is done before."""
+
+    def __init__(self) -> None:
+        self._start: Mapping[str, float] | None = None
+
+    def quickly(self, result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
+        """The result with advice on data or rows that are others, which is found quickly."""
+        from ..fitting.diagnosis import quickly_diagnosed
+
+        found, more = quickly_diagnosed(result, start, refit)
+        self._start = start if more else None
+        return found
+
+    def diagnosed(self, result: FitResult) -> FitResult:
+        """The result with the rest of its diagnosis, if anything is left of it."""
+        from ..fitting.diagnosis import diagnosed
+        from ..fitting.fit import fitted
+
+        return result if self._start is None else diagnosed(result, self._start, fitted)
+
+
+@dataclass
+class Found:
+    """The result of a search for defects, the lines that it prints, its scans and fits."""
+
+    result: FitResult
+    lines: list[str] = field(default_factory=list)
+    scans: list[DefectScan] = field(default_factory=list)
+    fits: dict[str, FitResult] = field(default_factory=dict)
+
+
+def _searched(
+    result: FitResult, document: dict[str, Any], tested: Sequence[str],
+    postponed: PostponedDiagnosis,
+) -> Found:  # fmt: skip
+    """Search for defects, unless another cause is known, and for other causes without success."""
+    from ..fitting.diagnosis import without_tested
+
+    if result.explained:
+        return Found(result, [HELD_BACK])
+    best, scans, lines, fits = _defects(result, document, tested)
+    if not fits:
+        advised = without_tested(postponed.diagnosed(result), *tested)
+        document |= advised.as_dict()
+        lines = [*(each for each in advised.advice if each not in result.advice), *lines]
+    return Found(best, lines, scans, fits)
+
+
+def _first_fit(
+    traces: Traces, chain: Path, postponed: PostponedDiagnosis | None, starts: int,
+    settings: dict[str, Any],
+) -> FitResult:  # fmt: skip
+    """The fit of the chain of the file; its diagnosis is short if most of it is postponed."""
+    from ..fitting.diagnosis import diagnosed
+    from ..fitting.fit import fit_experiment
+
+    diagnose = diagnosed if postponed is None else postponed.quickly
+    # The number of simulations is not known in advance.
+    with progress_bar("simulations", counted=False) as progress:
+        return fit_experiment(traces, chain, diagnose, starts=starts, progress=progress, **settings)
+
+
+def _written(
+    found: Found, document: dict[str, Any], out: Path | None, plot: Path | None,
+    sample: int | None, *, as_json: bool,
+) -> None:  # fmt: skip
+    """Write the files of a fit, sample its posterior, and print all of it as JSON."""
     if out is not None:
         from ..store.writing import write_bytes
 
-        write_bytes(out, result.chain_toml().encode())
+        write_bytes(out, found.result.chain_toml().encode())
     if plot is not None:
-        _save_plots(result, plot, scans, fits)
+        _save_plots(found.result, plot, found.scans, found.fits)
     if sample is not None:
-        posterior = _posterior(result, sample, plot)
+        posterior = _posterior(found.result, sample, plot)
         document["posterior"] = _document(posterior)
         if not as_json:
             click.echo(f"\n{posterior.summary()}")
     if as_json:
         show_json(document)
-    return _exit_code(result)
+
+
+def _show_first(result: FitResult, laws: str | None) -> FitResult:
+    """Print the fit without a defect, and return it."""
+    click.echo(on_command_line("\n".join((*_summary(result, laws), *_pressures(result)))))
+    return result
 
 
 def _exit_code(result: FitResult) -> int:
@@ -268,9 +346,10 @@ def _defects(
     from ..fitting.goodness import NO_ERRORS
 
     scans = []
-    for kind, what in (("gap", "contacts tried"), ("bead", "balls tried")):
+    steps = (("gap", "step 1 of 4, contacts tried"), ("bead", "step 2 of 4, balls tried"))
+    for kind, what in steps:
         names = defect_names(result, kind)
-        with progress_bar(_trying(f"scan, {what}", names), rate=True) as progress:
+        with progress_bar(_trying(what, names), rate=True) as progress:
             scans.append(hertzchain.scan_defects(result, kind, progress=progress))
     document["defects"] = [
         {"name": name, "value": float(size), "chi2_improvement": float(gained)}
@@ -278,9 +357,9 @@ def _defects(
         for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
     ]
     found: dict[str, FitResult] = {}
-    for scan in scans:
+    for scan, (step, what) in zip(scans, ((3, "gaps"), (4, "odd balls")), strict=True):
         if scan.found:
-            words = _trying("defects fitted", candidates_of(scan))
+            words = _trying(f"step {step} of 4, {what} fitted", candidates_of(scan))
             with progress_bar(words, rate=True) as progress:
                 found[scan.kind] = fit_of_defect(scan, progress=progress)
     if not found:

@@ -428,7 +428,7 @@ FURTHER: Final[Mapping[Callable[[FitResult, Mapping[str, float], Refit], Iterato
     other_places: "",
     _counts_and_effects: "",
     separate_effects: "another offset or gain of each sensor",
-    row_causes: "a gap, an odd ball and a ball of another material between two sensors",
+    row_causes: "",
     with_shots: "another velocity or time offset in each shot",
     with_losses: "the loss",
     static_causes: "gravity and a precompression",

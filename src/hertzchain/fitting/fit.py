@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback
 from .cap_notes import cap_notes
+from .causes import Refit
 from .chain_parameters import following
 from .clocks import clock_notes, with_clocks
 from .coarse_sampling import sampling_notes
@@ -51,6 +53,8 @@ from .weights import (
 from .without_priors import with_fits_without_priors
 
 TimeOffset = float | str | Sequence[float | str] | None
+# A function of a result, the values from which it starts, and a function that fits.
+Diagnosis = Callable[[FitResult, Mapping[str, float], Refit], FitResult]
 Path_ = str | os.PathLike[str]
 TracesLike = Traces | Path_ | Sequence[Path_]
 ChainLike = Chain | Path_ | Sequence[Chain]
@@ -150,6 +154,19 @@ def fit(
     >>> result.describes
     True
     """
+    return fit_experiment(
+        traces, chain, diagnosed, free=free, priors=priors, start=start, time_offset=time_offset,
+        begin=begin, until=until, starts=starts, progress=progress,
+    )  # fmt: skip
+
+
+def fit_experiment(
+    traces: Any, chain: Any, diagnose: Diagnosis, *, free: Sequence[str] | None = None,
+    priors: Priors | None = None, start: Mapping[str, float] | None = None,
+    time_offset: TimeOffset = None, begin: float | str | None = None,
+    until: float | str | None = None, starts: int = 4, progress: Progress | None = None,
+) -> FitResult:  # fmt: skip
+    """Fit as `fit` does, and diagnose the result with a function."""
     data, chains, settings = load_experiment(traces, chain, load_traces)
     callback("progress", progress)
     if begin is not None or until is not None:
@@ -162,7 +179,7 @@ def fit(
     if wrong is not None:
         result = as_misread(_at_values_of(problem, wrong.result), wrong)
     else:
-        result = diagnosed(fitted(problem, settings.start, count), settings.start, fitted)
+        result = diagnose(fitted(problem, settings.start, count), settings.start, fitted)
         result = with_fits_without_priors(result, fitted)
     # Later simulations, such as those of scans and posteriors, report their own progress.
     result.model.simulator.progress = None

@@ -27,6 +27,7 @@ from .result import FitResult
 # Gaps that are tried, in units of the time by which signals are late times the velocity of the
 # impact, and relative changes of a radius.
 GAPS: Final = (0.4, 0.6, 0.8, 1.0, 1.3)
+NEAR_GAPS: Final = (0.95, 0.98, 1.01, 1.04)
 RADII: Final = (0.02, 0.05)
 # Largest number of defects that are fitted.
 MAX_FITS: Final = 4
@@ -34,7 +35,7 @@ MAX_FITS: Final = 4
 LEAST_MODULUS: Final = 40e9
 # A further defect is fitted if its chi-squared in the linearised fit is below this multiple of that
 # of the best fit, or if it is larger by less than this than that of a fit that describes the data.
-SIMILAR, LESS_LIKELY = 1.5, 64.0
+SIMILAR, LESS_LIKELY = 4.0, 64.0
 # The first one is fitted only below this multiple of that with delays, if these describe the data.
 WORSE: Final = 4.0
 # Balls on each side of the best place at which defects are tried again.
@@ -56,6 +57,8 @@ class Base:
     first: int
     last: int
     late: float
+    # The gap of the best fit until now.
+    gap: float = 0.0
 
     @property
     def values(self) -> dict[Name, float]:
@@ -82,6 +85,7 @@ class Base:
         jacobian = np.delete(fit.jacobian, extra, axis=1)
         return replace(
             self, fit=fit, jacobian=jacobian, inverse=np.linalg.pinv(jacobian, rcond=1e-12),
+            gap=next((fit.values[str(each)] for each in fit.model.names if each.key == "gap"), 0.0),
             first=max(self.first, ball - NEAR), last=min(self.last, ball + NEAR + 1),
         )  # fmt: skip
 
@@ -174,11 +178,14 @@ def _gaps(base: Base) -> list[Trial]:
     if base.late <= 0.0:
         return []
     travelled = base.late * float(np.abs(base.fit.chain.velocities).max())
+    sizes = [part * travelled for part in GAPS]
+    if base.gap > 0.0:
+        sizes = [part * base.gap for part in NEAR_GAPS]
     last = min(base.last, ball_count(base.fit.chain))
     trials = []
     for ball in range(base.first, last):
         name = Name("gap", f"{ball}-{ball + 1}")
-        trial = _of_size(base, name, ball, [part * travelled for part in GAPS])
+        trial = _of_size(base, name, ball, sizes)
         if trial is not None:
             advice = f"check for a gap between balls {ball} and {ball + 1}"
             trials.append(replace(trial, advice=f"{advice}, or {_to_free(name)}"))

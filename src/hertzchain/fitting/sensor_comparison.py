@@ -42,6 +42,8 @@ MIN_TIMES: Final = 5.0
 # A gap between samples, as a part of the width of a pulse, in which its crest may be higher than
 # its ends by 1%.
 SHORT: Final = 0.14
+# Largest relative correction of a crest from a polynomial.
+LARGEST_CORRECTION: Final = 0.1
 # Digits of peaks, and the part of the width over which samples are averaged to find the crest.
 MAX_DIGITS, SMOOTHED = 4, 0.3
 
@@ -50,9 +52,10 @@ MAX_DIGITS, SMOOTHED = 4, 0.3
 class SensorComparison:
     """Measured and simulated signal of one sensor.
 
-    Peaks are the crests of the largest deviations from the level before the pulse: maxima of a
-    polynomial through the samples around them, because noise makes the largest sample higher than
-    the crest.  If these are few, the peak is the largest sample.  Arrivals are the times of the
+    Peaks are the largest deviations from the level before the pulse.  Noise makes the largest
+    sample higher than the crest, so that the measured peak is the maximum of a polynomial through the
+    samples around it, corrected by that of the simulated signal; if these are few, it is the
+    largest sample.  Arrivals are the times of the
     data at which a signal reaches half of its peak, in the compared interval.  Both signals are
     compared at the times of the samples: few samples within a pulse lower both peaks equally, and
     the simulated one is then below that of `Run.wall_force` or `Run.sensor_force`.  If the crest of
@@ -215,8 +218,13 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
     width = half_width(times[covered], simulated)
     missing = not saturated and crest_is_missing(times[covered], seen[covered] / largest[0], width)
     crests = [_crest(times[present], each[present], width) for each in (seen, own - own[0])]
-    smooth = not (saturated or missing) and all(np.isfinite(error) for _, error in crests)
-    peaks = (crests[0][0], crests[1][0]) if smooth else largest
+    # The polynomial of the simulated signal, which has no noise, shows its systematic error.
+    correction = largest[1] / crests[1][0] if crests[1][0] else np.nan
+    smooth = (
+        not (saturated or missing) and abs(correction - 1.0) < LARGEST_CORRECTION
+        and bool(np.isfinite(crests[0][1]))
+    )  # fmt: skip
+    peaks = (correction * crests[0][0] if smooth else largest[0], largest[1])
     # A signal without a crest and its model are compared at the same height.
     half = ARRIVED * abs(peaks[0 if saturated or missing else 1])
     levels = ARRIVED * peaks[0], float(np.copysign(half, peaks[1]))

@@ -37,13 +37,13 @@ from .options import (
     sensors_option,
 )
 from .output import save_figure, show_json
+from .postponed_diagnosis import PostponedDiagnosis
 from .progress import progress_bar
 from .wording import on_command_line
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..fitting.causes import Refit
     from ..fitting.defect_scan import DefectScan
     from ..fitting.posterior import Posterior
     from ..fitting.result import FitResult
@@ -171,28 +171,6 @@ def fit(
         click.echo(on_command_line(("\n" if shown else "") + "\n\n".join(lines)))
     _written(found, document, out, plot, sample, as_json=as_json)
     return _exit_code(result)
-
-
-class PostponedDiagnosis:
-    """The part of a diagnosis that takes as long as a search for defects, which is done before."""
-
-    def __init__(self) -> None:
-        self._start: Mapping[str, float] | None = None
-
-    def quickly(self, result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
-        """The result with advice on data or rows that are others, which is found quickly."""
-        from ..fitting.diagnosis import quickly_diagnosed
-
-        found, more = quickly_diagnosed(result, start, refit)
-        self._start = start if more else None
-        return found
-
-    def diagnosed(self, result: FitResult) -> FitResult:
-        """The result with the rest of its diagnosis, if anything is left of it."""
-        from ..fitting.diagnosis import diagnosed
-        from ..fitting.fit import fitted
-
-        return result if self._start is None else diagnosed(result, self._start, fitted)
 
 
 @dataclass

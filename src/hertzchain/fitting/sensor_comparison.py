@@ -53,8 +53,8 @@ class SensorComparison:
     """Measured and simulated signal of one sensor.
 
     Peaks are the largest deviations from the level before the pulse.  Noise makes the largest
-    sample higher than the crest, so that the measured peak is the maximum of a polynomial through the
-    samples around it, corrected by that of the simulated signal; if these are few, it is the
+    sample higher than the crest, so that the measured peak is the maximum of a polynomial through
+    the samples around it, corrected by that of the simulated signal; if these are few, it is the
     largest sample.  Arrivals are the times of the
     data at which a signal reaches half of its peak, in the compared interval.  Both signals are
     compared at the times of the samples: few samples within a pulse lower both peaks equally, and

@@ -1,0 +1,49 @@
+"""Gaps and balls between sensors, which look like delays, and the crests of noisy signals."""
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.traces.crests import crest_of
+
+FREE = ["stiffness", "loss.time", "time_offset"]
+
+
+def row(gaps=0.0, material="steel-52100"):
+    kinds = ["steel-52100"] * 12
+    kinds[8] = material
+    balls = hc.Chain.from_materials([5e-3] * 12, kinds)
+    struck = balls.struck_by(velocity="0.3 m/s", material="steel-52100")
+    return struck.replace(loss=hc.Viscoelastic("0.6 us"), right_wall=hc.Wall(), gaps=gaps)
+
+
+def measured(chain):
+    run = hc.simulate(chain, times=1e-6 * np.arange(400))
+    noise = 0.1 * np.random.default_rng(3).standard_normal((2, 500))
+    signals = [run.sensor("ball 4"), run.sensor("wall")]
+    ball, wall = np.pad(signals, ((0, 0), (100, 0))) + noise
+    return hc.Traces.from_arrays(1e-6 * np.arange(500), {"ball 4 [N]": ball, "wall [N]": wall})
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
+def test_a_large_gap_is_not_called_a_delay():
+    data = measured(row(2e-5 * (np.arange(12) == 9)))
+    (advice,) = hc.fit(data, row(), free=FREE).advice
+    assert "with gap[9-10] = 20.0" in advice
+    assert "and the model describes the data: check for a gap between balls 9 and 10" in advice
+    assert "delay" not in advice
+
+
+def test_the_crest_of_a_noisy_signal_is_lower_than_its_largest_sample():
+    times, rng = np.linspace(-3.0, 3.0, 301), np.random.default_rng(1)
+    pulse = 1.0 / np.cosh(times) ** 4
+    found = [crest_of(times, pulse + 0.02 * rng.standard_normal(301), 1.3, 0.0) for _ in range(200)]
+    heights, errors = np.transpose(found)
+    assert np.mean(heights) == pytest.approx(1.0, abs=3e-3)
+    assert np.std(heights) == pytest.approx(0.02 * np.mean(errors), rel=0.2)
+
+
+def test_diameter_means_diameters():
+    text = '[chain]\nbeads = 3\n{} = "10 mm"\nmaterials = "brass"\n'
+    chains = [hc.chain_from_toml(text.format(key)) for key in ("diameter", "diameters")]
+    assert chains[0] == chains[1]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from .chain_options import ChainOptions, chain_options, chains_at_speeds
+from .chain_options import ChainOptions, Speeds, chain_options, chains_at_speeds
 from .compared_runs import compared_runs, drawn_over_speeds, peaks_of
 from .compared_yield import figure_title
 from .hit_tables import check_hits, hit_table, hits_as_list
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from .compared_yield import Yielding
 
 USUAL_TIMES: Final = 400
+SINGLE: Final = "--out, --forces, --animate and --stream require one chain FILE and one --speed"
 
 
 @click.command(cls=StrictCommand)
@@ -215,9 +216,7 @@ def simulate(
     if stream is not None:
         check_stream_options(**of_saved_times, contacts=contacts, hits=hits, max_steps=max_steps)
     if len(chains) > 1 and (out or forces or animation or stream):
-        raise click.UsageError(
-            "--out, --forces, --animate and --stream require one chain FILE and one --speed"
-        )
+        raise click.UsageError(SINGLE)
     check_hits(hits, chains.values())
     beads = {name: _beads(chain, sensors, forces) for name, chain in chains.items()}
     if stream is not None:
@@ -247,12 +246,10 @@ def simulate(
             each |= {"hits": hits_as_list(every, beads[name])} if hits else {}
         show_json(found[0] if len(found) == 1 else _together(runs, found))
     else:
-        asked = waves or contacts or budget or horizon or hits is not None
-        compared = compared_runs(runs, others, yielding, beads, speeds) if len(runs) > 1 else None
-        if not (speeds and compared) or asked:
+        compared = compared_runs(runs, others, yielding, beads, speeds)
+        if not (speeds and compared) or waves or contacts or budget or horizon or hits:
             _show(runs, others, yielding, beads, again if hits else {}, shown)
-            click.echo("\n" * (compared is not None), nl=False)
-        _show_table(compared)
+        _show_table(compared, only=bool(speeds))
 
 
 def _plot(
@@ -267,9 +264,11 @@ def _plot(
         save_figure(_drawn(runs, beads, figure_title(runs, yielding), forces=forces), plot)
 
 
-def _show_table(compared: tuple[Table, list[str]] | None) -> None:
+def _show_table(compared: tuple[Table, list[str]] | None, *, only: bool) -> None:
     """Print the table of several chains, if there is one, and its notes."""
     if compared is not None:
+        if not only:
+            click.echo()
         show_table(compared[0])
         for note in compared[1]:
             click.echo(note)

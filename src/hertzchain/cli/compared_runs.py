@@ -109,8 +109,8 @@ def compared_runs(
     The place is the right wall, the body behind each row, the left wall or else the first sensor.
     If the chains have none of them in common, forces on right walls are not marked, and free ends
     have the motion of their last beads.  There is no table of one chain, or of chains in different
-    units.  The ``others`` have the largest possible yield pressure; ``yielding`` are the peaks of elastic runs
-    if their contacts yield.  Of several ``speeds``, each has its own marks.
+    units.  The ``others`` have the largest possible yield pressure; ``yielding`` are the peaks of
+    elastic runs if their contacts yield.  Of several ``speeds``, each has its own marks.
     """
     if len(runs) == 1 or len({run.chain.units for run in runs.values()}) > 1:
         return None

@@ -263,7 +263,7 @@ def test_the_exit_code_is_that_of_the_fit_with_a_gap(run, tmp_path):
     code, out, err = run("fit", *files, *free, "--starts", 1, "--defects",
                          "--out", tmp_path / "fitted.toml")  # fmt: skip
     assert code == 0, err
-    first, scan, balls, without = out.strip().split("\n\n")
+    _, first, scan, balls, without = out.strip().split("\n\n")
     value, error = map(float, re.findall(r"gap\[8-9\] +(\S+) \+- (\S+) um", first)[0])
     assert abs(value - 0.4) < 3.0 * error < 0.02
     assert ": the model describes the data" in first
@@ -296,7 +296,7 @@ def test_the_output_says_why_a_defect_is_not_the_best_one_of_the_scan(run, tmp_p
     code, out, err = run("fit", tmp_path / "data.csv", tmp_path / "row.toml", "--free", "stiffness",
                          "--free", "time_offset", "--starts", 1, "--defects")  # fmt: skip
     assert code == 0, err
-    first, scan, why, *_ = out.split("\n\n")
+    _, first, scan, why, *_ = out.split("\n\n")
     assert "  gap[8-9] " in first
     assert re.search(r"size\n  gap\[9-10\] ", scan)
     chi2 = float(re.findall(r"^chi2 (\S+) for", first, re.M)[0])

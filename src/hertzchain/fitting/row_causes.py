@@ -156,7 +156,7 @@ def _base(result: FitResult, start: Mapping[str, float], refit: Refit) -> Base |
     more = [Parameter(each, *kind_and_value(each, model.traces, model.chains)) for each in names]
     try:
         found = refit(Problem(replace(model, parameters=(*model.parameters, *more))), start, 1)
-    except SimulationError:
+    except (InputError, SimulationError):
         return None
     own = [found.model.names.index(each) for each in names]
     jacobian = np.delete(found.jacobian, own, axis=1)
@@ -218,7 +218,7 @@ def _of_size(
     for size in sizes:
         try:
             there = base.residuals(model, {**values, name: size})
-        except SimulationError:
+        except (InputError, SimulationError):
             break
         step = there - before
         part = min(max(-float(before @ step) / max(float(step @ step), TINY), 0.0), 1.0)
@@ -282,7 +282,7 @@ def _fitted(trial: Trial, refit: Refit) -> Cause | None:
     starts = {str(each.name): each.start for each in trial.problem.model.parameters}
     try:
         found = refit(trial.problem, starts, 1)
-    except SimulationError:
+    except (InputError, SimulationError):
         return None
     what = trial.what
     if trial.name is not None:

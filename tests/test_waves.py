@@ -1,6 +1,7 @@
 """Waves of a run against the exact solitary wave, symmetries, trains and known counts."""
 
 import pickle
+import re
 import warnings
 
 import numpy as np
@@ -54,7 +55,7 @@ def test_a_wave_is_the_solitary_wave(solitary):
 def test_half_the_saved_times_are_not_enough_and_cost_digits_of_the_force_alone(solitary):
     run, exact, _ = solitary
     sparse = hc.simulate(run.chain, until=100.0, times=235)
-    with pytest.raises(hc.InputError, match="only 4.1. are within .* times=500"):
+    with pytest.raises(hc.InputError, match=r"only 4.1. are within .* times=\d+ is enough"):
         sparse.waves()
     events = [events_at(sparse, k, 0.1)[0] for k in range(41, 75)]
     assert not any(event.resolved for event in events)
@@ -317,3 +318,48 @@ def test_beads_ahead_of_a_pulse_have_no_velocity_peaks(precompression):
         assert len(run.velocity_peaks(bead)) == 0
     # The foot of the pulse is there.
     assert run.velocity(12).max() > 0.0
+
+
+STEP = hc.Chain.from_radii(np.where(np.arange(120) < 60, 1.0, 0.6))
+FREE_END = hc.Chain.tapered("backward-exponential", 0.03, beads=60)
+ROW = hc.Chain.from_materials(5e-3, "steel-52100", beads=30, velocity=0.1)
+PRESSED = ROW.replace(precompression=20.0, held_by="force", right_wall=hc.Wall())
+
+
+@pytest.mark.parametrize(
+    ("chain", "until", "times"),
+    [
+        (STEP, 150.0, 60),
+        (FREE_END, None, 60),
+        (hc.Chain.dimer(0.5, beads=60), 80.0, 60),
+        (PRESSED, 2e-3, 150),
+        (ROW.replace(loss=hc.ElasticPlastic(), right_wall=hc.Wall()), 2e-3, 60),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*energy:hertzchain.InputWarning")
+def test_the_advised_number_of_saved_times_is_enough(chain, until, times):
+    with warnings.catch_warnings(record=True) as shown:
+        warnings.simplefilter("always")
+        try:
+            hc.simulate(chain, until=until, times=times).waves()
+        except hc.InputError as error:
+            said = str(error)
+        else:
+            said = " ".join(str(each.message) for each in shown)
+    # Warnings of NumPy do not leak.
+    assert not [each for each in shown if each.category is RuntimeWarning]
+    needed = int(re.search(r"times=(\d+) is enough", said)[1])
+    assert all(wave.resolved for wave in hc.simulate(chain, until=until, times=needed).waves())
+
+
+def test_the_advice_of_a_reflection_is_enough():
+    with pytest.raises(hc.InputError, match=r"times=\d+ is enough") as caught:
+        hc.simulate(STEP, until=150.0, times=60).reflection(50, 75)
+    needed = int(re.search(r"times=(\d+)", str(caught.value))[1])
+    found = hc.simulate(STEP, until=150.0, times=needed).reflection(50, 75)
+    assert found.reflected_energy + found.transmitted_energy == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_run_that_ends_while_the_incident_wave_passes_is_too_short():
+    with pytest.raises(hc.SimulationError, match="still passes contact 50 .* simulate for longer"):
+        hc.simulate(STEP, until=60.0, times=1000).reflection(50, 75)

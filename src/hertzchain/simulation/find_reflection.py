@@ -315,17 +315,23 @@ def _check_count(run: Trajectory, found: Reflection) -> None:
         enters = "another wave enters"
         if not run.chain.lossless:
             enters = "another wave, or the tail that losses leave behind this one, enters"
+        if not found.disturbed and found.until == float(run.times[-1]):
+            raise SimulationError(
+                f"no coefficients: the incident wave still passes contact {found.before} at the "
+                f"end of the run, {until}; simulate for longer"
+            )
         reason = f"; {enters} at {until}" if found.disturbed else ""
         raise SimulationError(
             f"no coefficients: the incident wave passes contact {found.before} until {end}"
             f"{reason}; choose other contacts, since or until, or use the balance of all waves, "
             f"run.energy_flux().balance({found.before}, {found.after})"
         )
-    require_resolved(run, incident, "the incident wave")
+    contacts = (found.before, found.after)
+    require_resolved(run, incident, "the incident wave", contacts)
     for event in (*found.reflected, *found.transmitted):
         if event.energy >= WEAK * incident.energy:
             name = "a reflected" if event in found.reflected else "a transmitted"
-            require_resolved(run, event, f"{name} wave")
+            require_resolved(run, event, f"{name} wave", contacts)
 
 
 def _later(found: Reflection) -> str:

@@ -26,14 +26,13 @@ from ..validation.numbers import FRACTION, number, whole_number
 from .energy_flux import energy_to_and_fro
 from .trajectory import Trajectory
 from .wave_events import (
-    MIN_SAMPLES,
     ContactCurves,
     WaveEvent,
     check_saved_times,
     events_of,
     largest_force_of,
-    times_to_save,
 )
+from .wave_samples import MIN_SAMPLES, enough_times, times_to_save
 from .waves import DIRECTIONS, Wave, Waves
 
 # Time from contact to contact in durations, in the solitary wave of p = 3/2.
@@ -142,9 +141,10 @@ def _links(here: list[WaveEvent], there: list[WaveEvent]) -> Iterator[tuple[int,
         return
     time, duration, impulse = (each[:, np.newaxis] for each in _columns(here))
     next_time, next_duration, next_impulse = _columns(there)
-    wait = (next_time - time) / (0.5 * HOP * (duration + next_duration))
-    # Impulses of opposite signs, of which one is rounding, give NaN and are not linked.
+    # Impulses of opposite signs, of which one is rounding, and durations that few saved times do
+    # not resolve give NaN or infinity and are not linked.
     with np.errstate(invalid="ignore", divide="ignore"):
+        wait = (next_time - time) / (0.5 * HOP * (duration + next_duration))
         cost = (wait - 1.0) ** 2 + np.log(next_impulse / impulse) ** 2
     cost[~(cost < MAX_COST)] = 1e9
     for i, j in zip(*linear_sum_assignment(cost), strict=True):
@@ -165,7 +165,7 @@ def _check_resolved(run: Trajectory, waves: list[Wave]) -> None:
     if not missed:
         return
     worst = min(wave.samples for wave in missed)
-    advice = f"save at least times={times_to_save(run, worst)}"
+    advice = f"times={max(times_to_save(run, worst), enough_times(run))} is enough"
     strongest = max(waves, key=lambda wave: wave.energy)
     if not strongest.resolved:
         raise InputError(

@@ -12,7 +12,7 @@ from ..validation.numbers import whole_number
 from .run_pulse import pulse_of, residence_of
 from .trajectory import Trajectory
 from .velocity_peaks import VelocityPeaks, peaks_from, velocity_peaks_of
-from .wave_events import times_to_save
+from .wave_samples import times_to_save
 
 # Estimated relative error of a width above which there is a warning.  From every second saved time,
 # the error is 16 times as large; less if there are very few.

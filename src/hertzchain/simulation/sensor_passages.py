@@ -10,7 +10,8 @@ import numpy as np
 from ..errors import InputError, InputWarning, warn_user
 from ..representation import measure, short
 from ..validation.numbers import FRACTION, number
-from .wave_events import MIN_SAMPLES, SPLINE_ORDER, Curves, events_of
+from .wave_events import SPLINE_ORDER, Curves, events_of
+from .wave_samples import MIN_SAMPLES
 
 if TYPE_CHECKING:
     from .sensor_force import SensorForce

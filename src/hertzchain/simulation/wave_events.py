@@ -17,7 +17,7 @@ duration the amplitude of a solitary wave is accurate to 1e-6, and J and W to 1e
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -31,9 +31,8 @@ from ..errors import InputError
 from ..frozen import Compared
 from ..representation import measure, short
 from .trajectory import Trajectory
+from .wave_samples import MIN_SAMPLES, enough_times, times_to_save
 
-# Saved times within impulse/amplitude, the duration of a wave.
-MIN_SAMPLES: Final = 8.0
 # Fraction of its height by which a maximum must exceed the minima next to it.
 PROMINENCE: Final = 0.1
 # Waves meet, or a wall reflects one, if |W| is less than this fraction of the integral of |f v|.
@@ -167,22 +166,20 @@ def check_saved_times(run: Trajectory) -> None:
         )
 
 
-def times_to_save(run: Trajectory, samples: float, least: float = MIN_SAMPLES) -> int:
-    """Approximate number of times to save to resolve a wave with these samples."""
-    # Without a given end, a run keeps between half and all of the requested times.
-    spare = 1.1 if run.status == "time reached" else 2.2
-    needed = spare * len(run.times) * least / samples
-    step = 10.0 ** (math.floor(math.log10(needed)) - 1)
-    return int(math.ceil(needed / step) * step)
+def require_resolved(
+    run: Trajectory, event: WaveEvent, name: str, contacts: Sequence[int] = ()
+) -> None:
+    """Raise `InputError` if too few times were saved during the passage of a wave.
 
-
-def require_resolved(run: Trajectory, event: WaveEvent, name: str) -> None:
-    """Raise `InputError` if too few times were saved during the passage of a wave."""
+    The advice includes other waves at these contacts.
+    """
     if not event.resolved:
+        times = max(
+            times_to_save(run, event.samples), enough_times(run, (event.contact, *contacts))
+        )
         raise InputError(
             f"{name} has {event.samples:.3g} saved times while it passes contact {event.contact}, "
-            f"but at least {MIN_SAMPLES:g} are required; save at least "
-            f"times={times_to_save(run, event.samples)}"
+            f"but at least {MIN_SAMPLES:g} are required; times={times} is enough"
         )
 
 

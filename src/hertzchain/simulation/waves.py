@@ -18,7 +18,8 @@ from ..frozen import Compared
 from ..representation import NO_BREAK, counted, folded, measure, short, wrapped
 from ..validation.keywords import checked_methods
 from ..validation.numbers import contact_number, whole_number
-from .wave_events import MIN_SAMPLES, WaveEvent
+from .wave_events import WaveEvent
+from .wave_samples import MIN_SAMPLES
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -519,6 +519,9 @@ def public_calls(folder):
         "SolitaryWave.speed": tried(wave.speed, velocity=1.0, mass=1.0, stiffness=1.0),
         "SolitaryWave.momentum": tried(wave.momentum, velocity=1.0, mass=1.0),
         "SolitaryWave.energy": tried(wave.energy, velocity=1.0, mass=1.0),
+        "SolitaryWave.velocity_from_force": tried(
+            wave.velocity_from_force, force=1.0, mass=1.0, stiffness=1.0
+        ),
         "SolitaryWave.peak_force": tried(wave.peak_force, velocity=1.0, mass=1.0, stiffness=1.0),
         "SolitaryWave.velocity": tried(wave.velocity, distance=0.0),
         "SolitaryWave.velocity.width": tried(wave.velocity.width, level=0.5),

@@ -53,7 +53,7 @@ def test_a_small_ball_agrees_with_a_direct_eigenvalue_solution():
     assert mode == 41
     assert found.frequencies[mode - 1] == pytest.approx(squared[-1] ** 0.5 / (2 * np.pi), rel=1e-9)
     np.testing.assert_allclose(found.host_edges, hc.spectrum(HELD).band_edges(), rtol=1e-9)
-    assert "localised at " in repr(found)
+    assert "around bead 21 " in repr(found)
 
 
 def test_hosts_of_two_beads_and_chains_without_host():

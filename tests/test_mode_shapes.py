@@ -41,7 +41,9 @@ def test_shapes_are_those_of_the_dynamical_matrix(modes):
         sign = np.sign(values @ expected)
         np.testing.assert_allclose(values, sign * expected, atol=1e-8)
         local = "localised " if number == 41 else ""
-        assert label == f"{local}mode {number}, {1e-3 * frequencies[number - 1]:.4g} kHz"
+        place = ", around bead 21" if number == 41 else ""
+        frequency = 1e-3 * frequencies[number - 1]
+        assert label == f"{local}mode {number}, {frequency:.4g} kHz{place}"
     (light,) = [values for label, values in drawn.items() if "localised" in label]
     assert light[20] == 1.0
 
@@ -117,7 +119,7 @@ def test_localised_modes_are_numbers_that_plots_accept():
 
 def test_representations_name_the_figure_of_localised_modes():
     found = hc.spectrum(ODD)
-    assert "localised at 15093.3 Hz (plot_modes)" in repr(found)
+    assert "localised at 15093.3 Hz around bead 21 (plot_modes)" in " ".join(repr(found).split())
     assert "plot_modes() shows the shapes" in found._repr_html_()
     assert "plot_modes" not in hc.spectrum(EQUAL)._repr_html_() + repr(hc.spectrum(EQUAL))
 

@@ -286,3 +286,21 @@ def test_arguments_of_a_wave_have_units():
         wave.speed("0.05 m/s")
     with pytest.raises(hc.InputError, match="velocity"):
         wave.speed("5 mm", 1e-3, 1e9)
+
+
+@pytest.mark.parametrize("exponent", [1.2, 1.5, 3.0])
+def test_the_velocity_that_belongs_to_a_simulated_force(exponent):
+    chain = hc.Chain.uniform(100, exponent=exponent).replace(stiffness=np.full(99, 3.0))
+    pulse, wave = hc.propagate(chain), hc.solitary_wave(exponent)
+    velocity = wave.velocity_from_force(pulse.peak_force[80], 1.0, 3.0)
+    assert velocity == pytest.approx(pulse.velocity[80], rel=1e-7)
+
+
+def test_the_speed_of_spheres_grows_with_the_sixth_root_of_the_force():
+    wave = solitary_wave()
+    speeds = [wave.speed(wave.velocity_from_force(force)) for force in (1.0, 64.0)]
+    assert speeds[1] / speeds[0] == pytest.approx(2.0, rel=1e-14)
+    with pytest.raises(hc.InputError, match="force of a solitary wave must be"):
+        wave.velocity_from_force(-1.0)
+    with pytest.raises(hc.InputError, match="mass and stiffness must be given in SI units"):
+        wave.velocity_from_force("20 N")

@@ -164,7 +164,7 @@ def _localised_lines(found: Spectrum, factor: float, unit: str, *, hint: bool) -
     chosen = found.localised
     lines = [
         f"  localised    {factor * found.frequencies[j - 1]:.5g}{unit}, mode {j}, around bead "
-        f"{int(found._energies[:, j - 1].argmax()) + 1}, participation "
+        f"{found._bead_of_mode(j)}, participation "
         f"{found.participation[j - 1]:.3g}"
         for j in chosen[:MAX_LISTED]
     ]

@@ -72,14 +72,16 @@ def _shape(spectrum: Spectrum, mode: int) -> Array:
 
 
 def _name(spectrum: Spectrum, mode: int) -> str:
-    """Such as ``localised mode 41, 15.09 kHz``."""
+    """Such as ``localised mode 41, 15.09 kHz, around bead 21``."""
     frequency = spectrum.frequencies[mode]
-    words = f"{'localised ' if mode + 1 in spectrum.localised else ''}mode {mode + 1}"
+    local = mode + 1 in spectrum.localised
+    words = f"{'localised ' if local else ''}mode {mode + 1}"
+    place = f", around bead {spectrum._bead_of_mode(mode + 1)}" if local else ""
     if frequency == 0.0 and spectrum.decay_rates[mode] > 0.0:
-        return f"{words}, overdamped"
+        return f"{words}, overdamped{place}"
     if spectrum.chain.units == "SI":
-        return f"{words}, {1e-3 * frequency:.4g} kHz"
-    return f"{words}, $f$ = {frequency:.4g}"
+        return f"{words}, {1e-3 * frequency:.4g} kHz{place}"
+    return f"{words}, $f$ = {frequency:.4g}{place}"
 
 
 def _bands(spectrum: Spectrum) -> list[str]:

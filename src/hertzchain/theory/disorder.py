@@ -71,7 +71,7 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     ----------
     chain : Chain
         The nominal chain: at least ten spheres of one material, equal or tapered, with rates
-        from -0.1 to 0.1.
+        from -0.1 to 0.1 and Hertz contacts (exponent 3/2).
     scatter : float
         Standard deviation :math:`\sigma` of ln R of all beads, independent and normally
         distributed, up to 0.03, such as 0.01 or ``"1%"``.
@@ -91,7 +91,7 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     Raises
     ------
     InputError
-        If a scatter or rate is out of range, or `local_rate` does not support the chain.
+        If a scatter, rate or exponent is out of range, or `local_rate` does not support the chain.
 
     Warns
     -----

@@ -144,7 +144,7 @@ def find_jumps(rates: Array) -> list[Jump]:
         if k == 0 or k + odd == len(rates) - 1:
             raise InputError(
                 f"the jump of the radius at contact {k + 1} is at an end of the chain; there must "
-                f"be {MIN_DISTANCE} contacts before and after it: use propagate"
+                f"be {MIN_DISTANCE} contacts before and after it; use propagate"
             )
         before = _weighted(rates[:k][::-1], SHORT)
         ahead = rates[k + odd + 1 :]
@@ -187,7 +187,7 @@ def _check_distances(jumps: list[Jump], contacts: int) -> None:
             raise InputError(
                 f"the radius jumps by a factor of {math.exp(jump.log_ratio):.3g} at contact "
                 f"{jump.contact + 1}; the table is from {math.exp(LOG_RATIOS[0]):.3g} to "
-                f"{math.exp(LOG_RATIOS[-1]):.3g}: use propagate"
+                f"{math.exp(LOG_RATIOS[-1]):.3g}; use propagate"
             )
         for rate in (jump.before, jump.after):
             if not RATES[0] <= rate <= RATES[-1]:

@@ -52,6 +52,9 @@ class SolitaryWave:
         P = P_1\, m v, \quad E = E_1\, m v^2, \quad
         F = F_1\, k^{\frac1{p+1}} (m v^2)^{\frac p{p+1}} .
 
+    `velocity_from_force` returns v for a measured force F; then
+    :math:`V \propto F^{(p-1)/(2p)}`, which is :math:`F^{1/6}` for spheres.
+
     Attributes
     ----------
     exponent : float
@@ -212,12 +215,53 @@ class SolitaryWave:
         s = 1.0 / (self.exponent + 1.0)
         return self.force_constant * k**s * (m * v**2) ** (self.exponent * s)
 
+    def velocity_from_force(self, force: float, mass: float = 1.0, stiffness: float = 1.0) -> float:
+        r"""Peak velocity v of a bead in the wave whose largest contact force is given.
+
+        .. math:: v = \left(\frac{F}{F_1}\right)^{\frac{p+1}{2p}} k^{-\frac1{2p}}\, m^{-\frac12}
+
+        The speed of this wave is proportional to :math:`F^{(p-1)/(2p)}`, or :math:`F^{1/6}` for
+        p = 3/2.
+
+        Parameters
+        ----------
+        force : float
+            Largest force F of a contact.  The force in a sensor in a bead, which is the mean of the
+            forces on both halves, has a lower maximum.
+        mass, stiffness : float
+            As for `speed`.
+
+        Returns
+        -------
+        float
+            Velocity.
+
+        Raises
+        ------
+        InputError
+            As for `speed`.
+
+        Examples
+        --------
+        The speed of a wave with a force of 20 N in steel balls of 10 mm diameter:
+
+        >>> import hertzchain as hc
+        >>> wave, steel = hc.solitary_wave(), {"mass": 4.073598e-3, "stiffness": 7.435897e9}
+        >>> velocity = wave.velocity_from_force(20.0, **steel)
+        >>> round(velocity, 4), round(wave.speed(velocity, **steel, diameter="10 mm"), 2)
+        (0.0964, 456.24)
+        """
+        f, m, k = self._checked(force, mass, stiffness, name="force")
+        half = 0.5 / self.exponent
+        return float((f / self.force_constant) ** (0.5 + half) * k**-half * m**-0.5)
+
     def _checked(
-        self, velocity: float, mass: float, stiffness: float | None = None
+        self, value: float, mass: float, stiffness: float | None = None, *, name: str = "velocity"
     ) -> tuple[float, float, float]:
-        """Velocity, mass and stiffness as positive numbers, in SI if one has a unit."""
-        units = {"velocity": "m/s", "mass": "kg", "stiffness": f"N/m**{self.exponent}"}
-        given = {"velocity": velocity, "mass": mass, "stiffness": stiffness}
+        """Velocity or force, mass and stiffness as positive numbers, in SI if one has a unit."""
+        units = {name: {"velocity": "m/s", "force": "N"}[name], "mass": "kg",
+                 "stiffness": f"N/m**{self.exponent}"}  # fmt: skip
+        given = {name: value, "mass": mass, "stiffness": stiffness}
         given = {name: value for name, value in given.items() if value is not None}
         if any(map(has_unit, given.values())):
             # The defaults are those of scaled variables.

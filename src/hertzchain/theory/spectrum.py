@@ -309,7 +309,7 @@ class Spectrum(ModeTables):
         >>> held = hc.Chain.uniform(40).replace(precompression=1.0, held_by="force")
         >>> axes = hc.spectrum(held.with_defects({20: 0.5})).plot_modes()
         >>> [text.get_text() for text in axes.get_legend().get_texts()]
-        ['localised mode 40, $f$ = 0.7529']
+        ['localised mode 40, $f$ = 0.7529, around bead 20']
         """
         from ..plotting.mode_shapes import plot_modes
 
@@ -363,6 +363,10 @@ class Spectrum(ModeTables):
 
         return plot_transfer(self, contact, drive=drive, at=at, frequencies=frequencies, ax=ax)
 
+    def _bead_of_mode(self, mode: int) -> int:
+        """Number of the bead that has most of the energy of a mode with this number."""
+        return int(self._energies[:, mode - 1].argmax()) + 1
+
     def __repr__(self) -> str:
         f, unit = self.frequencies, " Hz" if self.chain.units == "SI" else ""
         about = f"{len(f)} modes, {f[0]:g} .. {f[-1]:g}{unit}"
@@ -371,8 +375,11 @@ class Spectrum(ModeTables):
             gaps = [f"{low:g} .. {high:g}" for low, high in self.gaps()[:-1]]
             about += f", gap{'s' * (len(gaps) > 1)} {' and '.join(gaps)}{unit}" if gaps else ""
         if len(local := self.localised):
-            modes = " and ".join(f"{self.frequencies[j - 1]:g}" for j in local[:3])
-            about += f", localised at {modes}{unit}" if len(local) <= 3 else (
+            modes = " and ".join(
+                f"{self.frequencies[j - 1]:g}{unit} around bead {self._bead_of_mode(j)}"
+                for j in local[:3]
+            )
+            about += f", localised at {modes}" if len(local) <= 3 else (
                 f", {len(local)} localised modes")  # fmt: skip
             about += " (plot_modes)"
         return short("Spectrum", about, self.chain.description)

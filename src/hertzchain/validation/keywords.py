@@ -131,7 +131,33 @@ def _check_call(
         if found := _TWICE.fullmatch(reason):
             raise InputError(_given_twice(label, function, found[1], given, keywords)) from None
         takes = ", ".join(known) or "no arguments"
-        raise InputError(f"{label}: {reason}; it takes {takes}") from None
+        hint = _by_keyword(function, given, keywords) if reason.startswith("too many") else ""
+        raise InputError(f"{label}: {reason}; {hint}it takes {takes}") from None
+
+
+def _by_keyword(
+    function: Callable[..., Any], given: tuple[Any, ...], keywords: Mapping[str, Any]
+) -> str:
+    """How to give values that are beyond the positional arguments, or an empty text."""
+    parameters = inspect.signature(function).parameters.values()
+    places = [each for each in parameters
+              if each.kind in (each.POSITIONAL_ONLY, each.POSITIONAL_OR_KEYWORD)]  # fmt: skip
+    free = [each for each in parameters
+            if each.kind == each.KEYWORD_ONLY and each.name not in keywords]  # fmt: skip
+    values = given[len(places) :]
+    required = [each for each in free if each.default is each.empty]
+    # Values belong to required arguments, in their order; that of optional ones is not known.
+    if len(values) <= len(required):
+        pairs = zip(required, values, strict=False)
+        return f"write {', '.join(f'{each.name}={short_repr(value)}' for each, value in pairs)}; "
+    if not free:
+        return ""
+    if len(values) == len(free) == 1:
+        return f"write {free[0].name}={short_repr(values[0])}; "
+    if len(free) == 1:
+        return f"{free[0].name} must be given by keyword, as {free[0].name}=...; "
+    example = (required or free)[0].name
+    return f"give others by keyword, such as {example}={short_repr(values[0])}; "
 
 
 def _given_twice(

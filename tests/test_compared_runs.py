@@ -4,6 +4,7 @@ import pytest
 
 import hertzchain as hc
 from hertzchain.chain.hertz_ratios import with_yield
+from hertzchain.simulation.body_force import body_force
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 
@@ -168,3 +169,31 @@ def test_there_is_no_table_of_one_chain_or_of_different_units(run, tmp_path):
     files = written(tmp_path, a=row("9 mm", right_wall=hc.Wall()), b=scaled)
     assert " chains: " not in run("simulate", files[0]).stdout
     assert " chains: " not in run("simulate", *files).stdout
+
+
+def test_dashes_are_explained(run, tmp_path):
+    chains = {"lossy": heavy_strike("nylon", loss=hc.Restitution(0.9)),
+              "hard": heavy_strike("nylon")}  # fmt: skip
+    out = run("simulate", *written(tmp_path, **chains)).stdout
+    words = "-: no peak at a yield pressure (contacts have a loss without yield), lossy\n"
+    assert words in out
+    assert "hard" not in out[out.index(words) :].splitlines()[0]
+
+
+def test_walls_and_boxes_have_peaks_at_both_yield_pressures(run, tmp_path):
+    balls = heavy_strike("nylon")
+    chains = {"wall": balls, "box": balls.replace(right_wall=None).with_cap(mass="20 g")}
+    out = run("simulate", *written(tmp_path, **chains)).stdout
+    table = rows_of(out)
+    for factor in (1.6, 2.8):
+        law = hc.ElasticPlastic(factor=factor)
+        dented = {
+            name: hc.simulate(with_yield(each, law), times=0) for name, each in chains.items()
+        }
+        assert f" {dented['wall'].wall_force().peak:.5g} N" in table["wall"]
+        force = body_force(dented["box"]).force
+        assert f" {force:.5g} N" in table["box"]
+    body = body_force(hc.simulate(chains["box"], times=0))
+    assert f"{body.acceleration:.4g} m/s^2" in table["box"]
+    # Forces on walls and boxes are not compared.
+    assert "*" not in "".join(table.values())

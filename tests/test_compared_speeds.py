@@ -76,6 +76,65 @@ def test_one_chain_has_no_marks(files):
     assert "*" not in done.output
 
 
+def soft_and_stiff(folder):
+    """Rows of rubber and of steel behind a heavy striker; steel has the larger force."""
+    for material in ("rubber", STEEL, "aluminium"):
+        chain = hc.Chain.from_materials(diameters=["10 mm"] * 3, materials=material)
+        chain = chain.replace(right_wall=hc.Wall.of(STEEL)).struck_by(
+            mass="50 g", material=STEEL, velocity="1 m/s"
+        )
+        (folder / f"{material}.toml").write_text(hc.chain_as_toml(chain))
+    return [str(folder / f"{name}.toml") for name in ("rubber", STEEL, "aluminium")]
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_forces_that_are_no_predictions_are_not_compared(tmp_path):
+    files = soft_and_stiff(tmp_path)
+    done = invoked(*files, "--speed", "0.01m/s", "--speed", "1m/s")
+    lines = [line for line in done.stdout.splitlines() if "N s" in line]
+    assert "?: overlap / radius is above 0.1 with these contacts" in done.stdout
+    marks = []
+    for i, line in enumerate(lines):
+        speed = "0.01 m/s" if i < 3 else "1 m/s"
+        chain = hc.load_chain(files[i % 3])
+        chain = chain.replace(velocities=chain.velocities * float(speed.split()[0]))
+        found = hc.simulate(chain)
+        ratio = hc.hertz_range(chain, found.largest_overlaps).overlap_ratio.max()
+        assert f"{found.wall_force().peak:.5g} N" in line
+        assert ("? " in line) == (ratio > 0.1)
+        marks.append((line.count("?"), line.count("*")))
+    # Rubber has the smallest force at both speeds; at 1 m/s, only both metals are compared.
+    assert marks[0] == (0, 3)
+    assert marks[3] == (3, 0)
+    assert marks[4][0] == marks[5][0] == 0
+    assert marks[4][1] + marks[5][1] == 3
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_several_speeds_have_one_warning_for_each_limit(run, tmp_path):
+    files = soft_and_stiff(tmp_path)
+    speeds = ["--speed", "0.01m/s", "--speed", "1m/s"]
+    code, _, err = run("simulate", *files, *speeds)
+    assert code == 0
+    warnings = [line for line in err.splitlines() if line.startswith("Warning: ")]
+    chains = [hc.load_chain(file) for file in files]
+    chains += [each.replace(velocities=0.01 * each.velocities) for each in chains]
+    ranges = [hc.hertz_range(each, hc.simulate(each).largest_overlaps) for each in chains]
+    overlap = ranges[0].overlap_ratio.max()
+    assert f"is up to {overlap:.2g} (rubber, 1 m/s); beyond 0.1, in 1, forces" in err
+    pressures = [each.largest_yield_ratio for each in ranges]
+    count, highest = sum(each > 1.0 for each in pressures), max(pressures)
+    assert (
+        f"pressure / yield exceeds its limit in {count} of 6 runs, and is up to {highest:.2g}"
+        in err
+    )
+    assert len(warnings) <= 3
+    document = json.loads(run("simulate", *files, *speeds, "--json").stdout)
+    assert [f"Warning: {text}" for text in document["warnings"]] == warnings
+    predicted = [each["forces_predicted"] for each in document["runs"]]
+    assert predicted == [True, True, True, False, True, True]
+
+
 def test_equal_speeds_and_other_commands_are_rejected(files):
     done = invoked(files[0], "--speed", "0.1 m/s", "--speed", "100 mm/s")
     assert done.exit_code == 2
@@ -91,11 +150,27 @@ def test_equal_speeds_and_other_commands_are_rejected(files):
 def test_each_speed_has_its_own_figure_of_peaks():
     from hertzchain.plotting.peaks_over_speed import plot_peaks
 
+    kept = (False, False, False)
     axes = plot_peaks(
         {"a": [0.2, 0.1], "b": [0.2, 0.1]}, {"a": [4.0, 2.0], "b": [5.0, float("inf")]},
-        {"a": [3.0, 2.0]}, where="the right wall", units="SI",
+        {"a": [(3.0, 3.5), (1.5, 2.0)]}, {"a": [(False, True, False), kept], "b": [kept, kept]},
+        factors=("1.6", "2.8"), where="the right wall", units="SI",
     )  # fmt: skip
-    assert [line.get_label() for line in axes.lines] == ["a", "a, with yield", "b"]
-    assert axes.lines[1].get_xdata().tolist() == [0.1, 0.2]
-    assert axes.lines[1].get_ydata().tolist() == [2.0, 3.0]
+    assert axes.get_legend_handles_labels()[1] == [
+        "a", "b", "with yield, 1.6 $Y$", "with yield, 2.8 $Y$",
+        "no prediction: overlap / radius > 0.1",
+    ]  # fmt: skip
+    lines = {line.get_linestyle(): line for line in axes.lines[:6] if len(line.get_xdata()) == 2}
+    assert lines["--"].get_xdata().tolist() == lines[":"].get_xdata().tolist() == [0.1, 0.2]
+    assert lines["--"].get_ydata().tolist() == [1.5, 3.0]
+    assert lines[":"].get_ydata().tolist() == [2.0, 3.5]
+    # The point outside the range has a hollow marker only.
+    assert lines["--"].get_markevery() == [0]
+    hollow = [line for line in axes.lines if line.get_linestyle() == "None"]
+    assert [line.get_xydata().tolist() for line in hollow if len(line.get_xdata())] == [
+        [[0.2, 3.0]]
+    ]
+    (band,) = axes.collections
+    corners = {tuple(point) for point in band.get_paths()[0].vertices.tolist()}
+    assert corners == {(0.1, 1.5), (0.1, 2.0), (0.2, 3.0), (0.2, 3.5)}
     assert axes.get_ylabel() == "peak force on the right wall [N]"

@@ -8,15 +8,18 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeVar
 
 from ..representation import listed, measure
+from ..simulation.yielding import not_a_prediction
 from .compared_yield import (
     all_known,
     at_pressures,
+    compared,
     comparison_notes,
     has_law_of_yield,
     possible_factors,
-    smallest,
+    predicted,
 )
 from .last_bead import last_bead_of, shown_acceleration
+from .marked_entries import NONE, UNPREDICTED, dash_notes, mark, mark_unpredicted, sign_notes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,13 +34,12 @@ if TYPE_CHECKING:
     from .compared_yield import AtPressures, Yielding
 
 T = TypeVar("T")
-NONE: Final = "-"
 OF_WALLS: Final = ("peak", "time", "impulse", "duration")
 # Headings on two lines, so that the table fits on a page.
 HEADINGS: Final = MappingProxyType({
     "overlap/radius": "overlap\n/radius", "pressure/yield": "pressure\n/yield",
     "deepest dent": "deepest\ndent", "velocity of last bead": "velocity of\nlast bead",
-    "momentum of last bead": "momentum of\nlast bead",
+    "momentum of last bead": "momentum of\nlast bead", "force on the cap": "force on\nthe cap",
 })  # fmt: skip
 
 
@@ -47,6 +49,7 @@ class Peaks(NamedTuple):
     place: Place
     own: dict[str, float]
     at: dict[str, AtPressures]
+    unpredicted: list[str]
 
     @property
     def where(self) -> str:
@@ -69,14 +72,16 @@ def peaks_of(
     if not one_unit or (place := _common_place(runs, beads)) is None:
         return None
     own = {name: _peak(run, beads[name], place) for name, run in runs.items()}
+    unpredicted = [name for name, run in runs.items() if not_a_prediction(run)]
     at = {
         name: at_pressures(
             run, own[name], _peak(others[name], beads[name], place), yielding[name],
+            (name in unpredicted, (other := others[name]) is not None and not_a_prediction(other)),
             at_right_end=place in ("right", "body"),
         )
         for name, run in runs.items()
     }  # fmt: skip
-    return Peaks(place, own, at)
+    return Peaks(place, own, at, unpredicted)
 
 
 def drawn_over_speeds(runs: Mapping[str, Run], peaks: Peaks, speeds: Speeds) -> Axes:
@@ -91,9 +96,11 @@ def drawn_over_speeds(runs: Mapping[str, Run], peaks: Peaks, speeds: Speeds) -> 
         {chain: [float(runs[name].chain.velocities.max()) for name in own]
          for chain, own in names.items()},
         {chain: [peaks.own[name] for name in own] for chain, own in names.items()},
-        {chain: [peaks.at[name].smallest for name in own] for chain, own in names.items()
+        {chain: [peaks.at[name].both for name in own] for chain, own in names.items()
          if any(peaks.at[name].elastic for name in own)},
-        where=peaks.where, units=next(iter(runs.values())).chain.units,
+        {chain: [(name in peaks.unpredicted, *peaks.at[name].outside) for name in own]
+         for chain, own in names.items()},
+        factors=possible_factors(), where=peaks.where, units=next(iter(runs.values())).chain.units,
     )  # fmt: skip
 
 
@@ -110,13 +117,14 @@ def compared_runs(
     If the chains have none of them in common, forces on right walls are not marked, and free ends
     have the motion of their last beads.  There is no table of one chain, or of chains in different
     units.  The ``others`` have the largest possible yield pressure; ``yielding`` are the peaks of
-    elastic runs if their contacts yield.  Of several ``speeds``, each has its own marks.
+    elastic runs if their contacts yield.  Of several ``speeds``, each has its own marks.  Forces
+    beyond the range of the law are not compared.
     """
     if len(runs) == 1 or len({run.chain.units for run in runs.values()}) > 1:
         return None
     if (peaks := peaks_of(runs, others, yielding, beads)) is None:
-        return _of_different_ends(runs, speeds)
-    place, own, at = peaks
+        return _of_different_ends(runs, others, yielding, speeds)
+    place, own, at, unpredicted = peaks
     rows = {
         name: _of_place(run, beads[name], place) | _of_contacts(run) for name, run in runs.items()
     }
@@ -124,25 +132,29 @@ def compared_runs(
     elastic = any(each.elastic for each in at.values())
     groups = {label: [*names.values()] for label, names in speeds.items()} or {"": [*runs]}
     # Chains are compared at the same speed only.
-    compared = {label: names for label, names in groups.items() if len(names) > 1}
+    several = {label: names for label, names in groups.items() if len(names) > 1}
     # Peaks of elastic contacts beyond yield and of contacts that yield are not compared.
     if not (elastic and lawful):
-        for names in compared.values():
-            _mark_peaks(rows, {name: runs[name] for name in names}, own, place)
+        for names in several.values():
+            sound = {name: runs[name] for name in names if name not in unpredicted}
+            _mark_peaks(rows, sound, own, place)
+    mark_unpredicted(rows, unpredicted, ("peak", "acceleration"))
     if elastic or any(others.values()):
         # If all contacts have a law, the own peaks are those at the smallest pressure.
         for i in (0, 1) if elastic else (1,):
-            _add_peaks(rows, i, at, runs, compared)
-    marks = "; * marks the smallest" * bool(compared) + " of each speed" * bool(speeds and compared)
+            _add_peaks(rows, i, at, runs, several)
+    marks = "; * marks the smallest" * bool(several) + " of each speed" * bool(speeds and several)
     title = f"{_counted(rows, speeds)}: force on {peaks.where}{marks}"
     notes = [
         f"at {label}: {note}" if label else note
-        for label, names in compared.items()
+        for label, names in several.items()
         for note in comparison_notes(
-            _part(own, names), _part(at, names), [name for name in lawful if name in names]
+            _part(own, names), _part(at, names), [name for name in lawful if name in names],
+            unpredicted,
         )
     ]  # fmt: skip
-    return _table(rows, title, speeds), [*_notes_on_place(runs, beads, place), *notes]
+    signs = [*sign_notes(rows), *dash_notes(rows, at, speeds)]
+    return _table(rows, title, speeds), [*_notes_on_place(runs, beads, place), *signs, *notes]
 
 
 def _part(values: Mapping[str, T], names: Sequence[str]) -> dict[str, T]:
@@ -161,11 +173,12 @@ def _mark_peaks(
     rows: dict[str, dict[str, str]], runs: Mapping[str, Run], own: Mapping[str, float], place: Place
 ) -> None:
     """Mark the smallest peak of some chains and, on bodies, the smallest acceleration."""
-    _mark(rows, "peak", smallest(_part(own, [*runs])))
+    mark(rows, "peak", compared(_part(own, [*runs])))
     if place == "body":
         # The least force on a heavy body is not the least acceleration of a light one.
         masses = {name: float(run.chain.masses[-1]) for name, run in runs.items()}
-        _mark(rows, "acceleration", smallest({name: own[name] / masses[name] for name in runs}))
+        found = compared({name: own[name] / masses[name] for name in runs})
+        mark(rows, "acceleration", found)
 
 
 def _notes_on_place(
@@ -190,37 +203,62 @@ def _notes_on_place(
     return [f"sensor of {listed(half)}: {FREE_FACE}"] if half else []
 
 
-def _of_different_ends(runs: Mapping[str, Run], speeds: Speeds) -> tuple[Table, list[str]] | None:
+def _of_different_ends(
+    runs: Mapping[str, Run], others: Mapping[str, Run | None], yielding: Mapping[str, Yielding],
+    speeds: Speeds,
+) -> tuple[Table, list[str]] | None:  # fmt: skip
     """Table of the forces on right walls and of the last beads of free ends; nothing is marked."""
-    walls = [name for name, run in runs.items() if run.chain.right_wall is not None]
-    last = {name: _of_last_bead(run) for name, run in runs.items()}
-    if not walls and not any(last.values()):
+    ends: dict[str, Place] = {
+        name: "right" if run.chain.right_wall is not None else "body" for name, run in runs.items()
+    }
+    last = {name: {} if ends[name] == "right" else _of_last_bead(run) for name, run in runs.items()}
+    walled = "right" in ends.values()
+    if not walled and not any(last.values()):
         return None
     # Columns of walls come first; those without any entry are omitted.
     rows = {
         name: dict.fromkeys(OF_WALLS, NONE)
-        | (_of_wall(run, "right") if name in walls else last[name])
+        | (_of_wall(run, "right") if ends[name] == "right" else last[name])
         | _of_contacts(run)
         for name, run in runs.items()
     }
-    places = ["force on the right wall"] * bool(walls)
+    unpredicted = [name for name, run in runs.items() if not_a_prediction(run)]
+    mark_unpredicted(rows, unpredicted, ("peak", "force on the cap", "acceleration"))
+    at = {
+        name: _at_end(run, others[name], yielding[name], ends[name])
+        for name, run in runs.items()
+        if ends[name] == "right" or run.chain._free_cap
+    }
+    elastic = any(each.elastic for each in at.values())
+    if elastic or any(others.values()):
+        for i in (0, 1) if elastic else (1,):
+            _add_peaks(rows, i, at, runs, {})
+    places = ["force on the right wall"] * walled
     places.append("last bead of free ends in the leading pulse")
-    return _table(rows, f"{_counted(rows, speeds)}: {', '.join(places)}", speeds), []
+    notes = [*sign_notes(rows), *dash_notes(rows, at, speeds)]
+    return _table(rows, f"{_counted(rows, speeds)}: {', '.join(places)}", speeds), notes
+
+
+def _at_end(run: Run, other: Run | None, yielding: Yielding, place: Place) -> AtPressures:
+    """Peaks on the right wall or on a cap at both yield pressures."""
+    outside = not_a_prediction(run), other is not None and not_a_prediction(other)
+    own, harder = _peak(run, (), place), _peak(other, (), place)
+    return at_pressures(run, own, harder, yielding, outside, at_right_end=True)
 
 
 def _add_peaks(
     rows: dict[str, dict[str, str]], i: int, at: Mapping[str, AtPressures],
-    runs: Mapping[str, Run], compared: Mapping[str, Sequence[str]],
+    runs: Mapping[str, Run], several: Mapping[str, Sequence[str]],
 ) -> None:  # fmt: skip
     """Add the column of a yield pressure; the smallest peak is marked if all are known."""
     column = f"peak at {possible_factors()[i]} Y"
-    values = {name: each[i] for name, each in at.items()}
-    for name, value in values.items():
-        known = math.isfinite(value)
-        rows[name][column] = measure(value, "N", runs[name].chain.units, 5) if known else NONE
-    for names in compared.values():
-        if all_known(found := _part(values, names)):
-            _mark(rows, column, smallest(found))
+    for name, each in at.items():
+        known, sign = math.isfinite(each.both[i]), f"{UNPREDICTED} " * each.outside[i]
+        text = measure(each.both[i], "N", runs[name].chain.units, 5) if known else NONE
+        rows[name][column] = f"{sign * known}{text}"
+    for names in several.values():
+        if all_known(found := predicted(_part(at, names), i)):
+            mark(rows, column, compared(found))
 
 
 def _table(rows: Mapping[str, Mapping[str, str]], title: str, speeds: Speeds) -> Table:
@@ -331,6 +369,8 @@ def _of_last_bead(run: Run) -> dict[str, str]:
     if run.chain._free_cap and (body := body_force(run)) is not None:
         force = measure(body.force, "N", units, 5)
         row["force on the cap"] = force if body.complete else f"not complete ({force} so far)"
+        if body.complete:
+            row["acceleration"] = shown_acceleration(body.acceleration, units)[0]
     return row
 
 
@@ -367,9 +407,3 @@ def _peak(run: Run | None, beads: Sequence[int], place: Place) -> float:
         return sensor.largest_so_far if sensor.reached else math.inf
     wall = run.wall_force(place)
     return wall.peak if wall.complete else math.inf
-
-
-def _mark(rows: dict[str, dict[str, str]], column: str, names: Sequence[str]) -> None:
-    """Mark the entries of these rows in a column."""
-    for name in names:
-        rows[name][column] = f"* {rows[name][column]}"

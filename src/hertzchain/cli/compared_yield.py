@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from ..representation import listed, measure
 from ..simulation.yield_range import depends_on_yield_pressure
-from ..simulation.yielding import dented_chain, may_dent
+from ..simulation.yielding import MAX_BEADS, dented_chain, may_dent
 
 if TYPE_CHECKING:
+    from ..chain.chain import Chain
     from ..simulation.run import Run
     from ..simulation.yielding import WithYield
 
@@ -24,16 +25,25 @@ SAME, TITLE = 1e-6, 70
 class AtPressures(NamedTuple):
     """Peaks of a chain at the smallest and at the largest possible yield pressure.
 
-    They are infinite if they are not known.  ``elastic`` states whether the run itself has elastic
-    contacts beyond first yield, so that its own peak is neither of them.
+    They are infinite if they are not known, for which ``reason`` has the cause.  ``elastic`` states
+    whether the run itself has elastic contacts beyond first yield, so that its own peak is neither
+    of them; ``outside``, whether overlaps are beyond the range of the law.
     """
 
     smallest: float
     largest: float
     elastic: bool = False
+    outside: tuple[bool, bool] = (False, False)
+    reason: str = ""
+
+    @property
+    def both(self) -> tuple[float, float]:
+        """Both peaks."""
+        return self.smallest, self.largest
 
 
-UNKNOWN: Final = AtPressures(math.inf, math.inf)
+def _unknown(reason: str, *, elastic: bool = False) -> AtPressures:
+    return AtPressures(math.inf, math.inf, elastic, reason=reason)
 
 
 def possible_factors() -> tuple[str, str]:
@@ -50,13 +60,14 @@ def has_law_of_yield(run: Run) -> bool:
 
 
 def at_pressures(
-    run: Run, own: float, other: float, yielding: Yielding, *, at_right_end: bool
-) -> AtPressures:
+    run: Run, own: float, other: float, yielding: Yielding, outside: tuple[bool, bool], *,
+    at_right_end: bool,
+) -> AtPressures:  # fmt: skip
     """Peaks of a run at both yield pressures.
 
-    Those of the run and of that at the largest possible yield pressure are ``own`` and ``other``.
-    For an elastic run, only the peaks on its right wall or on a cap without a wall are known,
-    ``yielding``.
+    Those of the run and of that at the largest possible yield pressure are ``own`` and ``other``;
+    ``outside`` states whether they are beyond the range of the law.  For an elastic run, only the
+    peaks on its right wall or on a cap without a wall are known, ``yielding``.
     """
     from ..chain.contact_groups import law_yield_ratios
     from ..chain.hertz_range import hertz_range
@@ -64,27 +75,43 @@ def at_pressures(
     chain = run.chain
     if has_law_of_yield(run):
         if depends_on_yield_pressure(run):
-            return AtPressures(own, other)
+            return AtPressures(own, other, outside=outside)
         # A given pressure is neither of both.
         ratios = law_yield_ratios(chain.contact_groups, run._furthest_overlaps)
-        return UNKNOWN if (ratios >= 1.0).any() else AtPressures(own, own)
+        if (ratios >= 1.0).any():
+            return _unknown("the chain has a yield pressure of its own")
+        return AtPressures(own, own, outside=(outside[0], outside[0]))
     if chain.materials is None or chain.units != "SI":
-        return UNKNOWN
+        return _unknown("no materials")
     if not may_dent(hertz_range(chain, run.largest_overlaps)):
-        return AtPressures(own, own) if dented_chain(chain) is not None else UNKNOWN
-    known = [
-        each.value if at_right_end and each is not None and not each.outside else math.inf
-        for each in yielding
-    ]
-    return AtPressures(known[0], known[1], elastic=chain.lossless)
+        if dented_chain(chain) is None:
+            return _unknown("contacts have a loss without yield")
+        return AtPressures(own, own, outside=(outside[0], outside[0]))
+    if not chain.lossless:
+        return _unknown("contacts have a loss without yield")
+    low, high = yielding
+    if not at_right_end or low is None or high is None:
+        return _unknown(_reason(chain, at_right_end=at_right_end), elastic=True)
+    return AtPressures(low.value, high.value, elastic=True, outside=(low.outside, high.outside))
+
+
+def _reason(chain: Chain, *, at_right_end: bool) -> str:
+    """The cause of an unknown peak of an elastic chain if its contacts yield."""
+    if not at_right_end:
+        return "it is known on right walls and caps only"
+    if chain.beads > MAX_BEADS:
+        return f"more than {MAX_BEADS} beads; add --loss elastic-plastic"
+    return "not complete"
 
 
 def comparison_notes(
-    own: Mapping[str, float], at: Mapping[str, AtPressures], lawful: Sequence[str]
-) -> list[str]:
+    own: Mapping[str, float], at: Mapping[str, AtPressures], lawful: Sequence[str],
+    unpredicted: Sequence[str],
+) -> list[str]:  # fmt: skip
     """Lines on chains whose peaks cannot be compared, and on an order that yield reverses.
 
-    ``lawful`` are the names of chains whose contacts have a law of yield.
+    ``lawful`` are the names of chains whose contacts have a law of yield, ``unpredicted`` those
+    whose own peaks are beyond the range of the law.
     """
     elastic = [name for name, each in at.items() if each.elastic]
     if elastic and lawful:
@@ -94,18 +121,28 @@ def comparison_notes(
             f"beyond yield, and contacts of {listed(list(lawful))} yield: compare the columns with "
             "a yield pressure, or give all chains the same loss"
         ]
-    winners = smallest(own)
+    winners = compared({name: own[name] for name in own if name not in unpredicted})
     reversed_at: dict[tuple[str, ...], list[str]] = {}
     for i, factor in enumerate(possible_factors()):
-        values = {name: each[i] for name, each in at.items()}
-        found = smallest(values) if all_known(values) else ()
-        if found and winners and not {*found} & {*winners}:
+        values = predicted(at, i)
+        found = compared(values) if all_known(values) else ()
+        if found and winners and values.keys() >= {*winners} and not {*found} & {*winners}:
             reversed_at.setdefault(found, []).append(factor)
     return [
         f"with contacts that yield at {' and '.join(factors)} times the yield strength, the "
         f"smallest peak is that of {listed(list(names))}, which reverses the comparison"
         for names, factors in reversed_at.items()
     ]
+
+
+def predicted(at: Mapping[str, AtPressures], i: int) -> dict[str, float]:
+    """Peaks at a yield pressure, without those beyond the range of the law."""
+    return {name: each.both[i] for name, each in at.items() if not each.outside[i]}
+
+
+def compared(peaks: Mapping[str, float]) -> tuple[str, ...]:
+    """Names of the chains with the smallest known peak; none if there are not two chains."""
+    return smallest(peaks) if len(peaks) > 1 else ()
 
 
 def all_known(peaks: Mapping[str, float]) -> bool:

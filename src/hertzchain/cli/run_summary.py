@@ -13,6 +13,7 @@ from ..simulation.yielding import (
     contacts_without_strength,
     dents_in_words,
     elastic_springs,
+    not_a_prediction,
     peak_with_yielding_contacts,
     pressures_below_yield,
     remark_on_overlaps,
@@ -72,6 +73,7 @@ def run_as_dict(
         else [peak.value, harder.value],
         "yielding_overlap_ratio": None if peak is None else peak.overlap_ratio,
         "yielding_within_range": None if peak is None else not peak.outside,
+        "forces_predicted": not (not_a_prediction(run) or (peak is not None and peak.outside)),
         "yielding_proven": None if peak is None else not peak.so_far,
         "peak_of_second_hit": finite(second_hit(run)) if second else None,
         "yield_pressure_range": range_as_dict(run, other, beads),
@@ -88,6 +90,15 @@ def run_as_dict(
     if budget:
         document["budget"] = _budget_as_dict(run)
     return document | described
+
+
+def together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str, object]:
+    """One JSON document with the summaries of several runs."""
+    names = ("schema_version", "hertzchain_version")
+    version = {name: found[0][name] for name in names}
+    found = [{name: each[name] for name in each if name not in names} for each in found]
+    named = [{"name": name} | each for name, each in zip(runs, found, strict=True)]
+    return version | {"runs": named}
 
 
 def _budget_as_dict(run: Run) -> dict[str, object]:

@@ -23,7 +23,8 @@ from .options import (
 )
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
-from .run_summary import peaks_if_yielding, run_as_dict, show_run
+from .range_warnings import warn_of_limits
+from .run_summary import peaks_if_yielding, run_as_dict, show_run, together
 from .stream import check_stream_options, stream_into
 from .yield_range import second_run
 
@@ -54,8 +55,8 @@ SINGLE: Final = "--out, --forces, --animate and --stream require one chain FILE 
     "--times",
     type=int,
     help="Number of saved times.  Without --until, it is the largest number; usually more than "
-    "half of it are saved.  [default: 400; with --sensor, --forces, --animate or "
-    "several files, 4000]",
+    "half of it are saved.  [default: 400; with --sensor, --forces, --plot of forces, "
+    "--animate or several files, 4000]",
 )
 @click.option(
     "--rtol",
@@ -244,7 +245,7 @@ def simulate(
         ]
         for each, (name, every) in zip(found, again.items(), strict=True):
             each |= {"hits": hits_as_list(every, beads[name])} if hits else {}
-        show_json(found[0] if len(found) == 1 else _together(runs, found))
+        show_json(found[0] if len(found) == 1 else together(runs, found))
     else:
         compared = compared_runs(runs, others, yielding, beads, speeds)
         if not (speeds and compared) or waves or contacts or budget or horizon or hits:
@@ -328,13 +329,16 @@ def _runs(
     chains: dict[str, Chain], until: str | None, step: str | None, settings: dict[str, Any], *,
     horizon: bool, quiet: bool,
 ) -> dict[str, Run]:  # fmt: skip
-    """Runs of all chains; without warnings on Hertz's law if a table has its limits."""
+    """Runs of all chains; if ``quiet``, with one warning on each limit of Hertz's law."""
     from ..errors import ModelRangeWarning
     from ..recorded_warnings import ignore_warnings
 
     with ignore_warnings(ModelRangeWarning) if quiet else nullcontext():
-        return {name: _run(chain, until, step, settings, horizon=horizon)
+        runs = {name: _run(chain, until, step, settings, horizon=horizon)
                 for name, chain in chains.items()}  # fmt: skip
+    if quiet:
+        warn_of_limits(runs)
+    return runs
 
 
 def _run(
@@ -392,14 +396,6 @@ def _save(
         with progress_bar("frames") as progress:
             sensors = beads[: len(SENSORS)]
             run.animate(animation, magnify=magnify, sensors=sensors, progress=progress)
-
-
-def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str, object]:
-    names = ("schema_version", "hertzchain_version")
-    version = {name: found[0][name] for name in names}
-    found = [{name: each[name] for name in each if name not in names} for each in found]
-    named = [{"name": name} | each for name, each in zip(runs, found, strict=True)]
-    return version | {"runs": named}
 
 
 def _curves(chain: Chain, beads: list[int]) -> list[int | str]:

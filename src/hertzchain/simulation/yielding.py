@@ -61,6 +61,16 @@ def largest_overlap_ratio(chain: Chain, overlaps: Array) -> float:
     return float(np.nan_to_num(contact_ratios(chain, overlaps)[0]).max())
 
 
+def not_a_prediction(run: Run) -> bool:
+    """Whether an overlap is so large that neither Hertz's law nor yield predicts the forces."""
+    from ..chain.hertz_ratios import NO_PREDICTION
+
+    chain = run.chain
+    if chain.materials is None or chain.units != "SI":
+        return False
+    return largest_overlap_ratio(chain, run.largest_overlaps) > NO_PREDICTION
+
+
 def dents_in_words(chain: Chain, overlaps: Array) -> str:
     """Contacts that have yielded and the deepest dent; empty if no law has dents."""
     import numpy as np

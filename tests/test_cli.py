@@ -750,6 +750,23 @@ def test_command_line_lists_waves(run):
     assert "--stream and --waves cannot be combined" in err
 
 
+@pytest.mark.parametrize("exponent", [1.5, 2.0])
+def test_command_line_saves_enough_times_for_waves(run, tmp_path, exponent):
+    """The default of 400 times is too few in long runs; a given number is not changed."""
+    file = tmp_path / "chain.toml"
+    file.write_text(
+        f'[chain]\ntaper = "backward-exponential"\nrate = 0.03\nbeads = 60\nexponent = {exponent}\n'
+    )
+    code, out, _ = run("simulate", file, "--waves", "--json")
+    assert code == 0
+    waves = json.loads(out)["waves"]
+    assert waves
+    assert all(wave["resolved"] for wave in waves)
+    code, _, err = run("simulate", file, "--waves", "--times", 400)
+    assert code == 2
+    assert re.search(r"too few saved times .* --times \d+ is enough", " ".join(err.split()))
+
+
 def test_command_line_tells_how_far_a_run_can_be_predicted(run, tmp_path):
     chain = tmp_path / "chain.toml"
     chain.write_text(

@@ -91,8 +91,8 @@ def test_modes_of_two_chains_in_the_same_axes_name_what_differs():
     axes = hc.spectrum(ODD).plot_modes()
     hc.spectrum(other).plot_modes(ax=axes)
     first, second = legend_texts(axes)
-    assert first.endswith("kHz, except ball 21 (10 mm)")
-    assert second.endswith("kHz, except ball 21 (8 mm)")
+    assert first.endswith("kHz, around bead 21, except ball 21 (10 mm)")
+    assert second.endswith("kHz, around bead 21, except ball 21 (8 mm)")
     assert axes.get_title() == "41 steel balls, 19.05 mm, under 20 N"
     assert len({line.get_color() for line in axes.lines[1:]}) == 2
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from .chain_options import ChainOptions, Speeds, chain_options, chains_at_speeds
+from .chain_runs import runs_of
 from .compared_runs import compared_runs, drawn_over_speeds, peaks_of
 from .compared_yield import figure_title
 from .hit_tables import check_hits, hit_table, hits_as_list
@@ -23,7 +23,6 @@ from .options import (
 )
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
-from .range_warnings import warn_of_limits
 from .run_summary import peaks_if_yielding, run_as_dict, show_run, together
 from .stream import check_stream_options, stream_into
 from .yield_range import second_run
@@ -55,8 +54,8 @@ SINGLE: Final = "--out, --forces, --animate and --stream require one chain FILE 
     "--times",
     type=int,
     help="Number of saved times.  Without --until, it is the largest number; usually more than "
-    "half of it are saved.  [default: 400; with --sensor, --forces, --plot of forces, "
-    "--animate or several files, 4000]",
+    "half of it are saved.  [default: 400; with --sensor, --forces, --plot of forces, --animate "
+    "or several files, 4000; with --waves, more if the waves require them]",
 )
 @click.option(
     "--rtol",
@@ -198,17 +197,15 @@ def simulate(
       hertzchain simulate experiment.toml --until 10s --times 100000 --stream long
       hertzchain simulate --beads 50 --until 60 --times 600 --waves --horizon
     """
-    from ..simulation.sensor_force import MANY_TIMES
-
     check_writable(animation, "--animate", (".gif", ".mp4"))
     check_writable(out, "--out", (".nc", ".csv"))
     check_writable(forces, "--forces", (".csv",))
     if magnify is not None and animation is None:
         raise click.UsageError("--magnify requires --animate")
     chains, speeds = chains_at_speeds(options)
+    resolve_waves = waves and times is None
     if times is None:
-        fine = sensors or forces or animation or (plot and _with_forces(chains))
-        times = MANY_TIMES if fine or len(chains) > 1 else USUAL_TIMES
+        times = _usual_times(chains, plot, fine=bool(sensors or forces or animation))
     of_saved_times = {
         "out": out, "forces": forces, "plot": plot, "animate": animation, "sensor": sensors,
         "budget": budget, "waves": waves, "horizon": horizon,
@@ -229,7 +226,8 @@ def simulate(
         return
     settings = {"times": times, "rtol": rtol, "method": method, "drift": drift,
                 "max_steps": max_steps}  # fmt: skip
-    runs = _runs(chains, until, step, settings, horizon=horizon, quiet=bool(speeds))
+    runs = runs_of(chains, until, step, settings, horizon=horizon,
+                   resolve_waves=resolve_waves, quiet=bool(speeds))  # fmt: skip
     for name, run in runs.items():
         _save(run, beads[name], out, forces, animation, magnify)
     others = {name: _at_other_pressure(run, until, step, settings) for name, run in runs.items()}
@@ -288,6 +286,14 @@ def _show(
             show_table(hit_table(again[name], beads[name]))
 
 
+def _usual_times(chains: dict[str, Chain], plot: Path | None, *, fine: bool) -> int:
+    """Number of saved times without the option; forces require many."""
+    from ..simulation.sensor_force import MANY_TIMES
+
+    many = fine or len(chains) > 1 or (plot is not None and _with_forces(chains))
+    return MANY_TIMES if many else USUAL_TIMES
+
+
 def _check_times(times: int, **options: object) -> None:
     """Raise `click.UsageError` if an option requires more saved times."""
     names = [f"--{name}" for name in options]
@@ -323,37 +329,6 @@ def _places(chain: Chain, beads: list[int]) -> list[int | str]:
 
     body = ["body"] * chain._free_cap
     return [*beads, *(f"{side} wall" for side in walls_of(chain)), *body]
-
-
-def _runs(
-    chains: dict[str, Chain], until: str | None, step: str | None, settings: dict[str, Any], *,
-    horizon: bool, quiet: bool,
-) -> dict[str, Run]:  # fmt: skip
-    """Runs of all chains; if ``quiet``, with one warning on each limit of Hertz's law."""
-    from ..errors import ModelRangeWarning
-    from ..recorded_warnings import ignore_warnings
-
-    with ignore_warnings(ModelRangeWarning) if quiet else nullcontext():
-        runs = {name: _run(chain, until, step, settings, horizon=horizon)
-                for name, chain in chains.items()}  # fmt: skip
-    if quiet:
-        warn_of_limits(runs)
-    return runs
-
-
-def _run(
-    chain: Chain, until: str | None, step: str | None, settings: dict[str, Any], *, horizon: bool
-) -> Run:
-    import hertzchain
-
-    end = time_from("--until", until, chain)
-    length = time_from("--step", step, chain)
-    with progress_bar("beads passed") as progress:
-        run = hertzchain.simulate(chain, until=end, step=length, progress=progress, **settings)
-    if horizon:
-        with progress_bar("beads passed, second integration") as progress:
-            run.horizon(progress=progress)
-    return run
 
 
 def _hits(

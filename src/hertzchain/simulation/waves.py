@@ -427,8 +427,7 @@ class Waves(Compared):
             lines.append(f"  and {len(self) - len(shown)} more")
         if len(self) > self.chain.beads:
             lines.append("  more waves than contacts: run.energy_flux() may show more")
-        if self._unlisted:
-            lines.append(f"  {self._unlisted}")
+        lines += [f"  {self._unlisted}"] if self._unlisted else []
         # Lines are broken only between properties of a wave.
         return folded(re.sub(r"(?<=[^, ]) ", NO_BREAK, "\n".join(lines)), below=6)
 

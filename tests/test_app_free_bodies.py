@@ -38,7 +38,7 @@ def test_the_force_on_a_free_body_is_shown_with_its_acceleration_and_yield():
     assert duration == pytest.approx(35.05e-6, abs=0.15e-6)
     # A solution with Thornton's law: 862.44 N at 1.6 Y, 1771.3 N at 2.8 Y.
     assert first == ["peak if contacts yield at 1.6 Y", pytest.approx(862.44, rel=1e-3), None]
-    assert fully == ["that at 2.8 Y", pytest.approx(1771.3, rel=1e-3), None]
+    assert fully == ["at 2.8 Y", pytest.approx(1771.3, rel=1e-3), None]
     assert found["yielding"] == first[1]
     curve = np.array(arrays["force.body"])
     assert curve.max() == pytest.approx(1934.4, rel=1e-3)

@@ -203,7 +203,7 @@ def test_the_peak_with_contacts_that_yield_is_stated():
     assert [each[:2] for each in peak["shown"]] == [
         ["peak", peak["first"]],
         ["peak if contacts yield at 1.6 Y", peak["yielding"]],
-        ["that at 2.8 Y", pytest.approx(harder, rel=1e-6)],
+        ["at 2.8 Y", pytest.approx(harder, rel=1e-6)],
     ]
     # Contacts that do not yield have the same peak; that of other losses is not known.
     peak = computed(below)["run"][0]["peaks"]["right"]

@@ -385,6 +385,7 @@ STEEL = hc.Chain.from_materials(5e-3, "steel-304", beads=6, velocity=1.0)
         ({"vary": [hc.vary.balls()]}, "build the chain with Chain.from_materials"),
         ({"vary": [hc.vary.order()]}, "all beads that can be exchanged are equal"),
         ({"minimise": "wall_force.pek"}, "did you mean 'wall_force.peak'"),
+        ({"minimise": "peak force"}, "did you mean 'wall_force.peak'"),
         ({"minimise": "velocity"}, "needs a bead: write velocity@20"),
         ({"minimise": "velocity@9"}, "this chain has 8 beads"),
         ({"minimise": "largest_velocity@5"}, "because waves return; give until"),

@@ -80,7 +80,7 @@ def test_peaks_so_far_with_contacts_that_yield_are_marked_everywhere(run):
         peaks = computed({"chain": row})["run"][0]["peaks"]["right"]
     assert peaks["shown"][1:] == [
         ["peak if contacts yield at 1.6 Y (so far)", pytest.approx(low, rel=1e-5), None],
-        ["that at 2.8 Y (so far)", pytest.approx(high, rel=1e-5), None],
+        ["at 2.8 Y (so far)", pytest.approx(high, rel=1e-5), None],
     ]
     assert peaks["yielding"] == peaks["shown"][1][1]
 

@@ -524,3 +524,12 @@ def test_a_velocity_that_is_far_away_is_no_advice():
         (first, *_) = hc.hertz_range(chain).violations
         assert said in first
         assert ("reduce" in first) == (speed < 1.0)
+
+
+def test_a_law_with_yield_is_no_advice_beyond_its_range():
+    """PTFE beyond an overlap of 0.1 of the radius, and far beyond yield but below this overlap."""
+    for speed, beyond in ((10.0, True), (0.5, False)):
+        found = hc.hertz_range(hc.Chain.from_materials(5e-3, "ptfe", beads=5, velocity=speed))
+        assert (found.overlap_ratio.max() > 0.1) == beyond
+        assert ("choose another material" in found.violations[0]) == beyond
+        assert ("ElasticPlastic" in found.violations[0]) == (not beyond)

@@ -2,6 +2,7 @@ import base64
 import itertools
 import pickle
 import re
+import warnings
 from importlib import resources
 
 import matplotlib.pyplot as plt
@@ -441,6 +442,21 @@ def test_differences_of_a_short_chain_end_at_its_free_end():
     _, lower = hc.plot_pulses(pulses, residuals=True).figure.axes
     (end,) = [line for line in lower.lines if line.get_linestyle() == "None"]
     assert end.get_xdata().tolist() == [6]
+
+
+def test_thousands_of_newtons_have_no_exponent():
+    chain = hc.Chain.from_materials("20 mm", "steel-52100", beads=4, velocity="1 m/s")
+    for factor in (0.3, 1.0, 8.0):
+        struck = chain.replace(velocities=factor * chain.velocities, right_wall=hc.Wall())
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", hc.ModelRangeWarning)
+            run = hc.simulate(struck)
+        texts = legend_texts(
+            plot_forces_of_runs({"a": run, "b": run}, {"a": ["right wall"], "b": ["right wall"]})
+        )
+        peak = run.wall_force().peak
+        assert float(texts[0].split()[1]) == pytest.approx(peak, rel=5e-3)
+        assert "e+" not in texts[0]
 
 
 def test_a_shorter_run_states_where_it_ends():

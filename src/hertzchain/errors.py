@@ -33,7 +33,10 @@ Value = TypeVar("Value")
 # other: "mas" and "masses" are similar enough, "iron" and "bronze" are not.
 NEAR: Final = 0.65
 # Words that users try, and names that they mean.
-OTHER_WORDS: Final = {"speed": "velocity", "impulse": "momentum"}
+OTHER_WORDS: Final = {
+    "speed": "velocity", "impulse": "momentum",
+    "peak force": "wall_force.peak", "wall force": "wall_force.peak",
+}  # fmt: skip
 # Largest number of errors listed in one message.
 MAX_LISTED: Final = 20
 

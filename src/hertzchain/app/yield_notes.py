@@ -20,7 +20,7 @@ from .wording import on_the_page
 
 # Label of the peak in a second simulation, of an elastic chain with contacts that yield.
 IF_YIELDING: Final = f"peak if contacts yield at {FIRST_YIELD:g} Y"
-AT_MOST: Final = f"that at {FULLY_PLASTIC:g} Y"
+AT_MOST: Final = f"at {FULLY_PLASTIC:g} Y"
 # After labels of peaks that a later force may exceed.
 SO_FAR: Final = " (so far)"
 

@@ -27,8 +27,7 @@ plates, and are not checked.  If the contact is softer than that of the
 materials, because a spring or a load cell gives way behind it, :math:`p_0` is exact; if its surface
 is softer, :math:`p_0` is an upper limit.
 
-K. L. Johnson, *Contact Mechanics*, Cambridge 1985, Secs. 4.2, 6.1 and 11.4,
-doi:10.1017/CBO9781139171731.
+K. L. Johnson, *Contact Mechanics*, Secs. 4.2, 6.1 and 11.4, doi:10.1017/CBO9781139171731.
 """
 
 from __future__ import annotations
@@ -51,6 +50,7 @@ from .hertz_ratios import (
     MAX_OVERLAP_RATIO,
     MAX_SPEED_RATIO,
     NO_PREDICTION,
+    OTHER_MATERIAL,
     causes_of,
     contact_ratios,
     given_contacts,
@@ -125,9 +125,8 @@ class HertzRange:
         Velocity of the impact [m/s], if all overlaps are about proportional to its power 4/5, as in
         rows of elastic balls without gaps, drives and static forces; otherwise 0.
     estimated : bool
-        Whether the ratios follow from separate collisions before a run.  In smooth chains,
-        pressures of a simulation differ by up to about 10%; in others, such as rows of steel and
-        PTFE, they can be much larger or smaller.
+        Whether the ratios follow from separate collisions before a run.  Pressures of a simulation
+        differ by up to about 10% in smooth chains, and by much more in others.
 
     Examples
     --------
@@ -248,6 +247,8 @@ class HertzRange:
         """Advice to reduce the motion or use a law with yield; far beyond yield, only the law."""
         ratio, static = self.yield_ratio[contact], self.static_yield_ratio
         law = "" if linear else self._law_with_yield(contact)
+        if law and np.nan_to_num(self.overlap_ratio).max() > NO_PREDICTION:
+            return f"{self._advice(ratio, static, 1.0, digits)}{OTHER_MATERIAL}"
         if law and self.speed and ratio**-2.5 * FAR_AWAY < 1.0:
             return f"contacts yield: {law.removeprefix(' or ')}"
         return f"{self._advice(ratio, static, 1.0, digits)}{self._slower(ratio**-2.5)}{law}"

@@ -22,6 +22,8 @@ MAX_OVERLAP_RATIO: Final = 0.01
 MAX_SPEED_RATIO: Final = 0.01
 # Overlap over radius beyond which neither Hertz's law nor `ElasticPlastic` predicts forces.
 NO_PREDICTION: Final = 0.1
+# Advice beyond it, where a law with yield is not valid either.
+OTHER_MATERIAL: Final = f" or choose another material (overlaps exceed {NO_PREDICTION:g})"
 OUTSIDE_LAW: Final = "outside the range of the law"
 # Ratio of the stiffness of a contact to that of its materials, or its inverse, from which yield of
 # `ElasticPlastic()`, which follows from the stiffness, differs from that of the materials.

@@ -25,6 +25,7 @@ from .widths import NARROW, journal_width
 NOT_REACHED: Final = "not reached"
 STILL_RISING: Final = "still rising"
 NOTHING: Final = 1e-6
+THOUSAND: Final = 999.5
 # A run that ends before this part of the time axis states its end in the legend; others end with
 # the axis.
 SHORT_RUN: Final = 0.9
@@ -168,9 +169,12 @@ def oscillates(line: ForceLine) -> bool:
 def with_peaks(axes: Axes, units: str) -> None:
     """Add the largest plotted value of each complete force to its label."""
     lines = [line for line in force_lines(axes) if not (line.named or line.analysed)]
-    peaks = in_column([float(np.max(line.get_ydata())) for line in lines], 3)
+    values = [float(np.max(line.get_ydata())) for line in lines]
+    # Thousands are written without an exponent, as in tables.
+    peaks = in_column(values, 4 if max(values, default=0.0) >= THOUSAND else 3)
     for line, peak in zip(lines, peaks, strict=True):
-        shown = f": {peak}{' N' if units == 'SI' else ''}"
+        text = f"{float(peak):g}" if "e+0" in peak else peak
+        shown = f": {text}{' N' if units == 'SI' else ''}"
         line.set_label(line.words + shown + str(line.get_label()).removeprefix(line.words))
 
 

@@ -7,8 +7,8 @@
 - predicted signals: `simulations`, `symmetry` of chains, `jumps` of forces, and the model of
   `sensors`;
 - errors: `uncertainty`, `weights` and `autocorrelation` of samples, `goodness`,
-  `weak_directions`, `held_by_priors`, `posterior`, and the `forecast` for a planned experiment
-  with `planned_gains`;
+  `weak_directions`, `flat_valleys`, `held_by_priors`, `posterior`, and the `forecast` for a
+  planned experiment with `planned_gains`;
 - systematic errors: `systematics` with `effect_limits`, `sensor_effects`, `signal_noise`, and
   `constants` that are taken as exact;
 - fits that mean less than they seem to: `diagnosis` with its `causes`, `static_causes`,

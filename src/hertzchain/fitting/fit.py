@@ -26,6 +26,7 @@ from .chain_parameters import following
 from .clocks import clock_notes, with_clocks
 from .coarse_sampling import sampling_notes
 from .diagnosis import as_misread, diagnosed, first_misread
+from .flat_valleys import along_valleys
 from .least_squares import Solution, solve, solve_again
 from .misread_columns import inversion_notes
 from .misread_times import nominal_pulses
@@ -235,7 +236,7 @@ def fitted(problem: Problem, start: Mapping[str, float], starts: int) -> FitResu
     if good.accepted and np.any(correlated != 1.0):
         problem.set_correlated(correlated)
         solution = solve_again(problem, solution)
-    return result_of(problem, solution)
+    return result_of(problem, along_valleys(problem, solution))
 
 
 def _without_spikes(model: Model) -> Model:

@@ -174,3 +174,25 @@ def test_each_speed_has_its_own_figure_of_peaks():
     corners = {tuple(point) for point in band.get_paths()[0].vertices.tolist()}
     assert corners == {(0.1, 1.5), (0.1, 2.0), (0.2, 3.0), (0.2, 3.5)}
     assert axes.get_ylabel() == "peak force on the right wall [N]"
+
+
+def test_the_table_has_the_largest_forces_in_sensors(files):
+    speeds = ["--speed", "0.02m/s", "--speed", "0.04m/s"]
+    done = invoked(files[0], *speeds, "--sensor", "2", "--sensor", "3")
+    assert done.exit_code == 0, done.output
+    assert "bead 2" in done.output
+    assert "bead 3" in done.output
+    for speed in (0.02, 0.04):
+        chain = hc.Chain.from_materials(
+            diameters="10 mm",
+            beads=4,
+            materials=STEEL,
+            velocity=speed,
+            right_wall=hc.Wall.of(STEEL),
+        )
+        run = hc.simulate(chain, times=20_000)
+        (line,) = (each for each in done.output.splitlines() if f" {speed:g} m/s" in each)
+        shown = [float(each.split()[-1]) for each in line.split(" N") if each.split()][:3]
+        # The wall, and both sensors, whose forces are not sampled at the same times.
+        expected = [run.wall_force().peak, *(run.sensor_force(k).force.max() for k in (2, 3))]
+        assert [shown[0], *shown[-2:]] == pytest.approx(expected, rel=1e-4)

@@ -123,10 +123,13 @@ def compared_runs(
     if len(runs) == 1 or len({run.chain.units for run in runs.values()}) > 1:
         return None
     if (peaks := peaks_of(runs, others, yielding, beads)) is None:
-        return _of_different_ends(runs, others, yielding, speeds)
+        return _of_different_ends(runs, others, yielding, beads, speeds)
     place, own, at, unpredicted = peaks
     rows = {
-        name: _of_place(run, beads[name], place) | _of_contacts(run) for name, run in runs.items()
+        name: _of_place(run, beads[name], place)
+        | _of_sensors(run, beads[name][place == "sensor" :], wanted=bool(speeds))
+        | _of_contacts(run)
+        for name, run in runs.items()
     }
     lawful = [name for name, run in runs.items() if has_law_of_yield(run)]
     elastic = any(each.elastic for each in at.values())
@@ -205,7 +208,7 @@ def _notes_on_place(
 
 def _of_different_ends(
     runs: Mapping[str, Run], others: Mapping[str, Run | None], yielding: Mapping[str, Yielding],
-    speeds: Speeds,
+    beads: Mapping[str, Sequence[int]], speeds: Speeds,
 ) -> tuple[Table, list[str]] | None:  # fmt: skip
     """Table of the forces on right walls and of the last beads of free ends; nothing is marked."""
     ends: dict[str, Place] = {
@@ -219,6 +222,7 @@ def _of_different_ends(
     rows = {
         name: dict.fromkeys(OF_WALLS, NONE)
         | (_of_wall(run, "right") if ends[name] == "right" else last[name])
+        | _of_sensors(run, beads[name], wanted=bool(speeds))
         | _of_contacts(run)
         for name, run in runs.items()
     }
@@ -275,6 +279,7 @@ def _table(rows: Mapping[str, Mapping[str, str]], title: str, speeds: Speeds) ->
     first = ["speed"] * bool(speeds) + ["chain"] * named
     for key in (*first, *columns):
         heading = HEADINGS.get(key, key).replace("peak at ", "peak at\n")
+        heading = heading.replace("largest in bead ", "largest in\nbead ")
         table.add_column(heading, justify="left" if key in first else "right", vertical="bottom")
     groups = speeds or {"": dict(zip(rows, rows, strict=True))}
     for label, names in groups.items():
@@ -352,6 +357,16 @@ def _of_sensor(run: Run, bead: int) -> dict[str, str]:
     return {
         "peak": measure(sensor.largest_so_far, "N", units, 5),
         "time": measure(sensor.largest_so_far_time, "s", units, 5),
+    }
+
+
+def _of_sensors(run: Run, beads: Sequence[int], *, wanted: bool) -> dict[str, str]:
+    """Largest force in each sensor, which summaries that are not printed would have."""
+    from ..chain.bead_names import bead_label
+
+    shown = beads if wanted else ()
+    return {
+        f"largest in {bead_label(run.chain, bead)}": _of_sensor(run, bead)["peak"] for bead in shown
     }
 
 

@@ -22,7 +22,7 @@ def count_notes(run: Run, own: float, difference: Callable[[Run], float]) -> lis
 
     The ball is behind the last sensor in a ball; ``own`` is the difference of the run itself.
     """
-    for _, change, words in CHANGES:
+    for more, change, words in CHANGES:
         try:
             chain = change(run.chain)
             with ignore_warnings():
@@ -34,5 +34,8 @@ def count_notes(run: Run, own: float, difference: Callable[[Run], float]) -> lis
             return [
                 f"with {words} ({ball_count(chain)}), the rms difference falls to "
                 f"{best / own:.0%} of its value: check the number of balls"
+                # Both delay later signals.
+                + " and, because a gap delays the signals behind it as well, look for gaps"
+                * (more > 0)
             ]
     return []

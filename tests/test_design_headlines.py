@@ -5,6 +5,7 @@ import itertools
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib.patches import Rectangle
 
 import hertzchain as hc
 from hertzchain.designs.comparison import same_as, shown_chains
@@ -146,3 +147,16 @@ def test_ambiguous_and_missing_names_are_rejected(beads, message):
     radii = hc.vary.radii("4 mm", "5 mm", beads=beads)
     with pytest.raises(hc.InputError, match=message):
         hc.Design(row, maximise="velocity@last", vary=[radii])
+
+
+def test_a_pad_is_a_layer_in_front_of_the_wall():
+    row = hc.Chain.from_materials(diameters=["12 mm"] * 3, materials=STEEL, velocity="0.1 m/s")
+    for wall, layers in ((hc.Wall(stiffness="1 kN/mm", exponent=1), 1), (hc.Wall.of(STEEL), 0)):
+        problem = hc.Design(row.replace(right_wall=wall), minimise="wall_force.peak",
+                            vary=hc.vary.radii("5 mm", "6 mm"))  # fmt: skip
+        axes = hc.design(problem, budget=100, seed=1).plot("beads")
+        pads = [patch for patch in axes.patches if isinstance(patch, Rectangle)]
+        ends = [line.get_xdata()[0] for line in axes.lines if line.get_linewidth() == 3.0]
+        assert len(pads) == layers * len(ends)
+        for pad, end in zip(pads, ends, strict=False):
+            assert pad.get_x() + pad.get_width() == pytest.approx(end)

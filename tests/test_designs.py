@@ -741,7 +741,7 @@ def test_forces_with_contacts_that_yield_are_dashed(partly_yielding):
     assert dashed.get_ydata().max() == pytest.approx(peak, rel=1e-3)
     texts = [text.get_text().replace("\n", " ") for text in axes.get_legend().get_texts()]
     value = partly_yielding.values["wall_force.peak"]
-    assert texts[1] == f"design, peak {value:.4g} N (dashed, with yield: {peak:.4g} N)"
+    assert texts[1] == f"design, peak {value:.4g} N (dashed, with yield, 1.6 Y: {peak:.4g} N)"
     (name, other), _ = shown_chains(partly_yielding).items()
     assert texts[0].startswith(f"{name}, peak ")
     assert ("with yield" in texts[0]) == bool(other.yielding)
@@ -816,7 +816,7 @@ def test_values_with_yield_outside_the_range_of_the_law_are_not_compared(far_out
         warnings.simplefilter("ignore")
         axes = found.plot("forces")
     texts = [text.get_text().replace("\n", " ") for text in axes.get_legend().get_texts()]
-    assert f"(dashed, with yield: {value:.4g} N, outside the range of the law)" in texts[-1]
+    assert f"(dashed, with yield, 1.6 Y: {value:#.4g} N, outside the range of the law)" in texts[-1]
 
 
 def test_the_summary_of_a_design_states_dents(partly_yielding):

@@ -1764,7 +1764,7 @@ def test_runs_of_almost_the_same_length_end_together():
 
 
 @pytest.mark.parametrize(("change", "words"), [
-    (0.1, "design (dashed: with yield)"), (0.001, "design (with yield: the same curve)"),
+    (0.1, "design (dashed: with yield, 1.6 Y)"), (0.001, "design (with yield: the same curve)"),
 ])  # fmt: skip
 def test_legends_of_designs_mention_dashes_only_if_they_are_visible(change, words, monkeypatch):
     from hertzchain.designs.curves import Curve

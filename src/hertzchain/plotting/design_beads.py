@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.font_manager import FontProperties
+from matplotlib.patches import Rectangle
 
 from ..chain.chain import Chain
 from ..chain.description import sizes_in_words
@@ -31,6 +32,8 @@ MAX_ROWS, ROOM = 3, 1.3
 CHARACTER, MAX_NAME = 0.6, 14
 # Statement on a row whose overlaps exceed 0.1 of its radii.
 NOT_PREDICTED: Final = "forces not predicted"
+# Thickness of a pad in front of a wall, in radii of the largest bead.
+PAD, PAD_COLOUR = 0.25, "#F2D7A6"
 # Distance of both rows of beads, in radii of the largest one.
 DISTANCE: Final = 2.4
 
@@ -48,6 +51,12 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             if chain.right_wall is not None:
                 end = factor * length_of(chain)
                 largest = factor * half_heights(chain).max()
+                if chain.right_wall.exponent == 1.0:
+                    # The thickness of a pad is not known.
+                    axes.add_patch(Rectangle((end, row * height - largest), PAD * largest,
+                                             2.0 * largest, facecolor=PAD_COLOUR,
+                                             edgecolor="black", linewidth=0.6))  # fmt: skip
+                    end += PAD * largest
                 axes.plot([end] * 2, [row * height - largest, row * height + largest],
                           color=grey(axes), linewidth=3.0)  # fmt: skip
             words = f"{name} = {same}" if name == DESIGN and (same := same_as(result)) else name

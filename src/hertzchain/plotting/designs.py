@@ -15,6 +15,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.gridspec import GridSpecBase
 
 from ..chain.hertz_ratios import OUTSIDE_LAW
+from ..chain.materials import FIRST_YIELD
 from ..collision import Array
 from ..designs.comparison import DESIGN, same_as, shown_chains
 from ..designs.curves import Curve, compared_curves, plotted_quantity, shows_forces
@@ -166,9 +167,11 @@ def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes)
         caution = [f"{OUTSIDE_LAW})"] if outside else []
         dashed = _differ([each for each in curves if each.name == name])
         if walled:
-            shown = f"{'dashed, ' * dashed}with yield: {peaks[True]}"
+            shown = f"{'dashed, ' * dashed}with yield, {FIRST_YIELD:g} Y: {peaks[True]}"
         else:
-            shown = "dashed: with yield" if dashed else "with yield: the same curve"
+            shown = "with yield: the same curve"
+            if dashed:
+                shown = f"dashed: with yield, {FIRST_YIELD:g} Y"
         parts += [f"({shown}{',' if outside else ')'}", *caution]
     violated = violations(result, shown_chains(result)[name])
     parts[-1] += "," * len(violated)
@@ -224,7 +227,10 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         single = objective.single
         name = "score" if single is None else label_in(result.chain, single)
         size = "diameter" if result.chain.units == "SI" else "$R_k$"
-        axes.set_ylabel(f"{name}:\nchange [%], {size} {PLUS_MINUS if both else '+'}1%")
+        change = f"change [%], {size} {PLUS_MINUS if both else '+'}1%"
+        axes.set_ylabel(
+            f"{broken_label(axes, 'height', f'{name}:')}\n{broken_label(axes, 'height', change)}"
+        )
     return axes
 
 

@@ -30,5 +30,6 @@ def test_small_energies_have_a_prefix():
     assert axes.get_ylabel() == "kinetic energy $E_k$ [µJ]"
     assert axes.yaxis.get_major_formatter()(1e-4) == "100"
     hc.plot_pulses([pulse], "energy", log=True, ax=axes)
-    assert axes.get_ylabel() == "kinetic energy $E_k$ [J]"
+    assert axes.get_ylabel() == "kinetic energy $E_k$ [µJ]"
+    assert axes.yaxis.get_major_formatter()(1e-4) == "100"
     plt.close(axes.figure)

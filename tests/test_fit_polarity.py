@@ -149,7 +149,7 @@ def test_signals_in_several_units_are_drawn_relative_to_their_largest_values():
     heights = [np.nanmax(np.abs(line.get_ydata())) for line in axes.lines if len(line.get_ydata())]
     assert heights == pytest.approx([1.0, 1.0, 1.0])
     largest = np.abs(traces().shots[0].signals[0].values).max()
-    assert f"ball 5: {largest:.3g} V" in axes.get_legend_handles_labels()[1]
+    assert f"ball 5: {1e3 * largest:.3g} mV" in axes.get_legend_handles_labels()[1]
     assert axes.get_ylabel() == "signal / largest value"
     same = traces({"ball 5": 0.1, "ball 10": 0.2}).plot()
     assert same.get_ylabel() == "signal [V]"

@@ -18,8 +18,8 @@ BALLS = hc.Chain.from_materials(4e-3, "steel-52100", beads=6, velocity=0.1)
             "unknown material 'AISI 52100'; did you mean 'steel-52100'",
         ),
         (
-            lambda: hc.chain_from_toml('[chain]\ndiameter = "5 mm"'),
-            "'diameter' .did you mean 'diameters' or 'first_diameter'",
+            lambda: hc.chain_from_toml('[chain]\ndiametre = "5 mm"'),
+            "'diametre' .did you mean 'diameter",
         ),
         (
             lambda: hc.distribution(BALLS, "velocity@last", hc.Scatter(0.01, beads="ball 2")),

@@ -8,7 +8,7 @@ ROW = ["--material", "steel-52100", "--diameter", "10 mm", "--beads", 4, "--spee
 
 
 @pytest.mark.parametrize(("options", "message"), [
-    (("--gravity", "nan m/s^2"), "gravity must be finite, got 'nan m/s^2'"),
+    (("--gravity", "nan m/s^2"), "--gravity must be finite, got 'nan m/s^2'"),
     (("--until", "nan s"), "--until must be above 0 and finite, got 'nan s'"),
     (("--wall", "-5 kN/mm"), "stiffness of a wall must be above 0, got '-5 kN/mm'; for a rigid "
                              "wall, use --wall rigid, or rigid = true in the chain file"),

@@ -10,7 +10,7 @@ from hertzchain.representation import measure
     ("value", "text"),
     [
         (5.39e-3, "5.39 mN s"), (24.99, "24.99 N s"), (0.99999, "1 N s"), (-3e-7, "-300 nN s"),
-        (0.0, "0 N s"), (2e-11, "0.02 nN s"), (5e4, "50 kN s"), (float("nan"), "nan N s"),
+        (0.0, "0 N s"), (2e-11, "20 pN s"), (5e4, "50 kN s"), (float("nan"), "nan N s"),
     ],
 )  # fmt: skip
 def test_impulses_have_a_prefix(value: float, text: str) -> None:

@@ -15,7 +15,7 @@ BALLS = hc.Chain.from_materials("5 mm", "brass", beads=12, velocity="1 mm/s")
 def test_several_quantities_in_the_same_axes_are_named():
     pulse, axes = hc.propagate(BALLS), plt.subplots()[1]
     pulse.plot("velocity", ax=axes)
-    assert axes.get_ylabel() == "velocity $v_k$ [m/s]"
+    assert axes.get_ylabel() == "velocity $v_k$ [mm/s]"
     assert legend_texts(axes)[0] == "propagation"
     for quantity in ("momentum", "peak_force"):
         pulse.plot(quantity, ax=axes)

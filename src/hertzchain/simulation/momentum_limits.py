@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -13,12 +13,15 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels.law_kinds import DAMPED
 
+# Parts below this share of the mass are differences of sums that are mainly rounding errors.
+SMALL_PART: Final = 1e-12
+
 
 def minorant(masses: Array, momenta: Array) -> list[tuple[float, float]]:
     """Mass and momentum of each part of the greatest convex minorant of the limits of momentum.
 
     ``momenta[c - 1]`` is the limit for the first c beads, as a function of their mass; infinite
-    entries set no limit.
+    entries set no limit.  The smallest parts are omitted, which lowers a sum of their energies.
     """
     hull = [(0.0, 0.0)]
     for mass, momentum in zip(np.cumsum(masses).tolist(), momenta.tolist(), strict=True):
@@ -30,7 +33,9 @@ def minorant(masses: Array, momenta: Array) -> list[tuple[float, float]]:
                 break
             hull.pop()
         hull.append((mass, momentum))
-    return [(m1 - m0, p1 - p0) for (m0, p0), (m1, p1) in pairwise(hull)]
+    least = SMALL_PART * hull[-1][0]
+    parts = ((m1 - m0, p1 - p0) for (m0, p0), (m1, p1) in pairwise(hull))
+    return [(mass, momentum) for mass, momentum in parts if mass > least]
 
 
 @dataclass(frozen=True)

@@ -103,7 +103,7 @@ def load_traces(
     ...     _ = file.write_text("Model,X1\nTIME,CH1,CH2\n0,0.0,1\n1e-6,4.0,1\n2e-6,0.5,1\n")
     ...     places = {"TIME": "time [s]", "CH1": "wall [V]"}
     ...     hc.load_traces(file, sensors=places, noise=0.1)
-    Traces(1 shot, wall: 3 samples, every 1 us; noise 0.1 V)
+    Traces(1 shot, wall: 3 samples, every 1 us; noise 100 mV)
     """
     if not paths:
         raise InputError("give load_traces at least one file, such as 'data.csv'")

@@ -76,7 +76,7 @@ def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         curves = compared_curves(result, MUCH)
         small = _small(result, curves)
         if ax is not None or not small:
-            return _draw_curves(result, curves, get_axes(ax))
+            return _draw_curves(result, curves, get_axes(ax), own=ax is None)
         size = None if len(small) == 1 else figure_size(5.4, 1.9 * (1 + len(small)))
         grid = plt.figure(figsize=size).add_gridspec(1 + len(small), 1)
         return _draw_panels(result, curves, small, grid)
@@ -119,19 +119,23 @@ def _draw_panels(
 
 
 def _draw_curves(
-    result: DesignResult, curves: Sequence[Curve], axes: Axes, longest: float = 0.0
-) -> Axes:
-    """Draw curves, with times in the unit for the longest one or for a longer time."""
+    result: DesignResult, curves: Sequence[Curve], axes: Axes, longest: float = 0.0, *,
+    own: bool = False,
+) -> Axes:  # fmt: skip
+    """Draw curves, with times in the unit for the longest one or for a longer time.
+
+    The figure of ``own`` axes becomes taller for their legend.
+    """
     si, walled = result.chain.units == "SI", shows_forces(result)
     factor, label = 1.0, "bead $k$"
     if walled:
         factor, label = time_axis(result.chain, max(longest, *(each.x[-1] for each in curves)))
     for each in curves:
         words = None if each.yields else _label(result, each.name, curves, axes)
-        own = each.name == DESIGN
+        found = each.name == DESIGN
         axes.plot(factor * each.x, each.y, "--" if each.yields else "-", label=words,
-                  color=COLOURS[2] if own else grey(axes, 0.55),
-                  linewidth=1.0 if own else 2.0)  # fmt: skip
+                  color=COLOURS[2] if found else grey(axes, 0.55),
+                  linewidth=1.0 if found else 2.0)  # fmt: skip
     if walled:
         _draw_limits(result, axes)
     axes.set_xlabel(label)
@@ -146,7 +150,7 @@ def _draw_curves(
         label = f"force on {where}{' [N]' * si}"
     axes.set_ylabel(label)
     axes.margins(x=0.0)
-    place_legend(axes)
+    place_legend(axes, own=own)
     return axes
 
 
@@ -167,12 +171,13 @@ def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes)
         caution = [f"{OUTSIDE_LAW})"] if outside else []
         dashed = _differ([each for each in curves if each.name == name])
         if walled:
-            shown = f"{'dashed, ' * dashed}with yield, {FIRST_YIELD:g} Y: {peaks[True]}"
+            parts += [f"({'dashed, ' * dashed}with yield,"]
+            shown = f"{FIRST_YIELD:g} Y: {peaks[True]}"
         else:
-            shown = "with yield: the same curve"
+            shown = "(with yield: the same curve"
             if dashed:
-                shown = f"dashed: with yield, {FIRST_YIELD:g} Y"
-        parts += [f"({shown}{',' if outside else ')'}", *caution]
+                shown = f"(dashed: with yield, {FIRST_YIELD:g} Y"
+        parts += [f"{shown}{',' if outside else ')'}", *caution]
     violated = violations(result, shown_chains(result)[name])
     parts[-1] += "," * len(violated)
     return _wrapped(axes, parts + violated)

@@ -308,7 +308,7 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
         (U + "velocity = 2.0", "has velocity but no materials: .* omit velocity"),
         (U + "radius = 2.0", "has radius but no materials"),
         ('taper = "uniform"\nbeads = 3\nmaterials = "brass"', "no radius, which goes with taper"),
-        ('mass_ratio = 0.5\nbeads = 3\nmaterials = "brass"', "mass_ratio, which describes a scaled"),
+        ('mass_ratio = 0.5\nbeads = 3\nmaterials = "brass"', "mass_ratio, which describes a"),
         (SI + "velocity = 1\nvelocities = [1, 0, 0]", "has velocity and also velocities"),
         ('file = "beads.csv"\nmaterials = "brass"', "file and also materials"),
         ('file = "none.csv"', r"none\.csv.*No such file"),

@@ -416,7 +416,7 @@ def warn_outside_hertz(
     later : str
         Words to add if larger overlaps may follow.
     method : str
-        Name of the method that gave the overlaps, such as ``"BCA"``, if others give other ones.
+        Name of the method that gave the overlaps, such as ``"BCA"``, if those of others differ.
 
     Examples
     --------

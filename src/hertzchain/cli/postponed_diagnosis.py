@@ -11,13 +11,13 @@ if TYPE_CHECKING:
 
 
 class PostponedDiagnosis:
-    """The part of a diagnosis that takes as long as a search for defects, which is done before."""
+    """The part of a diagnosis that follows a search for defects, because it takes as long."""
 
     def __init__(self) -> None:
         self._start: Mapping[str, float] | None = None
 
     def quickly(self, result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
-        """The result with advice on data or rows that are others, which is found quickly."""
+        """The result with advice that is found quickly: on misread data or a different row."""
         from ..fitting.diagnosis import quickly_diagnosed
 
         found, more = quickly_diagnosed(result, start, refit)

@@ -102,7 +102,7 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
 def quickly_diagnosed(
     result: FitResult, start: Mapping[str, float], refit: Refit
 ) -> tuple[FitResult, bool]:
-    """A result with advice on data or rows that are others, and whether more is to be tried.
+    """A result with advice on misread data or a different row, and whether more is to be tried.
 
     These causes are tested before a search for defects, which takes as long as all others.
     """

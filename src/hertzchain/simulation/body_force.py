@@ -40,7 +40,7 @@ class BodyForce(NamedTuple):
     the time around the maximum for which the force exceeds a tenth of it; NaN if the run begins
     later or ends earlier.  ``error`` is a bound of the error of the force.  ``later`` states
     whether the largest force is not the first maximum.  ``complete`` is false if a later force may
-    exceed it: if the run ended before `hertzchain.simulation.body_bound` excludes it.  The force of
+    exceed it: if the run ends before `hertzchain.simulation.body_bound` excludes it.  The force of
     a run that was resumed includes the time before; if that is not known, because the run did not
     begin with the chain, ``complete`` is false.
     """

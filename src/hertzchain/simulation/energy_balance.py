@@ -53,7 +53,7 @@ class EnergyBalance:
 
     See Also
     --------
-    Run.reflection : Coefficients of a single wave, which is to be preferred where it is possible.
+    Run.reflection : Coefficients of a single wave; prefer them where they can be determined.
 
     Examples
     --------
@@ -75,7 +75,7 @@ class EnergyBalance:
 
     @property
     def kept_energy(self) -> float:
-        """Part K that flowed in between the two contacts: it is still there, or was lost there."""
+        """Part K that flowed in between the two contacts, and remained or was lost there."""
         return 1.0 - self.returned_energy - self.passed_energy
 
     def _repr_html_(self) -> str:

@@ -91,7 +91,7 @@ def reflection_of(
         energy counted there, and more than 0.05% of the incident energy beyond
         ``entered_energy``: the run, or ``until``, ends before weak waves have passed.
         If the reflected energy at ``before`` differs from the median of the 6 contacts in front
-        of it and from that of the 6 contacts beyond it, which is so where weak waves meet the
+        of it and from that of the 6 contacts beyond it, which happens where weak waves meet the
         reflected one, as in dimers.
 
     See Also

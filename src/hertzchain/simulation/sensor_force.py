@@ -85,7 +85,7 @@ class SensorForce(Compared):
         at these overlaps.  With `UnloadingRatio`, the force jumps whenever a contact begins to
         open, and which maximum is the first depends on the saved times: the bound is then at least
         that of the jumps.  With `Dashpot` and `VelocityPower`, the force begins with a jump when a
-        contact closes between saved times; it is located from the motion before.
+        contact closes between saved times; this time follows from the preceding motion.
     units : str
         ``"scaled"`` or ``"SI"``.
     static_force : float

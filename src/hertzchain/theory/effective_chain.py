@@ -346,7 +346,7 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
     -----
     ModelRangeWarning
         If the small beads between two large ones have more than one eighth of the mass of
-        the lighter large bead, or for an exponent p above 3/2, more than :math:`(3/2p)^3/8` of it.
+        the lighter large bead or, for an exponent p above 3/2, more than :math:`(3/2p)^3/8` of it.
 
     Examples
     --------

@@ -66,7 +66,7 @@ class HostBands(BandStructure):
     @property
     @unavailable_without
     def host_edges(self) -> Array:
-        """Edges of the bands of the periodic host of a chain with a few other beads, shape (C, 2).
+        """Edges of the bands of the periodic host of a chain with a few odd beads, shape (C, 2).
 
         The host is the infinite chain with the masses and springs that most of the cells have; for
         a periodic chain, these are the `band_edges`.

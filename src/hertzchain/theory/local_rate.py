@@ -99,7 +99,7 @@ def local_rate(chain: Chain) -> Pulse:
         error is unknown: beyond a contact whose rate is outside the tables, where the estimate
         would exceed 100%, and where beads of forward tapers may lose their first maximum: at the
         last ones if rates are below -0.1235, and beyond a rate below -0.161; for exponents below
-        1.85, except 3/2, at smaller rates.
+        1.85, except 3/2, at rates closer to 0.
 
     Raises
     ------

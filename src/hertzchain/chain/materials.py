@@ -318,12 +318,12 @@ def material_per_bead(given: Sequence[MaterialLike], beads: int) -> tuple[Materi
     listed = check_list("materials", given, "names")
     kinds = tuple(each if isinstance(each, Material) else material(each) for each in listed)
     if len(kinds) != beads:
-        repeats = len(kinds) > 1 and not beads % len(kinds)
-        hint = (
-            f"; for a cell of {len(kinds)} beads that repeats, use Chain.periodic, or in a chain "
-            f"file cell_diameters with {len(kinds)} values and cells = {beads // len(kinds)}"
-        )
-        raise InputError(
-            f"there must be {beads} materials, one for each bead, got {len(kinds)}{hint * repeats}"
-        )
+        words = f"there must be {beads} materials, one for each bead, got {len(kinds)}"
+        if len(kinds) > 1 and not beads % len(kinds):
+            words += (
+                f"; for a cell of {len(kinds)} beads that repeats, use Chain.periodic, or in a "
+                f"chain file cell_diameters with {len(kinds)} values and "
+                f"cells = {beads // len(kinds)}"
+            )
+        raise InputError(words)
     return kinds

@@ -32,9 +32,9 @@ NO_BREAK: Final = "\N{NO-BREAK SPACE}"
 KEPT_TOGETHER: Final = re.compile(
     r" (?==)|(?<==) |(?<=\d) (?=(?:m/s|[kmun]?N s|kg|Hz|[um]s|[smNJ])\b)"
 )
-# Spaces around the sign between a value and its error, and before units of sensors.
 # Units of signals without calibration and of their gains.
 IN_VOLTS: Final = ("V", "V/N", "V s/m")
+# Spaces around the sign between a value and its error, and before units of sensors.
 WITH_ERRORS: Final = re.compile(r" (?=\+- )|(?<=\+-) |(?<=\d) (?=(?:[um]?V|[MG]Pa|[unmc]m)\b)")
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.fitting.row_causes import _with_material
 from hertzchain.traces.crests import crest_of
 
 FREE = ["stiffness", "loss.time", "time_offset"]
@@ -47,3 +48,10 @@ def test_diameter_means_diameters():
     text = '[chain]\nbeads = 3\n{} = "10 mm"\nmaterials = "brass"\n'
     chains = [hc.chain_from_toml(text.format(key)) for key in ("diameter", "diameters")]
     assert chains[0] == chains[1]
+
+
+def test_a_ball_is_not_replaced_by_one_of_its_own_material():
+    row = hc.Chain.from_materials("5 mm", "steel-52100", beads=4, velocity="0.1 m/s")
+    assert _with_material(row, 2, "brass").materials[1].name == "brass"
+    with pytest.raises(hc.InputError, match="ball 2 has this material"):
+        _with_material(row, 2, "steel-52100")

@@ -256,8 +256,10 @@ def _with_material(chain: Chain, ball: int, name: str) -> Chain:
     """The chain in which a ball has another material."""
     if chain.materials is None or {"masses", "stiffness"} & set(chain.given):
         raise InputError("the chain is not defined by its materials")
-    materials = list(chain.materials)
-    materials[chain.strikers + ball - 1] = catalogue()[name]
+    materials, k = list(chain.materials), chain.strikers + ball - 1
+    if materials[k] == catalogue()[name]:
+        raise InputError(f"ball {ball} has this material")
+    materials[k] = catalogue()[name]
     return chain.replace(materials=materials)
 
 

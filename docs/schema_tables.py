@@ -21,7 +21,7 @@ def chain_file_page() -> str:
     return "\n".join([
         "# Keys of chain files",
         "",
-        "[Chain files and output](../how-to/chain_files.md) explains how to write a chain file. "
+        "[Chain files](../how-to/chain_files.md) explains how to write a chain file. "
         "This page lists every table and key. It is generated from the schema with which files "
         "are checked. Units are those of chains with materials, "
         'where text with a unit, such as `"5 mm"`, is also accepted; scaled chains accept plain '

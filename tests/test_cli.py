@@ -234,7 +234,13 @@ def test_cite(run):
 
 
 @pytest.mark.parametrize(
-    "page", ["how-to/defects.md", "how-to/precompressed.md", "explanation/disorder.md"]
+    "page",
+    [
+        "how-to/defects.md",
+        "how-to/interfaces.md",
+        "how-to/localisation.md",
+        "explanation/disorder.md",
+    ],
 )
 def test_cite_has_the_literature_of_the_pages(page, run):
     text = (Path(__file__).parents[1] / "docs" / page).read_text(encoding="utf-8")

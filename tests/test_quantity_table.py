@@ -42,7 +42,7 @@ SCALES = hc.Scales(radius=5e-3, mass=4e-3, velocity=0.7, length=11e-6)
 # Its unit of force, M V^2 / L.
 FORCE = 4e-3 * 0.7**2 / 11e-6
 TAPER = hc.Chain.tapered("forward-exponential", 0.03, beads=20)
-RECIPES = Path(__file__).parents[1] / "docs" / "how-to" / "extend.md"
+RECIPES = Path(__file__).parents[1] / "docs" / "how-to" / "extend_theories.md"
 PACKAGE = Path(hc.__file__).parent
 
 

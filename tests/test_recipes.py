@@ -1,4 +1,4 @@
-"""The recipes of docs/how-to/extend.md, each applied to a copy of the package and tried.
+"""The recipes of docs/how-to/extend*.md, each applied to a copy of the package and tried.
 
 A recipe is a section with diffs, which are applied to the copy, and a block of Python, which runs
 there in a separate process and must not fail.
@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PAGE = (ROOT / "docs" / "how-to" / "extend.md").read_text("utf-8")
+PAGES = sorted((ROOT / "docs" / "how-to").glob("extend*.md"))
 # Recipes whose number of source files is promised by the page.
 MAX_FILES = 2
 # A directive that shows a class of a gallery script.
@@ -24,7 +24,8 @@ INCLUDE = r"^```\{literalinclude\} (\S+)\n:language: python\n:pyobject: (\w+)\n`
 
 def sections():
     """Title, diffs and Python blocks of each section."""
-    for section in re.split(r"^## ", PAGE, flags=re.M)[1:]:
+    pages = "\n".join(page.read_text("utf-8") for page in PAGES)
+    for section in re.split(r"^## ", pages, flags=re.M)[1:]:
         title, _, text = section.partition("\n")
         text = re.sub(INCLUDE, included, text, flags=re.M)
         diffs = re.findall(r"^```diff\n(.*?)^```$", text, re.M | re.S)

@@ -72,7 +72,8 @@ for panel, dataset, title in zip(
 # ------
 #
 # Compute shares with ``--shard i/n``, merge them, and run the sweep again on the result: it
-# computes only the missing points.  :doc:`/how-to/sweep_cluster` has scripts for SLURM, dask and MPI.
+# computes only the missing points.  :doc:`/how-to/sweep_cluster` has scripts for SLURM, dask and
+# MPI.
 
 force = complete.wall_peak_force.squeeze()
 least = force.isel(force.argmin(...))

@@ -144,11 +144,11 @@ def test_equal_speeds_and_other_commands_are_rejected(files):
     assert done.exit_code == 2
     assert "give one --speed, got 0.1 m/s, 0.2 m/s; simulate accepts several" in done.output
     done = invoked(*both, "--out", "run.nc")
-    assert "require one chain FILE and one --speed" in done.output
+    assert "require one chain FILE and one --speed or --height" in done.output
 
 
 def test_each_speed_has_its_own_figure_of_peaks():
-    from hertzchain.plotting.peaks_over_speed import plot_peaks
+    from hertzchain.plotting.peaks_over_impacts import plot_peaks
 
     kept = (False, False, False)
     axes = plot_peaks(
@@ -196,3 +196,75 @@ def test_the_table_has_the_largest_forces_in_sensors(files):
         # The wall, and both sensors, whose forces are not sampled at the same times.
         expected = [run.wall_force().peak, *(run.sensor_force(k).force.max() for k in (2, 3))]
         assert [shown[0], *shown[-2:]] == pytest.approx(expected, rel=1e-4)
+
+
+def test_heights_are_repeated_like_speeds(files, tmp_path):
+    figure = tmp_path / "peaks.png"
+    heights = ["--height", "0.5 mm", "--height", "0.1cm"]
+    done = invoked(*files, *heights, "--plot", str(figure), "--sensor", "2")
+    assert done.exit_code == 0, done.output
+    assert (
+        "2 chains at 2 heights: force on the right wall; * marks the smallest of each height"
+        in (done.output)
+    )
+    assert figure.stat().st_size > 1000
+    lines = [line for line in done.output.splitlines() if "N s" in line]
+    sizes = ("10 mm", ["10 mm", "8 mm", "6 mm", "5 mm"])
+    for line, (height, size) in zip(lines, [(h, s) for h in (0.5, 1) for s in sizes], strict=True):
+        speed = (2.0 * 9.80665 * 1e-3 * height) ** 0.5
+        assert f"{speed:.4g} m/s" in line
+        assert f"{peak(size, speed):.5g} N" in line
+    assert [" ".join(line.split()[:2]) for line in lines[::2]] == ["0.5 mm", "1 mm"]
+    names = [
+        each["name"] for each in json.loads(invoked(*files, *heights, "--json").output)["runs"]
+    ]
+    assert names == ["equal, 0.5 mm", "tapered, 0.5 mm", "equal, 1 mm", "tapered, 1 mm"]
+
+
+def test_one_height_replaces_the_speed_in_every_command(run):
+    balls = ("--material", STEEL, "--diameter", "10 mm", "--beads", 8)
+    speed = (2.0 * 9.80665 * 5e-4) ** 0.5
+    impacts = (("--height", "0.5 mm"), ("--speed", f"{speed!r} m/s"), ("--speed", "0.05 m/s"))
+    found = [json.loads(run("pulse", *balls, *impact, "--json").stdout) for impact in impacts]
+    assert found[0] == found[1]
+    assert found[0] != found[2]
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (("--height", "1 mm", "--speed", "1 m/s"), "--height determines the speed: omit it or"),
+        (("--height", "1 mm", "--height", "0.1 cm"), "--height is 1 mm twice; keep one"),
+        (("--height", "1"), "--height 1 has no unit; write, for example, --height '1 mm'"),
+        (("--height", "1 s"), "--height"),
+        (("--height", "1 mm", "--striker", "2 g, height=1 mm"), "omit it or --height"),
+    ],
+)
+def test_heights_that_cannot_be_used_are_rejected(files, run, given, message):
+    code, _, err = run("simulate", files[0], *given)
+    assert code == 2
+    assert message in err
+
+
+def test_a_scaled_chain_has_no_height(run, tmp_path):
+    file = tmp_path / "scaled.toml"
+    file.write_text('[chain]\ntaper = "uniform"\nbeads = 5\n')
+    code, _, err = run("simulate", file, "--height", "1 mm")
+    assert code == 2
+    assert "--height requires a chain in SI units: give the velocity of the impact" in err
+    code, _, err = run("simulate", "--beads", 5, "--height", "1 mm")
+    assert code == 2
+    assert "--height requires --material and --diameter" in err
+    code, _, err = run("pulse", file, "--height", "1 mm", "--height", "2 mm")
+    assert "give one --height, got 1 mm, 2 mm; simulate accepts several" in err
+
+
+def test_a_figure_over_heights_is_in_millimetres():
+    from hertzchain.plotting.peaks_over_impacts import plot_peaks
+
+    axes = plot_peaks(
+        {"": [2e-3, 1e-3]}, {"": [4.0, 2.0]}, {}, {"": [(False, False, False)] * 2},
+        factors=("1.6", "2.8"), where="the right wall", units="SI", heights=True,
+    )  # fmt: skip
+    assert axes.lines[0].get_xydata().tolist() == [[1.0, 2.0], [2.0, 4.0]]
+    assert axes.get_xlabel() == "height of fall [mm]"

@@ -22,8 +22,8 @@ OF_SPEED: Final = {"height": "a height to fall from", "energy": "an energy"}
 BOOLEANS: Final = {"true": True, "false": False}
 
 
-def at_speed(chain: Chain, speed: str) -> Chain:
-    """The chain of a file with another velocity of the impact.
+def at_speed(chain: Chain, speed: str, option: str = "--speed") -> Chain:
+    """The chain of a file with another velocity of the impact, given by an option.
 
     In a chain at rest, the strikers or bead 1 get the velocity.
     """
@@ -33,33 +33,42 @@ def at_speed(chain: Chain, speed: str) -> Chain:
 
     if chain.drive is not None:
         raise click.UsageError(
-            "--speed is the velocity of an impact, but the chain of the file has a drive: change "
-            "the drive in the file, or remove it there"
+            f"{option} gives the velocity of an impact, but the chain of the file has a drive: "
+            "change the drive in the file, or remove it there"
         )
     moving = chain.velocities != 0.0
     if not moving.any():
         moving = np.arange(chain.beads) < max(chain.strikers, 1)
     if np.ptp(chain.velocities[moving]) > 0.0:
         raise click.UsageError(
-            "--speed replaces the velocity of the impact, but beads of the file have different "
+            f"{option} replaces the velocity of the impact, but beads of the file have different "
             "velocities: change them there"
         )
+    if option == "--height" and chain.scaled:
+        raise click.UsageError(
+            "--height requires a chain in SI units: give the velocity of the impact, --speed"
+        )
     if not chain.scaled:
-        require_unit("--speed", speed, "m/s")
-    value = number("--speed", as_typed(speed), unit=chain._unit("m/s"), above=0.0)
+        require_unit(option, speed, "m/s")
+    value = number(
+        f"{'speed after ' * (option == '--height')}{option}",
+        as_typed(speed),
+        unit=chain._unit("m/s"),
+        above=0.0,
+    )
     return chain.replace(velocities=np.where(moving, value, 0.0))
 
 
-def struck(chain: Chain, striker: str, speed: str | None) -> Chain:
+def struck(chain: Chain, striker: str, speed: str | None, option: str = "--speed") -> Chain:
     """The chain struck by beads like its first one or by others, at the velocity of its impact.
 
-    This is ``speed`` if it is given, and that from a height of the striker instead.
+    This is ``speed``, of an option, if it is given, and that from a height of the striker instead.
     """
     given = _striker(striker, chain)
     fixed = next((words for key, words in OF_SPEED.items() if key in given), None)
     if fixed is not None and speed is not None:
         raise click.UsageError(
-            f"--striker {striker!r} has {fixed}, which determines the speed: omit it or --speed"
+            f"--striker {striker!r} has {fixed}, which determines the speed: omit it or {option}"
         )
     if chain.strikers:
         raise click.UsageError("--striker adds strikers, but the file has some: change them there")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import os
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -40,6 +40,13 @@ IMPACT: Final = (
         "moves in the file, its strikers or else bead 1 get this velocity.  "
         "`simulate` compares several speeds if it is repeated.  "
         "[default: 1 m/s, at which steel balls yield]",
+    ),
+    click.option(
+        "--height",
+        multiple=True,
+        metavar="HEIGHT",
+        help="Height from which the strikers, or else bead 1, fall from rest, such as '5 mm'; "
+        "it replaces --speed.  `simulate` compares several heights if it is repeated.",
     ),
     click.option(
         "--striker",
@@ -140,12 +147,8 @@ CHAIN_OPTIONS: Final = (
 )
 # Options that can be used with a FILE.
 CHANGES: Final = (
-    "speed", "striker", "wall", "gravity", "precompression", "cap", "loss", "wall_loss",
+    "speed", "height", "striker", "wall", "gravity", "precompression", "cap", "loss", "wall_loss",
 )  # fmt: skip
-
-
-# Names of chains at each of several speeds, by the names of their files.
-Speeds = dict[str, dict[str, str]]
 
 
 @dataclass(frozen=True)
@@ -168,8 +171,15 @@ class ChainOptions:
     cap: str | None = None
     loss: str | None = None
     wall_loss: str | None = None
-    # Speeds after the first one, which `simulate` compares with it.
-    other_speeds: tuple[str, ...] = ()
+    # The height of which `speed` is the speed after the fall.
+    height: str | None = None
+    # Speeds or heights after the first one, which `simulate` compares with it.
+    others: tuple[str, ...] = ()
+
+    @property
+    def option_of_speed(self) -> str:
+        """The option that gives the speed."""
+        return "--speed" if self.height is None else "--height"
 
 
 def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -188,13 +198,29 @@ def _with_options(command: Callable[..., Any], options: tuple[Any, ...]) -> Call
         names = given.keys() & {each.name for each in fields(ChainOptions)}
         found = {name: given.pop(name) for name in names}
         if "speed" in found:
-            first, *others = found["speed"] or (None,)
-            found |= {"speed": first, "other_speeds": tuple(others)}
+            found |= _impact(found["speed"], found["height"])
         return command(ChainOptions(**found), **given)
 
     for option in options[::-1]:
         with_chain = option(with_chain)
     return with_chain
+
+
+def _impact(speeds: tuple[str, ...], heights: tuple[str, ...]) -> dict[str, Any]:
+    """Values of the options of the speed: the first speed or height, and the others."""
+    if speeds and heights:
+        raise click.UsageError("--height determines the speed: omit it or --speed")
+    first, *others = heights or speeds or (None,)
+    given: dict[str, Any] = {"speed": first, "height": None, "others": tuple(others)}
+    return given | (with_height(first) if first is not None and heights else {})
+
+
+def with_height(height: str) -> dict[str, str]:
+    """A height, and the speed after a fall from it."""
+    from ..chain.strikers import speed_of_fall
+
+    require_unit("--height", height, "m", "mm")
+    return {"height": height, "speed": f"{speed_of_fall('--height', as_typed(height))!r} m/s"}
 
 
 def chain_from(options: ChainOptions) -> Chain:
@@ -208,9 +234,11 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
     """The chains of all files, by the names of the files; one without a name for options."""
     from ..store.chain_files import load_chain
 
-    if options.other_speeds:
-        given = ", ".join((str(options.speed), *options.other_speeds))
-        raise click.UsageError(f"give one --speed, got {given}; simulate accepts several")
+    if options.others:
+        given = ", ".join((str(options.height or options.speed), *options.others))
+        raise click.UsageError(
+            f"give one {options.option_of_speed}, got {given}; simulate accepts several"
+        )
     if options.files and options.chain_file is not None:
         raise click.UsageError("give the chain as FILE or as --chain FILE, not both")
     files = options.files or tuple(filter(None, (options.chain_file,)))
@@ -218,7 +246,7 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
         return {"": _changed(_described(options), options)}
     beside = [
         each.name for each in fields(options)
-        if each.name not in ("files", "chain_file", "other_speeds", *CHANGES)
+        if each.name not in ("files", "chain_file", "others", *CHANGES)
         and getattr(options, each.name) is not None
     ]  # fmt: skip
     if beside:
@@ -233,31 +261,14 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
         raise click.UsageError(f"each chain FILE may be given once, got {', '.join(names)}")
     chains = {name: load_chain(file) for name, file in zip(names, files, strict=True)}
     if options.speed is not None:
-        chains = {name: at_speed(chain, options.speed) for name, chain in chains.items()}
+        chains = {
+            name: at_speed(chain, options.speed, options.option_of_speed)
+            for name, chain in chains.items()
+        }
     return {
         name: _changed(chain, options, file)
         for file, (name, chain) in zip(files, chains.items(), strict=True)
     }
-
-
-def chains_at_speeds(options: ChainOptions) -> tuple[dict[str, Chain], Speeds]:
-    """The chains of all files at all speeds; for several speeds, also their names by speed."""
-    from ..representation import measure
-
-    if not options.other_speeds:
-        return chains_from(options), {}
-    chains: dict[str, Chain] = {}
-    speeds: Speeds = {}
-    for speed in (options.speed, *options.other_speeds):
-        found = chains_from(replace(options, speed=speed, other_speeds=()))
-        for name, chain in found.items():
-            label = measure(float(chain.velocities.max()), "m/s", chain.units, 4).strip()
-            own = f"{name}, {label}" if name else label
-            if own in chains:
-                raise click.UsageError(f"--speed is {label} twice; keep one")
-            chains[own] = chain
-            speeds.setdefault(label, {})[name] = own
-    return chains, speeds
 
 
 def _changed(chain: Chain, options: ChainOptions, file: Path | None = None) -> Chain:
@@ -266,7 +277,7 @@ def _changed(chain: Chain, options: ChainOptions, file: Path | None = None) -> C
     If the losses do not suit the chain of a file, the error names the file.
     """
     if options.striker is not None:
-        chain = struck(chain, options.striker, options.speed)
+        chain = struck(chain, options.striker, options.speed, options.option_of_speed)
     if options.wall is not None:
         chain = chain.replace(right_wall=wall_named(options.wall, chain))
     if options.gravity is not None:
@@ -295,8 +306,8 @@ def _described(options: ChainOptions) -> Chain:
     sizes = _sizes(options)
     if options.material is None and options.speed is not None:
         raise click.UsageError(
-            "--speed requires --material and --diameter: in scaled variables, the velocity of the "
-            "impact is 1"
+            f"{options.option_of_speed} requires --material and --diameter: in scaled variables, "
+            "the velocity of the impact is 1"
         )
     if options.material is not None and not sizes:
         raise click.UsageError(

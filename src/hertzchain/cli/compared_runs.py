@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
     # A wall, the body behind each row, or the first sensor.
     Place = Side | Literal["body", "sensor"]
-    from .chain_options import Speeds
     from .compared_yield import AtPressures, Yielding
+    from .repeated_impacts import Impacts
 
 T = TypeVar("T")
 OF_WALLS: Final = ("peak", "time", "impulse", "duration")
@@ -84,16 +84,24 @@ def peaks_of(
     return Peaks(place, own, at, unpredicted)
 
 
-def drawn_over_speeds(runs: Mapping[str, Run], peaks: Peaks, speeds: Speeds) -> Axes:
-    """Plot the peaks of each chain over the speeds, also with contacts that yield."""
-    from ..plotting.peaks_over_speed import plot_peaks
+def drawn_over_impacts(
+    runs: Mapping[str, Run], peaks: Peaks | None, impacts: Impacts
+) -> Axes | None:
+    """Plot the peaks of each chain over several speeds or heights, also with contacts that yield.
+
+    There is no figure without several impacts or without peaks.
+    """
+    if not impacts or peaks is None:
+        return None
+    from ..plotting.peaks_over_impacts import plot_peaks
+    from .repeated_impacts import value_of_impact
 
     names: dict[str, list[str]] = {}
-    for at_speed in speeds.values():
-        for chain, name in at_speed.items():
+    for at_impact in impacts.names.values():
+        for chain, name in at_impact.items():
             names.setdefault(chain, []).append(name)
     return plot_peaks(
-        {chain: [float(runs[name].chain.velocities.max()) for name in own]
+        {chain: [value_of_impact(runs[name].chain, impacts.kind) for name in own]
          for chain, own in names.items()},
         {chain: [peaks.own[name] for name in own] for chain, own in names.items()},
         {chain: [peaks.at[name].both for name in own] for chain, own in names.items()
@@ -101,6 +109,7 @@ def drawn_over_speeds(runs: Mapping[str, Run], peaks: Peaks, speeds: Speeds) -> 
         {chain: [(name in peaks.unpredicted, *peaks.at[name].outside) for name in own]
          for chain, own in names.items()},
         factors=possible_factors(), where=peaks.where, units=next(iter(runs.values())).chain.units,
+        heights=impacts.kind == "height",
     )  # fmt: skip
 
 
@@ -109,7 +118,8 @@ def compared_runs(
     others: Mapping[str, Run | None],
     yielding: Mapping[str, Yielding],
     beads: Mapping[str, Sequence[int]],
-    speeds: Speeds,
+    impacts: Impacts,
+    peaks: Peaks | None,
 ) -> tuple[Table, list[str]] | None:
     """Table of the forces at one place of all chains, the smallest one marked, and notes on it.
 
@@ -117,24 +127,25 @@ def compared_runs(
     If the chains have none of them in common, forces on right walls are not marked, and free ends
     have the motion of their last beads.  There is no table of one chain, or of chains in different
     units.  The ``others`` have the largest possible yield pressure; ``yielding`` are the peaks of
-    elastic runs if their contacts yield.  Of several ``speeds``, each has its own marks.  Forces
-    beyond the range of the law are not compared.
+    elastic runs if their contacts yield, and ``peaks`` those at the place in common.  Of several
+    ``impacts``, each has its own marks.  Forces beyond the range of the law are not compared.
     """
     if len(runs) == 1 or len({run.chain.units for run in runs.values()}) > 1:
         return None
-    if (peaks := peaks_of(runs, others, yielding, beads)) is None:
-        return _of_different_ends(runs, others, yielding, beads, speeds)
+    if peaks is None:
+        return _of_different_ends(runs, others, yielding, beads, impacts)
     place, own, at, unpredicted = peaks
     rows = {
-        name: _of_place(run, beads[name], place)
-        | _of_sensors(run, beads[name][place == "sensor" :], wanted=bool(speeds))
+        name: _speed_after_fall(run, impacts)
+        | _of_place(run, beads[name], place)
+        | _of_sensors(run, beads[name][place == "sensor" :], wanted=bool(impacts))
         | _of_contacts(run)
         for name, run in runs.items()
     }
     lawful = [name for name, run in runs.items() if has_law_of_yield(run)]
     elastic = any(each.elastic for each in at.values())
-    groups = {label: [*names.values()] for label, names in speeds.items()} or {"": [*runs]}
-    # Chains are compared at the same speed only.
+    groups = {label: [*names.values()] for label, names in impacts.names.items()} or {"": [*runs]}
+    # Chains are compared at the same speed or height only.
     several = {label: names for label, names in groups.items() if len(names) > 1}
     # Peaks of elastic contacts beyond yield and of contacts that yield are not compared.
     if not (elastic and lawful):
@@ -146,8 +157,10 @@ def compared_runs(
         # If all contacts have a law, the own peaks are those at the smallest pressure.
         for i in (0, 1) if elastic else (1,):
             _add_peaks(rows, i, at, runs, several)
-    marks = "; * marks the smallest" * bool(several) + " of each speed" * bool(speeds and several)
-    title = f"{_counted(rows, speeds)}: force on {peaks.where}{marks}"
+    marks = "; * marks the smallest" * bool(several) + f" of each {impacts.kind}" * bool(
+        impacts and several
+    )
+    title = f"{_counted(rows, impacts)}: force on {peaks.where}{marks}"
     notes = [
         f"at {label}: {note}" if label else note
         for label, names in several.items()
@@ -156,20 +169,20 @@ def compared_runs(
             unpredicted,
         )
     ]  # fmt: skip
-    signs = [*sign_notes(rows), *dash_notes(rows, at, speeds)]
-    return _table(rows, title, speeds), [*_notes_on_place(runs, beads, place), *signs, *notes]
+    signs = [*sign_notes(rows), *dash_notes(rows, at, impacts)]
+    return _table(rows, title, impacts), [*_notes_on_place(runs, beads, place), *signs, *notes]
 
 
 def _part(values: Mapping[str, T], names: Sequence[str]) -> dict[str, T]:
     return {name: values[name] for name in names}
 
 
-def _counted(rows: Mapping[str, object], speeds: Speeds) -> str:
-    """Numbers of chains and, if there are several, of speeds."""
-    if not speeds:
+def _counted(rows: Mapping[str, object], impacts: Impacts) -> str:
+    """Numbers of chains and, if there are several, of speeds or heights."""
+    if not impacts:
         return f"{len(rows)} chains"
-    chains = len(next(iter(speeds.values())))
-    return f"{chains} chain{'s' * (chains > 1)} at {len(speeds)} speeds"
+    chains = len(next(iter(impacts.names.values())))
+    return f"{chains} chain{'s' * (chains > 1)} at {len(impacts.names)} {impacts.kind}s"
 
 
 def _mark_peaks(
@@ -208,7 +221,7 @@ def _notes_on_place(
 
 def _of_different_ends(
     runs: Mapping[str, Run], others: Mapping[str, Run | None], yielding: Mapping[str, Yielding],
-    beads: Mapping[str, Sequence[int]], speeds: Speeds,
+    beads: Mapping[str, Sequence[int]], impacts: Impacts,
 ) -> tuple[Table, list[str]] | None:  # fmt: skip
     """Table of the forces on right walls and of the last beads of free ends; nothing is marked."""
     ends: dict[str, Place] = {
@@ -220,9 +233,10 @@ def _of_different_ends(
         return None
     # Columns of walls come first; those without any entry are omitted.
     rows = {
-        name: dict.fromkeys(OF_WALLS, NONE)
+        name: _speed_after_fall(run, impacts)
+        | dict.fromkeys(OF_WALLS, NONE)
         | (_of_wall(run, "right") if ends[name] == "right" else last[name])
-        | _of_sensors(run, beads[name], wanted=bool(speeds))
+        | _of_sensors(run, beads[name], wanted=bool(impacts))
         | _of_contacts(run)
         for name, run in runs.items()
     }
@@ -239,8 +253,8 @@ def _of_different_ends(
             _add_peaks(rows, i, at, runs, {})
     places = ["force on the right wall"] * walled
     places.append("last bead of free ends in the leading pulse")
-    notes = [*sign_notes(rows), *dash_notes(rows, at, speeds)]
-    return _table(rows, f"{_counted(rows, speeds)}: {', '.join(places)}", speeds), notes
+    notes = [*sign_notes(rows), *dash_notes(rows, at, impacts)]
+    return _table(rows, f"{_counted(rows, impacts)}: {', '.join(places)}", impacts), notes
 
 
 def _at_end(run: Run, other: Run | None, yielding: Yielding, place: Place) -> AtPressures:
@@ -265,7 +279,7 @@ def _add_peaks(
             mark(rows, column, compared(found))
 
 
-def _table(rows: Mapping[str, Mapping[str, str]], title: str, speeds: Speeds) -> Table:
+def _table(rows: Mapping[str, Mapping[str, str]], title: str, impacts: Impacts) -> Table:
     """A table of the columns in which any row has an entry."""
     from rich import box
     from rich.table import Table
@@ -275,16 +289,16 @@ def _table(rows: Mapping[str, Mapping[str, str]], title: str, speeds: Speeds) ->
         if any(row.get(key, NONE) != NONE for row in rows.values())
     ]  # fmt: skip
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", padding=0)
-    named = not speeds or any(any(names) for names in speeds.values())
-    first = ["speed"] * bool(speeds) + ["chain"] * named
+    named = not impacts or any(any(names) for names in impacts.names.values())
+    first = [impacts.kind] * bool(impacts) + ["chain"] * named
     for key in (*first, *columns):
         heading = HEADINGS.get(key, key).replace("peak at ", "peak at\n")
         heading = heading.replace("largest in bead ", "largest in\nbead ")
         table.add_column(heading, justify="left" if key in first else "right", vertical="bottom")
-    groups = speeds or {"": dict(zip(rows, rows, strict=True))}
+    groups = impacts.names or {"": dict(zip(rows, rows, strict=True))}
     for label, names in groups.items():
         for i, (chain, name) in enumerate(names.items()):
-            begin = ["" if i else label] * bool(speeds) + [chain] * named
+            begin = ["" if i else label] * bool(impacts) + [chain] * named
             table.add_row(*begin, *(rows[name].get(key, NONE) for key in columns))
         if named:
             table.add_section()
@@ -308,6 +322,13 @@ def _common_place(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -
         "sensor": all(beads.values()),
     }
     return next((place for place, known in common.items() if known), None)
+
+
+def _speed_after_fall(run: Run, impacts: Impacts) -> dict[str, str]:
+    """The speed of the impact in a table over heights."""
+    if impacts.kind == "speed":
+        return {}
+    return {"speed": measure(float(run.chain.velocities.max()), "m/s", run.chain.units, 4)}
 
 
 def _of_place(run: Run, beads: Sequence[int], place: Place) -> dict[str, str]:

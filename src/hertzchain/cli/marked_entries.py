@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 from ..representation import listed
 
 if TYPE_CHECKING:
-    from .chain_options import Speeds
     from .compared_yield import AtPressures
+    from .repeated_impacts import Impacts
 
 NONE: Final = "-"
 # Sign of a force that is not a prediction.
@@ -49,10 +49,10 @@ def sign_notes(rows: Mapping[str, Mapping[str, str]]) -> list[str]:
 
 
 def dash_notes(
-    rows: Mapping[str, Mapping[str, str]], at: Mapping[str, AtPressures], speeds: Speeds
+    rows: Mapping[str, Mapping[str, str]], at: Mapping[str, AtPressures], impacts: Impacts
 ) -> list[str]:
     """The reasons of dashes in columns of yield."""
-    chains = {name: chain for names in speeds.values() for chain, name in names.items()}
+    chains = {name: chain for names in impacts.names.values() for chain, name in names.items()}
     reasons: dict[str, dict[str, None]] = {}
     for name, row in rows.items():
         chain = chains.get(name, name)

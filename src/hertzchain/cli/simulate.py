@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from .chain_options import ChainOptions, Speeds, chain_options, chains_at_speeds
+from .chain_options import ChainOptions, chain_options
 from .chain_runs import runs_of
-from .compared_runs import compared_runs, drawn_over_speeds, peaks_of
+from .compared_runs import compared_runs, drawn_over_impacts, peaks_of
 from .compared_yield import figure_title
 from .hit_tables import check_hits, hit_table, hits_as_list
 from .options import (
@@ -23,6 +23,7 @@ from .options import (
 )
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
+from .repeated_impacts import chains_at_impacts
 from .run_summary import peaks_if_yielding, run_as_dict, show_run, together
 from .stream import check_stream_options, stream_into
 from .yield_range import second_run
@@ -36,7 +37,9 @@ if TYPE_CHECKING:
     from .compared_yield import Yielding
 
 USUAL_TIMES: Final = 400
-SINGLE: Final = "--out, --forces, --animate and --stream require one chain FILE and one --speed"
+SINGLE: Final = (
+    "--out, --forces, --animate and --stream require one chain FILE and one --speed or --height"
+)
 
 
 @click.command(cls=StrictCommand)
@@ -174,8 +177,8 @@ def simulate(
     strength, a second simulation at 2.8 times shows the range of the forces.
 
     Several chain files are simulated one after another.  A table and --plot compare them.  If
-    --speed is repeated, the table has each chain at each speed, and --plot shows the peaks over the
-    speed; the summaries are then printed only with an option such as --contacts.
+    --speed or --height is repeated, the table has each chain at each speed or height, and --plot
+    shows the peaks over it; the summaries are then printed only with an option such as --contacts.
 
     With --stream, trajectories are kept only on disk, in netCDF files, and memory does not
     grow with the run.  If a run is interrupted, run the same command again and it resumes.
@@ -192,6 +195,7 @@ def simulate(
       hertzchain simulate experiment.toml --cap "100 g"
       hertzchain simulate equal.toml tapered.toml --plot comparison.png
       hertzchain simulate equal.toml tapered.toml --speed 0.1m/s --speed 0.2m/s
+      hertzchain simulate experiment.toml --height 1mm --height 2mm --plot peaks.png
       hertzchain simulate experiment.toml --loss elastic-plastic --hits 3
       hertzchain simulate experiment.toml --loss "elastic-plastic, factor=2.8"
       hertzchain simulate experiment.toml --until 10s --times 100000 --stream long
@@ -202,7 +206,7 @@ def simulate(
     check_writable(forces, "--forces", (".csv",))
     if magnify is not None and animation is None:
         raise click.UsageError("--magnify requires --animate")
-    chains, speeds = chains_at_speeds(options)
+    chains, impacts = chains_at_impacts(options)
     resolve_waves = waves and times is None
     if times is None:
         times = _usual_times(chains, plot, fine=bool(sensors or forces or animation))
@@ -227,13 +231,15 @@ def simulate(
     settings = {"times": times, "rtol": rtol, "method": method, "drift": drift,
                 "max_steps": max_steps}  # fmt: skip
     runs = runs_of(chains, until, step, settings, horizon=horizon,
-                   resolve_waves=resolve_waves, quiet=bool(speeds))  # fmt: skip
+                   resolve_waves=resolve_waves, quiet=bool(impacts))  # fmt: skip
     for name, run in runs.items():
         _save(run, beads[name], out, forces, animation, magnify)
     others = {name: _at_other_pressure(run, until, step, settings) for name, run in runs.items()}
     yielding = {name: peaks_if_yielding(run) for name, run in runs.items()}
+    peaks = peaks_of(runs, others, yielding, beads) if len(runs) > 1 else None
     if plot is not None:
-        _plot(plot, runs, others, yielding, beads, speeds, forces=bool(sensors))
+        over = drawn_over_impacts(runs, peaks, impacts)
+        save_figure(over or _drawn(runs, beads, yielding, forces=bool(sensors)), plot)
     again = {name: _hits(run, hits, until, step, settings) for name, run in runs.items()}
     shown = {"second": hits is None, "waves": waves, "contacts": contacts, "budget": budget}
     if as_json:
@@ -245,22 +251,10 @@ def simulate(
             each |= {"hits": hits_as_list(every, beads[name])} if hits else {}
         show_json(found[0] if len(found) == 1 else together(runs, found))
     else:
-        compared = compared_runs(runs, others, yielding, beads, speeds)
-        if not (speeds and compared) or waves or contacts or budget or horizon or hits:
+        compared = compared_runs(runs, others, yielding, beads, impacts, peaks)
+        if not (impacts and compared) or waves or contacts or budget or horizon or hits:
             _show(runs, others, yielding, beads, again if hits else {}, shown)
-        _show_table(compared, only=bool(speeds))
-
-
-def _plot(
-    plot: Path, runs: dict[str, Run], others: dict[str, Run | None],
-    yielding: dict[str, Yielding], beads: dict[str, list[int]], speeds: Speeds, *, forces: bool,
-) -> None:  # fmt: skip
-    """Write the figure of runs, or of their peaks over several speeds."""
-    peaks = peaks_of(runs, others, yielding, beads) if speeds else None
-    if peaks is not None:
-        save_figure(drawn_over_speeds(runs, peaks, speeds), plot)
-    else:
-        save_figure(_drawn(runs, beads, figure_title(runs, yielding), forces=forces), plot)
+        _show_table(compared, only=bool(impacts))
 
 
 def _show_table(compared: tuple[Table, list[str]] | None, *, only: bool) -> None:
@@ -388,12 +382,14 @@ def _with_forces(chains: dict[str, Chain]) -> bool:
     return any(_curves(chain, []) for chain in chains.values())
 
 
-def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], title: str, *, forces: bool) -> Axes:
+def _drawn(
+    runs: dict[str, Run], beads: dict[str, list[int]], yielding: dict[str, Yielding], *,
+    forces: bool,
+) -> Axes:  # fmt: skip
     """Plot forces in sensors, on walls and on caps, and velocities of one run as a map.
 
-    A sensor in a cap without a wall is replaced by the whole force on it.
-
-    The title is that of a figure of the forces of several runs.
+    A sensor in a cap without a wall is replaced by the whole force on it.  The figure of the forces
+    of several runs has a title if elastic contacts are beyond yield.
     """
     from ..plotting.labels import with_losses
     from ..plotting.pulses import plot_pulses
@@ -402,6 +398,7 @@ def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], title: str, *, for
     from ..plotting.style import literal
     from ..plotting.widths import journal_width
 
+    title = figure_title(runs, yielding)
     labels = with_losses({name: run.chain for name, run in runs.items()})
     runs = {labels[name]: run for name, run in runs.items()}
     beads = {labels[name]: places for name, places in beads.items()}

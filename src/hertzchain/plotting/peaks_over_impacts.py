@@ -1,4 +1,4 @@
-"""Plot peaks of forces of several chains over the speed of the impact."""
+"""Plot peaks of forces of several chains over the speed of the impact or the height of fall."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LINES: Final = ("-", "--", ":")
 
 
 def plot_peaks(
-    speeds: Mapping[str, Sequence[float]],
+    impacts: Mapping[str, Sequence[float]],
     peaks: Mapping[str, Sequence[float]],
     yielding: Mapping[str, Sequence[tuple[float, float]]],
     outside: Mapping[str, Sequence[tuple[bool, bool, bool]]],
@@ -28,25 +28,27 @@ def plot_peaks(
     factors: tuple[str, str],
     where: str,
     units: str,
+    heights: bool = False,
 ) -> Axes:
     """Plot the peaks of each chain, and a band of those with contacts that yield.
 
-    ``yielding`` has the peaks at both possible yield pressures, the ``factors`` times the yield
-    strength.  Those of the three peaks that are ``outside`` have hollow markers.  Peaks that are
-    not known are infinite, and left out.
+    The ``impacts`` are speeds, or ``heights`` of fall [m].  ``yielding`` has the peaks at both
+    possible yield pressures, the ``factors`` times the yield strength.  Those of the three peaks
+    that are ``outside`` have hollow markers.  Peaks that are not known are infinite, and left out.
     """
     si = units == "SI"
     with figure_style():
         axes = get_axes(None)
         for i, (name, own) in enumerate(peaks.items()):
-            order = np.argsort(speeds[name])
-            x = np.array(speeds[name])[order]
+            order = np.argsort(impacts[name])
+            x = np.array(impacts[name])[order] * (1e3 if heights else 1.0)
             values = [own, *zip(*yielding.get(name, ()), strict=True)]
             known = [np.where(np.isfinite(each), each, np.nan)[order] for each in values]
             _draw_chain(axes, i, name, x, known, np.array(outside[name])[order].T)
         _name_lines(axes, factors, yields=bool(yielding),
                     hollow=any(np.any(each) for each in outside.values()))  # fmt: skip
-        axes.set_xlabel(f"velocity of the impact{' [m/s]' * si}")
+        over = "height of fall [mm]" if heights else f"velocity of the impact{' [m/s]' * si}"
+        axes.set_xlabel(over)
         axes.set_ylabel(f"peak force on {where}{' [N]' * si}")
         axes.set_ylim(bottom=0.0)
         if len(axes.get_legend_handles_labels()[1]) > 1:

@@ -223,10 +223,9 @@ def simulate(
     beads = {name: _beads(chain, sensors, forces) for name, chain in chains.items()}
     if stream is not None:
         (chain,) = chains.values()
-        end = time_from("--until", until, chain)
         steps = {"rtol": rtol, "method": method, "step": time_from("--step", step, chain),
                  "drift": drift}  # fmt: skip
-        stream_into(stream, chain, until=end, times=times, steps=steps, as_json=as_json)
+        stream_into(stream, chain, until=until, times=times, steps=steps, as_json=as_json)
         return
     settings = {"times": times, "rtol": rtol, "method": method, "drift": drift,
                 "max_steps": max_steps}  # fmt: skip

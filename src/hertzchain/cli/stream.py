@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .options import time_from
 from .output import show_json
 from .progress import progress_bar
 
@@ -27,7 +28,7 @@ def stream_into(
     folder: Path,
     chain: Chain,
     *,
-    until: float | None,
+    until: str | None,
     times: int,
     steps: dict[str, Any],
     as_json: bool,
@@ -38,7 +39,7 @@ def stream_into(
     from ..store import results
     from ..store.streaming import stream
 
-    saved_times = _saved_times(until, times)
+    saved_times = _saved_times(time_from("--until", until, chain), times)
     try:
         with progress_bar("times saved") as progress:
             stored = stream(chain, folder, times=saved_times, progress=progress, **steps)

@@ -73,6 +73,12 @@ def _sections() -> Iterator[str]:
         yield from (f"## `[{name}]`", "", f"{_capitalised(section['description'])}.", "")
         if section["repeated"]:
             yield from (f"Several tables are written as `[[{name}]]`.", "")
+        if section["texts"]:
+            texts = ", ".join(f'`"{text}"`' for text in section["texts"])
+            option = "--cap" if name == "chain.cap" else "--wall"
+            key = name.removeprefix("chain.")
+            yield from (f"Instead of the table, `{key}` can be text as for `{option}` on the "
+                        f"command line: {texts}.", "")  # fmt: skip
         if section["keys"]:
             yield from _table(section["keys"])
         for value, keys in section.get("variants", {}).items():

@@ -159,7 +159,10 @@ def test_a_chain_file_describes_a_cap():
 @pytest.mark.parametrize(("cap", "said"), [
     ("cap = {}", r"\[chain.cap\] requires mass or frequency"),
     ('cap = {mass = "5 g", frequency = "5 kHz"}', "such as '5 kHz': both were given"),
-    ('cap = "5 g"', r"\[chain.cap\] must be a table, such as {mass = \"5 g\"}"),
+    ('cap = 5', r"\[chain.cap\] must be a table, such as {mass = \"5 g\"}, or text such as"),
+    ('cap = "5"', r"cap of \[chain\] must be a mass or the resonance frequency .* got '5'"),
+    ('cap = "5 g, 3 g"', r"cap of \[chain\] '5 g, 3 g' has two values of the mass: omit one"),
+    ('cap = "0,5 g"', r"cap of \[chain\] has a comma between two digits"),
     ('cap = {mass = "5 g", radius = 1}', r"unknown key of \[chain.cap\] 'radius'"),
     ('cap = {mass = "5 g", stiffness = 1e9}\nstiffness = 1e9', "cap also has stiffness"),
     ('cap = {mass = "5 g"}\nmasses = [1e-3, 1e-3, 6e-3]', "0.006, is not the mass of .*, 0.005"),
@@ -400,12 +403,14 @@ def test_fitted_radii_masses_and_moduli_in_front_of_a_cap():
 def test_descriptions_titles_and_names():
     steel = hc.Chain.from_materials("5 mm", STEEL, beads=10, right_wall=CELL).with_cap("5 g")
     assert steel.description == (
-        "10 steel-52100 beads, diameter 10 mm, and a cap (5 g), right wall, mixed exponents"
+        "10 steel-52100 beads, diameter 10 mm, and a cap (5 g, steel-52100), right wall, mixed "
+        "exponents"
     )
     assert chain_words(steel) == "10 steel balls, 10 mm, cap 5 g, wall 5 kN/mm"
     with_striker = steel.struck_by(diameter="12 mm")
     assert with_striker.description.startswith(
-        "10 steel-52100 beads, diameter 10 mm, 1 striker (12 mm) and a cap (5 g), right wall"
+        "10 steel-52100 beads, diameter 10 mm, 1 striker (12 mm) and a cap (5 g, steel-52100), "
+        "right wall"
     )
     assert CHAINS["material"].description.count("a cap (5 g, brass)") == 1
     assert CHAINS["scaled"].description == "uniform, 5 beads, and a cap (mass 4)"
@@ -413,8 +418,8 @@ def test_descriptions_titles_and_names():
     assert "1% scatter, and a cap" in CHAINS["scatter"].description
     assert CHAINS["scatter"].description == CHAINS["scatter first"].description
     heavy = CHAINS["scatter"].replace(cap=Cap(9e-3))
-    assert "1% scatter, and a cap (9 g)" in heavy.description
-    assert "10, and 1 striker (12 mm) and a cap (5 g)" in with_striker._repr_html_()
+    assert "1% scatter, and a cap (9 g, steel-52100)" in heavy.description
+    assert "10, and 1 striker (12 mm) and a cap (5 g, steel-52100)" in with_striker._repr_html_()
     run = hc.simulate(CHAINS["struck"], until=1e-4)
     assert (run.sensor("cap") == run.sensor(7)).all()
     assert "bead 7 (cap)" in {bead_label(run.chain, k) for k in range(1, 8)}

@@ -706,3 +706,80 @@ def test_the_material_of_a_wall_can_be_that_of_the_next_bead(tmp_path, beads):
     wall = "right_wall = {material = 'same', gap = 1e-5}"
     path.write_text(f"[chain]\n{beads}\nbeads = 3\n{wall}\n")
     assert hc.load_chain(path).right_wall == hc.Wall(gap=1e-5)
+
+
+ROW = '[chain]\ndiameters = "10 mm"\nbeads = 4\nvelocity = "0.1 m/s"\nmaterials = "brass"\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "wall"),
+    [
+        ("same", Wall()),
+        ("rigid", Wall.rigid()),
+        (STEEL, Wall.of(STEEL)),
+        ("5 kN/mm", Wall("5 kN/mm", exponent=1, loss=hc.Elastic())),
+        ("2e10 N/m^1.5", Wall("2e10 N/m^1.5")),
+    ],
+)
+def test_a_wall_as_text_is_that_of_the_option(text, wall, run, tmp_path):
+    for side in ("left_wall", "right_wall"):
+        chain = hc.chain_from_toml(f'{ROW}{side} = "{text}"\n')
+        assert getattr(chain, side) == wall
+        # Files that hertzchain writes have tables.
+        assert isinstance(tomllib.loads(hc.chain_as_toml(chain))["chain"][side], dict)
+    options = ("--material", "brass", "--diameter", "10 mm", "--beads", 4, "--speed", "1 mm/s")
+    file = written(tmp_path, ROW.replace("0.1 m/s", "1 mm/s") + f'right_wall = "{text}"\n')
+    found = [
+        run("simulate", *chain, "--json").stdout for chain in ((*options, "--wall", text), (file,))
+    ]
+    assert "wall" in found[0]
+    assert found[0] == found[1]
+
+
+def test_a_wall_as_text_can_be_of_a_material_of_the_file():
+    own = '[materials.lead]\ndensity = 11340\nyoung = "16 GPa"\npoisson = 0.44\n'
+    chain = hc.chain_from_toml(f'{ROW}right_wall = "lead"\n{own}')
+    assert chain.right_wall.material.density == 11340
+
+
+@pytest.mark.parametrize(
+    ("wall", "message"),
+    [
+        ("5", "right_wall of .chain. must be same, rigid, a material, or a stiffness .* got '5'"),
+        ("", "right_wall of .chain. must be same, rigid, a material, or a stiffness .* got ''"),
+        ("butter", "unknown material 'butter'"),
+        ("5 mm", "right_wall of .chain. must be same"),
+    ],
+)
+def test_other_texts_are_no_walls(wall, message):
+    with pytest.raises(InputError, match=message):
+        hc.chain_from_toml(f'{ROW}right_wall = "{wall}"\n')
+
+
+@pytest.mark.parametrize(
+    ("text", "given"),
+    [
+        ("5 g", {"mass": "5 g"}),
+        ("5 g, steel-304", {"mass": "5 g", "material": "steel-304"}),
+        ("5 g, 1 kN/mm", {"mass": "5 g", "stiffness": "1 kN/mm", "exponent": 1}),
+    ],
+)
+def test_a_cap_as_text_is_that_of_the_option(text, given):
+    chain = hc.chain_from_toml(f'{ROW}cap = "{text}"\n')
+    assert chain == hc.chain_from_toml(ROW).with_cap(**given)
+
+
+@pytest.mark.parametrize("beads", ['diameters = "10 mm"', 'taper = "uniform"\nradius = "5 mm"'])
+def test_materials_of_a_file_repeat_in_turn(beads):
+    text = f"[chain]\n{beads}\nbeads = 7\nmaterials = ['{STEEL}', 'glass', 'glass']\n"
+    names = [each.name for each in hc.chain_from_toml(text).materials]
+    assert names == [STEEL, "glass", "glass"] * 2 + [STEEL]
+
+
+def test_materials_that_do_not_repeat_once_have_a_warning():
+    text = f"{ROW}".replace('"brass"', '["brass", "glass", "ptfe"]')
+    with pytest.warns(hc.InputWarning, match="3 materials for 4 beads, .* bead 4 is of brass"):
+        chain = hc.chain_from_toml(text)
+    assert [each.name for each in chain.materials] == ["brass", "glass", "ptfe", "brass"]
+    with pytest.raises(InputError, match="there must be 4 materials, one for each bead, got 5"):
+        hc.chain_from_toml(ROW.replace('"brass"', '["brass", "glass", "ptfe", "brass", "ptfe"]'))

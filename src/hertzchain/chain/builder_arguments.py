@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import Array
-from ..errors import InputError
+from ..errors import InputError, InputWarning, warn_user
 from ..validation.keywords import check_keywords
 from ..validation.numbers import FRACTION, number, real_numbers
 from ..validation.objects import check_list
@@ -102,6 +102,22 @@ def repeated_materials(
             f"the cell has {size} beads, but {len(kinds)} materials; give one for each bead"
         )
     return (kinds * beads)[:beads]
+
+
+def materials_in_turn(
+    materials: Material | Sequence[Material], beads: int | None
+) -> Material | Sequence[Material]:
+    """Materials of all beads, which repeat in turn if there are fewer."""
+    if beads is None or isinstance(materials, Material) or not 0 < len(materials) < beads:
+        return materials
+    found = [materials[i % len(materials)] for i in range(beads)]
+    if 2 * len(materials) > beads:
+        warn_user(
+            f"there are {len(materials)} materials for {beads} beads, which repeat in turn: bead "
+            f"{beads} is of {found[-1].name}; give one for each bead if this is not meant",
+            InputWarning,
+        )
+    return found
 
 
 def velocities(beads: int, velocity: float | str, fields: Mapping[str, Any]) -> Array:

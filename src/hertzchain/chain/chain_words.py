@@ -17,7 +17,7 @@ from .scattered_radii import ScatteredRadii
 
 
 def chain_description(chain: ChainFields) -> str:
-    """Such as ``20 brass beads, diameter 10 mm, and a cap (5 g), right wall``."""
+    """Such as ``20 brass beads, diameter 10 mm, and a cap (5 g, brass), right wall``."""
     beads, bodies, features = _parts(chain)
     joined = [f"{'and ' * (len(bodies) == 1)}{' and '.join(bodies)}"] if bodies else []
     return ", ".join((*beads, *joined, *features))
@@ -58,10 +58,10 @@ def _parts(chain: ChainFields) -> tuple[list[str], list[str], list[str]]:
 
 
 def cap_in_words(chain: ChainFields) -> str:
-    """Such as ``a cap (5 g)``, with its material if the last ball has another one."""
+    """Such as ``a cap (5 g, glass)``, or without a material if the chain has none."""
     if chain.cap is None:
         return ""
     mass = float(chain.masses[-1])
     words = f"mass {mass:.4g}" if chain.scaled else mass_in_words(mass)
-    kinds = list(dict.fromkeys(each.name for each in (chain.materials or ())[-2:]))
-    return f"a cap ({', '.join([words, *kinds[1:]])})"
+    kind = [each.name for each in (chain.materials or ())[-1:]]
+    return f"a cap ({', '.join([words, *kind])})"

@@ -141,26 +141,9 @@ def _striker(text: str, chain: Chain) -> dict[str, Any]:
 
 def with_cap(chain: Chain, text: str) -> Chain:
     """The chain with a cap from text such as ``5 g``, ``8 kHz`` or ``5 g, steel-304, 1 kN/mm``."""
-    from ..units import has_dimension, quantity
+    from ..store.text_forms import cap_from_text
 
-    reject_decimal_comma("--cap", text)
-    units = {"kg": "mass", "Hz": "frequency", "N/m": "stiffness", "N/m^1.5": "stiffness"}
-    given: dict[str, Any] = {}
-    for part in map(str.strip, text.split(",")):
-        found = quantity(part)
-        unit = next((each for each in units if found and has_dimension(found[1], each)), "")
-        if not unit and (found is not None or not part[:1].isalpha()):
-            raise click.UsageError(
-                "--cap must be a mass or the resonance frequency on the wall, and perhaps a "
-                "material and the stiffness of its contact with the last bead, such as --cap "
-                f"'5 g, steel-304', or '5 g, 1 kN/mm' with a pad, got {part!r}"
-            )
-        key = units.get(unit, "material")
-        if key in given:
-            raise click.UsageError(f"--cap {text!r} has two values of the {key}: omit one")
-        given[key] = part
-        if unit == "N/m":
-            given["exponent"] = 1.0
+    given = cap_from_text("--cap", text)
     if chain.scaled:
         raise click.UsageError(f"--cap {text!r} requires --material")
     return chain.with_cap(**given)
@@ -200,21 +183,24 @@ def _with_unit(chain: Chain, text: str, option: str, unit: str) -> str | float:
 
 def wall_named(name: str, chain: Chain) -> Wall:
     """The wall of ``--wall NAME``."""
+    from ..chain.laws.elastic import Elastic
     from ..chain.walls import Wall
     from ..errors import InputError
+    from ..store.text_forms import wall_from_text
 
     if name == "same":
         return Wall()
     if name == "rigid":
         return Wall.rigid()
-    if name.lstrip("+-.")[:1].isdigit() and not chain.scaled:
-        return _wall_of_stiffness(name)
     if chain.scaled:
         raise click.UsageError(
             f"--wall {name} requires --material; a scaled chain has the walls same and rigid"
         )
+    given = wall_from_text("--wall", name)
+    if given.pop("loss", None):
+        given["loss"] = Elastic()
     try:
-        return Wall.of(name)
+        return Wall(**given)
     except InputError as error:
         words = on_command_line(str(error))
         raise click.UsageError(f"--wall must be same, rigid or a material: {words}") from None
@@ -227,24 +213,6 @@ def wall_with_loss(text: str, chain: Chain) -> Wall:
     if chain.right_wall is None:
         raise click.UsageError("--wall-loss is that of the contact with a wall: add --wall")
     return replace(chain.right_wall, loss=law_from(text, chain, "--wall-loss"))
-
-
-def _wall_of_stiffness(text: str) -> Wall:
-    """A wall of a stiffness in N/m, such as a load cell without loss, or of one in N/m^1.5."""
-    from ..chain.laws.elastic import Elastic
-    from ..chain.walls import Wall
-    from ..units import comma_advice, has_dimension, quantity
-
-    found = quantity(text)
-    for unit, exponent in (("N/m", 1.0), ("N/m^1.5", None)):
-        if found is not None and has_dimension(found[1], unit):
-            # Laws of loss are those of spheres, and a linear spring is that of a load cell or pad.
-            loss = None if exponent is None else Elastic()
-            return Wall(text, exponent=exponent, loss=loss)  # type: ignore[arg-type]
-    raise click.UsageError(
-        f"--wall must be same, rigid, a material, or a stiffness such as '5 kN/mm' (exponent 1) or "
-        f"'2e10 N/m^1.5', got {text!r}{comma_advice(text)}"
-    )
 
 
 def _pairs(texts: list[str]) -> list[tuple[str, str]]:

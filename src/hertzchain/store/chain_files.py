@@ -19,14 +19,14 @@ A TOML file has a table ``[chain]`` with the beads in one of these forms::
 
     file = "beads.csv"               # one row per bead
 
-With ``materials`` (one, or one per bead; also called ``material``) the chain is in SI units; a
-taper then requires the ``radius`` of its first bead, and ``velocity`` is that of the impact.  All
-other keys are fields of `hertzchain.Chain`.  The tables ``[chain.decorated]``,
+With ``materials`` (one, one per bead, or several in turn; also called ``material``) the chain is in
+SI units; a taper then requires the ``radius`` of its first bead, and ``velocity`` is that of the
+impact.  All other keys are fields of `hertzchain.Chain`.  The tables ``[chain.decorated]``,
 ``[[chain.with_defects]]``, ``[chain.with_scatter]``, ``[chain.cap]``, ``[[chain.struck_by]]`` and
 ``[[chain.with_contacts]]`` are its methods, applied in this order; lists of masses, stiffness,
 velocities and gaps include the cap, which is the last bead.  ``[chain.left_wall]``,
-``[chain.right_wall]``, ``[chain.loss]`` and ``[chain.drive]`` are its parts.  Custom
-materials are tables ``[materials.NAME]``.
+``[chain.right_wall]``, ``[chain.loss]`` and ``[chain.drive]`` are its parts.  Walls and the cap can
+be text, as on the command line.  Custom materials are tables ``[materials.NAME]``.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..chain.builder_arguments import repeated_sizes
+from ..chain.builder_arguments import materials_in_turn, repeated_sizes
 from ..chain.chain import Chain
 from ..chain.contact_shapes import Cone, CrossedCylinders, Pad, Shape
 from ..chain.input_checks import checked_sizes
@@ -348,7 +348,7 @@ class _ChainFile:
         if "materials" not in table:
             self._require_without('units = "SI" without materials', ["beads", "velocity"])
             return Chain(radii, units="SI", **law, **own)
-        kinds = self._material(table["materials"])
+        kinds = materials_in_turn(self._material(table["materials"]), table.get("beads"))
         fields = law | own | {"velocity": table.get("velocity")}
         if form in CELLS:
             return Chain.periodic(**self._cell(), materials=kinds, **fields)

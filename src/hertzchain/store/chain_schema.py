@@ -28,6 +28,7 @@ from ..errors import InputError
 from ..units import UNITS
 from ..validation.keywords import FIELD_ALIASES
 from .schema_keys import Key, Kind, Section, section_as_dict
+from .text_forms import with_tables
 
 
 def _number(name: str, description: str, dimension: str = "", **more: Any) -> Key:
@@ -53,6 +54,7 @@ _WALL: Final = (
     ),
     Key("loss", "law", "law of loss of its contact; the chain's if omitted"),
 )
+_WALLS_AS_TEXT: Final = ("same", "rigid", "brass", "5 kN/mm", "2e10 N/m^1.5")
 
 # Further keys of a taper that is given by sizes.
 _SIZES: Final = ("ratio", "length", "taper", "beads")
@@ -106,7 +108,8 @@ _CHAIN: Final = (
             per="contact", one_for_all=True),
     Key("units", "choice", "units of the chain; SI follows from materials",
         choices=("scaled", "SI")),
-    Key("materials", "material", "material of all beads, or of each (of the cell); or material",
+    Key("materials", "material", "material of all beads, of each (of the cell), or several in "
+        "turn; or material",
         per="bead", one_for_all=True),
     _number("velocity", "velocity of bead 1 of a chain of materials", "velocity"),
     Key("strikers", "integer", "number of beads at the front that are strikers; "
@@ -320,14 +323,16 @@ _LISTED: Final = (
             repeated=True),
     Section("chain.struck_by", "strikers in front of the chain", _STRUCK_BY, repeated=True),
     Section("chain.cap", "a flat body behind the last ball: with a right wall, the cap of a load "
-            "cell; without one, a free body such as a box", _CAP),
+            "cell; without one, a free body such as a box", _CAP,
+            texts=("5 g", "8 kHz", "5 g, steel-304", "5 g, 1 kN/mm")),
     Section("chain.striker_properties", "properties of one of the first beads counted by strikers",
             _STRIKER_PROPERTIES, repeated=True),
     Section("chain.exponent", "the exponent of one pair of materials", _EXPONENTS, repeated=True),
     Section("chain.with_contacts", "contacts of bodies other than spheres", (_CONTACTS,),
             repeated=True, variant_key="shape", variants=_SHAPES),
-    Section("chain.left_wall", "the wall behind bead 1", _WALL),
-    Section("chain.right_wall", "the wall in front of the last bead", _WALL),
+    Section("chain.left_wall", "the wall behind bead 1", _WALL, texts=_WALLS_AS_TEXT),
+    Section("chain.right_wall", "the wall in front of the last bead", _WALL,
+            texts=_WALLS_AS_TEXT),
     Section("chain.loss", "the law of loss; or one for each contact or pair of materials",
             (_BETWEEN, *_COLLISION), repeated=True, variant_key="law", variants=_LAWS),
     Section("chain.drive", "force on bead 1 or motion of the left wall", (), variant_key="kind",
@@ -368,15 +373,15 @@ def chain_schema() -> dict[str, Any]:
 
 
 def with_usual_names(document: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The document with the usual names of the fields of [chain]."""
+    """The document with the usual names of the fields of [chain], and tables instead of texts."""
     table = document.get("chain")
-    if not isinstance(table, Mapping) or FIELD_ALIASES.keys().isdisjoint(table):
+    if not isinstance(table, Mapping):
         return document
     for other, name in FIELD_ALIASES.items():
         if {other, name} <= table.keys():
             raise InputError(f"[chain] has {name} and {other}, which are the same: omit one")
     names = (FIELD_ALIASES.get(name, name) for name in table)
-    return {**document, "chain": dict(zip(names, table.values(), strict=True))}
+    return {**document, "chain": with_tables(dict(zip(names, table.values(), strict=True)))}
 
 
 def dimensions_of(path: Sequence[str]) -> set[str]:

@@ -112,10 +112,11 @@ def _check_tables(entry: Any, section: Section, complete: bool, place: str = "")
 
 def _example(section: Section) -> str:
     """Tables to suggest instead of a single value."""
+    wall = ', such as {rigid = true}, {material = "brass"} or {}, or text such as "same"'
     examples = {
-        "chain.left_wall": ', such as {rigid = true}, {material = "brass"} or {}',
-        "chain.right_wall": ', such as {rigid = true}, {material = "brass"} or {}',
-        "chain.cap": ', such as {mass = "5 g"}',
+        "chain.left_wall": wall,
+        "chain.right_wall": wall,
+        "chain.cap": ', such as {mass = "5 g"}, or text such as "5 g"',
         "chain.loss": ', such as {law = "restitution", coefficient = 0.95}',
         "chain.drive": ', such as {kind = "step", amplitude = 10.0}',
         "chain.exponent": ', such as {between = ["brass", "ptfe"], value = 1.5}',

@@ -105,6 +105,8 @@ class Section:
         A required key whose value selects further keys; empty if there is none.
     variants : mapping of str to tuple of Key
         Further keys, by the value of `variant_key`.
+    texts : tuple of str
+        Examples of texts that can replace the table; empty if none can.
 
     Examples
     --------
@@ -121,6 +123,7 @@ class Section:
     repeated: bool = False
     variant_key: str = ""
     variants: Mapping[str, tuple[Key, ...]] = field(default_factory=dict)
+    texts: tuple[str, ...] = ()
 
 
 def section_as_dict(section: Section) -> dict[str, Any]:
@@ -133,6 +136,7 @@ def section_as_dict(section: Section) -> dict[str, Any]:
         "variants": {
             name: [_key_as_dict(key) for key in keys] for name, keys in section.variants.items()
         },
+        "texts": list(section.texts),
     }
 
 

@@ -44,6 +44,12 @@ MAX_LISTED: Final = 20
 class InputError(ValueError):
     """A chain, option or file cannot be used."""
 
+    def _render_traceback_(self) -> list[str]:
+        # IPython calls this method.
+        from .short_tracebacks import short_traceback
+
+        return short_traceback(self)
+
 
 class UnavailableError(InputError, AttributeError):
     """A property that an object does not have: `hasattr` returns False."""

@@ -397,6 +397,7 @@ def public_calls(folder):
             max_steps=9999,
         ),
         "Gradient.to_dataframe": tried(hc.gradient(chain, "pulse.velocity@3").to_dataframe),
+        "Gradient.to_xarray": tried(hc.gradient(chain, "pulse.velocity@3").to_xarray),
         "Gradient.plot": tried(hc.gradient(chain, "pulse.velocity@3").plot, name="radii", ax=None),
         "Gradient.relative": tried(hc.gradient(chain, "pulse.velocity@3").relative, name="radii"),
         "gradients": tried(

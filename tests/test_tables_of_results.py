@@ -1,5 +1,8 @@
 """Tables of spectra, comparisons and gradients."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -53,6 +56,46 @@ def test_derivatives_of_beads_contacts_and_walls_have_a_table():
     wall = table[table.parameter == "right_wall.stiffness"]
     assert wall.number.isna().all()
     assert wall.value.tolist() == [2.0]
+
+
+def test_derivatives_have_a_labelled_dataset():
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=5, right_wall=hc.Wall(stiffness=1e9))
+    names = ["radii", "gaps", "stiffness", "velocities", "young", "right_wall.stiffness"]
+    chain = chain.replace(velocities=0.01 * chain.velocities)
+    found = hc.gradient(chain, "wall_force.peak", to=names)
+    dataset = found.to_xarray()
+    # The table of the same derivatives labels beads and contacts on its own.
+    for name, rows in found.to_dataframe().groupby("parameter"):
+        values = dataset[name]
+        dimension = {5: ("bead",), 4: ("contact",), 1: ()}[len(rows)]
+        assert values.dims == dimension
+        assert np.atleast_1d(values).tolist() == rows.derivative.tolist()
+        if dimension:
+            assert dataset[dimension[0]].to_numpy().tolist() == rows.number.tolist()
+        assert values.units == rows.unit.iloc[0] == found.units[name]
+    assert dataset.attrs == {"quantity": "wall_force.peak", "value": found.value, "unit": "N"}
+    scaled = hc.gradient(hc.Chain.uniform(3), "pulse.velocity@3", to="radii").to_xarray()
+    assert "units" not in scaled.radii.attrs
+
+
+METHODS = ("to_dataframe", "to_xarray", "to_dataset")
+
+
+def test_the_page_lists_the_tables_of_all_results():
+    page = Path(__file__).parent.parent.joinpath("docs/how-to/notebooks.md").read_text("utf-8")
+    listed = {
+        first.strip("`() "): set(re.findall(r"`(\w+)`", names))
+        for first, names in re.findall(r"^\| (.+?) \| (.+) \|$", page, re.MULTILINE)
+    }
+    # Results are the public classes with a view in notebooks.
+    results = {
+        name: kind for name in dir(hc)
+        if isinstance(kind := getattr(hc, name), type) and hasattr(kind, "_repr_html_")
+    }  # fmt: skip
+    for method in METHODS:
+        assert listed[method] == {n for n, kind in results.items() if hasattr(kind, method)}
+    without = {n for n, kind in results.items() if not any(hasattr(kind, m) for m in METHODS)}
+    assert listed["attributes only"] == without
 
 
 @pytest.mark.parametrize("name", ["sound_speed"])

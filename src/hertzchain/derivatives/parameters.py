@@ -25,6 +25,8 @@ PARAMETERS: Final = (
     "right_wall.stiffness", "left_wall.gap", "right_wall.gap", "precompression", "gravity",
     "loss.time", "loss.coefficient", "loss.gamma",
 )  # fmt: skip
+# Parameters with one value per contact of two beads; other lists have one per bead.
+OF_CONTACTS: Final = ("stiffness", "gaps")
 
 
 def checked_parameters(chain: Chain, to: str | Iterable[str]) -> tuple[str, ...]:

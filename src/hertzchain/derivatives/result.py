@@ -19,9 +19,11 @@ from ..validation.keywords import checked_methods
 from .accuracy import Accuracy
 from .differences import Differences
 from .kinks import kink_note
+from .parameters import OF_CONTACTS
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
     from matplotlib.axes import Axes
 
 
@@ -163,6 +165,40 @@ class Gradient(Frozen):
             ]
         columns = ["parameter", "number", "value", "derivative", "unit"]
         return pd.DataFrame(rows, columns=columns).astype({"number": "Int64"})
+
+    def to_xarray(self) -> xr.Dataset:
+        """Labelled dataset with coordinates ``bead`` = 1..N and ``contact`` = 1..N - 1.
+
+        Returns
+        -------
+        xarray.Dataset
+            A variable with the derivatives by each parameter, with their unit as an attribute, if
+            they have one.  A parameter without beads or contacts has no dimension.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> found = hc.gradient(hc.Chain.uniform(3), "pulse.energy@3", to=["radii", "gaps"])
+        >>> dict(found.to_xarray().sizes)
+        {'bead': 3, 'contact': 2}
+        """
+        import xarray as xr
+
+        dimensions = {
+            name: ("contact" if name in OF_CONTACTS else "bead",) * np.ndim(slopes)
+            for name, slopes in self.gradient.items()
+        }
+        variables = {
+            name: (dimensions[name], slopes, {"units": unit} if (unit := self.units[name]) else {})
+            for name, slopes in self.gradient.items()
+        }
+        sizes = {dimension: len(self.gradient[name])
+                 for name, own in dimensions.items() for dimension in own}  # fmt: skip
+        return xr.Dataset(
+            variables,
+            coords={name: np.arange(1, size + 1) for name, size in sizes.items()},
+            attrs={"quantity": self.quantity, "value": self.value, "unit": self.unit},
+        )
 
     def plot(self, name: str = "radii", *, ax: Axes | None = None) -> Axes:
         """Plot by how many percent the quantity changes if a parameter of each bead grows by 1%.

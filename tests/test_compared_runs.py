@@ -197,3 +197,26 @@ def test_walls_and_boxes_have_peaks_at_both_yield_pressures(run, tmp_path):
     assert f"{body.acceleration:.4g} m/s^2" in table["box"]
     # Forces on walls and boxes are not compared.
     assert "*" not in "".join(table.values())
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
+def test_all_dashes_of_different_ends_have_a_reason(run, tmp_path):
+    balls = '[chain]\ndiameters = "10 mm"\nbeads = 4\nmaterials = "steel-52100"\n'
+    ends = {"wall": 'right_wall = "same"', "box": 'cap = "100 g"', "free": ""}
+    for name, end in ends.items():
+        (tmp_path / f"{name}.toml").write_text(f"{balls}{end}\n")
+    files = [tmp_path / f"{name}.toml" for name in ends]
+    out = run("simulate", *files, "--speed", "0.5m/s", "--speed", "1m/s").stdout
+    notes = [line for line in out.splitlines() if line.startswith("-: ")]
+    assert notes == [
+        "-: no right wall, box and free", "-: no right wall and no cap, free",
+        "-: no free end, wall", "-: no cap, free",
+    ]  # fmt: skip
+    # Walls and boxes have the peaks at both yield pressures, and boxes have an acceleration.
+    table = [line for line in out.splitlines() if " 0.00" in line]
+    rows = {name: [line for line in table if f" {name} " in line] for name in ends}
+    assert [line.count(" N ") for line in rows["wall"]] == [3, 3]
+    assert [line.count(" N ") for line in rows["box"]] == [3, 3]
+    assert ["m/s^2" in line for line in rows["box"]] == [True, True]
+    early = run("simulate", *files[:1], *files[2:], "--speed", "0.1m/s", "--until", "40us").stdout
+    assert "-: no right wall, free" in early

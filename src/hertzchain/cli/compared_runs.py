@@ -19,7 +19,15 @@ from .compared_yield import (
     predicted,
 )
 from .last_bead import last_bead_of, shown_acceleration
-from .marked_entries import NONE, UNPREDICTED, dash_notes, mark, mark_unpredicted, sign_notes
+from .marked_entries import (
+    NONE,
+    UNPREDICTED,
+    dash_notes,
+    mark,
+    mark_unpredicted,
+    shown_columns,
+    sign_notes,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -253,7 +261,7 @@ def _of_different_ends(
             _add_peaks(rows, i, at, runs, {})
     places = ["force on the right wall"] * walled
     places.append("last bead of free ends in the leading pulse")
-    notes = [*sign_notes(rows), *dash_notes(rows, at, impacts)]
+    notes = [*sign_notes(rows), *dash_notes(rows, at, impacts, ends_differ=True)]
     return _table(rows, f"{_counted(rows, impacts)}: {', '.join(places)}", impacts), notes
 
 
@@ -284,10 +292,7 @@ def _table(rows: Mapping[str, Mapping[str, str]], title: str, impacts: Impacts) 
     from rich import box
     from rich.table import Table
 
-    columns = [
-        key for key in dict.fromkeys(key for row in rows.values() for key in row)
-        if any(row.get(key, NONE) != NONE for row in rows.values())
-    ]  # fmt: skip
+    columns = shown_columns(rows)
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", padding=0)
     named = not impacts or any(any(names) for names in impacts.names.values())
     first = [impacts.kind] * bool(impacts) + ["chain"] * named

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .repeated_impacts import Impacts
 
 NONE: Final = "-"
+OF_LAST_BEAD: Final = ("velocity of last bead", "momentum of last bead")
 # Sign of a force that is not a prediction.
 UNPREDICTED: Final = "?"
 
@@ -49,19 +50,54 @@ def sign_notes(rows: Mapping[str, Mapping[str, str]]) -> list[str]:
 
 
 def dash_notes(
-    rows: Mapping[str, Mapping[str, str]], at: Mapping[str, AtPressures], impacts: Impacts
-) -> list[str]:
-    """The reasons of dashes in columns of yield."""
+    rows: Mapping[str, Mapping[str, str]], at: Mapping[str, AtPressures], impacts: Impacts, *,
+    ends_differ: bool = False,
+) -> list[str]:  # fmt: skip
+    """The reasons of all dashes in a table, with the chains to which they apply."""
     chains = {name: chain for names in impacts.names.values() for chain, name in names.items()}
     reasons: dict[str, dict[str, None]] = {}
-    for name, row in rows.items():
-        chain = chains.get(name, name)
-        if any(entry == NONE for key, entry in row.items() if key.startswith("peak at ")):
-            reason = f"no peak at a yield pressure ({at[name].reason or 'not complete'})"
-            reasons.setdefault(reason, {})[chain] = None
-        if row.get("pressure/yield") == NONE:
-            reasons.setdefault("no known yield strength", {})[chain] = None
+    for column in shown_columns(rows):
+        for name, row in rows.items():
+            if row.get(column, NONE) == NONE:
+                walled = row.get("peak", NONE) != NONE
+                end = ends_differ and _reason_of_end(column, row, walled=walled)
+                reason = end or _reason_of_dash(column, row, at.get(name))
+                reasons.setdefault(reason, {})[chains.get(name, name)] = None
     return [
         f"{NONE}: {reason}{f', {listed([*names])}' if any(names) else ''}"
         for reason, names in reasons.items()
     ]
+
+
+def shown_columns(rows: Mapping[str, Mapping[str, str]]) -> list[str]:
+    """The columns in which any row has an entry."""
+    return [
+        key for key in dict.fromkeys(key for row in rows.values() for key in row)
+        if any(row.get(key, NONE) != NONE for row in rows.values())
+    ]  # fmt: skip
+
+
+def _reason_of_end(column: str, row: Mapping[str, str], *, walled: bool) -> str:
+    """Why a row has no entry in a column of other ends, if its end is the reason."""
+    if column in ("peak", "time", "impulse", "duration") and not walled:
+        return "no right wall"
+    if column in (*OF_LAST_BEAD, "force on the cap", "acceleration") and walled:
+        return "no free end"
+    if column in ("force on the cap", "acceleration") and "force on the cap" not in row:
+        return "no cap"
+    return ""
+
+
+def _reason_of_dash(column: str, row: Mapping[str, str], at: AtPressures | None) -> str:
+    """Why a row has no entry in a column that its end can have."""
+    if column.startswith("peak at "):
+        return (
+            "no right wall and no cap" if at is None
+            else f"no peak at a yield pressure ({at.reason or 'not complete'})"
+        )  # fmt: skip
+    if column.startswith("largest in "):
+        return "no sensor in this bead"
+    others = dict.fromkeys(OF_LAST_BEAD, "the pulse has not left the chain")
+    others |= {"pressure/yield": "no known yield strength", "deepest dent": "no dents"}
+    known = not row.get("peak", "not").startswith("not")
+    return others.get(column, "the impact is not over" if known else "the force is not complete")

@@ -1385,10 +1385,14 @@ def test_a_bead_that_does_not_exist_is_not_evaluated():
 def test_the_shipped_catalogue_has_known_sizes():
     found = load_balls("bearing-balls")
     # Balls per kg of steel in a maker's table (Technoball): 30500 of 2 mm, 119 of 12.7 mm.
-    for diameter, per_kg in ((2e-3, 30500), (12.7e-3, 119)):
+    # A ball of 2 in weighs 1.18 lb or 535 g in tables of makers.
+    for diameter, per_kg in ((2e-3, 30500), (12.7e-3, 119), (50.8e-3, 1 / 0.535)):
         ball = next(b for b in found if b.diameter == diameter and b.material.name == "steel-52100")
         mass = ball.material.density * np.pi / 6 * ball.diameter**3
         assert 1 / mass == pytest.approx(per_kg, rel=0.02)
+    large = sorted({ball.diameter for ball in found if ball.diameter > 0.0254})
+    names = "28.575 30 30.1625 31.75 33.3375 34.925 36.5125 38.1 41.275 44.45 50.8"
+    assert large == pytest.approx([1e-3 * float(name) for name in names.split()], rel=1e-9)
 
 
 @pytest.mark.parametrize(

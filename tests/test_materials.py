@@ -24,8 +24,8 @@ STEEL = hc.material("steel-52100")
 
 def test_catalogue_has_common_materials():
     wanted = {
-        "steel-52100", "steel-304", "steel-316", "brass", "bronze", "aluminium", "titanium",
-        "tungsten-carbide", "silicon-nitride", "alumina", "glass", "ptfe", "nylon",
+        "steel-52100", "steel-304", "steel-316", "steel-440c", "brass", "bronze", "aluminium",
+        "titanium", "tungsten-carbide", "silicon-nitride", "alumina", "glass", "ptfe", "nylon",
         "polycarbonate", "acrylic", "rubber",
     }  # fmt: skip
     assert wanted <= set(catalogue())
@@ -533,3 +533,12 @@ def test_a_law_with_yield_is_no_advice_beyond_its_range():
         assert (found.overlap_ratio.max() > 0.1) == beyond
         assert ("choose another material" in found.violations[0]) == beyond
         assert ("ElasticPlastic" in found.violations[0]) == (not beyond)
+
+
+def test_hardened_stainless_balls_are_stronger_than_austenitic_ones():
+    """Pressures at first yield are proportional to the strength: 275 ksi against 30 ksi."""
+    hard, soft = hc.material("steel-440c"), hc.material("steel-304")
+    assert hard.yield_strength == pytest.approx(275 * 6.894757e6, rel=1e-3)
+    assert hard.yield_strength / soft.yield_strength > 9.0
+    with pytest.raises(InputError, match="'steel-304', 'steel-316' or 'steel-440c'"):
+        hc.material("stainless steel")

@@ -38,10 +38,11 @@ FIRST_YIELD: Final = 1.60
 # Mechanics, Cambridge 1985, Sec. 6.3.
 FULLY_PLASTIC: Final = 2.8
 
+STAINLESS: Final = "'steel-304', 'steel-316' or 'steel-440c'"
 # Names that users give to materials of the catalogue.
 OTHER_NAMES: Final = {
-    "teflon": "'ptfe'", "stainless": "'steel-304' or 'steel-316'",
-    "stainless steel": "'steel-304' or 'steel-316'", "bearing steel": "'steel-52100'",
+    "teflon": "'ptfe'", "stainless": STAINLESS, "stainless steel": STAINLESS,
+    "440c": "'steel-440c'", "ss440c": "'steel-440c'", "bearing steel": "'steel-52100'",
     "chrome steel": "'steel-52100'", "100cr6": "'steel-52100'", "aluminum": "'aluminium'",
     "ss304": "'steel-304'", "304": "'steel-304'", "304l": "'steel-304'",
     "ss316": "'steel-316'", "316": "'steel-316'", "316l": "'steel-316'",

@@ -25,7 +25,7 @@ def absorber(material, diameters, limit, speed):
         row,
         minimise="beads",
         vary=[balls],
-        subject_to={"wall_force.peak": f"<= {limit}"},
+        subject_to={"wall_force.peak": f"<= {limit}", "overlap_ratio": "<= 10"},
     )
     return hc.design(problem, budget=500)
 

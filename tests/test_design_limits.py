@@ -182,8 +182,7 @@ def test_designs_with_yield_stay_within_the_range_of_the_law_unless_it_is_lifted
     assert "added because" not in soft.summary()
 
 
-def test_other_designs_have_no_default_limit():
-    assert not of_balls(hc.Elastic()).requirements
+def test_objectives_without_a_simulation_have_no_default_limit():
     shortest = dataclasses.replace(of_balls(hc.ElasticPlastic()), minimise="length")
     assert not shortest.requirements
 

@@ -1,7 +1,7 @@
 """Design of chains: a problem, methods that search for chains, and verified results.
 
-- the problem: `problem` and `problem_files`, its `measures`, `objective`, `requirements` and
-  `scatter`;
+- the problem: `problem` and `problem_files`, its `measures`, `objective`, `requirements`,
+  `default_limits` and `scatter`;
 - variables: `vary`, the continuous `sizes`, the `ball_choice`, `balls` of catalogues, `stock`;
 - the search: `design`, `methods`, `trials` with their `search_budget`, `dry_run`, and the spaces
   `size_space` and `ball_space`;
@@ -9,7 +9,7 @@
 - methods for choices: `genetic` with its `start_rows`; two objectives: `pareto`, `front_search`,
   `dominance`;
 - values and derivatives: `measured`, theories in `models`, `exact_gradients`,
-  `finite_differences`, contacts in `yielding`;
+  `overlap_slopes`, `finite_differences`, contacts in `yielding`;
 - the result: `result`, `verification`, `verified`, `new_samples`, `bounds`, `reference_chains`,
   `comparison`, `curves`, `rejections`, `report`, `compared_in_words`, `exports`;
 - deviations of beads: `sensitivity`, `distribution`.

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.hertz_ratios import springs_of
 from ..chain.laws.dashpot import Dashpot
 from ..chain.laws.velocity_power import VelocityPower
 from ..collision import Array
@@ -21,7 +22,9 @@ from ..recorded_warnings import ignore_warnings
 from ..simulation.simulate import simulate
 from ..threads import Threads
 from .bounds import impact_varies
+from .default_limits import OVERLAP
 from .measures import IMPULSE, LARGEST, LARGEST_IN_SENSOR, PULSE, SENSORS, SHARES, Measure
+from .overlap_slopes import overlap_ratio_and_slopes
 from .problem import Design
 from .size_space import SizeSpace
 
@@ -73,8 +76,19 @@ def covered(problem: Design) -> bool:
         return False
     shares_vary = any(m.key in SHARES for m in problem.measures) and impact_varies(problem)
     needed = [m for m in problem.measures if not m.of_chain]
+    limits = overlap_limits_of(problem)
+    needed = [m for m in needed if m not in limits]
     known = [name_of(m, chain.beads) is not None for m in needed]
     return bool(needed) and all(known) and not shares_vary
+
+
+def overlap_limits_of(problem: Design) -> dict[Measure, float]:
+    """The limit of the overlap / radius of an elastic chain, if this is not an objective."""
+    if not problem.chain.lossless or springs_of(problem.chain)[:-1].any():
+        return {}
+    return {each.measure: each.limit for each in problem.requirements
+            if each.measure.key == OVERLAP and each.sign > 0
+            and each.measure not in problem.reported}  # fmt: skip
 
 
 def value_in_whole_run(measure: Measure, chain: Chain, until: float | None, rtol: float) -> float:
@@ -97,7 +111,9 @@ def _slopes_by_field(
     """
     assert isinstance(problem.space, SizeSpace)
     fields, measures = problem.space.fields, problem.measures
-    names = {i: name_of(m, chain.beads) for i, m in enumerate(measures) if not m.of_chain}
+    limits = overlap_limits_of(problem)
+    names = {i: name_of(m, chain.beads) for i, m in enumerate(measures)
+             if not m.of_chain and m not in limits}  # fmt: skip
     asked = [str(name) for name in names.values()]
     if PEAK in measures:
         asked.append(MAXIMA)
@@ -119,6 +135,12 @@ def _slopes_by_field(
         for field in fields:
             slopes[field][row] = each[field] / unit
     for row, measure in enumerate(measures):
+        if measure in limits:
+            values[row], by_field = overlap_ratio_and_slopes(
+                chain, fields, limits[measure], rtol, problem.until
+            )
+            for field in fields:
+                slopes[field][row] = by_field[field]
         if measure.of_chain:
             values[row] = measure.from_chain(chain, np.nan)
             for field in fields:

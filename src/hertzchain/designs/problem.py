@@ -23,10 +23,11 @@ from ..validation.numbers import number
 from ..validation.objects import check_choice, check_type
 from .ball_choice import BallChoice, OrderChoice
 from .ball_space import BallSpace
+from .default_limits import default_requirements
 from .measures import PULSE, SHARES, Measure
 from .models import MODELS
 from .objective import Objective, objectives_from
-from .requirements import Requirement, default_requirements, requirements_from
+from .requirements import Requirement, requirements_from
 from .scatter import scatter_from
 from .size_space import SizeSpace, size_space
 from .sizes import Sizes
@@ -57,9 +58,10 @@ class Design:
     vary : sequence
         Variables: results of `hertzchain.vary`.
     subject_to : mapping
-        Constraints by measure, such as ``{"length": "<= 60 mm", "yield_ratio": "<= 1"}``.  If
-        contacts yield, ``{"overlap_ratio": "<= 0.1"}``, the range of their law, is added unless a
-        limit of this ratio is given, such as ``"<= 1"``.
+        Constraints by measure, such as ``{"length": "<= 60 mm", "yield_ratio": "<= 1"}``.  Of
+        chains with materials, ``{"overlap_ratio": "<= 0.1"}``, beyond which forces are not a
+        prediction, is added unless the impact has too little energy for such overlaps, or a limit
+        of this ratio is given, such as ``"<= 10"``.
     scatter : Scatter or mapping, optional
         Deviations of manufactured beads; objective and constraints are then means or CVaR.
     until : float, optional
@@ -112,7 +114,7 @@ class Design:
         object.__setattr__(self, "space", _space(chain, self.vary))
         requirements = requirements_from(self.subject_to, chain)
         measures = (*reported, *(each.measure for each in requirements))
-        requirements += default_requirements(chain, measures, self.model)
+        requirements += default_requirements(chain, measures, self.model, self.space)
         object.__setattr__(self, "requirements", requirements)
         object.__setattr__(self, "scatter", scatter_from(self.scatter))
         if self.scatter is not None:
@@ -199,7 +201,9 @@ class Design:
         single = self.objective.single
         if len(self.objectives) > 1 or single is None or single.key != "beads":
             return None
-        simulated = (each for each in self.requirements if not each.measure.of_chain)
+        simulated = (
+            each for each in self.requirements if not (each.measure.of_chain or each.default)
+        )
         return next(simulated, None)
 
     @property

@@ -26,7 +26,7 @@ from .new_samples import FRESH
 from .requirements import TOLERANCE
 from .size_space import SizeSpace
 from .start_rows import ARRIVES
-from .verified import Verified, excess_with_scatter, met
+from .verified import Verified, excess_with_scatter, met, violated
 
 if TYPE_CHECKING:
     from .result import DesignResult
@@ -221,6 +221,14 @@ def _closest(result: DesignResult, value: str) -> str:
         name = f"{problem.scatter.statistic} of {name}"
         searched = result._shown(result._sign * result.expected)
         value = f"{searched} in the search, {value} without scatter"
+    outside = [each for each in problem.requirements
+               if str(each.measure) in violated(problem, result.values)]  # fmt: skip
+    if outside and all(each.default for each in outside):
+        (limit,) = outside
+        law = "the law" if _describes_yield(result) else "Hertz's law"
+        ratio = limit.shown(result.values[str(limit.measure)])
+        return (f"No chain was found within the range of {law} ({limit}); the closest one has "
+                f"{ratio} ({name}: {value})")  # fmt: skip
     article = "an" if name[0] in "aeiou" else "a"
     return f"No trial meets the constraints; the closest one has {article} {name} of {value}"
 
@@ -378,7 +386,8 @@ def _requirement(result: DesignResult, index: int) -> str:
         shown = each.shown(result.verified.yielding[name])
         text += f" ({shown} {result.verified.yielding_words})"
     if each.default:
-        text += f" (added because contacts yield; to lift it, give a limit, such as {name} <= 1)"
+        why = "contacts yield" if _describes_yield(result) else "no force is predicted beyond it"
+        text += f" (added because {why}; to lift it, give a limit, such as {name} <= 10)"
     return text if each.excess(value) <= TOLERANCE else f"{text}, NOT met"
 
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.hertz_ratios import NO_PREDICTION
 from ..collision import Array
 from ..errors import InputError, short_repr
 from ..representation import measure as shown
@@ -76,23 +75,6 @@ def requirements_from(given: object, chain: Chain) -> tuple[Requirement, ...]:
         found += [_requirement(measure, text, chain) for text in listed]
     _check_consistent(found)
     return tuple(found)
-
-
-def default_requirements(
-    chain: Chain, measures: Iterable[Measure], model: str
-) -> tuple[Requirement, ...]:
-    """The range of the law of contacts that yield, unless their overlaps have a given limit.
-
-    Without this limit, searches prefer soft balls with dents as large as the balls.
-    """
-    found = list(measures)
-    simulated = model == "simulation" and not all(each.of_chain for each in found)
-    yields = any(law.yields for law in chain.contact_losses)
-    limited = any(each.key == "overlap_ratio" for each in found)
-    if not (simulated and yields) or limited or chain.units != "SI" or chain.materials is None:
-        return ()
-    measure = measure_of(chain, "overlap_ratio")
-    return (Requirement(measure, NO_PREDICTION, 1, chain.units, default=True),)
 
 
 def _requirement(measure: Measure, text: object, chain: Chain) -> Requirement:

@@ -96,10 +96,13 @@ class Verification:
         order = [pairs[i] for _, i, _ in ranked]
         return Best(*order[0], tuple(found for _, found in order[1:]))
 
-    def _verified_rank(self, outcome: Outcome, found: Verified) -> tuple[float, float, float]:
+    def _verified_rank(self, outcome: Outcome, found: Verified) -> tuple[float, ...]:
+        """Order of verified trials; contacts that yield may leave the range of the law, too."""
         trials = self.trials
         values = np.array([[found.values[str(each)] for each in trials.measures]])
-        return trials.outcomes([outcome.x], values)[0].rank
+        violated, *others = trials.outcomes([outcome.x], values)[0].rank
+        guarded = any(each.default for each in trials.problem.requirements)
+        return violated, float(guarded and found.not_a_prediction), *others
 
     def _report_chain(self, *_: int) -> None:
         self._write(f"chain {self.done} of {self.chains} is integrated again at rtol {RTOL:g}")

@@ -92,6 +92,7 @@ QUICK = {
     "scatter": (*BALLS, "--scatter", "1%"),
     "scoreboard": (),
     "sensitivity": BALLS,
+    "sheet": (*BALLS, "--speed", "0.2 m/s", "--json"),
     "simulate": BALLS,
     "spectrum": ("--material", "brass", "--diameter", "9 mm", "--precompression", "1 N"),
 }
@@ -198,7 +199,7 @@ FALLING = STEEL_BEADS + 'velocity = "0.1 m/s"\ngravity = "9.81 m/s^2"\nright_wal
          "is not struck; give it a velocity, a striker or a drive\n"),
         (AT_REST, ("simulate", "--striker", "1"), "and no bead of the file moves: add --speed\n"),
         (STEEL_BEADS + "velocities = [1, 2, 0, 0, 0, 0]\n", ("pulse", "--speed", "1 m/s"),
-         "beads of the file have different velocities: change them there\n"),
+         "beads of the chain have different velocities: change them there\n"),
         (RETREATING, ("simulate",), "; give a positive velocity, or --until\n"),
         (FALLING, ("sensitivity", "--quantity", "largest_velocity@3"),
          "under gravity has no natural end; give --until\n"),

@@ -15,7 +15,7 @@ from hertzchain import Chain
 RESULTS = (
     "Budget", "Calibration", "DefectScan", "DesignResult", "Distribution", "EffectiveChain",
     "EffectivePulse", "EnergyBalance", "EnergyFlux", "Gradient",
-    "FitResult", "Forecast", "Fronts", "LossComparison", "Posterior", "TraceComparison",
+    "FitResult", "Forecast", "Fronts", "LabSheet", "LossComparison", "Posterior", "TraceComparison",
     "HertzRange", "Horizon", "LeadingPulse", "PulseTable", "Reflection", "Run", "RunTable",
     "Scoreboard", "SensorPassage",
     "SensorForce", "SolitaryWave", "Spectrum", "State", "StaticState", "VelocityPeaks", "Verdict",
@@ -74,6 +74,7 @@ def public_calls(folder):
     plan = {"chain": {"taper": "uniform"}, "axes": {"beads": [5, 6]}}
     hc.sweep(plan, folder / "sweep")
     steel = Chain.from_materials(5e-3, "steel-52100", beads=5, velocity=0.01)
+    sheet = hc.lab_sheet(steel, sensors=[2], speeds=[0.01, 0.02])
     moved = hc.simulate(steel, until=2e-4, times=101)
     signal = {"ball 4 [N]": moved.sensor(4)}
     traces = hc.Traces.from_arrays(moved.times, signal, noise=0.01)
@@ -285,6 +286,16 @@ def public_calls(folder):
         "save_page": tried(
             hc.save_page, chain=chain, path=folder / "page.html", other=chain, sensors=[2]
         ),
+        "lab_sheet": tried(
+            hc.lab_sheet,
+            chain=balls,
+            sensors=[2],
+            speeds=[0.01, 0.02],
+            title="Row",
+            blank=False,
+            until=1e-3,
+        ),
+        "LabSheet.save": tried(sheet.save, path=folder / "sheet.md"),
         "equilibrium": tried(hc.equilibrium, chain=chain),
         "hertz_range": tried(hc.hertz_range, chain=balls, overlaps=None),
         "Dashpot": tried(hc.Dashpot, gamma=1.0, attractive=True),

@@ -72,6 +72,8 @@ from .propagation.propagate import propagate_many as propagate_many
 from .pulse.comparison import Comparison as Comparison
 from .pulse.pulse import Pulse as Pulse
 from .pulse.pulse_table import PulseTable as PulseTable
+from .sheets.sheet import LabSheet as LabSheet
+from .sheets.sheet import lab_sheet as lab_sheet
 from .simulation.budget import Budget as Budget
 from .simulation.energy_balance import EnergyBalance as EnergyBalance
 from .simulation.energy_flux import EnergyFlux as EnergyFlux

@@ -3,7 +3,7 @@
 - the chain: `chain`, its `fields` and `parts`, its description in `chain_words` with
   `description`, its `bead_table`, and its `builders` with their `builder_arguments`;
 - methods that return a modified chain: `modifications`, `pieces`, `strikers` with
-  `striker_properties`, `with_cap` with the `cap`, and `contact_shapes`;
+  `striker_properties`, `impact_speed`, `with_cap` with the `cap`, and `contact_shapes`;
 - radii: `tapers`, `taper_sizes`, `random_radii`, `scattered_radii`, `repeated_cells`,
   `decorations`; sizes in figures: `drawn_bodies`;
 - masses and contacts: `materials`, `mass_and_stiffness`, exponents and losses `per_contact`,

@@ -27,6 +27,7 @@ from . import (
     scatter,
     scoreboard,
     sensitivity,
+    sheet,
     simulate,
     spectrum,
     sweep,
@@ -43,6 +44,7 @@ GROUPS: Final = {
     "Simulate and predict": (simulate.simulate, pulse.pulse, spectrum.spectrum),
     "Design": (design.design, sensitivity.sensitivity, scatter.scatter),
     "Measured traces": (forecast.forecast, compare.compare, fit.fit),
+    "Teaching": (sheet.sheet,),
     "Sweeps": (sweep.sweep,),
     "The paper and other known results": (
         reproduce.reproduce, scoreboard.scoreboard, calibrate.calibrate, verify.verify, cite.cite,

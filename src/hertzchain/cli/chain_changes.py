@@ -27,36 +27,16 @@ def at_speed(chain: Chain, speed: str, option: str = "--speed") -> Chain:
 
     In a chain at rest, the strikers or bead 1 get the velocity.
     """
-    import numpy as np
+    from ..chain.impact_speed import at_impact_speed
 
-    from ..validation.numbers import number
-
-    if chain.drive is not None:
-        raise click.UsageError(
-            f"{option} gives the velocity of an impact, but the chain of the file has a drive: "
-            "change the drive in the file, or remove it there"
-        )
-    moving = chain.velocities != 0.0
-    if not moving.any():
-        moving = np.arange(chain.beads) < max(chain.strikers, 1)
-    if np.ptp(chain.velocities[moving]) > 0.0:
-        raise click.UsageError(
-            f"{option} replaces the velocity of the impact, but beads of the file have different "
-            "velocities: change them there"
-        )
     if option == "--height" and chain.scaled:
         raise click.UsageError(
             "--height requires a chain in SI units: give the velocity of the impact, --speed"
         )
     if not chain.scaled:
         require_unit(option, speed, "m/s")
-    value = number(
-        f"{'speed after ' * (option == '--height')}{option}",
-        as_typed(speed),
-        unit=chain._unit("m/s"),
-        above=0.0,
-    )
-    return chain.replace(velocities=np.where(moving, value, 0.0))
+    what = f"{'speed after ' * (option == '--height')}{option}"
+    return at_impact_speed(chain, as_typed(speed), what)
 
 
 def struck(chain: Chain, striker: str, speed: str | None, option: str = "--speed") -> Chain:

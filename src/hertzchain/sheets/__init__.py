@@ -1,0 +1,7 @@
+"""Laboratory sheets of a chain: predictions, columns for readings, tasks and answers.
+
+- `sheet`: the sheet and its simulations;
+- `similarity`: whether forces are a power of the speed;
+- `answers`: the page for the teacher;
+- `pages`: the sheet as HTML and Markdown.
+"""

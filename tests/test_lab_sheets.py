@@ -1,0 +1,208 @@
+"""Laboratory sheets: predictions, exponents, tables for readings, and answers."""
+
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.sheets import answers
+from hertzchain.sheets.similarity import other_scales
+
+ROW = hc.Chain.from_materials(diameters="16 mm", materials="steel-52100", beads=12)
+CELL = ROW.replace(right_wall=hc.Wall("40 kN/mm", exponent=1)).with_cap("5 g").struck_by()
+HEIGHTS = ["1 mm", "2 mm", "4 mm"]
+
+
+@pytest.fixture(scope="module")
+def sheet():
+    return hc.lab_sheet(CELL, sensors=["ball 6", "wall"], heights=HEIGHTS)
+
+
+def test_predictions_are_those_of_another_integration(sheet):
+    """Values of an integration of the equations of motion with DOP853 of SciPy."""
+    ball = [(35.80, 233.4), (54.26, 217.8), (82.25, 203.2)]
+    cell = [(79.28, 478.7), (116.57, 447.6), (170.76, 418.6)]
+    for j, values in enumerate((ball, cell)):
+        for i, (force, time) in enumerate(values):
+            assert sheet.forces[i, j] == pytest.approx(force, abs=0.006)
+            assert 1e6 * sheet.times[i, j] == pytest.approx(time, abs=0.06)
+    assert sheet.speeds == pytest.approx(np.sqrt(2 * 9.80665 * np.array([1e-3, 2e-3, 4e-3])))
+
+
+def test_exponents_are_six_fifths_where_hertz_law_is_the_only_scale(sheet):
+    assert sheet.exponents[:, 0] == pytest.approx([1.2, 1.2], abs=1e-5)
+    # The force on a linear spring is no power of the speed.
+    assert (sheet.exponents[:, 1] < 1.12).all()
+    assert sheet.exponents[1, 1] < sheet.exponents[0, 1]
+    steel = ROW.replace(right_wall=hc.Wall.of("steel-52100"))
+    hertz = hc.lab_sheet(steel, sensors=["ball 3", "wall"], speeds=["50 mm/s", "0.1 m/s"])
+    assert hertz.exponents == pytest.approx(1.2, abs=1e-5)
+    times = answers.fitted_exponents(hertz, hertz.times)
+    assert times == pytest.approx(-0.2, abs=1e-5)
+    # A very soft wall stops the row as one mass on a spring: F = v sqrt(k m).
+    soft = ROW.replace(right_wall=hc.Wall("1 N/mm", exponent=1))
+    slow = hc.lab_sheet(soft, speeds=["10 mm/s", "20 mm/s"], until="0.2 s")
+    assert slow.exponents == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [({"right_wall": hc.Wall("40 kN/mm", exponent=1)}, "linear spring"),
+     ({"gaps": 1e-5}, "gaps"), ({"loss": hc.Restitution(0.9)}, "lose energy"),
+     ({"gravity": 9.81}, "static force")],
+)  # fmt: skip
+def test_reasons_for_other_exponents_are_stated(change, reason):
+    assert not other_scales(ROW)
+    (found,) = other_scales(ROW.replace(**change))
+    assert reason in found
+
+
+class Text(HTMLParser):
+    """Cells of the tables, and the text before and after the page for the teacher."""
+
+    def __init__(self):
+        super().__init__()
+        self.parts, self.open = {"sheet": [], "teacher": []}, "sheet"
+        self.cells = {"sheet": [], "teacher": []}
+        self.in_cell = False
+
+    def handle_starttag(self, tag, attrs):
+        if ("class", "teacher") in attrs:
+            self.open = "teacher"
+        self.in_cell = tag == "td"
+        if self.in_cell:
+            self.cells[self.open].append("")
+
+    def handle_endtag(self, tag):
+        self.in_cell = self.in_cell and tag != "td"
+
+    def handle_data(self, data):
+        self.parts[self.open].append(data)
+        if self.in_cell:
+            self.cells[self.open][-1] += data
+
+
+def test_the_page_has_readings_and_the_answers_are_on_a_page_of_their_own(sheet):
+    page = Text()
+    page.feed(sheet.to_html())
+    cells = page.cells["sheet"]
+    assert {"35.80", "82.25", "79.28", "245.3"} <= set(cells)
+    # Three tables of three rows with three readings and a mean.
+    assert cells.count("") == 3 * 3 * 4
+    own, teacher = ("".join(page.parts[each]) for each in ("sheet", "teacher"))
+    assert "1.107" not in own
+    assert "differs from 1.200 on the wall (1.107)" in teacher
+    assert "in ball 6 (" not in teacher
+    assert "behind the row is a linear spring" in teacher
+    assert re.search(r"\.teacher \{ break-before: page;", sheet.to_html())
+
+
+def test_a_blank_sheet_has_predictions_only_for_the_teacher():
+    blank = hc.lab_sheet(CELL, sensors=["ball 6"], heights=HEIGHTS, blank=True, title="Row <1>")
+    page = Text()
+    page.feed(blank.to_html())
+    assert "35.80" not in page.cells["sheet"]
+    assert "35.80" in page.cells["teacher"]
+    assert "Row &lt;1&gt;" in blank.to_html()
+    assert "predicted" not in blank.to_markdown().split("## For the teacher")[0]
+
+
+def test_the_speed_of_the_pulse_is_that_of_the_solitary_wave():
+    """In a long row of equal balls; between centres of balls, and to the wall."""
+    row = ROW.replace(right_wall=hc.Wall.of("steel-52100"))
+    long = hc.Chain.from_materials(diameters="16 mm", materials="steel-52100", beads=40)
+    sheet = hc.lab_sheet(long, sensors=["ball 15", "ball 25"], speeds=["50 mm/s", "0.1 m/s"])
+    run = hc.simulate(long.replace(velocities=0.1 * (long.velocities > 0)))
+    arrival = run.pulse().peak_time
+    expected = 10 * 16e-3 / (arrival[24] - arrival[14])
+    assert float(answers.travel(sheet).rows[1][1]) == pytest.approx(expected, rel=1e-3)
+    assert answers._distance(row, "ball 3", "ball 5") == pytest.approx(32e-3)
+    assert answers._distance(row, "ball 12", "wall") == pytest.approx(8e-3)
+    assert answers._distance(CELL, "ball 12", "wall") == pytest.approx(8e-3)
+    assert answers._distance(CELL, "ball 11", "wall") == pytest.approx(24e-3)
+    # The face of the cap is in contact with ball 12.
+    assert answers._distance(CELL, "ball 11", "cap") == pytest.approx(24e-3)
+
+
+def test_losses_and_gaps_are_compared_with_the_prediction(sheet):
+    table = answers.causes(sheet)
+    assert [row[0] for row in table.rows] == ["restitution 0.95", "restitution 0.9",
+                                              "gaps of 10 µm"]  # fmt: skip
+    lossy = CELL.replace(
+        loss=hc.Restitution(0.9), velocities=sheet.speeds[1] * (CELL.velocities > 0)
+    )
+    run = hc.simulate(lossy, times=8001)
+    ratio = run.sensor_force("ball 6").first_maximum / sheet.forces[1, 0]
+    assert float(table.rows[1][1].rstrip("%")) == pytest.approx(100 * ratio, abs=0.06)
+    assert answers.causes(hc.lab_sheet(lossy, heights=HEIGHTS)) is None
+
+
+def test_contacts_that_yield_are_reported():
+    found = hc.lab_sheet(CELL, sensors=["ball 6"], speeds=["0.1 m/s", "5 m/s"])
+    assert found.warnings
+    assert all(each.startswith("at 5000 mm/s, ") for each in found.warnings)
+    assert "pressure / yield" in found.to_html()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [({"heights": None}, "give either heights"), ({"speeds": [1.0, 2.0]}, "give either heights"),
+     ({"heights": ["1 mm"]}, "list of 2 to 12"), ({"heights": ["1 mm", "1 mm"]}, "different"),
+     ({"sensors": []}, "1 to 4 places"), ({"sensors": ["ball 6", "ball 6"]}, "different places"),
+     ({"sensors": ["ball 60"]}, "12"), ({"heights": ["1 mm", "-1 mm"]}, "height"),
+     ({"chain": hc.Chain.uniform(5)}, "SI units"), ({"chain": ROW}, "needs a right wall")],
+)  # fmt: skip
+def test_impossible_sheets_are_rejected(change, said):
+    good = {"chain": CELL, "sensors": ["wall"], "heights": HEIGHTS}
+    with pytest.raises(hc.InputError, match=said):
+        hc.lab_sheet(**(good | change))
+
+
+FILE = """[chain]
+diameters = "16 mm"
+materials = "steel-52100"
+beads = 12
+right_wall = {stiffness = "40 kN/mm", exponent = 1}
+[chain.cap]
+mass = "5 g"
+[[chain.struck_by]]
+velocity = "0.2 m/s"
+"""
+
+
+def test_the_command_writes_the_sheet(tmp_path, run, sheet):
+    (tmp_path / "lab.toml").write_text(FILE)
+    options = ("--sensor", "ball 6", "--sensor", "wall")
+    heights = [part for each in HEIGHTS for part in ("--height", each.replace(" ", ""))]
+    for name, expected in (("a.html", sheet.to_html()), ("a.md", sheet.to_markdown())):
+        code, out, err = run("sheet", tmp_path / "lab.toml", *options, *heights, "--to",
+                             tmp_path / name)  # fmt: skip
+        assert (code, out, err) == (0, "", "")
+        assert (tmp_path / name).read_text(encoding="utf-8") == expected
+    speeds = ("--speed", "0.1m/s", "--speed", "0.2m/s")
+    code, out, _ = run("sheet", tmp_path / "lab.toml", *speeds, "--json")
+    document = json.loads(out)
+    assert code == 0
+    assert document["speeds"] == [0.1, 0.2]
+    assert document["sensors"] == ["wall"]
+    assert document["forces"][1][0] == pytest.approx(117.84, abs=0.006)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [(("--height", "1mm", "--height", "2mm"), "--to sheet.html"),
+     (("--height", "1mm", "--height", "2mm", "--to", "a.pdf"), ".html or .md"),
+     (("--to", "a.md"), "--height or --speed at least twice"),
+     (("--height", "1", "--height", "2mm", "--to", "a.md"), "no unit"),
+     (("--height", "1mm", "--to", "a.md"), "2 to 12")],
+)  # fmt: skip
+def test_bad_options_are_explained(tmp_path, run, options, said, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lab.toml").write_text(FILE)
+    code, _, err = run("sheet", "lab.toml", *options)
+    assert code == 2
+    assert said in err
+    assert not list(tmp_path.glob("a.*"))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 from ..representation import counted
 from ..simulation.state import fingerprint
 from .ball_space import BallSpace
+from .ball_tapers import GEOMETRIC_TAPER
 from .reference_chains import EQUAL_BALLS, EQUAL_PLACES, SORTED_BALLS
 from .verified import Verified, met
 
@@ -171,9 +172,9 @@ def references_in_words(result: DesignResult) -> dict[str, Verified]:
 
 
 def _sorted_balls(result: DesignResult, name: str) -> str:
-    """The sizes at both ends of the row of sorted balls, such as ``10 mm to 4 mm``; else empty."""
+    """The sizes at both ends of sorted balls or of a taper, such as ``10 mm to 4 mm``."""
     space, chain = result.problem.space, result.references[name].chain
-    if name != SORTED_BALLS or not isinstance(space, BallSpace):
+    if name not in (SORTED_BALLS, GEOMETRIC_TAPER) or not isinstance(space, BallSpace):
         return ""
     sizes = chain.radii[space.places[0] :][: _chosen_balls(result, chain, space)]
     factor, unit = (2e3, " mm") if chain.units == "SI" else (1.0, "")

@@ -21,6 +21,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number, worker_count
 from ..validation.objects import Progress, callback, check_type, file_path
 from .ball_space import BallSpace
+from .ball_tapers import geometric_reference
 from .balls import Ball
 from .bounds import bounds_of, impossible, note_on_impact
 from .dry_run import Estimate, estimate
@@ -64,9 +65,9 @@ def design(
         Chain, objective, variables and constraints.
     budget : int or str, optional
         Largest number of simulations, 20 000 by default, or a time such as ``"60 s"``.  Chains to
-        compare with are counted, and an exact gradient as two simulations; the verification of the
-        result is not.  With a number, which is never exceeded, the result does not depend on the
-        speed of the computer.  A time does not include the verification.
+        compare with are counted, and an exact gradient as two simulations; geometric tapers of
+        balls and the verification of the result are not.  With a number, the result does not depend
+        on the speed of the computer.  A time does not include the verification.
     method : str
         ``"auto"``, or a method of `hertzchain.designs.methods`.
     seed : int
@@ -208,7 +209,9 @@ def _journal(store: Any, identity: str, name: str) -> Iterator[Journal]:
 def run_with_references(trials: Trials, method: str, end: float) -> Found:
     """Evaluate the chains to compare with, and search."""
     trials.references = evaluated_references(trials)
-    return run_method(trials, method, end)
+    found = run_method(trials, method, end)
+    trials.references = trials.references | geometric_reference(trials)
+    return found
 
 
 def _given(trials: Trials) -> Outcome:

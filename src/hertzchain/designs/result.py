@@ -50,8 +50,9 @@ class DesignResult:
         Chains to compare with, by name: the best ``"chain of equal sizes"``, ``"chain with equal
         varying sizes"`` or ``"fast change to equal sizes"`` (if other sizes are given) and
         ``"taper"``; the best ``"row of equal balls"``, or ``"equal balls in the places that
-        vary"``, or, if there are too few balls for these, ``"row of balls sorted by size"``, and
-        the ``"given row"``; or the ``"given order"``.
+        vary"``, or, if there are too few balls for these, ``"row of balls sorted by size"``, the
+        ``"given row"``, and the best ``"geometric taper"`` of balls of one material; or the
+        ``"given order"``.
     compared : mapping of str to int
         Number of chains of which each reference is the best.
     bounds : tuple of Bound

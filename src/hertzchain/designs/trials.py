@@ -389,6 +389,10 @@ class Trials:
             whole = max(1, round(self.budget.seconds))
             self.progress(min(int(self.clock.seconds), whole), whole)
 
+    def note_without_cost(self, found: Sequence[Outcome]) -> None:
+        """Compare chains with the best trials that were simulated in addition to the budget."""
+        self._note(found, 0)
+
     def _note(self, found: Sequence[Outcome], cost: int) -> None:
         """Count trials, keep the best ones, and record each improvement of the best score."""
         best = self.best[0].rank if self.best else (np.inf,) * 3

@@ -53,8 +53,9 @@ def test_the_page_is_small_and_complete():
     files = {path: file for path, file in static_files().items() if path != "/"}
     # With the description of the program and the results, the page makes two more requests.
     assert len(files) <= 23
-    assert sum(len(file.content) for file in files.values()) < 175_000
-    assert sum(len(gzip.compress(file.content)) for file in files.values()) < 58_000
+    # Measured data over the simulated forces are 5 kB of these, 2 kB compressed.
+    assert sum(len(file.content) for file in files.values()) < 180_000
+    assert sum(len(gzip.compress(file.content)) for file in files.values()) < 61_000
     sources = {path: file.content.decode() for path, file in files.items()}
     named = re.findall(r'(?:src|href)="(/[^"]+)"', sources["/index.html"])
     named += [f"/js/{name}" for path, text in sources.items() if path.endswith(".js")

@@ -15,9 +15,9 @@ from app_client import TAPER, serving
 
 import hertzchain as hc
 from hertzchain.app.about import about, gallery
-from hertzchain.app.documents import chain_of, document_as_toml
+from hertzchain.app.documents import chain_of, document_as_toml, document_of_chain
 from hertzchain.app.explore import Conversation
-from hertzchain.app.page_file import write_page
+from hertzchain.app.page_file import first_view, write_page
 from hertzchain.app.saved_page import embedded_page
 from hertzchain.app.serve import RunningServer
 from hertzchain.validation.json_types import finite
@@ -1909,3 +1909,94 @@ def test_a_stiffness_without_a_unit_has_the_unit_of_its_exponent(page, tmp_path)
     open_file(page, path)
     assert row.locator("input[type=text]").input_value() == "5"
     assert row.locator(".unit").text_content() == "kN/mm"
+
+
+def test_the_page_begins_with_the_chains_and_sensors_of_the_command(browser):
+    other = {"chain": {"taper": "uniform", "beads": 40}}
+    running = RunningServer(0, TAPER, warm_up=False, view=first_view(TAPER, other, [12]))
+    thread = running.start()
+    try:
+        page = Page(browser, running)
+        assert page.document("B") == other
+        assert "B: sensor in bead 12" in page.tab.text_content("#legend-force").replace(
+            "B, ", "B: "
+        )
+        assert page.tab.evaluate("hertzchain.state.view.errors") == "difference"
+        assert page.problems == []
+        page.context.close()
+    finally:
+        running.stop()
+        thread.join(5.0)
+
+
+def test_measured_data_are_shown_over_the_forces_and_can_be_shifted(browser, tmp_path):
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=8, velocity=0.3)
+    chain = chain.replace(right_wall=hc.Wall())
+    run = hc.simulate(chain, until=300e-6, times=3001)
+    times = np.arange(-200, 3001) * 1e-7
+    noise = np.random.default_rng(5).normal(0.0, 0.05, (2, len(times)))
+    ball, wall = (np.interp(times, run.times, each) for each in (run.sensor(4), run.forces[:, -1]))
+    rows = np.column_stack([1e6 * times + 50.0, ball + noise[0], wall + noise[1]])
+    file = tmp_path / "record.csv"
+    np.savetxt(file, rows, "%.6g", ",", header="time [us],CH1 [N],CH2 [N]", comments="")
+    with serving(document_of_chain(chain)) as running:
+        page = Page(browser, running)
+        tab = page.tab
+        tab.set_input_files("#file", file)
+        tab.wait_for_selector("#record-note.bad")
+        assert "column 'CH1' does not name the place" in tab.text_content("#record-note")
+        assert tab.locator("#chart-force .measured").count() == 0
+        tab.fill("#record-sensors", "CH1=ball 4, CH2=wall")
+        tab.press("#record-sensors", "Tab")
+        tab.wait_for_selector("#chart-force .measured")
+        page.settle()
+        assert tab.locator("#chart-force .measured").count() == 2
+        assert tab.evaluate("hertzchain.state.view.sensors") == [4]
+        assert "measured ball 4; measured wall" in tab.text_content("#legend-force")
+        # The simulation begins at 50 us of the record.
+        assert float(tab.get_attribute("#shift", "placeholder")) == pytest.approx(50.0, abs=0.1)
+
+        def crest():
+            """Place of the largest measured and the largest simulated force on the wall."""
+            curves = [
+                tab.locator(f"#chart-force .{name}").last for name in ("measured", "wall-right")
+            ]
+            points = [
+                re.findall(r"[ML]([\d.]+) ([\d.]+)", each.get_attribute("d")) for each in curves
+            ]
+            return [float(min(each, key=lambda point: float(point[1]))[0]) for each in points]
+
+        measured, simulated = crest()
+        assert abs(measured - simulated) < 3.0
+        tab.fill("#shift", "20")
+        tab.press("#shift", "Tab")
+        tab.evaluate(NEXT_FRAME)
+        assert crest()[0] > simulated + 10.0
+        with tab.expect_download() as download:
+            tab.click("#open-share")
+            tab.click("[data-export=page]")
+        saved = tmp_path / "saved.html"
+        download.value.save_as(saved)
+        tab.click("#record-close")
+        page.settle()
+        assert tab.locator("#chart-force .measured").count() == 0
+        assert tab.is_hidden("#record")
+        tab.goto(f"file://{saved}")
+        tab.wait_for_selector("#chart-force .measured")
+        assert (tab.input_value("#shift"), tab.is_hidden("#open-record")) == ("20", True)
+        assert "record.csv" in tab.text_content("#record")
+        assert page.problems == []
+        page.context.close()
+
+
+def test_a_file_can_be_dropped_on_the_page(page):
+    text = "time [us],wall [N]\\n0,0\\n1,2\\n"
+    page.tab.evaluate("""(text) => {
+        const data = new DataTransfer();
+        data.items.add(new File([text], "dropped.csv"));
+        dispatchEvent(new DragEvent("drop", { dataTransfer: data, cancelable: true }));
+    }""", text.replace("\\n", "\n"))  # fmt: skip
+    # The chain of this page is in scaled variables.
+    page.tab.wait_for_selector("#record-note.bad")
+    note = page.tab.text_content("#record-note")
+    assert "SI units" in note or "dropped.csv" in note

@@ -953,7 +953,7 @@ def test_a_saved_page_contains_everything(client):
     page = exported(client, TAPER, "page", other=WALL, slot="B", view=stored).decode()
     saved = json.loads(re.search(r'id="embedded">(.*?)</script>', page)[1])
     assert saved["about"]["document"] == WALL
-    assert saved["view"] == {"view": {"errors": "difference"}, "B": TAPER}
+    assert saved["about"]["view"] == {"view": {"errors": "difference"}, "B": TAPER}
 
 
 def stored_in(file):
@@ -1091,7 +1091,11 @@ def test_a_page_saved_from_python_has_the_results_of_both_chains(tmp_path):
     taper = hc.Chain.tapered("forward-linear", 0.05, beads=10).replace(right_wall=hc.Wall())
     hc.save_page(taper, tmp_path / "page.html", other=row, sensors=[3, "bead 4"])
     stored, found = stored_in(tmp_path / "page.html")
-    assert stored["view"]["view"] == {"sensors": [3, 4], "errors": "difference", "until": 0.0}
+    assert stored["about"]["view"]["view"] == {
+        "sensors": [3, 4],
+        "errors": "difference",
+        "until": 0.0,
+    }
     runs = {header["slot"]: header for header, _ in found if header["part"] == "run"}
     for slot, chain in (("A", taper), ("B", row)):
         peak = hc.simulate(chain, rtol=1e-9).wall_force().peak
@@ -1129,7 +1133,7 @@ def test_a_saved_page_lasts_until_a_given_time(tmp_path):
         (ends[until],) = (
             arrays["times"][-1] for header, arrays in found if header["part"] == "run"
         )
-        assert stored["view"]["view"]["until"] == (2e-3 if until else 0.0)
+        assert stored["about"]["view"]["view"]["until"] == (2e-3 if until else 0.0)
     assert ends[None] < 1e-3
     assert ends["2 ms"] >= 2e-3
 

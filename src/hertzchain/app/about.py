@@ -121,8 +121,11 @@ def _schema() -> dict[str, Any]:
     return schema
 
 
-def about(document: object = None) -> dict[str, Any]:
-    """Description of the program for the page, which begins with a document or an example."""
+def about(document: object = None, view: object = None) -> dict[str, Any]:
+    """Description of the program for the page, which begins with a document or an example.
+
+    ``view`` has the chain B and choices of the views with which the page begins.
+    """
     return {
         "version": __version__,
         "schema": _schema(),
@@ -143,6 +146,7 @@ def about(document: object = None) -> dict[str, Any]:
         "gallery": gallery(),
         "max_beads": MAX_BEADS,
         "document": gallery()[0]["document"] if document is None else document,
+        "view": view,
         "sensors": [] if _has_force(document) else None,
     }  # fmt: skip
 

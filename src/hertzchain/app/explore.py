@@ -19,6 +19,7 @@ from .about import about
 from .documents import chain_of, document_of_chain, document_of_toml
 from .exports import export
 from .latest import Latest
+from .records import read_record
 from .requests import Request
 from .results import Cancelled, results
 from .saved_page import embedded_page
@@ -96,7 +97,7 @@ class Conversation:
             self.pool.submit(
                 self._answer, number, kind, wanted, lambda: out_of_date() or self.closing.is_set()
             )
-        elif kind in ("read", "export"):
+        elif kind in ("read", "record", "export"):
             self.pool.submit(self._answer, number, kind, body, self.closing.is_set)
 
     def close(self) -> None:
@@ -115,6 +116,8 @@ class Conversation:
                     self.send({"id": number}, [part.pack()])
             elif kind == "read":
                 last["document"] = document_of_toml(body)
+            elif kind == "record":
+                last |= read_record(body)
             else:
                 file = export(body, stop)
                 last |= {"name": file.name, "media_type": file.media_type}

@@ -86,11 +86,34 @@ def write_page(
     names: Mapping[str, str] | None = None,
     *,
     until: float | str | None = None,
+    record: Mapping[str, Any] | None = None,
 ) -> None:
     """`save_page` for documents, which keep the units and names of their chain files."""
     file = file_path("path", path)
     if file.suffix != ENDING:
         raise InputError(f"path must end in {ENDING}, got {os.fspath(path)!r}")
+    view = first_view(document, other, sensors, until, record)
+    shown = view["view"]
+    given = {
+        "document": document, "other": other, "sensors": shown["sensors"],
+        "run_until": shown["until"], "view": view, "record": view["record"].get("record", ""),
+    }  # fmt: skip
+    with record_warnings():
+        content = page_with_results(given, lambda: False, names)
+    write_bytes(file, content)
+
+
+def first_view(
+    document: Mapping[str, Any],
+    other: Mapping[str, Any] | None,
+    sensors: Iterable[int | str],
+    until: float | str | None = None,
+    record: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """Chain B, choices of the views and measured data with which a page begins.
+
+    If there are sensors, there are also sensors in the balls of the data.
+    """
     chain = chain_of(document)
     if other is not None and chain_of(other).units != chain.units:
         raise InputError("the two chains must both be in SI units, or both be scaled")
@@ -100,10 +123,7 @@ def write_page(
     balls = [bead_number(chain, each, "bead with a sensor") - chain.strikers for each in beads]
     errors = "theories" if other is None else "difference"
     end = 0.0 if until is None else number("until", until, unit=chain._unit("s"), above=0.0)
-    given = {
-        "document": document, "other": other, "sensors": balls, "run_until": end,
-        "view": {"B": other, "view": {"sensors": balls, "errors": errors, "until": end}},
-    }  # fmt: skip
-    with record_warnings():
-        content = page_with_results(given, lambda: False, names)
-    write_bytes(file, content)
+    measured = dict(record or {})
+    balls = list(dict.fromkeys((*balls, *measured.get("balls", ()))))[:MAX_SENSORS]
+    view = {"sensors": balls, "errors": errors, "until": end}
+    return {"B": other, "view": view, "record": measured}

@@ -13,6 +13,7 @@ from .documents import MAX_BEADS
 
 MAX_FRAMES: Final = 600
 MAX_SENSORS: Final = 4
+MAX_KEY: Final = 64
 SLOTS: Final = ("A", "B")
 CLOCKS: Final = ("beads", "time")
 
@@ -22,7 +23,8 @@ class Request:
     """A request for the results of one chain; its document is checked when it is read.
 
     ``sensors`` are numbers of balls, without the strikers: the same for both chains of a
-    comparison.  The last striker is 0.  A run lasts at least until ``run_until``.
+    comparison.  The last striker is 0.  A run lasts at least until ``run_until``.  ``record`` is
+    the key of a measured record, or empty.
     """
 
     session: str
@@ -36,6 +38,7 @@ class Request:
     draft: bool = False
     run: bool = True
     run_until: float = 0.0
+    record: str = ""
 
     @classmethod
     def of(cls, given: object) -> Request:
@@ -62,9 +65,16 @@ class Request:
             draft=check_bool("draft", given.get("draft", False)),
             run=check_bool("run", given.get("run", True)),
             run_until=number("run until", given.get("run_until", 0.0), least=0.0),
+            record=_record(given.get("record", "")),
         )
 
     @property
     def identity(self) -> dict[str, Any]:
         """Values by which the page recognises the answer."""
         return {"slot": self.slot, "number": self.number, "draft": self.draft}
+
+
+def _record(given: object) -> str:
+    if not isinstance(given, str) or len(given) > MAX_KEY:
+        raise InputError("record must be the key of a measured record")
+    return given

@@ -36,6 +36,8 @@ from .force_curves import (
     run_for_forces,
 )
 from .messages import Part, columns_as_int16
+from .record_curves import record_curves
+from .records import kept
 from .requests import Request
 from .shown_run import motion
 from .shown_times import pulse_of
@@ -283,15 +285,36 @@ def _run_part(
         arrays |= _budget_arrays(run, moves)
     arrays |= _of_contacts(whole, forces)
     modes = {} if request.draft else _spectrum(chain, arrays)
+    measured = _measured(run, request, arrays, progress)
     header = {
         "part": "run", **request.identity, "message": _end(run), "success": run.success,
         "peaks": peaks, "energy_drift": run.energy_drift,
         "warnings": warnings + assumption_note(peaks),
         "closed": run._still_closed, "over_static": OVER_STATIC if has_static_forces(chain) else "",
-        "coarse": "" if request.draft else coarse_frames(run),
+        "coarse": "" if request.draft else coarse_frames(run), "record": measured,
         "seconds": {"simulate": took, "pack": time.perf_counter() - began}, **modes,
     }  # fmt: skip
     return Part(header, arrays)
+
+
+def _measured(
+    run: Run, request: Request, arrays: dict[str, Any], progress: Callable[..., None]
+) -> dict[str, Any] | None:
+    """Add the curves of a measured record, and describe them; drafts have none."""
+    if request.draft or not request.record:
+        return None
+    try:
+        record = kept(request.record)
+        if run.chain.scaled:
+            raise InputError(
+                "measured data are in SI units, but this chain is in scaled variables; choose a "
+                "material"
+            )
+    except InputError as error:
+        return {"curves": [], "notes": [str(error)], "aligned": False}
+    header, found = record_curves(run.chain, record, run.end_time, progress)
+    arrays |= found
+    return {**header, "notes": [on_the_page(each) for each in header["notes"]]}
 
 
 def _end(run: Run) -> str:

@@ -26,8 +26,7 @@ def saved_page(given: Mapping[str, Any], parts: bytes, heading: str) -> bytes:
     page = embedded_page(
         {
             "kind": "saved",
-            "about": about(given.get("document")),
-            "view": given.get("view"),
+            "about": about(given.get("document"), given.get("view")),
             "parts": base64.b64encode(parts).decode(),
         }
     )

@@ -40,10 +40,12 @@ def bind(port: int) -> socket.socket:
 class RunningServer:
     """A server and the address of its page."""
 
-    def __init__(self, port: int, document: object = None, *, warm_up: bool = True) -> None:
+    def __init__(
+        self, port: int, document: object = None, *, warm_up: bool = True, view: object = None
+    ) -> None:
         self.socket = bind(port)
         self.port: int = self.socket.getsockname()[1]
-        self.app = App(self.port, document, WarmUp() if warm_up else None)
+        self.app = App(self.port, document, WarmUp() if warm_up else None, view)
         config = uvicorn.Config(
             self.app.asgi, http=Connection, ws="none", lifespan="off", log_config=None,
             access_log=False, server_header=False, date_header=False, timeout_keep_alive=30,

@@ -47,10 +47,13 @@ class RejectedError(Exception):
 class App:
     """State of the server: access control, running requests, compiled functions."""
 
-    def __init__(self, port: int, document: object = None, warm_up: WarmUp | None = None) -> None:
+    def __init__(
+        self, port: int, document: object = None, warm_up: WarmUp | None = None,
+        view: object = None,
+    ) -> None:  # fmt: skip
         self.guard = Guard(port)
         self.port = port
-        self.document = document
+        self.document, self.view = document, view
         self.latest = Latest()
         self.closing = threading.Event()
         self.warm_up = WarmUp(()) if warm_up is None else warm_up
@@ -59,6 +62,7 @@ class App:
             Route("/api/about", self.about, methods=["GET"]),
             Route("/api/results", self.results, methods=["POST"]),
             Route("/api/chain", self.chain, methods=["POST"]),
+            Route("/api/record", self.record, methods=["POST"]),
             Route("/api/export", self.export, methods=["POST"]),
             Route("/{path:path}", self.page, methods=["GET"]),
         ]
@@ -84,7 +88,8 @@ class App:
         from .about import about
 
         loop = asyncio.get_running_loop()
-        return JSONResponse(finite(await loop.run_in_executor(None, about, self.document)))
+        found = await loop.run_in_executor(None, about, self.document, self.view)
+        return JSONResponse(finite(found))
 
     async def chain(self, request: HttpRequest) -> Response:
         """The document of a chain file that the page has opened."""
@@ -99,6 +104,18 @@ class App:
         except InputError as error:
             return JSONResponse({"error": str(error)})
         return JSONResponse({"document": document})
+
+    async def record(self, request: HttpRequest) -> Response:
+        """The key of a measured record that the page has opened."""
+        await _loaded()
+        from .records import MAX_FILE, read_record
+
+        given = await _json(request, MAX_FILE)
+        work = asyncio.get_running_loop().run_in_executor(None, read_record, given)
+        try:
+            return JSONResponse(await work)
+        except InputError as error:
+            return JSONResponse({"error": str(error)})
 
     async def export(self, request: HttpRequest) -> Response:
         """A file to save."""
@@ -212,26 +229,26 @@ async def _loaded() -> None:
         await asyncio.get_running_loop().run_in_executor(None, background_import.load)
 
 
-async def _body(request: HttpRequest) -> bytes:
+async def _body(request: HttpRequest, most: int = MAX_BODY) -> bytes:
     """Read the body of a request; reject it if it is too long or too slow."""
     body = bytearray()
     try:
         async with asyncio.timeout(PATIENCE):
             async for chunk in request.stream():
                 body += chunk
-                if len(body) > MAX_BODY:
-                    raise RejectedError(413, f"a request has at most {MAX_BODY} bytes")
+                if len(body) > most:
+                    raise RejectedError(413, f"a request has at most {most} bytes")
     except TimeoutError:
         raise RejectedError(408, f"the request took longer than {PATIENCE:g} s") from None
     return bytes(body)
 
 
-async def _json(request: HttpRequest) -> dict[str, Any]:
+async def _json(request: HttpRequest, most: int = MAX_BODY) -> dict[str, Any]:
     # Another content type could be sent by a form of another site, without a preflight request.
     if request.headers.get("content-type", "").partition(";")[0] != "application/json":
         raise RejectedError(415, "the content type must be application/json")
     try:
-        given = json.loads(await _body(request), parse_constant=_no_constant)
+        given = json.loads(await _body(request, most), parse_constant=_no_constant)
     except (ValueError, RecursionError):
         raise RejectedError(400, "the request is not valid JSON") from None
     if not isinstance(given, dict):

@@ -28,20 +28,12 @@ from .progress import progress_bar
 from .wording import on_command_line
 
 if TYPE_CHECKING:
-    from ..chain.chain import Chain
     from ..fitting.settings import Settings
     from ..fitting.trace_comparison import TraceComparison
     from ..traces.traces import Traces
 
 # Value of --time-offset that finds it by least squares.
 FREE: Final = "free"
-# Least number of saved times; signals are interpolated between them.
-MIN_TIMES: Final = 4000
-# The pulse leaves the last contact within this number of further transits of one contact.
-LAST_TRANSITS: Final = 3.0
-# A record of more than the first number of transits is first compared with a run of the second,
-# which has at least this number of saved times per bead.
-MANY_TRANSITS, FEW_TRANSITS, TIMES_PER_BEAD = 100.0, 10.0, 200
 
 
 @click.command(cls=StrictCommand)
@@ -101,6 +93,7 @@ def compare(
 
     from ..chain.yield_pressure import assumed_for_all
     from ..errors import InputWarning
+    from ..fitting.compared_run import run_to_compare
     from ..fitting.parameters import priors_of_gains
     from ..fitting.prior_conflicts import gain_notes
     from ..fitting.settings import load_experiment
@@ -118,16 +111,11 @@ def compare(
         described = described.replace(loss=law_from(loss, described))
     first = float(data.shots[0].times[0])
     data = part_of(data, begin, until)
-    times = data.shots[0].times
     # Without a time offset, the impact may be before the samples that --from selects.
     if data.shots[0].clock is not None:
         first = min(data.shots[0].time_offset, first)
-    end = _duration(described, float(times[-1]) - first)
-    _check_unit_of_times(described, data, end)
     with progress_bar("beads passed") as progress:
-        run = hertzchain.simulate(
-            described, until=end, times=max(MIN_TIMES, len(times)), progress=progress
-        )
+        run = run_to_compare(described, data, first, progress=progress)
     with ignore_warnings(InputWarning):  # the summary lists them as notes
         found = run.compare(data)
     if not found.exchanged:
@@ -156,34 +144,6 @@ def _timed(traces: Traces, settings: Settings, time_offset: str | None) -> Trace
     if time_offset is not None:
         return with_time_offset(traces, seconds_from("--time-offset", time_offset))
     return with_clocks(traces, settings)[0]
-
-
-def _duration(chain: Chain, record: float) -> float:
-    """Duration of a record, or the time in which the pulse passes the chain if it is longer."""
-    from ..simulation.time_scales import transit_times
-
-    times = transit_times(chain)
-    passed = float(times.sum() + LAST_TRANSITS * times.max(initial=0.0))
-    return max(record, passed) if passed < float("inf") else record
-
-
-def _check_unit_of_times(chain: Chain, data: Traces, end: float) -> None:
-    """Check a record that lasts for very many transits of the pulse with a shorter run.
-
-    The saved times of the whole run would be too far apart to resolve its pulse.
-    """
-    import hertzchain
-
-    from ..fitting.compare_traces import check_unit_of_times
-    from ..simulation.time_scales import transit_times
-
-    transit = float(transit_times(chain).sum())
-    if end < MANY_TRANSITS * transit:
-        return
-    times = max(MIN_TIMES, TIMES_PER_BEAD * chain.beads)
-    with ignore_warnings():  # the whole run issues the same warnings
-        run = hertzchain.simulate(chain, until=FEW_TRANSITS * transit, times=times)
-    check_unit_of_times(run, data)
 
 
 def _one_shot(traces: Traces, shot: int | None) -> Traces:

@@ -18,7 +18,8 @@
 - the result: `result`, `result_text`, `result_document`, `shown_values`, `summary_width`,
   `fitted_file`;
 - further questions: `loss_comparison` of all `loss_laws`, and `defect_scan`;
-- data compared with a simulation, without a fit: `compare_traces`, `trace_comparison`,
+- data compared with a simulation, without a fit: `compare_traces`, `compared_run`,
+  `trace_comparison`,
   `sensor_comparison`, `crossings`, `time_offsets`, `arrival_notes`, `odd_sensors`,
   `ball_count_notes`, `comparison_notes`, `compared_part`, `coarse_sampling`;
 - data that are read in another way: `misread_columns`, `misread_places`, `misread_times`,

@@ -5,14 +5,14 @@ import { Splitter } from "./results.js";
 /** @typedef {import("./results.js").Part} Part */
 /** @typedef {{name: string, blob: Blob}} File */
 /** @typedef {{about: () => Promise<any>, results: (body: any, received: (part: Part) => void) => Promise<void>,
- *   read: (text: string) => Promise<any>, save: (body: any) => Promise<File>, state: (state: any) => void}} Host */
+ *   read: (text: string) => Promise<any>, record: (body: any) => Promise<any>, save: (body: any) => Promise<File>, state: (state: any) => void}} Host */
 
 /** The server did not answer. */
 export class OfflineError extends Error {}
 
 const embedded = document.getElementById("embedded");
 /** What is stored in the page: nothing, if a server has sent it.
- * @type {{kind: "saved" | "notebook", about: any, view?: any, parts?: string} | null} */
+ * @type {{kind: "saved" | "notebook", about: any, parts?: string} | null} */
 export const stored = embedded ? JSON.parse(embedded.textContent ?? "null") : null;
 /** Whether the chain cannot be changed. */
 export const fixed = stored?.kind === "saved";
@@ -29,6 +29,13 @@ async function post(path, type, body) {
   return answer;
 }
 
+/** An answer, which may be the reason why a file is rejected. @param {string} path @param {string} type @param {string} body */
+async function read(path, type, body) {
+  const { error, ...found } = await (await post(path, type, body)).json();
+  if (error) throw new Error(error);
+  return found;
+}
+
 /** @type {Host} */
 const server = {
   about: async () => (await fetch("/api/about")).json(),
@@ -41,11 +48,8 @@ const server = {
       splitter.add(value).forEach(received);
     }
   },
-  async read(text) {
-    const { document, error } = await (await post("/api/chain", "application/toml", text)).json();
-    if (error) throw new Error(error);
-    return document;
-  },
+  read: async (text) => (await read("/api/chain", "application/toml", text)).document,
+  record: (body) => read("/api/record", "application/json", JSON.stringify(body)),
   async save(body) {
     const answer = await post("/api/export", "application/json", JSON.stringify(body));
     return { name: /filename="([^"]+)"/.exec(answer.headers.get("content-disposition") ?? "")?.[1] ?? "chain", blob: await answer.blob() };
@@ -90,6 +94,7 @@ function notebook() {
       await ask("results", body, (buffer) => new Splitter().add(new Uint8Array(buffer)).forEach(received));
     },
     read: async (text) => (await ask("read", text)).document,
+    record: (body) => ask("record", body),
     async save(body) {
       const { name, media_type: type, buffers } = await ask("export", body);
       return { name, blob: new Blob(buffers, { type }) };

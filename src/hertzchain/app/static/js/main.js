@@ -6,7 +6,8 @@ import { readColours } from "./colour.js";
 import { $ } from "./fields.js";
 import { listen } from "./events.js";
 import { fixed, stored } from "./host.js";
-import { SLOTS, about, acceptAddress, own, results, say, state } from "./page.js";
+import { SLOTS, about, acceptAddress, own, record, results, say, state } from "./page.js";
+import { handleRecords } from "./record.js";
 import { answers, eachAnswer, noteShown, request } from "./requests.js";
 import { fillDialogs } from "./share.js";
 import { activate, changeBy, draw, redraw, repaint, select, showAll, showPart, stages, view } from "./show.js";
@@ -63,12 +64,19 @@ function handleDialogs() {
       const other = state.B && state[state.active === "A" ? "B" : "A"];
       return {
         slot: state.active, sensors: state.view.sensors, quantity: state.view.quantity, clock: state.view.clock, frames: 320,
-        run_until: state.view.until, until: own().run.header?.peaks.right?.first && !state.view.until ? undefined : own().motion?.times.at(-1), other, view: { view: state.view, B: other },
+        run_until: state.view.until, record: record.record, until: own().run.header?.peaks.right?.first && !state.view.until ? undefined : own().motion?.times.at(-1), other, view: { view: state.view, B: other, record: { shift: record.shift } },
       };
     },
-    opened: (document) => openAs(state.active, document, null, state.view.sensors),
     say,
     link: () => (stored ? "http://127.0.0.1:8765/" : location.origin + location.pathname) + toLink(state),
+  });
+  handleRecords({
+    changed: (sensors) => {
+      view({ sensors });
+      repeat();
+    },
+    shifted: () => redraw("times"),
+    opened: (document) => openAs(state.active, document, null, state.view.sensors),
   });
 }
 

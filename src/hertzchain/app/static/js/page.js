@@ -15,13 +15,16 @@ Object.assign(FACTORS, about.factors);
 Object.assign(USUAL, about.ranges);
 const linked = !stored && fromLink(location.hash);
 /** @type {import("./state.js").State} */
-export const state = linked || { A: about.document, B: stored?.view?.B ?? null, active: "A", view: { ...copy(VIEW), ...stored?.view?.view } };
+export const state = linked || { A: about.document, B: about.view?.B ?? null, active: "A", view: { ...copy(VIEW), ...about.view?.view } };
 if (!fixed && !linked) {
   const middle = Math.round((about.document.chain.beads ?? 2) / 2);
-  Object.assign(state.view, { bead: middle + strikersBefore(about.document), sensors: about.sensors ?? [middle] });
+  Object.assign(state.view, { bead: middle + strikersBefore(about.document), sensors: about.view?.view.sensors ?? about.sensors ?? [middle] });
 }
 export const history = new History();
 export const results = { A: new Results(), B: new Results() };
+/** Measured data: their key on the server, their file, and the time [s] at which the simulation begins.
+ * @type {{record: string, name: string, shift: number | null}} */
+export const record = { record: "", name: "", shift: null, ...about.view?.record };
 let written = location.hash;
 
 /** Results of the chain that the controls change. */

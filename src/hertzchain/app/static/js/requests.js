@@ -1,7 +1,7 @@
 /** Requests for the results of both chains, and their answers: the latest wins, here and on the server. */
 
 import { OfflineError, host } from "./host.js";
-import { SLOTS, keepAddress, results, say, state } from "./page.js";
+import { SLOTS, keepAddress, record, results, say, state } from "./page.js";
 
 /** @typedef {import("./results.js").Part} Part */
 /** @typedef {import("./state.js").Slot} Slot */
@@ -143,7 +143,7 @@ export function request(slots, moving) {
 function requestOf(slot, rough, input) {
   return {
     document: state[slot], draft: rough, frames: rough ? 160 : 320, rtol: rough ? 1e-6 : 1e-9, clock: state.view.clock,
-    sensors: state.view.sensors, run_until: state.view.until, input,
+    sensors: state.view.sensors, run_until: state.view.until, record: record.record, input,
   };
 }
 

@@ -59,6 +59,9 @@ export class Results {
   /** @type {string[]} */
   pending = [];
   settled = false;
+  /** Measured data at the times of the run.
+   * @type {any} */
+  measured = null;
 
   /** Take a message; returns its kind. @param {Part} part @returns {string} */
   take(part) {
@@ -76,6 +79,7 @@ export class Results {
     if (kind === "run") {
       this.run = part;
       this.settled = !header.draft;
+      if (this.settled) this.measured = header.record && { ...header.record, arrays };
       this.motion = {
         count: arrays.get("times").length, beads: this.beads.header.beads, times: arrays.get("times"),
         velocities: arrays.get("velocities"), speeds: arrays.get("velocities.scale"),

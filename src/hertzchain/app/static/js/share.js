@@ -4,7 +4,7 @@ import { svg } from "./chart.js";
 import { $, make } from "./fields.js";
 import { host } from "./host.js";
 
-/** @typedef {{open: (example: any, slot: "A" | "B") => void, document: () => any, request: () => any, opened: (document: any) => void,
+/** @typedef {{open: (example: any, slot: "A" | "B") => void, document: () => any, request: () => any,
  *   say: (text: string, bad?: boolean) => void, link: () => string}} Handlers */
 
 /** Offer a file to save. @param {string} name @param {Blob} blob */
@@ -53,14 +53,6 @@ export function fillDialogs(about, on) {
     } catch {
       on.say("Copy the address of the page instead.", true);
     }
-  };
-  $("open-file").onclick = () => $("file").click();
-  $("file").onchange = () => {
-    const file = $("file").files[0];
-    $("file").value = "";
-    if (!file) return;
-    share.close();
-    file.text().then(host.read).then(on.opened).catch(failed);
   };
   for (const button of document.querySelectorAll("[data-export]")) {
     button.addEventListener("click", () => {

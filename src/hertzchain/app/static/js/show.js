@@ -8,6 +8,7 @@ import { $, make } from "./fields.js";
 import { SpaceTime } from "./map.js";
 import { gapOf, plain, prefixed, short, timeAt } from "./numbers.js";
 import { SLOTS, about, history, keepAddress, other, own, results, say, state } from "./page.js";
+import { showRecord } from "./record.js";
 import { Stage, around } from "./stage.js";
 import { Views, showClock, whyBlank } from "./views.js";
 
@@ -183,6 +184,7 @@ export function draw() {
   }
   if (dirty.times) {
     views.drawTimes(state, found, other());
+    showRecord();
     dirty.times = false;
   }
   if (dirty.table && $("table-details").open) views.drawTable(state, found);

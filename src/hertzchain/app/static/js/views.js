@@ -4,6 +4,7 @@ import { Chart, svg } from "./chart.js";
 import { $, make } from "./fields.js";
 import { fixed } from "./host.js";
 import { percent, placeAt, prefixed, short } from "./numbers.js";
+import { record } from "./page.js";
 import { title } from "./results.js";
 
 /** @typedef {import("./results.js").Results} Results */
@@ -212,9 +213,10 @@ export class Views {
       if (each.remark) notes.push(each.remark);
       return { name: each.name + faint, label, x: times(x, axis.factor), y: scaled(y), note: `${label}: ${notes.join("; ")}` };
     });
+    const data = measured(own, axis.factor).map((each) => ({ ...each, y: scaled(Array.from(each.y)) }));
     const message = series.length ? "" : "Click a bead for a sensor, or add a wall.";
-    this.force.draw(series, { xLabel: axis.label, yLabel: scale === "each" ? "force, relative to the largest of each curve" : inUnit("force", unit), log: scale === "log", message }, `Forces: ${summary(series)}`);
-    replace($("legend-force"), series.map(({ name, note }) => key(name, note)));
+    this.force.draw([...series, ...data], { xLabel: axis.label, yLabel: scale === "each" ? "force, relative to the largest of each curve" : inUnit("force", unit), log: scale === "log", message }, `Forces: ${summary([...series, ...data])}`);
+    replace($("legend-force"), [...series.map(({ name, note }) => key(name, note)), ...(data.length ? [key("measured", data.map(({ label }) => label).join("; "))] : [])]);
   }
 
   /** Main numbers of both chains, and their ratios. @param {State} state @param {Results} own @param {Results | null} other */
@@ -352,6 +354,15 @@ const jumps = (of, y) => ends(of, y) && y.at(-1) * y.at(-3) > 1.2 * y.at(-2) ** 
  * @returns {{shown: [string, number, any][], impact?: [string, any, string][], times: any, values: any, name: string, label: string, ball?: string, remark?: string}[]} */
 function forcesOf({ run: { header, arrays } }) {
   return Object.entries(header.peaks).map(([name, each]) => ({ ...each, times: arrays.get("forces.times"), values: arrays.get(`force.${name}`) }));
+}
+
+/** Curves of measured data during the run. @param {Results} own @param {number} factor of times @returns {Series[]} */
+function measured({ measured: found, motion }, factor) {
+  const more = found && record.shift !== null ? found.offset - record.shift : 0, end = motion?.times.at(-1) ?? 0;
+  return (found?.curves ?? []).map((/** @type {any} */ { key, label }) => {
+    const x = found.arrays.get(`record.times.${key}`), y = found.arrays.get(`record.${key}`), inside = [...x.keys()].filter((i) => x[i] + more >= 0 && x[i] + more <= end);
+    return { name: "measured", label: `measured ${label}`, x: inside.map((i) => (x[i] + more) * factor), y: inside.map((i) => y[i]) };
+  });
 }
 
 /** Largest error from bead 2 on in percent, as `Comparison.worst`; NaN if there is none.

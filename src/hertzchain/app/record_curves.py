@@ -1,0 +1,101 @@
+"""Curves of a measured record at the times of a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError, SimulationError
+from ..fitting.compare_traces import compare_traces
+from ..fitting.compared_run import run_to_compare
+from ..fitting.trace_comparison import TraceComparison
+from ..recorded_warnings import ignore_warnings
+from ..traces.amplitudes import level_of
+from ..traces.coupling import static_force
+from ..traces.signals import Signal
+from .records import Record
+
+# Largest number of saved times of the run for the comparison, and of samples that are drawn.
+MAX_TIMES: Final = 40_000
+MAX_SAMPLES: Final = 6000
+
+
+def record_curves(
+    chain: Chain, record: Record, end: float, progress: Callable[..., None]
+) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Header and arrays of a record, shifted as `Run.compare` does.
+
+    The samples are those from one duration ``end`` of the shown run before its begin to one after
+    its end.  If the record cannot be compared with the chain, it is not shifted.
+    """
+    (shot,) = record.traces.shots
+    found, notes = None, [record.note] if record.note else []
+    try:
+        with ignore_warnings():
+            begin = float(shot.times[0])
+            run = run_to_compare(chain, record.traces, begin, most=MAX_TIMES, progress=progress)
+            found = compare_traces(run, record.traces)
+        notes += found.notes
+    except (InputError, SimulationError) as error:
+        notes.append(f"not aligned: {error}")
+    offset = 0.0 if found is None else found.time_offset
+    times, curves = shot.times - offset, []
+    near = (times >= -end) & (times <= 2.0 * end) if found is not None else np.isfinite(times)
+    arrays: dict[str, Array] = {}
+    for i, signal in enumerate(shot.signals):
+        values, label = _in_newton(chain, signal, found, i)
+        if values is None:
+            notes.append(label)
+            continue
+        arrays[f"record.times.{i}"], arrays[f"record.{i}"] = _thinned(times[near], values[near])
+        curves.append({"key": str(i), "label": label})
+    header = {
+        "name": record.name, "offset": offset, "curves": curves, "notes": notes,
+        "aligned": found is not None,
+    }  # fmt: skip
+    return header, arrays
+
+
+def _in_newton(
+    chain: Chain, signal: Signal, found: TraceComparison | None, number: int
+) -> tuple[Array | None, str]:
+    """Samples as a force and the name of their curve, or a reason why they are not shown."""
+    if signal.place.quantity != "force":
+        return None, f"{signal.name} is not shown, because it is a velocity"
+    label, values = signal.name, signal.values
+    if found is None:
+        if signal.calibrated:
+            return values, label
+        return None, f"{signal.name} is in V, and is shown only if it can be aligned and scaled"
+    resolved = found.traces.shots[0].signals[number]
+    if not signal.calibrated:
+        scale, model = found.scales[number], found.signals[number]
+        if not scale:
+            return None, f"{signal.name} is in V and has no pulse to which it can be scaled"
+        first = model[resolved.valid & np.isfinite(model)][0]
+        values = first + (values - level_of(resolved)) / scale
+        label += f" in V (1 N is {scale:.4g} V)"
+    if resolved.coupling == "AC":
+        values = values + static_force(signal.place, chain)
+    return values, label
+
+
+def _thinned(times: Array, values: Array) -> tuple[Array, Array]:
+    """At most about `MAX_SAMPLES` samples: the smallest and the largest of equal groups."""
+    known = np.isfinite(values)
+    times, values = times[known], values[known]
+    groups = MAX_SAMPLES // 2
+    if len(values) <= MAX_SAMPLES:
+        return times, values
+    edges = np.linspace(0, len(values), groups + 1).astype(int)
+    kept = [
+        begin + each
+        for begin, end in pairwise(edges)
+        for each in sorted((np.argmin(values[begin:end]), np.argmax(values[begin:end])))
+    ]
+    return times[kept], values[kept]

@@ -328,3 +328,17 @@ def test_the_band_of_the_spread_is_visible():
     assert law.plot(log=True).get_ylim()[1] > 1.0
     forces = law.plot("peak_force")
     assert f"contact 99: {law.peak_force[-1]:.3g} ↓" in [each.get_text() for each in forces.texts]
+
+
+def test_a_single_pulse_has_a_panel_of_its_spread():
+    chain = hc.Chain.tapered("forward-exponential", 0.03, beads=25)
+    pulse = hc.disorder(chain, 0.01)
+    axes = hc.plot_pulses([pulse], "velocity", residuals=True)
+    below = axes.figure.axes[1]
+    assert below.get_ylabel() == "spread [%]"
+    (band,) = [each for each in below.collections if len(each.get_paths()[0].vertices) > 10]
+    # The band is that of one standard deviation of the logarithm.
+    spread = 100.0 * np.expm1(pulse.column("velocity_spread")[:-1].max())
+    assert band.get_paths()[0].vertices[:, 1].max() == pytest.approx(spread, rel=1e-6)
+    with pytest.raises(hc.InputError, match="residuals need at least two pulses"):
+        hc.plot_pulses([hc.propagate(chain)], "velocity", residuals=True)

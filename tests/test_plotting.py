@@ -1794,3 +1794,20 @@ def test_the_label_of_peak_forces_excludes_damping_only_where_a_law_has_it():
     ):  # fmt: skip
         pulse = hc.simulate(each, until=8.0).pulse()
         assert pulse.plot("peak_force").get_ylabel() == label
+
+
+def test_animations_of_compressed_rows_show_changes_of_forces(tmp_path, monkeypatch):
+    row = hc.Chain.from_materials(
+        5e-3, "steel-52100", beads=8, velocity=0.01, precompression=20.0, held_by="walls",
+        left_wall=hc.Wall(), right_wall=hc.Wall(),
+    )  # fmt: skip
+    run = hc.simulate(row, until=200e-6, times=300)
+    seen = []
+    close = plt.close
+    monkeypatch.setattr(plt, "close", lambda figure: (seen.append(figure), close(figure)))
+    hc.animate(run, tmp_path / "a.gif", frames=2, sensors=["ball 4"])
+    below = seen[0].axes[1]
+    assert below.get_ylabel() == "change of force on wall\nand in sensors [N]"
+    wall, sensor, _ = below.lines
+    assert wall.get_ydata()[0] == pytest.approx(0.0, abs=1e-6)
+    assert np.max(sensor.get_ydata()) == pytest.approx(run.sensor(4).max() - 20.0, rel=1e-6)

@@ -373,3 +373,42 @@ def test_quantities_of_different_units_are_drawn_one_by_one():
     })  # fmt: skip
     with pytest.raises(hc.InputError, match="have the units J, m/s; call plot_sweep once for each"):
         hc.plot_sweep(found, ["energy", "velocity"])
+
+
+def test_slopes_are_power_laws_above_the_first_curve():
+    row = {"radii": "5 mm", "beads": 6, "materials": "steel-52100", "right_wall": {}}
+    speeds = [0.01, 0.02, 0.04, 0.08, 0.16]
+    found = swept(row, {"velocity": speeds}, methods=["simulate"], keep=["wall_peak_force"])
+    for log in (False, True):
+        axes = hc.plot_sweep(found, log=log, slope=["6/5", 2])
+        lines = {line.get_label(): line for line in axes.lines}
+        x, y = lines["slope 6/5"].get_data()
+        assert np.allclose(np.diff(np.log(y)) / np.diff(np.log(x)), 1.2)
+        # Hertz's law makes all forces proportional to this power of the velocity.
+        forces = found["wall_peak_force"].to_numpy().squeeze()
+        assert np.interp(speeds, x, y) == pytest.approx(1.25 * forces, rel=2e-3)
+        x, y = lines["slope 2"].get_data()
+        assert np.allclose(np.diff(np.log(y)) / np.diff(np.log(x)), 2.0)
+        assert "slope 6/5" in [text.get_text() for text in axes.get_legend().get_texts()]
+        plt.close(axes.figure)
+
+
+@pytest.mark.parametrize(
+    ("slope", "said"),
+    [("six", "slope"), ("6/0", "a fraction such as '6/5', got '6/0'"), (np.nan, "slope")],
+)
+def test_slopes_are_numbers_or_fractions(slope, said):
+    found = swept(FORWARD, {"rate": RATES}, at="last")
+    with pytest.raises(hc.InputError, match=said):
+        hc.plot_sweep(found, slope=slope)
+
+
+def test_maps_and_names_have_no_slope():
+    found = swept({"taper": "forward-exponential"},
+                  {"rate": np.linspace(0.01, 0.07, 7).tolist(), "beads": [*range(20, 27)]},
+                  at="last")  # fmt: skip
+    with pytest.raises(hc.InputError, match="a map has no slopes; omit slope"):
+        hc.plot_sweep(found, slope=1.0)
+    flat = swept(FORWARD, {"rate": [0.0]}, at="last")
+    with pytest.raises(hc.InputError, match="a slope requires a curve with positive values"):
+        hc.plot_sweep(flat, slope=1.0)

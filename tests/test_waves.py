@@ -363,3 +363,17 @@ def test_the_advice_of_a_reflection_is_enough():
 def test_a_run_that_ends_while_the_incident_wave_passes_is_too_short():
     with pytest.raises(hc.SimulationError, match="still passes contact 50 .* simulate for longer"):
         hc.simulate(STEP, until=60.0, times=1000).reflection(50, 75)
+
+
+def test_the_legend_explains_the_widths_of_lines():
+    row = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
+    run = hc.simulate(row.struck_by(radius="10 mm", velocity="0.1 m/s"), until=1e-3, times=2001)
+    waves = run.waves()
+    axes = waves.plot()
+    widths = {line.get_label(): line.get_linewidth() for line in axes.lines}
+    strongest = max(wave.energy for wave in waves)
+    assert widths[f"energy {1e6 * strongest:.3g} µJ"] == max(widths.values())
+    expected = 0.8 + 2.2 * 0.1**0.5
+    assert widths["a tenth of it"] == pytest.approx(expected)
+    single = hc.simulate(hc.Chain.uniform(30), until=30.0).waves().plot()
+    assert len(single.get_legend().get_texts()) == 1

@@ -53,7 +53,8 @@ def record_curves(
             notes.append(label)
             continue
         arrays[f"record.times.{i}"], arrays[f"record.{i}"] = _thinned(times[near], values[near])
-        curves.append({"key": str(i), "label": label})
+        static = static_force(signal.place, chain) if found is not None else 0.0
+        curves.append({"key": str(i), "label": label, "static": static})
     header = {
         "name": record.name, "offset": offset, "curves": curves, "notes": notes,
         "aligned": found is not None,

@@ -86,7 +86,7 @@ def _method_help() -> str:
 @click.option("--csv", "as_csv", is_flag=True, help="Print everything as CSV.")
 @figure_option(
     "Also plot the quantity to FILE; with several methods, below it their differences from the "
-    "reference."
+    "reference, and for --method disorder alone, its spread."
 )
 def pulse(
     options: ChainOptions, methods: tuple[str, ...], quantity: str, rtol: float | None,
@@ -140,13 +140,15 @@ def pulse(
     pulses = [pulse for each in found.values() for pulse in each]
     if plot is not None:
         from ..plotting.pulses import plot_pulses
+        from ..plotting.spreads import spread_of
         from ..plotting.style import literal
 
         labels = [
             literal(name if len(each) == 1 else f"{name}, {pulse.method}")
             for name, each in found.items() for pulse in each
         ] if len(found) > 1 else None  # fmt: skip
-        residuals = len(found) == 1 and len(pulses) > 1
+        spread = any(spread_of(each, quantity) is not None for each in pulses)
+        residuals = len(found) == 1 and (len(pulses) > 1 or spread)
         axes = plot_pulses(pulses, quantity, labels=labels, log=log, residuals=residuals)
         save_figure(axes, plot)
     more = [quantity] if quantity in ON_REQUEST else []

@@ -217,11 +217,18 @@ def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool, as_json: boo
     help="Draw a contour line at this value in a map, such as 0.01 or 1%.",
 )
 @click.option("--log", is_flag=True, help="Use a logarithmic scale for the quantity.")
+@click.option(
+    "--slope",
+    "slopes",
+    multiple=True,
+    metavar="EXPONENT",
+    help="Draw a dashed line of a power law for comparison, such as 1.2 or 6/5; repeatable.",
+)
 @_skip_damaged
 @with_width("target")
 def plot(
     store: Path, target: Path, quantity: str | None, at: tuple[str, ...],
-    level: tuple[float, ...], log: bool, skip_damaged: bool,
+    level: tuple[float, ...], log: bool, slopes: tuple[str, ...], skip_damaged: bool,
 ) -> None:  # fmt: skip
     """Plot a store to FILE (.png, .svg or .pdf): curves over one axis, a map over two.
 
@@ -235,7 +242,8 @@ def plot(
     check_writable(target, "FILE", PICTURES)
     chosen = dict(map(_place, at))
     found = hertzchain.open_sweep(store, skip_damaged=skip_damaged)
-    axes = plot_sweep(found, quantity, log=log, levels=list(level) or None, **chosen)
+    axes = plot_sweep(found, quantity, log=log, levels=list(level) or None,
+                      slope=slopes or None, **chosen)  # fmt: skip
     save_figure(axes, target)
     click.echo(target)
 

@@ -33,6 +33,7 @@ from .animation_file import AnimationFile
 from .chains import body_collection, material_colour, material_legend, material_names
 from .colours import COLOURS, grey
 from .runs import check_times, wall_curve
+from .static_forces import static_force, static_forces
 from .style import figure_style, set_title, time_axis
 from .titles import chain_title
 
@@ -71,7 +72,8 @@ def animate(
     they are; the colour of a bead is its velocity.  If there are several materials, a ring around
     each bead has the colour of its material in all figures, and a legend names them.  Below, a
     trace with a marker at the present time shows the force on the right wall or, without one, the
-    largest contact force, and the forces in sensors.
+    largest contact force, and the forces in sensors.  With precompression or gravity, the trace
+    shows the changes of these forces from the static ones.
 
     Parameters
     ----------
@@ -293,27 +295,32 @@ def _draw_force(
 ) -> Any:
     """The force on the right wall, or the largest contact force, and those in sensors.
 
-    Returns the marker of the time.
+    They are changes from static forces, which would hide the wave.  Returns the marker of the time.
     """
-    newton = " [N]" if run.chain.units == "SI" else ""
-    if run.chain.right_wall is not None:
+    chain, static = run.chain, static_forces(run.chain)
+    newton = " [N]" if chain.units == "SI" else ""
+    if chain.right_wall is not None:
         times, values = wall_curve(run._wall_force("right"))
-        what = "force on wall"
+        values, what = values - static[-1], "force on wall"
     else:
-        times, values, what = run.times, run.forces.max(axis=1), "largest force"
+        times, values, what = run.times, (run.forces - static).max(axis=1), "largest force"
     axes.plot(unit * times, values, color=grey(axes), linewidth=0.9)
     for sensor, colour in zip(sensors, SENSORS, strict=False):
-        axes.plot(unit * sensor.times, sensor.force, color=colour, linewidth=0.9)
+        force = sensor.force - static_force(chain, sensor.bead)
+        axes.plot(unit * sensor.times, force, color=colour, linewidth=0.9)
         # The first maximum is NaN if the pulse has not arrived.
         top = int(np.argmax(sensor.force >= np.nan_to_num(sensor.first_maximum, nan=np.inf)))
         top = top or int(np.argmax(sensor.force))
-        axes.annotate(bead_label(run.chain, sensor.bead), (unit * sensor.times[top],
-                      sensor.force[top]), ha="center", va="bottom", color=colour, xytext=(0, 2),
+        axes.annotate(bead_label(chain, sensor.bead), (unit * sensor.times[top],
+                      force[top]), ha="center", va="bottom", color=colour, xytext=(0, 2),
                       textcoords="offset points", fontsize="small")  # fmt: skip
     if sensors:
         axes.margins(y=0.2)
     axes.set_xlim(unit * run.times[0], unit * run.times[-1])
     axes.set_xlabel(label)
+    if static.any():
+        what = f"change of {what}" if chain.right_wall is not None else "largest change of force"
+        what = what if sensors else what.replace(" of ", " of\n", 1)
     axes.set_ylabel((f"{what}\nand in sensors" if sensors else what) + newton)
     return axes.axvline(unit * run.times[0], color=MARKER, linewidth=1.2)
 

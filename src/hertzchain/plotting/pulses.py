@@ -36,6 +36,7 @@ from .residuals import hidden_difference, relative_difference
 from .shared_axes import label_quantities, note_curve, use_prefix
 from .spreads import (
     BAND,
+    draw_own_spread,
     draw_spread,
     draw_spread_of_difference,
     remove_values_beyond,
@@ -112,7 +113,8 @@ def plot_pulses(
         methods, they are relative to the first pulse of the same chain.  If its name is too long
         for the panel, this names the first curve, as does the legend unless ``labels`` are given.
         If some differences would not be visible beside others, the panel has their sizes on a
-        logarithmic axis.
+        logarithmic axis.  For a single pulse whose spread is known, such as that of `disorder`, the
+        panel shows the spread.
     legend : bool
         Whether to add a legend, which is above the axes if it would cover data inside them.  For
         a common legend of several axes, use ``figure.legend(*axes.get_legend_handles_labels())``.
@@ -153,7 +155,8 @@ def plot_pulses(
     names = [literal(name) for name in numbered(names)]
     if labels is not None:
         names = _given(labels, len(pulses))
-    if residuals and len(pulses) < 2:
+    own_spread = len(pulses) == 1 and spread_of(pulses[0], quantity) is not None
+    if residuals and len(pulses) < 2 and not own_spread:
         raise InputError("residuals need at least two pulses: omit residuals")
     with figure_style():
         axes, lower = _axes(ax, residuals=residuals)
@@ -186,8 +189,12 @@ def plot_pulses(
         for each in {axes, lowest}:
             each.xaxis.set_major_locator(BeadLocator())
         if lower is not None:
-            _draw_residuals(lower, pulses, quantity, looks)
-            _label_residuals(lower, reference)
+            if own_spread:
+                draw_own_spread(lower, pulses[0], quantity, curve_colour(lower, looks[0].colour),
+                                free=bool(ends))  # fmt: skip
+            else:
+                _draw_residuals(lower, pulses, quantity, looks)
+                _label_residuals(lower, reference)
             lower.set_xlim(axes.get_xlim())
         set_title(axes, literal(title))
         show_band(axes, pulses, quantity, keep=bool(present) or log)

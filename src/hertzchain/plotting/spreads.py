@@ -54,6 +54,15 @@ def draw_spread_of_difference(
     _draw_band(axes, low, high, colour, free=free)
 
 
+def draw_own_spread(axes: Axes, pulse: Pulse, quantity: str, colour: str, *, free: bool) -> None:
+    """The band around the values of the pulse itself, in percent, in a panel of its own."""
+    values = pulse._predicted(quantity)
+    axes.axhline(0.0, color=colour, linewidth=0.7)
+    difference = np.zeros(len(values))
+    draw_spread_of_difference(axes, pulse, quantity, difference, colour, free=free)
+    axes.set_ylabel("spread [%]")
+
+
 def _draw_band(axes: Axes, low: Array, high: Array, colour: str, *, free: bool) -> None:
     bead, end = np.arange(1, len(low) + 1), len(low) - free
     axes.fill_between(bead[:end], low[:end], high[:end], color=colour, alpha=BAND, linewidth=0.0)

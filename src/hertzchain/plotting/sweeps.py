@@ -21,6 +21,7 @@ from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list, text
 from .colours import signed_map
 from .legends import place_legend
+from .reference_slopes import draw_slopes, slopes_from
 from .shared_axes import use_power_of_ten
 from .style import broken_label, figure_style, get_axes, label_log_axis, set_title
 from .sweep_axes import edges_of, places_of, set_axis
@@ -57,6 +58,7 @@ def plot_sweep(
     *,
     log: bool = False,
     levels: list[float] | None = None,
+    slope: float | str | Sequence[float | str] | None = None,
     label: str = "",
     legend: bool = True,
     ax: Axes | None = None,
@@ -87,6 +89,10 @@ def plot_sweep(
     levels : list of float, optional
         Values of contour lines in a map, such as 0.01 for an error of 1%.  With levels, two axes
         of any length give a map.
+    slope : float, str or sequence of these, optional
+        Exponents of power laws, as numbers or fractions such as ``"6/5"``: thin dashed lines, whose
+        level has no meaning, are drawn for comparison above the first curve.  On two logarithmic
+        axes they are straight.
     label : str
         Name of the curves in the legend, followed by the method or value if there are several.  By
         default, curves of several sweeps or quantities in the same axes are named by the
@@ -138,6 +144,7 @@ def plot_sweep(
     log, legend = check_bool("log", log), check_bool("legend", legend)
     given = [] if levels is None else check_list("levels", levels, "numbers")
     levels = [number("level", level) for level in given]
+    slopes = [] if slope is None else slopes_from(slope)
     name = "" if isinstance(label, str) and not label else text("label", label)
     check_sweep(dataset)
     wanted = [quantity] if quantity is None or isinstance(quantity, str) else check_list(
@@ -150,6 +157,8 @@ def plot_sweep(
     by = "approach" if len(along) == 1 else short
     if by is None and name:
         raise InputError("a map has no legend; omit label")
+    if by is None and slopes:
+        raise InputError("a map has no slopes; omit slope, or plot one value of an axis")
     _check_together([drawn for drawn, _ in selected], curves=by is not None)
     _check_done(dataset, at)
     for drawn, _ in selected:
@@ -157,6 +166,7 @@ def plot_sweep(
     with figure_style():
         axes = get_axes(ax)
         unit = shared_unit(axes, [drawn for drawn, _ in selected])
+        present = len(axes.lines)
         for drawn, reference in selected:
             shown = with_damping(with_symbols(in_unit(drawn, unit), dataset), dataset)
             flagged = _flagged(dataset, shown, at)
@@ -175,7 +185,8 @@ def plot_sweep(
             common = label_shared(axes)
             parts = caption if common is None else common
             set_title(axes, "; ".join((*parts, *flags)), common=common is not None)
-        several = by in shown.dims or len(axes.get_legend_handles_labels()[1]) > 1
+        draw_slopes(axes, axes.lines[present:], slopes)
+        several = by in shown.dims or slopes or len(axes.get_legend_handles_labels()[1]) > 1
         if legend and (several or name):
             place_legend(axes, own=ax is None)
     return axes

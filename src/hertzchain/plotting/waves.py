@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from matplotlib.axes import Axes
 
 from ..simulation.waves import DIRECTIONS, Waves
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool
-from .colours import COLOURS
+from .colours import COLOURS, grey
 from .legends import place_legend
-from .shared_axes import label_below
+from .shared_axes import label_below, prefixed
 from .style import BeadLocator, figure_style, get_axes, set_title, time_axis
 from .titles import chain_title
 
+# Part of the largest energy below which the widths of lines are explained.
+SAME: Final = 0.9
 LINES = {1: (COLOURS[1], "-"), -1: (COLOURS[2], "--")}
 
 
@@ -20,7 +24,8 @@ LINES = {1: (COLOURS[1], "-"), -1: (COLOURS[2], "--")}
 def plot_waves(waves: Waves, *, legend: bool = True, ax: Axes | None = None) -> Axes:
     """Plot the track of every wave: contact against time, coloured by direction.
 
-    The width of a line increases with the energy of its wave.
+    The width of a line increases with the energy of its wave; if the energies differ, the legend
+    has lines of the largest energy and of a tenth of it.
 
     Parameters
     ----------
@@ -46,13 +51,13 @@ def plot_waves(waves: Waves, *, legend: bool = True, ax: Axes | None = None) -> 
         axes = get_axes(ax)
         for wave in waves:
             colour, style = LINES[wave.direction]
-            thick = 0.8 + 2.2 * (wave.energy / strongest) ** 0.5
-            axes.plot(
-                factor * wave.times, wave.contacts, color=colour, linestyle=style, linewidth=thick
-            )
+            axes.plot(factor * wave.times, wave.contacts, color=colour, linestyle=style,
+                      linewidth=_width(wave.energy / strongest))  # fmt: skip
         for sign in dict.fromkeys(sorted((wave.direction for wave in waves), reverse=True)):
             axes.plot([], [], color=LINES[sign][0], linestyle=LINES[sign][1],
                       label=f"to the {DIRECTIONS[sign]}")  # fmt: skip
+        if min((wave.energy for wave in waves), default=strongest) < SAME * strongest:
+            _label_widths(axes, strongest, si=waves.chain.units == "SI")
         label_below(axes, label)
         axes.set_ylabel("contact $k$")
         axes.yaxis.set_major_locator(BeadLocator(0))
@@ -60,3 +65,16 @@ def plot_waves(waves: Waves, *, legend: bool = True, ax: Axes | None = None) -> 
         if legend and len(waves):
             place_legend(axes, own=ax is None)
     return axes
+
+
+def _width(part: float) -> float:
+    """Width of the line of a wave with a part of the largest energy [points]."""
+    return 0.8 + 2.2 * part**0.5
+
+
+def _label_widths(axes: Axes, strongest: float, *, si: bool) -> None:
+    """Entries of the legend for the widths of the lines."""
+    factor, unit = prefixed(strongest, "J") if si else (1.0, "")
+    words = f"energy {factor * strongest:.3g} {unit}".rstrip()
+    for part, label in ((1.0, words), (0.1, "a tenth of it")):
+        axes.plot([], [], color=grey(axes, 0.4), linewidth=_width(part), label=label)

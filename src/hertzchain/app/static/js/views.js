@@ -189,7 +189,7 @@ export class Views {
   drawForces(state, own, other, axis) {
     const scale = state.view.forces, [mine, their] = letters(state);
     const traces = forcesOf(own), all = [...traces, ...(other?.motion && other.si === own.si ? forcesOf(other) : [])], most = Math.max(...all.flatMap(({ shown }) => shown.map(([, force]) => force)), 0), [factor, unit] = own.si ? prefixed(most, "N") : [1, ""];
-    const scaled = (/** @type {number[]} */ y) => scale === "log" ? y.map((each) => Math.max(each, 1e-4 * most) * factor) : times(y, scale === "each" ? 1 / (largest(y) || 1) : factor);
+    const scaled = (/** @type {number[]} */ y, base = y[0]) => scale === "change" ? y.map((each) => (each - base) * factor) : scale === "log" ? y.map((each) => Math.max(each, 1e-4 * most) * factor) : times(y, scale === "each" ? 1 / (largest(y) || 1) : factor);
     const series = all.map((each, i) => {
       const x = [...each.times], y = [...each.values];
       const [faint, label] = i < traces.length ? ["", mine + each.label] : [" faint", their + each.label];
@@ -213,9 +213,9 @@ export class Views {
       if (each.remark) notes.push(each.remark);
       return { name: each.name + faint, label, x: times(x, axis.factor), y: scaled(y), note: `${label}: ${notes.join("; ")}` };
     });
-    const data = measured(own, axis.factor).map((each) => ({ ...each, y: scaled(Array.from(each.y)) }));
+    const data = measured(own, axis.factor).map((each) => ({ ...each, y: scaled(Array.from(each.y), each.rest) }));
     const message = series.length ? "" : "Click a bead for a sensor, or add a wall.";
-    this.force.draw([...series, ...data], { xLabel: axis.label, yLabel: scale === "each" ? "force, relative to the largest of each curve" : inUnit("force", unit), log: scale === "log", message }, `Forces: ${summary([...series, ...data])}`);
+    this.force.draw([...series, ...data], { xLabel: axis.label, yLabel: scale === "each" ? "force, relative to the largest of each curve" : inUnit(scale === "change" ? "change from the force at t = 0" : "force", unit), log: scale === "log", message }, `Forces: ${summary([...series, ...data])}`);
     replace($("legend-force"), [...series.map(({ name, note }) => key(name, note)), ...(data.length ? [key("measured", data.map(({ label }) => label).join("; "))] : [])]);
   }
 
@@ -356,12 +356,12 @@ function forcesOf({ run: { header, arrays } }) {
   return Object.entries(header.peaks).map(([name, each]) => ({ ...each, times: arrays.get("forces.times"), values: arrays.get(`force.${name}`) }));
 }
 
-/** Curves of measured data during the run. @param {Results} own @param {number} factor of times @returns {Series[]} */
+/** Curves of measured data during the run. @param {Results} own @param {number} factor of times @returns {(Series & {rest: number})[]} */
 function measured({ measured: found, motion }, factor) {
   const more = found && record.shift !== null ? found.offset - record.shift : 0, end = motion?.times.at(-1) ?? 0;
-  return (found?.curves ?? []).map((/** @type {any} */ { key, label }) => {
+  return (found?.curves ?? []).map((/** @type {any} */ { key, label, static: rest }) => {
     const x = found.arrays.get(`record.times.${key}`), y = found.arrays.get(`record.${key}`), inside = [...x.keys()].filter((i) => x[i] + more >= 0 && x[i] + more <= end);
-    return { name: "measured", label: `measured ${label}`, x: inside.map((i) => (x[i] + more) * factor), y: inside.map((i) => y[i]) };
+    return { name: "measured", label: `measured ${label}`, x: inside.map((i) => (x[i] + more) * factor), y: inside.map((i) => y[i]), rest };
   });
 }
 

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { FACTORS, STEPS, USUAL, digitsOf, entered, parsed, percent, placeAt, plain, positionOf, powers, prefixed, rangeOf, short, spread, ticks, timeAt, valueAt, valued } from "../../src/hertzchain/app/static/js/numbers.js";
+import { FACTORS, STEPS, USUAL, digitsOf, entered, full, parsed, percent, placeAt, plain, positionOf, powers, prefixed, rangeOf, short, spread, ticks, timeAt, valueAt, valued } from "../../src/hertzchain/app/static/js/numbers.js";
 
 Object.assign(FACTORS, { m: 1, cm: 1e-2, mm: 1e-3, in: 25.4e-3, "m/s": 1, "mm/s": 1e-3, "%": 1e-2 });
 Object.assign(USUAL, { length: [[0.1, 50], [0.05, 5]], velocity: [[0.01, 20], [0.01, 5]], acceleration: [[-20, 20], [-0.1, 0.1]],
@@ -13,6 +13,11 @@ test("short numbers keep their size and sign", () => {
   assert.equal(short(123456), "1.23e5");
   assert.equal(short(0.000012345), "1.23e−5");
   assert.equal(short(NaN), "–");
+});
+
+test("texts and tables have the same number of digits", () => {
+  assert.deepEqual([17.2, 102.6, 0.05, -3, 9999.9, 123456, 0, NaN].map(full),
+    ["17.20", "102.6", "0.05000", "−3.000", "10000", "1.23e5", "0", "–"]);
 });
 
 test("an infinite radius is written as in chain files", () => {

@@ -11,7 +11,12 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.contact_groups import loading_forces
 from ..chain.description import sizes_in_words
-from ..chain.drawn_bodies import body_centres, half_heights, half_widths
+from ..chain.drawn_bodies import (
+    body_centres,
+    half_heights,
+    half_widths,
+    pad_contacts,
+)
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..errors import InputError, SimulationError
@@ -142,6 +147,7 @@ def _description(chain: Chain) -> dict[str, Any]:
         "description": chain_in_words(chain), "beads": chain.beads, "units": chain.units,
         "features": list(chain.features), "strikers": chain.strikers,
         "walls": [name.removesuffix(" wall") for name in walls if name in chain.features],
+        "pads": pad_contacts(chain),
         "kinds": [[name, _sizes(chain, beads)] for name, beads in _kinds(chain).items()],
     }  # fmt: skip
 

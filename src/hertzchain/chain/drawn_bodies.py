@@ -40,6 +40,23 @@ def body_centres(chain: ChainFields) -> Array:
     return np.asarray(widths[0] + np.concatenate(([0.0], np.cumsum(apart))))
 
 
+def pad_contacts(chain: ChainFields) -> list[int]:
+    """Contacts from 0 to N that are linear springs: pads and load cells, drawn as layers."""
+    springs = (chain.contact_stiffness > 0.0) & (chain.contact_exponents == 1.0)
+    return [int(k) for k in np.flatnonzero(springs)]
+
+
+def contact_places(chain: ChainFields) -> Array:
+    """Positions of contacts 0 to N, those of walls at their faces."""
+    centres, widths = body_centres(chain), half_widths(chain)
+    middle = 0.5 * (centres[:-1] + widths[:-1] + centres[1:] - widths[1:])
+    left, right = (
+        0.0 if wall is None or chain.scaled else wall.gap
+        for wall in (chain.left_wall, chain.right_wall)
+    )
+    return np.concatenate(([-left], middle, [centres[-1] + widths[-1] + right]))
+
+
 def known_radii(chain: ChainFields) -> Array:
     """Radii of the spheres, without bodies that are drawn as plates."""
     return chain.radii[~flat_bodies(chain)]

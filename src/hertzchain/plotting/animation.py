@@ -19,7 +19,7 @@ from matplotlib.patches import Rectangle
 
 from ..chain.bead_names import bead_label
 from ..chain.chain import Chain
-from ..chain.drawn_bodies import half_heights, half_widths
+from ..chain.drawn_bodies import half_heights, half_widths, pad_contacts
 from ..collision import Array
 from ..errors import InputError
 from ..simulation.budget import overlaps_of
@@ -30,7 +30,14 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import Progress, callback, check_list, check_type, file_path
 from .animation_file import AnimationFile
-from .chains import body_collection, material_colour, material_legend, material_names
+from .chains import (
+    PAD,
+    PAD_COLOUR,
+    body_collection,
+    material_colour,
+    material_legend,
+    material_names,
+)
 from .colours import COLOURS, grey
 from .runs import check_times, wall_curve
 from .static_forces import static_force, static_forces
@@ -274,11 +281,20 @@ def _draw_beads(
     if chain.right_wall is not None:
         _draw_wall(axes, _right_edge(run, factor), largest)
         ends.append(_right_edge(run, factor) + 0.5 * largest)
+        _draw_pad(axes, run, factor, largest)
     axes.set_xlim(min(ends) - 0.1 * largest, max(ends) + 0.1 * largest)
     axes.set_ylim(-1.2 * largest, 1.2 * largest)
     axes.set_aspect("equal")
     axes.set_axis_off()
     return bodies, left_wall
+
+
+def _draw_pad(axes: Axes, run: Run, factor: float, largest: float) -> None:
+    """The layer of a pad, or of a load cell, in front of the right wall."""
+    if run.chain.beads in pad_contacts(run.chain):
+        edge = _right_edge(run, factor) - PAD * largest
+        axes.add_patch(Rectangle((edge, -0.8 * largest), PAD * largest, 1.6 * largest,
+                                 facecolor=PAD_COLOUR, linewidth=0.0, zorder=3))  # fmt: skip
 
 
 def _draw_wall(axes: Axes, begin: float, largest: float) -> Rectangle:

@@ -14,7 +14,14 @@ from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.transforms import AffineDeltaTransform
 
 from ..chain.chain import Chain
-from ..chain.drawn_bodies import body_centres, flat_bodies, half_heights, half_widths
+from ..chain.drawn_bodies import (
+    body_centres,
+    contact_places,
+    flat_bodies,
+    half_heights,
+    half_widths,
+    pad_contacts,
+)
 from ..chain.feature_support import require_chain
 from ..collision import Array
 from ..validation.keywords import checked_arguments
@@ -34,6 +41,9 @@ MATERIALS: Final = {
 }  # fmt: skip
 OTHERS: Final = ("#D3E8DC", "#F7C6C6", "#C9D66B", "#E0A8D0", "#8FD0B0", "#FBEFC9")
 UNKNOWN: Final = "#DDE6EE"
+# Thickness of the layer of a pad, in radii of the largest bead.
+PAD: Final = 0.22
+PAD_COLOUR: Final = "#555555"
 # Heights [inches] of a figure of a chain: of the labels of the x axis, of a title or a legend, and
 # the largest one of the beads.
 LABELS, TITLE, MAX_HEIGHT = 0.55, 0.3, 2.5
@@ -43,7 +53,8 @@ LABELS, TITLE, MAX_HEIGHT = 0.55, 0.3, 2.5
 def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     """Draw a chain to scale: beads, gaps and walls; an arrow marks strikers.
 
-    A flat striker and a cap are plates, which are not to scale because their sizes are not known.
+    A flat striker and a cap are plates, and pads and load cells dark layers, which are not to scale
+    because their sizes are not known.
     Each material has the same colour in every figure; a legend names them if there are several.
 
     Parameters
@@ -68,6 +79,7 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
         axes = get_axes(ax) if ax is not None else _own_axes(chain, length / largest)
         draw_beads(chain, factor, axes)
         draw_walls(chain, factor, tall, axes)
+        draw_pads(chain, factor, axes)
         axes.set_aspect("equal")
         axes.set_xlim(-0.7 * largest, length + 0.7 * largest)
         axes.set_ylim(-tall, tall)
@@ -129,6 +141,17 @@ def draw_walls(chain: Chain, factor: float, tall: float, axes: Axes) -> None:
             edge = at + side * (factor * wall.gap if chain.units == "SI" else 0.0)
             axes.fill_betweenx([-tall, tall], edge, edge + side * thick, facecolor="#BBBBBB",
                                hatch="///", edgecolor="black", linewidth=0.0, zorder=0)  # fmt: skip
+
+
+def draw_pads(chain: Chain, factor: float, axes: Axes) -> None:
+    """Draw layers at contacts that are linear springs, such as pads."""
+    largest, places = factor * half_heights(chain).max(), factor * contact_places(chain)
+    thick, tall = PAD * largest, 0.8 * largest
+    for k in pad_contacts(chain):
+        # A layer in front of a wall does not cover the wall.
+        shift = {0: 0.0, chain.beads: -thick}.get(k, -0.5 * thick)
+        axes.add_patch(Rectangle((places[k] + shift, -tall), thick, 2.0 * tall,
+                                 facecolor=PAD_COLOUR, linewidth=0.0, zorder=3))  # fmt: skip
 
 
 def length_of(chain: Chain) -> float:

@@ -155,9 +155,8 @@ def plot_pulses(
     names = [literal(name) for name in numbered(names)]
     if labels is not None:
         names = _given(labels, len(pulses))
-    own_spread = len(pulses) == 1 and spread_of(pulses[0], quantity) is not None
-    if residuals and len(pulses) < 2 and not own_spread:
-        raise InputError("residuals need at least two pulses: omit residuals")
+    if residuals:
+        _check_residuals(pulses, quantity)
     with figure_style():
         axes, lower = _axes(ax, residuals=residuals)
         present = number_of_curves(axes)
@@ -189,17 +188,30 @@ def plot_pulses(
         for each in {axes, lowest}:
             each.xaxis.set_major_locator(BeadLocator())
         if lower is not None:
-            if own_spread:
-                draw_own_spread(lower, pulses[0], quantity, curve_colour(lower, looks[0].colour),
-                                free=bool(ends))  # fmt: skip
-            else:
-                _draw_residuals(lower, pulses, quantity, looks)
-                _label_residuals(lower, reference)
+            _draw_lower(lower, pulses, quantity, looks, reference)
             lower.set_xlim(axes.get_xlim())
         set_title(axes, literal(title))
         show_band(axes, pulses, quantity, keep=bool(present) or log)
         _finish(axes, lower, legend=legend, own=ax is None)
     return axes
+
+
+def _check_residuals(pulses: Sequence[Pulse], quantity: str) -> None:
+    """Require two pulses, or one with a spread."""
+    if len(pulses) < 2 and spread_of(pulses[0], quantity) is None:
+        raise InputError("residuals need at least two pulses: omit residuals")
+
+
+def _draw_lower(
+    lower: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequence[Look], reference: str
+) -> None:
+    """Draw the differences of several pulses, or the spread of one."""
+    if len(pulses) > 1:
+        _draw_residuals(lower, pulses, quantity, looks)
+        _label_residuals(lower, reference)
+        return
+    colour, free = curve_colour(lower, looks[0].colour), bool(_free_ends(pulses, quantity))
+    draw_own_spread(lower, pulses[0], quantity, colour, free=free)
 
 
 def _finish(axes: Axes, lower: Axes | None, *, legend: bool, own: bool) -> None:

@@ -155,10 +155,8 @@ def plot_sweep(
     along = [each for each in selected[0][0].dims if each != "approach"]
     short = _short_axis(selected[0][0], along) if len(along) == 2 and not levels else None
     by = "approach" if len(along) == 1 else short
-    if by is None and name:
-        raise InputError("a map has no legend; omit label")
-    if by is None and slopes:
-        raise InputError("a map has no slopes; omit slope, or plot one value of an axis")
+    if by is None:
+        _check_map(name, slopes)
     _check_together([drawn for drawn, _ in selected], curves=by is not None)
     _check_done(dataset, at)
     for drawn, _ in selected:
@@ -190,6 +188,13 @@ def plot_sweep(
         if legend and (several or name):
             place_legend(axes, own=ax is None)
     return axes
+
+
+def _check_map(name: str, slopes: Sequence[Any]) -> None:
+    if name:
+        raise InputError("a map has no legend; omit label")
+    if slopes:
+        raise InputError("a map has no slopes; omit slope, or plot one value of an axis")
 
 
 def _to_plot(

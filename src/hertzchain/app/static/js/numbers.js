@@ -30,6 +30,12 @@ export function short(value, digits = 4) {
   return String(+value.toPrecision(digits)).replace("-", "−");
 }
 
+/** A number of a text or table with four digits, zeros at the end included. @param {number} value */
+export function full(value) {
+  const size = Math.abs(value), text = short(value);
+  return size >= 1e-3 && size < 9999.5 ? value.toPrecision(4).replace("-", "−") : text;
+}
+
 /** A percentage, with decimals down to 0.000001%. @param {number} value @param {number} [digits] */
 export function percent(value, digits) {
   const size = Math.abs(value);

@@ -224,6 +224,7 @@ function showTitles() {
   for (const slot of SLOTS) {
     const header = results[slot].beads.header;
     if (!header) continue;
+    $(`title-${slot}`).title = header.description.includes("mixed exponents") ? "Contacts have different exponents: 3/2 between spheres, 1 at pads and load cells" : "";
     const colours = stages[slot].colours = header.kinds.map((/** @type {string[]} */ [name]) => names.indexOf(name));
     const kinds = colours.map((/** @type {number} */ i, /** @type {number} */ n) => make("span", { className: "key" },
       make("i", { className: "ring", style: `color:var(--m${i % KINDS});${i < KINDS ? "" : "border-style:dashed"}` }), header.kinds[n].join(", ")));

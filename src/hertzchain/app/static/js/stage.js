@@ -34,6 +34,8 @@ export function around(one, other) {
 export class Stage {
   /** @type {string[]} */
   walls = [];
+  /** Contacts with pads. @type {number[]} */
+  pads = [];
   strikers = 0;
   kinds = new Int16Array(0);
   /** Colours of the materials, if there are several. @type {number[]} */
@@ -75,6 +77,7 @@ export class Stage {
     this.centres = arrays.get("centres");
     this.kinds = arrays.get("kinds");
     this.walls = header.walls;
+    this.pads = header.pads;
     this.strikers = header.strikers;
     this.si = header.units === "SI";
     this.wallGap = this.si ? wallGap : 0;
@@ -203,6 +206,7 @@ export class Stage {
     this.drawProfile(pen, W, H, speeds);
     this.drawWalls(pen, H);
     this.drawBeads(pen, W, H, speeds);
+    this.drawPads(pen);
     if (m && m.beads === count) this.drawForces(pen, W, i, u);
     this.drawLabels(pen, W, H);
   }
@@ -267,6 +271,17 @@ export class Stage {
         pen.lineTo(x + 10, at);
       }
       pen.stroke();
+    }
+  }
+
+  /** Pads and load cells, whose sizes are not known. @param {Pen} pen */
+  drawPads(pen) {
+    const tall = 0.8 * this.largest * this.look.scale, thick = Math.max(2, 0.3 * tall);
+    pen.fillStyle = COLOURS.edge;
+    for (const k of this.pads) {
+      const { centres: c, radii: r } = this, last = k === r.length;
+      const x = last ? this.px(this.long) - thick : k ? this.px((c[k - 1] + r[k - 1] + c[k] - r[k]) / 2) - thick / 2 : this.px(0);
+      pen.fillRect(x, this.middle - tall, thick, 2 * tall);
     }
   }
 

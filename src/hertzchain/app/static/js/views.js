@@ -3,7 +3,7 @@
 import { Chart, svg } from "./chart.js";
 import { $, make } from "./fields.js";
 import { fixed } from "./host.js";
-import { percent, placeAt, prefixed, short } from "./numbers.js";
+import { full, percent, placeAt, prefixed, short } from "./numbers.js";
 import { record } from "./page.js";
 import { title } from "./results.js";
 
@@ -198,17 +198,17 @@ export class Views {
       const notes = each.shown.map(([what, force, time]) => {
         if (last === time && time !== null) return `the ${what}`;
         last = time;
-        const text = `${what} ${short(force * factor)} ${unit}`;
+        const text = `${what} ${full(force * factor)} ${unit}`;
         if (time === null) return text;
         // A short peak may be between saved times.
         const next = Math.ceil(placeAt(x, time) * (x.length - 1));
         x.splice(next, 0, time);
         y.splice(next, 0, force);
-        return `${text} at ${short(time * axis.factor)} ${axis.unit}`.trim();
+        return `${text} at ${full(time * axis.factor)} ${axis.unit}`.trim();
       });
       for (const [what, value, unit] of each.impact ?? []) {
         const [factor, shown] = own.si ? prefixed(value, unit) : [1, ""];
-        notes.push(value === null ? `${what} …` : `${what} ${short(value * factor)} ${shown}`.trim());
+        notes.push(value === null ? `${what} …` : `${what} ${full(value * factor)} ${shown}`.trim());
       }
       if (each.remark) notes.push(each.remark);
       return { name: each.name + faint, label, x: times(x, axis.factor), y: scaled(y), note: `${label}: ${notes.join("; ")}` };
@@ -238,7 +238,7 @@ export class Views {
     const rows = [...found].map(([label, [unit, a, b]]) => {
       const same = [...found.values()].flatMap(([each, ...values]) => (each === unit ? values.filter(Number.isFinite) : []));
       const [factor, shown] = own.si ? prefixed(largest(same), unit) : [1, ""];
-      return [inUnit(label, shown), short(a * factor), short(b * factor), short(b / a)];
+      return [inUnit(label, shown), full(a * factor), full(b * factor), full(b / a)];
     });
     replace($("legend-error"), [table(["chain", "A", "B", "B / A"], rows)]);
   }
@@ -308,7 +308,7 @@ function sample(name) {
 }
 
 /** @param {string} name @param {string} text */
-const key = (name, text) => make("span", { className: "key" }, sample(name), text);
+const key = (name, text) => make("span", { className: "key", title: / Y\b/.test(text) ? "Y: yield strength. Contacts begin to flow at a mean pressure from 1.6 Y to 2.8 Y" : "" }, sample(name), text);
 
 /** Replace children if they differ: a button in use must not be replaced.
  * @param {HTMLElement} host @param {HTMLElement[]} children */

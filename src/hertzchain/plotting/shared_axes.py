@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from typing import Final
 
 from matplotlib.axes import Axes
@@ -13,6 +12,7 @@ from matplotlib.ticker import FuncFormatter, ScalarFormatter
 from ..chain.chain import Chain
 from ..pulse.quantities import COLUMN_QUANTITIES
 from ..representation import usual_unit
+from .curve_notes import CurveNotes
 from .log_labels import PLAIN
 from .style import label_log_axis, signed, with_micro
 
@@ -23,19 +23,17 @@ SMALL: Final = 5e-3
 SMALL_OF: Final = {"V": 1.0}
 
 # Quantity, chain and label of the curves of pulses; no label if a user has given it.
-_curves: Final[weakref.WeakKeyDictionary[Line2D, tuple[str, Chain, str | None]]] = (
-    weakref.WeakKeyDictionary()
-)
+_curves: Final = CurveNotes[tuple[str, Chain, str | None]]()
 
 
 def note_curve(line: Line2D, quantity: str, chain: Chain, label: str | None) -> None:
     """Remember the quantity of a curve, for curves of others in the same axes."""
-    _curves[line] = quantity, chain, label
+    _curves.add(line, (quantity, chain, label))
 
 
 def label_quantities(axes: Axes) -> None:
     """Label axes with the quantity of their curves; with several, the curves name theirs, too."""
-    curves = {line: _curves[line] for line in axes.lines if line in _curves}
+    curves = _curves.of(axes)
     rows = {quantity: COLUMN_QUANTITIES[quantity] for quantity, *_ in curves.values()}
     damped = any(chain._damped for _, chain, _ in curves.values())
     labels = {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -11,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..chain.chain import Chain
+from .curve_notes import CurveNotes
 from .differences import words_of_chains
 from .labels import distinguish, numbered
 from .style import literal, set_title
@@ -26,17 +26,17 @@ class _Curve:
     label: str = ""
 
 
-_curves: Final[weakref.WeakKeyDictionary[Line2D, _Curve]] = weakref.WeakKeyDictionary()
+_curves: Final = CurveNotes[_Curve]()
 
 
 def note_spectrum(line: Line2D, chain: Chain, *words: str) -> None:
     """Remember the chain of a curve, and words such as its mode, for others in the same axes."""
-    _curves[line] = _Curve(chain, words, str(line.get_label()))
+    _curves.add(line, _Curve(chain, words, str(line.get_label())))
 
 
 def words_of_spectra(axes: Axes) -> list[tuple[str, ...]]:
     """The words of each curve of a spectrum in axes."""
-    return [_curves[line].words for line in axes.lines if line in _curves]
+    return [curve.words for curve in _curves.of(axes).values()]
 
 
 def label_spectra(axes: Axes, *about: str, every_word: bool = False) -> None:
@@ -46,8 +46,8 @@ def label_spectra(axes: Axes, *about: str, every_word: bool = False) -> None:
     the common properties and words ``about`` the curves, which with ``every_word`` belong to a
     single chain.  Labels of users remain.
     """
-    lines = [line for line in axes.lines if line in _curves]
-    curves = [_curves[line] for line in lines]
+    noted = _curves.of(axes)
+    lines, curves = list(noted), list(noted.values())
     chains = list({id(curve.chain): curve.chain for curve in curves}.values())
     differing, common = _described(chains)
     of_chain = dict(zip(map(id, chains), differing, strict=True))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import takewhile
@@ -14,6 +13,7 @@ from matplotlib.lines import Line2D
 
 from ..representation import MICROSECONDS, MILLISECONDS
 from ..units import PERCENT
+from .curve_notes import CurveNotes
 from .labels import distinguish, numbered
 from .shared_axes import PREFIXED, SMALL, prefixed
 from .style import broken_label
@@ -52,7 +52,7 @@ class _Noted:
     colour: int
 
 
-_curves: Final[weakref.WeakKeyDictionary[Line2D, _Noted]] = weakref.WeakKeyDictionary()
+_curves: Final = CurveNotes[_Noted]()
 
 
 def shared_unit(axes: Axes, drawn: Sequence[xr.DataArray]) -> Unit:
@@ -61,7 +61,7 @@ def shared_unit(axes: Axes, drawn: Sequence[xr.DataArray]) -> Unit:
     Times are in us or ms, errors in percent, and small values have a prefix.
     """
     own = str(drawn[0].attrs.get("units", "1"))
-    for noted in _noted(axes).values():
+    for noted in _curves.of(axes).values():
         if noted.group.unit.own == own:
             return noted.group.unit
     largest = max(
@@ -87,7 +87,7 @@ def in_unit(drawn: xr.DataArray, unit: Unit) -> xr.DataArray:
 
 def first_free_colour(axes: Axes, first: int, count: int) -> int:
     """Number of the first colour: a given one, unless other curves in the axes have this colour."""
-    noted = _noted(axes)
+    noted = _curves.of(axes)
     used = {each.colour for each in noted.values()}
     others = sum(
         line not in noted and len(line.get_xdata()) > 0  # type: ignore[arg-type]
@@ -100,7 +100,7 @@ def first_free_colour(axes: Axes, first: int, count: int) -> int:
 
 def note_curve(line: Line2D, group: Group, label: str, colour: int) -> None:
     """Remember a curve, for curves of others in the same axes."""
-    _curves[line] = _Noted(group, label, colour)
+    _curves.add(line, _Noted(group, label, colour))
 
 
 def label_shared(axes: Axes) -> list[str] | None:
@@ -108,7 +108,7 @@ def label_shared(axes: Axes) -> list[str] | None:
 
     None if the axes have one group.
     """
-    noted = _noted(axes)
+    noted = _curves.of(axes)
     groups = [*dict.fromkeys(each.group for each in noted.values())]
     for line, each in noted.items():
         if name := each.group.name:
@@ -153,7 +153,3 @@ def _common(lists: Sequence[Sequence[str]]) -> list[str]:
     """The words with which all lists begin."""
     same = takewhile(lambda words: len({*words}) == 1, zip(*lists, strict=False))
     return [words[0] for words in same]
-
-
-def _noted(axes: Axes) -> dict[Line2D, _Noted]:
-    return {line: _curves[line] for line in axes.lines if line in _curves}

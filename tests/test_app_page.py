@@ -163,10 +163,11 @@ def test_the_page_begins_with_steel_balls_and_shows_the_force_on_the_wall(browse
         wall = hc.simulate(chain.replace(right_wall=hc.Wall.of("steel-52100"))).wall_force()
         assert chain_of(page.document()).radii == pytest.approx(chain.radii)
         legend = page.tab.locator("#legend-force")
-        assert f"right wall: peak {wall.peak:.4g} N" in legend.inner_text()
+        assert f"right wall: peak {wall.peak:#.4g} N" in legend.inner_text()
         impulse, duration = 1e3 * wall.impulse_of_impact, 1e6 * wall.duration
         assert legend.inner_text().endswith(
-            f"impulse of the impact {impulse:.4g} mN s; duration (impulse / peak) {duration:.4g} µs"
+            f"impulse of the impact {impulse:#.4g} mN s; "
+            f"duration (impulse / peak) {duration:#.4g} µs"
         )
         assert "sensor in bead 10: first maximum" in legend.inner_text()
         # Beads and forces can be seen without scrolling.
@@ -635,8 +636,8 @@ def test_both_chains_are_drawn_at_their_true_times(page, clock):
             # Coordinates are rounded to a tenth of a pixel.
             assert (x - start) / slope == pytest.approx(1e3 * walls[n].peak_time, abs=0.1 / slope)
         legend = page.tab.text_content("#legend-force")
-        assert f"right wall: peak {walls[order[0]].peak:.4g} N" in legend
-        assert f"at {1e3 * walls[order[0]].peak_time:.4g} ms" in legend
+        assert f"right wall: peak {walls[order[0]].peak:#.4g} N" in legend
+        assert f"at {1e3 * walls[order[0]].peak_time:#.4g} ms" in legend
         # The cursor is at the time of the clock, and both chains are shown at that time.
         page.tab.evaluate("document.getElementById('time').value = 400")
         page.tab.dispatch_event("#time", "input")
@@ -647,7 +648,7 @@ def test_both_chains_are_drawn_at_their_true_times(page, clock):
         rows = page.tab.locator("#legend-error tr").all_inner_texts()
         (peak,) = [each.split("\t") for each in rows if each.startswith("right wall, largest")]
         a, b = (wall.peak for wall in walls)
-        assert peak[1:] == [f"{a:.4g}", f"{b:.4g}", f"{b / a:.4g}"]
+        assert peak[1:] == [f"{a:#.4g}", f"{b:#.4g}", f"{b / a:#.4g}"]
 
 
 @pytest.mark.long
@@ -856,7 +857,7 @@ def test_both_chains_have_sensors_and_values_at_the_same_balls(page):
     ]
     rows = [each.split("\t") for each in tab.locator("#legend-error tr").all_inner_texts()]
     assert [each[1:3] for each in rows if each[0] == "sensor in ball 3, first maximum"] == [
-        [f"{force:.4g}" for force in forces]
+        [f"{force:#.4g}" for force in forces]
     ]
     a, b = (hc.propagate(chain).velocity for chain in chains)
     changes = 100 * (b[1:] / a - 1)
@@ -1169,7 +1170,7 @@ def test_the_comparison_has_the_peaks_if_contacts_yield_and_the_warnings_of_both
     peaks = [page_peaks(tab, slot)["right"] for slot in "AB"]
     assert all(each["yielding"] < each["first"] for each in peaks)
     a, b = (each["yielding"] for each in peaks)
-    assert found["right wall, peak if contacts yield at 1.6 Y"][2] == f"{b / a:.4g}"
+    assert found["right wall, peak if contacts yield at 1.6 Y"][2] == f"{b / a:#.4g}"
     legend = tab.text_content("#legend-force")
     assert "; the largest in this run" in legend
     assert "peak if contacts yield" in legend
@@ -1196,7 +1197,7 @@ def test_a_row_and_a_column_are_compared_by_their_largest_forces(page):
     rows = [each.split("\t") for each in tab.locator("#legend-error tr").all_inner_texts()]
     found = {label.partition(" [")[0]: numbers for label, *numbers in rows}
     a, b = (page_peaks(tab, slot)["right"]["largest"] for slot in "AB")
-    assert found["right wall, largest"][2] == f"{b / a:.4g}"
+    assert found["right wall, largest"][2] == f"{b / a:#.4g}"
 
 
 def page_peaks(tab, slot):
@@ -1749,9 +1750,9 @@ def test_constant_forces_have_no_times_in_a_comparison(page):
     chains = f"{held.format('', 15)}&{held.format('b.', 30)}"
     tab = page.new_tab(f"{page.origin}#{chains}&~errors=difference&~sensors=[4]")
     largest = "largest in this run (with the static force)"
-    assert f"sensor in bead 4: {largest} 15 N" in tab.locator("#legend-force").inner_text()
+    assert f"sensor in bead 4: {largest} 15.00 N" in tab.locator("#legend-force").inner_text()
     rows = dict(each.split("\t", 1) for each in tab.locator("#legend-error tr").all_inner_texts())
-    assert rows["right wall, largest [N]"] == "15\t30\t2"
+    assert rows["right wall, largest [N]"] == "15.00\t30.00\t2.000"
     assert not any("time of" in each for each in rows)
 
 

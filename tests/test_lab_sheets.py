@@ -197,7 +197,7 @@ def test_the_command_writes_the_sheet(tmp_path, run, sheet):
      (("--height", "1mm", "--height", "2mm", "--to", "a.pdf"), ".html or .md"),
      (("--to", "a.md"), "--height or --speed at least twice"),
      (("--height", "1", "--height", "2mm", "--to", "a.md"), "no unit"),
-     (("--height", "1mm", "--to", "a.md"), "2 to 12")],
+     (("--height", "1mm", "--to", "a.md"), "at least twice")],
 )  # fmt: skip
 def test_bad_options_are_explained(tmp_path, run, options, said, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -28,14 +28,6 @@ if TYPE_CHECKING:
 @click.command(cls=StrictCommand)
 @chain_options
 @click.option(
-    "--height",
-    "heights",
-    multiple=True,
-    metavar="LENGTH",
-    help="Height from which the striker, or the first ball, falls or swings, such as 2mm.  Repeat "
-    "it, or --speed, for each row of the tables.",
-)
-@click.option(
     "--sensor",
     "sensors",
     multiple=True,
@@ -57,8 +49,8 @@ if TYPE_CHECKING:
 @until_option
 @json_option("Print the predictions as JSON.")
 def sheet(
-    options: ChainOptions, heights: tuple[str, ...], sensors: tuple[str, ...], target: Path | None,
-    title: str | None, blank: bool, until: str | None, as_json: bool,
+    options: ChainOptions, sensors: tuple[str, ...], target: Path | None, title: str | None,
+    blank: bool, until: str | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Write a laboratory sheet of a row: predictions, readings, tasks and answers.
 
@@ -75,23 +67,23 @@ def sheet(
     """
     import hertzchain
 
-    from ..sheets.sheet import ENDINGS
+    from ..sheets.sheet import ENDINGS, LEAST
 
     if target is None and not as_json:
         raise click.UsageError("give the file to write, such as --to sheet.html")
     check_writable(target, "--to", ENDINGS)
-    speeds = (options.speed, *options.other_speeds) if options.speed is not None else ()
-    if bool(heights) == bool(speeds):
+    falls = options.height is not None
+    given = tuple(filter(None, (options.height or options.speed, *options.others)))
+    if len(given) < LEAST:
         raise click.UsageError("give --height or --speed at least twice, such as --height 1mm "
-                               "--height 4mm, and not both")  # fmt: skip
-    for option, texts, unit in (("--height", heights, "mm"), ("--speed", speeds, "m/s")):
-        for each in texts:
-            require_unit(option, each, unit)
-    chain = chain_from(replace(options, speed=speeds[0] if speeds else None, other_speeds=()))
+                               "--height 4mm")  # fmt: skip
+    for each in given:
+        require_unit(options.option_of_speed, each, "mm" if falls else "m/s")
+    chain = chain_from(replace(options, others=()))
+    values = [as_typed(each) for each in given]
     found = hertzchain.lab_sheet(
         chain, sensors=[bead_from(each) for each in sensors] or ["wall"],
-        heights=[as_typed(each) for each in heights] or None,
-        speeds=[as_typed(each) for each in speeds] or None, blank=blank,
+        heights=values if falls else None, speeds=None if falls else values, blank=blank,
         until=time_from("--until", until, chain), **({} if title is None else {"title": title}),
     )  # fmt: skip
     if target is not None:

@@ -842,7 +842,9 @@ def test_the_row_of_equal_balls_is_named_and_a_search_that_does_not_beat_it_says
     (line,) = (x for x in found.summary().splitlines() if "row of equal balls (" in x)
     assert "tried), 1 ball of 5 mm steel-52100: 15 mm; this design: 100.0% of this" in line
     assert "no other choice is better than the best row of equal balls" in found.summary()
-    (entry,) = found.as_dict()["references"].values()
+    entry, taper = found.as_dict()["references"].values()
+    # A taper has at least three balls that vary.
+    assert taper["value"] > 2 * entry["value"]
     assert entry["balls"] == "1 ball of 5 mm steel-52100"
     assert entry["chain_file"]["chain"]["radii"] == [5e-3, 2.5e-3]
     assert entry["value"] == pytest.approx(15e-3)

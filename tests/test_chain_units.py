@@ -168,9 +168,13 @@ def test_the_limits_of_hertz_are_checked_where_the_user_called():
             call()
         assert {warning.filename for warning in caught} == {__file__}
         assert "pressure / yield" in str(caught[0].message)
-    with pytest.warns(ModelRangeWarning, match="2 of 2 chains exceed .* chain 0, ") as caught:
+    with pytest.warns(
+        ModelRangeWarning, match="^propagation: 2 of 2 chains .* chain 0, "
+    ) as caught:
         hc.propagate_many([fast, fast])
     assert [warning.filename for warning in caught] == [__file__]
+    with pytest.warns(ModelRangeWarning, match="^local-rate law: pressure / yield"):
+        hc.local_rate_gradient(fast, bead=5)
 
 
 def test_warnings_of_theories_name_the_line_of_the_caller():

@@ -558,7 +558,9 @@ def test_one_warning_states_the_number_of_chains_outside_the_range_at_the_line_o
     assert len(raised) == 1
     assert raised[0].filename == __file__
     text = str(raised[0].message)
-    assert text.startswith("2 of 3 chains exceed the limits of Hertz's law; in the first of them, ")
+    assert text.startswith(
+        "simulation: 2 of 3 chains exceed the limits of Hertz's law; in the first of them, "
+    )
     assert text.endswith(f"chain 1, {table.exceeded_limits(1)[0]}")
     assert [bool(table.exceeded_limits(i)) for i in range(3)] == table.outside_range.tolist()
     hc.simulate_many(chains, check_range=False)

@@ -125,4 +125,6 @@ def test_the_command_names_localised_modes(tmp_path, run):
     document = json.loads(run("spectrum", path, "--json")[1])
     (found,) = document["localised_modes"]
     assert (found["mode"], found["frequency"]) == (41, pytest.approx(mode))
+    # The light bead.
+    assert found["bead"] == 21
     assert document["host_bands"][0][0] == 0.0

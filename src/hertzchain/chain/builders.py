@@ -81,7 +81,8 @@ class ChainBuilders(ChainFields):
         velocity : float or str, optional
             Velocity of bead 1 at time 0 [m/s], in a chain of a material; 1 if not given.
         exponent : float
-            Exponent p of the contact force, > 1.
+            Exponent p of the contact force, > 1.  The stiffness remains proportional to the square
+            root of the effective radius, as for spheres, also with the exponent 2 of cones.
         **others
             Fields of `Chain`, such as ``right_wall``; parameters of a taper with more than a rate.
 

@@ -61,7 +61,8 @@ class Chain(ChainBuilders):
         Radii :math:`R_k` [scaled, or m].  The builders of scaled chains use the first radius as
         the unit; it differs from 1 if beads deviate from those of such a chain.
     exponent : float, array_like of shape (N - 1,), or mapping
-        Exponent p of the contact force, > 1; 3/2 for spheres (Hertz).  One value for all
+        Exponent p of the contact force, > 1; 3/2 for spheres (Hertz).  A stiffness that is not
+        given remains proportional to the square root of the effective radius.  One value for all
         contacts and walls, one per contact of two beads, or one per pair of materials, such as
         ``{("steel-316", "ptfe"): 1.5, "others": 1.4}``; ``"others"`` are all pairs not listed.
         Listed exponents of single contacts with a given stiffness can be 1, that of a linear

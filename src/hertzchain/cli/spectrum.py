@@ -189,7 +189,8 @@ def _document(found: Spectrum) -> dict[str, Any]:
         "sound_speed": speed,
         "host_bands": _host(found),
         "localised_modes": [
-            {"mode": int(j), "frequency": float(found.frequencies[j - 1]),
+            {"mode": int(j), "bead": found._bead_of_mode(j),
+             "frequency": float(found.frequencies[j - 1]),
              "participation": float(found.participation[j - 1])}
             for j in found.localised
         ],

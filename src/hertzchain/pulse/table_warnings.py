@@ -23,11 +23,11 @@ def warn_failed(chains: int, reasons: Mapping[int, str]) -> None:
         )
 
 
-def warn_exceeded(chains: int, rows: Sequence[int], violation: str) -> None:
+def warn_exceeded(method: str, chains: int, rows: Sequence[int], violation: str) -> None:
     """Warn once about rows that exceed limits of Hertz's law, with a violation of the first."""
     warn_user(
-        f"{len(rows)} of {chains} chains exceed the limits of Hertz's law; in the first of them, "
-        f"chain {rows[0]}, {violation}",
+        f"{method}: {len(rows)} of {chains} chains exceed the limits of Hertz's law; in the first of "
+        f"them, chain {rows[0]}, {violation}",
         ModelRangeWarning,
     )
 
@@ -46,4 +46,6 @@ def warn_outside_hertz_once(table: PulseTable) -> None:
         chain = table.chains[exceeded[0]]
         assert chain is not None
         overlaps = table.peak_overlap[exceeded[0], : chain.beads - 1]
-        warn_exceeded(len(table), exceeded, hertz_range(chain, overlaps).violations[0])
+        warn_exceeded(
+            "propagation", len(table), exceeded, hertz_range(chain, overlaps).violations[0]
+        )

@@ -145,7 +145,7 @@ def simulate_many(
     _warn_if_later_forces(table)
     if check_range and table.outside_range.any():
         rows = np.flatnonzero(table.outside_range).tolist()
-        warn_exceeded(len(table), rows, table.exceeded_limits(rows[0])[0])
+        warn_exceeded("simulation", len(table), rows, table.exceeded_limits(rows[0])[0])
     return table
 
 

@@ -306,7 +306,7 @@ def local_rate_gradient(
     if not error <= DOUBTFUL:
         _warn_outside(scaled, functions, followed + 1)
     if chain.units == "SI" and chain.materials is not None:
-        warn_outside_hertz(chain)
+        warn_outside_hertz(chain, method="local-rate law")
     value *= (0.5 if quantity == "energy" else 1.0) * unit_of(chain, quantity)
     return value, found
 

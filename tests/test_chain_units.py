@@ -173,7 +173,7 @@ def test_the_limits_of_hertz_are_checked_where_the_user_called():
     ) as caught:
         hc.propagate_many([fast, fast])
     assert [warning.filename for warning in caught] == [__file__]
-    with pytest.warns(ModelRangeWarning, match="^local-rate law: pressure / yield"):
+    with pytest.warns(ModelRangeWarning, match="^local-rate law: "):
         hc.local_rate_gradient(fast, bead=5)
 
 

@@ -1334,10 +1334,3 @@ def test_failed_points_are_grouped_by_their_reasons(run, tmp_path):
     assert "max_steps = 10" in shown[0]
     assert "(and 5 more points, similarly)" in shown[0]
     assert "see variable `reason`" not in out
-
-
-def test_a_sweep_creates_no_folders_above_its_own(tmp_path):
-    spec = {"chain": dict(FORWARD), "axes": {"rate": [0.02, 0.05]}}
-    with pytest.raises(hc.InputError, match="'.*missing' does not exist; create it, or choose"):
-        hc.sweep(spec, tmp_path / "missing" / "x.zarr")
-    assert not (tmp_path / "missing").exists()

@@ -26,8 +26,8 @@ def warn_failed(chains: int, reasons: Mapping[int, str]) -> None:
 def warn_exceeded(method: str, chains: int, rows: Sequence[int], violation: str) -> None:
     """Warn once about rows that exceed limits of Hertz's law, with a violation of the first."""
     warn_user(
-        f"{method}: {len(rows)} of {chains} chains exceed the limits of Hertz's law; in the first of "
-        f"them, chain {rows[0]}, {violation}",
+        f"{method}: {len(rows)} of {chains} chains exceed the limits of Hertz's law; in the first "
+        f"of them, chain {rows[0]}, {violation}",
         ModelRangeWarning,
     )
 

@@ -90,13 +90,9 @@ def create_store(
     import zarr
 
     target = Path(folder)
-    if not target.absolute().parent.is_dir():
-        raise InputError(
-            f"{os.fspath(folder)!r} cannot be created: the folder {os.fspath(target.parent)!r} does "
-            "not exist; create it, or choose another one"
-        )
     beside = target.with_name(f".{target.name}.new")
     try:
+        target.parent.mkdir(parents=True, exist_ok=True)
         _remove_unfinished(beside)
         group = zarr.create_group(
             beside, attributes={MARKER: SCHEMA, ARRAYS: list(variables), **attributes}

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import functools
+import re
 from itertools import pairwise
 from typing import Any, Final
 
 from jinja2 import Environment, PackageLoader, select_autoescape
+from markupsafe import Markup, escape
 
 from . import answers
 from .answers import Table
@@ -32,11 +34,18 @@ def markdown(sheet: LabSheet) -> str:
 
 @functools.cache
 def _templates() -> Environment:
-    return Environment(
+    found = Environment(
         loader=PackageLoader("hertzchain.sheets", "templates"),
         autoescape=select_autoescape(["html.j2"]), trim_blocks=True, lstrip_blocks=True,
         keep_trailing_newline=True,
     )  # fmt: skip
+    found.filters["superscripts"] = _superscripts
+    return found
+
+
+def _superscripts(text: str) -> Markup:
+    """A text in HTML with raised exponents, which are in parentheses after ``^``."""
+    return Markup(re.sub(r"\^\(([^)]+)\)", r"<sup>\1</sup>", escape(text)))
 
 
 def _context(sheet: LabSheet) -> dict[str, Any]:

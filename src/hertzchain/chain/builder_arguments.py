@@ -108,7 +108,9 @@ def materials_in_turn(
     materials: Material | Sequence[Material], beads: int | None
 ) -> Material | Sequence[Material]:
     """Materials of all beads, which repeat in turn if there are fewer."""
-    if beads is None or isinstance(materials, Material) or not 0 < len(materials) < beads:
+    if beads is None or isinstance(materials, Material):
+        return materials
+    if not 0 < len(materials) < checked_beads(beads):
         return materials
     found = [materials[i % len(materials)] for i in range(beads)]
     if 2 * len(materials) > beads:

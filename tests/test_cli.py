@@ -756,19 +756,25 @@ def test_command_line_lists_waves(run):
     assert "--stream and --waves cannot be combined" in err
 
 
-@pytest.mark.parametrize("exponent", [1.5, 2.0])
-def test_command_line_saves_enough_times_for_waves(run, tmp_path, exponent):
+@pytest.mark.parametrize(
+    "beads",
+    [
+        'taper = "backward-exponential"\nrate = 0.03\nbeads = 60',
+        'taper = "backward-exponential"\nrate = 0.03\nbeads = 60\nexponent = 2.0',
+        'taper = "forward-exponential"\nrate = 0.03\nbeads = 60\nexponent = 2.0',
+        f"radii = {[1.0] * 45 + [0.5] * 15}",
+    ],
+)
+def test_command_line_saves_enough_times_for_waves(run, tmp_path, beads):
     """The default of 400 times is too few in long runs; a given number is not changed."""
     file = tmp_path / "chain.toml"
-    file.write_text(
-        f'[chain]\ntaper = "backward-exponential"\nrate = 0.03\nbeads = 60\nexponent = {exponent}\n'
-    )
+    file.write_text(f"[chain]\n{beads}\n")
     code, out, _ = run("simulate", file, "--waves", "--json")
     assert code == 0
     waves = json.loads(out)["waves"]
     assert waves
     assert all(wave["resolved"] for wave in waves)
-    code, _, err = run("simulate", file, "--waves", "--times", 400)
+    code, _, err = run("simulate", file, "--waves", "--times", 100)
     assert code == 2
     assert re.search(r"too few saved times .* --times \d+ is enough", " ".join(err.split()))
 

@@ -1,6 +1,7 @@
 """The passages of waves through a sensor, compared with contacts and with SciPy's peaks."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -64,13 +65,17 @@ def test_passages_with_units_and_too_few_saved_times():
     assert repr(passage).startswith("SensorPassage(bead 7, to the right: ")
     assert " us; width " in repr(passage)
     sparse = hc.simulate(chain, until="400 us", times=40).sensor_force("ball 6")
-    with pytest.warns(hc.InputWarning, match="fewer than 8 saved times"):
+    with pytest.warns(hc.InputWarning, match="fewer than 8 saved times") as shown:
         (rough,) = sparse.passages(threshold=0.1)
+    advised = int(re.search(r"times=(\d+) is enough", str(shown[0].message))[1])
+    enough = hc.simulate(chain, until="400 us", times=advised).sensor_force("ball 6")
+    (passage,) = enough.passages(threshold=0.1)
+    assert 8.0 <= passage.samples <= 20.0
     assert "unresolved" in repr(rough)
     assert math.isclose(rough.peak, passage.peak, rel_tol=0.1)
     with pytest.warns(hc.IncompleteWarning):
         few = hc.simulate(chain, until="400 us", times=5).sensor_force("ball 6")
-    with pytest.raises(hc.InputError, match="the run has 5; give simulate more times"):
+    with pytest.raises(hc.InputError, match=rf"the run has 5; times={advised} is enough"):
         few.passages()
 
 

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import find_peaks, peak_prominences
 
 import hertzchain as hc
-from hertzchain.simulation.wave_events import events_at
+from hertzchain.simulation.wave_events import MIN_SAMPLES, events_at
 
 
 @pytest.fixture(scope="module")
@@ -331,6 +331,8 @@ PRESSED = ROW.replace(precompression=20.0, held_by="force", right_wall=hc.Wall()
     [
         (STEP, 150.0, 60),
         (FREE_END, None, 60),
+        (hc.Chain.tapered("forward-exponential", 0.03, beads=60, exponent=2.0), None, 60),
+        (hc.Chain.tapered("backward-exponential", 0.02, beads=60), None, 60),
         (hc.Chain.dimer(0.5, beads=60), 80.0, 60),
         (PRESSED, 2e-3, 150),
         (ROW.replace(loss=hc.ElasticPlastic(), right_wall=hc.Wall()), 2e-3, 60),
@@ -349,7 +351,19 @@ def test_the_advised_number_of_saved_times_is_enough(chain, until, times):
     # Warnings of NumPy do not leak.
     assert not [each for each in shown if each.category is RuntimeWarning]
     needed = int(re.search(r"times=(\d+) is enough", said)[1])
-    assert all(wave.resolved for wave in hc.simulate(chain, until=until, times=needed).waves())
+    waves = hc.simulate(chain, until=until, times=needed).waves()
+    assert all(wave.resolved for wave in waves)
+    assert min(wave.samples for wave in waves) <= 2.3 * MIN_SAMPLES
+
+
+def test_velocity_peaks_of_a_run_without_saved_times_advise_a_number():
+    chain = hc.Chain.uniform(40)
+    with pytest.raises(hc.InputError, match=r"the run has 0; times=\d+ is enough") as caught:
+        hc.simulate(chain, until=60.0, times=0).velocity_peaks(20)
+    needed = int(re.search(r"times=(\d+)", str(caught.value))[1])
+    (width,) = hc.simulate(chain, until=60.0, times=needed).velocity_peaks(20).widths
+    exact = hc.simulate(chain, until=60.0, times=6000).velocity_peaks(20).widths[0]
+    assert width == pytest.approx(exact, rel=1e-3)
 
 
 def test_the_advice_of_a_reflection_is_enough():

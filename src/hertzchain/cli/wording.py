@@ -72,7 +72,6 @@ BY_OPTION: Final = {
     ),
     "contact": ((r"^contact must be", "--transfer must be"),),
     "times": (
-        (r"\b(save at least|simulate with) times=(\d+)", r"\1 --times \2"),
         (r"\btimes=(\d+) is enough", r"--times \1 is enough"),
         (r"\bgive simulate more times\b", "give more --times"),
     ),

@@ -32,7 +32,7 @@ from .wave_events import (
     events_of,
     largest_force_of,
 )
-from .wave_samples import MIN_SAMPLES, enough_times, times_to_save
+from .wave_samples import MIN_SAMPLES, advised_times, are_few
 from .waves import DIRECTIONS, Wave, Waves
 
 # Time from contact to contact in durations, in the solitary wave of p = 3/2.
@@ -102,7 +102,8 @@ def find_waves(self: Trajectory, *, threshold: float = 0.01, min_contacts: int =
     _check_resolved(self, found)
     waves = Waves(self.chain, tuple(found), tuple(every), _unlisted(curves[1:-1], found))
     if waves._unlisted:
-        warn_user(waves._unlisted, InputWarning)
+        few = f"; with few saved times, waves may be missing: {advised_times(self)}"
+        warn_user(waves._unlisted + few * are_few(self), InputWarning)
     return waves
 
 
@@ -165,11 +166,12 @@ def _check_resolved(run: Trajectory, waves: list[Wave]) -> None:
     if not missed:
         return
     worst = min(wave.samples for wave in missed)
-    advice = f"times={max(times_to_save(run, worst), enough_times(run))} is enough"
+    advice = advised_times(run)
     strongest = max(waves, key=lambda wave: wave.energy)
-    if not strongest.resolved:
+    samples = float(np.median([event.samples for event in strongest.events]))
+    if samples < MIN_SAMPLES:
         raise InputError(
-            f"too few saved times to find waves: only {strongest.samples:.3g} are within the "
+            f"too few saved times to find waves: only {samples:.3g} are within the "
             f"passage of the strongest wave through a contact, but at least {MIN_SAMPLES:g} are "
             f"required; {advice}"
         )

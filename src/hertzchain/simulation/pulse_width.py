@@ -12,7 +12,7 @@ from ..validation.numbers import whole_number
 from .run_pulse import pulse_of, residence_of
 from .trajectory import Trajectory
 from .velocity_peaks import VelocityPeaks, peaks_from, velocity_peaks_of
-from .wave_samples import times_to_save
+from .wave_samples import advised_times, are_few
 
 # Estimated relative error of a width above which there is a warning.  From every second saved time,
 # the error is 16 times as large; less if there are very few.
@@ -75,9 +75,10 @@ def pulse_width_of(self: Trajectory, bead: int | str) -> float:
         )
     width = _leading_width(self, k, velocity_peaks_of(self, k)) / residence
     if not np.isfinite(width):
+        few = f"{_advice(self, k)}, or " * are_few(self, (k - 1, k), ENOUGH)
         raise SimulationError(
             f"no width of the pulse at bead {k}: among the {len(self.times)} saved times its "
-            "velocity does not fall to half of its maximum on both sides; save more times, or "
+            f"velocity does not fall to half of its maximum on both sides; {few}"
             "simulate for longer (until)"
         )
     _check_resolution(self, k, width * residence)
@@ -102,7 +103,12 @@ def _check_resolution(run: Trajectory, k: int, width: float) -> None:
         samples = width * len(run.times) / float(run.times[-1] - run.times[0])
         warn_user(
             f"the width of the pulse at bead {k} has an error {known}, because only "
-            f"{samples:.2g} times were saved while it passes; simulate with times="
-            f"{times_to_save(run, samples, ENOUGH)} or more",
+            f"{samples:.2g} times were saved while it passes; "
+            f"{_advice(run, k)}",
             InputWarning,
         )
+
+
+def _advice(run: Trajectory, k: int) -> str:
+    """Advice on the number of saved times for the pulse at a bead."""
+    return advised_times(run, (k - 1, k), ENOUGH)

@@ -24,6 +24,7 @@ from .sensor_curve import maximum_near, place_and_bound_of_largest
 from .sensor_passages import passages_of
 from .touches import touches_of
 from .trajectory import Trajectory
+from .wave_samples import advised_times
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -114,6 +115,8 @@ class SensorForce(Compared):
     reached: bool = True
     free_face: bool = False
     velocity: Array = field(default_factory=lambda: np.zeros(0), repr=False)
+    # Advice for a run with too few saved times for passages.
+    _advice: str = field(default="give simulate more times", repr=False)
 
     passages = passages_of
 
@@ -267,7 +270,7 @@ def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
         largest_so_far_time=largest_time,
         error=max(bound - largest, _jumps(run, bead), *(top[2] for top in tops)),
         static_force=at_rest, reached=reached, free_face=has_free_face(run.chain, bead),
-        velocity=run.velocity(bead),
+        velocity=run.velocity(bead), _advice=advised_times(run, (bead - 1, bead)),
     )  # fmt: skip
 
 

@@ -110,8 +110,7 @@ def passages_of(self: SensorForce, *, threshold: float = 0.01) -> tuple[SensorPa
     threshold = number("threshold", threshold, unit=FRACTION, above=0.0, below=1.0)
     if not _enough(self):
         raise InputError(
-            f"passages require many saved times, the run has {len(self.times)}; give simulate more "
-            "times"
+            f"passages require many saved times, the run has {len(self.times)}; {self._advice}"
         )
     force = self.force - self.static_force
     curves = Curves(self.times, force, force * self.velocity)
@@ -128,8 +127,8 @@ def passages_of(self: SensorForce, *, threshold: float = 0.01) -> tuple[SensorPa
         least = min(each.samples for each in missed)
         warn_user(
             f"{len(missed)} of {len(found)} passages of bead {self.bead} have fewer than "
-            f"{MIN_SAMPLES:g} saved times (least: {least:.3g}) and are marked as unresolved; save "
-            "more times",
+            f"{MIN_SAMPLES:g} saved times (least: {least:.3g}) and are marked as unresolved; "
+            f"{self._advice}",
             InputWarning,
         )
     return found

@@ -16,6 +16,7 @@ from ..representation import counted, measure, short
 from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from .trajectory import Trajectory
+from .wave_samples import advised_times
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -143,6 +144,11 @@ def velocity_peaks_of(self: Trajectory, bead: int | str) -> VelocityPeaks:
 
 def peaks_from(run: Trajectory, k: int, which: slice = slice(None)) -> VelocityPeaks:
     """Peaks of the velocity of bead k from some of the saved times."""
+    if len(run.times) < 2:
+        raise InputError(
+            f"velocity peaks require at least 2 saved times, the run has {len(run.times)}; "
+            f"{advised_times(run, (k - 1, k))}"
+        )
     net = run.forces[:, k - 1] - run.forces[:, k] + run.chain.static_state.body_forces[k - 1]
     acceleration = net / run.chain.masses[k - 1]
     curves = (run.times[which], run.velocity(k)[which], acceleration[which])
@@ -165,11 +171,6 @@ def find_peaks(
     """
     from scipy.interpolate import CubicHermiteSpline
 
-    if len(times) < 2:
-        raise InputError(
-            f"velocity peaks require at least 2 saved times, the run has {len(times)}; give "
-            "simulate more times"
-        )
     curve = CubicHermiteSpline(times, velocity, acceleration)
     turning = curve.derivative().roots(extrapolate=False)
     turning = turning[np.isfinite(turning)]

@@ -31,7 +31,7 @@ from ..errors import InputError
 from ..frozen import Compared
 from ..representation import measure, short
 from .trajectory import Trajectory
-from .wave_samples import MIN_SAMPLES, enough_times, times_to_save
+from .wave_samples import MIN_SAMPLES, advised_times
 
 # Fraction of its height by which a maximum must exceed the minima next to it.
 PROMINENCE: Final = 0.1
@@ -161,8 +161,7 @@ def check_saved_times(run: Trajectory) -> None:
     """Raise `InputError` if there are too few saved times for a spline."""
     if len(run.times) <= SPLINE_ORDER:
         raise InputError(
-            f"waves require many saved times, the run has {len(run.times)}; give simulate more "
-            "times"
+            f"waves require many saved times, the run has {len(run.times)}; {advised_times(run)}"
         )
 
 
@@ -174,12 +173,10 @@ def require_resolved(
     The advice includes other waves at these contacts.
     """
     if not event.resolved:
-        times = max(
-            times_to_save(run, event.samples), enough_times(run, (event.contact, *contacts))
-        )
         raise InputError(
             f"{name} has {event.samples:.3g} saved times while it passes contact {event.contact}, "
-            f"but at least {MIN_SAMPLES:g} are required; times={times} is enough"
+            f"but at least {MIN_SAMPLES:g} are required; "
+            f"{advised_times(run, (event.contact, *contacts))}"
         )
 
 

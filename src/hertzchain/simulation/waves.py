@@ -19,7 +19,7 @@ from ..representation import NO_BREAK, counted, folded, measure, short, wrapped
 from ..validation.keywords import checked_methods
 from ..validation.numbers import contact_number, whole_number
 from .wave_events import WaveEvent
-from .wave_samples import MIN_SAMPLES
+from .wave_samples import MIN_SAMPLES, SHORTEST
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -155,16 +155,20 @@ class Wave(Compared):
 
     @property
     def samples(self) -> float:
-        """Median number of saved times during the passage of a contact.
+        """Number of saved times during the passage of a contact.
 
-        If a wave becomes shorter along its track, as in forward tapers, the column ``samples`` of
-        `to_dataframe` shows up to which contact it is resolved.
+        It is the smaller median of the first and of the last third of the contacts; of all, if a
+        third has fewer than 3.  If a wave becomes shorter along its track, as in forward tapers,
+        the column ``samples`` of `to_dataframe` shows up to which contact it is resolved.
         """
-        return float(np.median([event.samples for event in self.events]))
+        each = [event.samples for event in self.events]
+        third = len(each) // 3
+        parts = [each] if third < SHORTEST else [each[:third], each[-third:]]
+        return float(min(np.median(part) for part in parts))
 
     @property
     def resolved(self) -> bool:
-        """Whether `samples` is at least 8, which makes the medians above reliable."""
+        """Whether `samples` is at least 8, which makes all medians above reliable."""
         return self.samples >= MIN_SAMPLES
 
     @property

@@ -161,7 +161,7 @@ def test_a_striker_that_moves_backwards_is_not_at_rest():
             method(backwards)
 
 
-def test_the_limits_of_hertz_are_checked_where_the_user_called():
+def test_the_limits_of_hertz_are_checked_where_the_user_called(tmp_path):
     fast = hc.Chain.from_materials(5e-3, "steel-304", beads=10, velocity=5.0)
     for call in (lambda: hc.propagate(fast), lambda: hc.bca(fast)):
         with pytest.warns(ModelRangeWarning) as caught:
@@ -175,6 +175,12 @@ def test_the_limits_of_hertz_are_checked_where_the_user_called():
     assert [warning.filename for warning in caught] == [__file__]
     with pytest.warns(ModelRangeWarning, match="^local-rate law: "):
         hc.local_rate_gradient(fast, bead=5)
+    with pytest.warns(ModelRangeWarning, match="^simulation: "):
+        hc.simulate(fast)
+    with pytest.warns(ModelRangeWarning, match="^simulation: "):
+        hc.stream(fast, tmp_path / "run", times=[1e-4, 2e-4])
+    with pytest.warns(ModelRangeWarning, match="^gradient: "):
+        hc.gradient(fast, "energy", to=["radii"], bead=5)
 
 
 def test_warnings_of_theories_name_the_line_of_the_caller():

@@ -451,4 +451,19 @@ def test_a_long_run_out_of_the_range_of_hertz_warns_once(tmp_path, monkeypatch):
         stored = hc.stream(chain, tmp_path, times=np.linspace(0.0, 200e-6, 60))
     assert len(stored.files) > 3
     assert len(caught) == 1
-    assert str(caught[0].message).startswith("pressure / yield is 1.4 at contact 1")
+    assert str(caught[0].message).startswith("simulation: pressure / yield is 1.4")
+
+
+def test_properties_of_a_folder_without_a_run_name_themselves(tmp_path):
+    stored = hc.stream(hc.Chain.uniform(5), tmp_path, times=np.linspace(0.0, 9.0, 10))
+    manifest = tmp_path / "manifest.json"
+    manifest.write_text("{")
+    for name in ("chain", "files"):
+        with pytest.raises(hc.InputError, match=rf"^StoredRun\.{name}: .* is damaged") as caught:
+            getattr(stored, name)
+        # The type remains that of damaged files.
+        assert type(caught.value).__name__ == "DamagedFileError"
+    manifest.unlink()
+    for name in ("chain", "files"):
+        with pytest.raises(hc.InputError, match=rf"^StoredRun\.{name}: .* has no manifest"):
+            getattr(stored, name)

@@ -103,11 +103,17 @@ def warn_user(message: str, category: type[Warning]) -> None:
 
 @contextmanager
 def errors_at(place: str) -> Iterator[None]:
-    """Begin the messages of `InputError` with a place, such as the name of a file."""
+    """Begin the messages of `InputError` with a place, such as the name of a file.
+
+    Errors of a derived class keep their type and attributes.
+    """
     try:
         yield
     except InputError as error:
-        raise InputError(f"{place}: {error}") from None
+        if type(error) is InputError:
+            raise InputError(f"{place}: {error}") from None
+        error.args = (f"{place}: {error}", *error.args[1:])
+        raise
 
 
 def raise_all(problems: Sequence[str], heading: str = "") -> None:

@@ -21,6 +21,8 @@ WORDINGS: Final = (
      "choose the loss elastic-plastic with a yield overlap"),
     (r",? or until\b", ""),
     # Limits of polymers are cautious: exceeding them need not have this effect.
+    # All forces of the page are those of a simulation.
+    (r"^simulation: ", ""),
     (r"^pressure / yield is (?!.*cautious limit)",
      "contacts would be dented, and forces may be lower: pressure / yield is "),
     (r"\bgive materials, such as materials='([^']*)'", r"choose a material, such as \1"),

@@ -217,7 +217,7 @@ def gradients(
         if each.status != "complete":
             warn_user(f"{each.quantity}: {each.status}", IncompleteWarning)
     if chain.units == "SI":
-        warn_outside_hertz(chain, overlaps)
+        warn_outside_hertz(chain, overlaps, method="gradient")
     return found
 
 

@@ -192,7 +192,7 @@ def simulate(
     if fixed is not None:
         fixed.warn(run.energy_drift)
     if chain.materials is not None:
-        warn_outside_hertz(chain, run.largest_overlaps, _before_the_end(run))
+        warn_outside_hertz(chain, run.largest_overlaps, _before_the_end(run), method="simulation")
     return run
 
 

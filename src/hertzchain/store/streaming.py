@@ -33,6 +33,7 @@ from ..errors import (
     InputWarning,
     ModelRangeWarning,
     StoreError,
+    errors_at,
     real_number,
     warn_user,
 )
@@ -108,12 +109,15 @@ class StoredRun:
     @property
     def files(self) -> list[Path]:
         """The files, in order of time."""
-        return [self.folder / part.file for part in load_manifest(self.folder).present(self.folder)]
+        with errors_at("StoredRun.files"):
+            parts = load_manifest(self.folder).present(self.folder)
+        return [self.folder / part.file for part in parts]
 
     @property
     def chain(self) -> Chain:
         """The chain of the run."""
-        return stored_chain(load_manifest(self.folder).chain_file, os.fspath(self.folder))
+        with errors_at("StoredRun.chain"):
+            return stored_chain(load_manifest(self.folder).chain_file, os.fspath(self.folder))
 
     def parts(self, *, skip_damaged: bool = False) -> Iterator[xr.Dataset]:
         """Yield one dataset per file, in order of time.
@@ -346,7 +350,7 @@ def _resume(
             count = max(count, min(2 * count, most))
     if fixed is not None:
         fixed.warn(drift)
-    warn_outside_hertz(chain, overlaps)
+    warn_outside_hertz(chain, overlaps, method="simulation")
 
 
 def _write_part(folder: Path, manifest: Manifest, run: Run) -> Manifest:

@@ -41,3 +41,33 @@ def test_the_error_of_a_smaller_gap_is_that_of_chi_squared():
         beside = hc.fit(traces(gap=6e-6, behind=2), chain(gaps=gaps), free=FREE, start=start)
         rises.append(beside.chi2 - result.chi2)
     assert np.mean(rises) == pytest.approx(25.0, rel=0.3)
+
+
+def forecast(gap):
+    values = {**TRUTH, GAP: gap}
+    del values["time_offset"]
+    plan = hc.forecast(
+        chain(), ["ball 5", "ball 10", "wall"], noise="0.1 N", interval="0.7 us", until="640 us",
+        free=[*FREE, GAP], start=values,
+    )  # fmt: skip
+    return dict(zip(plan.names, plan.sigmas, strict=True)), plan
+
+
+def test_a_forecast_marks_a_gap_that_only_delays_the_signals():
+    # The fits above show that the data of SciPy do not determine it, either.
+    errors, plan = forecast(20e-6)
+    (weak,) = (each for each in plan.weak if GAP in each.weights)
+    assert set(weak.weights) == {GAP, "time_offset"}
+    assert str(weak) in plan.summary(width=None)
+    assert not errors[GAP] < 10e-6
+    assert errors["stiffness"] < 0.02
+
+
+def test_a_forecast_of_a_small_gap_has_the_error_of_the_fit_to_independent_data():
+    errors, plan = forecast(6e-6)
+    result = hc.fit(
+        traces(gap=6e-6, behind=2), chain(), free=[*FREE, GAP],
+        start={GAP: 6e-6, "time_offset": OFFSET},
+    )  # fmt: skip
+    assert errors[GAP] == pytest.approx(result.errors[GAP], rel=0.3)
+    assert not any(GAP in each.weights for each in plan.weak)

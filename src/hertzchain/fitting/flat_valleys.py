@@ -35,6 +35,12 @@ def along_valleys(problem: Problem, solution: Solution) -> Solution:
     return solution
 
 
+def derivatives_at(problem: Problem, variables: Array) -> Array:
+    """Derivatives of the residuals at variables that need not be those of an optimum."""
+    residuals, jacobian = problem.residuals(variables), problem.jacobian(variables)
+    return along_valleys(problem, Solution(variables, residuals, jacobian, True, "", 1)).jacobian
+
+
 def _with_secant(problem: Problem, solution: Solution, j: int) -> Array:
     """The derivatives, with that by one gap from steps along its valley if this is flat."""
     jacobian = solution.jacobian.copy()

@@ -30,6 +30,7 @@ from .cap_notes import planned_cap_notes
 from .clocks import with_clocks
 from .constants import FixedConstant, Optimum, fixed_constants
 from .crossings import pulse_duration
+from .flat_valleys import derivatives_at
 from .held_by_priors import prior_notes
 from .model import Model, Values, make_model
 from .parameters import Parameter, Priors, free_parameters
@@ -360,7 +361,7 @@ def _forecast(
             )
     if problem.jumps:
         problem.skip_next_to_jumps(variables, more=False)
-    jacobian = problem.jacobian(variables)
+    jacobian = derivatives_at(problem, variables)
     found = uncertainty(problem, variables, jacobian, np.zeros(len(variables), bool))
     assumed = model.chain(0, values)
     notes = (

@@ -12,6 +12,7 @@ from ..collision import Array
 from ..validation.keywords import checked_methods
 from .held_by_priors import HeldByPriors, held_by_priors
 from .model import Model
+from .names import TIME_OFFSET
 from .problem import Problem, differences
 from .shown_values import unit_of_parameter
 from .symmetry import units_of
@@ -169,6 +170,10 @@ def _sizes(model: Model, estimates: Array) -> Array:
             found.append(max(abs(value), typical))
         elif each.name.key == "offset":
             found.append(max(s.sigma for _, s in model.traces if each.name.item in ("", s.name)))
+        elif each.name.key == TIME_OFFSET:
+            # Its zero is arbitrary, so that its value may be smaller than any change that matters.
+            motion = units_of(model.chains[each.shot or 0])
+            found.append(max(abs(value), motion.time if motion.natural else typical))
         else:
             found.append(abs(value) if each.kind.factor else max(abs(value), typical))
     return np.array(found)

@@ -7,7 +7,8 @@ import pytest
 
 import hertzchain as hc
 from hertzchain.cli.fit import _trying
-from hertzchain.fitting.defect_scan import candidates_of, defect_names, fit_of_defect
+from hertzchain.fitting.defect_fits import candidates_of, fit_of_defect
+from hertzchain.fitting.defect_scan import defect_names
 from hertzchain.plotting.defects import plot_fitted_defects
 
 

@@ -18,7 +18,7 @@ import hertzchain as hc
 from hertzchain.fitting import least_squares
 from hertzchain.fitting.autocorrelation import correlation_length
 from hertzchain.fitting.chain_parameters import value_of, with_motion, with_sizes
-from hertzchain.fitting.defect_scan import fit_of_defect
+from hertzchain.fitting.defect_fits import fit_of_defect
 from hertzchain.fitting.effect_limits import _limit as largest_effect
 from hertzchain.fitting.goodness import Goodness, goodness_of
 from hertzchain.fitting.jumps import next_to_jumps
@@ -684,7 +684,7 @@ def test_hidden_gap_is_found_and_measured():
     assert scan.best == "gap[8-9]"
     assert repr(scan).endswith("; call fit())")
     assert_printed(
-        scan, "scan for a gap at each of 20 contacts, gap[0-1] to gap[19-20]: seven", 0.3
+        scan, "scan for a gap at each of 21 contacts, gap[0-1] to right_wall.gap: seven", 0.3
     )
     assert_the_best_gap_is_marked(scan)
     found = scan.fit(candidates=1)

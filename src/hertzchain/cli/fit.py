@@ -318,7 +318,8 @@ def _defects(
     """Scan for a gap or odd ball and fit it; the last fit, the scans, lines, and all fits."""
     import hertzchain
 
-    from ..fitting.defect_scan import candidates_of, defect_names, fit_of_defect
+    from ..fitting.defect_fits import candidates_of, fits_of_defect, not_determined
+    from ..fitting.defect_scan import defect_names
     from ..fitting.diagnosis import diagnosed, without_tested
     from ..fitting.fit import fitted
     from ..fitting.goodness import NO_ERRORS
@@ -335,11 +336,12 @@ def _defects(
         for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
     ]
     found: dict[str, FitResult] = {}
+    others: dict[str, list[FitResult]] = {}
     for scan, (step, what) in zip(scans, ((3, "gaps"), (4, "odd balls")), strict=True):
         if scan.found:
             words = _trying(f"step {step} of 4, {what} fitted", candidates_of(scan))
             with progress_bar(words, rate=True) as progress:
-                found[scan.kind] = fit_of_defect(scan, progress=progress)
+                found[scan.kind], *others[scan.kind] = fits_of_defect(scan, progress=progress)
     if not found:
         return result, scans, [scan.summary(width=None) for scan in scans], found
     kind = min(found, key=lambda each: found[each].chi2 + found[each].penalty)
@@ -354,6 +356,7 @@ def _defects(
         [
             scans[0].summary(width=None),
             *_other_place(scans[0], best),
+            *not_determined(scans[0], best, others[kind]),
             *(_other_kind(scan, found.get(scan.kind), best) for scan in scans[1:]),
             f"without {best.names[-1]}: {verdict}",
         ],

@@ -11,13 +11,15 @@
   planned experiment with `planned_gains`;
 - systematic errors: `systematics` with `effect_limits`, `sensor_effects`, `signal_noise`, and
   `constants` that are taken as exact;
-- fits that mean less than they seem to: `diagnosis` with its `causes`, `static_causes`,
-  `constant_causes`, `free_causes`, `row_causes`, `ball_counts`, `ball_count_causes`,
-  `common_effects`, `advice` and `second_pulse`, `plausibility`, `prior_conflicts`,
-  `without_priors`, `cap_notes`, `unused_parameters`, `silent_sensors`;
+- fits that mean less than they seem to: `diagnosis` with its `steps` and `causes`,
+  `static_causes`, `constant_causes`, `free_causes`, `row_causes`, `gap_causes` with `rough_gaps`,
+  `ball_counts`, `ball_count_causes`, `common_effects`, `advice` and `second_pulse`,
+  `plausibility`, `prior_conflicts`, `without_priors`, `cap_notes`, `unused_parameters`,
+  `silent_sensors`;
 - the result: `result`, `result_text`, `result_document`, `shown_values`, `summary_width`,
   `fitted_file`;
-- further questions: `loss_comparison` of all `loss_laws`, and `defect_scan`;
+- further questions: `loss_comparison` of all `loss_laws`, and `defect_scan` with its
+  `defect_fits`;
 - data compared with a simulation, without a fit: `compare_traces`, `compared_run`,
   `trace_comparison`,
   `sensor_comparison`, `crossings`, `time_offsets`, `arrival_notes`, `odd_sensors`,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
@@ -10,19 +9,20 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..collision import Array
-from ..errors import InputError, SimulationError
+from ..errors import SimulationError
 from ..representation import SUMMARY_WIDTH, counted, folded, short
 from ..validation.keywords import checked_arguments, checked_methods
-from ..validation.numbers import whole_number
 from ..validation.objects import Progress, callback, check_choice, check_type
+from .ball_counts import ball_count
+from .defect_fits import fit_of_defect, with_parameter
 from .diagnosis import diagnosed
 from .fit import fitted
-from .least_squares import roughly_solved
-from .model import Model
+from .flat_valleys import GAPS
 from .names import Name
-from .parameters import Parameter, kind_and_value
+from .parameters import kind_and_value
 from .problem import Problem
 from .result import FitResult
+from .rough_gaps import LARGE, SIMILAR, RoughGap, gap_names, rough_gap, sizes_of
 from .summary_width import summary_width
 from .symmetry import units_of
 
@@ -45,12 +45,6 @@ WORDS: Final = {
 }
 # Least reduction of chi-squared by a defect that is reported.
 FOUND: Final = 20.0
-# Defects are fitted to full accuracy if the sum of squares of a rough fit is below this multiple of
-# the least one.
-CLOSE: Final = 1.01
-# Number of successive defects, in the order of the parts that they explain, after which no further
-# one is fitted if none of them is better than one before.
-PATIENCE: Final = 6
 # Sizes agree worse if the sum of squares is larger than at the size before, and than this multiple
 # of that without a defect; no larger size is tried after this number in succession.
 WORSE, MAX_WORSE = 1.1, 2
@@ -75,6 +69,8 @@ class DefectScan:
         Values of the parameters [SI].
     result : FitResult
         The fit without a defect.
+    rough : dict of RoughGap
+        Rough fits of gaps that explain more than the linear estimate.
     """
 
     kind: str
@@ -82,6 +78,7 @@ class DefectScan:
     improvements: Array = field(repr=False)
     sizes: Array = field(repr=False)
     result: FitResult = field(repr=False)
+    rough: Mapping[str, RoughGap] = field(repr=False, default_factory=dict)
 
     @property
     def chi2(self) -> float:
@@ -119,7 +116,7 @@ class DefectScan:
     @property
     def _nominal(self) -> Array:
         model = self.result.model
-        names = [_name(self.kind, self.result, i) for i in range(len(self.names))]
+        names = _names(self.kind, self.result)
         return np.array([kind_and_value(n, model.traces, model.chains)[1] for n in names])
 
     def summary(self, *, width: int | None = SUMMARY_WIDTH) -> str:
@@ -179,6 +176,8 @@ class DefectScan:
     def _remark(self, i: int) -> str:
         """Whether the size is one of the largest that were tried."""
         tried, change = KINDS[self.kind][1], abs(float(self.changes[i]))
+        if self.names[i] in self.rough:
+            return ""
         if self.kind == "gap":
             largest = tried[-1] * units_of(self.result.chain).scales.length
             return "  largest gap that was tried" if change > 0.999 * largest else ""
@@ -264,60 +263,7 @@ class DefectScan:
 
 def defect_names(result: FitResult, kind: str) -> list[str]:
     """Names of the defects of a kind, in the order in which a scan tries them."""
-    chain = result.model.chains[0]
-    count = len(chain.radii[chain._balls]) if kind == "bead" else chain.beads - 1
-    return [str(_name(kind, result, i)) for i in range(count)]
-
-
-def candidates_of(scan: DefectScan) -> list[str]:
-    """Names of the defects of a scan, in the order in which they are fitted."""
-    return [scan.names[i] for i in np.argsort(-scan.improvements, kind="stable")]
-
-
-def fit_of_defect(
-    scan: DefectScan, candidates: int | None = None, *, progress: Progress | None = None
-) -> FitResult:
-    """The best fit with one defect; `DefectScan.fit` also searches for further causes."""
-    callback("progress", progress)
-    total = len(scan.names)
-    count = total if candidates is None else whole_number(
-        "candidates", candidates, least=1, most=total
-    )  # fmt: skip
-    order = np.argsort(-scan.improvements, kind="stable")[:count].tolist()
-    costs: list[float] = []
-    found: list[Problem] = []
-    for done, i in enumerate(order):
-        if progress is not None and done:
-            progress(done, count)
-        problem = _problem_with(scan, i)
-        with contextlib.suppress(SimulationError):
-            solution = roughly_solved(problem)
-            costs.append(solution.cost)
-            found.append(_from(problem.model, problem.model.values(solution.variables)))
-        if candidates is None and costs and len(costs) - int(np.argmin(costs)) > PATIENCE:
-            break
-    if progress is not None:
-        progress(count, count)
-    if not found:
-        raise SimulationError("no chain with one of the defects can be simulated")
-    limit = CLOSE * min(costs) + FOUND
-    near = [problem for cost, problem in zip(costs, found, strict=True) if cost <= limit]
-    tried = [fitted(each, {str(p): p.start for p in each.model.parameters}, 1) for each in near]
-    return min(tried, key=lambda each: each.chi2 + each.penalty)
-
-
-def _problem_with(scan: DefectScan, i: int) -> Problem:
-    """The problem with a defect as a further parameter, whose start is that of the scan."""
-    name, size = _name(scan.kind, scan.result, i), float(scan.sizes[i])
-    model = _with_parameter(scan.result.model, name, size)
-    starts = dict(zip(scan.result.model.names, scan.result.estimates.tolist(), strict=True))
-    return _from(model, {**starts, name: size})
-
-
-def _from(model: Model, starts: Mapping[Name, float]) -> Problem:
-    """The problem of a model whose parameters start from these values."""
-    parameters = tuple(replace(each, start=starts[each.name]) for each in model.parameters)
-    return Problem(replace(model, parameters=parameters))
+    return list(map(str, _names(kind, result)))
 
 
 def _rounded(chi2: float) -> str:
@@ -333,7 +279,9 @@ def scan_defects(
     Each defect is added to the fit, with up to seven sizes of a gap, twelve radii of a bead from
     6.4% smaller to 6.4% larger, or ten stiffnesses of a contact from 32% smaller to 32% larger; no
     larger change is tried after two that agree worse and worse.  All other parameters adjust
-    linearly.
+    linearly.  If a gap explains more than noise would, rough fits that begin with larger gaps
+    follow for the contacts in front of the first sensor and at the end of the row: a gap in front
+    of all sensors delays the signals as the time offset does, which no linear estimate shows.
 
     Parameters
     ----------
@@ -363,43 +311,56 @@ def scan_defects(
     check_type("result", result, FitResult, "hc.fit returns one")
     check_choice("kind of defect", kind, KINDS)
     callback("progress", progress)
-    count = len(defect_names(result, kind))
+    tried = _names(kind, result)
     inverse = np.linalg.pinv(result.jacobian, rcond=1e-12)
     names, improvements, sizes = [], [], []
-    for i in range(count):
-        name = _name(kind, result, i)
+    for i, name in enumerate(tried):
         gained, size = _explained(result, name, inverse)
         names.append(str(name))
         improvements.append(gained)
         sizes.append(size)
         if progress is not None:
-            progress(i + 1, count)
-    return DefectScan(kind, tuple(names), np.array(improvements), np.array(sizes), result)
+            progress(i + 1, len(tried))
+    scan = DefectScan(kind, tuple(names), np.array(improvements), np.array(sizes), result)
+    return _with_rough(scan, progress) if kind == "gap" and scan.found else scan
 
 
-def _name(kind: str, result: FitResult, i: int) -> Name:
-    key = KINDS[kind][0]
+def _names(kind: str, result: FitResult) -> list[Name]:
+    """Parameters of the defects; only a gap can be at a wall."""
+    key, chain = KINDS[kind][0], result.model.chains[0]
     if kind == "bead":
-        return Name(key, str(i + 1))
-    ball = i + 1 - result.model.chains[0].strikers
-    return Name(key, f"{ball}-{ball + 1}")
+        return [Name(key, str(k + 1)) for k in range(ball_count(chain))]
+    return [each if kind == "gap" else replace(each, key=key)
+            for each in gap_names(chain) if kind == "gap" or each.item]  # fmt: skip
 
 
-def _with_parameter(model: Model, name: Name, start: float) -> Model:
-    if name in model.names:
-        raise InputError(f"{name} is free already; fit without it before the scan")
-    kind, _ = kind_and_value(name, model.traces, model.chains)
-    return replace(model, parameters=(*model.parameters, Parameter(name, kind, start)))
+def _with_rough(scan: DefectScan, progress: Progress | None) -> DefectScan:
+    """The scan with rough fits of gaps that may be larger than those of the linear estimate."""
+    result, count = scan.result, len(scan.names)
+    far = [each for each in _names("gap", result) if LARGE in sizes_of(each, result)]
+    gained, sizes, rough = scan.improvements.copy(), scan.sizes.copy(), {}
+    cost = float(result.residual_vector @ result.residual_vector)
+    for done, name in enumerate(far):
+        i = scan.names.index(str(name))
+        found = rough_gap(result, name, (SIMILAR, LARGE))
+        if found is not None and cost - found.cost > gained[i]:
+            rough[str(name)] = found
+            gained[i], sizes[i] = cost - found.cost, found.size
+        if progress is not None:
+            progress(count + done + 1, count + len(far))
+    return replace(scan, improvements=gained, sizes=sizes, rough=rough)
 
 
 def _explained(result: FitResult, name: Name, inverse: Array) -> tuple[float, float]:
     """Reduction of chi-squared by one defect, and its size there."""
     model, problem = result.model, result.problem
     values = model.values(result.variables)
-    sizes = next(sizes for key, sizes in KINDS.values() if key == name.key)
+    sizes = KINDS["gap"][1] if name.key in GAPS else next(
+        sizes for key, sizes in KINDS.values() if key == name.key
+    )  # fmt: skip
     _, nominal = kind_and_value(name, model.traces, model.chains)
-    unit = units_of(result.chain).scales.length if name.key == "gap" else nominal
-    changed = Problem(_with_parameter(model, name, nominal))
+    unit = units_of(result.chain).scales.length if name.key in GAPS else nominal
+    changed = Problem(with_parameter(model, name, nominal))
 
     def unexplained(residuals: Array) -> Array:
         return np.asarray(residuals - result.jacobian @ (inverse @ residuals))
@@ -412,7 +373,7 @@ def _explained(result: FitResult, name: Name, inverse: Array) -> tuple[float, fl
 
     without = unexplained(result.residual_vector)
     best = (0.0, nominal)
-    for direction in (1.0,) if name.key == "gap" else (1.0, -1.0):
+    for direction in (1.0,) if name.key in GAPS else (1.0, -1.0):
         last, rest, worse = nominal, without, 0
         for trial in sizes:
             if worse == MAX_WORSE:

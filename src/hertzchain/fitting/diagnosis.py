@@ -8,7 +8,7 @@ chosen by their prediction in the linearised fit.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -17,24 +17,14 @@ import numpy as np
 from ..errors import SimulationError
 from ..representation import measure
 from .advice import advice_to_free, considered, level_advice, nothing_explains
-from .ball_count_causes import likely_count, other_counts
-from .cap_notes import before_departure, is_cap_note
+from .ball_count_causes import likely_count
+from .cap_notes import is_cap_note
 from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_ends, try_further
 from .clocks import fixed_offsets
-from .common_effects import separate_effects
-from .constant_causes import with_cap, with_exponent, with_masses, with_moduli, with_walls
 from .effect_limits import limited
 from .exchanged_columns import MUCH_BETTER
-from .free_causes import (
-    MAX_TRIED,
-    MOST,
-    PROMISING,
-    other_places,
-    with_effects,
-    with_losses,
-    with_pairs,
-    with_shots,
-)
+from .free_causes import MAX_TRIED, MOST, PROMISING, other_places
+from .gap_causes import gap_causes
 from .misread_columns import misread_columns
 from .misread_places import rms_difference
 from .misread_times import check_times, misread_times
@@ -43,11 +33,9 @@ from .parameters import Parameter, kind_and_value
 from .prior_conflicts import bound_notes
 from .problem import Problem
 from .result import FitResult
-from .row_causes import row_causes
-from .second_pulse import without_second_pulse
 from .sensor_effects import gained_by, groups_of_effects
 from .signal_noise import signal_noise_of
-from .static_causes import static_causes
+from .steps import STEPS, Step
 from .systematics import PRESENT
 from .without_priors import conflict_notes_of
 
@@ -64,7 +52,7 @@ UNITS: Final = (
 def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
     """A result with advice if the model does not describe the data, or if they show an effect."""
     if result.goodness.accepted and not result.implausible:
-        return _with_other_columns(result, start, refit) or _with_effect(result, refit)
+        return _with_other_columns(result, start, refit) or _with_effect(result, start, refit)
     if result.goodness.only_noise:
         return result
     columns, found = _of_columns(result, start, refit)
@@ -72,9 +60,9 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
         return found
     noise = None if columns else signal_noise_of(result)
     causes, tried = list(columns), dict[str, None]()
-    for further, words in FURTHER.items():
-        if not any(_settles(result, cause, further) for cause in causes):
-            causes += further(result, start, _noting(refit, words, tried))
+    for step in STEPS:
+        if not any(_settles(result, cause, step) for cause in causes):
+            causes += step.tried(result, start, _noting(refit, step.words, tried))
     good = [cause for cause in causes if _removed(result, cause.result) > MOST]
     levels = level_advice(result)
     if noise is not None and all(noise.cost < cause.result.chi2 for cause in good):
@@ -143,9 +131,9 @@ def _of_columns(
     return causes, None
 
 
-def _settles(result: FitResult, cause: Cause, further: object) -> bool:
-    """Whether no further cause is tried; a delay may be a gap, which looks like it."""
-    return _explains(result, cause.result) and not (further is row_causes and _has_delay(cause))
+def _settles(result: FitResult, cause: Cause, step: Step) -> bool:
+    """Whether a step is not tried after a cause."""
+    return _explains(result, cause.result) and not (step.after_delays and _has_delay(cause))
 
 
 def _has_delay(cause: Cause) -> bool:
@@ -287,7 +275,7 @@ def _with_other_columns(
     return None
 
 
-def _with_effect(result: FitResult, refit: Refit) -> FitResult:
+def _with_effect(result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
     """A result with the value of the clearest effect of the sensors, from another fit."""
     causes = (_clear_cause(result, name, refit) for name in _clear_effects(result)[:MAX_TRIED])
     cause = next(filter(None, causes), None)
@@ -303,7 +291,10 @@ def _with_effect(result: FitResult, refit: Refit) -> FitResult:
     if shifts:
         moved = max(shifts, key=lambda each: shifts[each])
         text += f", and {moved} moves by {shifts[moved]:.1f} sigma"
-    return replace(result, advice=(f"{text}: {cause.advice}",))
+    # A gap looks like a delay.
+    others = gap_causes(result, start, refit) if cause.delays else ()
+    also = _not_distinguished(cause, list(others))
+    return replace(result, advice=(f"{text}: {cause.advice}{also}",))
 
 
 def _clear_effects(result: FitResult) -> list[Name]:
@@ -411,32 +402,3 @@ def _clock(result: FitResult, start: Mapping[str, float], refit: Refit) -> Itera
     )
     advice = f"{advice_to_free(fixed, model.traces)}, or correct it"
     yield Cause(shown, advice, found, len(more), names=tuple(fixed))
-
-
-def _counts_and_effects(
-    result: FitResult, start: Mapping[str, float], refit: Refit
-) -> Iterator[Cause]:
-    """Fits with another number of balls and with effects of sensors, which may look like it."""
-    yield from likely_count(result, start, refit)
-    yield from with_effects(result, start, refit)
-
-
-# Causes that are tried one after the other, with words for those that other functions do not name.
-FURTHER: Final[Mapping[Callable[[FitResult, Mapping[str, float], Refit], Iterator[Cause]], str]] = {
-    without_second_pulse: "",
-    before_departure: "",
-    other_places: "",
-    _counts_and_effects: "",
-    separate_effects: "another offset or gain of each sensor",
-    row_causes: "",
-    with_shots: "another velocity or time offset in each shot",
-    with_losses: "the loss",
-    static_causes: "gravity and a precompression",
-    with_exponent: "the exponent",
-    with_cap: "the mass of the cap, the stiffness of the walls",
-    with_walls: "the stiffness of the walls",
-    with_moduli: "the moduli of several materials",
-    with_masses: "the mass of balls with sensors",
-    other_counts: "one ball more or fewer",
-    with_pairs: "",
-}

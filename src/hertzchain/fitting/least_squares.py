@@ -163,10 +163,10 @@ def solve_again(problem: Problem, solution: Solution) -> Solution:
     return replace(again, starts=solution.starts, scan=solution.scan, note=solution.note)
 
 
-def roughly_solved(problem: Problem) -> Solution:
+def roughly_solved(problem: Problem, evaluations: int | None = None) -> Solution:
     """The solution from the starts of the parameters, whose sum of squares is 0.1% too large."""
     starts = {each.name: each.start for each in problem.model.parameters}
-    return _from(problem, problem.model.variables(starts), ROUGH_FTOL)
+    return _from(problem, problem.model.variables(starts), ROUGH_FTOL, evaluations)
 
 
 def _without_jumps(problem: Problem, best: Solution) -> Solution:

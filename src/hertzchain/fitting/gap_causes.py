@@ -1,0 +1,92 @@
+"""A gap that no difference between delays of sensors shows, as a cause of residuals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+from ..errors import InputError, SimulationError
+from ..representation import measure
+from .causes import Cause, Refit
+from .names import Name
+from .result import FitResult
+from .rough_gaps import RoughGap, contact_words, gap_names, least_size, rough_gap, sizes_of
+from .systematics import PRESENT
+
+# Further contacts are fitted if their rough sum of squares exceeds the least one by less than this.
+LESS_LIKELY: Final = 64.0
+# Largest number of contacts that are fitted.
+MAX_FITS: Final = 4
+# A gap with a larger error, as a part of its size, is given by its smallest possible size.
+KNOWN: Final = 0.2
+
+
+def gap_causes(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fits with a gap at one contact, of those that rough fits prefer."""
+    if any(name.key in ("gap", "right_wall.gap") for name in result.model.names):
+        return
+    for gap in _preferred(result):
+        found = fit_of(gap, refit)
+        if found is not None:
+            yield cause_of(gap, found)
+
+
+def _preferred(result: FitResult) -> list[RoughGap]:
+    """The best rough fits of a gap at any contact but that with the striker."""
+    names = [each for each in gap_names(result.chain) if not _only_delays(each)]
+    rough = [rough_gap(result, name, sizes_of(name, result)) for name in names]
+    found = sorted((each for each in rough if each is not None), key=lambda each: each.cost)
+    own = float(result.residual_vector @ result.residual_vector)
+    limit = min(own, found[0].cost + LESS_LIKELY) if found else 0.0
+    return [each for each in found if each.cost < limit][:MAX_FITS]
+
+
+def _only_delays(name: Name) -> bool:
+    """Whether a gap only delays the impact."""
+    return name.item == "0-1"
+
+
+def fit_of(gap: RoughGap, refit: Refit) -> FitResult | None:
+    """The fit from a rough one; none if it fails."""
+    try:
+        return refit(gap.problem, gap.starts, 1)
+    except (InputError, SimulationError):
+        return None
+
+
+def cause_of(gap: RoughGap, found: FitResult) -> Cause:
+    """The cause with the size of the gap, or with the smallest one that describes the data."""
+    name = str(gap.name)
+    advice = f"check for a gap between {contact_words(gap.name, found.chain)}"
+    what = f"{name} = {dict(found.rows())[name]}"
+    if found.describes and not is_known(found, name):
+        what = f"{name} of at least {shown_least(gap)}"
+        advice += (
+            ". Larger ones only delay the signals, as the time offset does, so that the data do "
+            "not determine its size"
+        )
+    else:
+        advice += f", or add {name!r} to the free parameters"
+    return Cause(what, advice, found, 1, row=True, names=(gap.name,))
+
+
+def note_on_size(gap: RoughGap, found: FitResult) -> list[str]:
+    """A sentence on the size of a gap that the data do not determine."""
+    name = str(gap.name)
+    if not found.describes or is_known(found, name):
+        return []
+    return [
+        f"any {name} from about {shown_least(gap)} describes the data as well: larger ones only "
+        "delay the signals, as the time offset does"
+    ]
+
+
+def is_known(found: FitResult, name: str) -> bool:
+    """Whether a fit determines the size of a gap."""
+    return found.errors[name] < KNOWN * abs(found.values[name])
+
+
+def shown_least(gap: RoughGap) -> str:
+    """The smallest gap that describes the data, as text."""
+    # Rough fits have the weights of all samples, as before noise is known to be correlated.
+    return measure(least_size(gap, gap.cost + PRESENT), "m", digits=2)

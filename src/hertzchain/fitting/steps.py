@@ -1,0 +1,59 @@
+"""The order in which causes of residuals are tried that are not errors of columns or times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from .ball_count_causes import likely_count, other_counts
+from .cap_notes import before_departure
+from .causes import Cause, Refit
+from .common_effects import separate_effects
+from .constant_causes import with_cap, with_exponent, with_masses, with_moduli, with_walls
+from .free_causes import other_places, with_effects, with_losses, with_pairs, with_shots
+from .gap_causes import gap_causes
+from .result import FitResult
+from .row_causes import row_causes
+from .second_pulse import without_second_pulse
+from .static_causes import static_causes
+
+
+@dataclass(frozen=True)
+class Step:
+    """A function that tries causes, and words for those that other functions do not name."""
+
+    tried: Callable[[FitResult, Mapping[str, float], Refit], Iterator[Cause]]
+    words: str = ""
+    # Whether it is tried although a delay explains the residuals, because its causes look like one.
+    after_delays: bool = False
+
+
+def _counts_and_effects(
+    result: FitResult, start: Mapping[str, float], refit: Refit
+) -> Iterator[Cause]:
+    """Fits with another number of balls and with effects of sensors, which may look like it."""
+    yield from likely_count(result, start, refit)
+    yield from with_effects(result, start, refit)
+
+
+# One after the other, until a cause explains the residuals.
+STEPS: Final = (
+    Step(without_second_pulse),
+    Step(before_departure),
+    Step(other_places),
+    Step(_counts_and_effects),
+    Step(separate_effects, "another offset or gain of each sensor"),
+    Step(row_causes, after_delays=True),
+    Step(gap_causes, "a gap at each contact"),
+    Step(with_shots, "another velocity or time offset in each shot"),
+    Step(with_losses, "the loss"),
+    Step(static_causes, "gravity and a precompression"),
+    Step(with_exponent, "the exponent"),
+    Step(with_cap, "the mass of the cap, the stiffness of the walls"),
+    Step(with_walls, "the stiffness of the walls"),
+    Step(with_moduli, "the moduli of several materials"),
+    Step(with_masses, "the mass of balls with sensors"),
+    Step(other_counts, "one ball more or fewer"),
+    Step(with_pairs),
+)

@@ -137,10 +137,9 @@ class Forecast(Estimates):
         >>> plan.rows()
         [('stiffness', '1.00000 +- 0.00019')]
         """
-        model = self.problem.model
-        triples = zip(model.parameters, self.estimates, self.sigmas, strict=True)
+        triples = zip(self.model.parameters, self.estimates, self.sigmas, strict=True)
         return [
-            (str(each), shown_value(each, model.traces, value, sigma, at_bound=False))
+            (str(each), shown_value(each, self.model.traces, value, sigma, at_bound=False))
             for each, value, sigma in triples
         ]
 

@@ -102,7 +102,7 @@ def with_parameter(model: Model, name: Name, start: float) -> Model:
 def _problem_with(scan: DefectScan, i: int) -> Problem:
     """The problem with a defect as a further parameter, whose start is that of the scan."""
     if scan.names[i] in scan.rough:
-        return scan.rough[scan.names[i]].problem
+        return Problem(scan.rough[scan.names[i]].problem.model)
     name, size = parse_name(scan.names[i]), float(scan.sizes[i])
     model = with_parameter(scan.result.model, name, size)
     starts = dict(zip(scan.result.model.names, scan.result.estimates.tolist(), strict=True))

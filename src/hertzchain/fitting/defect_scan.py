@@ -22,7 +22,7 @@ from .names import Name
 from .parameters import kind_and_value
 from .problem import Problem
 from .result import FitResult
-from .rough_gaps import LARGE, SIMILAR, RoughGap, gap_names, rough_gap, sizes_of
+from .rough_gaps import LARGE, SIMILAR, RoughGap, gap_names, own_cost, rough_gap, sizes_of
 from .summary_width import summary_width
 from .symmetry import units_of
 
@@ -339,7 +339,7 @@ def _with_rough(scan: DefectScan, progress: Progress | None) -> DefectScan:
     result, count = scan.result, len(scan.names)
     far = [each for each in _names("gap", result) if LARGE in sizes_of(each, result)]
     gained, sizes, rough = scan.improvements.copy(), scan.sizes.copy(), {}
-    cost = float(result.residual_vector @ result.residual_vector)
+    cost = own_cost(result)
     for done, name in enumerate(far):
         i = scan.names.index(str(name))
         found = rough_gap(result, name, (SIMILAR, LARGE))

@@ -24,7 +24,7 @@ from .clocks import fixed_offsets
 from .effect_limits import limited
 from .exchanged_columns import MUCH_BETTER
 from .free_causes import MAX_TRIED, MOST, PROMISING, other_places
-from .gap_causes import gap_causes
+from .gap_causes import small_gap_causes
 from .misread_columns import misread_columns
 from .misread_places import rms_difference
 from .misread_times import check_times, misread_times
@@ -52,7 +52,7 @@ UNITS: Final = (
 def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
     """A result with advice if the model does not describe the data, or if they show an effect."""
     if result.goodness.accepted and not result.implausible:
-        return _with_other_columns(result, start, refit) or _with_effect(result, start, refit)
+        return _with_other_columns(result, start, refit) or _with_effect(result, refit)
     if result.goodness.only_noise:
         return result
     columns, found = _of_columns(result, start, refit)
@@ -275,12 +275,18 @@ def _with_other_columns(
     return None
 
 
-def _with_effect(result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
+def _with_effect(result: FitResult, refit: Refit) -> FitResult:
     """A result with the value of the clearest effect of the sensors, from another fit."""
     causes = (_clear_cause(result, name, refit) for name in _clear_effects(result)[:MAX_TRIED])
     cause = next(filter(None, causes), None)
     if cause is None:
         return limited(result)
+    alike = [cause]
+    if cause.delays:
+        # A small gap looks like a delay.
+        gaps = small_gap_causes(result, cause.names[0], refit)
+        alike += [each for each in gaps if each.result.goodness.accepted]
+        cause = min(alike, key=lambda each: each.result.chi2 + PRESENT * each.row)
     text = f"with {cause.what}, chi2 falls from {result.chi2:.0f} to {cause.result.chi2:.0f}"
     shifts = {
         str(each): abs(cause.result.values[str(each)] - result.values[str(each)])
@@ -291,9 +297,7 @@ def _with_effect(result: FitResult, start: Mapping[str, float], refit: Refit) ->
     if shifts:
         moved = max(shifts, key=lambda each: shifts[each])
         text += f", and {moved} moves by {shifts[moved]:.1f} sigma"
-    # A gap looks like a delay.
-    others = gap_causes(result, start, refit) if cause.delays else ()
-    also = _not_distinguished(cause, list(others))
+    also = _not_distinguished(cause, alike)
     return replace(result, advice=(f"{text}: {cause.advice}{also}",))
 
 

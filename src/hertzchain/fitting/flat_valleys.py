@@ -23,7 +23,7 @@ INDEPENDENT: Final = 0.03
 FLAT: Final = 0.5
 # Largest ratio of the error of a check to that of the one before, and number of checks.
 GROWTH, CHECKS = 4.0, 6
-GAPS: Final = ("gap", "left_wall.gap", "right_wall.gap")
+GAPS: Final[tuple[str, ...]] = ("gap", "left_wall.gap", "right_wall.gap")
 
 
 def along_valleys(problem: Problem, solution: Solution) -> Solution:

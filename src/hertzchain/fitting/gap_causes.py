@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from ..errors import InputError, SimulationError
 from ..representation import measure
 from .causes import Cause, Refit
+from .flat_valleys import GAPS
 from .names import Name
+from .problem import Problem
 from .result import FitResult
-from .rough_gaps import RoughGap, contact_words, gap_names, least_size, rough_gap, sizes_of
+from .rough_gaps import (
+    SMALL,
+    RoughGap,
+    contact_words,
+    gap_names,
+    is_between,
+    least_size,
+    own_cost,
+    rough_gap,
+    sizes_of,
+)
 from .systematics import PRESENT
 
 # Further contacts are fitted if their rough sum of squares exceeds the least one by less than this.
@@ -23,9 +35,20 @@ KNOWN: Final = 0.2
 
 def gap_causes(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """The fits with a gap at one contact, of those that rough fits prefer."""
-    if any(name.key in ("gap", "right_wall.gap") for name in result.model.names):
+    if any(name.key in GAPS for name in result.model.names):
         return
     for gap in _preferred(result):
+        found = fit_of(gap, refit)
+        if found is not None:
+            yield cause_of(gap, found)
+
+
+def small_gap_causes(result: FitResult, delayed: Name, refit: Refit) -> Iterator[Cause]:
+    """The fits with a small gap next to a sensor, which may look like a delay of it."""
+    if any(name.key in GAPS for name in result.model.names):
+        return
+    names = [each for each in gap_names(result.chain) if is_between(each, delayed.item, result)]
+    for gap in _likely(result, [rough_gap(result, name, (SMALL,)) for name in names]):
         found = fit_of(gap, refit)
         if found is not None:
             yield cause_of(gap, found)
@@ -34,10 +57,13 @@ def gap_causes(result: FitResult, _: Mapping[str, float], refit: Refit) -> Itera
 def _preferred(result: FitResult) -> list[RoughGap]:
     """The best rough fits of a gap at any contact but that with the striker."""
     names = [each for each in gap_names(result.chain) if not _only_delays(each)]
-    rough = [rough_gap(result, name, sizes_of(name, result)) for name in names]
+    return _likely(result, [rough_gap(result, name, sizes_of(name, result)) for name in names])
+
+
+def _likely(result: FitResult, rough: Sequence[RoughGap | None]) -> list[RoughGap]:
+    """The best rough fits, those that are fitted to full accuracy."""
     found = sorted((each for each in rough if each is not None), key=lambda each: each.cost)
-    own = float(result.residual_vector @ result.residual_vector)
-    limit = min(own, found[0].cost + LESS_LIKELY) if found else 0.0
+    limit = min(own_cost(result), found[0].cost + LESS_LIKELY) if found else 0.0
     return [each for each in found if each.cost < limit][:MAX_FITS]
 
 
@@ -49,7 +75,8 @@ def _only_delays(name: Name) -> bool:
 def fit_of(gap: RoughGap, refit: Refit) -> FitResult | None:
     """The fit from a rough one; none if it fails."""
     try:
-        return refit(gap.problem, gap.starts, 1)
+        # The fit itself determines the weights of its samples.
+        return refit(Problem(gap.problem.model), gap.starts, 1)
     except (InputError, SimulationError):
         return None
 
@@ -88,5 +115,4 @@ def is_known(found: FitResult, name: str) -> bool:
 
 def shown_least(gap: RoughGap) -> str:
     """The smallest gap that describes the data, as text."""
-    # Rough fits have the weights of all samples, as before noise is known to be correlated.
     return measure(least_size(gap, gap.cost + PRESENT), "m", digits=2)

@@ -76,16 +76,27 @@ def contact_words(name: Name, chain: Chain) -> str:
 
 
 def first_sensor(result: FitResult) -> int:
-    """Number of the first ball with a sensor; that beyond the last one for sensors at the end."""
+    """Number of the first ball with a sensor; a larger one than that of all balls for a wall."""
     strikers, beads = result.chain.strikers, result.chain.beads
     places = [signal.place for _, signal in result.traces]
-    numbers = [each.bead(result.chain) - strikers if each.number else beads for each in places]
-    return min(numbers, default=beads)
+    return min((each.bead(result.chain) - strikers for each in places), default=beads)
 
 
 def is_in_front(name: Name, result: FitResult) -> bool:
     """Whether a gap delays all signals, because no sensor is in front of it."""
     return name != WALL_GAP and int(name.item.split("-")[0]) < first_sensor(result)
+
+
+def is_between(name: Name, sensor: str, result: FitResult) -> bool:
+    """Whether the sensors on one side of a contact are this one alone, or all others.
+
+    A gap there and a delay of the sensor have nearly the same effect if the time offset is free.
+    """
+    chain = result.chain
+    first = int(name.item.split("-")[0]) if name.item else ball_count(chain)
+    places = {each.name: each.place.bead(chain) - chain.strikers for _, each in result.traces}
+    beyond = {each for each, place in places.items() if place > first}
+    return {sensor} in (beyond, places.keys() - beyond)
 
 
 def sizes_of(name: Name, result: FitResult) -> tuple[float, ...]:
@@ -100,6 +111,11 @@ def rough_gap(result: FitResult, name: Name, sizes: Sequence[float]) -> RoughGap
     unit = units_of(result.chain).scales.length
     found = [_rough(result, name, size * unit) for size in sizes]
     return min((each for each in found if each is not None), key=lambda one: one.cost, default=None)
+
+
+def own_cost(result: FitResult) -> float:
+    """The sum of squares of a fit without a gap, with the weights of rough fits."""
+    return float(result.residual_vector @ result.residual_vector)
 
 
 def least_size(gap: RoughGap, limit: float) -> float:
@@ -123,7 +139,8 @@ def _held(gap: RoughGap, size: float) -> RoughGap | None:
         for each in model.parameters
     ]
     values = {each.name: each.start for each in parameters}
-    return _solved(replace(model, parameters=tuple(parameters)), values, name, HELD_EVALUATIONS)
+    model = replace(model, parameters=tuple(parameters))
+    return _solved(gap.problem, model, values, name, HELD_EVALUATIONS)
 
 
 def _rough(result: FitResult, name: Name, size: float) -> RoughGap | None:
@@ -133,25 +150,32 @@ def _rough(result: FitResult, name: Name, size: float) -> RoughGap | None:
     parameters = (*model.parameters, Parameter(name, kind, size))
     known = result.values
     values = {each: known[str(each)] for each in model.names} | {name: size}
-    return _solved(replace(model, parameters=parameters), values, name)
+    return _solved(result.problem, replace(model, parameters=parameters), values, name)
 
 
 def _solved(
-    model: Model, values: Mapping[Name, float], name: Name, evaluations: int = EVALUATIONS
-) -> RoughGap | None:
-    """The rough fit from values whose time offsets are aligned first; none if it fails."""
+    like: Problem, model: Model, values: Mapping[Name, float], name: Name,
+    evaluations: int = EVALUATIONS,
+) -> RoughGap | None:  # fmt: skip
+    """The rough fit from values whose time offsets are aligned first; none if it fails.
+
+    Samples have the weights of another problem, so that sums of squares can be compared.
+    """
     try:
         # Only a time offset depends on the gap so strongly that a search from others fails.
         moved = aligned(model, dict(values))
         values = {each: (moved if each.key == TIME_OFFSET else values)[each] for each in values}
-        problem = _starting(model, values)
+        problem = _starting(model, values, like)
         solution = roughly_solved(problem, evaluations)
     except (InputError, SimulationError):
         return None
-    return RoughGap(name, solution.cost, _starting(model, model.values(solution.variables)))
+    return RoughGap(name, solution.cost, _starting(model, model.values(solution.variables), like))
 
 
-def _starting(model: Model, values: Mapping[Name, float]) -> Problem:
+def _starting(model: Model, values: Mapping[Name, float], like: Problem) -> Problem:
     """The problem of a model whose parameters start from these values."""
     parameters = tuple(replace(each, start=values[each.name]) for each in model.parameters)
-    return Problem(replace(model, parameters=parameters))
+    problem = Problem(replace(model, parameters=parameters))
+    problem.set_correlated(like.correlated)
+    problem.skipped, problem.smooth = like.skipped, like.smooth
+    return problem

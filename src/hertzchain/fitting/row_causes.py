@@ -18,11 +18,13 @@ from ..collision import Array
 from ..errors import InputError, SimulationError
 from .ball_counts import ball_count
 from .causes import CLEAR, Cause, Refit
+from .flat_valleys import GAPS as OF_GAPS
 from .model import Model, make_model
 from .names import Name
 from .parameters import Parameter, kind_and_value
 from .problem import Problem
 from .result import FitResult
+from .rough_gaps import contact_words, gap_names
 
 # Gaps that are tried, in units of the time by which signals are late times the velocity of the
 # impact, and relative changes of a radius.
@@ -41,7 +43,7 @@ WORSE: Final = 4.0
 # Balls on each side of the best place at which defects are tried again.
 NEAR: Final = 4
 # Parameters without which the row is tried.
-OF_ROW: Final = ("delay", "gap", "radius", "mass")
+OF_ROW: Final = ("delay", *OF_GAPS, "radius", "mass")
 TINY: Final = float(np.finfo(float).tiny)
 
 
@@ -85,7 +87,8 @@ class Base:
         jacobian = np.delete(fit.jacobian, extra, axis=1)
         return replace(
             self, fit=fit, jacobian=jacobian, inverse=np.linalg.pinv(jacobian, rcond=1e-12),
-            gap=next((fit.values[str(each)] for each in fit.model.names if each.key == "gap"), 0.0),
+            gap=next((fit.values[str(each)] for each in fit.model.names if each.key in OF_GAPS),
+                     0.0),
             first=max(self.first, ball - NEAR), last=min(self.last, ball + NEAR + 1),
         )  # fmt: skip
 
@@ -174,20 +177,20 @@ def _base(result: FitResult, start: Mapping[str, float], refit: Refit) -> Base |
 
 
 def _gaps(base: Base) -> list[Trial]:
-    """Gaps between the balls of this part of the row, if the signals beyond it are late."""
+    """Gaps at the contacts of this part of the row, if the signals beyond it are late."""
     if base.late <= 0.0:
         return []
     travelled = base.late * float(np.abs(base.fit.chain.velocities).max())
     sizes = [part * travelled for part in GAPS]
     if base.gap > 0.0:
         sizes = [part * base.gap for part in NEAR_GAPS]
-    last = min(base.last, ball_count(base.fit.chain))
     trials = []
-    for ball in range(base.first, last):
-        name = Name("gap", f"{ball}-{ball + 1}")
-        trial = _of_size(base, name, ball, sizes)
+    for name in gap_names(base.fit.chain):
+        # In front of a wall, there is the last ball.
+        ball = int(name.item.split("-")[0]) if name.item else ball_count(base.fit.chain)
+        trial = _of_size(base, name, ball, sizes) if base.first <= ball < base.last else None
         if trial is not None:
-            advice = f"check for a gap between balls {ball} and {ball + 1}"
+            advice = f"check for a gap between {contact_words(name, base.fit.chain)}"
             trials.append(replace(trial, advice=f"{advice}, or {_to_free(name)}"))
     return trials
 

@@ -45,7 +45,7 @@ STEPS: Final = (
     Step(_counts_and_effects),
     Step(separate_effects, "another offset or gain of each sensor"),
     Step(row_causes, after_delays=True),
-    Step(gap_causes, "a gap at each contact"),
+    Step(gap_causes, "a gap at each contact, only small ones beyond the first sensor"),
     Step(with_shots, "another velocity or time offset in each shot"),
     Step(with_losses, "the loss"),
     Step(static_causes, "gravity and a precompression"),

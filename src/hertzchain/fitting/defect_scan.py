@@ -48,6 +48,8 @@ FOUND: Final = 20.0
 # Sizes agree worse if the sum of squares is larger than at the size before, and than this multiple
 # of that without a defect; no larger size is tried after this number in succession.
 WORSE, MAX_WORSE = 1.1, 2
+# Larger gaps are tried if the best one leaves a chi-squared above this multiple of that of noise.
+MUCH: Final = 1.5
 # Number of defects in a summary.
 SHOWN: Final = 5
 
@@ -279,9 +281,10 @@ def scan_defects(
     Each defect is added to the fit, with up to seven sizes of a gap, twelve radii of a bead from
     6.4% smaller to 6.4% larger, or ten stiffnesses of a contact from 32% smaller to 32% larger; no
     larger change is tried after two that agree worse and worse.  All other parameters adjust
-    linearly.  If a gap explains more than noise would, rough fits that begin with larger gaps
-    follow for the contacts in front of the first sensor and at the end of the row: a gap in front
-    of all sensors delays the signals as the time offset does, which no linear estimate shows.
+    linearly.  If a gap explains more than noise would, but not all residuals, rough fits that
+    begin with larger gaps follow for the contacts in front of the first sensor and at the end of
+    the row: a gap in front of all sensors delays the signals as the time offset does, which no
+    linear estimate shows.
 
     Parameters
     ----------
@@ -322,7 +325,10 @@ def scan_defects(
         if progress is not None:
             progress(i + 1, len(tried))
     scan = DefectScan(kind, tuple(names), np.array(improvements), np.array(sizes), result)
-    return _with_rough(scan, progress) if kind == "gap" and scan.found else scan
+    # Rough fits take more simulations than the scan.
+    left = scan.chi2 - float(scan.improvements.max())
+    further = kind == "gap" and scan.found and left > MUCH * scan.freedom
+    return _with_rough(scan, progress) if further else scan
 
 
 def _names(kind: str, result: FitResult) -> list[Name]:

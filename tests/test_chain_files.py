@@ -448,7 +448,7 @@ DEEP = "[" * 3000 + "]" * 3000
         (U + 'units = ["SI"]', "unknown units of .chain. .'SI'.: choose from scaled, SI"),
         (U + 'units = "SI "', "unknown units of .chain. 'SI ' .did you mean 'SI'"),
         (SI + 'units = "scaled"', "has units = 'scaled' and also materials"),
-        (SI.replace("brass", "steel"), "did you mean 'steel-52100' or 'steel-304' or 'steel-316'"),
+        (SI.replace("brass", "steel"), "did you mean 'steel-52100', 'steel-304', 'steel-316' or"),
         (SI + '[materials.x]\nname = "y"\ndensity = 1.0\nyoung = 1.0\npoisson = 0.3', "'name'"),
         (SI + "[materials]\nx = 3", r"\[materials.x\] must be a table, got 3"),
         (U + "exponent = '2 m'", "exponent of .chain. must be a number, got '2 m'"),

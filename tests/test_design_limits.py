@@ -203,6 +203,7 @@ def test_a_stock_has_a_row_to_compare_with_that_is_short_enough(tmp_path):
     assert lengths == {
         "row of equal balls": pytest.approx(40e-3),
         "row of balls sorted by size": pytest.approx(36e-3),
+        "geometric taper": pytest.approx(34e-3),
     }
     text = found.summary()
     assert "which does NOT meet length <= 36 mm (40 mm)" in text

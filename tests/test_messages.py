@@ -12,7 +12,7 @@ BALLS = hc.Chain.from_materials(4e-3, "steel-52100", beads=6, velocity=0.1)
     ("call", "said"),
     [
         (lambda: hc.material("teflon"), "did you mean 'ptfe'"),
-        (lambda: hc.material("steal"), "did you mean 'steel-52100' or 'steel-304' or 'steel-316'"),
+        (lambda: hc.material("steal"), "did you mean 'steel-52100', 'steel-304' or 'steel-316'"),
         (
             lambda: hc.material("AISI 52100"),
             "unknown material 'AISI 52100'; did you mean 'steel-52100'",
@@ -25,7 +25,7 @@ BALLS = hc.Chain.from_materials(4e-3, "steel-52100", beads=6, velocity=0.1)
             lambda: hc.distribution(BALLS, "velocity@last", hc.Scatter(0.01, beads="ball 2")),
             "beads must be selected by number, as in '2', .* where strikers count, got 'ball 2'",
         ),
-        (lambda: hc.material("Stainless steel"), "did you mean 'steel-304' or 'steel-316'"),
+        (lambda: hc.material("Stainless steel"), "'steel-304', 'steel-316' or 'steel-440c'"),
         (lambda: hc.simulate("chain.toml"), r"hc.load_chain\('chain.toml'\) reads one"),
         (lambda: BALLS.replace(gravity="9.81"), "is '9.81', without a unit; write '9.81 m/s"),
         (lambda: BALLS.replace(gaps=[0.0, 1e-6]), "there must be 5 numbers for the gaps"),

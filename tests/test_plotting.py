@@ -1764,7 +1764,7 @@ def test_runs_of_almost_the_same_length_end_together():
 
 
 @pytest.mark.parametrize(("change", "words"), [
-    (0.1, "design (dashed: with yield, 1.6 Y)"), (0.001, "design (with yield: the same curve)"),
+    (0.1, "(dashed: with yield, 1.6 Y)"), (0.001, "(with yield: the same curve)"),
 ])  # fmt: skip
 def test_legends_of_designs_mention_dashes_only_if_they_are_visible(change, words, monkeypatch):
     from hertzchain.designs.curves import Curve
@@ -1779,7 +1779,7 @@ def test_legends_of_designs_mention_dashes_only_if_they_are_visible(change, word
         Curve("design", False, beads, beads, 4.0), Curve("design", True, beads, dented, dented[-1])
     ]  # fmt: skip
     monkeypatch.setattr(designs, "compared_curves", lambda *_: curves)
-    assert legend_texts(designs.plot_forces(found)) == [words]
+    assert legend_texts(designs.plot_forces(found)) == [f"design = best geometric taper\n{words}"]
 
 
 def test_the_label_of_peak_forces_excludes_damping_only_where_a_law_has_it():

@@ -171,7 +171,13 @@ def similar_names(name: object, choices: Iterable[str]) -> str:
         near = sorted(containing, key=lambda choice: not choice.startswith(asked))
     if not near:
         near = [choice for choice in lower if _is_near(asked, choice.partition("-")[0])]
-    return " or ".join(repr(lower[each]) for each in near[:3])
+    return alternatives(lower[each] for each in near[:3])
+
+
+def alternatives(names: Iterable[str]) -> str:
+    """Names that may be meant, such as ``'steel-52100', 'steel-304' or 'steel-316'``."""
+    *others, last = [repr(name) for name in names] or [""]
+    return f"{', '.join(others)} or {last}" if others else last
 
 
 def _is_near(asked: str, word: str) -> bool:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import Array
-from ..errors import InputError, InputWarning, unknown_name_error, warn_user
+from ..errors import InputError, InputWarning, alternatives, unknown_name_error, warn_user
 from ..representation import short
 from ..validation.keywords import checked_arguments, checked_fields
 from ..validation.numbers import number, real_numbers
@@ -231,11 +231,12 @@ def material(name: MaterialLike) -> Material:
         if name in known or lower in known:
             return known[name if name in known else lower]
         other = lower.replace("-", " ").removeprefix("aisi").strip()
+        other = other.removeprefix("steel ")
         if (meant := OTHER_NAMES.get(other)) is not None:
             raise InputError(f"unknown material {name!r}; did you mean {meant}?")
     alike = _same_kind(name, known) if isinstance(name, str) else []
     raise unknown_name_error(
-        "material", name, known, meant=" or ".join(map(repr, alike)) if len(alike) > 1 else "",
+        "material", name, known, meant=alternatives(alike) if len(alike) > 1 else "",
         more=", or define a custom one with Material(name, density=, young=, poisson=), or "
         "[materials.NAME] in a chain file",
     )  # fmt: skip

@@ -183,7 +183,8 @@ def wall_named(name: str, chain: Chain) -> Wall:
         return Wall(**given)
     except InputError as error:
         words = on_command_line(str(error))
-        raise click.UsageError(f"--wall must be same, rigid or a material: {words}") from None
+        kinds = "--wall must be same, rigid or a material: " if "material" in given else ""
+        raise click.UsageError(f"{kinds}{words}") from None
 
 
 def wall_with_loss(text: str, chain: Chain) -> Wall:

@@ -45,7 +45,7 @@ def _templates() -> Environment:
 
 def _superscripts(text: str) -> Markup:
     """A text in HTML with raised exponents, which are in parentheses after ``^``."""
-    return Markup(re.sub(r"\^\(([^)]+)\)", r"<sup>\1</sup>", escape(text)))
+    return Markup(re.sub(r"\^\(([^)]+)\)", r"<sup>\1</sup>", str(escape(text))))
 
 
 def _context(sheet: LabSheet) -> dict[str, Any]:

@@ -93,7 +93,7 @@ def _sections() -> Iterator[str]:
 def _fit_section() -> Iterator[str]:
     yield from ("## `[fit]`", "", "Settings of a [fit](../how-to/fit.md) of the chain to measured "
                 "traces; other commands do not use them. [Names of parameters]"
-                "(../how-to/fit.md#names-of-parameters) lists the names.", "")  # fmt: skip
+                "(../how-to/fit_options.md#names-of-parameters) lists the names.", "")  # fmt: skip
     yield from ("| key | value | meaning |", "|---|---|---|")
     for name, (value, meaning) in KEYS.items():
         yield f"| `{name}` | {value} | {meaning} |"

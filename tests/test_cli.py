@@ -889,7 +889,7 @@ def test_sweeps_count_incomplete_peaks(run, tmp_path):
         '[sweep]\nmethods = ["simulate"]\nkeep = ["wall_peak_force"]\n[method]\nuntil = 20.0\n'
     )
     told = (
-        "points with an incomplete largest force on the wall or the cap: 1 (see variable "
+        "points with an incomplete force on the wall or the cap, or reflection: 1 (see variable "
         "`incomplete`)"
     )
     code, out, _ = run("sweep", specification, "--store", store)

@@ -90,7 +90,7 @@ def test_interfaces_conserve_energy_and_agree_with_the_velocities(ratio, forward
 
 def test_a_count_that_is_not_of_one_wave_warns():
     run = hc.simulate(interface(2.0), until=140.0, times=2000)
-    with pytest.warns(hc.InputWarning, match=r"100% of the incident energy is still between"):
+    with pytest.warns(hc.IncompleteWarning, match=r"100% of the incident energy is still between"):
         early = run.reflection(50, 75, until=68.0)
     assert (early.reflected, early.transmitted) == ((), ())
     with pytest.raises(hc.SimulationError, match="incident wave passes contact 50 until"):
@@ -122,7 +122,9 @@ def test_the_tail_that_losses_leave_behind_a_wave_does_not_end_the_count():
     force, speed = run.force(65), run.velocities[:, 64:66].mean(axis=1)
     whole = np.trapezoid(force * speed, run.times) / found.incident.energy
     assert found.transmitted_energy == pytest.approx(whole, rel=5e-3)
-    with pytest.warns(hc.InputWarning, match="still between the contacts at t = 97; simulate for"):
+    with pytest.warns(
+        hc.IncompleteWarning, match="still between the contacts at t = 97; simulate for"
+    ):
         early = run.reflection(55, 65, until=97.0)
     # Beads 56 to 65 at this time, the contacts between them by the law of Hertz, and half of both.
     now = int(np.searchsorted(run.times, 97.0))

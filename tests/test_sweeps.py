@@ -142,18 +142,18 @@ def test_reflections_and_largest_velocities_are_those_of_runs():
     found = hc.sweep({
         "chain": {"radii": [1.0] * 60, "right_wall": {"rigid": True}},
         "axes": {"radii.30": [0.5, 2.0]},
-        "sweep": {"methods": ["simulate"], "keep": keep}, "method": {"until": 60.0},
+        "sweep": {"methods": ["simulate"], "keep": keep}, "method": {"until": 80.0},
     }).sel(approach="simulate")  # fmt: skip
     for i, radius in enumerate((0.5, 2.0)):
         chain = hc.Chain.uniform(60).with_defects({30: radius}).replace(right_wall=hc.Wall.rigid())
-        run = hc.simulate(chain, until=60.0, times=4000)
+        run = hc.simulate(chain, until=80.0, times=4000)
         defect = run.reflection(18, 42)
         assert found.reflected_energy_18_42[i] == pytest.approx(defect.reflected_energy)
         assert found.transmitted_momentum_18_42[i] == pytest.approx(defect.transmitted_momentum)
         # Those that gradients locate within the steps.
         for name, bead, kept in (("velocity", 30, found.largest_velocity_30),
                                  ("energy", 40, found.largest_energy_ball_40)):  # fmt: skip
-            largest = hc.gradient(chain, f"bead.largest_{name}", bead=bead, until=60.0).value
+            largest = hc.gradient(chain, f"bead.largest_{name}", bead=bead, until=80.0).value
             assert kept[i] == pytest.approx(largest, rel=1e-5)
     assert found.largest_velocity_30.attrs["long_name"].endswith("in the run, bead 30")
     label = "reflected energy / incident energy, contacts 18 to 42"
@@ -171,6 +171,27 @@ def test_a_missing_reflection_has_a_reason():
     reasons = found.reason.values[:, 0]
     assert "reflection.transmitted_energy@10-50: there are no such contacts among 20" in reasons[0]
     assert "no wave towards contact 50 passes contact 10" in reasons[1]
+
+
+def test_reflections_of_runs_that_end_too_early_are_incomplete():
+    """At 1.8 ms, the wave that bead 40 of this size reflects has not passed contact 25."""
+    keep = ["reflection.reflected_energy@25-55", "reflection.transmitted_energy@25-55"]
+    specification = {
+        "chain": {"diameters": "12 mm", "materials": "steel-52100", "beads": 80,
+                  "velocity": "0.1 m/s", "masses": "7.039178 g"},
+        "axes": {"masses.40": ["2 g", "11 g", "20 g"]},
+        "sweep": {"methods": ["simulate"], "keep": keep},
+    }  # fmt: skip
+    early, late = (hc.sweep(specification | {"method": {"until": end}})
+                   for end in ("1.8 ms", "3 ms"))  # fmt: skip
+    assert early.incomplete.values[:, 0].tolist() == [1, 0, 0]
+    assert not late.incomplete.any()
+    values = early.reflected_energy_25_55.values[:, 0]
+    assert np.isnan(values[0])
+    assert values[1:] == pytest.approx(late.reflected_energy_25_55.values[1:, 0], rel=1e-3)
+    (reason,) = (each for each in early.reason.values[:, 0] if "not complete" in each)
+    assert reason.count("simulate for longer") == 1
+    assert "waves have not passed" in early.incomplete.attrs["long_name"]
 
 
 @pytest.mark.parametrize("coefficient", [1.0, 0.9])

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..chain.bead_names import wall_number
 from ..chain.chain import Chain
-from ..errors import InputError, InputWarning, SimulationError, warn_user
+from ..errors import IncompleteWarning, InputError, InputWarning, SimulationError, warn_user
 from ..representation import measure
 from ..validation.numbers import number, whole_number
 from .energy_on_its_way import LEAST, Incomplete, energy_between, incomplete
@@ -86,13 +86,16 @@ def reflection_of(
     InputWarning
         If the contacts are less than 10 apart, or less than 5 from a wall or free end.
         If more than 5% of the incident energy is missing from the balance, because of other
-        waves, or is still between the contacts; if ``missing_momentum`` exceeds 5%.
-        If the waves that are still on their way to one of the contacts have more than 5% of the
-        energy counted there, and more than 0.05% of the incident energy beyond
-        ``entered_energy``: the run, or ``until``, ends before weak waves have passed.
+        waves; if ``missing_momentum`` exceeds 5%.
         If the reflected energy at ``before`` differs from the median of the 6 contacts in front
         of it and from that of the 6 contacts beyond it, which happens where weak waves meet the
         reflected one, as in dimers.
+    IncompleteWarning
+        If more than 5% of the incident energy is still between the contacts.
+        If the waves that are still on their way to one of the contacts have more than 5% of the
+        energy counted there, and more than 0.05% of the incident energy beyond
+        ``entered_energy``: the run, or ``until``, ends before weak waves have passed.  If another
+        wave ends the count instead, this is an `InputWarning`.
 
     See Also
     --------
@@ -138,8 +141,12 @@ def reflection_of(
         found = dataclasses.replace(found, nearby_energy=(min(nearby), max(nearby)))
     near_object = _near_object(self, first, second)
     depends = _dependence(found, nearby)
-    balance = _balance(self, found, known=bool(near_object or depends))
-    for reason in filter(None, (depends, balance, near_object)):
+    other = _other_waves(found)
+    late = "" if other else _on_the_way(self, found, known=bool(near_object or depends))
+    if late:
+        warn_user(late, InputWarning if found.disturbed else IncompleteWarning)
+    momentum = "" if other or late else _missing_in_waves(found)
+    for reason in filter(None, (depends, other, momentum, near_object)):
         warn_user(reason, InputWarning)
     return found
 
@@ -369,33 +376,43 @@ def _dependence(found: Reflection, nearby: list[float]) -> str:
     )
 
 
-def _balance(run: Trajectory, found: Reflection, *, known: bool) -> str:
-    """Why the coefficients are not, or not yet, those of one wave, or ''.
+def _other_waves(found: Reflection) -> str:
+    """Why the coefficients are not those of one wave, or ''."""
+    if abs(found.unexplained_energy) <= MISSING:
+        return ""
+    return (
+        f"other waves contribute: {found.unexplained_energy:.0%} of the incident energy is "
+        "missing from the balance, so the coefficients are not those of one wave; choose "
+        "other contacts, since or until"
+    )
 
-    Weak waves that are on their way are not mentioned if a larger error is known.
+
+def _on_the_way(run: Trajectory, found: Reflection, *, known: bool) -> str:
+    """Which energy has not passed a contact yet, or ''.
+
+    If another wave ends the count, weak waves are not mentioned where a larger error is known.
     """
-    if abs(found.unexplained_energy) > MISSING:
-        return (
-            f"other waves contribute: {found.unexplained_energy:.0%} of the incident energy is "
-            "missing from the balance, so the coefficients are not those of one wave; choose "
-            "other contacts, since or until"
-        )
     if found.stored_energy > MISSING:
         return (
             f"{found.stored_energy:.0%} of the incident energy is still between the contacts at "
             f"{_time(found.chain, found.until)}; {_later(found)}"
         )
-    if not known and (part := incomplete(run, found)):
+    if not (known and found.disturbed) and (part := incomplete(run, found)):
         return (
             f"the {part.name} energy, {part.counted:.4f}, is not complete: waves with "
             f"{part.coming:.4f} of the incident energy are still on their way to contact "
             f"{part.contact} at {_time(found.chain, found.until)}"
             f"{_away(part)}; {_later(found)}"
         )
-    if abs(found.missing_momentum) > MISSING:
-        return (
-            f"{found.missing_momentum:.0%} of the incident momentum passes one of the contacts, "
-            "but belongs to no wave, so the coefficients of momentum are not complete; choose "
-            "other contacts, or integrate run.forces"
-        )
     return ""
+
+
+def _missing_in_waves(found: Reflection) -> str:
+    """Which momentum belongs to no wave, or ''."""
+    if abs(found.missing_momentum) <= MISSING:
+        return ""
+    return (
+        f"{found.missing_momentum:.0%} of the incident momentum passes one of the contacts, "
+        "but belongs to no wave, so the coefficients of momentum are not complete; choose "
+        "other contacts, or integrate run.forces"
+    )

@@ -30,6 +30,7 @@ DIRECTIONS: Final = {1: "right", -1: "left"}
 SAME: Final = 0.2
 # Part of the energy in no wave that is announced at more than this number of contacts in a row.
 UNLISTED, MEETING = 0.5, 5
+NO_WAVE: Final = "{:.0%} of the energy flux at contact {} is in no listed wave"
 ADVICE: Final = "; use run.energy_flux() or waves.at(k)"
 
 
@@ -310,7 +311,7 @@ class Waves(Compared):
         """
         k = whole_number("contact", contact, least=1, most=self.chain.beads - 1)
         if (share := float(self.unlisted_energy[k - 1])) > UNLISTED:
-            warn_user(_announced(share, k) + ADVICE, InputWarning)
+            warn_user(NO_WAVE.format(share, k) + ADVICE, InputWarning)
         times = [(wave.times[wave.contacts == k], wave) for wave in self.waves]
         chosen = [(float(when[0]), wave) for when, wave in times if len(when)]
         return self._only([wave for _, wave in sorted(chosen, key=lambda pair: pair[0])])
@@ -395,7 +396,7 @@ class Waves(Compared):
             [np.arange(*each) for each in zip(begin[long], end[long], strict=True)]
         )
         worst = int(contacts[np.argmax(self.unlisted_energy[contacts])])
-        most = _announced(float(self.unlisted_energy[worst]), worst + 1)
+        most = NO_WAVE.format(self.unlisted_energy[worst], worst + 1)
         count = f"{len(contacts)} of {self.chain.beads - 1} contacts"
         return f"{most}, and more than half at {count}{ADVICE}"
 
@@ -434,10 +435,6 @@ class Waves(Compared):
         lines += [f"  {self._unlisted}"] if self._unlisted else []
         # Lines are broken only between properties of a wave.
         return folded(re.sub(r"(?<=[^, ]) ", NO_BREAK, "\n".join(lines)), below=6)
-
-
-def _announced(share: float, contact: int) -> str:
-    return f"{share:.0%} of the energy flux at contact {contact} is in no listed wave"
 
 
 COLUMNS: Final = (

@@ -329,7 +329,7 @@ class _Batch:
             if each.numbers(run.chain):
                 self.single[name][row, place], notes = each.evaluate(run)
                 reasons += notes
-        self.reason[row][place] = "; ".join(filter(None, reasons))
+        self.reason[row][place] = "; ".join(dict.fromkeys(filter(None, reasons)))
 
     def _missing_places(self, chain: Chain) -> list[str]:
         """Why a chain has no values at some beads or contacts."""

@@ -20,7 +20,7 @@ from .axes import Axis
 from .batches import Result
 from .free_faces import has_free_face
 from .kept import PER_PLACE, PER_RUN
-from .placed import placed
+from .placed import REFLECTION, placed
 from .plan import Plan
 
 if TYPE_CHECKING:
@@ -78,9 +78,8 @@ def batch_variables(plan: Plan) -> dict[str, Variable]:
     if plan.may_be_outside_range:
         label = {"long_name": "1 where the method is used outside its range"}
         found["outside_range"] = _by_method(plan, "i1", label)
-    if plan.keeps_wall or _keeps_body(plan):
-        place = "the wall" if plan.keeps_wall else "the cap"
-        label = {"long_name": f"1 where the largest force on {place} is incomplete"}
+    if may_end := _may_end_too_early(plan):
+        label = {"long_name": f"1 where {' or '.join(may_end)}"}
         found["incomplete"] = _by_method(plan, "i1", label)
     if plan.keeps_wall:
         label = {"long_name": "1 where the largest force on the wall is sensitive to small changes"}
@@ -98,9 +97,17 @@ def batch_variables(plan: Plan) -> dict[str, Variable]:
     return found
 
 
-def _keeps_body(plan: Plan) -> bool:
-    """Whether quantities of the last body of a free end are kept, which may be incomplete."""
-    return any(name in BODY_QUANTITIES for name in plan.specification.keep)
+def _may_end_too_early(plan: Plan) -> list[str]:
+    """Kept quantities that are incomplete if a run ends too early, as clauses."""
+    kept = plan.specification.keep
+    found = {
+        "the largest force on the wall is incomplete": plan.keeps_wall,
+        "the largest force on the cap is incomplete": any(each in BODY_QUANTITIES for each in kept),
+        "waves have not passed the contacts of a reflection": any(
+            (at := placed(each)) is not None and at.column in REFLECTION for each in kept
+        ),
+    }
+    return [words for words, possible in found.items() if possible]
 
 
 def _by_method(plan: Plan, dtype: str, attributes: dict[str, Any]) -> Variable:
@@ -134,7 +141,7 @@ def columns_of(plan: Plan, result: Result) -> Mapping[str, Any]:
         columns["reason"] = np.array(result.reason, dtype=np.dtypes.StringDType())
     if plan.may_be_outside_range:
         columns["outside_range"] = result.outside_range
-    if plan.keeps_wall or _keeps_body(plan):
+    if _may_end_too_early(plan):
         columns["incomplete"] = result.incomplete
     if plan.keeps_wall:
         columns["sensitive"] = result.sensitive

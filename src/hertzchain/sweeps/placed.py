@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Final, NamedTuple
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from ..chain.bead_names import bead_number
 from ..chain.chain import Chain
-from ..errors import InputError, SimulationError
+from ..errors import IncompleteWarning, InputError, SimulationError, warn_user
 from ..pulse.quantities import QUANTITIES, SENSOR_QUANTITIES, Quantity
 from ..pulse.quantity_names import column_name, full_name
 from ..recorded_warnings import record_warnings
@@ -121,15 +122,23 @@ class Placed(NamedTuple):
         else:
             value = float(sensors_of_run(run, self.numbers(run.chain))[self.column][0])
             notes = ["the force has no maximum in the run"] if np.isnan(value) else []
-        return value, [f"{self.name}: {note}" for note in notes]
+        # All coefficients between two contacts have the same notes.
+        name = f"reflection@{self.place}" if self.column in REFLECTION else self.name
+        return value, [f"{name}: {note}" for note in notes]
 
 
 def _coefficient_of(run: Run, column: str, before: int, after: int) -> tuple[float, list[str]]:
+    """A coefficient, or NaN with an `IncompleteWarning` if the run ends too early for it."""
     try:
         with record_warnings() as warned:
-            return float(getattr(run.reflection(before, after), column)), [*map(str, warned)]
+            value = float(getattr(run.reflection(before, after), column))
     except (InputError, SimulationError) as error:
-        return float("nan"), [str(error)]
+        return math.nan, [str(error)]
+    notes = [*map(str, warned)]
+    if late := [str(each) for each in warned if isinstance(each, IncompleteWarning)]:
+        warn_user(late[0], IncompleteWarning)
+        return math.nan, notes
+    return value, notes
 
 
 def _largest_of(run: Run, column: str, bead: int) -> float:

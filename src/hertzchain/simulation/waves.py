@@ -392,9 +392,8 @@ class Waves(Compared):
         long = end - begin > min(MEETING, self.chain.beads - 2)
         if not long.any():
             return ""
-        contacts = np.concatenate(
-            [np.arange(*each) for each in zip(begin[long], end[long], strict=True)]
-        )
+        longest = zip(begin[long], end[long], strict=True)
+        contacts = np.concatenate([np.arange(*each) for each in longest])
         worst = int(contacts[np.argmax(self.unlisted_energy[contacts])])
         most = NO_WAVE.format(self.unlisted_energy[worst], worst + 1)
         count = f"{len(contacts)} of {self.chain.beads - 1} contacts"

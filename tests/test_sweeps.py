@@ -161,6 +161,13 @@ def test_reflections_and_largest_velocities_are_those_of_runs():
     assert plot_sweep(found, "largest_velocity@30").get_ylabel() == "largest velocity of bead 30"
 
 
+def test_a_range_of_items_is_answered_with_one_axis_for_each():
+    said = r"not 2-4: give one axis with the same values for each item, masses.2 to masses.4, and"
+    with pytest.raises(hc.InputError, match=said):
+        hc.sweep({"chain": {"taper": "uniform", "beads": 5, "masses": 1.0},
+                  "axes": {"masses.2-4": [0.5, 2.0]}})  # fmt: skip
+
+
 def test_a_missing_reflection_has_a_reason():
     found = hc.sweep({
         "chain": {"taper": "uniform"}, "axes": {"beads": [20, 60]},

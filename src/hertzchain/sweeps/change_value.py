@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +43,8 @@ def with_value(
     ``above`` is the path of the document itself, for messages.
     """
     key, rest, here = path[0], path[1:], (*above, path[0])
+    if re.fullmatch(r"\d+-\d+", key):
+        raise _several_items(key, above)
     if isinstance(document, list):
         if not (key.isdigit() and 1 <= int(key) <= len(document)):
             raise _unknown_item(document, path, above)
@@ -57,6 +60,15 @@ def with_value(
     table = dict(document or {})
     table[key] = with_value(table.get(key), rest, value, here) if rest else value
     return table
+
+
+def _several_items(key: str, above: tuple[str, ...]) -> InputError:
+    """Error for a range of the items of a list."""
+    first, last = (".".join((*above[1:], number)) for number in key.split("-"))
+    return InputError(
+        f"an axis changes one item of a list, not {key}: give one axis with the same values for "
+        f"each item, {first} to {last}, and combine = 'zip' in [sweep]"
+    )
 
 
 def _unknown_item(listed: list[Any], path: tuple[str, ...], above: tuple[str, ...]) -> InputError:

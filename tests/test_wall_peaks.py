@@ -7,7 +7,6 @@ import warnings
 import numpy as np
 import pytest
 from figure_texts import legend_texts
-from impact_reference import pause as pause_by_quadrature
 from scipy_chain import Units, trajectory
 
 import hertzchain as hc
@@ -496,16 +495,16 @@ def test_a_wall_at_a_distance_is_waited_for():
 
 def test_the_impulse_on_stiff_walls_is_that_of_the_impact():
     """Against a very stiff wall the last bead bounces many times; the impulse has a limit."""
-    runs = [hc.simulate(uniform(right_wall=hc.Wall(stiffness=k)), times=0) for k in (1e6, 1e8)]
-    found = [run.wall_force() for run in runs]
+    found = [
+        hc.simulate(uniform(right_wall=hc.Wall(stiffness=k)), times=0).wall_force()
+        for k in (1e6, 1e8)
+    ]
     # A wall that does not yield holds the last bead, so that the one before meets a wall instead.
     held = hc.Chain.uniform(19).replace(right_wall=hc.Wall(stiffness=1.0))
     limit = hc.simulate(held, times=0).wall_force()
     for wall in found:
         assert wall.first_contact_impulse == pytest.approx(limit.first_contact_impulse, rel=1e-4)
-    # The slow last bead touches the wall many times afterwards.
-    assert runs[1]._walls[state_layout.TOUCHES, 1] > 50
-    assert found[1].touches == 1
+    assert found[1].touches > 50
     assert found[0].impulse_of_impact == pytest.approx(found[1].impulse_of_impact, rel=0.01)
     for wall in found:
         assert wall.impulse_of_impact == pytest.approx(wall.impulse, rel=0.01)
@@ -699,21 +698,30 @@ def test_the_message_on_a_precompressed_chain_does_not_ask_for_a_longer_run():
 
 
 def test_an_impact_ends_by_the_documented_rule():
-    """The rule of boundaries_and_losses.md, evaluated from forces at saved times."""
+    """The rule of boundaries_and_losses.md, evaluated from velocities and forces."""
     wall = hc.Wall.of("ptfe")
     chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.1, right_wall=wall)
     with pytest.warns(hc.ModelRangeWarning):
         run = hc.simulate(chain, until=4e-3, times=8001)
     found = run.wall_force("right")
-    force = run.forces[:, -1]
-    # The wall is open at a time if no force acts at all times within the pause before it.
-    samples = int(np.ceil(pause_by_quadrature(chain) / 0.5e-6))
-    open_for_long = np.convolve(force == 0.0, np.ones(samples), "full")[: len(force)] == samples
-    open_for_long[: np.argmax(force)] = False
-    first = run.times[np.argmax(open_for_long) - samples + 1]
+    v, force = run.velocities, run.forces
+    k = chain.contact_stiffness[1:]
+    stored = 0.4 * force[:, 1:] ** (5 / 3) / k ** (2 / 3)
+    towards = np.append(v[:, :-1] + v[:, 1:], v[:, -1:], axis=1) > 0
+    energy = (0.5 * chain.masses * v**2 * (v > 0)).sum(1) + (stored * towards).sum(1)
+    bound = k[-1] * (2.5 * energy / k[-1]) ** 0.6
+    peak = np.maximum.accumulate(force[:, -1])
+    passed = run.times > run.pulse().arrival[-1]
+    ended = passed & (bound <= peak) & (force[:, -1] == 0.0)
+    # The pulse has passed when the last bead reaches its largest velocity.
+    first = run.times[np.argmax(ended)]
+    assert first > run.times[np.argmax(passed & (bound <= peak))]
+    assert (bound <= peak)[run.times >= first].all()
     assert found.complete
-    assert -0.5e-6 <= found.complete_since - first <= 0.0
-    impulse = np.trapezoid(force[run.times <= first], run.times[run.times <= first])
+    # Saved times are at 0.5 us, a step takes up to 10 us.
+    assert -0.5e-6 <= found.complete_since - first <= 1e-5
+    until = run.times <= first
+    impulse = np.trapezoid(force[until, -1], run.times[until])
     assert found.impulse_of_impact == pytest.approx(impulse, rel=1e-6)
 
 
@@ -734,11 +742,11 @@ def test_an_impact_does_not_end_while_the_force_is_only_small():
     assert table[-1] == pytest.approx(found.impulse_of_impact, rel=1e-6)
     slope = hc.gradient(chains[-1], "wall_force.impulse_of_impact")
     assert slope.value == pytest.approx(found.impulse_of_impact, rel=1e-6)
-    # The contact opens for a short time or not at all before the next pulse.
+    # The contact opens once before the bound is low enough or not at all.
     force = run.forces[:, -1]
     until = run.times <= found.complete_since
     assert np.trapezoid(force[until], run.times[until]) == pytest.approx(table[-1], rel=1e-4)
-    assert force[until][-3:].max() < 2e-3 * found.peak
+    assert force[until][-3:].max() < 1e-3 * found.peak
 
 
 def test_walls_under_long_impacts_are_checked_less_often():

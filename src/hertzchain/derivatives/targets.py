@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
 from ..collision import Array
-from ..kernels.wall_rule import HELD, MAX_REBOUNDS, ROUNDING, longest_watch
+from ..kernels.wall_rule import HELD, MAX_REBOUNDS, ROUNDING, has_released, longest_watch
 from ..simulation.body_bound import body_bound
 from ..simulation.time_scales import impact_momentum, rebound_time
 from ..simulation.wall_bound import LEFT, RIGHT, motion_can_escape, wall_targets
 from .equation import Equation
-from .impact_end import WallLoads
 from .names import Name
 from .record import Record, nothing_can_happen
 
@@ -81,11 +79,12 @@ class Ending:
     equation: Equation
     names: list[Name]
     targets: Targets
-    # By side: time since which the motion cannot exceed the peak on a wall, end of the impact, and
-    # releases of the wall.
+    # By side: time since which the motion cannot exceed the peak on a wall, end of the impact,
+    # whether the wall is pressed, and end of the last contact.
     bounded: dict[int, float] = field(default_factory=dict)
     since: dict[int, float] = field(default_factory=dict)
-    loads: dict[int, WallLoads] = field(default_factory=dict)
+    pressed: dict[int, bool] = field(default_factory=dict)
+    last_ends: dict[int, float] = field(default_factory=dict)
     watched: int = 0
     exhausted: bool = False
     # Largest force so far and its time, by side.
@@ -147,7 +146,6 @@ class Ending:
     def _watch_wall(self, record: Record, side: int) -> bool:
         """Update the state of a wall's peak by the new blocks; whether it is complete."""
         equation, c = self.equation, -1 if side == RIGHT else 0
-        loads = self.loads.setdefault(side, WallLoads(equation, side))
         for block in record.blocks[self.watched :]:
             times = block.start + np.cumsum(block.lengths) - block.lengths
             stages = equation.kept_forces(block.kept, c)
@@ -160,34 +158,35 @@ class Ending:
                 continue
             some = slice(None, None, SAMPLE)
             bounds = bound_of(equation, block.positions[some], block.velocities[some], side)
+            static = float(equation.chain.static_state.forces[c])
             complete = (top[some] > 0.0) & (bounds <= (1.0 + ROUNDING) * top[some])
-            for time, below in zip(times[some], complete, strict=True):
+            ends = self._last_ends(side, times, stages[:, 0] > 0.0)[some]
+            rows = zip(times[some], complete, stages[some, 0], top[some], ends, strict=True)
+            for time, below, force, peak, end in rows:
                 if not below:
                     self.bounded.pop(side, None)
-                else:
-                    self.bounded.setdefault(side, float(time))
-            loads.follow(block, stages[:, 0], top, self.peak_times[side])
-        loads.pass_time(record.time, self.peak_times.get(side, 0.0))
-        self._note_end(record, side, loads)
+                    self.since.pop(side, None)
+                elif end > self.bounded.setdefault(side, float(time)):
+                    self.since.setdefault(side, float(end))
+                elif has_released(force, static, peak):
+                    self.since.setdefault(side, float(time))
+        if self.exhausted:
+            self.since.setdefault(side, record.time)
         transit = self.peak_times.get(side, 0.0)
-        since = max(self.since.get(side, math.inf), self.bounded.get(side, math.inf))
-        held = record.time - since >= HELD * transit
+        held = side in self.since and record.time - self.since[side] >= HELD * transit
         last = transit + longest_watch(
             transit, self._rebounds(side), motion_can_escape(self.equation.chain, side)
         )
         expired = transit > 0.0 and record.time > last
         return expired or (held and self._proven(record, side))
 
-    def _note_end(self, record: Record, side: int, loads: WallLoads) -> None:
-        """Note the end of the impact on a wall, or that there is none so far."""
-        if loads.since > 0.0:
-            self.since[side] = loads.since
-        elif self.exhausted:
-            self.since[side] = loads.last or record.time
-        else:
-            self.since.pop(side, None)
-        if self.exhausted:
-            self.bounded.setdefault(side, record.time)
+    def _last_ends(self, side: int, times: Array, pressed: Array) -> Array:
+        """End of the last contact with a wall before the start of each step; 0 before the first."""
+        before = np.append(self.pressed.get(side, False), pressed[:-1])
+        ends = np.where(before & ~pressed, times, self.last_ends.get(side, 0.0))
+        last = np.maximum.accumulate(ends)
+        self.pressed[side], self.last_ends[side] = bool(pressed[-1]), float(last[-1])
+        return np.asarray(last)
 
     def _rebounds(self, side: int) -> float:
         """Time that the impact of the whole chain at the right wall may take."""
@@ -214,7 +213,7 @@ class Ending:
             return True
         if motion_can_escape(self.equation.chain, side):
             return self.peaks.get(side, 0.0) > 0.0 and self._proven(record, side)
-        return side in self.since and side in self.bounded
+        return side in self.since
 
 
 def is_past(record: Record, bead: int) -> bool:

@@ -53,6 +53,7 @@ from .elastic_layout import (
     LANES,
     LAST_CROSSING,
     LAST_END,
+    LAST_IMPULSE,
     LEAST_PUSH,
     LENGTH,
     LONGEST,
@@ -61,9 +62,9 @@ from .elastic_layout import (
     NEW_X,
     NOISE,
     NOTHING_MORE,
-    PAUSE,
     PEAK,
     PEAK_ONLY,
+    PEAK_TIME,
     PEAKED,
     PEAKS,
     PULSE_LEFT,
@@ -76,7 +77,6 @@ from .elastic_layout import (
     SINCE,
     SINCE_CROSSING,
     START_V,
-    STATIC_FORCE,
     STATUS,
     STEP,
     STEP_LIMIT,
@@ -113,9 +113,8 @@ from .elastic_walls import (
     expired,
     held,
     note_end,
-    note_pause,
     nothing_can_happen,
-    record_load,
+    restart,
     start_watch,
 )
 from .limits import FALL
@@ -190,7 +189,8 @@ def store(
         for row in range(GAUGE_ROWS):
             readings[g, row] = gauges[lane, g, row]
     peak, can_escape = gauges[lane, 0, PEAK], numbers[CAN_ESCAPE] != 0.0
-    note_end(w, beads, lane, chain, numbers[PAUSE], state, gauges[lane, 0])
+    restart(lane, state, gauges[lane, 0, PEAK_TIME])
+    note_end(w, beads, lane, chain, state, peak, gauges[lane, 0, IMPULSE])
     summary[END_TIME], summary[STATUS] = state[TIME, lane], status
     summary[TAKEN] = state[STEPS, lane]
     summary[REFUSED] = state[TRIED, lane] - state[STEPS, lane]
@@ -286,7 +286,7 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
     peak, can_escape = gauges[lane, 0, PEAK], numbers[CAN_ESCAPE] != 0.0
     if can_escape and numbers[PEAK_ONLY] != 0.0:
         return ending_with_peak(w, beads, lane, state, gauges[lane, 0], numbers[REBOUNDS])
-    note_pause(w, beads, lane, chain, numbers[PAUSE], state, gauges[lane, 0])
+    restart(lane, state, gauges[lane, 0, PEAK_TIME])
     check_wall(w, beads, lane, chain, state, peak, impulse)
     if not by_itself:
         return 0
@@ -300,9 +300,9 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
 
 
 @inlined
-def read_lane(w, beads, lane, chain, numbers, places, pushes, state, gauges, kinks, count):
+def read_lane(w, beads, lane, least_push, places, pushes, state, gauges, kinks, count):
     """`read_gauges` of one lane."""
-    h, pressed = state[LENGTH, lane], pushes[0, 0, lane]
+    h, pressed = state[LENGTH, lane], pushes[0, 0, lane] > 0.0
     for g in range(len(places)):
         start, end, top = pushes[0, g, lane], pushes[8, g, lane], 0.0
         # Stage 7 is at the end of the step, too, and less accurate.
@@ -319,24 +319,21 @@ def read_lane(w, beads, lane, chain, numbers, places, pushes, state, gauges, kin
                 record_fall(end, gauges[lane, g])
         pushes[0, g, lane] = end
     impulse = gauges[lane, 0, IMPULSE]
-    record_load(w, beads, lane, chain, numbers[PAUSE], pressed, pushes[0, 0, lane], state,
-                gauges[lane, 0], kinks, count)  # fmt: skip
-    free = impulse > numbers[LEAST_PUSH] and pushes[0, 0, lane] == 0.0
-    if state[FIRST_END, lane] == 0.0 and free:
+    if pressed and pushes[0, 0, lane] == 0.0:
+        state[LAST_END, lane], state[LAST_IMPULSE, lane] = state[TIME, lane] + h, impulse
+    if state[FIRST_END, lane] == 0.0 and impulse > least_push and pushes[0, 0, lane] == 0.0:
         if w[NEW_V + beads * LANES + lane] < 0.0:
-            located = chain[STATIC_FORCE, beads] == 0.0
-            state[FIRST_END, lane] = state[LAST_END, lane] if located else state[TIME, lane] + h
+            state[FIRST_END, lane] = state[TIME, lane] + h
             state[FIRST_IMPULSE, lane] = impulse
 
 
 @compiled
-def read_gauges(w, beads, chains, numbers, places, pushes, state, gauges, which, kinks, count):
+def read_gauges(w, beads, numbers, places, pushes, state, gauges, which, kinks, count):
     """Update impulses and largest forces of gauges, and the ends of contacts with the wall."""
     for lane in range(len(which)):
         if state[GOOD, lane] > 0.0 and which[lane] >= 0:
-            c = which[lane]
-            read_lane(w, beads, lane, chains[c], numbers[c], places, pushes, state, gauges, kinks,
-                      count)  # fmt: skip
+            least_push = numbers[which[lane], LEAST_PUSH]
+            read_lane(w, beads, lane, least_push, places, pushes, state, gauges, kinks, count)
 
 
 @compiled
@@ -407,7 +404,7 @@ def follow(
                         state[GOOD, lane], state[WORST, lane] = 0.0, 0.5
         if events > 0.0:
             record_events(w, beads, rtol, state, state[GOOD], which, records, kinks, kinked)
-        read_gauges(w, beads, chains, numbers, places, pushes, state, gauges, which, kinks, kinked)
+        read_gauges(w, beads, numbers, places, pushes, state, gauges, which, kinks, kinked)
         accept(w, beads, state)
         pass_step(kinks, kinked, state)
         for lane in range(LANES):

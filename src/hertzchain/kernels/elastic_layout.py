@@ -28,11 +28,10 @@ MAX_BEADS = ROW // LANES - 7
 # strikers, least momentum transferred by the first contact with the wall, whether motion can escape
 # from the wall, the time after the first transit that a run on a soft wall may take, whether
 # only the largest force on the wall is requested, so that the run may end before the impact does
-# (without constant forces), the longest run, in times of the pulse, until the largest force on a
-# cap behind the row is complete (0 without a cap or a bound), and the time for which the wall must
-# be released after an impact.
+# (without constant forces), and the longest run, in times of the pulse, until the largest force on
+# a cap behind the row is complete (0 without a cap or a bound).
 (UNTIL, FIRST_STEP, BY_ITSELF, STRIKERS, LEAST_PUSH, CAN_ESCAPE, REBOUNDS, PEAK_ONLY, LONGEST,
- PAUSE, NUMBERS) = range(11)  # fmt: skip
+ NUMBERS) = range(10)  # fmt: skip
 
 # Entries of a lane.  The last ones are its tolerance, and the largest force on the wall and its
 # time while it is proven with a larger tolerance (`hertzchain.kernels.elastic_proof`).

@@ -10,25 +10,19 @@ import math
 
 from . import wall_rule
 from .compilation import compiled
-from .elastic_events import motion_of_slot, position
 from .elastic_forces import closing_of, force_of, overlap_of
 from .elastic_layout import (
-    AT_REST,
     BODY,
     BOUNDED,
     DUE,
     EXPONENT,
     FORCE,
     IMPACT_IMPULSE,
-    IMPULSE,
     INVERSE_MASS,
     LANES,
     LAST_END,
     LAST_IMPULSE,
-    LENGTH,
     NEAR,
-    PEAK,
-    PEAK_TIME,
     RECORD_CROSSING,
     RECORD_PEAK_TIME,
     SINCE,
@@ -44,10 +38,7 @@ from .elastic_layout import (
 )
 from .wall_rule import CHECKS, HELD, ROUNDING
 
-BISECTIONS, TINY = 50, 1e-300
-
-longest_watch = compiled(wall_rule.longest_watch)
-released_force, is_loaded = compiled(wall_rule.released_force), compiled(wall_rule.is_loaded)
+longest_watch, has_released = compiled(wall_rule.longest_watch), compiled(wall_rule.has_released)
 time_between_checks = compiled(wall_rule.time_between_checks)
 
 
@@ -200,71 +191,33 @@ def start_watch(w, beads, lane, state, records):
 
 
 @compiled
-def end_after_pause(lane, state, time, peak_time, pause):
-    """Record the last release as the end of the impact, if it follows the peak by long enough."""
-    if state[SINCE, lane] > peak_time:
-        return
-    state[SINCE, lane] = state[IMPACT_IMPULSE, lane] = 0.0
-    last = state[LAST_END, lane]
-    if last > peak_time and time - last >= pause:
-        state[SINCE, lane], state[IMPACT_IMPULSE, lane] = last, state[LAST_IMPULSE, lane]
+def note(lane, state, time, impulse):
+    """Record that the impact has ended, unless this is already recorded."""
+    if state[SINCE, lane] == 0.0:
+        state[SINCE, lane], state[IMPACT_IMPULSE, lane] = time, impulse
+    if state[BOUNDED, lane] == 0.0:
+        state[BOUNDED, lane] = state[TIME, lane]
 
 
 @compiled
-def record_load(w, beads, lane, chain, pause, start, end, state, wall, kinks, count):
-    """Record when the wall is released or loaded within a step, and the end of the impact.
-
-    ``start`` and ``end`` are the forces at the ends of the step.
-    """
-    level = released_force(chain[STATIC_FORCE, beads], wall[PEAK])
-    loaded = is_loaded(end, level)
-    if loaded == is_loaded(start, level):
-        return
-    at, low, high = beads * LANES + lane, 0.0, 1.0
-    path = motion_of_slot(w, beads, beads, lane, kinks, count)
-    opening = (level / w[STIFFNESS + at]) ** (1.0 / w[EXPONENT + at]) - w[AT_REST + at]
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        if (position(path, middle) > opening) == loaded:
-            high = middle
-        else:
-            low = middle
-    h = state[LENGTH, lane]
-    time = state[TIME, lane] + high * h
-    if loaded:
-        end_after_pause(lane, state, time, wall[PEAK_TIME], pause)
-        return
-    # Without a static force, the impulse no longer changes after the release.
-    rest = 0.5 * (1.0 - high) * h * (level + end) if level > 0.0 else 0.0
-    state[LAST_END, lane], state[LAST_IMPULSE, lane] = time, wall[IMPULSE] - rest
+def forget(lane, state):
+    """Forget the end of an impact, because the force may exceed its peak."""
+    state[BOUNDED, lane] = state[SINCE, lane] = state[IMPACT_IMPULSE, lane] = 0.0
 
 
 @compiled
-def note_pause(w, beads, lane, chain, pause, state, wall):
-    """Note the end of the impact if the wall has been released for long enough by now."""
-    static = chain[STATIC_FORCE, beads]
-    if not is_loaded(w[FORCE + beads * LANES + lane], released_force(static, wall[PEAK])):
-        end_after_pause(lane, state, state[TIME, lane], wall[PEAK_TIME], pause)
-        if static > 0.0 and state[LAST_END, lane] == 0.0:
-            # The force has never exceeded the static one.
-            state[SINCE, lane] = TINY
-    elif wall[PEAK_TIME] > state[SINCE, lane]:
-        state[SINCE, lane] = state[IMPACT_IMPULSE, lane] = 0.0
-    if wall[PEAK_TIME] > state[BOUNDED, lane]:
-        state[BOUNDED, lane] = 0.0
+def restart(lane, state, peak_time):
+    """Forget the end of an impact that a larger force has followed."""
+    if peak_time > state[BOUNDED, lane]:
+        forget(lane, state)
 
 
 @compiled
 def close(lane, state, impulse):
     """Record that nothing more can happen, so that the peak is complete."""
-    time = state[TIME, lane]
-    state[WATCH_START, lane], state[TRANSIT, lane] = time, 0.0
-    if state[BOUNDED, lane] == 0.0:
-        state[BOUNDED, lane] = time
-    if state[SINCE, lane] == 0.0:
-        was_hit = state[LAST_END, lane] > 0.0
-        state[SINCE, lane] = state[LAST_END, lane] if was_hit else time
-        state[IMPACT_IMPULSE, lane] = state[LAST_IMPULSE, lane] if was_hit else impulse
+    state[WATCH_START, lane] = state[TIME, lane]
+    state[TRANSIT, lane] = 0.0
+    note(lane, state, state[TIME, lane], impulse)
 
 
 @compiled
@@ -274,20 +227,30 @@ def check_wall(w, beads, lane, chain, state, peak, impulse):
     if nothing_can_happen(w, beads, lane):
         close(lane, state, impulse)
     elif peak == 0.0 or bound_of(w, beads, lane, chain) > (1.0 + ROUNDING) * peak:
-        state[BOUNDED, lane] = 0.0
-    elif state[BOUNDED, lane] == 0.0:
-        state[BOUNDED, lane] = state[TIME, lane]
+        forget(lane, state)
+    else:
+        note_if_released(w, beads, lane, chain, state, peak, impulse)
 
 
 @compiled
-def note_end(w, beads, lane, chain, pause, state, wall):
-    """Note at the end of the run that the impact has ended, and that the bound is low enough."""
-    if state[TRANSIT, lane] == 0.0 and state[WATCH_START, lane] > 0.0:
-        return
-    note_pause(w, beads, lane, chain, pause, state, wall)
-    peak, watched = wall[PEAK], state[TRANSIT, lane] > 0.0 and state[BOUNDED, lane] == 0.0
-    if watched and peak > 0.0 and bound_of(w, beads, lane, chain) <= (1.0 + ROUNDING) * peak:
+def note_if_released(w, beads, lane, chain, state, peak, impulse):
+    """Note the end of the impact if the wall has been released since the bound is low enough."""
+    if state[BOUNDED, lane] == 0.0:
         state[BOUNDED, lane] = state[TIME, lane]
+    force, static = w[FORCE + beads * LANES + lane], chain[STATIC_FORCE, beads]
+    if state[LAST_END, lane] > state[BOUNDED, lane]:
+        note(lane, state, state[LAST_END, lane], state[LAST_IMPULSE, lane])
+    elif has_released(force, static, peak):
+        note(lane, state, state[TIME, lane], impulse)
+
+
+@compiled
+def note_end(w, beads, lane, chain, state, peak, impulse):
+    """Record at the end of the run that the impact has ended after the last check."""
+    if peak == 0.0 or state[TRANSIT, lane] == 0.0:
+        return
+    if bound_of(w, beads, lane, chain) <= (1.0 + ROUNDING) * peak:
+        note_if_released(w, beads, lane, chain, state, peak, impulse)
 
 
 @compiled
@@ -300,15 +263,9 @@ def complete(w, beads, lane, chain, can_escape, state, peak):
 
 @compiled
 def held(lane, state):
-    """Whether half a transit has passed since the end of the impact, with a low bound."""
-    since = max(state[SINCE, lane], state[BOUNDED, lane])
-    return is_over(lane, state) and state[TIME, lane] - since >= HELD * state[TRANSIT, lane]
-
-
-@compiled
-def is_over(lane, state):
-    """Whether the impact has ended and the bound is low enough."""
-    return state[SINCE, lane] > 0.0 and state[BOUNDED, lane] > 0.0
+    """Whether half a transit has passed since the end of the impact."""
+    since = state[SINCE, lane]
+    return since > 0.0 and state[TIME, lane] - since >= HELD * state[TRANSIT, lane]
 
 
 @compiled
@@ -316,4 +273,4 @@ def expired(lane, state, rebounds, can_escape):
     """Whether the longest run has ended, and half a transit since the end of the impact."""
     last = state[WATCH_START, lane] + longest_watch(state[TRANSIT, lane], rebounds, can_escape)
     late = state[TIME, lane] >= last
-    return late and (not is_over(lane, state) or held(lane, state))
+    return late and (state[SINCE, lane] == 0.0 or held(lane, state))

@@ -14,7 +14,6 @@ from .contact_modes import sharpest_turn
 from .dop853 import STEP_STAGES
 from .driving import NOTHING
 from .forces import copy
-from .impact_end import changes_load, record_loads
 from .implicit import FINEST, closes_throughout, first_rest
 from .interpolant import difference, polynomial, slope, state_within, value
 from .leading_pulse import note_leading_pulse, rise_of
@@ -424,8 +423,7 @@ def record_events(
     walled = contacts is not None and wall_may_peak(
         time, h, y, y_new, stages, setup, contacts, segment, walls
     )
-    releases = contacts is not None and changes_load(stages, len(y), setup, walls)
-    if (save or event or walled or releases) and not dense_is_found:
+    if (save or event or walled) and not dense_is_found:
         counts[EVALUATIONS] += interpolate(
             time, y, h, y_new, setup, contacts, segment, stages, dense, trial, scratch
         )
@@ -442,9 +440,6 @@ def record_events(
         record_walls(
             time, h, y, y_new, setup, contacts, segment, stages, dense, walls, trial, scratch
         )
-    if releases:
-        record_loads(time, h, y, y_new, stages, dense, setup, contacts, segment, walls, trial,
-                     scratch)  # fmt: skip
     if save:
         save_frames(time, time_new, h, y, dense, first, chain, flights, setup, contacts, segment,
                     counts, frame_times, frames, frame_forces, trial, scratch)  # fmt: skip

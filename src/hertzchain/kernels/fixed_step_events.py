@@ -9,7 +9,6 @@ from .compilation import CONTRACTED, compiled, internal, reduced
 from .events import store_crossing
 from .forces import copy
 from .hermite import curvature, slope, value
-from .impact_end import is_loaded, note_load, released_force
 from .leading_pulse import note_leading_pulse, rise_of
 from .limits import NEIGHBOURS, REACHED, ROUNDED, SLOW
 from .state_layout import (
@@ -18,11 +17,10 @@ from .state_layout import (
     FIRST_IMPULSE,
     FRAMES,
     LAST_END,
-    LOADED,
+    LAST_IMPULSE,
     PEAK_TIME,
     PEAK_VELOCITY,
     PEAKS,
-    STATIC,
     TIME,
     TOUCHES,
     TOUCHING,
@@ -65,19 +63,9 @@ def inflection(c):
     return high
 
 
-@compiled
-def place_of_overlap(c, level, rises):
-    """Fraction of a step at which a polynomial rises above a level or falls to it."""
-    low, high = 0.0, 1.0
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if (value(c, middle) > level) == rises else (middle, high)
-    return high
-
-
 @inlined
 def watch_wall(side, time, h, force, given, least, passed, x, v, a, spring, ends, walls):
-    """Record the largest force on a wall, touches, ends of contacts, and the end of the impact.
+    """Record the largest force on a wall, the number of touches, and the ends of contacts.
 
     ``given`` is the impulse on the wall so far, and ``least`` that from which on it is the impulse
     of a first contact.  The position, velocity and acceleration of the adjacent bead are positive
@@ -97,18 +85,11 @@ def watch_wall(side, time, h, force, given, least, passed, x, v, a, spring, ends
                 walls[WALL_PEAK, side], walls[WALL_PEAK_TIME, side] = top, time - (1.0 - s) * h
         if force > 0.0 and walls[TOUCHING, side] == 0.0:
             walls[TOUCHES, side] += 1.0
+        elif force == 0.0 and walls[TOUCHING, side] > 0.0:
+            walls[LAST_END, side], walls[LAST_IMPULSE, side] = time, given
         walls[TOUCHING, side] = 1.0 if force > 0.0 else 0.0
-        level = released_force(walls[STATIC, side], walls[WALL_PEAK, side])
-        loaded = is_loaded(force, level)
-        if loaded != (walls[LOADED, side] > 0.0):
-            c = quintic(h, -ends[side, 0], -ends[side, 1], -ends[side, 2], -x, -v, -a)
-            s = place_of_overlap(c, (level / stiffness) ** (1.0 / exponent) - closed_by, loaded)
-            rest = 0.5 * (1.0 - s) * h * (level + force) if level > 0.0 else 0.0
-            note_load(side, loaded, time - (1.0 - s) * h, given - rest, walls)
         if force == 0.0 and abs(given) > least and v > 0.0 and walls[FIRST_END, side] == 0.0:
-            located = walls[LOADED, side] == 0.0 and walls[STATIC, side] == 0.0
-            walls[FIRST_IMPULSE, side] = given
-            walls[FIRST_END, side] = walls[LAST_END, side] if located else time
+            walls[FIRST_IMPULSE, side], walls[FIRST_END, side] = given, time
         if side == 1 and passed and v > 0.0 and walls[TURNED_BACK, 1] == 0.0:
             walls[TURNED_BACK, 1] = time
         ends[side, 0], ends[side, 1], ends[side, 2], ends[side, 3] = x, v, a, force

@@ -274,7 +274,7 @@ def advance_window(
         if contacts is not None:
             record_wall_ends(time_new, y, stages[0], setup, counts[SEGMENT], clock[MOMENTUM_UNIT],
                              crossings, walls)  # fmt: skip
-            count_touches(y, stages[0], walls)
+            count_touches(time_new, y, stages[0], walls)
         update_drift(y, clock, setup, contacts, counts[SEGMENT], flying, False)
         clock[UNRESOLVED] = unresolved_speed(y, beads, rtol, setup, contacts)
         now = bounds(y, setup, contacts, low, all_beads, trim, clock[UNRESOLVED])

@@ -31,13 +31,10 @@ PEAK_TIME, PEAK_VELOCITY = 0, 1
 CROSSING_TIME, OVERLAP, RESIDENCE, HANDED_OVER, RISE_TIME = range(5)
 LEADING_MOMENTUM, LEADING_ENERGY, LARGEST_OVERLAP, CROSSING_ROWS = range(5, 9)
 # Rows of `walls`: largest force and its time; impulse and end of the first contact; time at which
-# the bead at the wall first moves back; number of touches; 1 while the bead touches the wall; last
-# release of the wall, and impulse and touches until then; 1 while the wall is loaded; end of the
-# impact, and impulse and touches until then; force at rest, and time for which the wall must be
-# released, which are given.
+# the bead at the wall first moves back; number of touches; 1 while the bead touches the wall; end
+# of the last contact, and impulse until then.
 WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, TURNED_BACK = range(5)
-TOUCHES, TOUCHING, LAST_END, LAST_IMPULSE, LAST_TOUCHES, LOADED = range(5, 11)
-IMPACT_END, IMPACT_END_IMPULSE, IMPACT_END_TOUCHES, STATIC, PAUSE, WALL_ROWS = range(11, 17)
+TOUCHES, TOUCHING, LAST_END, LAST_IMPULSE, WALL_ROWS = range(5, 10)
 # Rows of `completion`, one column per wall, written between calls of the compiled loop: time from
 # which the wall is watched, transit time, time of the next check, time since which the motion
 # towards the wall cannot exceed the largest force; end of the impact, and impulse and number of

@@ -14,8 +14,7 @@ from .state_layout import (
     FIRST_END,
     FIRST_IMPULSE,
     LAST_END,
-    LOADED,
-    STATIC,
+    LAST_IMPULSE,
     TOUCHES,
     TOUCHING,
     TURNED_BACK,
@@ -164,17 +163,17 @@ def record_wall_ends(time, y, rates, setup, segment, momentum, crossings, walls)
         _, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
         if closing < 0.0:
             walls[FIRST_IMPULSE, side] = y[i]
-            # Without a static force, the release is located within the step.
-            located = walls[LOADED, side] == 0.0 and walls[STATIC, side] == 0.0
-            walls[FIRST_END, side] = walls[LAST_END, side] if located else time
+            walls[FIRST_END, side] = time
 
 
 @compiled
-def count_touches(y, rates, walls):
-    """Count contacts with each wall that a step has begun."""
+def count_touches(time, y, rates, walls):
+    """Count contacts with each wall that a step has begun, and record the end of the last one."""
     for side in range(2):
         i = len(y) - ACCUMULATORS + LEFT_IMPULSE + side
         pressed = 1.0 if rates[i] != 0.0 else 0.0
         if pressed > walls[TOUCHING, side]:
             walls[TOUCHES, side] += 1.0
+        elif pressed < walls[TOUCHING, side]:
+            walls[LAST_END, side], walls[LAST_IMPULSE, side] = time, y[i]
         walls[TOUCHING, side] = pressed

@@ -16,7 +16,7 @@ from ..kernels.limits import MIN_ROUGH_PUSH, ROUNDING
 from ..kernels.wall_rule import MAX_REBOUNDS
 from .body_watch import LONGEST, has_rule
 from .kernel_input import static_closing
-from .time_scales import pause_of_impact, rebound_in_series, transit_times
+from .time_scales import rebound_in_series, transit_times
 from .wall_bound import RIGHT, motion_can_escape, wall_targets
 
 # First step as a fraction of the time in which the pulse passes the first contact.
@@ -120,7 +120,6 @@ def kernel_input(
         numbers[:, layout.REBOUNDS] = MAX_REBOUNDS * _rebounds(given, speeds, masses)
         at_rest = ~given[:, layout.GIVEN_BODY].any(axis=1)
         numbers[:, layout.PEAK_ONLY] = at_rest & (peak_only and until is None)
-        numbers[:, layout.PAUSE] = [pause_of_impact(chain) for chain in chains]
         numbers[:, layout.CAN_ESCAPE] = [motion_can_escape(chain, RIGHT) for chain in chains]
     return KernelInput(given, numbers, hertz, walled, careful)
 

@@ -195,7 +195,7 @@ class Run(ContactHistory):
         wall = self._wall_force(side)
         if not wall.complete and side not in self._reported:
             self._reported.add(side)
-            ends = later_ends(side, self._walls, self._completion, self._approaches, self.chain)
+            ends = later_ends(side, self._completion, self._approaches, self.chain)
             warn_user(incomplete_peak(wall, self.end_time, ends, self.chain), IncompleteWarning)
         return wall
 

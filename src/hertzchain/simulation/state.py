@@ -18,7 +18,7 @@ from ..frozen import Compared
 from ..representation import measure, short
 from ..validation.keywords import checked_methods
 from .kernel_input import initial_state, kernel_chain
-from .time_scales import pause_of_impact, transit_times
+from .time_scales import transit_times
 
 if TYPE_CHECKING:
     from ..kernels.forces import Contacts, DefaultChain, GeneralChain
@@ -35,8 +35,7 @@ ROW_SCALES: Final[Mapping[str, tuple[str, ...]]] = {
     "crossings": (
         "time", "length", "time", "momentum", "time", "momentum", "energy", "length",
     ),
-    "walls": ("time", "force", "momentum", "time", "time", "1", "1", "time", "momentum",
-              "1", "1", "time", "momentum", "1", "force", "time"),
+    "walls": ("time", "force", "momentum", "time", "time", "1", "1", "time", "momentum"),
     "completion": ("time", "time", "time", "time", "time", "momentum", "1"),
 }  # fmt: skip
 # Units of the accumulators, which are integrated along with the motion.
@@ -239,9 +238,6 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
         "walls": np.zeros((state_layout.WALL_ROWS, 2)),
         "completion": np.zeros((state_layout.COMPLETION_ROWS, 2)),
     }
-    if any(chain.wall_stiffness):
-        arrays["walls"][state_layout.STATIC] = chain.static_state.forces[[0, -1]]
-        arrays["walls"][state_layout.PAUSE] = pause_of_impact(chain)
     momenta = chain.masses * velocities
     arrays["crossings"][state_layout.HANDED_OVER] = -np.cumsum(momenta[:0:-1])[::-1]
     # Strikers have their largest velocity at the start; that of a driven bead 1 is located later.

@@ -184,19 +184,6 @@ def _times(chain: Chain, energy: float | None) -> Array:
     return np.where(np.isfinite(times), times, 1.0)
 
 
-def pause_of_impact(chain: Chain) -> float:
-    """Mean time in which a pulse passes a contact; a shorter release does not end an impact.
-
-    It is estimated from the chain, so that it does not depend on the steps of a run.
-    """
-    if chain.beads == 1:
-        return 0.0
-    if chain.drive is None:
-        return float(transit_times(chain).mean())
-    energy = 0.5 * float(chain.masses[0]) * typical_speed(chain) ** 2
-    return float(_times(chain, energy).mean())
-
-
 def check_length(chain: Chain, until: float) -> None:
     """Warn about a run of many transits, whose time was probably meant in us or ms."""
     if chain.units != "SI" or until < LONG_TIME:

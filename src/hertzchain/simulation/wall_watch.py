@@ -3,17 +3,12 @@
 If motion can escape at the other end of the chain, the peak is complete as soon as the bound of
 `hertzchain.simulation.wall_bound` proves that no later force exceeds it.
 
-The impact on a wall ends at the first release of the wall after the peak that lasts for at least
-the mean time in which a pulse passes a contact
-(`hertzchain.simulation.time_scales.pause_of_impact`); it starts again if a larger force follows.
-A wall is released when the contact opens or, if it carries a static force, when the force has
-fallen to 0.1% of the peak, without the static force.  The compiled loop locates releases within
-its steps (`hertzchain.kernels.impact_end`), so that the end of the impact does not depend on them.
-
-If motion cannot escape, the peak is complete when the impact has ended and the estimate of the
-same module has not exceeded the peak for half a transit since then, where a transit is the time
-that the pulse took to pass the chain.  This rule is empirical, and it starts again if a larger
-force follows.
+The impact on a wall has ended when the contact with it opens for the first time since the motion
+towards the wall cannot exceed the peak (the estimate of the same module).  A contact that carries a
+static force need not open; its force must fall to 0.1% of the peak, without the static force.
+If motion cannot escape, the peak is complete when the impact has ended and the estimate has not
+exceeded the peak for half a transit since then, where a transit is the time that the pulse took to
+pass the chain.  This rule is empirical, and it starts again if a larger force follows.
 
 Without a given end, a run continues until the peak is complete and half a transit has passed since
 the end of the impact, or until `WallWatch.last`: ten transits, or 20 if motion can escape, or, if
@@ -42,7 +37,7 @@ from ..kernels.wall_rule import (
     HELD,
     MAX_REBOUNDS,
     ROUNDING,
-    end_after_pause,
+    has_released,
     longest_watch,
     time_between_checks,
 )
@@ -54,12 +49,6 @@ from .wall_bound import RIGHT, Approach, Target, motion_can_escape, wall_targets
 # peak: in chains of ten beads, a check takes longer than the integration between two of them.
 FEW_CHECKS: Final = 2
 SMALLEST: Final = float(np.finfo(float).tiny)
-
-
-def held_since(completion: Array, side: int) -> float:
-    """Time since which an impact has ended and the motion cannot exceed its peak; else infinite."""
-    bounded, since = completion[[state_layout.BOUNDED, state_layout.SINCE], side]
-    return max(bounded, since) if bounded > 0.0 and since > 0.0 else math.inf
 
 
 class WallWatch:
@@ -186,9 +175,8 @@ class WallWatch:
     @property
     def expired(self) -> bool:
         """Whether the longest run has ended, and half a transit since the end of the impact."""
-        if self.time < self.last:
-            return False
-        return math.isinf(held_since(self.completion, RIGHT)) or self.held(RIGHT)
+        late = self.time >= self.last
+        return late and (self.completion[state_layout.SINCE, RIGHT] == 0.0 or self.held(RIGHT))
 
     def check(self, forces: Array) -> None:
         """Compare the bound of each wall with its peak so far."""
@@ -203,33 +191,22 @@ class WallWatch:
             side = target.side
             peak = float(self.walls[state_layout.WALL_PEAK, side])
             if peak == 0.0 or not self.bounded(side, self.approach(target, overlaps, stored)):
-                self.completion[state_layout.BOUNDED, side] = 0.0
-            elif self.completion[state_layout.BOUNDED, side] == 0.0:
-                self.completion[state_layout.BOUNDED, side] = self._mark
-
-    def _note_ends(self) -> None:
-        """Note the ends of impacts, also at releases that have lasted for long enough by now."""
-        if self.closed:
-            return
-        for target in self.targets:
-            side, walls = target.side, self.walls[:, target.side]
-            if walls[state_layout.LOADED] == 0.0:
-                end_after_pause(side, self.time, self.walls)
-            end = float(walls[state_layout.IMPACT_END])
-            if end > walls[state_layout.WALL_PEAK_TIME]:
-                self.completion[state_layout.SINCE :, side] = walls[
-                    state_layout.IMPACT_END : state_layout.IMPACT_END_TOUCHES + 1
-                ]
-            elif self._never_loaded(side):
-                self.completion[state_layout.SINCE :, side] = SMALLEST, 0.0, 0.0
+                self.completion[state_layout.BOUNDED :, side] = 0.0
             else:
-                self.completion[state_layout.SINCE :, side] = 0.0
+                self._note_if_released(target, forces)
 
-    def _never_loaded(self, side: int) -> bool:
-        """Whether the force on a wall has never exceeded a static force."""
-        walls = self.walls[:, side]
-        last = walls[state_layout.LAST_END] + walls[state_layout.LOADED]
-        return bool(walls[state_layout.STATIC] > 0.0 and last == 0.0)
+    def _note_if_released(self, target: Target, forces: Array) -> None:
+        """Note the end of the impact if the wall has been released since the bound is low."""
+        side, walls = target.side, self.walls
+        if self.completion[state_layout.BOUNDED, side] == 0.0:
+            self.completion[state_layout.BOUNDED, side] = self._mark
+        peak = float(walls[state_layout.WALL_PEAK, side])
+        last = float(walls[state_layout.LAST_END, side])
+        if last > self.completion[state_layout.BOUNDED, side]:
+            touches = walls[state_layout.TOUCHES, side] - walls[state_layout.TOUCHING, side]
+            self._note_at(side, last, float(walls[state_layout.LAST_IMPULSE, side]), touches)
+        elif has_released(self.force_on(target, forces), float(target.forces[-1]), peak):
+            self._note(side)
 
     def force_on(self, target: Target, forces: Array) -> float:
         """Force on a wall, given the forces of all contacts."""
@@ -240,16 +217,16 @@ class WallWatch:
         peak = float(self.walls[state_layout.WALL_PEAK, side])
         return approach.bound <= (1.0 + ROUNDING) * peak
 
-    def _note_last(self, side: int) -> None:
+    def _note(self, side: int) -> None:
         """Record that the impact on a wall has ended, unless it had before."""
+        touches = float(self.walls[state_layout.TOUCHES, side])
+        self._note_at(side, self._mark, self._impulse(side), touches)
+
+    def _note_at(self, side: int, time: float, impulse: float, touches: float) -> None:
+        if self.completion[state_layout.SINCE, side] == 0.0:
+            self.completion[state_layout.SINCE :, side] = time, impulse, touches
         if self.completion[state_layout.BOUNDED, side] == 0.0:
             self.completion[state_layout.BOUNDED, side] = self._mark
-        if self.completion[state_layout.SINCE, side] > 0.0:
-            return
-        last = self.walls[state_layout.LAST_END : state_layout.LAST_TOUCHES + 1, side]
-        if last[0] == 0.0:
-            last = np.array([self._mark, self._impulse(side), 0.0])
-        self.completion[state_layout.SINCE :, side] = last
 
     def _impulse(self, side: int) -> float:
         """Impulse on a wall so far."""
@@ -258,10 +235,9 @@ class WallWatch:
         return float(self.arrays["y"][2 * self.chain.beads + LEFT_IMPULSE + side])
 
     def _restart(self) -> None:
-        """Note ends of impacts, and forget bounds that a larger force has exceeded."""
+        """Forget ends of impacts that a larger force has followed."""
         risen = self.walls[state_layout.WALL_PEAK_TIME] > self.completion[state_layout.BOUNDED]
-        self.completion[state_layout.BOUNDED, risen] = 0.0
-        self._note_ends()
+        self.completion[state_layout.BOUNDED :, risen] = 0.0
 
     def close_if_apart(self, overlaps: Array) -> None:
         """Close if no contact is closed or closing and no force acts on the beads."""
@@ -279,15 +255,16 @@ class WallWatch:
 
     def close(self) -> None:
         """Record that nothing more can happen: every peak is complete."""
-        self._restart()
         self.completion[state_layout.WATCH_START] = self._mark
         self.completion[[state_layout.TRANSIT, state_layout.DUE]] = 0.0
+        self._restart()
         for target in self.targets:
-            self._note_last(target.side)
+            self._note(target.side)
 
     def held(self, side: int) -> bool:
         """Whether half a transit has passed since the end of the impact on a wall."""
-        return self._mark - held_since(self.completion, side) >= HELD * self.transit
+        since = float(self.completion[state_layout.SINCE, side])
+        return since > 0.0 and self._mark - since >= HELD * self.transit
 
     def ends_run(self, forces: Array, *, at_peak: bool = False) -> bool:
         """Whether the peak on the right wall is complete, and enough time has passed.
@@ -319,8 +296,8 @@ class WallWatch:
             side = target.side
             hit = self.started and self.walls[state_layout.WALL_PEAK, side] > 0.0
             bounded = self.bounded(side, self.approach(target, overlaps, stored))
-            if hit and bounded and self.completion[state_layout.BOUNDED, side] == 0.0:
-                self.completion[state_layout.BOUNDED, side] = self._mark
+            if hit and bounded:
+                self._note_if_released(target, forces)
             found.append(self.reach(target, overlaps, stored))
         return found
 

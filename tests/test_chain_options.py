@@ -293,10 +293,9 @@ def test_simulate_states_the_peak_with_contacts_that_yield(run, tmp_path):
     assert elastic["peak_range_with_yielding_contacts"] == pytest.approx(ends, rel=1e-4)
     assert f"\n    {ends[0]:.3g} to {ends[1]:.3g} N for yield pressures of 1.6 to 2.8 times" in out
     # The peak of the elastic contacts is complete, but not that of those that yield.
-    kinds = ["steel-52100", "ptfe", "steel-52100"]
-    hammered = hc.Chain.from_materials("3 mm", kinds, velocity=0.0)
-    hammered = hammered.struck_by(mass=0.1, radius=math.inf, material="steel-304", velocity=0.1)
-    hammered = hammered.replace(right_wall=hc.Wall.of("steel-52100"), gravity=45.0)
+    hammered = hc.Chain.from_materials("3 mm", ["steel-52100", "ptfe"] * 2, velocity=0.0)
+    hammered = hammered.struck_by(mass=0.2, radius=math.inf, material="steel-304", velocity=0.1)
+    hammered = hammered.replace(right_wall=hc.Wall.of("steel-52100"), gravity=100.0)
     assert hc.simulate(hammered, times=0).wall_force().complete
     assert not hc.simulate(dented_chain(hammered), times=0)._wall_force("right").complete
     (tmp_path / "row.toml").write_text(chain_as_toml(hammered))

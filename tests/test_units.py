@@ -40,6 +40,19 @@ def test_products_of_units_are_what_pint_says():
         assert converted("x", "2.5", text, si) == pytest.approx(base.magnitude, rel=1e-12), text
 
 
+def test_standard_gravity_is_a_unit_of_acceleration_and_g_is_the_gram():
+    assert converted("a", "150", "g0", "m/s^2") == pytest.approx(1470.9975, rel=1e-15)
+    with pytest.raises(hc.InputError, match=r"must have a unit such as .*, g0, got 'g'"):
+        converted("a", "1", "g", "m/s^2")
+    body = hc.Chain.from_materials("10 mm", "steel-52100", beads=3, velocity=0.1, gravity="1 g0")
+    assert body.gravity == 9.80665
+    limits = {"body_force.acceleration": "<= 150 g0"}
+    row = body.replace(gravity=0.0).with_cap(mass="200 g")
+    radii = hc.vary.radii("4 mm", "5 mm", beads="2:3")
+    problem = hc.Design(row, minimise="length", vary=[radii], subject_to=limits)
+    assert "body_force.acceleration <= 150 g0" in [str(each) for each in problem.requirements]
+
+
 def test_units_that_are_offered_exist_and_are_of_one_dimension():
     for dimension, units in UNITS.items():
         for unit in units:
@@ -53,7 +66,8 @@ def test_units_that_are_offered_exist_and_are_of_one_dimension():
 def test_messages_offer_every_symbol_of_the_dimension():
     for symbol, (_, powers) in SYMBOLS.items():
         si = next(
-            each for each, (factor, own) in SYMBOLS.items() if own == powers and factor == "1"
+            (each for each, (factor, own) in SYMBOLS.items() if own == powers and factor == "1"),
+            "m/s^2",
         )
         with pytest.raises(hc.InputError, match=rf"choose from .*\b{symbol}\b"):
             converted("x", 1, "furlong", si)

@@ -36,6 +36,7 @@ SYMBOLS: Final[Mapping[str, tuple[str, tuple[int, int, int]]]] = MappingProxyTyp
         "kJ": ("1e3", (2, 1, -2)),
         "Pa": ("1", (-1, 1, -2)), "kPa": ("1e3", (-1, 1, -2)), "MPa": ("1e6", (-1, 1, -2)),
         "GPa": ("1e9", (-1, 1, -2)),
+        "g0": ("9.80665", (1, 0, -2)),
         "Hz": ("1", (0, 0, -1)), "kHz": ("1e3", (0, 0, -1)), "MHz": ("1e6", (0, 0, -1)),
     }
 )  # fmt: skip
@@ -56,7 +57,7 @@ UNITS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "mass": _symbols("kg"),
         "time": _symbols("s"),
         "velocity": ("m/s", "cm/s", "mm/s", "km/h"),
-        "acceleration": ("m/s^2", "cm/s^2", "mm/s^2"),
+        "acceleration": ("m/s^2", "cm/s^2", "mm/s^2", "g0"),
         "force": _symbols("N"),
         "energy": _symbols("J"),
         "stiffness": ("N/m^1.5", "N/um^1.5", "N/µm^1.5"),
@@ -82,7 +83,9 @@ MEANT: Final = {
 }  # fmt: skip
 # Largest number of letters of a symbol whose spelling, apart from the case, is not corrected.
 SHORT_SYMBOL: Final = 2
-_FACTOR: Final = re.compile(r"([*/·]?)\s*([A-Za-zµ]+)\s*(?:(?:\^|\*\*)\s*([+-]?\d+(?:\.\d*)?))?\s*")
+_FACTOR: Final = re.compile(
+    r"([*/·]?)\s*(g0(?!\d)|[A-Za-zµ]+)\s*(?:(?:\^|\*\*)\s*([+-]?\d+(?:\.\d*)?))?\s*"
+)
 _QUANTITY: Final = re.compile(
     r"\s*([+-]?(?:(?:inf|nan)(?=\s)|\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*((?:[A-Za-zµμ°%/]|1\s*/)[^\[\]{}()=,;]*?)\s*"
 )

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from .chain_completion import complete_losses
 from .exit_codes import DONE, OUTSIDE_TOLERANCE
 from .interrupts import exit_soon
 from .options import StrictCommand, check_writable, figure_option, json_option
@@ -50,11 +51,18 @@ from .wording import on_command_line
     is_flag=True,
     help="Show the method, the values of the given chain and the estimated time, without a search.",
 )
+@click.option(
+    "--loss",
+    metavar="LAW",
+    shell_complete=complete_losses,
+    help="Law of the loss in contacts, such as elastic-plastic, instead of that of FILE.",
+)
 @figure_option("Plot chains, forces, history and sensitivity to FILE.")
 @json_option()
 def design(
     file: Path, budget: str | None, method: str | None, seed: int | None, store: Path | None,
-    threads: int | None, out: Path | None, dry_run: bool, plot: Path | None, as_json: bool,
+    threads: int | None, out: Path | None, dry_run: bool, loss: str | None,
+    plot: Path | None, as_json: bool,
 ) -> int:  # fmt: skip
     """Search for a chain that minimises or maximises a quantity.
 
@@ -63,7 +71,7 @@ def design(
     and it resumes.
 
     Exit codes: 0 done, 2 the file or an option is invalid, 3 the constraints are not met by any
-    chain that was found, 130 interrupted.
+    chain that was found, or not if its contacts yield, 130 interrupted.
 
     \b
     Examples:
@@ -73,10 +81,14 @@ def design(
     """
     import hertzchain
 
+    from ..designs.limits_if_yielding import met_if_yielding
     from ..designs.problem_files import load_design
+    from .chain_changes import law_from
 
     check_writable(out, "--out", (".toml", ".csv"))
-    problem, options = load_design(file)
+    problem, options = load_design(
+        file, None if loss is None else lambda chain: chain.replace(loss=law_from(loss, chain))
+    )
     given = {"budget": budget, "method": method, "seed": seed}
     options |= {name: value for name, value in given.items() if value is not None}
     if dry_run:
@@ -99,7 +111,7 @@ def design(
         show_json(result.as_dict())
     else:
         click.echo(on_command_line(result.summary()))
-    return DONE if result.met else OUTSIDE_TOLERANCE
+    return DONE if met_if_yielding(result) else OUTSIDE_TOLERANCE
 
 
 def _show_estimate(problem: Any, options: dict[str, Any], as_json: bool) -> None:

@@ -113,6 +113,10 @@ BY_OPTION: Final = {
     ),
     "loss": (
         (r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),
+        (
+            r"\bsearch with loss=ElasticPlastic\(\)",
+            "search with loss elastic-plastic (--loss elastic-plastic)",
+        ),
         (r"\(loss=ElasticPlastic\(\)\)", "(--loss elastic-plastic)"),
         (
             r"(?:use )?\bloss=ElasticPlastic\(factor=([\d.]+)\)",

@@ -10,6 +10,7 @@ from ..representation import counted
 from ..simulation.state import fingerprint
 from .ball_space import BallSpace
 from .ball_tapers import GEOMETRIC_TAPER
+from .limits_if_yielding import violated_only_if_yielding
 from .reference_chains import EQUAL_BALLS, EQUAL_PLACES, SORTED_BALLS
 from .verified import Verified, met
 
@@ -95,7 +96,8 @@ def better_if_yielding(result: DesignResult) -> int | None:
         i: result._sign * objective_if_yielding(result, each)
         for i, each in enumerate(result.runners_up)
         if met(result.problem, each.values) and not each.yielding_outside_range
-    }
+        and not violated_only_if_yielding(result.problem, each)
+    }  # fmt: skip
     finite = {i: value for i, value in values.items() if math.isfinite(value)}
     best = min(finite, default=None, key=lambda i: finite[i])
     own = result._sign * objective_if_yielding(result, result.verified)

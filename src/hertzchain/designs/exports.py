@@ -16,6 +16,7 @@ from .comparison import (
     objective_if_yielding,
     references_in_words,
 )
+from .limits_if_yielding import met_if_yielding
 from .measures import Measure
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ def _beads(chain: Chain) -> dict[str, Any]:
 
 def _range_of_yield(found: Verified) -> dict[str, Any]:
     """Whether the values with contacts that yield are within the range of their law."""
-    if not found.yielding:
+    if not found.yields:
         return {"yielding_overlap_ratio": None, "yielding_within_range": None}
     return {
         "yielding_overlap_ratio": found.yielding_overlap_ratio,
@@ -125,6 +126,7 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "peak_of_second_hit": result.verified.second_peak,
         "better_if_yielding": _better_if_yielding(result),
         "constraints_met": result.met,
+        "constraints_met_with_yielding_contacts": met_if_yielding(result),
         "constraints": [str(each) for each in problem.requirements],
         "references": {
             words: _reference(result, name)

@@ -27,10 +27,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from ..chain.chain import Chain
 from ..errors import InputError, errors_at, short_repr, similar_names, unknown_name_error
 from ..store.chain_files import chain_from
 from ..store.toml_files import read_toml
@@ -57,8 +58,10 @@ SIZES: Final = ("radii", "diameters", "masses", "gaps")
 KINDS: Final = (*SIZES, "balls", "order")
 
 
-def load_design(path: str | os.PathLike[str]) -> tuple[Design, dict[str, Any]]:
-    """Read the problem of a design file, and the options of the search."""
+def load_design(
+    path: str | os.PathLike[str], change: Callable[[Chain], Chain] | None = None
+) -> tuple[Design, dict[str, Any]]:
+    """Read the problem of a design file, with a change of its chain, and the options."""
     file = file_path("design file", path)
     document = read_toml("design file", path, "give the path of a TOML file")
     table = document.pop("design", None)
@@ -83,7 +86,8 @@ def load_design(path: str | os.PathLike[str]) -> tuple[Design, dict[str, Any]]:
                 "it has no table [[design.vary]] with what may vary, such as diameters = ['5 mm', "
                 "'20 mm'] or balls = 'bearing-balls'"
             )
-        problem = Design(chain_from(document, file.parent), **given)
+        chain = chain_from(document, file.parent)
+        problem = Design(chain if change is None else change(chain), **given)
         if "budget" in table:
             budget_from(table["budget"])
         if "seed" in table:

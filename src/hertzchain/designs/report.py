@@ -20,13 +20,18 @@ from .comparison import (
     has_yielding_value,
     references_in_words,
 )
+from .limits_if_yielding import (
+    met_if_yielding,
+    not_met_in_words,
+    requirement_with_yield,
+    search_with_yield,
+)
 from .measures import Measure, in_words, without_in_words
 from .methods import SEEDED
 from .new_samples import FRESH
-from .requirements import TOLERANCE
 from .size_space import SizeSpace
 from .start_rows import ARRIVES
-from .verified import Verified, excess_with_scatter, met, violated
+from .verified import WITH_YIELD, Verified, excess_with_scatter, met, violated
 
 if TYPE_CHECKING:
     from .result import DesignResult
@@ -190,7 +195,8 @@ def _heading(result: DesignResult) -> list[str]:
         first = f"{_closest(result, value.strip())}{outside}{_more_trials(result)}"
     else:
         first += outside
-    lines = [first, f"  verified: the integration was repeated at rtol {found.rtol:g}"
+    lines = [first, *(f"  {line}" for line in search_with_yield(result)),
+             f"  verified: the integration was repeated at rtol {found.rtol:g}"
              f"{_range_in_words(result)}"]  # fmt: skip
     if has_yielding_value(result, found):
         caution = caution_outside_law(found.yielding_overlap_ratio)
@@ -293,6 +299,15 @@ def _first_upper(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
+def constraints_in_words(result: DesignResult) -> str:
+    """Whether the constraints are met, also with contacts that yield; empty without any."""
+    if not result.problem.requirements:
+        return ""
+    if result.met and not met_if_yielding(result):
+        return f"constraints NOT met {WITH_YIELD}"
+    return "constraints met" if result.met else "constraints NOT met"
+
+
 def search_in_words(result: DesignResult) -> str:
     """The choices or starts of which the design is the best."""
     if result.method == "none":
@@ -382,13 +397,11 @@ def _requirement(result: DesignResult, index: int) -> str:
     each = result.problem.requirements[index]
     value, name = result.values[str(each.measure)], str(each.measure)
     text = f"  {each}: {each.shown(value)}{_counted(result, each.measure)}"
-    if name in result.verified.yielding and not each.measure.of_chain:
-        shown = each.shown(result.verified.yielding[name])
-        text += f" ({shown} {result.verified.yielding_words})"
+    text += requirement_with_yield(each, result.verified)
     if each.default:
         why = "contacts yield" if _describes_yield(result) else "no force is predicted beyond it"
         text += f" (added because {why}; to lift it, give a limit, such as {name} <= 10)"
-    return text if each.excess(value) <= TOLERANCE else f"{text}, NOT met"
+    return text + not_met_in_words(result.problem, each, result.verified)
 
 
 def _sizes(result: DesignResult) -> list[str]:

@@ -360,14 +360,13 @@ class DesignResult:
         return designs.KINDS[kind](self, ax=ax)
 
     def __repr__(self) -> str:
-        from .report import search_in_words
+        from .report import constraints_in_words, search_in_words
 
-        state = "constraints met" if self.met else "constraints NOT met"
         return short(
             "DesignResult",
             f"{self.problem.objective}: {self._shown(self.value)}",
             search_in_words(self),
-            state if self.problem.requirements else "",
+            constraints_in_words(self),
             f"{self.runs} simulations",
             "outside Hertz's range" if self.verified.outside_range else "",
         )

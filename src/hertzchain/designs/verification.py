@@ -11,6 +11,7 @@ import numpy as np
 
 from ..kernels.compile_notice import write_current
 from ..simulation.slow_run import INTERVAL
+from .limits_if_yielding import violated_only_if_yielding
 from .new_samples import sampled_values, summary_of_samples
 from .size_space import SizeSpace
 from .verified import RTOL, Verified, excess_with_scatter, quietly
@@ -97,12 +98,17 @@ class Verification:
         return Best(*order[0], tuple(found for _, found in order[1:]))
 
     def _verified_rank(self, outcome: Outcome, found: Verified) -> tuple[float, ...]:
-        """Order of verified trials; contacts that yield may leave the range of the law, too."""
+        """Order of verified trials.
+
+        Contacts that yield may leave the range of the law, or violate limits, too.
+        """
         trials = self.trials
         values = np.array([[found.values[str(each)] for each in trials.measures]])
         violated, *others = trials.outcomes([outcome.x], values)[0].rank
         guarded = any(each.default for each in trials.problem.requirements)
-        return violated, float(guarded and found.not_a_prediction), *others
+        outside = guarded and found.not_a_prediction
+        broken = bool(violated_only_if_yielding(trials.problem, found))
+        return violated, float(outside), float(broken), *others
 
     def _report_chain(self, *_: int) -> None:
         self._write(f"chain {self.done} of {self.chains} is integrated again at rtol {RTOL:g}")

@@ -124,8 +124,13 @@ class Verified:
 
     @property
     def yielding_outside_range(self) -> bool:
-        """Whether there are values with contacts that yield, outside the range of their law."""
-        return bool(self.yielding) and self.yielding_overlap_ratio > NO_PREDICTION
+        """Whether a run with contacts that yield is outside the range of their law."""
+        return self.yielding_overlap_ratio > NO_PREDICTION
+
+    @property
+    def yields(self) -> bool:
+        """Whether elastic contacts of this chain would yield, as a run of such contacts shows."""
+        return not math.isnan(self.yielding_overlap_ratio)
 
     @property
     def yielding_words(self) -> str:

@@ -9,9 +9,9 @@ import numpy as np
 from ..designs.compared_in_words import compared_in_words
 from ..designs.comparison import references_in_words
 from ..designs.distribution import Distribution
+from ..designs.limits_if_yielding import not_met_in_words
 from ..designs.measures import notes_on
 from ..designs.report import front_in_words, search_in_words
-from ..designs.requirements import TOLERANCE
 from ..designs.result import DesignResult
 from ..representation import counted
 from .drawing import Curve, axis_unit, chart, engineering, note, numbers, page, sentence, table
@@ -36,8 +36,8 @@ def design_html(result: DesignResult) -> str:
     }
     for each in problem.requirements:
         value = result.values[str(each.measure)]
-        met = "" if each.excess(value) <= TOLERANCE else ", NOT met"
-        found[str(each)] = f"{each.shown(value)}{met}"
+        words = not_met_in_words(problem, each, result.verified)
+        found[str(each)] = f"{each.shown(value)}{words}"
     if result.front:
         found[front_in_words(result)] = counted(len(result.front), "point")
     parts = [numbers(found)]

@@ -1,0 +1,76 @@
+"""Limits of a design that hold for elastic contacts, but not with contacts that yield."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..representation import listed
+from .default_limits import OVERLAP
+from .problem import Design
+from .requirements import TOLERANCE, Requirement
+from .verified import WITH_YIELD, Verified
+
+if TYPE_CHECKING:
+    from .result import DesignResult
+
+
+def value_with_yield(limit: Requirement, found: Verified) -> float | None:
+    """The limited value with contacts that yield, if it is known and may be another one."""
+    if not found.yields or limit.measure.of_chain:
+        return None
+    if limit.measure.key == OVERLAP:
+        return found.yielding_overlap_ratio
+    return found.yielding.get(str(limit.measure))
+
+
+def violated_only_if_yielding(problem: Design, found: Verified) -> list[Requirement]:
+    """Limits that elastic contacts meet and contacts that yield violate."""
+    exceeded = []
+    for each in problem.requirements:
+        value = value_with_yield(each, found)
+        elastic = float(each.excess(found.values[str(each.measure)]))
+        if value is not None and each.excess(value) > TOLERANCE >= elastic:
+            exceeded.append(each)
+    return exceeded
+
+
+def met_if_yielding(result: DesignResult) -> bool:
+    """Whether the design, or all points of a front, meet all limits also if contacts yield."""
+    points = result.front or (result,)
+    return result.met and not any(
+        violated_only_if_yielding(result.problem, each.verified) for each in points
+    )
+
+
+def search_with_yield(result: DesignResult) -> list[str]:
+    """A line on an elastic design whose contacts yield: limits that it violates, and the remedy."""
+    points = result.front or (result,)
+    count = sum(each.verified.yields for each in points)
+    if not count:
+        return []
+    broken = [violated_only_if_yielding(result.problem, each.verified) for each in points]
+    names = dict.fromkeys(str(limit) for limits in broken for limit in limits)
+    exceeded = listed([*names]) if names else ""
+    if result.front:
+        points_of = f"{count} of the {len(points)} points of the Pareto front"
+        text = f"contacts of {points_of} yield"
+        outside = sum(map(bool, broken))
+        text += f", so that {outside} of them do NOT meet {exceeded}" * bool(outside)
+    else:
+        text = "contacts yield" + f", and then the design does NOT meet {exceeded}" * bool(exceeded)
+    return [f"{text}; the search assumed elastic contacts: search with loss=ElasticPlastic()"]
+
+
+def requirement_with_yield(limit: Requirement, found: Verified) -> str:
+    """The limited value with contacts that yield, in parentheses; empty if it is not known."""
+    value = value_with_yield(limit, found)
+    return "" if value is None else f" ({limit.shown(value)} {found.yielding_words})"
+
+
+def not_met_in_words(problem: Design, limit: Requirement, found: Verified) -> str:
+    """The end of the line of a limit that the design violates, also if only with yield."""
+    # A value that is not known meets no limit.
+    if not limit.excess(found.values[str(limit.measure)]) <= TOLERANCE:
+        return ", NOT met"
+    broken = limit in violated_only_if_yielding(problem, found)
+    return f", NOT met {WITH_YIELD}" if broken else ""

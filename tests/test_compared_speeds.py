@@ -157,7 +157,7 @@ def test_each_speed_has_its_own_figure_of_peaks():
         factors=("1.6", "2.8"), where="the right wall", units="SI",
     )  # fmt: skip
     assert axes.get_legend_handles_labels()[1] == [
-        "a", "b", "with yield, 1.6 $Y$", "with yield, 2.8 $Y$",
+        "a", "b", "elastic", "with yield, 1.6 $Y$", "with yield, 2.8 $Y$",
         "no prediction: overlap / radius > 0.1",
     ]  # fmt: skip
     lines = {line.get_linestyle(): line for line in axes.lines[:6] if len(line.get_xdata()) == 2}

@@ -61,5 +61,6 @@ def _label(chain: Chain, kind: Literal["speed", "height"]) -> str:
 
     value = value_of_impact(chain, kind)
     if kind == "height":
-        return f"{1e3 * value:.4g} mm"
+        # Heights of a metre and more are in metres, not 2e+04 mm.
+        return f"{value:.4g} m" if value >= 1.0 - 1e-9 else f"{1e3 * value:.4g} mm"
     return measure(value, "m/s", chain.units, 4).strip()

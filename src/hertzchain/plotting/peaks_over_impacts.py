@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
@@ -17,6 +18,10 @@ from .style import figure_style, get_axes, literal
 # Closed markers, which can be hollow.
 MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X")
 LINES: Final = ("-", "--", ":")
+# Difference, relative to the largest value, of curves that cannot be distinguished.
+SAME: Final = 3e-3
+# Speeds or heights, and the peaks with elastic contacts and at both yield pressures.
+Curve = tuple[NDArray[np.float64], list[NDArray[np.float64]]]
 
 
 def plot_peaks(
@@ -39,13 +44,16 @@ def plot_peaks(
     si = units == "SI"
     with figure_style():
         axes = get_axes(None)
+        drawn: dict[str, Curve] = {}
         for i, (name, own) in enumerate(peaks.items()):
             order = np.argsort(impacts[name])
             x = np.array(impacts[name])[order] * (1e3 if heights else 1.0)
             values = [own, *zip(*yielding.get(name, ()), strict=True)]
             known = [np.where(np.isfinite(each), each, np.nan)[order] for each in values]
-            _draw_chain(axes, i, name, x, known, np.array(outside[name])[order].T)
-        _name_lines(axes, factors, yields=bool(yielding),
+            same = next((other for other, curve in drawn.items() if _same(curve, (x, known))), "")
+            drawn[name] = x, known
+            _draw_chain(axes, i, name, x, known, np.array(outside[name])[order].T, same)
+        _name_lines(axes, factors, named=any(peaks), yields=bool(yielding),
                     hollow=any(np.any(each) for each in outside.values()))  # fmt: skip
         over = "height of fall [mm]" if heights else f"velocity of the impact{' [m/s]' * si}"
         axes.set_xlabel(over)
@@ -56,25 +64,48 @@ def plot_peaks(
     return axes
 
 
+def _same(one: Curve, other: Curve) -> bool:
+    """Whether two elastic curves cannot be distinguished in a figure."""
+    (x, values), (other_x, others) = one, other
+    if not np.array_equal(x, other_x):
+        return False
+    top = max(float(np.nanmax(values[0], initial=0.0)), float(np.nanmax(others[0], initial=0.0)))
+    return np.allclose(values[0], others[0], rtol=0.0, atol=SAME * top, equal_nan=True)
+
+
 def _draw_chain(
     axes: Axes, i: int, name: str, x: NDArray[np.float64], values: list[NDArray[np.float64]],
-    outside: NDArray[np.bool_],
+    outside: NDArray[np.bool_], same: str,
 ) -> None:  # fmt: skip
-    """Draw the peaks of a chain with elastic contacts and at both yield pressures."""
+    """Draw the peaks of a chain with elastic contacts and at both yield pressures.
+
+    The elastic curve of ``same``, an earlier chain with the same values, stays visible below it.
+    """
     colour, marker = curve_colour(axes, i), MARKERS[i % len(MARKERS)]
     if len(values) > 1:
         axes.fill_between(x, values[1], values[2], color=colour, alpha=0.12, linewidth=0.0)
     for line, y, flags in zip(LINES, values, outside, strict=False):
         label = (literal(name) or "elastic") if line == "-" else None
-        axes.plot(x, y, line, label=label, color=colour, marker=marker,
+        if label and same:
+            label += f" (elastic: the same curve as {literal(same)})"
+        # A thinner line with smaller markers leaves the other one visible.
+        size = rcParams["lines.markersize"]
+        covered = bool(same) and line == "-"
+        width = rcParams["lines.linewidth"] * (0.4 if covered else 1.0)
+        axes.plot(x, y, line, label=label, color=colour, marker=marker, linewidth=width,
+                  markersize=size * (0.5 if covered else 1.0),
                   markevery=np.flatnonzero(~flags).tolist())  # fmt: skip
         axes.plot(x[flags], y[flags], linestyle="none", color=colour, marker=marker,
                   markerfacecolor=axes.get_facecolor(), zorder=3.0)  # fmt: skip
 
 
-def _name_lines(axes: Axes, factors: tuple[str, str], *, yields: bool, hollow: bool) -> None:
+def _name_lines(
+    axes: Axes, factors: tuple[str, str], *, named: bool, yields: bool, hollow: bool
+) -> None:
     """Add the kinds of lines and of markers to the legend."""
     neutral = grey(axes, 0.4)
+    if yields and named:
+        axes.plot([], [], LINES[0], color=neutral, label="elastic")
     for line, factor in zip(LINES[1:], factors, strict=True):
         if yields:
             axes.plot([], [], line, color=neutral, label=f"with yield, {factor} $Y$")

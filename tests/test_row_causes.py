@@ -1,11 +1,10 @@
-"""Gaps and balls between sensors, which look like delays, and the crests of noisy signals."""
+"""Gaps and balls between sensors, which look like delays."""
 
 import numpy as np
 import pytest
 
 import hertzchain as hc
 from hertzchain.fitting.row_causes import _with_material
-from hertzchain.traces.crests import crest_of
 
 FREE = ["stiffness", "loss.time", "time_offset"]
 
@@ -33,15 +32,6 @@ def test_a_large_gap_is_not_called_a_delay():
     assert "with gap[9-10] = 20.0" in advice
     assert "and the model describes the data: check for a gap between balls 9 and 10" in advice
     assert "delay" not in advice
-
-
-def test_the_crest_of_a_noisy_signal_is_lower_than_its_largest_sample():
-    times, rng = np.linspace(-3.0, 3.0, 301), np.random.default_rng(1)
-    pulse = 1.0 / np.cosh(times) ** 4
-    found = [crest_of(times, pulse + 0.02 * rng.standard_normal(301), 1.3, 0.0) for _ in range(200)]
-    heights, errors = np.transpose(found)
-    assert np.mean(heights) == pytest.approx(1.0, abs=3e-3)
-    assert np.std(heights) == pytest.approx(0.02 * np.mean(errors), rel=0.2)
 
 
 def test_diameter_means_diameters():

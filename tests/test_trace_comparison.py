@@ -55,7 +55,8 @@ def test_peaks_and_arrivals_of_the_true_chain_agree_with_the_data():
         # The data have noise, the run only errors of interpolation.
         assert sensor.simulated_peak == pytest.approx(force.max(), rel=1e-3)
         assert sensor.measured_peak == pytest.approx(force.max(), abs=4 * NOISE)
-        assert sensor.simulated_arrival == pytest.approx(arrival, abs=2e-9)
+        # Half of the crest between two samples is reached 3 ns later than that of the largest one.
+        assert sensor.simulated_arrival == pytest.approx(arrival, abs=5e-9)
         assert sensor.delay == pytest.approx(0.0, abs=0.2 * SPACING)
         assert sensor.residual == pytest.approx(NOISE / force.max(), rel=0.1)
     assert compared.covered == 1.0
@@ -374,7 +375,7 @@ def test_an_arrival_among_missing_samples_is_not_known():
         compared = run.compare(with_gap(np.nan, *gap)[0], time_offset=END)
         wall = compared.sensors[1]
         # The level before the pulse is the mean of another number of samples.
-        assert wall.measured_peak == pytest.approx(complete.measured_peak, rel=1e-4)
+        assert wall.measured_peak == pytest.approx(complete.measured_peak, abs=wall.peak_error)
         assert np.isfinite(wall.measured_arrival) == known
         assert ("its arrival is not known" in compared.summary(width=None)) != known
         if known:

@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..representation import measure, shown_signal, usual_unit
 from ..simulation.run import Run
 from ..traces.amplitudes import ARRIVED, extreme, level_of
-from ..traces.crests import crest_of
+from ..traces.crests import crest_of_record
 from ..traces.headers import GAIN_UNITS
 from ..traces.signals import Shot, Signal
 from .crossings import arrival_error, half_width, reached
@@ -42,10 +42,8 @@ MIN_TIMES: Final = 5.0
 # A gap between samples, as a part of the width of a pulse, in which its crest may be higher than
 # its ends by 1%.
 SHORT: Final = 0.14
-# Largest relative correction of a crest from a polynomial.
-LARGEST_CORRECTION: Final = 0.1
-# Digits of peaks, and the part of the width over which samples are averaged to find the crest.
-MAX_DIGITS, SMOOTHED = 4, 0.3
+# Digits of peaks.
+MAX_DIGITS: Final = 4
 
 
 @dataclass(frozen=True)
@@ -54,13 +52,13 @@ class SensorComparison:
 
     Peaks are the largest deviations from the level before the pulse.  Noise makes the largest
     sample higher than the crest, so that the measured peak is the maximum of a polynomial through
-    the samples around it, corrected by that of the simulated signal; if these are few, it is the
-    largest sample.  Arrivals are the times of the
-    data at which a signal reaches half of its peak, in the compared interval.  Both signals are
-    compared at the times of the samples: few samples within a pulse lower both peaks equally, and
-    the simulated one is then below that of `Run.wall_force` or `Run.sensor_force`.  If the crest of
-    the measured signal is missing, its peak is a lower bound, such as the level of saturation, and
-    both arrivals are those at half of it.
+    the samples around it, in the widest window in which it describes them; if these are few, it is
+    the largest sample.  It does not depend on the simulation.  Arrivals are the times of the data
+    at which a signal reaches half of its peak, in the compared interval.  Both signals are compared
+    at the times of the samples: few samples within a pulse lower both peaks equally, and the
+    simulated one is then below that of `Run.wall_force` or `Run.sensor_force`.  If the crest of the
+    measured signal is missing, its peak is a lower bound, such as the level of saturation, and both
+    arrivals are those at half of it.
 
     Attributes
     ----------
@@ -215,16 +213,14 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
     measured, simulated = seen[present], (own - own[0])[covered]
     largest = extreme(measured), extreme(simulated)
     saturated = bool(clipped.any())
-    width = half_width(times[covered], simulated)
+    width = half_width(times[present], measured)
     missing = not saturated and crest_is_missing(times[covered], seen[covered] / largest[0], width)
-    crests = [_crest(times[present], each[present], width) for each in (seen, own - own[0])]
-    # The polynomial of the simulated signal, which has no noise, shows its systematic error.
-    correction = largest[1] / crests[1][0] if crests[1][0] else np.nan
-    smooth = (
-        not (saturated or missing) and abs(correction - 1.0) < LARGEST_CORRECTION
-        and bool(np.isfinite(crests[0][1]))
-    )  # fmt: skip
-    peaks = (correction * crests[0][0] if smooth else largest[0], largest[1])
+    crest = crest_of_record(times[present], measured, signal.sigma)
+    smooth = not (saturated or missing) and bool(np.isfinite(crest.error))
+    own_crest = crest_of_record(times[covered], simulated, 0.0)
+    # Samples may miss both crests, so that the same polynomials give both.
+    both = smooth and bool(np.isfinite(own_crest.error))
+    peaks = crest.height if smooth else largest[0], own_crest.height if both else largest[1]
     # A signal without a crest and its model are compared at the same height.
     half = ARRIVED * abs(peaks[0 if saturated or missing else 1])
     levels = ARRIVED * peaks[0], float(np.copysign(half, peaks[1]))
@@ -235,15 +231,8 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
         signal.name, signal.unit, signal.place.quantity, *peaks,
         arrival, reached(times[covered], simulated, levels[1]), error,
         rest / abs(peaks[0]), scale_of(signal, model), saturated, missing,
-        signal.sigma * crests[0][1] if smooth else np.nan,
+        crest.error if smooth else np.nan,
     )  # fmt: skip
-
-
-def _crest(times: Array, values: Array, width: float) -> tuple[float, float]:
-    """Height of the crest of a signal, and its error over that of a sample."""
-    count = max(1, round(SMOOTHED * width / max(float(np.median(np.diff(times))), 1e-300)))
-    mean = np.convolve(values, np.full(count, 1.0 / count), "same")
-    return crest_of(times, values, width, float(times[np.argmax(np.abs(mean))]))
 
 
 def crest_is_missing(times: Array, height: Array, width: float) -> bool:

@@ -22,7 +22,7 @@ from .names import Name
 from .parameters import kind_and_value
 from .problem import Problem
 from .result import FitResult
-from .rough_gaps import LARGE, SIMILAR, RoughGap, gap_names, own_cost, rough_gap, sizes_of
+from .rough_gaps import WIDE, RoughGap, gap_names, own_cost, rough_gap, sizes_of
 from .summary_width import summary_width
 from .symmetry import units_of
 
@@ -343,12 +343,12 @@ def _names(kind: str, result: FitResult) -> list[Name]:
 def _with_rough(scan: DefectScan, progress: Progress | None) -> DefectScan:
     """The scan with rough fits of gaps that may be larger than those of the linear estimate."""
     result, count = scan.result, len(scan.names)
-    far = [each for each in _names("gap", result) if LARGE in sizes_of(each, result)]
+    far = [each for each in _names("gap", result) if WIDE[-1] in sizes_of(each, result)]
     gained, sizes, rough = scan.improvements.copy(), scan.sizes.copy(), {}
     cost = own_cost(result)
     for done, name in enumerate(far):
         i = scan.names.index(str(name))
-        found = rough_gap(result, name, (SIMILAR, LARGE))
+        found = rough_gap(result, name, WIDE)
         if found is not None and cost - found.cost > gained[i]:
             rough[str(name)] = found
             gained[i], sizes[i] = cost - found.cost, found.size

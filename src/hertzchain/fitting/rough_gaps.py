@@ -24,8 +24,10 @@ from .starts import aligned
 from .symmetry import units_of
 
 # Sizes from which a search begins, in units of the motion: a gap below the overlaps of the
-# contacts, one similar to them, and one that a ball crosses without touching its neighbours.
-SMALL, SIMILAR, LARGE = 0.02, 0.5, 5.0
+# contacts, and those from similar ones to one that a ball crosses without touching its neighbours.
+# From a size that is wrong by more than a factor of about 1.5, a few evaluations do not suffice.
+SMALL: Final = 0.02
+WIDE: Final = (0.5, 1.0, 2.0, 5.0)
 # Evaluations from each size, which are enough to recognise the best contact.
 EVALUATIONS: Final = 4
 # Evaluations with a gap that is held, whose sum of squares decides whether data exclude it.
@@ -103,7 +105,7 @@ def sizes_of(name: Name, result: FitResult) -> tuple[float, ...]:
     """Sizes from which a search for a gap begins; larger ones between sensors look like delays."""
     end = result.chain.beads - result.chain.strikers
     last = name == WALL_GAP or int(name.item.split("-")[1]) == end
-    return (SMALL, SIMILAR, LARGE) if last or is_in_front(name, result) else (SMALL,)
+    return (SMALL, *WIDE) if last or is_in_front(name, result) else (SMALL,)
 
 
 def rough_gap(result: FitResult, name: Name, sizes: Sequence[float]) -> RoughGap | None:

@@ -54,10 +54,10 @@ def sheet(
 ) -> None:  # fmt: skip
     """Write a laboratory sheet of a row: predictions, readings, tasks and answers.
 
-    The sheet has a table for the force in each sensor and for the time between two sensors, with
-    columns for the readings.  A second page for the teacher has the answers: the exponents of the
-    forces, the speed of the pulse, and the effect of losses and gaps.  Print the page from a
-    browser, or convert the Markdown file with pandoc.
+    The sheet has a sketch of the row and a table of the forces in the sensors and of the times
+    between them, with columns for the readings.  On a separate page, the answers for the teacher
+    have the exponents of the forces, the speed of the pulse between balls, and the effect of losses
+    and gaps.  Print the page from a browser, or convert the Markdown file with pandoc.
 
     \b
     Examples:

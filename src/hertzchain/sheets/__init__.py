@@ -2,6 +2,8 @@
 
 - `sheet`: the sheet and its simulations;
 - `similarity`: whether forces are a power of the speed;
+- `row`: the row in words;
+- `sketch`: a sketch of the row;
 - `answers`: the page for the teacher;
 - `pages`: the sheet as HTML and Markdown.
 """

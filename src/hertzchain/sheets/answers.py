@@ -14,6 +14,7 @@ from ..chain.laws.restitution import Restitution
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
 from ..representation import listed
+from .row import at_place, names, place_in_words
 from .sheet import WALL, LabSheet, lab_sheet
 from .similarity import EXPONENT_OF_FORCES, EXPONENT_OF_TIMES, other_scales
 
@@ -21,11 +22,8 @@ from .similarity import EXPONENT_OF_FORCES, EXPONENT_OF_TIMES, other_scales
 SEEN: Final = 5e-4
 # Relative error of the height or speed, and causes of differences, in the answers.
 ERROR: Final = 0.05
-CAUSES: Final[dict[str, dict[str, Any]]] = {
-    "restitution 0.95": {"loss": Restitution(0.95)},
-    "restitution 0.9": {"loss": Restitution(0.9)},
-    "gaps of 10 µm": {"gaps": 1e-5},
-}
+RESTITUTIONS: Final = (0.95, 0.9)
+GAP: Final = 1e-5
 
 
 class Table(NamedTuple):
@@ -43,7 +41,7 @@ def exponents(sheet: LabSheet) -> Table:
     rows = tuple(
         (place, *map(_exponent, steps), _exponent(float(overall)))
         for place, steps, overall in zip(
-            sheet.places, sheet.exponents.T, fitted_exponents(sheet, sheet.forces), strict=True
+            names(sheet), sheet.exponents.T, fitted_exponents(sheet, sheet.forces), strict=True
         )
     )
     return Table("Exponents of the speed in the predicted forces", heads, rows)
@@ -65,14 +63,14 @@ def _exponent(value: float) -> str:
 def on_exponents(sheet: LabSheet) -> str:
     """Which exponents theory predicts, and why others are computed."""
     scales, law = other_scales(sheet.chain), "proportional to v^(6/5)"
-    height = f" With the height h, v² = 2 g h halves it: {EXPONENT_OF_FORCES / 2:.1f}."
+    height = f" With the height h, v² = 2gh halves it: {EXPONENT_OF_FORCES / 2:.1f}."
     if not scales:
         return (
             f"All contacts of this row follow Hertz's law without other scales of force or "
             f"length. Every force is therefore {law}, and every time to v^(-1/5).{height}"
         )
     others = [
-        f"{_at(place)} ({found:.3f})"
+        f"{at_place(sheet.chain, place)} ({found:.3f})"
         for place, found in zip(sheet.places, fitted_exponents(sheet, sheet.forces), strict=True)
         if not abs(found - EXPONENT_OF_FORCES) <= SEEN
     ]
@@ -84,16 +82,11 @@ def on_exponents(sheet: LabSheet) -> str:
             f"change with the speed: see the table.{height}")  # fmt: skip
 
 
-def _at(place: str) -> str:
-    return "on the wall" if place == WALL else f"in {place}"
-
-
 def travel(sheet: LabSheet) -> Table | None:
-    """Speeds of the pulse between successive sensors; None if no distance is known."""
+    """Speeds of the pulse between successive balls with sensors; None without two of them."""
     pairs = [
-        (i, j, distance)
-        for i, j in pairwise(range(len(sheet.places)))
-        if (distance := _distance(sheet.chain, sheet.places[i], sheet.places[j])) is not None
+        (i, j, _distance(sheet.chain, sheet.places[i], sheet.places[j]))
+        for i, j in pairwise(balls_with_sensors(sheet))
     ]
     if not pairs:
         return None
@@ -103,28 +96,26 @@ def travel(sheet: LabSheet) -> Table | None:
          *(f"{abs(distance / (times[j] - times[i])):.4g}" for i, j, distance in pairs))
         for speed, times in zip(sheet.speeds, sheet.times, strict=True)
     )  # fmt: skip
-    return Table("Speed of the pulse", heads, rows)
+    caption = "Speed of the pulse: distance of the centres over the time between the largest forces"
+    return Table(caption, heads, rows)
 
 
-def _distance(chain: Chain, first: str, second: str) -> float | None:
-    """Distance between the centres of two balls, or to the wall or the face of the cap in front."""
-    radii = chain.face_radii
-    ends = []
-    for place in (first, second):
-        k = (
-            chain.beads - (chain.cap is not None)
-            if place == WALL
-            else bead_number(chain, place) - 1
-        )
-        ends.append(k)
-    one, other = min(ends), max(ends)
-    between = radii[one:other].copy()
-    if not np.isfinite(between).all() or one == other:
-        return None
-    whole = 2.0 * between.sum() - between[0] + chain.gaps[one:other].sum()
-    if other == chain.beads - (chain.cap is not None):
-        return float(whole)
-    return float(whole + radii[other]) if np.isfinite(radii[other]) else None
+def balls_with_sensors(sheet: LabSheet) -> list[int]:
+    """Indices of the sensors in balls, without those on walls and in bodies with a flat face."""
+    radii = sheet.chain.face_radii
+    return [
+        j
+        for j, place in enumerate(sheet.places)
+        if place != WALL and np.isfinite(radii[bead_number(sheet.chain, place) - 1])
+    ]
+
+
+def _distance(chain: Chain, first: str, second: str) -> float:
+    """Distance between the centres of two balls."""
+    one, other = sorted(bead_number(chain, place) - 1 for place in (first, second))
+    between = chain.face_radii[one : other + 1]
+    whole = 2.0 * between.sum() - between[0] - between[-1]
+    return float(whole + chain.gaps[one:other].sum())
 
 
 def on_travel(sheet: LabSheet) -> str:
@@ -134,11 +125,21 @@ def on_travel(sheet: LabSheet) -> str:
     found = [
         f"{one} to {other}: {_exponent(float(slope))}"
         for (one, other), slope in zip(
-            pairwise(sheet.places), fitted_exponents(sheet, np.abs(np.diff(sheet.times))),
+            pairwise(names(sheet)), fitted_exponents(sheet, np.abs(np.diff(sheet.times))),
             strict=True,
         )
     ]  # fmt: skip
-    return f"{text} Exponents of the predicted times: {'; '.join(found)}." if found else text
+    if found:
+        text = f"{text} Exponents of the predicted times: {'; '.join(found)}."
+    return f"{text} {_on_the_wall(sheet)}" if WALL in sheet.places else text
+
+
+def _on_the_wall(sheet: LabSheet) -> str:
+    """Why no speed of the pulse follows from the time at which the force on a wall is largest."""
+    place = place_in_words(sheet.chain, WALL)
+    cap = " and the cap" if sheet.chain.cap is not None else ""
+    return (f"The time to the largest force on {place} includes the compression of {place}{cap}, "
+            "so that it does not give the speed of the pulse.")  # fmt: skip
 
 
 def on_errors(sheet: LabSheet) -> str:
@@ -146,19 +147,19 @@ def on_errors(sheet: LabSheet) -> str:
     what, power = ("speed", 1.0) if sheet.heights is None else ("height", 0.5)
     found = [
         f"{100.0 * ERROR * power * slope:.1f}% ({place})"
-        for place, slope in zip(sheet.places, fitted_exponents(sheet, sheet.forces), strict=True)
+        for place, slope in zip(names(sheet), fitted_exponents(sheet, sheet.forces), strict=True)
         if math.isfinite(slope)
     ]
     return f"An error of {100.0 * ERROR:g}% of the {what} changes the force by {listed(found)}."
 
 
 def causes(sheet: LabSheet) -> Table | None:
-    """Forces with a loss or gaps at the middle speed, relative to the predicted ones."""
+    """Forces and delays with a loss or gaps at the middle speed, relative to the predictions."""
     chain, middle = sheet.chain, len(sheet.speeds) // 2
     if not chain.lossless or chain.gaps.any():
         return None
     rows = []
-    for name, change in CAUSES.items():
+    for name, change in _changes(chain).items():
         try:
             changed = chain.replace(**change)
             with ignore_warnings():
@@ -167,8 +168,32 @@ def causes(sheet: LabSheet) -> Table | None:
         except (InputError, SimulationError):
             continue
         ratios = found.forces[-1] / sheet.forces[middle]
-        rows.append((name, *(f"{100.0 * each:.1f}%" for each in ratios)))
+        delays = 1e6 * (found.times[-1] - sheet.times[middle])
+        rows.append((name, *map(_effect, ratios, delays)))
     if not rows:
         return None
-    caption = f"Forces at {1e3 * sheet.speeds[middle]:.4g} mm/s, relative to the prediction, with"
-    return Table(caption, ("cause", *sheet.places), tuple(rows))
+    caption = (f"Forces at {1e3 * sheet.speeds[middle]:.4g} mm/s, relative to the predictions, and "
+               "delays of the largest forces, with")  # fmt: skip
+    return Table(caption, ("cause", *names(sheet)), tuple(rows))
+
+
+def _changes(chain: Chain) -> dict[str, dict[str, Any]]:
+    """Changes of a chain by which forces and times could differ from the prediction."""
+    found: dict[str, dict[str, Any]] = {
+        f"restitution {each:g}": {"loss": Restitution(each)} for each in RESTITUTIONS
+    }
+    # A gap behind a striker or moving ball only postpones the impact.
+    inside = (np.arange(chain.beads - 1) >= chain.strikers) & (chain.velocities[:-1] == 0.0)
+    name = f"gaps of {1e6 * GAP:g} µm between the balls"
+    if chain.cap is None:
+        return found | {name: {"gaps": np.where(inside, GAP, 0.0)}}
+    between = inside & (np.arange(chain.beads - 1) < chain.beads - 2)
+    return found | {
+        name: {"gaps": np.where(between, GAP, 0.0)},
+        f"{name}, and before the cap": {"gaps": np.where(inside, GAP, 0.0)},
+    }
+
+
+def _effect(ratio: float, delay: float) -> str:
+    """A ratio of forces and a delay in microseconds."""
+    return "not complete" if math.isnan(ratio) else f"{100.0 * ratio:.1f}%, {delay:+.1f} µs"

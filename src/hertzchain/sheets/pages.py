@@ -7,14 +7,18 @@ import re
 from itertools import pairwise
 from typing import Any, Final
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, select_autoescape
 from markupsafe import Markup, escape
 
+from ..representation import listed
 from . import answers
 from .answers import Table
-from .sheet import WALL, LabSheet
+from .row import names, row_in_words
+from .sheet import LabSheet
+from .sketch import sketch
 
-READINGS: Final = ("reading 1", "reading 2", "reading 3", "mean")
+READINGS: Final = ("reading 1", "reading 2", "mean")
 ON_RATIOS: Final = (
     "A wrong sensitivity changes the ratio of one sensor by the same factor at all speeds. A loss "
     "lowers forces more, the farther the sensor is from the impact. Gaps delay the pulse, most at "
@@ -51,10 +55,11 @@ def _superscripts(text: str) -> Markup:
 def _context(sheet: LabSheet) -> dict[str, Any]:
     tables = [answers.exponents(sheet), answers.travel(sheet), answers.causes(sheet)]
     return {
-        "title": sheet.title, "row": _row(sheet), "how": _how(sheet),
-        "tables": _tables(sheet, predicted=not sheet.blank, readings=READINGS),
-        "tasks": _tasks(sheet),
-        "predictions": _tables(sheet, predicted=True, readings=()) if sheet.blank else [],
+        "title": sheet.title, "row": row_in_words(sheet), "how": _how(sheet),
+        "sketch": Markup(sketch(sheet)),
+        "table": _table(sheet, predicted=not sheet.blank, readings=READINGS),
+        "tasks": _tasks(sheet), "description": sheet.chain.description,
+        "predictions": [_table(sheet, predicted=True, readings=())] if sheet.blank else [],
         "answers": [answers.on_exponents(sheet), answers.on_travel(sheet), ON_RATIOS,
                     answers.on_errors(sheet)],
         "answer_tables": [each for each in tables if each is not None],
@@ -62,74 +67,72 @@ def _context(sheet: LabSheet) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _row(sheet: LabSheet) -> str:
-    sensors = ", ".join(place if place != WALL else "the wall or load cell behind the row"
-                        for place in sheet.places)  # fmt: skip
-    return f"{sheet.chain.description}. Sensors: {sensors}."
-
-
 def _how(sheet: LabSheet) -> str:
     striker = "striker" if sheet.chain.strikers else "first ball"
     if sheet.heights is None:
-        return f"Let the {striker} hit the row at the speeds v of the tables."
+        return f"Let the {striker} hit the row at the speeds v of the table."
     return (f"Let the {striker} fall or swing from the heights h of the "
-            "tables, so that it arrives at the speed v with v² = 2 g h. A ball that rolls is "
+            "table, so that it arrives at the speed v with v² = 2gh. A ball that rolls is "
             "slower: measure its speed, for example with a light barrier.")  # fmt: skip
 
 
-def _tables(sheet: LabSheet, *, predicted: bool, readings: tuple[str, ...]) -> list[Table]:
-    """Tables of the force in each sensor, and of the times between them."""
+def _table(sheet: LabSheet, *, predicted: bool, readings: tuple[str, ...]) -> Table:
+    """The force in each sensor and the times between them at all speeds, one below the other."""
+    first = () if sheet.heights is None else ("h [mm]",)
+    heads = ("quantity", *first, "v [mm/s]", *(["predicted"] * predicted), *readings)
+    rows = []
+    for quantity, values in _quantities(sheet):
+        for i, value in enumerate(values):
+            height = () if sheet.heights is None else (f"{1e3 * sheet.heights[i]:g}",)
+            shown = ("not complete" if value == "nan" else value,) if predicted else ()
+            speed = f"{1e3 * sheet.speeds[i]:.1f}"
+            rows.append((quantity, *height, speed, *shown, *("",) * len(readings)))
+    caption = "Largest forces of the first pulse, and times "
+    caption += "between them" if len(sheet.places) > 1 else "after the impact"
+    return Table(caption, heads, tuple(rows))
+
+
+def _quantities(sheet: LabSheet) -> list[tuple[str, list[str]]]:
+    """Names and predictions of the forces and times of the table."""
+    places = names(sheet)
     found = [
-        _table(sheet, f"Force on the {place}" if place == WALL else f"Force in {place}", "N",
-               [f"{value:#.4g}".rstrip(".") for value in sheet.forces[:, j]], predicted, readings)
-        for j, place in enumerate(sheet.places)
-    ]  # fmt: skip
-    if len(sheet.places) == 1:
-        times = [(f"Time from the impact to the largest force ({sheet.places[0]})",
-                  sheet.times[:, 0])]  # fmt: skip
+        (f"force, {name} [N]", [f"{value:#.4g}".rstrip(".") for value in values])
+        for name, values in zip(places, sheet.forces.T, strict=True)
+    ]
+    if len(places) == 1:
+        times = [(f"time, impact to {places[0]} [µs]", sheet.times[:, 0])]
     else:
         times = [
-            (f"Time between the largest forces ({one} to {other})",
-             sheet.times[:, j + 1] - sheet.times[:, j])
-            for j, (one, other) in enumerate(pairwise(sheet.places))
-        ]  # fmt: skip
-    return found + [
-        _table(
-            sheet, caption, "µs", [f"{1e6 * value:.1f}" for value in values], predicted, readings
-        )
-        for caption, values in times
-    ]
-
-
-def _table(
-    sheet: LabSheet, caption: str, unit: str, values: list[str], predicted: bool,
-    readings: tuple[str, ...],
-) -> Table:  # fmt: skip
-    first = () if sheet.heights is None else ("h [mm]",)
-    own = (f"predicted [{unit}]",) if predicted else ()
-    rows = []
-    for i, value in enumerate(values):
-        height = () if sheet.heights is None else (f"{1e3 * sheet.heights[i]:g}",)
-        shown = ("not complete" if value == "nan" else value,) if predicted else ()
-        rows.append((*height, f"{1e3 * sheet.speeds[i]:.1f}", *shown, *("",) * len(readings)))
-    heads = (*first, "v [mm/s]", *own, *(f"{each} [{unit}]" for each in readings))
-    return Table(caption, heads, tuple(rows))
+            (f"time, {one} to {other} [µs]", difference)
+            for (one, other), difference in zip(
+                pairwise(places), np.diff(sheet.times, axis=1).T, strict=True
+            )
+        ]
+    return found + [(name, [f"{1e6 * value:.1f}" for value in values]) for name, values in times]
 
 
 def _tasks(sheet: LabSheet) -> list[str]:
     several = len(sheet.places) > 1
     time = "the time between the sensors" if several else "the time after the impact"
-    speed = " Which speed has the pulse between them, and is it constant?" if several else ""
     expected = "Which slope do contacts that follow Hertz's law have? Where does yours differ, and "
     error = "speed" if sheet.heights is None else "height"
     return [
-        "Read the largest force of the first pulse in each sensor, three times at each speed, and "
-        "enter the means.",
+        "Read the largest force of the first pulse in each sensor, twice at each speed, and enter "
+        "the means.",
         "Plot the means over the speed on logarithmic axes. What is the slope for each sensor? "
         f"{expected}why?",
-        f"Plot {time} in the same way. How does it depend on the speed?{speed}",
+        f"Plot {time} in the same way. How does it depend on the speed?{_on_speed(sheet)}",
         "Divide your means by the predictions. Are the ratios the same at all speeds and sensors? "
         "What would the wrong sensitivity of a sensor, a loss in the contacts, or gaps between the "
         "balls change?",
-        f"How large is the error of your {error}, and which error of the force follows?",
+        f"How large is the error of your {error}, and what error of the force results?",
     ]
+
+
+def _on_speed(sheet: LabSheet) -> str:
+    """The question about the speed of the pulse, which needs two balls with sensors."""
+    balls = [sheet.places[j] for j in answers.balls_with_sensors(sheet)]
+    if len(balls) < 2:
+        return ""
+    between = "them" if len(balls) == len(sheet.places) else listed(balls)
+    return f" What is the speed of the pulse between {between}, and is it constant?"

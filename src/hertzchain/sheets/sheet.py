@@ -95,10 +95,10 @@ class LabSheet:
         >>> row = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=5)
         >>> sheet = hc.lab_sheet(row, sensors=["ball 3"], speeds=["50 mm/s", "0.1 m/s"])
         >>> print(*sheet.to_markdown().splitlines()[8:], sep="\\n", end="")  # doctest: +ELLIPSIS
-        | v [mm/s] | predicted [N] | reading 1 [N] | reading 2 [N] | reading 3 [N] | mean [N] |
+        | quantity | v [mm/s] | predicted | reading 1 | reading 2 | mean |
         |---|---|---|---|---|---|
-        | 50.0 | 4.040 |  |  |  |  |
-        | 100.0 | 9.282 |  |  |  |  |
+        | force, ball 3 [N] | 50.0 | 4.040 |  |  |  |
+        | force, ball 3 [N] | 100.0 | 9.282 |  |  |  |
         ...
         """
         from .pages import markdown

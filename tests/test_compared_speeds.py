@@ -1,7 +1,9 @@
 """Chains compared at several speeds by `hertzchain simulate`."""
 
 import json
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -176,13 +178,16 @@ def test_each_speed_has_its_own_figure_of_peaks():
     assert axes.get_ylabel() == "peak force on the right wall [N]"
 
 
-def test_the_table_has_the_largest_forces_in_sensors(files):
+def test_a_second_table_has_the_first_maxima_and_times_in_sensors(files):
     speeds = ["--speed", "0.02m/s", "--speed", "0.04m/s"]
     done = invoked(files[0], *speeds, "--sensor", "2", "--sensor", "3")
     assert done.exit_code == 0, done.output
-    assert "bead 2" in done.output
-    assert "bead 3" in done.output
-    for speed in (0.02, 0.04):
+    before, after = done.output.split("Forces in sensors")
+    assert "bead" not in before
+    lines = [line.split() for line in after.splitlines() if " m/s" in line]
+    assert len(lines) == 4
+    for line, (bead, speed) in zip(lines, [(k, v) for k in (2, 3) for v in (0.02, 0.04)],
+                                   strict=True):  # fmt: skip
         chain = hc.Chain.from_materials(
             diameters="10 mm",
             beads=4,
@@ -190,12 +195,65 @@ def test_the_table_has_the_largest_forces_in_sensors(files):
             velocity=speed,
             right_wall=hc.Wall.of(STEEL),
         )
-        run = hc.simulate(chain, times=20_000)
-        (line,) = (each for each in done.output.splitlines() if f" {speed:g} m/s" in each)
-        shown = [float(each.split()[-1]) for each in line.split(" N") if each.split()][:3]
-        # The wall, and both sensors, whose forces are not sampled at the same times.
-        expected = [run.wall_force().peak, *(run.sensor_force(k).force.max() for k in (2, 3))]
-        assert [shown[0], *shown[-2:]] == pytest.approx(expected, rel=1e-4)
+        # The maximum is between times of a fine grid.
+        found = hc.simulate(chain, times=20_000).sensor_force(bead)
+        top = int(np.argmax(found.force > 0.999 * found.first_maximum))
+        top += int(np.argmax(found.force[top : top + 200]))
+        assert line[:5] == ["bead", str(bead), f"{speed:g}", "m/s", "equal"]
+        assert float(line[5]) == pytest.approx(found.force[top], rel=1e-4)
+        assert float(line[7]) == pytest.approx(1e6 * found.times[top], rel=2e-3)
+        assert line[6::2][:2] == ["N", "us"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "entries"),
+    [({}, ["2 N", "3 us", "-", "-"]),
+     ({"largest_so_far": 5.0, "largest_so_far_time": 8e-6}, ["2 N", "3 us", "5 N", "8 us"]),
+     ({"first_maximum": np.nan, "first_maximum_time": np.nan},
+      ["not complete", "-", "2 N", "3 us"]),
+     ({"reached": False}, ["not reached", "-", "-", "-"])],
+)  # fmt: skip
+def test_the_largest_force_in_a_sensor_is_tabulated_if_it_is_later(changes, entries):
+    from hertzchain.cli.compared_sensors import _entries
+
+    first = {"first_maximum": 2.0, "first_maximum_time": 3e-6}
+    sensor = first | {"largest_so_far": 2.0, "largest_so_far_time": 3e-6, "reached": True}
+    assert _entries(SimpleNamespace(**sensor | changes), "SI") == entries
+
+
+def test_each_sensor_has_a_panel_over_impacts():
+    from hertzchain.plotting.peaks_over_impacts import plot_peaks
+
+    kept = [(False, False, False)] * 2
+    axes = plot_peaks(
+        {"a": [2e-3, 1e-3], "b": [1e-3, 2e-3]}, {"a": [4.0, 2.0], "b": [1.0, 3.0]}, {},
+        {"a": kept, "b": kept}, factors=("1.6", "2.8"), where="the right wall", units="SI",
+        heights=True,
+        sensors={"ball 5": {"a": [8.0, 6.0], "b": [5.0, float("inf")]}},
+    )  # fmt: skip
+    upper, lower = axes.figure.axes
+    assert upper is axes
+    assert (upper.get_ylabel(), lower.get_ylabel()) == (
+        "peak force on\nthe right wall [N]", "first maximum in\nball 5 [N]"
+    )  # fmt: skip
+    assert (upper.get_xlabel(), lower.get_xlabel()) == ("", "height of fall [mm]")
+    lines = [line for line in lower.lines if line.get_linestyle() == "-"]
+    assert lines[0].get_xydata().tolist() == [[1.0, 6.0], [2.0, 8.0]]
+    assert lines[1].get_xydata()[0].tolist() == [1.0, 5.0]
+    assert np.isnan(lines[1].get_ydata()[1])
+    assert [each.get_color() for each in lines] == [
+        each.get_color() for each in upper.lines if each.get_linestyle() == "-"
+    ]
+
+
+def test_the_figure_has_the_sensors_of_the_command(files, tmp_path):
+    figure = tmp_path / "peaks.svg"
+    speeds = ["--speed", "0.02m/s", "--speed", "0.04m/s"]
+    done = invoked(*files, *speeds, "--sensor", "2", "--sensor", "3", "--plot", str(figure))
+    assert done.exit_code == 0, done.output
+    shown = figure.read_text()
+    for label in ("the right wall [N]", "bead 2 [N]", "bead 3 [N]"):
+        assert label in shown
 
 
 def test_heights_are_repeated_like_speeds(files, tmp_path):

@@ -93,17 +93,21 @@ def peaks_of(
 
 
 def drawn_over_impacts(
-    runs: Mapping[str, Run], peaks: Peaks | None, impacts: Impacts
-) -> Axes | None:
+    runs: Mapping[str, Run], peaks: Peaks | None, impacts: Impacts,
+    beads: Mapping[str, Sequence[int]],
+) -> Axes | None:  # fmt: skip
     """Plot the peaks of each chain over several speeds or heights, also with contacts that yield.
 
-    There is no figure without several impacts or without peaks.
+    Panels below have the first maxima in sensors, except that of the peaks.  There is no figure
+    without several impacts or without peaks.
     """
     if not impacts or peaks is None:
         return None
     from ..plotting.peaks_over_impacts import plot_peaks
+    from .compared_sensors import forces_over_impacts
     from .repeated_impacts import value_of_impact
 
+    others = {name: each[peaks.place == "sensor" :] for name, each in beads.items()}
     names: dict[str, list[str]] = {}
     for at_impact in impacts.names.values():
         for chain, name in at_impact.items():
@@ -117,7 +121,7 @@ def drawn_over_impacts(
         {chain: [(name in peaks.unpredicted, *peaks.at[name].outside) for name in own]
          for chain, own in names.items()},
         factors=possible_factors(), where=peaks.where, units=next(iter(runs.values())).chain.units,
-        heights=impacts.kind == "height",
+        heights=impacts.kind == "height", sensors=forces_over_impacts(runs, others, impacts),
     )  # fmt: skip
 
 
@@ -141,12 +145,11 @@ def compared_runs(
     if len(runs) == 1 or len({run.chain.units for run in runs.values()}) > 1:
         return None
     if peaks is None:
-        return _of_different_ends(runs, others, yielding, beads, impacts)
+        return _of_different_ends(runs, others, yielding, impacts)
     place, own, at, unpredicted = peaks
     rows = {
         name: _speed_after_fall(run, impacts)
         | _of_place(run, beads[name], place)
-        | _of_sensors(run, beads[name][place == "sensor" :], wanted=bool(impacts))
         | _of_contacts(run)
         for name, run in runs.items()
     }
@@ -229,7 +232,7 @@ def _notes_on_place(
 
 def _of_different_ends(
     runs: Mapping[str, Run], others: Mapping[str, Run | None], yielding: Mapping[str, Yielding],
-    beads: Mapping[str, Sequence[int]], impacts: Impacts,
+    impacts: Impacts,
 ) -> tuple[Table, list[str]] | None:  # fmt: skip
     """Table of the forces on right walls and of the last beads of free ends; nothing is marked."""
     ends: dict[str, Place] = {
@@ -244,7 +247,6 @@ def _of_different_ends(
         name: _speed_after_fall(run, impacts)
         | dict.fromkeys(OF_WALLS, NONE)
         | (_of_wall(run, "right") if ends[name] == "right" else last[name])
-        | _of_sensors(run, beads[name], wanted=bool(impacts))
         | _of_contacts(run)
         for name, run in runs.items()
     }
@@ -298,7 +300,6 @@ def _table(rows: Mapping[str, Mapping[str, str]], title: str, impacts: Impacts) 
     first = [impacts.kind] * bool(impacts) + ["chain"] * named
     for key in (*first, *columns):
         heading = HEADINGS.get(key, key).replace("peak at ", "peak at\n")
-        heading = heading.replace("largest in bead ", "largest in\nbead ")
         table.add_column(heading, justify="left" if key in first else "right", vertical="bottom")
     groups = impacts.names or {"": dict(zip(rows, rows, strict=True))}
     for label, names in groups.items():
@@ -383,16 +384,6 @@ def _of_sensor(run: Run, bead: int) -> dict[str, str]:
     return {
         "peak": measure(sensor.largest_so_far, "N", units, 5),
         "time": measure(sensor.largest_so_far_time, "s", units, 5),
-    }
-
-
-def _of_sensors(run: Run, beads: Sequence[int], *, wanted: bool) -> dict[str, str]:
-    """Largest force in each sensor, which summaries that are not printed would have."""
-    from ..chain.bead_names import bead_label
-
-    shown = beads if wanted else ()
-    return {
-        f"largest in {bead_label(run.chain, bead)}": _of_sensor(run, bead)["peak"] for bead in shown
     }
 
 

@@ -10,6 +10,7 @@ import click
 from .chain_options import ChainOptions, chain_options
 from .chain_runs import runs_of
 from .compared_runs import compared_runs, drawn_over_impacts, peaks_of
+from .compared_sensors import sensor_table
 from .compared_yield import figure_title
 from .hit_tables import check_hits, hit_table, hits_as_list
 from .options import (
@@ -178,7 +179,8 @@ def simulate(
 
     Several chain files are simulated one after another.  A table and --plot compare them.  If
     --speed or --height is repeated, the table has each chain at each speed or height, and --plot
-    shows the peaks over it; the summaries are then printed only with an option such as --contacts.
+    shows the peaks over it.  A second table has the first maximum and its time in each sensor, and
+    --plot a panel for each.  Summaries are then printed only with an option such as --contacts.
 
     With --stream, trajectories are kept only on disk, in netCDF files, and memory does not
     grow with the run.  If a run is interrupted, run the same command again and it resumes.
@@ -237,7 +239,7 @@ def simulate(
     yielding = {name: peaks_if_yielding(run) for name, run in runs.items()}
     peaks = peaks_of(runs, others, yielding, beads) if len(runs) > 1 else None
     if plot is not None:
-        over = drawn_over_impacts(runs, peaks, impacts)
+        over = drawn_over_impacts(runs, peaks, impacts, beads)
         save_figure(over or _drawn(runs, beads, yielding, forces=bool(sensors)), plot)
     again = {name: _hits(run, hits, until, step, settings) for name, run in runs.items()}
     shown = {"second": hits is None, "waves": waves, "contacts": contacts, "budget": budget}
@@ -254,6 +256,9 @@ def simulate(
         if not (impacts and compared) or waves or contacts or budget or horizon or hits:
             _show(runs, others, yielding, beads, again if hits else {}, shown)
         _show_table(compared, only=bool(impacts))
+        if (of_sensors := sensor_table(runs, beads, impacts)) is not None:
+            click.echo()
+            show_table(of_sensors)
 
 
 def _show_table(compared: tuple[Table, list[str]] | None, *, only: bool) -> None:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Final
 
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib import rcParams
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
@@ -14,6 +15,7 @@ from ..chain.hertz_ratios import NO_PREDICTION
 from .colours import curve_colour, grey
 from .legends import place_legend
 from .style import figure_style, get_axes, literal
+from .widths import figure_size
 
 # Closed markers, which can be hollow.
 MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X")
@@ -22,6 +24,7 @@ LINES: Final = ("-", "--", ":")
 SAME: Final = 3e-3
 # Speeds or heights, and the peaks with elastic contacts and at both yield pressures.
 Curve = tuple[NDArray[np.float64], list[NDArray[np.float64]]]
+NO_SENSORS: Final[Mapping[str, Mapping[str, Sequence[float]]]] = MappingProxyType({})
 
 
 def plot_peaks(
@@ -34,34 +37,54 @@ def plot_peaks(
     where: str,
     units: str,
     heights: bool = False,
+    sensors: Mapping[str, Mapping[str, Sequence[float]]] = NO_SENSORS,
 ) -> Axes:
     """Plot the peaks of each chain, and a band of those with contacts that yield.
 
     The ``impacts`` are speeds, or ``heights`` of fall [m].  ``yielding`` has the peaks at both
     possible yield pressures, the ``factors`` times the yield strength.  Those of the three peaks
     that are ``outside`` have hollow markers.  Peaks that are not known are infinite, and left out.
+    First maxima in ``sensors``, by the names of sensors and chains, are in panels below.
     """
-    si = units == "SI"
+    unit = " [N]" if units == "SI" else ""
     with figure_style():
-        axes = get_axes(None)
-        drawn: dict[str, Curve] = {}
-        for i, (name, own) in enumerate(peaks.items()):
-            order = np.argsort(impacts[name])
-            x = np.array(impacts[name])[order] * (1e3 if heights else 1.0)
-            values = [own, *zip(*yielding.get(name, ()), strict=True)]
-            known = [np.where(np.isfinite(each), each, np.nan)[order] for each in values]
-            same = next((other for other, curve in drawn.items() if _same(curve, (x, known))), "")
-            drawn[name] = x, known
-            _draw_chain(axes, i, name, x, known, np.array(outside[name])[order].T, same)
+        axes, *others = _panels(1 + len(sensors))
+        values = {name: [own, *zip(*yielding.get(name, ()), strict=True)]
+                  for name, own in peaks.items()}  # fmt: skip
+        _draw_chains(axes, impacts, values, outside, heights=heights)
         _name_lines(axes, factors, named=any(peaks), yields=bool(yielding),
                     hollow=any(np.any(each) for each in outside.values()))  # fmt: skip
-        over = "height of fall [mm]" if heights else f"velocity of the impact{' [m/s]' * si}"
-        axes.set_xlabel(over)
-        axes.set_ylabel(f"peak force on {where}{' [N]' * si}")
-        axes.set_ylim(bottom=0.0)
+        between = "\n" if others else " "
+        axes.set_ylabel(f"peak force on{between}{where}{unit}")
+        for panel, (sensor, forces) in zip(others, sensors.items(), strict=True):
+            values = {name: [own] for name, own in forces.items()}
+            _draw_chains(panel, impacts, values, outside, heights=heights)
+            panel.set_ylabel(f"first maximum in\n{sensor}{unit}")
+        over = "height of fall [mm]" if heights else "velocity of the impact"
+        over += " [m/s]" if units == "SI" and not heights else ""
+        (axes, *others)[-1].set_xlabel(over)
+        for panel in (axes, *others):
+            panel.set_ylim(bottom=0.0)
         if len(axes.get_legend_handles_labels()[1]) > 1:
-            place_legend(axes, own=True)
+            place_legend(axes, own=not others)
     return axes
+
+
+def _draw_chains(
+    axes: Axes,
+    impacts: Mapping[str, Sequence[float]],
+    values: Mapping[str, Sequence[Sequence[float]]],
+    outside: Mapping[str, Sequence[tuple[bool, bool, bool]]],
+    *,
+    heights: bool,
+) -> None:
+    """Draw one or three curves of each chain."""
+    drawn: dict[str, Curve] = {}
+    for i, (name, own) in enumerate(values.items()):
+        x, known, flags = _in_order(impacts[name], own, outside[name], heights=heights)
+        same = next((other for other, curve in drawn.items() if _same(curve, (x, known))), "")
+        drawn[name] = x, known
+        _draw_chain(axes, i, name, x, known, flags, same)
 
 
 def _same(one: Curve, other: Curve) -> bool:
@@ -71,6 +94,28 @@ def _same(one: Curve, other: Curve) -> bool:
         return False
     top = max(float(np.nanmax(values[0], initial=0.0)), float(np.nanmax(others[0], initial=0.0)))
     return np.allclose(values[0], others[0], rtol=0.0, atol=SAME * top, equal_nan=True)
+
+
+def _panels(count: int) -> list[Axes]:
+    """One axes, or panels below each other with a common x axis."""
+    if count == 1:
+        return [get_axes(None)]
+    width, height = plt.rcParams["figure.figsize"]
+    size = figure_size(width, 0.55 * count * height)
+    figure, panels = plt.subplots(count, 1, sharex=True, figsize=size)
+    figure.align_ylabels(panels)
+    return list(panels)
+
+
+def _in_order(
+    impacts: Sequence[float], values: Sequence[Sequence[float]],
+    outside: Sequence[tuple[bool, bool, bool]], *, heights: bool,
+) -> tuple[NDArray[np.float64], list[NDArray[np.float64]], NDArray[np.bool_]]:  # fmt: skip
+    """Impacts in ascending order [mm, m/s or scaled], known values and flags in the same order."""
+    order = np.argsort(impacts)
+    x = np.array(impacts)[order] * (1e3 if heights else 1.0)
+    known = [np.where(np.isfinite(each), each, np.nan)[order] for each in values]
+    return x, known, np.array(outside)[order].T
 
 
 def _draw_chain(
@@ -89,9 +134,9 @@ def _draw_chain(
         if label and same:
             label += f" (elastic: the same curve as {literal(same)})"
         # A thinner line with smaller markers leaves the other one visible.
-        size = rcParams["lines.markersize"]
+        size = plt.rcParams["lines.markersize"]
         covered = bool(same) and line == "-"
-        width = rcParams["lines.linewidth"] * (0.4 if covered else 1.0)
+        width = plt.rcParams["lines.linewidth"] * (0.4 if covered else 1.0)
         axes.plot(x, y, line, label=label, color=colour, marker=marker, linewidth=width,
                   markersize=size * (0.5 if covered else 1.0),
                   markevery=np.flatnonzero(~flags).tolist())  # fmt: skip

@@ -1,7 +1,10 @@
 """Laboratory sheets: predictions, exponents, tables for readings, and answers."""
 
 import json
+import os
 import re
+import shutil
+import subprocess
 from html.parser import HTMLParser
 
 import numpy as np
@@ -14,6 +17,10 @@ from hertzchain.sheets.similarity import other_scales
 ROW = hc.Chain.from_materials(diameters="16 mm", materials="steel-52100", beads=12)
 CELL = ROW.replace(right_wall=hc.Wall("40 kN/mm", exponent=1)).with_cap("5 g").struck_by()
 HEIGHTS = ["1 mm", "2 mm", "4 mm"]
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+BROWSER = os.environ.get("HERTZCHAIN_CHROMIUM") or next(
+    filter(None, map(shutil.which, NAMES)), None
+)
 
 
 @pytest.fixture(scope="module")
@@ -225,6 +232,21 @@ def test_the_sketch_shows_bodies_sensors_and_load_cell(sheet):
     long = hc.lab_sheet(hc.Chain.from_materials(diameters="2 mm", materials="brass", beads=150),
                         sensors=["ball 6"], speeds=[0.05, 0.1])  # fmt: skip
     assert "<svg" not in long.to_html()
+
+
+@pytest.mark.skipif(BROWSER is None, reason="print not tested: no Chromium is installed")
+def test_three_sensors_and_three_heights_are_printed_on_one_page(tmp_path):
+    """A page for students, with room for a longer description, and one for the teacher."""
+    full = hc.lab_sheet(CELL, sensors=["ball 3", "ball 6", "wall"], heights=HEIGHTS)
+    page = full.to_html()
+    longer = page.replace("</h1>", '</h1><p style="height: 20mm"></p>')
+    for name, text in (("sheet", page), ("longer", longer)):
+        source, printed = tmp_path / f"{name}.html", tmp_path / f"{name}.pdf"
+        source.write_text(text, encoding="utf-8")
+        command = [BROWSER, "--headless", "--no-sandbox", f"--user-data-dir={tmp_path}/profile",
+                   f"--print-to-pdf={printed}", source.as_uri()]  # fmt: skip
+        subprocess.run(command, check=True, capture_output=True, timeout=120)
+        assert len(re.findall(rb"/Type */Page\b", printed.read_bytes())) == 2
 
 
 def test_contacts_that_yield_are_reported():

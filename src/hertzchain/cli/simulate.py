@@ -255,20 +255,22 @@ def simulate(
         compared = compared_runs(runs, others, yielding, beads, impacts, peaks)
         if not (impacts and compared) or waves or contacts or budget or horizon or hits:
             _show(runs, others, yielding, beads, again if hits else {}, shown)
-        _show_table(compared, only=bool(impacts))
-        if (of_sensors := sensor_table(runs, beads, impacts)) is not None:
-            click.echo()
-            show_table(of_sensors)
+        _show_tables(compared, sensor_table(runs, beads, impacts), only=bool(impacts))
 
 
-def _show_table(compared: tuple[Table, list[str]] | None, *, only: bool) -> None:
-    """Print the table of several chains, if there is one, and its notes."""
+def _show_tables(
+    compared: tuple[Table, list[str]] | None, of_sensors: Table | None, *, only: bool
+) -> None:
+    """Print the table of several chains, if there is one, its notes, and the table of sensors."""
     if compared is not None:
         if not only:
             click.echo()
         show_table(compared[0])
         for note in compared[1]:
             click.echo(note)
+    if of_sensors is not None:
+        click.echo()
+        show_table(of_sensors)
 
 
 def _show(

@@ -403,8 +403,7 @@ def test_fitted_radii_masses_and_moduli_in_front_of_a_cap():
 def test_descriptions_titles_and_names():
     steel = hc.Chain.from_materials("5 mm", STEEL, beads=10, right_wall=CELL).with_cap("5 g")
     assert steel.description == (
-        "10 steel-52100 beads, diameter 10 mm, and a cap (5 g, steel-52100), right wall, mixed "
-        "exponents"
+        "10 steel-52100 beads, diameter 10 mm, and a cap (5 g, steel-52100), right wall of 5 kN/mm"
     )
     assert chain_words(steel) == "10 steel balls, 10 mm, cap 5 g, wall 5 kN/mm"
     with_striker = steel.struck_by(diameter="12 mm")

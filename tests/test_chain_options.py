@@ -134,7 +134,7 @@ def test_strikers_are_beads_like_the_first_one_at_the_speed_of_the_impact(run, f
     found = wall_peak(run, file, "--striker", 2, "--velocity", "20 cm/s")
     assert found == pytest.approx(hc.simulate(faster).wall_force().peak)
     shown = run("simulate", file, "--striker", 2).stdout
-    assert "diameter 10 mm, and 2 strikers, right wall, impact at 0.1 m/s\n" in shown
+    assert "diameter 10 mm, and 2 strikers, rigid right wall, impact at 0.1 m/s\n" in shown
     found = json.loads(run("pulse", "--beads", 8, "--striker", 1, "--json").stdout)["pulses"][0]
     scaled = hc.Chain.uniform(8).struck_by()
     np.testing.assert_allclose(found["velocity"], hc.propagate(scaled).velocity, rtol=1e-9)

@@ -129,3 +129,33 @@ def test_the_contact_with_a_pad_is_not_checked(material, run, tmp_path):
     assert err == ""
     assert "spring, not checked" in next(line for line in out.splitlines() if "ball 3 and" in line)
     assert "no known yield strength" not in out
+
+
+ROW = hc.Chain.from_materials("5 mm", "brass", beads=10)
+CELL = hc.Wall("5 kN/mm", exponent=1)
+
+
+@pytest.mark.parametrize(
+    ("chain", "end"),
+    [
+        (ROW.replace(right_wall=hc.Wall()), "diameter 10 mm, right wall"),
+        (ROW.replace(right_wall=hc.Wall.of("brass")), "diameter 10 mm, right wall"),
+        (ROW.replace(right_wall=hc.Wall.of("glass")), "right wall of glass"),
+        (ROW.replace(right_wall=hc.Wall.rigid()), "rigid right wall"),
+        (ROW.replace(right_wall=CELL), "10 mm, right wall of 5 kN/mm"),
+        (ROW.replace(right_wall=hc.Wall("900 N/mm", exponent=1, material="glass")),
+         "10 mm, right wall of 900 N/mm"),
+        (ROW.replace(right_wall=hc.Wall(1e10)), "right wall of 10 N/um^1.5"),
+        (ROW.replace(right_wall=CELL).with_cap("5 g", stiffness="1 kN/mm", exponent=1),
+         "a cap (5 g, brass, pad of 1 kN/mm), right wall of 5 kN/mm"),
+        (ROW[:1].replace(right_wall=CELL).with_cap("5 g"),
+         "a cap (5 g, brass), right wall of 5 kN/mm"),
+        (one_bead(), "3 beads, velocities, right wall of stiffness 0.3 (p = 1)"),
+        (hc.Chain.uniform(3).replace(exponent=[1.5, 2.0], right_wall=hc.Wall(2.0)),
+         "right wall of stiffness 2, mixed exponents"),
+        (hc.Chain.uniform(3).replace(left_wall=hc.Wall(2.0)), "left wall of stiffness 2"),
+    ],
+)  # fmt: skip
+def test_descriptions_name_the_wall_and_not_the_exponent_of_a_spring(chain, end):
+    assert chain.description.endswith(end)
+    assert ("mixed exponents" in chain.description) == ("mixed exponents" in end)

@@ -40,7 +40,7 @@ def test_one_chain_is_not_plural():
 def test_titles_of_tables_are_complete(run):
     done = run("pulse", *ROW, "--cap", "5 g", "--wall", "5 kN/mm", "--striker", "10 g",
                "--method", "simulate")  # fmt: skip
-    assert done.stdout.splitlines()[0].endswith("right wall, mixed exponents")
+    assert done.stdout.splitlines()[0].endswith("right wall of 5 kN/mm")
 
 
 def test_percentiles_in_the_legend_have_the_same_decimals():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from .description import (
     beads_description,
     cells_in_words,
@@ -9,10 +11,12 @@ from .description import (
     law_in_words,
     mass_in_words,
     shown_features,
+    stiffness_in_words,
     strikers_in_words,
     taper_behind,
 )
 from .fields import ChainFields
+from .materials import RIGID
 from .scattered_radii import ScatteredRadii
 
 
@@ -47,7 +51,11 @@ def _parts(chain: ChainFields) -> tuple[list[str], list[str], list[str]]:
     beads = beads_description(*kind, strikers=chain.strikers, scaled=chain.scaled)
     equal = bool((chain.stiffness[: own.stop - 1] == 1.0).all())
     implied = implied_features(beads, scaled=chain.scaled, equal_contacts=equal)
+    if not _mixed_between(chain):
+        implied.append("mixed exponents")
     named = shown_features(chain.features, implied, chain.velocities, chain.strikers)
+    walls = {f"{side} wall": described_wall(chain, side) for side in ("left", "right")}
+    named = [walls.get(name, name) for name in named]
     still = chain._at_rest_by_default and chain.drive is None and not chain.velocities.any()
     features = [law_in_words(chain.exponents), *named, "at rest" if still else ""]
     return (
@@ -58,10 +66,51 @@ def _parts(chain: ChainFields) -> tuple[list[str], list[str], list[str]]:
 
 
 def cap_in_words(chain: ChainFields) -> str:
-    """Such as ``a cap (5 g, glass)``, or without a material if the chain has none."""
+    """Such as ``a cap (5 g, glass, pad of 1 kN/mm)``, without a material if the chain has none."""
     if chain.cap is None:
         return ""
     mass = float(chain.masses[-1])
     words = f"mass {mass:.4g}" if chain.scaled else mass_in_words(mass)
     kind = [each.name for each in (chain.materials or ())[-1:]]
-    return f"a cap ({', '.join([words, *kind])})"
+    k = float(chain.stiffness[-1])
+    pad = [f"pad of {stiffness_in_words(k, 1.0)}"] if _on_pad(chain) and not chain.scaled else []
+    return f"a cap ({', '.join([words, *kind, *pad])})"
+
+
+def _on_pad(chain: ChainFields) -> bool:
+    """Whether a linear spring is between the last ball and the cap, and not between others."""
+    p = chain.contact_exponents[1:-1]
+    return chain.cap is not None and bool(p[-1] == 1.0 and (p[:-1] != 1.0).all())
+
+
+def described_wall(chain: ChainFields, side: str) -> str:
+    """Such as ``right wall of brass`` or ``right wall of 20 kN/mm``; empty at a free end.
+
+    A wall of the material of the bead next to it is a ``right wall``.
+    """
+    wall, end = (chain.left_wall, 0) if side == "left" else (chain.right_wall, -1)
+    if wall is None:
+        return ""
+    name = f"{side} wall"
+    p = float(chain.contact_exponents[end])
+    if wall.stiffness is not None and not chain.scaled:
+        return f"{name} of {stiffness_in_words(wall.stiffness, p)}"
+    usual = wall.exponent is None or bool(np.all(chain.exponents == wall.exponent))
+    law = "" if usual else f" (p = {p:g})"
+    if wall.stiffness is not None:
+        return f"{name} of stiffness {wall.stiffness:.4g}{law}"
+    if wall.material == RIGID:
+        return f"rigid {name}{law}"
+    own = None if chain.materials is None else chain.materials[end]
+    return f"{name}{'' if wall.material in (None, own) else f' of {wall.material.name}'}{law}"
+
+
+def _mixed_between(chain: ChainFields) -> bool:
+    """Whether exponents differ apart from those of walls and pads, which their words show."""
+    p = chain.contact_exponents
+    left, right = (
+        wall is not None and wall.exponent is not None
+        for wall in (chain.left_wall, chain.right_wall)
+    )
+    shown = {0: left, -1: right, -2: _on_pad(chain) and not chain.scaled}
+    return len({*np.delete(p, [i for i, told in shown.items() if told])}) > 1

@@ -255,7 +255,7 @@ class ChainFields(Frozen):
         --------
         >>> import hertzchain as hc
         >>> hc.Chain.uniform(20).replace(right_wall=hc.Wall.rigid())
-        Chain(uniform, 20 beads, right wall)
+        Chain(uniform, 20 beads, rigid right wall)
         """
         fields = [item.name for item in dataclasses.fields(self) if item.init]
         for name in changes:

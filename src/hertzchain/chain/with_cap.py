@@ -88,9 +88,8 @@ def with_cap(
     >>> import hertzchain as hc
     >>> balls = hc.Chain.from_materials(diameters="10 mm", materials="brass", beads=10)
     >>> cell = balls.replace(right_wall=hc.Wall("5 kN/mm", exponent=1))
-    >>> cell.with_cap("5 g", material="steel-304")
-    Chain(10 brass beads, diameter 10 mm, and a cap (5 g, steel-304), right wall, mixed exponents,
-        impact at 1 m/s)
+    >>> cell.with_cap("5 g", material="steel-304").description
+    '10 brass beads, diameter 10 mm, and a cap (5 g, steel-304), right wall of 5 kN/mm'
     >>> f"{1e3 * cell.with_cap(frequency='5 kHz').cap.mass:.2f} g"
     '5.07 g'
 

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.chain_words import cap_in_words, description_parts
+from ..chain.chain_words import cap_in_words, described_wall, description_parts
 from ..chain.description import law_in_words, length_in_words, strikers_in_words
 from ..chain.laws import Loss
 from ..chain.laws.elastic import Elastic
@@ -284,12 +284,13 @@ PROPERTIES: Final = (
     _Property(_gravity, lambda _: ("gravity", "under gravity")),
     _Property(
         lambda chain, digits: _walled(chain, chain.left_wall, "left", digits),
-        lambda chain: ("left wall", *_loss_of_walls(chain)),
+        lambda chain: ("left wall", described_wall(chain, "left"), *_loss_of_walls(chain)),
     ),
     _Property(
         lambda chain, digits: _walled(chain, chain.right_wall, "right", digits),
         lambda chain: (
             "right wall",
+            described_wall(chain, "right"),
             wall_in_words(chain, chain.right_wall),
             *_loss_of_walls(chain),
         ),

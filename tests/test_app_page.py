@@ -1888,12 +1888,20 @@ def test_headings_name_the_first_ball_that_differs(page):
 def test_a_stiffness_without_a_unit_has_the_unit_of_its_exponent(page, tmp_path):
     path = tmp_path / "wall.toml"
     text = '[chain]\ndiameters = "10 mm"\nbeads = 8\nmaterials = "steel-52100"\n'
-    for exponent, unit in (("exponent = 1, ", "N/m"), ("", "N/m^1.5")):
-        path.write_text(f"{text}right_wall = {{{exponent}stiffness = 5e6}}\n")
+    for exponent, stiffness, unit, shown in (
+        ("exponent = 1, ", "5e5", "N/m", "500000"), ("exponent = 1, ", "5e6", "kN/mm", "5"),
+        ("", "5e6", "N/m^1.5", "5000000"),
+    ):  # fmt: skip
+        path.write_text(f"{text}right_wall = {{{exponent}stiffness = {stiffness}}}\n")
         open_file(page, path)
         row = page.tab.locator(".row:has([id='c-chain.right_wall.stiffness'])")
-        assert row.locator("input[type=text]").input_value() == "5000000"
+        assert row.locator("input[type=text]").input_value() == shown
         assert row.locator(".unit").text_content() == unit
+        if unit == "kN/mm":
+            row.locator("input[type=text]").fill("20")
+            row.locator("input[type=text]").press("Tab")
+            page.settle()
+            assert page.document()["chain"]["right_wall"]["stiffness"] == "20 kN/mm"
     # Lists, and the unit that an empty field expects; a value may have its own.
     row = page.tab.locator(".row:has([id='c-chain.stiffness'])")
     several = "stiffness = [1e9, 2e9, 1e9, 2e9, 1e9, 2e9, 1e9]\n"
@@ -1910,6 +1918,25 @@ def test_a_stiffness_without_a_unit_has_the_unit_of_its_exponent(page, tmp_path)
     open_file(page, path)
     assert row.locator("input[type=text]").input_value() == "5"
     assert row.locator(".unit").text_content() == "kN/mm"
+
+
+def test_the_last_typed_of_velocity_height_and_energy_is_used(page, tmp_path):
+    path = tmp_path / "striker.toml"
+    path.write_text(
+        '[chain]\ndiameters = "10 mm"\nbeads = 8\nmaterials = "steel-52100"\n'
+        "struck_by = {velocity = 0.767071704601}\n"
+    )
+    open_file(page, path)
+    field = page.tab.locator("[id='c-chain.struck_by.velocity']")
+    assert field.input_value() == "0.767072"
+    assert page.document()["chain"]["struck_by"]["velocity"] == 0.767071704601
+    for name, typed, value in (
+        ("height", "20", "20 mm"), ("energy", "0.002", "0.002 J"), ("velocity", "0.5", "0.5 m/s")
+    ):  # fmt: skip
+        page.tab.locator(f"[id='c-chain.struck_by.{name}']").press_sequentially(typed)
+        page.settle()
+        assert page.tab.is_hidden("#problem")
+        assert page.document()["chain"]["struck_by"] == {name: value}
 
 
 def test_the_page_begins_with_the_chains_and_sensors_of_the_command(browser):
@@ -1953,14 +1980,28 @@ def test_measured_data_are_shown_over_the_forces_and_can_be_shifted(browser, tmp
         page.settle()
         assert tab.locator("#chart-force .measured").count() == 2
         assert tab.evaluate("hertzchain.state.view.sensors") == [4]
-        assert "measured ball 4; measured wall" in tab.text_content("#legend-force")
+        # Each trace has an entry, and a colour between that of its sensor and that of the text.
+        drawn = [
+            (tab.locator("#legend-force .key", has_text=f"measured {place}"),
+             tab.locator(f"#chart-force .{name}"))
+            for place, name in (("ball 4", "sensor0"), ("wall", "wall-right"))
+        ]  # fmt: skip
+        for entry, curves in drawn:
+            simulated, measured = (
+                curves.nth(i).evaluate("(each) => getComputedStyle(each).stroke") for i in (0, 1)
+            )
+            assert entry.count() == 1
+            assert entry.locator("path").evaluate("(e) => getComputedStyle(e).stroke") == measured
+            assert measured != simulated
+        assert len({curves.nth(1).get_attribute("class") for _, curves in drawn}) == 2
         # The simulation begins at 50 us of the record.
         assert float(tab.get_attribute("#shift", "placeholder")) == pytest.approx(50.0, abs=0.1)
 
         def crest():
             """Place of the largest measured and the largest simulated force on the wall."""
             curves = [
-                tab.locator(f"#chart-force .{name}").last for name in ("measured", "wall-right")
+                tab.locator(f"#chart-force .wall-right{name}")
+                for name in (".measured", ":not(.measured)")
             ]
             points = [
                 re.findall(r"[ML]([\d.]+) ([\d.]+)", each.get_attribute("d")) for each in curves
@@ -1969,6 +2010,25 @@ def test_measured_data_are_shown_over_the_forces_and_can_be_shifted(browser, tmp
 
         measured, simulated = crest()
         assert abs(measured - simulated) < 3.0
+        # Of two chains, each is aligned with the record: a faster pulse begins later.
+        assert "aligned" not in tab.text_content("#record-note")
+        tab.click("#compare")
+        page.settle()
+        tab.fill("[id='c-chain.velocity']", "0.6")
+        tab.press("[id='c-chain.velocity']", "Enter")
+        page.settle()
+        times = {}
+        for own in "AB":
+            tab.click(f"#tab-{own}")
+            tab.evaluate(NEXT_FRAME)
+            times[own] = tab.get_attribute("#shift", "placeholder")
+            note = tab.text_content("#record-note")
+            assert f"aligned with chain {own} (with {'BA'['AB'.index(own)]}: " in note
+        assert f"aligned with chain B (with A: {times['A']} µs)" in note
+        assert float(times["B"]) > float(times["A"]) + 5.0
+        tab.click("#tab-A")
+        tab.click("#compare")
+        page.settle()
         tab.fill("#shift", "20")
         tab.press("#shift", "Tab")
         tab.evaluate(NEXT_FRAME)

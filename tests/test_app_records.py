@@ -51,6 +51,7 @@ def test_a_record_is_aligned_and_scaled_as_by_compare(scope):
     assert measured["aligned"]
     assert measured["offset"] == pytest.approx(OFFSET, abs=1e-7)
     assert [each["label"] for each in measured["curves"]] == ["ball 6", "wall in V (1 N is 0.02 V)"]
+    assert [each["place"] for each in measured["curves"]] == ["6", "right"]
     # The measured curves are the simulated ones and noise, at the same times.
     for key, curve, noise in (("0", "6", 0.3), ("1", "right", 0.7)):
         simulated = np.interp(

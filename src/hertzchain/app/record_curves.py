@@ -17,6 +17,7 @@ from ..fitting.trace_comparison import TraceComparison
 from ..recorded_warnings import ignore_warnings
 from ..traces.amplitudes import level_of
 from ..traces.coupling import static_force
+from ..traces.places import Place
 from ..traces.signals import Signal
 from .records import Record
 
@@ -54,7 +55,8 @@ def record_curves(
             continue
         arrays[f"record.times.{i}"], arrays[f"record.{i}"] = _thinned(times[near], values[near])
         static = static_force(signal.place, chain) if found is not None else 0.0
-        curves.append({"key": str(i), "label": label, "static": static})
+        place = _curve_at(signal.place, chain)
+        curves.append({"key": str(i), "label": label, "static": static, "place": place})
     header = {
         "name": record.name, "offset": offset, "curves": curves, "notes": notes,
         "aligned": found is not None,
@@ -84,6 +86,16 @@ def _in_newton(
     if resolved.coupling == "AC":
         values = values + static_force(signal.place, chain)
     return values, label
+
+
+def _curve_at(place: Place, chain: Chain) -> str:
+    """Name of the simulated force at this place in `places_of`; empty if the chain has none."""
+    if place.body in ("left", "right"):
+        return place.body
+    try:
+        return str(place.bead(chain))
+    except InputError:
+        return ""
 
 
 def _thinned(times: Array, values: Array) -> tuple[Array, Array]:

@@ -33,6 +33,8 @@ export const button = (text, onclick, more) => make("button", { type: "button", 
 /** @param {string} text */
 export const hint = (text) => make("p", { className: "hint" }, text);
 
+const ALTERNATIVES = [["radius", "diameter"], ["velocity", "height", "energy"]];
+
 export class Fields {
   /** @type {Document} */
   document = { chain: {} };
@@ -63,9 +65,11 @@ export class Fields {
   /** @param {Path} path @param {any} value @param {boolean} [moving] */
   put(path, value, moving = false) {
     this.last = path.join(".");
-    const table = path.slice(0, -1), instead = { radius: "diameter", diameter: "radius" }[path[path.length - 1]];
-    const document = changed(this.document, path, value);
-    this.change(instead && value !== undefined ? changed(document, [...table, instead], undefined) : document, moving);
+    const table = path.slice(0, -1), name = path[path.length - 1];
+    let document = changed(this.document, path, value);
+    // The value that is typed last replaces its alternatives.
+    if (value !== undefined) for (const each of ALTERNATIVES.find((names) => names.includes(String(name))) ?? []) if (each !== name) document = changed(document, [...table, each], undefined);
+    this.change(document, moving);
   }
 
   /** @param {string} id @param {string} label @param {[string, string][]} choices @param {() => string} read
@@ -101,7 +105,8 @@ export class Fields {
 
   /** Unit of a field; if the document has an error, that of the last valid value. @param {Path} place @param {any} key */
   unitAt(place, key) {
-    return this.unitOf(key, at((this.refused && this.accepted()) || this.document, place));
+    const value = at((this.refused && this.accepted()) || this.document, place);
+    return this.unitOf(key, value) || (value >= 1e6 && this.unitOfStiffness(place, key, value) === "N/m" ? "kN/mm" : "");
   }
 
   /** Slider and exact number. @param {Path} place @param {any} key @param {string} label */
@@ -130,11 +135,12 @@ export class Fields {
     box.onblur = () => { typing = false; };
     this.updates.push(() => {
       const value = read(), own = this.unitAt(place, key), given = parsed(value, own), shown = given.unit === own ? given : { number: null, unit: own };
+      const text = shown.number === null ? "" : plain(shown.number, key.kind === "integer" ? 12 : 6);
       if (document.activeElement !== slider) range = rangeNow();
-      if (!typing) box.value = shown.number === null ? value ?? "" : plain(shown.number) + (shown.unit === "%" ? "%" : "");
+      if (!typing) box.value = shown.number === null ? value ?? "" : text + (shown.unit === "%" ? "%" : "");
       const position = positionOf(shown.number ?? usual, range);
       if (document.activeElement !== slider || Math.abs(valueAt(Number(slider.value), range) - (shown.number ?? NaN)) > 1e-9 * Math.abs(shown.number ?? 1)) slider.value = String(position);
-      slider.setAttribute("aria-valuetext", shown.number === null ? "default" : `${plain(shown.number)} ${shown.unit}`);
+      slider.setAttribute("aria-valuetext", shown.number === null ? "default" : `${text} ${shown.unit}`);
       slider.classList.toggle("idle", value === undefined);
       unit.textContent = shown.unit.replace("%", "") || this.unitOfStiffness(place, key, value);
       // A required key may be cleared if its alternative is there, such as a diameter for a radius.

@@ -4,7 +4,7 @@
 
 /** Factors to SI by unit, from the server.
  * @type {Record<string, number>} */
-export const FACTORS = {};
+export const FACTORS = { "kN/mm": 1e6 };
 
 /** Units in which a quantity is shown and entered first, by dimension.
  * @type {Record<string, string>} */
@@ -42,8 +42,8 @@ export function percent(value, digits) {
   return (size >= 1e-6 && size < 1e-3 ? plain(+value.toPrecision(2)).replace("-", "−") : short(value, digits)) + "%";
 }
 
-/** The shortest text of a number to 12 digits. @param {number} value */
-export const plain = (value) => value === Infinity ? "inf" : String(+value.toPrecision(12));
+/** The shortest text of a number. @param {number} value @param {number} [digits] */
+export const plain = (value, digits = 12) => value === Infinity ? "inf" : String(+value.toPrecision(digits));
 
 /** Round values between two ends, at least a smallest step apart.
  * @param {number} low @param {number} high @param {number} count @param {number} [least] */
@@ -153,7 +153,7 @@ export function rangeOf(key, si, value, chain = {}) {
   const usual = USUAL[key.dimension || key.name]?.[si ? 0 : 1];
   let [low, high] = usual ?? [0.01, 10];
   if (si && key.dimension && chain.unit && FACTORS[chain.unit]) {
-    const factor = FACTORS[SHOWN[key.dimension] ?? key.unit] / FACTORS[chain.unit];
+    const factor = (FACTORS[SHOWN[key.dimension] ?? key.unit] ?? 1) / FACTORS[chain.unit];
     [low, high] = [low * factor, high * factor];
   }
   if (!usual && !key.dimension && least !== undefined && most !== undefined) [low, high] = [least, most];

@@ -2,7 +2,7 @@
 
 import { $ } from "./fields.js";
 import { fixed, host } from "./host.js";
-import { own, record, say, state } from "./page.js";
+import { other, own, record, say, state } from "./page.js";
 
 /** Text of the file, with which places of sensors can be changed. */
 let text = "", problem = "";
@@ -60,12 +60,15 @@ export function handleRecords(on) {
 
 /** Show the name, the shift and the remarks on the data. */
 export function showRecord() {
-  const { measured } = own(), shown = measured ?? {}, name = shown.name ?? record.name;
+  const { measured } = own(), shown = measured ?? {}, name = shown.name ?? record.name, that = other()?.measured;
+  const begins = (/** @type {any} */ { offset }) => String(+(1e6 * offset).toPrecision(5));
+  // The chains have alignments of their own.
+  const aligned = state.B && shown.aligned && record.shift === null ? [`aligned with chain ${state.active}${that?.aligned ? ` (with ${state.active === "A" ? "B" : "A"}: ${begins(that)} µs)` : ""}`] : [];
   $("record").hidden = !name && !shown.notes;
   $("record-places").hidden = !text || fixed;
   $("record-name").textContent = name;
-  $("shift").placeholder = shown.aligned ? String(+(1e6 * shown.offset).toPrecision(5)) : "0";
+  $("shift").placeholder = shown.aligned ? begins(shown) : "0";
   if (document.activeElement !== $("shift")) $("shift").value = record.shift === null ? "" : String(+(1e6 * record.shift).toPrecision(9));
-  $("record-note").textContent = problem || (shown.notes ?? []).join("; ");
+  $("record-note").textContent = problem || [...aligned, ...(shown.notes ?? [])].join("; ");
   $("record-note").classList.toggle("bad", problem !== "" || shown.aligned === false);
 }

@@ -216,7 +216,7 @@ export class Views {
     const data = measured(own, axis.factor).map((each) => ({ ...each, y: scaled(Array.from(each.y), each.rest) }));
     const message = series.length ? "" : "Click a bead for a sensor, or add a wall.";
     this.force.draw([...series, ...data], { xLabel: axis.label, yLabel: scale === "each" ? "force, relative to the largest of each curve" : inUnit(scale === "change" ? "change from the force at t = 0" : "force", unit), log: scale === "log", message }, `Forces: ${summary([...series, ...data])}`);
-    replace($("legend-force"), [...series.map(({ name, note }) => key(name, note)), ...(data.length ? [key("measured", data.map(({ label }) => label).join("; "))] : [])]);
+    replace($("legend-force"), [...series.map(({ name, note }) => key(name, note)), ...data.map(({ name, label }) => key(name, label))]);
   }
 
   /** Main numbers of both chains, and their ratios. @param {State} state @param {Results} own @param {Results | null} other */
@@ -357,11 +357,11 @@ function forcesOf({ run: { header, arrays } }) {
 }
 
 /** Curves of measured data during the run. @param {Results} own @param {number} factor of times @returns {(Series & {rest: number})[]} */
-function measured({ measured: found, motion }, factor) {
+function measured({ measured: found, motion, run }, factor) {
   const more = found && record.shift !== null ? found.offset - record.shift : 0, end = motion?.times.at(-1) ?? 0;
-  return (found?.curves ?? []).map((/** @type {any} */ { key, label, static: rest }) => {
+  return (found?.curves ?? []).map((/** @type {any} */ { key, label, place, static: rest }) => {
     const x = found.arrays.get(`record.times.${key}`), y = found.arrays.get(`record.${key}`), inside = [...x.keys()].filter((i) => x[i] + more >= 0 && x[i] + more <= end);
-    return { name: "measured", label: `measured ${label}`, x: inside.map((i) => (x[i] + more) * factor), y: inside.map((i) => y[i]), rest };
+    return { name: `measured ${run.header.peaks[place]?.name ?? ""}`, label: `measured ${label}`, x: inside.map((i) => (x[i] + more) * factor), y: inside.map((i) => y[i]), rest };
   });
 }
 

@@ -42,6 +42,15 @@ def test_a_large_gap_in_front_of_the_first_sensor_is_found_but_not_its_size():
     assert places == [f"gap[{k}-{k + 1}]" for k in range(5)]
 
 
+def test_a_gap_of_twice_the_unit_of_the_motion_is_found_in_front_of_the_first_sensor():
+    # From half or five times the unit, rough fits end at another size.
+    result = undiagnosed(traces(gap=8e-6, behind=2))
+    gap = best_of(result, ["gap[1-2]", "gap[2-3]", "gap[3-4]"])
+    assert str(gap.name) == "gap[2-3]"
+    assert gap.size == pytest.approx(8e-6, rel=0.1)
+    assert gap.cost < 0.1 * result.chi2
+
+
 def test_only_a_chain_with_a_wall_has_a_gap_there():
     assert str(gap_names(chain())[-1]) == "right_wall.gap"
     assert str(gap_names(chain().replace(right_wall=None))[-1]) == "gap[14-15]"
